@@ -1,0 +1,517 @@
+//! Connectivity of a triangle mesh, without coordinates.
+
+use alloc::vec::Vec;
+
+/// Marks the missing side of a boundary edge in [`TriangleMesh::edge_triangles`].
+const NONE: u32 = u32::MAX;
+
+/// An oriented, manifold triangle mesh, closed or with boundary: connectivity only.
+///
+/// Validated once, by [`TriangleMesh::new`]; what holds an instance may rely on:
+/// * every index is in range and every triangle has three different vertices;
+/// * every edge belongs to one or two triangles, which run through it in opposite directions;
+/// * the triangles at a vertex form one fan, closed at an interior vertex, open at a boundary one;
+/// * no two triangles have the same three vertices.
+///
+/// Vertices that no triangle uses are allowed and take part in nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TriangleMesh {
+    triangles: Vec<[u32; 3]>,
+    edges: Vec<[u32; 2]>,
+    edge_triangles: Vec<[u32; 2]>,
+    ring_offsets: Vec<u32>,
+    ring_vertices: Vec<u32>,
+    vertex_kinds: Vec<VertexKind>,
+    boundary_edges: u32,
+}
+
+/// Where a vertex lies on its mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum VertexKind {
+    /// Surrounded by triangles.
+    #[default]
+    Interior,
+    /// At the end of a boundary edge.
+    Boundary,
+    /// In no triangle.
+    Isolated,
+}
+
+/// Why triangles do not form a [`TriangleMesh`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// There is no triangle.
+    #[error("the mesh is empty: it has no triangle")]
+    Empty,
+    /// More vertices or triangles than 32-bit indices can name.
+    #[error("{count} {what} are too many: the limit is {limit}")]
+    TooLarge {
+        /// `"vertices"` or `"triangles"`.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// A triangle names a vertex that does not exist.
+    #[error(
+        "triangle {triangle} names vertex {vertex}, but there are {vertices} vertices, numbered from 0"
+    )]
+    VertexOutOfRange {
+        /// The triangle, from 0.
+        triangle: u32,
+        /// The vertex that it names.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A triangle names a vertex twice.
+    #[error("triangle {triangle} names vertex {vertex} twice: three different vertices are needed")]
+    RepeatedVertex {
+        /// The triangle, from 0.
+        triangle: u32,
+        /// The vertex.
+        vertex: u32,
+    },
+    /// Two triangles have the same three vertices.
+    #[error("triangles {first} and {second} have the same three vertices")]
+    DuplicateTriangle {
+        /// The first of them.
+        first: u32,
+        /// The second of them.
+        second: u32,
+    },
+    /// Three or more triangles meet in an edge.
+    #[error(
+        "{triangles} triangles meet in the edge between vertices {} and {}, triangle {triangle} among them: a surface has at most two", edge[0], edge[1]
+    )]
+    NonManifoldEdge {
+        /// The edge's ends.
+        edge: [u32; 2],
+        /// How many triangles meet there.
+        triangles: u32,
+        /// One of them.
+        triangle: u32,
+    },
+    /// Two neighbours run through their common edge in the same direction.
+    #[error(
+        "triangles {} and {} both run from vertex {} to vertex {}: their orientations contradict each other", triangles[0], triangles[1], edge[0], edge[1]
+    )]
+    InconsistentOrientation {
+        /// The edge, in the direction in which both run.
+        edge: [u32; 2],
+        /// The two triangles.
+        triangles: [u32; 2],
+    },
+    /// The triangles at a vertex form more than one fan.
+    #[error(
+        "the triangles at vertex {vertex} form {fans} separate fans (a bow-tie): a surface has one"
+    )]
+    NonManifoldVertex {
+        /// The vertex.
+        vertex: u32,
+        /// How many fans there are.
+        fans: u32,
+    },
+}
+
+/// The half-edges that leave a vertex: `(head, 3 * triangle + corner of the vertex)`, sorted.
+struct HalfEdges {
+    offsets: Vec<u32>,
+    entries: Vec<(u32, u32)>,
+}
+
+impl HalfEdges {
+    fn new(vertices: usize, triangles: &[[u32; 3]]) -> Self {
+        let mut offsets = alloc::vec![0u32; vertices + 1];
+        for triangle in triangles {
+            for &vertex in triangle {
+                offsets[vertex as usize + 1] += 1;
+            }
+        }
+        for v in 0..vertices {
+            offsets[v + 1] += offsets[v];
+        }
+        let mut next = offsets.clone();
+        let mut entries = alloc::vec![(0u32, 0u32); 3 * triangles.len()];
+        for (t, triangle) in triangles.iter().enumerate() {
+            for corner in 0..3 {
+                let slot = &mut next[triangle[corner] as usize];
+                entries[*slot as usize] = (triangle[(corner + 1) % 3], (3 * t + corner) as u32);
+                *slot += 1;
+            }
+        }
+        for v in 0..vertices {
+            entries[offsets[v] as usize..offsets[v + 1] as usize].sort_unstable();
+        }
+        Self { offsets, entries }
+    }
+
+    fn leaving(&self, vertex: u32) -> &[(u32, u32)] {
+        let v = vertex as usize;
+        &self.entries[self.offsets[v] as usize..self.offsets[v + 1] as usize]
+    }
+
+    /// The place of `tail -> head` among the half-edges that leave `tail`.
+    fn find(&self, tail: u32, head: u32) -> Option<usize> {
+        let leaving = self.leaving(tail);
+        if leaving.len() <= 16 {
+            leaving.iter().position(|entry| entry.0 == head)
+        } else {
+            leaving.binary_search_by_key(&head, |entry| entry.0).ok()
+        }
+    }
+
+    fn triangle(&self, tail: u32, head: u32) -> Option<u32> {
+        self.find(tail, head).map(|at| self.leaving(tail)[at].1 / 3)
+    }
+}
+
+impl TriangleMesh {
+    /// Most vertices and most triangles that a mesh may have: three corners a triangle are
+    /// numbered with 32 bits.
+    pub const LIMIT: usize = (u32::MAX / 3) as usize - 1;
+
+    /// The mesh of `triangles` over the vertices 0 … `vertices` − 1, counter-clockwise seen from
+    /// outside.
+    ///
+    /// # Errors
+    /// The first reason found why these triangles are no oriented manifold; see [`MeshError`].
+    pub fn new(vertices: usize, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        for (what, count) in [("vertices", vertices), ("triangles", triangles.len())] {
+            if count > Self::LIMIT {
+                return Err(MeshError::TooLarge {
+                    what,
+                    count,
+                    limit: Self::LIMIT,
+                });
+            }
+        }
+        if triangles.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        for (t, triangle) in triangles.iter().enumerate() {
+            for corner in 0..3 {
+                let vertex = triangle[corner];
+                if vertex as usize >= vertices {
+                    return Err(MeshError::VertexOutOfRange {
+                        triangle: t as u32,
+                        vertex,
+                        vertices,
+                    });
+                }
+                if vertex == triangle[(corner + 1) % 3] {
+                    return Err(MeshError::RepeatedVertex {
+                        triangle: t as u32,
+                        vertex,
+                    });
+                }
+            }
+        }
+        let half_edges = HalfEdges::new(vertices, &triangles);
+        check_half_edges(vertices, &triangles, &half_edges)?;
+
+        let (edges, edge_triangles) = edges(vertices, &triangles, &half_edges);
+        let boundary_edges = edge_triangles
+            .iter()
+            .filter(|sides| sides[1] == NONE)
+            .count() as u32;
+        let (ring_offsets, ring_vertices, vertex_kinds) = rings(vertices, &triangles, &half_edges)?;
+        Ok(Self {
+            triangles,
+            edges,
+            edge_triangles,
+            ring_offsets,
+            ring_vertices,
+            vertex_kinds,
+            boundary_edges,
+        })
+    }
+
+    /// Number of vertices, isolated ones included.
+    #[inline]
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_kinds.len()
+    }
+
+    /// The triangles, as they were given.
+    #[inline]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The edges `[a, b]`, each once, in the direction in which its first triangle runs.
+    #[inline]
+    pub fn edges(&self) -> &[[u32; 2]] {
+        &self.edges
+    }
+
+    /// The triangle left of edge `[a, b]` (which runs from a to b) and the one right of it, `None`
+    /// at the boundary.
+    ///
+    /// # Panics
+    /// If there is no such edge.
+    #[inline]
+    pub fn edge_triangles(&self, edge: usize) -> (u32, Option<u32>) {
+        let [left, right] = self.edge_triangles[edge];
+        (left, (right != NONE).then_some(right))
+    }
+
+    /// The neighbours of a vertex, counter-clockwise seen from outside; at a boundary vertex from
+    /// one boundary edge to the other.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    #[inline]
+    pub fn one_ring(&self, vertex: usize) -> &[u32] {
+        &self.ring_vertices
+            [self.ring_offsets[vertex] as usize..self.ring_offsets[vertex + 1] as usize]
+    }
+
+    /// Where each one-ring starts in the list of all of them, with the list's length at the end:
+    /// the row offsets of a matrix with an entry for each vertex and neighbour.
+    #[inline]
+    pub fn ring_offsets(&self) -> &[u32] {
+        &self.ring_offsets
+    }
+
+    /// All one-rings, one after the other.
+    #[inline]
+    pub fn ring_vertices(&self) -> &[u32] {
+        &self.ring_vertices
+    }
+
+    /// Number of neighbours of a vertex.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    #[inline]
+    pub fn valence(&self, vertex: usize) -> usize {
+        self.one_ring(vertex).len()
+    }
+
+    /// Whether a vertex is inside, at the boundary, or in no triangle.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    #[inline]
+    pub fn vertex_kind(&self, vertex: usize) -> VertexKind {
+        self.vertex_kinds[vertex]
+    }
+
+    /// What [`Self::vertex_kind`] says, for all vertices.
+    #[inline]
+    pub fn vertex_kinds(&self) -> &[VertexKind] {
+        &self.vertex_kinds
+    }
+
+    /// Number of edges with one triangle only.
+    #[inline]
+    pub fn boundary_edge_count(&self) -> usize {
+        self.boundary_edges as usize
+    }
+
+    /// Whether every edge has two triangles.
+    #[inline]
+    pub fn is_closed(&self) -> bool {
+        self.boundary_edges == 0
+    }
+
+    /// χ = V − E + F, over the vertices that are in a triangle; 2(1 − genus) for one closed
+    /// component.
+    pub fn euler_characteristic(&self) -> i64 {
+        let used = self
+            .vertex_kinds
+            .iter()
+            .filter(|&&kind| kind != VertexKind::Isolated)
+            .count();
+        used as i64 - self.edges.len() as i64 + self.triangles.len() as i64
+    }
+
+    /// The connected component of each vertex, numbered from 0 by the lowest vertex in it, and the
+    /// number of components. An isolated vertex is a component of its own.
+    pub fn components(&self) -> (Vec<u32>, usize) {
+        let mut component = alloc::vec![NONE; self.vertex_count()];
+        let mut front = Vec::new();
+        let mut count = 0;
+        for start in 0..self.vertex_count() {
+            if component[start] != NONE {
+                continue;
+            }
+            component[start] = count;
+            front.push(start as u32);
+            while let Some(vertex) = front.pop() {
+                for &neighbour in self.one_ring(vertex as usize) {
+                    if component[neighbour as usize] == NONE {
+                        component[neighbour as usize] = count;
+                        front.push(neighbour);
+                    }
+                }
+            }
+            count += 1;
+        }
+        (component, count as usize)
+    }
+}
+
+/// Every directed edge once, and no triangle on top of another.
+fn check_half_edges(
+    vertices: usize,
+    triangles: &[[u32; 3]],
+    half_edges: &HalfEdges,
+) -> Result<(), MeshError> {
+    let sorted = |t: u32| {
+        let mut triangle = triangles[t as usize];
+        triangle.sort_unstable();
+        triangle
+    };
+    for tail in 0..vertices as u32 {
+        let leaving = half_edges.leaving(tail);
+        for pair in leaving.windows(2) {
+            let head = pair[0].0;
+            if head != pair[1].0 {
+                continue;
+            }
+            let (first, second) = (pair[0].1 / 3, pair[1].1 / 3);
+            if sorted(first) == sorted(second) {
+                return Err(MeshError::DuplicateTriangle { first, second });
+            }
+            let meeting = [(tail, head), (head, tail)]
+                .iter()
+                .map(|&(a, b)| {
+                    half_edges
+                        .leaving(a)
+                        .iter()
+                        .filter(|entry| entry.0 == b)
+                        .count()
+                })
+                .sum::<usize>() as u32;
+            return Err(if meeting > 2 {
+                MeshError::NonManifoldEdge {
+                    edge: [tail, head],
+                    triangles: meeting,
+                    triangle: second,
+                }
+            } else {
+                MeshError::InconsistentOrientation {
+                    edge: [tail, head],
+                    triangles: [first, second],
+                }
+            });
+        }
+        for &(head, corner) in leaving {
+            let third = triangles[corner as usize / 3][(corner as usize + 2) % 3];
+            if tail < head
+                && let Some(other) = half_edges.triangle(head, tail)
+                && triangles[other as usize].contains(&third)
+            {
+                let first = corner / 3;
+                return Err(MeshError::DuplicateTriangle {
+                    first: first.min(other),
+                    second: first.max(other),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn edges(
+    vertices: usize,
+    triangles: &[[u32; 3]],
+    half_edges: &HalfEdges,
+) -> (Vec<[u32; 2]>, Vec<[u32; 2]>) {
+    let mut edges = Vec::with_capacity(3 * triangles.len() / 2);
+    let mut sides = Vec::with_capacity(3 * triangles.len() / 2);
+    for tail in 0..vertices as u32 {
+        for &(head, corner) in half_edges.leaving(tail) {
+            let right = half_edges.triangle(head, tail);
+            if tail < head || right.is_none() {
+                edges.push([tail, head]);
+                sides.push([corner / 3, right.unwrap_or(NONE)]);
+            }
+        }
+    }
+    (edges, sides)
+}
+
+/// One-rings in counter-clockwise order, and what kind of vertex each is.
+#[expect(
+    clippy::type_complexity,
+    reason = "three columns of one table, taken apart at once"
+)]
+fn rings(
+    vertices: usize,
+    triangles: &[[u32; 3]],
+    half_edges: &HalfEdges,
+) -> Result<(Vec<u32>, Vec<u32>, Vec<VertexKind>), MeshError> {
+    let mut offsets = Vec::with_capacity(vertices + 1);
+    let mut ring = Vec::with_capacity(3 * triangles.len() + vertices / 4);
+    let mut kinds = Vec::with_capacity(vertices);
+    offsets.push(0);
+    for vertex in 0..vertices as u32 {
+        let leaving = half_edges.leaving(vertex);
+        // A fan's first half-edge at the boundary is the one that nobody runs back along.
+        let mut open_fans = 0;
+        let mut start = 0;
+        for (at, &(head, _)) in leaving.iter().enumerate().rev() {
+            if half_edges.find(head, vertex).is_none() {
+                open_fans += 1;
+                start = at;
+            }
+        }
+        let first = ring.len();
+        let mut at = start;
+        for _ in 0..leaving.len() {
+            let (head, corner) = leaving[at];
+            ring.push(head);
+            let third = triangles[corner as usize / 3][(corner as usize + 2) % 3];
+            match half_edges.find(vertex, third) {
+                Some(next) if next != start => at = next,
+                Some(_) => break,
+                None => {
+                    ring.push(third);
+                    break;
+                }
+            }
+        }
+        let reached = ring.len() - first - usize::from(open_fans > 0);
+        if reached < leaving.len() {
+            let fans = count_fans(vertex, triangles, half_edges);
+            return Err(MeshError::NonManifoldVertex { vertex, fans });
+        }
+        kinds.push(match (leaving.len(), open_fans) {
+            (0, _) => VertexKind::Isolated,
+            (_, 0) => VertexKind::Interior,
+            _ => VertexKind::Boundary,
+        });
+        offsets.push(ring.len() as u32);
+    }
+    Ok((offsets, ring, kinds))
+}
+
+fn count_fans(vertex: u32, triangles: &[[u32; 3]], half_edges: &HalfEdges) -> u32 {
+    let leaving = half_edges.leaving(vertex);
+    let mut fan = Vec::from_iter(0..leaving.len());
+    // Each half-edge and its successor are in one fan: merge until nothing changes.
+    loop {
+        let mut changed = false;
+        for at in 0..leaving.len() {
+            let corner = leaving[at].1 as usize;
+            if let Some(next) = half_edges.find(vertex, triangles[corner / 3][(corner + 2) % 3]) {
+                let lowest = fan[at].min(fan[next]);
+                changed |= fan[at] != lowest || fan[next] != lowest;
+                fan[at] = lowest;
+                fan[next] = lowest;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    fan.iter()
+        .enumerate()
+        .filter(|&(at, &lowest)| at == lowest)
+        .count() as u32
+}

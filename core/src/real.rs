@@ -1,0 +1,30 @@
+//! The scalar.
+
+use core::fmt::Debug;
+use core::iter::Sum;
+use num_traits::{Float, FloatConst, FromPrimitive, NumAssign};
+
+/// A real number: `f32`, `f64`, and every other type with the same num-traits bounds.
+///
+/// The implementation is a blanket one, so that dual numbers (exact derivatives in tests) and
+/// extended precisions run through the same formulas as `f32` and `f64`.
+pub trait Real:
+    Float + FloatConst + FromPrimitive + NumAssign + Sum + Debug + Default + 'static
+{
+    /// The constant `value`, rounded to this type.
+    ///
+    /// # Panics
+    /// Only for a foreign number type whose `FromPrimitive` refuses a finite `f64`.
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        match Self::from_f64(value) {
+            Some(constant) => constant,
+            None => panic!("this number type cannot represent the constant {value}"),
+        }
+    }
+}
+
+impl<T> Real for T where
+    T: Float + FloatConst + FromPrimitive + NumAssign + Sum + Debug + Default + 'static
+{
+}

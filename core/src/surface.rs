@@ -1,0 +1,1 @@
+//! A mesh with positions.

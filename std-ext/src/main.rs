@@ -1,0 +1,2 @@
+//! The `helfrich` program.
+fn main() {}
