@@ -9,7 +9,7 @@ use num_traits::{Float, FloatConst, FromPrimitive, NumAssign};
 /// The implementation is a blanket one, so that dual numbers (exact derivatives in tests) and
 /// extended precisions run through the same formulas as `f32` and `f64`.
 pub trait Real:
-    Float + FloatConst + FromPrimitive + NumAssign + Sum + Debug + Default + 'static
+    Float + FloatConst + FromPrimitive + NumAssign + Sum + Debug + Default + Send + Sync + 'static
 {
     /// The constant `value`, rounded to this type.
     ///
@@ -25,6 +25,15 @@ pub trait Real:
 }
 
 impl<T> Real for T where
-    T: Float + FloatConst + FromPrimitive + NumAssign + Sum + Debug + Default + 'static
+    T: Float
+        + FloatConst
+        + FromPrimitive
+        + NumAssign
+        + Sum
+        + Debug
+        + Default
+        + Send
+        + Sync
+        + 'static
 {
 }

@@ -1,1 +1,187 @@
 //! A mesh with positions.
+
+use crate::energy::Finding;
+use crate::mesh::TriangleMesh;
+use crate::points::Points;
+use crate::real::Real;
+use crate::reduction;
+use crate::triangle::Triangle;
+use crate::vec3::{self, Vec3};
+
+/// A [`TriangleMesh`] with a position for each of its vertices: a view that is copied freely.
+///
+/// Formulas read positions through [`Surface::difference`] alone, so that nothing ever depends on
+/// where the surface lies.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<'a, T> {
+    mesh: &'a TriangleMesh,
+    positions: &'a [[T; 3]],
+}
+
+/// Why points do not fit a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// Each vertex needs one position.
+    #[error("{positions} positions were given for a mesh of {vertices} vertices")]
+    CountMismatch {
+        /// How many positions there are.
+        positions: usize,
+        /// How many there should be.
+        vertices: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error(
+        "coordinate {} of vertex {vertex} is not a finite number",
+        ["x", "y", "z"][*axis]
+    )]
+    NotFinite {
+        /// The vertex.
+        vertex: usize,
+        /// 0, 1 or 2.
+        axis: usize,
+    },
+}
+
+impl<'a, T: Real> Surface<'a, T> {
+    /// The surface with `points` at the vertices of `mesh`.
+    ///
+    /// # Errors
+    /// If the numbers of points and vertices differ, or a coordinate is not finite.
+    pub fn new<P>(mesh: &'a TriangleMesh, points: &'a P) -> Result<Self, SurfaceError>
+    where
+        P: Points<Scalar = T> + ?Sized,
+    {
+        let positions = points.coordinates();
+        if positions.len() != mesh.vertex_count() {
+            return Err(SurfaceError::CountMismatch {
+                positions: positions.len(),
+                vertices: mesh.vertex_count(),
+            });
+        }
+        for (vertex, position) in positions.iter().enumerate() {
+            if let Some(axis) = position.iter().position(|x| !x.is_finite()) {
+                return Err(SurfaceError::NotFinite { vertex, axis });
+            }
+        }
+        Ok(Self { mesh, positions })
+    }
+
+    /// The connectivity.
+    #[inline]
+    pub fn mesh(&self) -> &'a TriangleMesh {
+        self.mesh
+    }
+
+    /// The positions, for output; formulas use [`Self::difference`].
+    #[inline]
+    pub fn positions(&self) -> &'a [[T; 3]] {
+        self.positions
+    }
+
+    /// x_to − x_from.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    #[inline(always)]
+    pub fn difference(&self, from: u32, to: u32) -> [T; 3] {
+        vec3::sub(self.positions[to as usize], self.positions[from as usize])
+    }
+
+    #[inline(always)]
+    fn triangle(&self, triangle: usize) -> Triangle<T> {
+        let [a, b, c] = self.mesh.triangles()[triangle];
+        Triangle::new([
+            self.difference(b, c),
+            self.difference(c, a),
+            self.difference(a, b),
+        ])
+    }
+
+    /// Area of a triangle.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn triangle_area(&self, triangle: usize) -> T {
+        T::constant(0.5) * self.triangle(triangle).doubled_area
+    }
+
+    /// Outward unit normal of a triangle; 0 for one without area.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn triangle_normal(&self, triangle: usize) -> [T; 3] {
+        self.triangle(triangle).normal()
+    }
+
+    /// Angles at the three corners of a triangle, in radians.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn triangle_angles(&self, triangle: usize) -> [T; 3] {
+        self.triangle(triangle).angles()
+    }
+
+    /// Total area.
+    pub fn area(&self) -> T {
+        reduction::sum(self.mesh.triangles().len(), &|t| self.triangle_area(t))
+    }
+
+    /// Enclosed volume, positive if the triangles run counter-clockwise seen from outside; `None`
+    /// if the mesh has a boundary.
+    pub fn volume(&self) -> Option<T> {
+        self.mesh.is_closed().then(|| {
+            let sixfold = reduction::sum(self.mesh.triangles().len(), &|t| self.sixfold_volume(t));
+            sixfold / T::constant(6.0)
+        })
+    }
+
+    /// Six times the signed volume between a triangle and the first triangle's first vertex.
+    fn sixfold_volume(&self, triangle: usize) -> T {
+        let [a, b, c] = self.mesh.triangles()[triangle];
+        let origin = self.mesh.triangles()[0][0];
+        let apex = self.difference(origin, a);
+        vec3::dot(
+            apex,
+            vec3::cross(self.difference(a, b), self.difference(a, c)),
+        )
+    }
+
+    /// Centre of the area: ∫ x dS / ∫ dS; the first triangle's first vertex if there is no area.
+    pub fn centroid(&self) -> [T; 3] {
+        let origin = self.mesh.triangles()[0][0];
+        let triangles = self.mesh.triangles().len();
+        let thrice_area = T::constant(3.0) * self.area();
+        let over = if thrice_area > T::zero() {
+            thrice_area.recip()
+        } else {
+            T::zero()
+        };
+        let moment = |axis: usize| {
+            reduction::sum(triangles, &|t| {
+                let corners = self.mesh.triangles()[t];
+                let offset = |v: u32| self.difference(origin, v)[axis];
+                let sum = offset(corners[0]) + offset(corners[1]) + offset(corners[2]);
+                self.triangle_area(t) * sum
+            })
+        };
+        let offset: Vec3<T> = [moment(0), moment(1), moment(2)];
+        vec3::add(self.positions[origin as usize], vec3::scale(over, offset))
+    }
+
+    /// Reports every triangle without area.
+    pub(crate) fn report_degenerate_triangles(&self, report: &mut dyn FnMut(Finding)) {
+        for triangle in 0..self.mesh.triangles().len() {
+            if self.triangle(triangle).reciprocal == T::zero() {
+                report(Finding::DegenerateTriangle {
+                    triangle: triangle as u32,
+                });
+            }
+        }
+    }
+
+    /// V − E + F: see [`TriangleMesh::euler_characteristic`].
+    pub fn euler_characteristic(&self) -> i64 {
+        self.mesh.euler_characteristic()
+    }
+}

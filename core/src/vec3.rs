@@ -5,11 +5,6 @@ use crate::lane::Lane;
 pub(crate) type Vec3<L> = [L; 3];
 
 #[inline(always)]
-pub(crate) fn zero<L: Lane>() -> Vec3<L> {
-    [L::zero(); 3]
-}
-
-#[inline(always)]
 pub(crate) fn add<L: Lane>(a: Vec3<L>, b: Vec3<L>) -> Vec3<L> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }

@@ -1,0 +1,311 @@
+//! Method B: squared cotangent Laplacian.
+//!
+//! G. Gompper and D. M. Kroll, J. Phys. I France 6 (1996) 1305; the choice of areas after
+//! C. Itzykson, in: Random Surfaces and Quantum Gravity (1986). The gradient is our own.
+
+use crate::element::{Corners, ElementKernel, Execution};
+use crate::energy::{Conservative, Energy, Finding, Force, Method, report_area};
+use crate::lane::Lane;
+use crate::mesh::{TriangleMesh, VertexKind};
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::triangle::{DualArea, Triangle};
+use crate::vec3::{add, cross, dot, neg, scale, sub};
+use alloc::vec::Vec;
+
+/// `E = (κ/2) Σ_i |L_i|² / A_i` with `L_i = ½ Σ_j (cot α + cot β)(x_i − x_j) = ∂A/∂x_i`, and the
+/// exact gradient of this energy, the change of the areas included.
+///
+/// The sum runs over interior vertices; all vertices feel forces. Where `A_i = 0` the vertex is
+/// left out, and reported by [`Method::inspect`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GompperKroll<T> {
+    /// Bending modulus κ, in units of energy.
+    pub modulus: T,
+    /// The areas A_i. With `Voronoi`, the method as published, the energy is unbounded below where
+    /// obtuse triangles make an area negative; `Mixed` areas are positive and the choice for
+    /// dynamics; with `Barycentric` ones forces do not converge, even on a sphere.
+    pub area: DualArea,
+}
+
+impl<T: Real> GompperKroll<T> {
+    /// The method as published: signed Voronoi areas.
+    pub fn new(modulus: T) -> Self {
+        Self {
+            modulus,
+            area: DualArea::Voronoi,
+        }
+    }
+
+    /// With areas that stay positive on every mesh.
+    pub fn with_mixed_areas(modulus: T) -> Self {
+        Self {
+            modulus,
+            area: DualArea::Mixed,
+        }
+    }
+
+    /// Sets `mean` to `H_i = L_i·n_i / (2 A_i)` at every vertex, for any unit vectors n_i; 0 at
+    /// vertices that are not interior or have no area.
+    ///
+    /// # Panics
+    /// If `normals` or `mean` have fewer entries than the surface has vertices.
+    pub fn mean_curvature(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GompperKrollMemory<T>,
+        normals: &[[T; 3]],
+        mean: &mut [T],
+    ) {
+        self.measure(execution, surface, memory);
+        let half = T::constant(0.5);
+        let curvature = &memory.curvature;
+        execution.map(&mut mean[..curvature.len()], |vertex, mean| {
+            let [x, y, z, _] = curvature[vertex];
+            *mean = half * dot([x, y, z], normals[vertex]);
+        });
+    }
+
+    /// First pass: L_i and A_i, then `(L_i/A_i, A_i)` in their place.
+    fn measure(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GompperKrollMemory<T>,
+    ) {
+        let mesh = surface.mesh();
+        memory.curvature.clear();
+        memory.curvature.resize(mesh.vertex_count(), [T::zero(); 4]);
+        let kernel = AreaGradient { area: self.area };
+        execution.scatter(
+            &kernel,
+            surface,
+            mesh.triangles(),
+            &[],
+            &mut memory.curvature,
+        );
+        execution.map(&mut memory.curvature, |vertex, sum| {
+            let [x, y, z, area] = *sum;
+            let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
+            let over = if interior {
+                Lane::reciprocal_or_zero(area)
+            } else {
+                T::zero()
+            };
+            *sum = [x * over, y * over, z * over, area];
+        });
+    }
+
+    fn energy_of(&self, execution: &impl Execution, memory: &GompperKrollMemory<T>) -> T {
+        let curvature = &memory.curvature;
+        let sum = execution.sum(curvature.len(), |vertex| {
+            let [x, y, z, area] = curvature[vertex];
+            dot([x, y, z], [x, y, z]) * area
+        });
+        T::constant(0.5) * self.modulus * sum
+    }
+
+    /// Second pass: the gradient, from the curvature vectors of the first.
+    fn add_gradient(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GompperKrollMemory<T>,
+        force: &mut [[T; 3]],
+    ) {
+        let half = T::constant(0.5);
+        let GompperKrollMemory { curvature, weights } = memory;
+        weights.resize(curvature.len(), [T::zero(); 4]);
+        execution.map(weights, |vertex, weight| {
+            let [x, y, z, _] = curvature[vertex];
+            let squared = dot([x, y, z], [x, y, z]);
+            *weight = [x, y, z, half * squared].map(|entry| self.modulus * entry);
+        });
+        let kernel = EnergyGradient { area: self.area };
+        execution.scatter(&kernel, surface, surface.mesh().triangles(), weights, force);
+    }
+}
+
+/// Memory of [`GompperKroll`].
+#[derive(Clone, Debug, Default)]
+pub struct GompperKrollMemory<T> {
+    /// The curvature vector L/A = 2 H n, and the area A.
+    curvature: Vec<[T; 4]>,
+    /// w = κ L/A, and s = κ |L|² / (2 A²).
+    weights: Vec<[T; 4]>,
+}
+
+struct AreaGradient {
+    area: DualArea,
+}
+
+impl<T: Real> ElementKernel<T, 3, 0, 4> for AreaGradient {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        _first: usize,
+        corners: &Corners<L, 3>,
+        _input: &[[L; 0]; 3],
+    ) -> [[L; 4]; 3] {
+        let triangle = corners.triangle();
+        let cotangents = triangle.cotangents();
+        let areas = triangle.dual_areas(self.area, cotangents, triangle.squared_lengths());
+        // The same cotangents in L and in A: on a sphere L·x/R = 2A/R then holds to rounding
+        // however ill-conditioned they are.
+        let gradient = triangle.area_gradient(cotangents);
+        core::array::from_fn(|k| [gradient[k][0], gradient[k][1], gradient[k][2], areas[k]])
+    }
+}
+
+struct EnergyGradient {
+    area: DualArea,
+}
+
+impl<T: Real> ElementKernel<T, 3, 4, 3> for EnergyGradient {
+    /// One triangle's part of `−Σ_i w_i·∂L_i + Σ_i s_i ∂A_i`.
+    ///
+    /// With `n = e_1 × e_2`, unit normal n̂ and `Σ_i w_i·L_i = ½ n̂·m`, `m = Σ_i e_i × w_i`, the first
+    /// term is `(p × e_a) + ½ (w_b − w_c) × n̂`, `p = (m − (n̂·m) n̂)/(2|n|)`. The areas are
+    /// `Σ s_i A_i = Σ_k t_k l_k² d_k / |n| + σ |n|/2` with d_k the scalar product at corner k,
+    /// `t_k = (s_i + s_j)/8` in the Voronoi part and σ what whole-triangle shares amount to.
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        _first: usize,
+        corners: &Corners<L, 3>,
+        input: &[[L; 4]; 3],
+    ) -> [[L; 3]; 3] {
+        let triangle = corners.triangle();
+        let [e0, e1, e2] = triangle.edges;
+        let over = triangle.reciprocal;
+        let normal = triangle.normal();
+        let half = L::literal(0.5);
+
+        // w nearly constant over a triangle and Σe = 0: differences first.
+        let w = |k: usize| [input[k][0], input[k][1], input[k][2]];
+        let (w1, w2) = (sub(w(1), w(0)), sub(w(2), w(0)));
+        let m = add(cross(e1, w1), cross(e2, w2));
+        let tangential = sub(m, scale(dot(normal, m), normal));
+
+        let s: [L; 3] = core::array::from_fn(|k| input[k][3]);
+        let (t, shares) = area_weights(self.area, &triangle, s);
+        let lengths = triangle.squared_lengths();
+        let tl: [L; 3] = core::array::from_fn(|k| t[k] * lengths[k]);
+        let voronoi =
+            tl[0] * triangle.dots[0] + tl[1] * triangle.dots[1] + tl[2] * triangle.dots[2];
+        let along_normal = voronoi * over * over - half * shares;
+        let p = add(scale(half * over, tangential), scale(along_normal, normal));
+
+        let from_voronoi = |k: usize, e: [[L; 3]; 3]| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let own = scale((t[k] + t[k]) * triangle.dots[k], e[k]);
+            sub(own, add(scale(tl[i], e[j]), scale(tl[j], e[i])))
+        };
+        let edges = triangle.edges;
+        let q0 = neg(scale(over, from_voronoi(0, edges)));
+        let q1 = sub(
+            scale(half, cross(w1, normal)),
+            scale(over, from_voronoi(1, edges)),
+        );
+        let q2 = sub(
+            scale(half, cross(w2, normal)),
+            scale(over, from_voronoi(2, edges)),
+        );
+
+        let first = add(cross(p, e0), sub(q1, q2));
+        let second = add(cross(p, e1), sub(q2, q0));
+        // The three parts sum to zero: no net force, to the last bit.
+        [neg(first), neg(second), add(first, second)]
+    }
+}
+
+/// The weights t_k of the Voronoi part and σ of the triangle's area in `Σ s_i A_i`.
+#[inline(always)]
+fn area_weights<L: Lane>(kind: DualArea, triangle: &Triangle<L>, s: [L; 3]) -> ([L; 3], L) {
+    let eighth = L::literal(0.125);
+    let voronoi = [
+        eighth * (s[1] + s[2]),
+        eighth * (s[2] + s[0]),
+        eighth * (s[0] + s[1]),
+    ];
+    match kind {
+        DualArea::Voronoi => (voronoi, L::zero()),
+        DualArea::Barycentric => ([L::zero(); 3], (s[0] + s[1] + s[2]) * L::literal(1.0 / 3.0)),
+        DualArea::Mixed => {
+            let obtuse = triangle.obtuse();
+            let quarter = L::literal(0.25);
+            let at_corner = |k: usize| L::select(obtuse[k], s[k], L::zero()) * quarter;
+            let whole = quarter * (s[0] + s[1] + s[2]) + at_corner(0) + at_corner(1) + at_corner(2);
+            let any = triangle.any_obtuse();
+            (
+                voronoi.map(|t| L::select(any, L::zero(), t)),
+                L::select(any, whole, L::zero()),
+            )
+        }
+    }
+}
+
+impl<T: Real> Method<T> for GompperKroll<T> {
+    type Plan = ();
+    type Memory = GompperKrollMemory<T>;
+
+    fn plan(&self, _mesh: &TriangleMesh) {}
+
+    fn inspect(
+        &self,
+        (): &(),
+        surface: Surface<'_, T>,
+        memory: &GompperKrollMemory<T>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        surface.report_degenerate_triangles(report);
+        for (vertex, &[.., area]) in memory.curvature.iter().enumerate() {
+            if surface.mesh().vertex_kind(vertex) == VertexKind::Interior {
+                report_area(vertex, area, report);
+            }
+        }
+    }
+}
+
+impl<T: Real> Energy<T> for GompperKroll<T> {
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        (): &(),
+        surface: Surface<'_, T>,
+        memory: &mut GompperKrollMemory<T>,
+    ) -> T {
+        self.measure(execution, surface, memory);
+        self.energy_of(execution, memory)
+    }
+}
+
+impl<T: Real> Force<T> for GompperKroll<T> {
+    fn add_force(
+        &self,
+        execution: &impl Execution,
+        (): &(),
+        surface: Surface<'_, T>,
+        memory: &mut GompperKrollMemory<T>,
+        force: &mut [[T; 3]],
+    ) {
+        self.measure(execution, surface, memory);
+        self.add_gradient(execution, surface, memory, force);
+    }
+}
+
+impl<T: Real> Conservative<T> for GompperKroll<T> {
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        (): &(),
+        surface: Surface<'_, T>,
+        memory: &mut GompperKrollMemory<T>,
+        force: &mut [[T; 3]],
+    ) -> T {
+        self.measure(execution, surface, memory);
+        self.add_gradient(execution, surface, memory, force);
+        self.energy_of(execution, memory)
+    }
+}

@@ -1,0 +1,146 @@
+//! Formulas of one mesh element, and the loops that run them.
+//!
+//! An *element* is a small group of vertices: the three of a triangle, the four of a hinge. A
+//! kernel says what an element gives to each of its corners; a loop runs it over all elements and
+//! adds the gifts up at the vertices, in the order of the elements. The serial loop is
+//! [`Serial`]; other loops (wider lanes, several threads) implement [`Execution`] and change no
+//! formula.
+
+use crate::lane::Lane;
+use crate::real::Real;
+use crate::reduction;
+use crate::surface::Surface;
+use crate::triangle::Triangle;
+use crate::vec3;
+
+/// The corners of an element, or of [`Lane::WIDTH`] consecutive ones: only differences of their
+/// positions can be had.
+#[derive(Clone, Copy, Debug)]
+pub struct Corners<L, const CORNERS: usize> {
+    positions: [[L; 3]; CORNERS],
+}
+
+impl<L: Lane, const CORNERS: usize> Corners<L, CORNERS> {
+    /// The corners of the elements `elements[0]`, `elements[1]`, … of a surface, one a lane entry.
+    ///
+    /// # Panics
+    /// If there are fewer elements than the lane has entries, or a vertex does not exist.
+    #[inline(always)]
+    pub fn gather(surface: Surface<'_, L::Scalar>, elements: &[[u32; CORNERS]]) -> Self {
+        let positions = surface.positions();
+        Self {
+            positions: core::array::from_fn(|corner| {
+                core::array::from_fn(|axis| {
+                    L::from_fn(|k| positions[elements[k][corner] as usize][axis])
+                })
+            }),
+        }
+    }
+
+    /// x_to − x_from, corners counted from 0.
+    #[inline(always)]
+    pub fn difference(&self, from: usize, to: usize) -> [L; 3] {
+        vec3::sub(self.positions[to], self.positions[from])
+    }
+}
+
+impl<L: Lane> Corners<L, 3> {
+    #[inline(always)]
+    pub(crate) fn triangle(&self) -> Triangle<L> {
+        Triangle::new([
+            self.difference(1, 2),
+            self.difference(2, 0),
+            self.difference(0, 1),
+        ])
+    }
+}
+
+/// A formula of one element.
+///
+/// Laws: the result depends on differences of positions only; there is no branch that depends on
+/// the lane's entries, so that every width computes the same.
+pub trait ElementKernel<T: Real, const CORNERS: usize, const IN: usize, const OUT: usize>:
+    Sync
+{
+    /// What the elements `first`, `first + 1`, … (one a lane entry) give to each of their corners,
+    /// from the corners' positions and `IN` numbers known at each.
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        first: usize,
+        corners: &Corners<L, CORNERS>,
+        input: &[[L; IN]; CORNERS],
+    ) -> [[L; OUT]; CORNERS];
+}
+
+/// Loops over elements and vertices.
+///
+/// Laws: every loop does what its documentation says, whatever the order in which it does it; sums
+/// are grouped by the number of terms alone, so that results do not depend on how work is divided.
+pub trait Execution {
+    /// Adds to each vertex's `output` what `kernel` gives it for every element around it, in the
+    /// order of the elements. `input` has an entry for each vertex, or none if `IN` is 0.
+    ///
+    /// # Panics
+    /// If an element names a vertex without position, input or output.
+    fn scatter<T, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
+        &self,
+        kernel: &K,
+        surface: Surface<'_, T>,
+        elements: &[[u32; CORNERS]],
+        input: &[[T; IN]],
+        output: &mut [[T; OUT]],
+    ) where
+        T: Real,
+        K: ElementKernel<T, CORNERS, IN, OUT>;
+
+    /// Calls `set(k, &mut output[k])` once for every k.
+    fn map<O: Send>(&self, output: &mut [O], set: impl Fn(usize, &mut O) + Sync);
+
+    /// Σ `term(k)` for k in 0 … `count` − 1.
+    fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T;
+}
+
+/// One element after the other, on one thread.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Serial;
+
+impl Execution for Serial {
+    #[inline]
+    fn scatter<T, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
+        &self,
+        kernel: &K,
+        surface: Surface<'_, T>,
+        elements: &[[u32; CORNERS]],
+        input: &[[T; IN]],
+        output: &mut [[T; OUT]],
+    ) where
+        T: Real,
+        K: ElementKernel<T, CORNERS, IN, OUT>,
+    {
+        for (first, element) in elements.iter().enumerate() {
+            let corners = Corners::<T, CORNERS>::gather(surface, core::slice::from_ref(element));
+            let values = core::array::from_fn(|corner| {
+                core::array::from_fn(|k| input[element[corner] as usize][k])
+            });
+            let gifts = kernel.evaluate::<T>(first, &corners, &values);
+            for (&vertex, gift) in element.iter().zip(gifts) {
+                let sum = &mut output[vertex as usize];
+                for k in 0..OUT {
+                    sum[k] += gift[k];
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn map<O: Send>(&self, output: &mut [O], set: impl Fn(usize, &mut O) + Sync) {
+        for (k, entry) in output.iter_mut().enumerate() {
+            set(k, entry);
+        }
+    }
+
+    #[inline]
+    fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T {
+        reduction::sum(count, &term)
+    }
+}

@@ -1,0 +1,200 @@
+//! Laplace–Beltrami operators and the curvatures that come with them.
+//!
+//! Sign: `Δ_S = div_S grad_S`, negative semi-definite; on a sphere `Δ_S x = −2 H n` with `H > 0`.
+
+mod cotangent;
+
+pub use cotangent::{Cotangent, CotangentMemory};
+
+use crate::element::Execution;
+use crate::energy::Method;
+use crate::mesh::VertexKind;
+use crate::real::Real;
+use crate::surface::Surface;
+use alloc::vec::Vec;
+
+/// A discrete Laplace–Beltrami operator: pointwise values, 1/length² times the field's unit.
+///
+/// Laws: a constant field gives exactly zero; curvatures and results follow rotations,
+/// translations and relabellings; curvatures scale as 1/length (H) and 1/length² (K).
+/// Each operator says whether it is symmetric in the inner product of its areas.
+pub trait LaplaceBeltrami<T: Real>: Method<T> {
+    /// Measures the surface: sets `curvature`, one entry a vertex, and leaves in `memory` what
+    /// [`Self::apply`] and [`Self::assemble`] need for this surface.
+    ///
+    /// # Panics
+    /// If `curvature` has fewer entries than the surface has vertices.
+    fn measure(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut Self::Memory,
+        curvature: &mut [Curvature<T>],
+    );
+
+    /// Sets `laplacian` to `Δ_S field`, for a field of D numbers a vertex, on the surface that was
+    /// measured last.
+    ///
+    /// # Panics
+    /// If `field` or `laplacian` have fewer entries than the surface has vertices, or `memory`
+    /// comes from another mesh.
+    fn apply<const D: usize>(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &Self::Memory,
+        field: &[[T; D]],
+        laplacian: &mut [[T; D]],
+    );
+
+    /// Sets `laplacian` to `Δ_S field`, for a scalar field.
+    ///
+    /// # Panics
+    /// As [`Self::apply`].
+    fn apply_to_scalar(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &Self::Memory,
+        field: &[T],
+        laplacian: &mut [T],
+    ) {
+        let (field, laplacian) = (field.as_chunks().0, laplacian.as_chunks_mut().0);
+        self.apply::<1>(execution, plan, surface, memory, field, laplacian);
+    }
+
+    /// Fills `rows` with the operator of the surface that was measured last. What `rows` held is
+    /// overwritten; its memory is reused, and its pattern too if that has not changed.
+    ///
+    /// # Panics
+    /// If `memory` comes from another mesh.
+    fn assemble(
+        &self,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &Self::Memory,
+        rows: &mut Rows<T>,
+    );
+}
+
+/// What is known of a surface at one vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Curvature<T> {
+    /// Outward unit normal n; 0 at a vertex without any.
+    pub normal: [T; 3],
+    /// Mean curvature H = (c₁ + c₂)/2, positive on a sphere.
+    pub mean: T,
+    /// Gaussian curvature K = c₁ c₂.
+    pub gaussian: T,
+    /// The area that belongs to the vertex: K and H are averages over it.
+    pub area: T,
+    /// Where the vertex lies. Operators that need a full ring of triangles define H and K at
+    /// interior vertices only, and set them to 0 elsewhere.
+    pub kind: VertexKind,
+}
+
+/// A matrix in compressed rows without its diagonal:
+/// `(Δ φ)_i = Σ_j c_ij (φ_j − φ_i)`, so that constants give exactly zero.
+///
+/// A row may have room for more entries than it holds, so that an operator whose neighbours move
+/// with the positions can be refilled without allocation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rows<T> {
+    offsets: Vec<u32>,
+    lengths: Vec<u32>,
+    columns: Vec<u32>,
+    coefficients: Vec<T>,
+}
+
+impl<T: Real> Rows<T> {
+    /// No rows; the first assembly makes them.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.lengths.len()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.lengths.is_empty()
+    }
+
+    /// The columns j and coefficients c_ij of row i.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn row(&self, row: usize) -> (&[u32], &[T]) {
+        let start = self.offsets[row] as usize;
+        let range = start..start + self.lengths[row] as usize;
+        (&self.columns[range.clone()], &self.coefficients[range])
+    }
+
+    /// The coefficients of row i, to change in place.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn row_mut(&mut self, row: usize) -> &mut [T] {
+        let start = self.offsets[row] as usize;
+        &mut self.coefficients[start..start + self.lengths[row] as usize]
+    }
+
+    /// The coefficient c_ii = −Σ_j c_ij that the form without diagonal implies.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn diagonal(&self, row: usize) -> T {
+        -self.row(row).1.iter().copied().sum::<T>()
+    }
+
+    /// Sets `result` to the product with a field of D numbers a vertex.
+    ///
+    /// # Panics
+    /// If `field` or `result` have fewer entries than there are rows.
+    pub fn apply<const D: usize>(
+        &self,
+        execution: &impl Execution,
+        field: &[[T; D]],
+        result: &mut [[T; D]],
+    ) {
+        execution.map(&mut result[..self.len()], |row, result| {
+            let (columns, coefficients) = self.row(row);
+            let mut sum = [T::zero(); D];
+            for (&column, &coefficient) in columns.iter().zip(coefficients) {
+                for k in 0..D {
+                    sum[k] += coefficient * (field[column as usize][k] - field[row][k]);
+                }
+            }
+            *result = sum;
+        });
+    }
+
+    /// Sets `result` to the product with a scalar field.
+    ///
+    /// # Panics
+    /// If `field` or `result` have fewer entries than there are rows.
+    pub fn apply_to_scalar(&self, execution: &impl Execution, field: &[T], result: &mut [T]) {
+        self.apply::<1>(execution, field.as_chunks().0, result.as_chunks_mut().0);
+    }
+
+    /// Takes the pattern `columns[offsets[i] .. offsets[i + 1]]` for row i, unless it is there
+    /// already, and sets all coefficients to zero.
+    fn reset(&mut self, offsets: &[u32], columns: &[u32]) {
+        if self.offsets != offsets || self.columns != columns {
+            self.offsets.clear();
+            self.offsets.extend_from_slice(offsets);
+            self.columns.clear();
+            self.columns.extend_from_slice(columns);
+            self.lengths.clear();
+            self.lengths
+                .extend(offsets.windows(2).map(|pair| pair[1] - pair[0]));
+        }
+        self.coefficients.clear();
+        self.coefficients.resize(columns.len(), T::zero());
+    }
+}

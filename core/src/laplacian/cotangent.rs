@@ -1,0 +1,280 @@
+//! The cotangent operator.
+//!
+//! U. Pinkall and K. Polthier, Experiment. Math. 2 (1993) 15; mixed areas and the Gaussian
+//! curvature after M. Meyer, M. Desbrun, P. Schröder and A. H. Barr, Visualization and Mathematics
+//! III (2003) 35.
+
+use crate::element::{Corners, ElementKernel, Execution};
+use crate::energy::{Finding, Method, report_area};
+use crate::lane::Lane;
+use crate::laplacian::{Curvature, LaplaceBeltrami, Rows};
+use crate::mesh::{TriangleMesh, VertexKind};
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::triangle::DualArea;
+use crate::vec3::{dot, neg, normalise};
+use alloc::vec::Vec;
+
+/// `Δ_S φ(i) = 1/(2 A_i) Σ_j (cot α + cot β)(φ_j − φ_i)`.
+///
+/// * Pointwise; the integrated form, without 1/A_i, is symmetric: [`Cotangent::assemble_stiffness`].
+/// * `H = −½ (Δ_S x)·n` with n the normalised sum of the area vectors of the triangles around the
+///   vertex (the direction in which the enclosed volume grows), `K = (2π − Σ angles)/A_i`.
+/// * At a boundary vertex the operator is that of a free boundary (no flux through it), n is the
+///   sum over the triangles that are there, and H and K are 0: a fan that is open tells the
+///   curvature of the boundary from that of the surface only in the limit.
+/// * Where `A_i = 0` the row, H and K are 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Cotangent {
+    /// The areas A_i.
+    pub area: DualArea,
+}
+
+impl Cotangent {
+    /// The operator with areas of the given kind.
+    pub fn new(area: DualArea) -> Self {
+        Self { area }
+    }
+
+    /// Sets `areas` to A_i, one entry a vertex: the mass matrix of this operator.
+    ///
+    /// # Panics
+    /// If `areas` has fewer entries than the surface has vertices.
+    pub fn dual_areas<T: Real>(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        areas: &mut [T],
+    ) {
+        let areas: &mut [[T; 1]] = areas.as_chunks_mut().0;
+        areas.fill([T::zero()]);
+        execution.scatter(
+            &Areas(self.area),
+            surface,
+            surface.mesh().triangles(),
+            &[],
+            areas,
+        );
+    }
+
+    /// Fills `rows` with the symmetric, integrated form `½ (cot α + cot β)`: dimensionless;
+    /// applied to positions it gives `−∂A/∂x_i`. Both entries of an edge are equal to the last bit.
+    pub fn assemble_stiffness<T: Real>(
+        &self,
+        plan: &CornerEntries,
+        surface: Surface<'_, T>,
+        rows: &mut Rows<T>,
+    ) {
+        let mesh = surface.mesh();
+        rows.reset(mesh.ring_offsets(), mesh.ring_vertices());
+        let half = T::constant(0.5);
+        for (corners, entries) in mesh.triangles().iter().zip(&plan.0) {
+            let corners = Corners::<T, 3>::gather(surface, core::slice::from_ref(corners));
+            let cotangents = corners.triangle().cotangents();
+            for (cotangent, pair) in cotangents.into_iter().zip(entries) {
+                for &entry in pair {
+                    rows.coefficients[entry as usize] += half * cotangent;
+                }
+            }
+        }
+    }
+}
+
+/// For each triangle and corner, where the edge opposite the corner stands in the rows of its two
+/// ends.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CornerEntries(Vec<[[u32; 2]; 3]>);
+
+impl CornerEntries {
+    fn new(mesh: &TriangleMesh) -> Self {
+        let entry = |row: u32, column: u32| {
+            let ring = mesh.one_ring(row as usize);
+            let place = ring
+                .iter()
+                .position(|&neighbour| neighbour == column)
+                .unwrap_or(0);
+            mesh.ring_offsets()[row as usize] + place as u32
+        };
+        let opposite = |a: u32, b: u32| [entry(a, b), entry(b, a)];
+        let entries = |&[a, b, c]: &[u32; 3]| [opposite(b, c), opposite(c, a), opposite(a, b)];
+        Self(mesh.triangles().iter().map(entries).collect())
+    }
+}
+
+/// Memory of [`Cotangent`].
+#[derive(Clone, Debug, Default)]
+pub struct CotangentMemory<T> {
+    sums: Vec<[T; 8]>,
+}
+
+impl<T: Real> CotangentMemory<T> {
+    fn over_area(&self, vertex: usize) -> T {
+        Lane::reciprocal_or_zero(self.sums[vertex][7])
+    }
+}
+
+struct Areas(DualArea);
+
+impl<T: Real> ElementKernel<T, 3, 0, 1> for Areas {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        _first: usize,
+        corners: &Corners<L, 3>,
+        _input: &[[L; 0]; 3],
+    ) -> [[L; 1]; 3] {
+        let triangle = corners.triangle();
+        triangle
+            .dual_areas(self.0, triangle.cotangents(), triangle.squared_lengths())
+            .map(|area| [area])
+    }
+}
+
+/// Integrated Laplacian of the positions, area vector, angle and area, at each corner.
+struct Measures(DualArea);
+
+impl<T: Real> ElementKernel<T, 3, 0, 8> for Measures {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        _first: usize,
+        corners: &Corners<L, 3>,
+        _input: &[[L; 0]; 3],
+    ) -> [[L; 8]; 3] {
+        let triangle = corners.triangle();
+        let cotangents = triangle.cotangents();
+        let areas = triangle.dual_areas(self.0, cotangents, triangle.squared_lengths());
+        let angles = triangle.angles();
+        let laplacian = triangle.area_gradient(cotangents).map(neg);
+        let [x, y, z] = triangle.area_vector;
+        core::array::from_fn(|k| {
+            let [u, v, w] = laplacian[k];
+            [u, v, w, x, y, z, angles[k], areas[k]]
+        })
+    }
+}
+
+/// Integrated Laplacian of a field of D numbers.
+struct Differences;
+
+impl<T: Real, const D: usize> ElementKernel<T, 3, D, D> for Differences {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        _first: usize,
+        corners: &Corners<L, 3>,
+        field: &[[L; D]; 3],
+    ) -> [[L; D]; 3] {
+        let triangle = corners.triangle();
+        let half = L::literal(0.5);
+        let cotangents = triangle.cotangents().map(|cotangent| half * cotangent);
+        let mut result = [[L::zero(); D]; 3];
+        for k in 0..D {
+            let along = |from: usize, to: usize, opposite: usize| {
+                cotangents[opposite] * (field[to][k] - field[from][k])
+            };
+            let edge = [along(1, 2, 0), along(2, 0, 1), along(0, 1, 2)];
+            result[0][k] = edge[2] - edge[1];
+            result[1][k] = edge[0] - edge[2];
+            result[2][k] = edge[1] - edge[0];
+        }
+        result
+    }
+}
+
+impl<T: Real> Method<T> for Cotangent {
+    type Plan = CornerEntries;
+    type Memory = CotangentMemory<T>;
+
+    fn plan(&self, mesh: &TriangleMesh) -> CornerEntries {
+        CornerEntries::new(mesh)
+    }
+
+    fn inspect(
+        &self,
+        _plan: &CornerEntries,
+        surface: Surface<'_, T>,
+        memory: &CotangentMemory<T>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        surface.report_degenerate_triangles(report);
+        for (vertex, sums) in memory.sums.iter().enumerate() {
+            if surface.mesh().vertex_kind(vertex) != VertexKind::Isolated {
+                report_area(vertex, sums[7], report);
+            }
+        }
+    }
+}
+
+impl<T: Real> LaplaceBeltrami<T> for Cotangent {
+    fn measure(
+        &self,
+        execution: &impl Execution,
+        _plan: &CornerEntries,
+        surface: Surface<'_, T>,
+        memory: &mut CotangentMemory<T>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let mesh = surface.mesh();
+        memory.sums.clear();
+        memory.sums.resize(mesh.vertex_count(), [T::zero(); 8]);
+        let kernel = Measures(self.area);
+        execution.scatter(&kernel, surface, mesh.triangles(), &[], &mut memory.sums);
+        let half = T::constant(0.5);
+        let memory = &*memory;
+        execution.map(
+            &mut curvature[..mesh.vertex_count()],
+            |vertex, curvature| {
+                let [u, v, w, x, y, z, angles, area] = memory.sums[vertex];
+                let kind = mesh.vertex_kind(vertex);
+                let normal = normalise([x, y, z]);
+                let over_area = match kind {
+                    VertexKind::Interior => memory.over_area(vertex),
+                    VertexKind::Boundary | VertexKind::Isolated => T::zero(),
+                };
+                *curvature = Curvature {
+                    normal,
+                    mean: -half * dot([u, v, w], normal) * over_area,
+                    gaussian: (T::TAU() - angles) * over_area,
+                    area,
+                    kind,
+                };
+            },
+        );
+    }
+
+    fn apply<const D: usize>(
+        &self,
+        execution: &impl Execution,
+        _plan: &CornerEntries,
+        surface: Surface<'_, T>,
+        memory: &CotangentMemory<T>,
+        field: &[[T; D]],
+        laplacian: &mut [[T; D]],
+    ) {
+        let mesh = surface.mesh();
+        let laplacian = &mut laplacian[..mesh.vertex_count()];
+        laplacian.fill([T::zero(); D]);
+        execution.scatter(&Differences, surface, mesh.triangles(), field, laplacian);
+        execution.map(laplacian, |vertex, sum| {
+            let over_area = memory.over_area(vertex);
+            *sum = sum.map(|entry| entry * over_area);
+        });
+    }
+
+    fn assemble(
+        &self,
+        plan: &CornerEntries,
+        surface: Surface<'_, T>,
+        memory: &CotangentMemory<T>,
+        rows: &mut Rows<T>,
+    ) {
+        self.assemble_stiffness(plan, surface, rows);
+        for vertex in 0..surface.mesh().vertex_count() {
+            let over_area = memory.over_area(vertex);
+            for coefficient in rows.row_mut(vertex) {
+                *coefficient *= over_area;
+            }
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! One triangle, or several in the entries of a lane.
+
+use crate::lane::Lane;
+use crate::vec3::{Vec3, cross, dot, scale, sub};
+
+/// How the area around a vertex is taken from its triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum DualArea {
+    /// The part of the triangle that is nearest to the vertex unless the triangle is obtuse; half
+    /// of the triangle at the obtuse corner, a quarter at the two others. Positive, and continuous
+    /// in the positions. Meyer, Desbrun, Schröder, Barr 2003.
+    #[default]
+    Mixed,
+    /// ⅛ Σ (cot α + cot β) l²: signed, and reaches zero and below on obtuse fans.
+    Voronoi,
+    /// A third of each triangle.
+    Barycentric,
+}
+
+/// A triangle with the quantities that cotangent formulas share, computed once.
+///
+/// Corner k lies opposite `edges[k]`; the edges run around the triangle and sum to zero.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Triangle<L> {
+    pub(crate) edges: [Vec3<L>; 3],
+    /// Scalar product of the two edge vectors that leave corner k.
+    pub(crate) dots: [L; 3],
+    /// The normal with twice the triangle's area as its length.
+    pub(crate) area_vector: Vec3<L>,
+    pub(crate) doubled_area: L,
+    /// 0 for a triangle without area, which therefore contributes nothing.
+    pub(crate) reciprocal: L,
+}
+
+impl<L: Lane> Triangle<L> {
+    #[inline(always)]
+    pub(crate) fn new(edges: [Vec3<L>; 3]) -> Self {
+        let area_vector = cross(edges[1], edges[2]);
+        let doubled_area = dot(area_vector, area_vector).sqrt();
+        Self {
+            edges,
+            dots: [
+                -dot(edges[1], edges[2]),
+                -dot(edges[2], edges[0]),
+                -dot(edges[0], edges[1]),
+            ],
+            area_vector,
+            doubled_area,
+            reciprocal: doubled_area.reciprocal_or_zero(),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn normal(&self) -> Vec3<L> {
+        scale(self.reciprocal, self.area_vector)
+    }
+
+    #[inline(always)]
+    pub(crate) fn cotangents(&self) -> [L; 3] {
+        self.dots.map(|dot| dot * self.reciprocal)
+    }
+
+    /// The gradient of the triangle's area with respect to each corner, in its cotangent form.
+    #[inline(always)]
+    pub(crate) fn area_gradient(&self, cotangents: [L; 3]) -> [Vec3<L>; 3] {
+        let half = L::literal(0.5);
+        let part: [Vec3<L>; 3] =
+            core::array::from_fn(|k| scale(half * cotangents[k], self.edges[k]));
+        [
+            sub(part[1], part[2]),
+            sub(part[2], part[0]),
+            sub(part[0], part[1]),
+        ]
+    }
+
+    #[inline(always)]
+    pub(crate) fn squared_lengths(&self) -> [L; 3] {
+        self.edges.map(|edge| dot(edge, edge))
+    }
+
+    #[inline(always)]
+    pub(crate) fn angles(&self) -> [L; 3] {
+        self.dots.map(|dot| self.doubled_area.atan2(dot))
+    }
+
+    /// What each corner gets of the area.
+    #[inline(always)]
+    pub(crate) fn dual_areas(
+        &self,
+        kind: DualArea,
+        cotangents: [L; 3],
+        squared_lengths: [L; 3],
+    ) -> [L; 3] {
+        let voronoi = || {
+            let eighth = L::literal(0.125);
+            let part = core::array::from_fn::<L, 3, _>(|k| cotangents[k] * squared_lengths[k]);
+            [
+                eighth * (part[1] + part[2]),
+                eighth * (part[2] + part[0]),
+                eighth * (part[0] + part[1]),
+            ]
+        };
+        match kind {
+            DualArea::Voronoi => voronoi(),
+            DualArea::Barycentric => [self.doubled_area * L::literal(1.0 / 6.0); 3],
+            DualArea::Mixed => {
+                let voronoi = voronoi();
+                let obtuse = self.obtuse();
+                let quarter = L::literal(0.25) * self.doubled_area;
+                let eighth = L::literal(0.125) * self.doubled_area;
+                core::array::from_fn(|k| {
+                    let blunt = L::select(obtuse[k], quarter, eighth);
+                    L::select(self.any_obtuse(), blunt, voronoi[k])
+                })
+            }
+        }
+    }
+
+    /// Whether the angle at each corner is obtuse.
+    #[inline(always)]
+    pub(crate) fn obtuse(&self) -> [L::Mask; 3] {
+        self.dots.map(|dot| dot.less(L::zero()))
+    }
+
+    #[inline(always)]
+    pub(crate) fn any_obtuse(&self) -> L::Mask {
+        let least = |a: L, b: L| L::select(a.less(b), a, b);
+        least(least(self.dots[0], self.dots[1]), self.dots[2]).less(L::zero())
+    }
+}
