@@ -52,7 +52,7 @@ pub trait Lane:
     /// Zero in every entry.
     #[inline(always)]
     fn zero() -> Self {
-        Self::splat(Self::Scalar::zero())
+        Self::splat(num_traits::Zero::zero())
     }
 }
 

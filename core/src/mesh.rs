@@ -300,6 +300,17 @@ impl TriangleMesh {
         self.vertex_kinds[vertex]
     }
 
+    /// Whether a vertex and all its neighbours are interior: there, operators that need a full ring
+    /// can be applied twice.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    pub fn is_surrounded(&self, vertex: usize) -> bool {
+        let interior = |vertex: usize| self.vertex_kinds[vertex] == VertexKind::Interior;
+        interior(vertex)
+            && (self.is_closed() || self.one_ring(vertex).iter().all(|&v| interior(v as usize)))
+    }
+
     /// What [`Self::vertex_kind`] says, for all vertices.
     #[inline]
     pub fn vertex_kinds(&self) -> &[VertexKind] {

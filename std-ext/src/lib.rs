@@ -1,2 +1,13 @@
 //! Companion of [`helfrich`]: whatever opens a file, draws a random number, starts a thread or
 //! prints.
+//!
+//! * [`io`]: mesh files. [`generate`]: mesh families on exact shapes.
+//! * [`method`]: the bending methods, chosen at run time. [`info`]: what a mesh is like.
+//! * [`study`]: accuracy and cost of the methods. [`report`]: how all of this is shown.
+
+pub mod generate;
+pub mod info;
+pub mod io;
+pub mod method;
+pub mod report;
+pub mod study;

@@ -1,2 +1,260 @@
-//! The `helfrich` program.
-fn main() {}
+//! The `helfrich` program: parses its arguments, calls the library, prints.
+
+use clap::{Parser, Subcommand};
+use helfrich::{Finding, Real, Surface};
+use helfrich_std::generate::{AnyShape, Family};
+use helfrich_std::info::MeshInfo;
+use helfrich_std::io::{MeshFile, read, replace_file};
+use helfrich_std::method::{BendingMethod, Evaluator};
+use helfrich_std::report;
+use helfrich_std::study::{Progress, Scalar, Study};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::error::Error;
+use std::fmt::Display;
+use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Bending of triangulated membranes: compares methods, measures curvature.
+///
+/// Exit codes: 0 done; 2 the arguments or an input file are at fault; 3 an output could not be
+/// written.
+#[derive(Parser)]
+#[command(version, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compare bending methods with exact shapes: error and time side by side.
+    Study(StudyArguments),
+    /// Curvatures and force density at every vertex of a mesh file, as CSV.
+    Curvature(CurvatureArguments),
+    /// What a mesh file holds: counts, topology, area, volume, quality.
+    Info {
+        /// OBJ, OFF, STL or PLY file.
+        mesh: PathBuf,
+    },
+}
+
+#[derive(clap::Args)]
+struct StudyArguments {
+    /// sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R].
+    #[arg(long, default_value = "discocyte")]
+    shape: AnyShape,
+    /// Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C).
+    #[arg(long, value_delimiter = ',', default_value = "all", value_parser = methods)]
+    method: Vec<Vec<BendingMethod>>,
+    /// Mesh families: regular, relaxed, irregular, hard, or `all`.
+    #[arg(long, value_delimiter = ',', default_value = "regular,irregular", value_parser = families)]
+    family: Vec<Vec<Family>>,
+    /// Numbers of vertices, coarse to fine; 10·4^k + 2 except for irregular meshes and the torus.
+    #[arg(long, value_delimiter = ',', default_value = "642,2562,10242,40962")]
+    vertices: Vec<usize>,
+    /// Number types: f32, f64.
+    #[arg(long, value_delimiter = ',', default_value = "f64")]
+    scalar: Vec<Scalar>,
+    /// Bending modulus κ.
+    #[arg(long, default_value_t = 1.0, value_parser = positive)]
+    modulus: f64,
+    /// Seed of the random mesh families.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Also write the rows as JSON to this file; `-` for standard output, instead of the table.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+#[derive(clap::Args)]
+struct CurvatureArguments {
+    /// OBJ, OFF, STL or PLY file.
+    mesh: PathBuf,
+    /// Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C).
+    #[arg(long, default_value = "meyer")]
+    method: BendingMethod,
+    /// Bending modulus κ.
+    #[arg(long, default_value_t = 1.0, value_parser = positive)]
+    modulus: f64,
+    /// Number type: f32 or f64.
+    #[arg(long, default_value = "f64")]
+    scalar: Scalar,
+    /// Write to this file instead of standard output.
+    #[arg(long)]
+    csv: Option<PathBuf>,
+}
+
+fn methods(name: &str) -> Result<Vec<BendingMethod>, String> {
+    match name {
+        "all" => Ok(BendingMethod::ALL.to_vec()),
+        name => Ok(vec![name.parse().map_err(|error| format!("{error}"))?]),
+    }
+}
+
+fn families(name: &str) -> Result<Vec<Family>, String> {
+    match name {
+        "all" => Ok(Family::ALL.to_vec()),
+        name => Ok(vec![name.parse().map_err(|error| format!("{error}"))?]),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("a finite number above 0 is needed".to_owned()),
+    }
+}
+
+/// What ends the program early.
+enum Failure {
+    /// Exit code 2.
+    Input(Box<dyn Error>),
+    /// Exit code 3.
+    Output(String),
+}
+
+impl Failure {
+    fn input(error: impl Error + 'static) -> Self {
+        Self::Input(Box::new(error))
+    }
+
+    fn output(target: impl Display, error: &io::Error) -> Self {
+        Self::Output(format!("{target}: {error}"))
+    }
+}
+
+#[expect(clippy::print_stderr, reason = "the one place where messages are shown")]
+fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Study(arguments) => study(&arguments),
+        Command::Curvature(arguments) => curvature(&arguments),
+        Command::Info { mesh } => info(&mesh),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Input(error)) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Output(message)) => {
+            eprintln!("error: {message}");
+            ExitCode::from(3)
+        }
+    }
+}
+
+/// Writes to standard output; a reader that has seen enough is no error.
+fn print(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    match write(&mut out).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::output("standard output", &error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes a file as a whole or not at all.
+fn save(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    replace_file(path, write).map_err(|error| Failure::output(path.display(), &error))
+}
+
+fn study(arguments: &StudyArguments) -> Result<(), Failure> {
+    let study = Study {
+        shape: arguments.shape.clone(),
+        families: unique(arguments.family.concat()),
+        vertices: arguments.vertices.clone(),
+        methods: unique(arguments.method.concat()),
+        scalars: unique(arguments.scalar.clone()),
+        modulus: arguments.modulus,
+        seed: arguments.seed,
+    };
+    let bar = progress_bar();
+    let rows = study.run(&mut |Progress { done, total, at }| {
+        bar.set_length(total);
+        bar.set_position(done);
+        bar.set_message(at.to_owned());
+    });
+    bar.finish_and_clear();
+    let rows = rows.map_err(Failure::input)?;
+    let json = |out: &mut dyn Write| {
+        serde_json::to_writer_pretty(&mut *out, &rows)?;
+        writeln!(out)
+    };
+    match &arguments.json {
+        Some(path) if path.as_os_str() == "-" => return print(json),
+        Some(path) => save(path, json)?,
+        None => {}
+    }
+    print(|out| report::study_table(&rows, out))
+}
+
+/// Each value once, in the order of its first mention.
+fn unique<V: PartialEq + Copy>(values: Vec<V>) -> Vec<V> {
+    let mut seen = Vec::with_capacity(values.len());
+    for value in values {
+        if !seen.contains(&value) {
+            seen.push(value);
+        }
+    }
+    seen
+}
+
+/// On a terminal only; indicatif draws nothing elsewhere.
+fn progress_bar() -> ProgressBar {
+    let template = "{bar:30} {percent:>3} %  {elapsed} (still {eta})  {msg}";
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(1).with_style(style)
+}
+
+fn load(path: &Path) -> Result<MeshFile, Failure> {
+    read(path).map_err(Failure::input)
+}
+
+fn info(path: &Path) -> Result<(), Failure> {
+    let MeshFile { positions, mesh } = load(path)?;
+    let surface = Surface::new(&mesh, &positions).map_err(Failure::input)?;
+    let info = MeshInfo::new(surface);
+    print(|out| report::mesh_info(&info, out))
+}
+
+fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
+    let file = load(&arguments.mesh)?;
+    match arguments.scalar {
+        Scalar::F32 => curvature_in::<f32>(arguments, &file),
+        Scalar::F64 => curvature_in::<f64>(arguments, &file),
+    }
+}
+
+fn curvature_in<T: Real + Display>(
+    arguments: &CurvatureArguments,
+    file: &MeshFile,
+) -> Result<(), Failure> {
+    let round = |position: &[f64; 3]| position.map(T::constant);
+    let positions: Vec<[T; 3]> = file.positions.iter().map(round).collect();
+    let surface = Surface::new(&file.mesh, &positions).map_err(|error| {
+        let path = arguments.mesh.display();
+        Failure::Input(format!("{path}: {error} in {}", arguments.scalar).into())
+    })?;
+    let modulus = T::constant(arguments.modulus);
+    let mut evaluator = Evaluator::new(arguments.method, modulus, &file.mesh);
+    let fields = evaluator.fields(surface);
+    warn(&arguments.mesh, &evaluator.findings(surface));
+    let kinds = file.mesh.vertex_kinds();
+    match &arguments.csv {
+        Some(path) => save(path, |out| report::curvature_csv(&positions, kinds, &fields, out)),
+        None => print(|out| report::curvature_csv(&positions, kinds, &fields, out)),
+    }
+}
+
+/// One line for each kind of finding, with how many there are and where the first is.
+#[expect(clippy::print_stderr, reason = "warnings stand beside the result, not in it")]
+fn warn(path: &Path, findings: &[Finding]) {
+    for (count, first) in report::first_of_each_kind(findings) {
+        eprintln!("warning: {}: {count} × {first}", path.display());
+    }
+}

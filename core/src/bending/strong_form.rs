@@ -6,7 +6,7 @@
 use crate::element::Execution;
 use crate::energy::{Energy, Finding, Force, ForceDensity, Method};
 use crate::laplacian::{Cotangent, Curvature, LaplaceBeltrami};
-use crate::mesh::{TriangleMesh, VertexKind};
+use crate::mesh::TriangleMesh;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
@@ -70,13 +70,6 @@ impl<T, M> StrongFormMemory<T, M> {
     }
 }
 
-/// Whether a vertex and all its neighbours are interior, so that `Δ_S H` is defined there.
-pub(crate) fn is_surrounded(mesh: &TriangleMesh, vertex: usize) -> bool {
-    let interior = |vertex: usize| mesh.vertex_kind(vertex) == VertexKind::Interior;
-    interior(vertex)
-        && (mesh.is_closed() || mesh.one_ring(vertex).iter().all(|&v| interior(v as usize)))
-}
-
 impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
     fn measure(
         &self,
@@ -119,7 +112,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
             .apply_to_scalar(execution, plan, surface, operator, mean, laplacian_of_mean);
         if !mesh.is_closed() {
             execution.map(laplacian_of_mean, |vertex, value| {
-                *value = if is_surrounded(mesh, vertex) {
+                *value = if mesh.is_surrounded(vertex) {
                     *value
                 } else {
                     T::zero()
@@ -142,7 +135,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
             gaussian,
             ..
         } = *curvature;
-        let defined = if is_surrounded(mesh, vertex) {
+        let defined = if mesh.is_surrounded(vertex) {
             T::one()
         } else {
             T::zero()
