@@ -37,6 +37,20 @@ impl<L: Lane, const CORNERS: usize> Corners<L, CORNERS> {
         }
     }
 
+    /// The corners of one element.
+    ///
+    /// # Panics
+    /// If a vertex does not exist.
+    #[inline(always)]
+    pub fn of(surface: Surface<'_, L>, element: [u32; CORNERS]) -> Self
+    where
+        L: Real,
+    {
+        Self {
+            positions: element.map(|vertex| surface.positions()[vertex as usize]),
+        }
+    }
+
     /// x_to − x_from, corners counted from 0.
     #[inline(always)]
     pub fn difference(&self, from: usize, to: usize) -> [L; 3] {
@@ -118,10 +132,12 @@ impl Execution for Serial {
         K: ElementKernel<T, CORNERS, IN, OUT>,
     {
         for (first, element) in elements.iter().enumerate() {
-            let corners = Corners::<T, CORNERS>::gather(surface, core::slice::from_ref(element));
-            let values = core::array::from_fn(|corner| {
-                core::array::from_fn(|k| input[element[corner] as usize][k])
-            });
+            let corners = Corners::<T, CORNERS>::of(surface, *element);
+            let values = if IN == 0 {
+                [[T::zero(); IN]; CORNERS]
+            } else {
+                element.map(|vertex| input[vertex as usize])
+            };
             let gifts = kernel.evaluate::<T>(first, &corners, &values);
             for (&vertex, gift) in element.iter().zip(gifts) {
                 let sum = &mut output[vertex as usize];

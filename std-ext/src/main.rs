@@ -124,7 +124,10 @@ impl Failure {
     }
 }
 
-#[expect(clippy::print_stderr, reason = "the one place where messages are shown")]
+#[expect(
+    clippy::print_stderr,
+    reason = "the one place where messages are shown"
+)]
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Study(arguments) => study(&arguments),
@@ -156,10 +159,7 @@ fn print(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Fai
 }
 
 /// Writes a file as a whole or not at all.
-fn save(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), Failure> {
+fn save(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     replace_file(path, write).map_err(|error| Failure::output(path.display(), &error))
 }
 
@@ -207,7 +207,8 @@ fn unique<V: PartialEq + Copy>(values: Vec<V>) -> Vec<V> {
 /// On a terminal only; indicatif draws nothing elsewhere.
 fn progress_bar() -> ProgressBar {
     let template = "{bar:30} {percent:>3} %  {elapsed} (still {eta})  {msg}";
-    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    let style =
+        ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(1).with_style(style)
 }
 
@@ -246,13 +247,18 @@ fn curvature_in<T: Real + Display>(
     warn(&arguments.mesh, &evaluator.findings(surface));
     let kinds = file.mesh.vertex_kinds();
     match &arguments.csv {
-        Some(path) => save(path, |out| report::curvature_csv(&positions, kinds, &fields, out)),
+        Some(path) => save(path, |out| {
+            report::curvature_csv(&positions, kinds, &fields, out)
+        }),
         None => print(|out| report::curvature_csv(&positions, kinds, &fields, out)),
     }
 }
 
 /// One line for each kind of finding, with how many there are and where the first is.
-#[expect(clippy::print_stderr, reason = "warnings stand beside the result, not in it")]
+#[expect(
+    clippy::print_stderr,
+    reason = "warnings stand beside the result, not in it"
+)]
 fn warn(path: &Path, findings: &[Finding]) {
     for (count, first) in report::first_of_each_kind(findings) {
         eprintln!("warning: {}: {count} × {first}", path.display());

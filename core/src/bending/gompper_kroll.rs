@@ -10,7 +10,7 @@ use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::{DualArea, Triangle};
-use crate::vec3::{add, cross, dot, neg, scale, sub};
+use crate::vec3::{add, dot, scale, sub};
 use alloc::vec::Vec;
 
 /// `E = (κ/2) Σ_i |L_i|² / A_i` with `L_i = ½ Σ_j (cot α + cot β)(x_i − x_j) = ∂A/∂x_i`, and the
@@ -165,10 +165,16 @@ struct EnergyGradient {
 impl<T: Real> ElementKernel<T, 3, 4, 3> for EnergyGradient {
     /// One triangle's part of `−Σ_i w_i·∂L_i + Σ_i s_i ∂A_i`.
     ///
-    /// With `n = e_1 × e_2`, unit normal n̂ and `Σ_i w_i·L_i = ½ n̂·m`, `m = Σ_i e_i × w_i`, the first
-    /// term is `(p × e_a) + ½ (w_b − w_c) × n̂`, `p = (m − (n̂·m) n̂)/(2|n|)`. The areas are
-    /// `Σ s_i A_i = Σ_k t_k l_k² d_k / |n| + σ |n|/2` with d_k the scalar product at corner k,
-    /// `t_k = (s_i + s_j)/8` in the Voronoi part and σ what whole-triangle shares amount to.
+    /// With edges e_k from vertex i to j, `Δw_k = w_j − w_i`, d_k the scalar product at the opposite
+    /// corner, S twice the area, `t_k = (s_i + s_j)/8` for the Voronoi part and σ for what shares
+    /// of the whole triangle amount to,
+    ///
+    /// `Σ w·L − Σ s A = V/S − σ S/2`,  `V = Σ_k d_k y_k`,  `y_k = ½ Δw_k·e_k − t_k l_k²`.
+    ///
+    /// `∂d_k` and `∂S` at a corner are combinations of the two edges there, so that the gradient
+    /// needs no further cross product: at corner 0 it is `r_1 − r_2`, and so on around, with
+    /// `r_k = [½ d_k Δw_k + δ_k e_k]/S`,
+    /// `δ_k = y_i + y_j − y_k − 2 t_k d_k − (V/S² + σ/2) d_k`.
     #[inline(always)]
     fn evaluate<L: Lane<Scalar = T>>(
         &self,
@@ -177,46 +183,25 @@ impl<T: Real> ElementKernel<T, 3, 4, 3> for EnergyGradient {
         input: &[[L; 4]; 3],
     ) -> [[L; 3]; 3] {
         let triangle = corners.triangle();
-        let [e0, e1, e2] = triangle.edges;
-        let over = triangle.reciprocal;
-        let normal = triangle.normal();
+        let Triangle { edges, dots, reciprocal: over, .. } = triangle;
         let half = L::literal(0.5);
-
-        // w nearly constant over a triangle and Σe = 0: differences first.
         let w = |k: usize| [input[k][0], input[k][1], input[k][2]];
-        let (w1, w2) = (sub(w(1), w(0)), sub(w(2), w(0)));
-        let m = add(cross(e1, w1), cross(e2, w2));
-        let tangential = sub(m, scale(dot(normal, m), normal));
-
         let s: [L; 3] = core::array::from_fn(|k| input[k][3]);
+
         let (t, shares) = area_weights(self.area, &triangle, s);
         let lengths = triangle.squared_lengths();
-        let tl: [L; 3] = core::array::from_fn(|k| t[k] * lengths[k]);
-        let voronoi =
-            tl[0] * triangle.dots[0] + tl[1] * triangle.dots[1] + tl[2] * triangle.dots[2];
-        let along_normal = voronoi * over * over - half * shares;
-        let p = add(scale(half * over, tangential), scale(along_normal, normal));
-
-        let from_voronoi = |k: usize, e: [[L; 3]; 3]| {
+        let steps = [sub(w(2), w(1)), sub(w(0), w(2)), sub(w(1), w(0))];
+        let y: [L; 3] =
+            core::array::from_fn(|k| half * dot(steps[k], edges[k]) - t[k] * lengths[k]);
+        let v = dots[0] * y[0] + dots[1] * y[1] + dots[2] * y[2];
+        // One reciprocal after the other: its square would leave the range of small numbers.
+        let shrink = v * over * over + half * shares;
+        let r: [_; 3] = core::array::from_fn(|k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            let own = scale((t[k] + t[k]) * triangle.dots[k], e[k]);
-            sub(own, add(scale(tl[i], e[j]), scale(tl[j], e[i])))
-        };
-        let edges = triangle.edges;
-        let q0 = neg(scale(over, from_voronoi(0, edges)));
-        let q1 = sub(
-            scale(half, cross(w1, normal)),
-            scale(over, from_voronoi(1, edges)),
-        );
-        let q2 = sub(
-            scale(half, cross(w2, normal)),
-            scale(over, from_voronoi(2, edges)),
-        );
-
-        let first = add(cross(p, e0), sub(q1, q2));
-        let second = add(cross(p, e1), sub(q2, q0));
-        // The three parts sum to zero: no net force, to the last bit.
-        [neg(first), neg(second), add(first, second)]
+            let along = (y[i] + y[j] - y[k]) - (t[k] + t[k] + shrink) * dots[k];
+            scale(over, add(scale(half * dots[k], steps[k]), scale(along, edges[k])))
+        });
+        [sub(r[2], r[1]), sub(r[0], r[2]), sub(r[1], r[0])]
     }
 }
 

@@ -186,7 +186,7 @@ impl<T: Real> Energy<T> for KantorNelson<T> {
         _memory: &mut (),
     ) -> T {
         let sum = execution.sum(plan.vertices.len(), |hinge| {
-            Hinge::<T>::new(&Corners::gather(surface, &plan.vertices[hinge..])).energy()
+            Hinge::<T>::new(&Corners::of(surface, plan.vertices[hinge])).energy()
         });
         self.edge_modulus * sum
     }

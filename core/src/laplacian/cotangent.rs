@@ -69,7 +69,7 @@ impl Cotangent {
         rows.reset(mesh.ring_offsets(), mesh.ring_vertices());
         let half = T::constant(0.5);
         for (corners, entries) in mesh.triangles().iter().zip(&plan.0) {
-            let corners = Corners::<T, 3>::gather(surface, core::slice::from_ref(corners));
+            let corners = Corners::of(surface, *corners);
             let cotangents = corners.triangle().cotangents();
             for (cotangent, pair) in cotangents.into_iter().zip(entries) {
                 for &entry in pair {

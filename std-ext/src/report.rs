@@ -1,0 +1,168 @@
+//! How data is shown: tables and CSV. Nothing is computed here.
+
+use crate::info::MeshInfo;
+use crate::method::Fields;
+use crate::study::{Quantity, Row};
+use helfrich::{Finding, Real, VertexKind};
+use std::io::{self, Write};
+use std::mem::discriminant;
+
+/// Writes a study as a table: a block for each shape, family and number type, a line for each
+/// method and mesh, and the orders of the last refinement under each method.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn study_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
+    let same_block = |a: &Row, b: &Row| {
+        (a.shape, a.family, a.scalar) == (b.shape, b.family, b.scalar)
+    };
+    writeln!(out, "Relative errors, largest (max) and area-weighted mean over the vertices.")?;
+    writeln!(out, "Order: of the last refinement; error ~ h^order. – : the method does not define it.")?;
+    for block in rows.chunk_by(same_block) {
+        let Row { shape, family, scalar, .. } = &block[0];
+        writeln!(out, "\n{shape} · {family} · {scalar}")?;
+        write!(out, "{:13} {:>7}", "method", "N")?;
+        for quantity in Quantity::ALL {
+            let symbol = heading(quantity);
+            write!(out, "  {:>8} {:>8}", format!("{symbol} max"), "mean")?;
+        }
+        writeln!(out, "  {:>9}", "ns/vertex")?;
+        writeln!(out, "{}", "─".repeat(13 + 8 + 4 * 19 + 11))?;
+        for method in block.chunk_by(|a, b| a.method == b.method) {
+            for (index, mesh) in method.chunk_by(|a, b| a.vertices == b.vertices).enumerate() {
+                let name = if index == 0 { mesh[0].method.name() } else { "" };
+                write!(out, "{name:13} {:>7}", mesh[0].vertices)?;
+                cells(mesh, out, |row| [Some(row.max), Some(row.mean)], |value| format!("{value:.1e}"))?;
+                writeln!(out, "  {:>9.1}", mesh[0].ns_per_vertex)?;
+            }
+            let finest = method.last().map_or(0, |row| row.vertices);
+            let start = method.partition_point(|row| row.vertices < finest);
+            write!(out, "{:13} {:>7}", "", "order")?;
+            let orders = |row: &Row| [row.order_max, row.order_mean];
+            cells(&method[start..], out, orders, |order| format!("{order:+.1}"))?;
+            writeln!(out)?;
+        }
+    }
+    Ok(())
+}
+
+fn heading(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::LaplacianOfMean => "ΔH",
+        other => other.symbol(),
+    }
+}
+
+/// A pair of cells for each quantity.
+fn cells(
+    rows: &[Row],
+    out: &mut dyn Write,
+    values: impl Fn(&Row) -> [Option<f64>; 2],
+    text: impl Fn(f64) -> String,
+) -> io::Result<()> {
+    for quantity in Quantity::ALL {
+        let row = rows.iter().find(|row| row.quantity == quantity);
+        let [max, mean] = row.map_or([None, None], &values).map(|value| {
+            value.map_or_else(|| "–".to_owned(), &text)
+        });
+        write!(out, "  {max:>8} {mean:>8}")?;
+    }
+    Ok(())
+}
+
+/// Writes what a mesh is like, a line each.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn mesh_info(info: &MeshInfo, out: &mut dyn Write) -> io::Result<()> {
+    let mut line = |name: &str, value: String| writeln!(out, "{name:22} {value}");
+    let isolated = match info.isolated_vertices {
+        0 => String::new(),
+        count => format!(" ({count} in no triangle)"),
+    };
+    line("vertices", format!("{}{isolated}", info.vertices))?;
+    line("edges", info.edges.to_string())?;
+    line("triangles", info.triangles.to_string())?;
+    let closed = match info.boundary_edges {
+        0 => "yes".to_owned(),
+        count => format!("no ({count} boundary edges)"),
+    };
+    line("closed", closed)?;
+    line("components", info.components.to_string())?;
+    line("Euler characteristic", info.euler_characteristic.to_string())?;
+    line("area", format!("{}", info.area))?;
+    let volume = match info.volume {
+        Some(volume) if volume < 0.0 => format!("{volume} (negative: the mesh is inside out)"),
+        Some(volume) => volume.to_string(),
+        None => "not defined: the mesh has a boundary".to_owned(),
+    };
+    line("volume", volume)?;
+    line("edge lengths", format!("{} … {}", info.edge_lengths[0], info.edge_lengths[1]))?;
+    line("angles", format!("{:.4}° … {:.4}°", info.angles[0], info.angles[1]))?;
+    line("valences", format!("{} … {}", info.valences[0], info.valences[1]))?;
+    let degenerate = match info.degenerate_triangles.as_slice() {
+        [] => "0".to_owned(),
+        [first, ..] => format!("{} (the first is {first})", info.degenerate_triangles.len()),
+    };
+    line("degenerate triangles", degenerate)
+}
+
+/// Writes a line for each vertex, with the header
+/// `vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz`; numbers in full precision, an empty field where
+/// the method says nothing.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn curvature_csv<T: Real + std::fmt::Display>(
+    positions: &[[T; 3]],
+    kinds: &[VertexKind],
+    fields: &Fields<T>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let all = |values: Option<[T; 3]>| match values {
+        Some([x, y, z]) => format!("{x},{y},{z}"),
+        None => ",,".to_owned(),
+    };
+    let one = |value: Option<T>| value.map_or_else(String::new, |value| value.to_string());
+    writeln!(out, "vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz")?;
+    for (vertex, (&position, &kind)) in positions.iter().zip(kinds).enumerate() {
+        let used = kind != VertexKind::Isolated;
+        writeln!(
+            out,
+            "{vertex},{},{},{},{},{},{},{}",
+            all(Some(position)),
+            fields.area[vertex],
+            all(used.then_some(fields.normal[vertex])),
+            one(fields.mean[vertex]),
+            one(fields.gaussian[vertex]),
+            one(fields.laplacian_of_mean[vertex]),
+            all(fields.force_density[vertex]),
+        )?;
+    }
+    Ok(())
+}
+
+/// How often each kind of finding occurs, and in words what the first of the kind is.
+pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
+    let words = |finding: &Finding| match finding {
+        Finding::ZeroArea { vertex } => {
+            format!("a vertex with area 0, left out (the first is vertex {vertex})")
+        }
+        Finding::NegativeArea { vertex } => {
+            format!("a vertex with negative area, used as it is (the first is vertex {vertex})")
+        }
+        Finding::DegenerateTriangle { triangle } => {
+            format!("a triangle without area, contributing nothing (the first is {triangle})")
+        }
+        other => format!("{other:?}"),
+    };
+    let mut kinds: Vec<(usize, &Finding)> = Vec::new();
+    for finding in findings {
+        let same = |kind: &&mut (usize, &Finding)| discriminant(kind.1) == discriminant(finding);
+        match kinds.iter_mut().find(same) {
+            Some(kind) => kind.0 += 1,
+            None => kinds.push((1, finding)),
+        }
+    }
+    kinds.into_iter().map(|(count, first)| (count, words(first))).collect()
+}

@@ -1,0 +1,354 @@
+//! Accuracy and cost of bending methods on exact shapes: data; [`crate::report`] shows it.
+
+use crate::generate::{AnyShape, Family, GenerateError, GeneratedMesh, generate};
+use crate::method::{BendingMethod, Evaluator, Fields};
+use helfrich::shapes::{ExactPoint, Shape};
+use helfrich::{Real, Surface, SurfaceError};
+use serde::Serialize;
+use std::fmt;
+use std::str::FromStr;
+use std::time::{Duration, Instant};
+
+/// The number type that a method computes with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scalar {
+    /// 32 bits; positions are rounded to them, too.
+    F32,
+    /// 64 bits.
+    F64,
+}
+
+impl Scalar {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::F32, Self::F64];
+
+    /// `f32` or `f64`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+}
+
+impl fmt::Display for Scalar {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+impl FromStr for Scalar {
+    type Err = UnknownScalar;
+
+    fn from_str(name: &str) -> Result<Self, UnknownScalar> {
+        let named = Self::ALL.into_iter().find(|scalar| scalar.name() == name);
+        named.ok_or_else(|| UnknownScalar { name: name.to_owned() })
+    }
+}
+
+/// A name that is no number type's.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no number type `{name}`: the number types are f32 and f64")]
+pub struct UnknownScalar {
+    name: String,
+}
+
+/// What is compared with its exact value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+pub enum Quantity {
+    /// Mean curvature.
+    #[serde(rename = "H")]
+    Mean,
+    /// Gaussian curvature.
+    #[serde(rename = "K")]
+    Gaussian,
+    /// Laplacian of the mean curvature.
+    #[serde(rename = "LapH")]
+    LaplacianOfMean,
+    /// Force density, as a vector.
+    #[serde(rename = "f")]
+    ForceDensity,
+}
+
+impl Quantity {
+    /// Every quantity, from the second to the fourth derivative.
+    pub const ALL: [Self; 4] =
+        [Self::Mean, Self::Gaussian, Self::LaplacianOfMean, Self::ForceDensity];
+
+    /// The symbol: `H`, `K`, `LapH` or `f`.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Mean => "H",
+            Self::Gaussian => "K",
+            Self::LaplacianOfMean => "LapH",
+            Self::ForceDensity => "f",
+        }
+    }
+}
+
+/// What a study covers: every combination of what is listed.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// The exact shape.
+    pub shape: AnyShape,
+    /// The mesh families.
+    pub families: Vec<Family>,
+    /// How many vertices the meshes have, coarse to fine.
+    pub vertices: Vec<usize>,
+    /// The methods.
+    pub methods: Vec<BendingMethod>,
+    /// The number types.
+    pub scalars: Vec<Scalar>,
+    /// Bending modulus κ.
+    pub modulus: f64,
+    /// Seed of the random meshes.
+    pub seed: u64,
+}
+
+/// One quantity of one method on one mesh.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// The exact shape's name.
+    pub shape: &'static str,
+    /// The mesh family's name.
+    pub family: &'static str,
+    /// How many vertices the mesh has.
+    pub vertices: usize,
+    /// The method.
+    pub method: BendingMethod,
+    /// The number type.
+    pub scalar: Scalar,
+    /// What is compared.
+    pub quantity: Quantity,
+    /// Largest error over the vertices, relative to the largest exact value.
+    pub max: f64,
+    /// Area-weighted mean error, relative to the largest exact value.
+    pub mean: f64,
+    /// Order of convergence of `max` from the next coarser mesh: ln(e₁/e₂)/ln √(N₂/N₁).
+    pub order_max: Option<f64>,
+    /// The same of `mean`.
+    pub order_mean: Option<f64>,
+    /// Median time of one evaluation, nanoseconds a vertex.
+    pub ns_per_vertex: f64,
+}
+
+/// How far a study has come.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Work done, in vertices.
+    pub done: u64,
+    /// All work, in vertices.
+    pub total: u64,
+    /// What is being worked on.
+    pub at: &'a str,
+}
+
+/// Why a study cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// A mesh cannot be made.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
+    /// A mesh cannot be used in this number type.
+    #[error("the mesh of {vertices} vertices cannot be held in {scalar}: {source}")]
+    Surface {
+        /// How many vertices.
+        vertices: usize,
+        /// The number type.
+        scalar: Scalar,
+        /// What is wrong.
+        source: SurfaceError,
+    },
+}
+
+impl Study {
+    /// Makes the study, row after row; `progress` hears of every step.
+    ///
+    /// # Errors
+    /// If a mesh cannot be made, or does not fit a number type.
+    pub fn run(&self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StudyError> {
+        let cases = self.methods.len() * self.scalars.len();
+        let total = self.vertices.iter().map(|&vertices| (vertices * (cases + 1)) as u64);
+        let total = total.sum::<u64>() * self.families.len() as u64;
+        let mut done = 0;
+        let mut step = |vertices: usize, at: &str| {
+            progress(Progress { done, total, at });
+            done += vertices as u64;
+        };
+        let mut rows: Vec<Row> = Vec::new();
+        for &family in &self.families {
+            let mut meshes = Vec::with_capacity(self.vertices.len());
+            for &vertices in &self.vertices {
+                step(vertices, &format!("{family} {vertices}: mesh"));
+                let mesh = generate(&self.shape, family, vertices, self.seed)?;
+                let exact = Exact::new(&self.shape, &mesh, self.modulus);
+                meshes.push((mesh, exact));
+            }
+            for &scalar in &self.scalars {
+                for &method in &self.methods {
+                    let case = Case { study: self, family, method, scalar };
+                    for (mesh, exact) in &meshes {
+                        let vertices = mesh.mesh.vertex_count();
+                        step(vertices, &format!("{family} {vertices}: {method} {scalar}"));
+                        let measured = match scalar {
+                            Scalar::F32 => case.measure::<f32>(mesh, exact),
+                            Scalar::F64 => case.measure::<f64>(mesh, exact),
+                        };
+                        let found = measured
+                            .map_err(|source| StudyError::Surface { vertices, scalar, source })?;
+                        for mut row in found {
+                            row.set_orders(&rows);
+                            rows.push(row);
+                        }
+                    }
+                }
+            }
+        }
+        progress(Progress { done: total, total, at: "done" });
+        Ok(rows)
+    }
+}
+
+impl Row {
+    /// The orders against the last earlier row of the same kind, if that has fewer vertices.
+    fn set_orders(&mut self, earlier: &[Self]) {
+        let coarser = earlier.iter().rev().find(|row| {
+            row.family == self.family
+                && row.method == self.method
+                && row.scalar == self.scalar
+                && row.quantity == self.quantity
+        });
+        let Some(coarser) = coarser.filter(|row| row.vertices < self.vertices) else { return };
+        let refinement = (self.vertices as f64 / coarser.vertices as f64).sqrt().ln();
+        let order = |coarse: f64, fine: f64| {
+            let order = (coarse / fine).ln() / refinement;
+            order.is_finite().then_some(order)
+        };
+        self.order_max = order(coarser.max, self.max);
+        self.order_mean = order(coarser.mean, self.mean);
+    }
+}
+
+/// Exact values at the vertices, and what errors are relative to.
+struct Exact {
+    points: Vec<ExactPoint<f64>>,
+    modulus: f64,
+    scales: [f64; 4],
+}
+
+impl Exact {
+    fn new(shape: &AnyShape, mesh: &GeneratedMesh, modulus: f64) -> Self {
+        let points: Vec<_> = mesh.preimages.iter().map(|&preimage| shape.at(preimage)).collect();
+        // On a sphere Δ_S H and f vanish identically, and its size is what is left to compare with.
+        let sphere = shape.sphere_radius();
+        let scales = Quantity::ALL.map(|quantity| {
+            let largest = points
+                .iter()
+                .map(|point| exact_value(point, quantity, modulus).abs())
+                .fold(0.0, f64::max);
+            match (sphere, quantity) {
+                (Some(radius), Quantity::LaplacianOfMean) => radius.powi(-3),
+                (Some(radius), Quantity::ForceDensity) => modulus.abs() * radius.powi(-3),
+                _ => largest,
+            }
+        });
+        Self { points, modulus, scales }
+    }
+}
+
+fn exact_value(point: &ExactPoint<f64>, quantity: Quantity, modulus: f64) -> f64 {
+    match quantity {
+        Quantity::Mean => point.mean,
+        Quantity::Gaussian => point.gaussian,
+        Quantity::LaplacianOfMean => point.laplacian_of_mean,
+        Quantity::ForceDensity => point.force_density(modulus),
+    }
+}
+
+/// One method on one family in one number type.
+#[derive(Clone, Copy)]
+struct Case<'a> {
+    study: &'a Study,
+    family: Family,
+    method: BendingMethod,
+    scalar: Scalar,
+}
+
+impl Case<'_> {
+    fn measure<T: Real>(
+        self,
+        mesh: &GeneratedMesh,
+        exact: &Exact,
+    ) -> Result<Vec<Row>, SurfaceError> {
+        let round = |position: &[f64; 3]| position.map(T::constant);
+        let positions: Vec<[T; 3]> = mesh.positions.iter().map(round).collect();
+        let surface = Surface::new(&mesh.mesh, &positions)?;
+        let mut evaluator =
+            Evaluator::new(self.method, T::constant(self.study.modulus), &mesh.mesh);
+        let fields = evaluator.fields(surface);
+        let time = median_time(|| evaluator.evaluate(surface));
+        let vertices = mesh.mesh.vertex_count();
+        let row = |quantity| {
+            let [max, mean] = errors(&fields, exact, quantity)?;
+            Some(Row {
+                shape: self.study.shape.name(),
+                family: self.family.name(),
+                vertices,
+                method: self.method,
+                scalar: self.scalar,
+                quantity,
+                max,
+                mean,
+                order_max: None,
+                order_mean: None,
+                ns_per_vertex: time.as_secs_f64() * 1e9 / vertices as f64,
+            })
+        };
+        Ok(Quantity::ALL.into_iter().filter_map(row).collect())
+    }
+}
+
+/// Largest and area-weighted mean error of a quantity, relative; `None` if the method does not
+/// define it.
+fn errors<T: Real>(fields: &Fields<T>, exact: &Exact, quantity: Quantity) -> Option<[f64; 2]> {
+    let to_f64 = |value: T| value.to_f64().unwrap_or(f64::NAN);
+    let scale = exact.scales[quantity as usize];
+    let mut largest = 0.0_f64;
+    let (mut weighted, mut weights) = (0.0, 0.0);
+    for (vertex, point) in exact.points.iter().enumerate() {
+        let value = exact_value(point, quantity, exact.modulus);
+        let scalar = |found: Option<T>| found.map(|found| (to_f64(found) - value).abs());
+        let error = match quantity {
+            Quantity::Mean => scalar(fields.mean[vertex]),
+            Quantity::Gaussian => scalar(fields.gaussian[vertex]),
+            Quantity::LaplacianOfMean => scalar(fields.laplacian_of_mean[vertex]),
+            Quantity::ForceDensity => fields.force_density[vertex].map(|found| {
+                let difference = |axis: usize| to_f64(found[axis]) - value * point.normal[axis];
+                (0..3).map(|axis| difference(axis).powi(2)).sum::<f64>().sqrt()
+            }),
+        }?;
+        let area = to_f64(fields.area[vertex]);
+        // An error that is not a number is an infinite one: `max` would pass it over.
+        largest = if error.is_nan() { f64::INFINITY } else { largest.max(error) };
+        weighted += area * error;
+        weights += area;
+    }
+    Some([largest / scale, weighted / weights / scale])
+}
+
+/// Median over as many runs as fit into a short while, at least three, after one that warms up.
+fn median_time(mut run: impl FnMut()) -> Duration {
+    const WHILE: Duration = Duration::from_millis(40);
+    run();
+    let start = Instant::now();
+    let mut times = Vec::new();
+    while times.len() < 3 || (start.elapsed() < WHILE && times.len() < 1000) {
+        let one = Instant::now();
+        run();
+        times.push(one.elapsed());
+    }
+    times.sort_unstable();
+    times[times.len() / 2]
+}
