@@ -44,7 +44,7 @@ pub(super) fn torus(shape: &Torus<f64>, points: &[DVec3]) -> Result<Vec<[u32; 3]
     let squares = (radius - tube) * (radius + tube);
     let periods = [1.0, on_grid(tube / squares.sqrt())];
     let home = Vec::from_iter(points.iter().map(|point| {
-        let distance = point.x.hypot(point.y) - radius;
+        let distance = point.truncate().length() - radius;
         let (cos, sin) = (distance / tube, point.z / tube);
         // ψ = 2r/√(R² − r²) atan(√((R − r)/(R + r)) tan θ/2).
         let half = libm::atan2(

@@ -29,15 +29,20 @@ pub(super) fn level(vertices: usize) -> Result<u32, [usize; 2]> {
 pub(super) fn icosphere(level: u32) -> Draft {
     let mut draft = icosahedron();
     for _ in 0..level {
-        draft = refine(&draft);
+        draft = refine(&draft, midpoint);
     }
     draft
 }
 
-/// Each triangle cut into four by the midpoints of its edges, which are put on the unit sphere.
+/// The middle of the arc between two points of the unit sphere.
+pub(super) fn midpoint(a: DVec3, b: DVec3) -> DVec3 {
+    (a + b).normalize()
+}
+
+/// Each triangle of a closed mesh cut into four by the midpoints of its edges.
 ///
 /// The vertices keep their numbers; the midpoints follow, in the order of their edges' ends.
-pub(super) fn refine(draft: &Draft) -> Draft {
+pub(super) fn refine(draft: &Draft, midpoint: impl Fn(DVec3, DVec3) -> DVec3) -> Draft {
     let mut half_edges = Vec::with_capacity(3 * draft.triangles.len());
     for (t, triangle) in draft.triangles.iter().enumerate() {
         for corner in 0..3 {
@@ -52,10 +57,10 @@ pub(super) fn refine(draft: &Draft) -> Draft {
     // In a closed mesh the two sides of an edge stand next to each other.
     for sides in half_edges.chunks_exact(2) {
         let (a, b, _) = sides[0];
-        let midpoint = preimages.len() as u32;
-        preimages.push((preimages[a as usize] + preimages[b as usize]).normalize());
+        let added = preimages.len() as u32;
+        preimages.push(midpoint(preimages[a as usize], preimages[b as usize]));
         for &(_, _, corner) in sides {
-            midpoints[corner as usize / 3][corner as usize % 3] = midpoint;
+            midpoints[corner as usize / 3][corner as usize % 3] = added;
         }
     }
     let quarters = |(&[a, b, c], &[ab, bc, ca]): (&[u32; 3], &[u32; 3])| {

@@ -8,9 +8,10 @@ use helfrich::shapes::{Shape, Torus};
 /// How often the points are smoothed.
 const STEPS: usize = 4;
 
-/// How far a point moves towards the mean of its neighbours: far enough that no two points stay
-/// close together, not so far that the valences become regular.
-const SHARE: f64 = 0.3;
+/// The share of the way to the mean of its neighbours by which a point moves: so much that no two
+/// points stay close together, so little that valences from 3 to 12 and a few angles below 12°
+/// remain.
+const SHARE: f64 = 0.12;
 
 /// Random points, uniform by area, smoothed and triangulated.
 pub(super) fn scatter(
@@ -23,6 +24,8 @@ pub(super) fn scatter(
         AnyShape::Torus(torus) => on_torus(torus, vertices, &mut random),
         _ => on_sphere_like(shape, vertices, &mut random),
     };
+    // Neighbours on the surface become neighbours in memory.
+    preimages.sort_by_cached_key(|&point| place_on_curve(point / shape.size().max(1.0)));
     let triangulate = |points: &[DVec3]| {
         let triangles = match shape {
             AnyShape::Torus(torus) => delaunay::torus(torus, points),
@@ -88,4 +91,15 @@ fn on_torus(torus: &Torus<f64>, vertices: usize, random: &mut Random) -> Vec<DVe
         }
     }
     points
+}
+
+/// The place of a point along a curve that fills the cube −2 … 2 (Morton's order): the bits of the
+/// three coordinates, interleaved.
+fn place_on_curve(point: DVec3) -> u64 {
+    let cells = f64::from(1 << 18) * (point + 2.0);
+    let spread = |coordinate: f64| {
+        let cell = coordinate as u64;
+        (0..20).fold(0, |place, bit| place | (cell >> bit & 1) << (3 * bit))
+    };
+    spread(cells.x) | spread(cells.y) << 1 | spread(cells.z) << 2
 }

@@ -12,8 +12,7 @@ pub(super) const LEAST_VERTICES: usize = 16;
 ///
 /// The triangles are equilateral half-way between the inner and the outer equator; the rows start at
 /// an angle that makes neither equator a mirror of the mesh.
-pub(super) fn lattice(torus: &Torus<f64>, vertices: usize) -> Draft {
-    let (rows, columns) = size(torus, vertices);
+pub(super) fn lattice(torus: &Torus<f64>, rows: usize, columns: usize) -> Draft {
     let mut preimages = Vec::with_capacity(rows * columns);
     for row in 0..rows {
         let around_tube = TAU * (row as f64 + 0.3) / rows as f64;
@@ -50,29 +49,53 @@ pub(super) fn lattice(torus: &Torus<f64>, vertices: usize) -> Draft {
     }
 }
 
-/// Rows and columns: an even number of rows, so that the shifts close, whose spacing suits
-/// equilateral triangles to 15 %, and among these the product nearest to `vertices`.
-fn size(torus: &Torus<f64>, vertices: usize) -> (usize, usize) {
-    let ideal = (vertices as f64 * 2.0 * torus.tube_radius / (3f64.sqrt() * torus.radius)).sqrt();
-    let fewest = ((0.85 * ideal / 2.0).ceil() as usize).max(2);
-    let most = ((1.15 * ideal / 2.0).floor() as usize).max(fewest);
-    let candidates = (fewest..=most).map(|half| {
-        let rows = 2 * half;
-        (
+/// The size of a lattice: `rows`, an even number so that the shifts close, by `columns`, both
+/// doubled `level` times.
+pub(super) struct Size {
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+    pub(super) level: u32,
+}
+
+impl Size {
+    /// Most vertices of the coarse lattice, before its rows and columns are doubled.
+    const COARSE: usize = 1280;
+
+    /// A size with about this many vertices, within 1 % of them from 200 on.
+    ///
+    /// The coarse lattice is the nearest among those whose triangles are equilateral to 15 %. Four
+    /// times the vertices double its rows and columns, so that refining keeps the triangles' shape.
+    pub(super) fn nearest(torus: &Torus<f64>, vertices: usize) -> Self {
+        let mut coarse = vertices as f64;
+        let mut level = 0;
+        while coarse > Self::COARSE as f64 {
+            coarse /= 4.0;
+            level += 1;
+        }
+        let ideal = (coarse * 2.0 * torus.tube_radius / (3f64.sqrt() * torus.radius)).sqrt();
+        let fewest = ((0.85 * ideal / 2.0).ceil() as usize).max(2);
+        let most = ((1.15 * ideal / 2.0).floor() as usize).max(fewest);
+        let candidates = (fewest..=most).map(|half| {
+            let rows = 2 * half;
+            let columns = ((coarse / rows as f64).round() as usize).max(4);
+            (rows, columns)
+        });
+        let misfit = |(rows, columns): (usize, usize)| {
+            let missing = ((rows * columns) as f64 - coarse).abs();
+            (missing.round(), (rows as f64 / ideal - 1.0).abs())
+        };
+        let nearest = candidates.reduce(|best, other| {
+            if misfit(other) < misfit(best) {
+                other
+            } else {
+                best
+            }
+        });
+        let (rows, columns) = nearest.unwrap_or((2 * fewest, 4));
+        Self {
             rows,
-            ((vertices as f64 / rows as f64).round() as usize).max(4),
-        )
-    });
-    let mut best = (2 * fewest, 4);
-    let mut best_misfit = (usize::MAX, f64::INFINITY);
-    for (rows, columns) in candidates {
-        let misfit = (
-            (rows * columns).abs_diff(vertices),
-            (rows as f64 / ideal - 1.0).abs(),
-        );
-        if misfit < best_misfit {
-            (best, best_misfit) = ((rows, columns), misfit);
+            columns,
+            level,
         }
     }
-    best
 }
