@@ -2,6 +2,18 @@
 //! point, by formula.
 //!
 //! Signs and units as everywhere in this crate: normals point outward, `H` is positive on a sphere.
+//! Every shape is computed in units of its own size, so that a scaled shape gives the same digits
+//! whatever the scale.
+
+mod discocyte;
+mod ellipsoid;
+mod sphere;
+mod torus;
+
+pub use discocyte::Discocyte;
+pub use ellipsoid::Ellipsoid;
+pub use sphere::Sphere;
+pub use torus::Torus;
 
 use crate::real::Real;
 
@@ -41,8 +53,45 @@ pub trait Shape<T: Real> {
     /// A pre-image for any point near the surface: exact on it, nearby off it.
     fn preimage(&self, position: [T; 3]) -> [T; 3];
 
+    /// Area of the surface for each area of its pre-image, dS/dΩ: length² on sphere-like shapes, 1
+    /// on the torus.
+    fn area_element(&self, preimage: [T; 3]) -> T;
+
     /// The position of a pre-image: `self.at(preimage).position`.
     fn position(&self, preimage: [T; 3]) -> [T; 3] {
         self.at(preimage).position
     }
+}
+
+/// A parameter outside the range in which it describes a smooth closed surface.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the {parameter} is {value}: it must lie above {above} and below {below}")]
+pub struct ShapeError {
+    /// The parameter, with its shape's name.
+    pub parameter: &'static str,
+    /// The value it was given.
+    pub value: f64,
+    /// What it must exceed.
+    pub above: f64,
+    /// What it must stay below; infinite where every finite number will do.
+    pub below: f64,
+}
+
+/// `value`, if it lies strictly between `above` and `below`; not a number never does.
+fn between<T: Real>(
+    parameter: &'static str,
+    value: T,
+    above: T,
+    below: T,
+) -> Result<T, ShapeError> {
+    if above < value && value < below {
+        return Ok(value);
+    }
+    let number = |t: T| t.to_f64().unwrap_or(f64::NAN);
+    Err(ShapeError {
+        parameter,
+        value: number(value),
+        above: number(above),
+        below: number(below),
+    })
 }

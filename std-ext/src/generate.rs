@@ -1,0 +1,243 @@
+//! Families of meshes on every exact shape, seeded and reproducible.
+//!
+//! A mesh depends on its shape, family, number of vertices and seed, and on nothing else: not on
+//! the machine, the number of threads, or an elementary function of the platform.
+
+mod any_shape;
+mod delaunay;
+mod hard;
+mod icosphere;
+mod irregular;
+mod lattice;
+mod random;
+mod relaxed;
+
+pub use any_shape::{AnyShape, ParseShapeError};
+
+use glam::DVec3;
+use helfrich::shapes::Shape;
+use helfrich::{MeshError, TriangleMesh};
+use std::fmt;
+use std::str::FromStr;
+
+/// How the vertices of a mesh are spread over a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Family {
+    /// An icosahedron refined by edge midpoints, in a generic rotation, mapped to the shape; on the
+    /// torus a triangular lattice of its two angles. Does not depend on the seed.
+    Regular,
+    /// The regular mesh with its edges as springs, relaxed along the surface: edges become even, and
+    /// on the torus, where each row keeps its number of vertices, the triangles more equilateral.
+    /// Does not depend on the seed.
+    Relaxed,
+    /// Well-spaced random points and their Delaunay triangulation: from 2562 vertices on, valences
+    /// from 3 or 4 up to 9 or more, about 12, and some angles below 12°.
+    Irregular,
+    /// The regular mesh with every vertex displaced by up to 30 % of an edge, 1 % of them almost
+    /// onto a neighbour (needles) and 1 % almost onto an edge (caps): angles from 0.7° to 176°. On
+    /// coarse meshes, whose triangles are bent, fewer of the needles and caps find a place.
+    Hard,
+}
+
+impl Family {
+    /// All families.
+    pub const ALL: [Self; 4] = [Self::Regular, Self::Relaxed, Self::Irregular, Self::Hard];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Regular => "regular",
+            Self::Relaxed => "relaxed",
+            Self::Irregular => "irregular",
+            Self::Hard => "hard",
+        }
+    }
+}
+
+impl fmt::Display for Family {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+/// A name that is no family's.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no mesh family `{name}`: choose regular, relaxed, irregular or hard")]
+pub struct ParseFamilyError {
+    /// The name.
+    pub name: String,
+}
+
+impl FromStr for Family {
+    type Err = ParseFamilyError;
+
+    fn from_str(name: &str) -> Result<Self, ParseFamilyError> {
+        let found = Self::ALL.into_iter().find(|family| family.name() == name);
+        found.ok_or_else(|| ParseFamilyError { name: name.into() })
+    }
+}
+
+/// A closed mesh, oriented outward, inscribed in an exact shape.
+#[derive(Clone, Debug)]
+pub struct GeneratedMesh {
+    /// What connects the vertices.
+    pub mesh: TriangleMesh,
+    /// The vertices: exactly `shape.position(preimage)`.
+    pub positions: Vec<[f64; 3]>,
+    /// The vertices' pre-images, at which the shape gives the exact curvatures.
+    pub preimages: Vec<[f64; 3]>,
+    /// The shape on which the vertices lie.
+    pub shape: AnyShape,
+}
+
+/// Why a mesh cannot be generated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GenerateError {
+    /// Refining an icosahedron does not lead to this number.
+    #[error(
+        "no {family} mesh of {asked} vertices exists on the {shape}: an icosahedron refines to \
+         10·4^k + 2, the nearest are {} and {}", nearest[0], nearest[1]
+    )]
+    NoSuchRefinement {
+        /// The family.
+        family: Family,
+        /// The shape's name.
+        shape: &'static str,
+        /// How many vertices were asked for.
+        asked: usize,
+        /// The nearest numbers below and above; twice the same at the ends of the range.
+        nearest: [usize; 2],
+    },
+    /// Fewer or more vertices than can be meshed.
+    #[error(
+        "{asked} vertices on the {shape} are out of range: between {least} and {most} are needed"
+    )]
+    OutOfRange {
+        /// The shape's name.
+        shape: &'static str,
+        /// How many vertices were asked for.
+        asked: usize,
+        /// How many there must be.
+        least: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// The points are too few for the surface's shape to be seen.
+    #[error("{vertices} vertices are too few for a mesh on the {shape}: {source}")]
+    TooCoarse {
+        /// The shape's name.
+        shape: &'static str,
+        /// How many vertices were placed.
+        vertices: usize,
+        /// What is wrong with the mesh.
+        source: MeshError,
+    },
+    /// Coordinates that are not finite, or too large or small to be triangulated.
+    #[error("the {shape}'s proportions are too extreme for its points to be triangulated in f64")]
+    TooExtreme {
+        /// The shape's name.
+        shape: &'static str,
+    },
+}
+
+/// Most vertices that are made: a closed mesh has about twice as many triangles.
+const MOST_VERTICES: usize = TriangleMesh::LIMIT / 2 - 4;
+
+/// The mesh of a family on a shape.
+///
+/// The number of vertices must be 10·4^k + 2 on sphere-like shapes, except for
+/// [`Family::Irregular`], which has exactly as many as asked for on every shape. Lattices of the
+/// torus come within 1 % of it, from 200 vertices on: see [`GeneratedMesh::mesh`] for the number.
+///
+/// # Errors
+/// If there is no mesh of that many vertices; see [`GenerateError`].
+pub fn generate(
+    shape: &AnyShape,
+    family: Family,
+    vertices: usize,
+    seed: u64,
+) -> Result<GeneratedMesh, GenerateError> {
+    let least = match shape {
+        AnyShape::Torus(_) => lattice::LEAST_VERTICES,
+        _ => icosphere::LEAST_VERTICES,
+    };
+    if !(least..=MOST_VERTICES).contains(&vertices) {
+        return Err(GenerateError::OutOfRange {
+            shape: shape.name(),
+            asked: vertices,
+            least,
+            most: MOST_VERTICES,
+        });
+    }
+    let draft = match family {
+        Family::Regular => regular(shape, family, vertices)?,
+        Family::Relaxed => match shape {
+            AnyShape::Torus(torus) => relaxed::lattice(torus, vertices),
+            _ => relaxed::icosphere(shape, refinement_level(shape, family, vertices)?),
+        },
+        Family::Irregular => irregular::scatter(shape, vertices, seed)?,
+        Family::Hard => {
+            let draft = regular(shape, family, vertices)?;
+            return hard::disturb(draft.finish(shape)?, seed);
+        }
+    };
+    draft.finish(shape)
+}
+
+fn regular(shape: &AnyShape, family: Family, vertices: usize) -> Result<Draft, GenerateError> {
+    Ok(match shape {
+        AnyShape::Torus(torus) => {
+            let size = lattice::Size::nearest(torus, vertices);
+            let [rows, columns] = [size.rows, size.columns].map(|count| count << size.level);
+            lattice::lattice(torus, rows, columns)
+        }
+        _ => icosphere::icosphere(refinement_level(shape, family, vertices)?),
+    })
+}
+
+fn refinement_level(shape: &AnyShape, family: Family, asked: usize) -> Result<u32, GenerateError> {
+    icosphere::level(asked).map_err(|nearest| GenerateError::NoSuchRefinement {
+        family,
+        shape: shape.name(),
+        asked,
+        nearest,
+    })
+}
+
+/// A mesh in the making: pre-images, and triangles that are not checked yet.
+struct Draft {
+    preimages: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Draft {
+    fn finish(self, shape: &AnyShape) -> Result<GeneratedMesh, GenerateError> {
+        let vertices = self.preimages.len();
+        let mesh = TriangleMesh::new(vertices, self.triangles).map_err(|source| {
+            GenerateError::TooCoarse {
+                shape: shape.name(),
+                vertices,
+                source,
+            }
+        })?;
+        let preimages = Vec::from_iter(self.preimages.iter().map(DVec3::to_array));
+        let positions = preimages.iter().map(|&p| shape.position(p)).collect();
+        Ok(GeneratedMesh {
+            mesh,
+            positions,
+            preimages,
+            shape: *shape,
+        })
+    }
+}
+
+/// The position of a pre-image, as a vector.
+fn position(shape: &impl Shape<f64>, preimage: DVec3) -> DVec3 {
+    shape.position(preimage.to_array()).into()
+}
+
+/// The pre-image of a point near the surface, as a vector.
+fn preimage(shape: &impl Shape<f64>, position: DVec3) -> DVec3 {
+    shape.preimage(position.to_array()).into()
+}

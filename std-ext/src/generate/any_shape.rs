@@ -1,0 +1,188 @@
+//! A shape that is chosen at run time.
+
+use helfrich::shapes::{Discocyte, Ellipsoid, ExactPoint, Shape, ShapeError, Sphere, Torus};
+use std::fmt;
+use std::str::FromStr;
+
+/// One of the exact shapes.
+///
+/// Read from and written as a name, alone or with parameters: `sphere`, `sphere:R`,
+/// `ellipsoid:a,b,c`, `torus:R,r`, `discocyte:R`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AnyShape {
+    /// By default of radius 1.
+    Sphere(Sphere<f64>),
+    /// By default with three different semi-axes: 1, 0.8 and 0.6.
+    Ellipsoid(Ellipsoid<f64>),
+    /// By default with R = 2 and r = 1.
+    Torus(Torus<f64>),
+    /// By default of radius 1.
+    Discocyte(Discocyte<f64>),
+}
+
+/// Calls a method of whichever shape it is.
+macro_rules! each {
+    ($any:expr, $shape:ident => $call:expr) => {
+        match $any {
+            AnyShape::Sphere($shape) => $call,
+            AnyShape::Ellipsoid($shape) => $call,
+            AnyShape::Torus($shape) => $call,
+            AnyShape::Discocyte($shape) => $call,
+        }
+    };
+}
+
+impl AnyShape {
+    /// The shape's name, without parameters.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Sphere(_) => "sphere",
+            Self::Ellipsoid(_) => "ellipsoid",
+            Self::Torus(_) => "torus",
+            Self::Discocyte(_) => "discocyte",
+        }
+    }
+
+    /// The lengths after the name: the radii or semi-axes.
+    fn parameters(&self) -> Vec<f64> {
+        match self {
+            Self::Sphere(sphere) => vec![sphere.radius],
+            Self::Ellipsoid(ellipsoid) => ellipsoid.semi_axes.into(),
+            Self::Torus(torus) => vec![torus.radius, torus.tube_radius],
+            Self::Discocyte(discocyte) => vec![discocyte.radius],
+        }
+    }
+
+    /// A length by which the shape's curvatures are made dimensionless: R of sphere, torus and
+    /// discocyte, the longest semi-axis of an ellipsoid.
+    pub fn size(&self) -> f64 {
+        match self {
+            Self::Sphere(sphere) => sphere.radius,
+            Self::Ellipsoid(ellipsoid) => ellipsoid.semi_axes.into_iter().fold(0.0, f64::max),
+            Self::Torus(torus) => torus.radius,
+            Self::Discocyte(discocyte) => discocyte.radius,
+        }
+    }
+
+    /// χ, the Euler characteristic: 0 for the torus, 2 for the others.
+    pub fn euler_characteristic(&self) -> i64 {
+        match self {
+            Self::Torus(_) => 0,
+            _ => 2,
+        }
+    }
+}
+
+impl Shape<f64> for AnyShape {
+    fn at(&self, preimage: [f64; 3]) -> ExactPoint<f64> {
+        each!(self, shape => shape.at(preimage))
+    }
+
+    fn preimage(&self, position: [f64; 3]) -> [f64; 3] {
+        each!(self, shape => shape.preimage(position))
+    }
+
+    fn area_element(&self, preimage: [f64; 3]) -> f64 {
+        each!(self, shape => shape.area_element(preimage))
+    }
+
+    fn position(&self, preimage: [f64; 3]) -> [f64; 3] {
+        each!(self, shape => shape.position(preimage))
+    }
+}
+
+/// Why a text names no shape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParseShapeError {
+    /// A name that is no shape's.
+    #[error("there is no shape `{name}`: choose sphere, ellipsoid, torus or discocyte")]
+    UnknownName {
+        /// The name.
+        name: String,
+    },
+    /// A parameter that cannot be read.
+    #[error("`{text}` is not a number: parameters are written as in {example}")]
+    NotANumber {
+        /// The parameter.
+        text: String,
+        /// A text that is right.
+        example: &'static str,
+    },
+    /// Too few or too many parameters.
+    #[error("{found} parameters are given where {expected} are needed, as in {example}")]
+    WrongCount {
+        /// How many were given.
+        found: usize,
+        /// How many the shape has.
+        expected: usize,
+        /// A text that is right.
+        example: &'static str,
+    },
+    /// A parameter out of its range.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+}
+
+impl FromStr for AnyShape {
+    type Err = ParseShapeError;
+
+    fn from_str(text: &str) -> Result<Self, ParseShapeError> {
+        let (name, parameters) = match text.split_once(':') {
+            Some((name, parameters)) => (name, Some(parameters)),
+            None => (text, None),
+        };
+        Ok(match name {
+            "sphere" => {
+                let [radius] = numbers(parameters, [1.0], "sphere:1")?;
+                Self::Sphere(Sphere::new(radius)?)
+            }
+            "ellipsoid" => {
+                let semi_axes = numbers(parameters, [1.0, 0.8, 0.6], "ellipsoid:1,0.8,0.6")?;
+                Self::Ellipsoid(Ellipsoid::new(semi_axes)?)
+            }
+            "torus" => {
+                let [radius, tube_radius] = numbers(parameters, [2.0, 1.0], "torus:2,1")?;
+                Self::Torus(Torus::new(radius, tube_radius)?)
+            }
+            "discocyte" => {
+                let [radius] = numbers(parameters, [1.0], "discocyte:1")?;
+                Self::Discocyte(Discocyte::new(radius)?)
+            }
+            _ => return Err(ParseShapeError::UnknownName { name: name.into() }),
+        })
+    }
+}
+
+/// The numbers of a comma-separated list; the default where there is none.
+fn numbers<const N: usize>(
+    list: Option<&str>,
+    default: [f64; N],
+    example: &'static str,
+) -> Result<[f64; N], ParseShapeError> {
+    let Some(list) = list else {
+        return Ok(default);
+    };
+    let number = |text: &str| {
+        let text = text.trim();
+        text.parse().map_err(|_| ParseShapeError::NotANumber {
+            text: text.into(),
+            example,
+        })
+    };
+    let found: Vec<f64> = list.split(',').map(number).collect::<Result<_, _>>()?;
+    let wrong_count = |found: Vec<f64>| ParseShapeError::WrongCount {
+        found: found.len(),
+        expected: N,
+        example,
+    };
+    found.try_into().map_err(wrong_count)
+}
+
+impl fmt::Display for AnyShape {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let parameters = self.parameters();
+        let list = Vec::from_iter(parameters.iter().map(f64::to_string)).join(",");
+        formatter.pad(&format!("{}:{list}", self.name()))
+    }
+}

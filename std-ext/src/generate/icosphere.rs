@@ -1,0 +1,150 @@
+//! The unit sphere, as an icosahedron refined by edge midpoints.
+
+use super::{Draft, MOST_VERTICES};
+use glam::{DQuat, DVec3};
+
+/// The icosahedron.
+pub(super) const LEAST_VERTICES: usize = 12;
+
+/// The level with this many vertices, 10·4^level + 2; or the nearest numbers below and above.
+pub(super) fn level(vertices: usize) -> Result<u32, [usize; 2]> {
+    let mut below = LEAST_VERTICES;
+    for level in 0.. {
+        let count = 10 * (1usize << (2 * level)) + 2;
+        if count == vertices {
+            return Ok(level);
+        }
+        if count > MOST_VERTICES {
+            return Err([below, below]);
+        }
+        if count > vertices {
+            return Err([below, count]);
+        }
+        below = count;
+    }
+    unreachable!("the numbers grow beyond every limit")
+}
+
+/// The icosahedron refined `level` times.
+pub(super) fn icosphere(level: u32) -> Draft {
+    let mut draft = icosahedron();
+    for _ in 0..level {
+        draft = refine(&draft, midpoint);
+    }
+    draft
+}
+
+/// The middle of the arc between two points of the unit sphere.
+pub(super) fn midpoint(a: DVec3, b: DVec3) -> DVec3 {
+    (a + b).normalize()
+}
+
+/// Each triangle of a closed mesh cut into four by the midpoints of its edges.
+///
+/// The vertices keep their numbers; the midpoints follow, in the order of their edges' ends.
+pub(super) fn refine(draft: &Draft, midpoint: impl Fn(DVec3, DVec3) -> DVec3) -> Draft {
+    let mut half_edges = Vec::with_capacity(3 * draft.triangles.len());
+    for (t, triangle) in draft.triangles.iter().enumerate() {
+        for corner in 0..3 {
+            let (a, b) = (triangle[corner], triangle[(corner + 1) % 3]);
+            half_edges.push((a.min(b), a.max(b), (3 * t + corner) as u32));
+        }
+    }
+    half_edges.sort_unstable();
+
+    let mut preimages = draft.preimages.clone();
+    let mut midpoints = vec![[0u32; 3]; draft.triangles.len()];
+    // In a closed mesh the two sides of an edge stand next to each other.
+    for sides in half_edges.chunks_exact(2) {
+        let (a, b, _) = sides[0];
+        let added = preimages.len() as u32;
+        preimages.push(midpoint(preimages[a as usize], preimages[b as usize]));
+        for &(_, _, corner) in sides {
+            midpoints[corner as usize / 3][corner as usize % 3] = added;
+        }
+    }
+    let quarters = |(&[a, b, c], &[ab, bc, ca]): (&[u32; 3], &[u32; 3])| {
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+    };
+    let parents = draft.triangles.iter().zip(&midpoints);
+    Draft {
+        preimages,
+        triangles: parents.flat_map(quarters).collect(),
+    }
+}
+
+/// The icosahedron in a generic rotation: no vertex on an axis of the coordinates and no axis in a
+/// mirror plane, since symmetric meshes make errors vanish that others have.
+fn icosahedron() -> Draft {
+    let rotation = DQuat::from_xyzw(0.35, -0.27, 0.41, 0.8).normalize();
+    let golden = (1.0 + 5f64.sqrt()) / 2.0;
+    let rectangle = [
+        (-1.0, golden),
+        (1.0, golden),
+        (-1.0, -golden),
+        (1.0, -golden),
+    ];
+    let mut preimages = Vec::with_capacity(LEAST_VERTICES);
+    for axis in 0..3 {
+        for (short, long) in rectangle {
+            let mut vertex = [0.0; 3];
+            vertex[axis] = short;
+            vertex[(axis + 1) % 3] = long;
+            preimages.push((rotation * DVec3::from(vertex)).normalize());
+        }
+    }
+    Draft {
+        preimages,
+        triangles: ICOSAHEDRON.to_vec(),
+    }
+}
+
+/// Vertices 0 … 3 lie in the xy plane, 4 … 7 in yz, 8 … 11 in zx, each group in the order of
+/// (short, long) = (−, +), (+, +), (−, −), (+, −).
+const ICOSAHEDRON: [[u32; 3]; 20] = [
+    [0, 5, 1],
+    [0, 1, 7],
+    [0, 11, 5],
+    [0, 7, 10],
+    [0, 10, 11],
+    [1, 5, 9],
+    [1, 8, 7],
+    [1, 9, 8],
+    [2, 3, 4],
+    [2, 6, 3],
+    [2, 4, 11],
+    [2, 10, 6],
+    [2, 11, 10],
+    [3, 9, 4],
+    [3, 6, 8],
+    [3, 8, 9],
+    [4, 9, 5],
+    [4, 5, 11],
+    [6, 7, 8],
+    [6, 10, 7],
+];
+
+#[cfg(test)]
+mod tests {
+    use super::{icosahedron, level};
+
+    #[test]
+    fn levels() {
+        assert_eq!(level(12), Ok(0));
+        assert_eq!(level(163842), Ok(7));
+        assert_eq!(level(700), Err([642, 2562]));
+    }
+
+    /// The icosahedron's mirror planes are those across its edges' midpoints.
+    #[test]
+    fn rotation_is_generic() {
+        let draft = icosahedron();
+        for vertex in &draft.preimages {
+            assert!(vertex.abs().max_element() < 0.99);
+        }
+        for [a, b, _] in draft.triangles {
+            let middle = draft.preimages[a as usize] + draft.preimages[b as usize];
+            assert!(middle.normalize().abs().min_element() > 0.02);
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! Mesh families: what is promised of every mesh, and of each family.
+
+use helfrich::shapes::Shape;
+use helfrich_std::generate::{AnyShape, Family, GenerateError, GeneratedMesh, generate};
+use helfrich_tests::tolerance;
+use std::array::from_fn;
+
+const SHAPES: [&str; 8] = [
+    "sphere",
+    "ellipsoid",
+    "ellipsoid:1,1,0.25",
+    "torus",
+    "torus:1,0.8",
+    "torus:5e-6,1e-6",
+    "discocyte",
+    "discocyte:4e-6",
+];
+
+fn shape(name: &str) -> AnyShape {
+    name.parse().unwrap()
+}
+
+fn make(name: &str, family: Family, vertices: usize, seed: u64) -> GeneratedMesh {
+    generate(&shape(name), family, vertices, seed).unwrap()
+}
+
+fn is_torus(name: &str) -> bool {
+    name.starts_with("torus")
+}
+
+fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    from_fn(|i| a[i] - b[i])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
+}
+
+fn corners(made: &GeneratedMesh) -> impl Iterator<Item = [[f64; 3]; 3]> {
+    let triangles = made.mesh.triangles().iter();
+    triangles.map(|triangle| triangle.map(|vertex| made.positions[vertex as usize]))
+}
+
+/// All angles of all triangles, in degrees, sorted.
+fn angles(made: &GeneratedMesh) -> Vec<f64> {
+    let of_triangle = |x: [[f64; 3]; 3]| -> [f64; 3] {
+        from_fn(|i| {
+            let next = difference(x[(i + 1) % 3], x[i]);
+            let last = difference(x[(i + 2) % 3], x[i]);
+            let across = cross(next, last);
+            dot(across, across)
+                .sqrt()
+                .atan2(dot(next, last))
+                .to_degrees()
+        })
+    };
+    let mut angles = Vec::from_iter(corners(made).flat_map(of_triangle));
+    angles.sort_by(f64::total_cmp);
+    angles
+}
+
+fn valences(made: &GeneratedMesh) -> Vec<usize> {
+    let vertices = 0..made.mesh.vertex_count();
+    vertices.map(|vertex| made.mesh.valence(vertex)).collect()
+}
+
+/// The standard deviation of the edges' lengths, in mean lengths.
+fn unevenness(made: &GeneratedMesh) -> f64 {
+    let lengths = Vec::from_iter(made.mesh.edges().iter().map(|edge| {
+        let [a, b] = edge.map(|vertex| made.positions[vertex as usize]);
+        dot(difference(a, b), difference(a, b)).sqrt()
+    }));
+    let count = lengths.len() as f64;
+    let mean = lengths.iter().sum::<f64>() / count;
+    let square = lengths.iter().map(|length| (length / mean - 1.0).powi(2));
+    (square.sum::<f64>() / count).sqrt()
+}
+
+/// The least cosine between a triangle's normal and the exact one under its centre.
+fn alignment(made: &GeneratedMesh) -> f64 {
+    let of_triangle = |x: [[f64; 3]; 3]| {
+        let centre = from_fn(|i| (x[0][i] + x[1][i] + x[2][i]) / 3.0);
+        let normal = made.shape.at(made.shape.preimage(centre)).normal;
+        let area = cross(difference(x[1], x[0]), difference(x[2], x[0]));
+        dot(area, normal) / dot(area, area).sqrt()
+    };
+    corners(made).map(of_triangle).fold(1.0, f64::min)
+}
+
+#[test]
+fn every_mesh_is_closed_oriented_and_on_its_shape() {
+    for name in SHAPES {
+        for family in Family::ALL {
+            for vertices in [642, 2562] {
+                let what = format!("{family} mesh of {vertices} on {name}");
+                let made = make(name, family, vertices, 3);
+                assert!(made.mesh.is_closed(), "{what}");
+                let euler = if is_torus(name) { 0 } else { 2 };
+                assert_eq!(made.mesh.euler_characteristic(), euler, "{what}");
+                assert_eq!(made.mesh.components().1, 1, "{what}");
+
+                let count = made.mesh.vertex_count();
+                assert_eq!([made.positions.len(), made.preimages.len()], [count; 2]);
+                if is_torus(name) && family != Family::Irregular {
+                    assert!(count.abs_diff(vertices) * 100 < vertices, "{what}: {count}");
+                } else {
+                    assert_eq!(count, vertices, "{what}");
+                }
+
+                assert!(alignment(&made) > 0.05, "{what}: {}", alignment(&made));
+                for (&preimage, &position) in made.preimages.iter().zip(&made.positions) {
+                    assert_eq!(position, made.shape.position(preimage), "{what}");
+                    let again = made.shape.position(made.shape.preimage(position));
+                    let size = made.shape.size();
+                    for i in 0..3 {
+                        tolerance::ON_SURFACE.assert(again[i], position[i], size, &what);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_seed_decides() {
+    let bits = |made: &GeneratedMesh| {
+        let numbers = made.positions.iter().flatten();
+        Vec::from_iter(numbers.map(|x| x.to_bits()))
+    };
+    for name in ["sphere", "torus", "discocyte"] {
+        for family in Family::ALL {
+            let [first, again, other] = [1, 1, 2].map(|seed| make(name, family, 642, seed));
+            assert_eq!(bits(&first), bits(&again), "{family} on {name}");
+            assert_eq!(first.mesh, again.mesh, "{family} on {name}");
+            let random = matches!(family, Family::Irregular | Family::Hard);
+            assert_eq!(bits(&first) != bits(&other), random, "{family} on {name}");
+        }
+    }
+}
+
+/// What must come out on every machine: a digest that any change of a bit would change. It is new
+/// only where a family is changed on purpose.
+#[test]
+fn meshes_are_the_same_everywhere() {
+    let digest = |name, family| {
+        let made = make(name, family, 642, 7);
+        let numbers = made.positions.iter().flatten().map(|x| x.to_bits());
+        let corners = made
+            .mesh
+            .triangles()
+            .iter()
+            .flatten()
+            .map(|&v| u64::from(v));
+        let mix = |digest: u64, bits: u64| (digest ^ bits).wrapping_mul(0x0100_0000_01b3);
+        numbers.chain(corners).fold(0xcbf2_9ce4_8422_2325, mix)
+    };
+    let found = ["torus", "discocyte"].map(|name| Family::ALL.map(|family| digest(name, family)));
+    let expected = [
+        [
+            0xa25b_84dd_4761_7c7f,
+            0x2d05_9678_1c55_9f3e,
+            0x3bbc_f0b4_60cd_1773,
+            0xd4ee_4edb_471a_2bb0,
+        ],
+        [
+            0xa111_ac5e_bb2f_d61f,
+            0xffd5_c574_9999_7f21,
+            0x198d_87f0_2d13_7347,
+            0x8e2c_782f_6ea4_bba8,
+        ],
+    ];
+    assert_eq!(found, expected, "{found:#018x?}");
+}
+
+#[test]
+fn regular_and_relaxed_meshes_are_even() {
+    for name in SHAPES {
+        for vertices in [642, 2562] {
+            let [regular, relaxed] =
+                [Family::Regular, Family::Relaxed].map(|family| make(name, family, vertices, 0));
+            let flipped = !is_torus(name) && regular.mesh != relaxed.mesh;
+            assert!(
+                !flipped,
+                "{name}: relaxing must not change the connectivity"
+            );
+            if !is_torus(name) {
+                let [before, after] = [&regular, &relaxed].map(unevenness);
+                assert!(after < 0.9 * before, "{name}: {before} to {after}");
+            }
+            let [before, after] = [&regular, &relaxed].map(|made| angles(made)[0]);
+            assert!(after > 0.98 * before, "{name}: {before}° to {after}°");
+            for made in [&regular, &relaxed] {
+                let range = if is_torus(name) { 6..=6 } else { 5..=6 };
+                assert!(valences(made).iter().all(|valence| range.contains(valence)));
+            }
+            // These two stretch their pre-image more than the others.
+            let least = match name {
+                "ellipsoid:1,1,0.25" | "torus:1,0.8" => 10.0,
+                _ => 30.0,
+            };
+            assert!(before > least, "{name}: {before}°");
+        }
+    }
+}
+
+#[test]
+fn irregular_meshes_are_irregular_and_well_spaced() {
+    for name in SHAPES {
+        for seed in [1, 2] {
+            for vertices in [2562, 10242] {
+                let made = make(name, Family::Irregular, vertices, seed);
+                let valences = valences(&made);
+                let fewest = *valences.iter().min().unwrap();
+                let most = *valences.iter().max().unwrap();
+                let smallest = angles(&made)[0];
+                let what = format!("{name}, {vertices}: valence {fewest} to {most}, {smallest}°");
+                assert!(
+                    (3..=4).contains(&fewest) && (9..=14).contains(&most),
+                    "{what}"
+                );
+                assert!((2.0..12.0).contains(&smallest), "{what}");
+                let small = angles(&made).iter().filter(|&&angle| angle < 12.0).count();
+                assert!(small * 10 < vertices, "{what}, {small} below 12°");
+                assert!(
+                    unevenness(&made) < 0.5,
+                    "{what}, edges {}",
+                    unevenness(&made)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn hard_meshes_have_needles_and_caps() {
+    for name in SHAPES {
+        for vertices in [2562, 10242] {
+            let made = make(name, Family::Hard, vertices, 1);
+            let angles = angles(&made);
+            let [smallest, largest] = [angles[0], angles[angles.len() - 1]];
+            let what = format!("{name}, {vertices}: {smallest}° to {largest}°");
+            assert!((0.69..0.8).contains(&smallest), "{what}");
+            assert!((174.0..176.01).contains(&largest), "{what}");
+            // A needle has two triangles with one tiny angle each, a cap one with a huge one.
+            let needles = angles.iter().filter(|&&angle| angle < 1.7).count() / 2;
+            let caps = angles.iter().filter(|&&angle| angle > 165.0).count();
+            assert!(100 * needles > vertices / 2, "{what}: {needles} needles");
+            assert!(100 * caps > vertices / 2, "{what}: {caps} caps");
+        }
+    }
+}
+
+/// The smallest meshes are valid, or refused with a reason.
+#[test]
+fn coarse_meshes() {
+    for name in SHAPES {
+        for family in Family::ALL {
+            for vertices in [12, 16, 42, 100, 162] {
+                match generate(&shape(name), family, vertices, 1) {
+                    Ok(made) => assert!(made.mesh.is_closed()),
+                    Err(error) => {
+                        let expected = matches!(
+                            error,
+                            GenerateError::NoSuchRefinement { .. }
+                                | GenerateError::OutOfRange { .. }
+                                | GenerateError::TooCoarse { .. }
+                        );
+                        assert!(expected, "{family} mesh of {vertices} on {name}: {error}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn impossible_requests_are_explained() {
+    let message = |name, family, vertices| {
+        let error = generate(&shape(name), family, vertices, 0).unwrap_err();
+        error.to_string()
+    };
+    assert_eq!(
+        message("discocyte", Family::Regular, 1000),
+        "no regular mesh of 1000 vertices exists on the discocyte: an icosahedron refines to \
+         10·4^k + 2, the nearest are 642 and 2562"
+    );
+    assert_eq!(
+        message("sphere", Family::Irregular, 3),
+        "3 vertices on the sphere are out of range: between 12 and 715827878 are needed"
+    );
+    assert!(message("torus", Family::Hard, usize::MAX).contains("out of range"));
+    assert!(message("sphere", Family::Hard, usize::MAX).contains("out of range"));
+}
+
+#[test]
+fn names() {
+    for name in SHAPES {
+        assert_eq!(shape(&shape(name).to_string()), shape(name));
+    }
+    assert_eq!(shape("ellipsoid").to_string(), "ellipsoid:1,0.8,0.6");
+    assert_eq!(shape("torus: 3, 1").to_string(), "torus:3,1");
+    for family in Family::ALL {
+        assert_eq!(family.name().parse(), Ok(family));
+    }
+
+    let message = |text: &str| text.parse::<AnyShape>().unwrap_err().to_string();
+    assert_eq!(
+        ["cube", "torus:1", "sphere:big", "torus:1,2", "sphere:-1"].map(message),
+        [
+            "there is no shape `cube`: choose sphere, ellipsoid, torus or discocyte",
+            "1 parameters are given where 2 are needed, as in torus:2,1",
+            "`big` is not a number: parameters are written as in sphere:1",
+            "the torus's tube radius is 2: it must lie above 0 and below 1",
+            "the sphere's radius is -1: it must lie above 0 and below inf",
+        ]
+    );
+    let error = "smooht".parse::<Family>().unwrap_err().to_string();
+    assert!(error.contains("`smooht`"), "{error}");
+}
