@@ -106,13 +106,15 @@ pub enum MeshError {
     },
     /// The triangles at a vertex form more than one fan.
     #[error(
-        "the triangles at vertex {vertex} form {fans} separate fans (a bow-tie): a surface has one"
+        "the triangles at vertex {vertex} form {fans} separate fans (a bow-tie), triangles {} and {} in different ones: a surface has one", triangles[0], triangles[1]
     )]
     NonManifoldVertex {
         /// The vertex.
         vertex: u32,
         /// How many fans there are.
         fans: u32,
+        /// A triangle of one fan, and a triangle of another.
+        triangles: [u32; 2],
     },
 }
 
@@ -170,8 +172,8 @@ impl HalfEdges {
 
 impl TriangleMesh {
     /// Most vertices and most triangles that a mesh may have: three corners a triangle are
-    /// numbered with 32 bits.
-    pub const LIMIT: usize = (u32::MAX / 3) as usize - 1;
+    /// numbered with 32 bits, and so are up to six entries a triangle in the list of one-rings.
+    pub const LIMIT: usize = (u32::MAX / 6) as usize;
 
     /// The mesh of `triangles` over the vertices 0 … `vertices` − 1, counter-clockwise seen from
     /// outside.
@@ -478,8 +480,7 @@ fn rings(
         }
         let reached = ring.len() - first - usize::from(open_fans > 0);
         if reached < leaving.len() {
-            let fans = count_fans(vertex, triangles, half_edges);
-            return Err(MeshError::NonManifoldVertex { vertex, fans });
+            return Err(separate_fans(vertex, triangles, half_edges));
         }
         kinds.push(match (leaving.len(), open_fans) {
             (0, _) => VertexKind::Isolated,
@@ -491,27 +492,40 @@ fn rings(
     Ok((offsets, ring, kinds))
 }
 
-fn count_fans(vertex: u32, triangles: &[[u32; 3]], half_edges: &HalfEdges) -> u32 {
+/// The error for a vertex whose triangles form more than one fan.
+fn separate_fans(vertex: u32, triangles: &[[u32; 3]], half_edges: &HalfEdges) -> MeshError {
     let leaving = half_edges.leaving(vertex);
-    let mut fan = Vec::from_iter(0..leaving.len());
-    // Each half-edge and its successor are in one fan: merge until nothing changes.
-    loop {
-        let mut changed = false;
-        for at in 0..leaving.len() {
-            let corner = leaving[at].1 as usize;
-            if let Some(next) = half_edges.find(vertex, triangles[corner / 3][(corner + 2) % 3]) {
-                let lowest = fan[at].min(fan[next]);
-                changed |= fan[at] != lowest || fan[next] != lowest;
-                fan[at] = lowest;
-                fan[next] = lowest;
-            }
+    let next = Vec::from_iter(leaving.iter().map(|&(_, corner)| {
+        let third = triangles[corner as usize / 3][(corner as usize + 2) % 3];
+        half_edges.find(vertex, third)
+    }));
+    // An open fan starts where no triangle precedes; what these do not reach is closed fans.
+    let mut is_start = alloc::vec![true; leaving.len()];
+    for &next in next.iter().flatten() {
+        is_start[next] = false;
+    }
+    let mut starts = Vec::from_iter((0..leaving.len()).filter(|&at| is_start[at]));
+    starts.extend((0..leaving.len()).filter(|&at| !is_start[at]));
+    let mut seen = alloc::vec![false; leaving.len()];
+    let mut fans = 0;
+    let mut found = [0; 2];
+    for start in starts {
+        if seen[start] {
+            continue;
         }
-        if !changed {
-            break;
+        if let Some(triangle) = found.get_mut(fans as usize) {
+            *triangle = leaving[start].1 / 3;
+        }
+        fans += 1;
+        let mut at = Some(start);
+        while let Some(here) = at.filter(|&here| !seen[here]) {
+            seen[here] = true;
+            at = next[here];
         }
     }
-    fan.iter()
-        .enumerate()
-        .filter(|&(at, &lowest)| at == lowest)
-        .count() as u32
+    MeshError::NonManifoldVertex {
+        vertex,
+        fans,
+        triangles: found,
+    }
 }
