@@ -106,20 +106,27 @@ pub enum MeshError {
     },
     /// The triangles at a vertex form more than one fan.
     #[error(
-        "the triangles at vertex {vertex} form {fans} separate fans (a bow-tie): a surface has one"
+        "the triangles at vertex {vertex} form {fans} separate fans (a bow-tie), triangles {} and {} in different ones: a surface has one", triangles[0], triangles[1]
     )]
     NonManifoldVertex {
         /// The vertex.
         vertex: u32,
         /// How many fans there are.
         fans: u32,
+        /// A triangle of one fan, and a triangle of another.
+        triangles: [u32; 2],
     },
 }
 
-/// The half-edges that leave a vertex: `(head, 3 * triangle + corner of the vertex)`, sorted.
+/// The sides of the triangles, each known by the corner `3 * triangle + 0, 1 or 2` that it leaves.
 struct HalfEdges {
+    /// Where the half-edges that leave a vertex start in `entries`.
     offsets: Vec<u32>,
+    /// `(head, corner)`, sorted, for one vertex after the other.
     entries: Vec<(u32, u32)>,
+    /// For each corner, the corner that the same edge leaves in the other direction; `NONE` at the
+    /// boundary.
+    opposite: Vec<u32>,
 }
 
 impl HalfEdges {
@@ -145,7 +152,12 @@ impl HalfEdges {
         for v in 0..vertices {
             entries[offsets[v] as usize..offsets[v + 1] as usize].sort_unstable();
         }
-        Self { offsets, entries }
+        let opposite = alloc::vec![NONE; 3 * triangles.len()];
+        Self {
+            offsets,
+            entries,
+            opposite,
+        }
     }
 
     fn leaving(&self, vertex: u32) -> &[(u32, u32)] {
@@ -163,15 +175,95 @@ impl HalfEdges {
         }
     }
 
-    fn triangle(&self, tail: u32, head: u32) -> Option<u32> {
-        self.find(tail, head).map(|at| self.leaving(tail)[at].1 / 3)
+    /// The next corner at the same vertex, counter-clockwise; `NONE` where the boundary comes.
+    fn next_around(&self, corner: u32) -> u32 {
+        self.opposite[previous_corner(corner) as usize]
     }
+
+    /// Finds the opposites; every directed edge must be there once, and no triangle on top of
+    /// another.
+    fn pair(&mut self, triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+        for tail in 0..self.offsets.len() as u32 - 1 {
+            let end = self.offsets[tail as usize + 1] as usize;
+            for at in self.offsets[tail as usize] as usize..end {
+                let (head, corner) = self.entries[at];
+                if let Some(&(next_head, second)) = self.entries[at + 1..end].first()
+                    && next_head == head
+                {
+                    return Err(self.same_direction([tail, head], [corner, second], triangles));
+                }
+                if tail > head {
+                    continue;
+                }
+                let Some(found) = self.find(head, tail) else {
+                    continue;
+                };
+                let other = self.leaving(head)[found].1;
+                if apex(corner, triangles) == apex(other, triangles) {
+                    let (first, second) = (corner / 3, other / 3);
+                    return Err(MeshError::DuplicateTriangle {
+                        first: first.min(second),
+                        second: first.max(second),
+                    });
+                }
+                self.opposite[corner as usize] = other;
+                self.opposite[other as usize] = corner;
+            }
+        }
+        Ok(())
+    }
+
+    /// The error for two half-edges with the same tail and head.
+    #[cold]
+    fn same_direction(
+        &self,
+        [tail, head]: [u32; 2],
+        corners: [u32; 2],
+        triangles: &[[u32; 3]],
+    ) -> MeshError {
+        let [first, second] = corners.map(|corner| corner / 3);
+        if apex(corners[0], triangles) == apex(corners[1], triangles) {
+            return MeshError::DuplicateTriangle { first, second };
+        }
+        let count = |from: u32, to: u32| {
+            let heads = self.leaving(from).iter().map(|entry| entry.0);
+            heads.filter(|&head| head == to).count() as u32
+        };
+        let meeting = count(tail, head) + count(head, tail);
+        if meeting > 2 {
+            MeshError::NonManifoldEdge {
+                edge: [tail, head],
+                triangles: meeting,
+                triangle: second,
+            }
+        } else {
+            MeshError::InconsistentOrientation {
+                edge: [tail, head],
+                triangles: [first, second],
+            }
+        }
+    }
+}
+
+/// The corner before this one in its triangle.
+fn previous_corner(corner: u32) -> u32 {
+    if corner.is_multiple_of(3) {
+        corner + 2
+    } else {
+        corner - 1
+    }
+}
+
+/// The vertex opposite to the half-edge that leaves this corner.
+fn apex(corner: u32, triangles: &[[u32; 3]]) -> u32 {
+    let previous = previous_corner(corner) as usize;
+    triangles[previous / 3][previous % 3]
 }
 
 impl TriangleMesh {
     /// Most vertices and most triangles that a mesh may have: three corners a triangle are
-    /// numbered with 32 bits.
-    pub const LIMIT: usize = (u32::MAX / 3) as usize - 1;
+    /// numbered with 32 bits, and so are up to six entries a triangle in the list of one-rings.
+    pub const LIMIT: usize = (u32::MAX / 6) as usize;
 
     /// The mesh of `triangles` over the vertices 0 … `vertices` − 1, counter-clockwise seen from
     /// outside.
@@ -209,8 +301,8 @@ impl TriangleMesh {
                 }
             }
         }
-        let half_edges = HalfEdges::new(vertices, &triangles);
-        check_half_edges(vertices, &triangles, &half_edges)?;
+        let mut half_edges = HalfEdges::new(vertices, &triangles);
+        half_edges.pair(&triangles)?;
 
         let (edges, edge_triangles) = edges(vertices, &triangles, &half_edges);
         let boundary_edges = edge_triangles
@@ -366,68 +458,6 @@ impl TriangleMesh {
     }
 }
 
-/// Every directed edge once, and no triangle on top of another.
-fn check_half_edges(
-    vertices: usize,
-    triangles: &[[u32; 3]],
-    half_edges: &HalfEdges,
-) -> Result<(), MeshError> {
-    let sorted = |t: u32| {
-        let mut triangle = triangles[t as usize];
-        triangle.sort_unstable();
-        triangle
-    };
-    for tail in 0..vertices as u32 {
-        let leaving = half_edges.leaving(tail);
-        for pair in leaving.windows(2) {
-            let head = pair[0].0;
-            if head != pair[1].0 {
-                continue;
-            }
-            let (first, second) = (pair[0].1 / 3, pair[1].1 / 3);
-            if sorted(first) == sorted(second) {
-                return Err(MeshError::DuplicateTriangle { first, second });
-            }
-            let meeting = [(tail, head), (head, tail)]
-                .iter()
-                .map(|&(a, b)| {
-                    half_edges
-                        .leaving(a)
-                        .iter()
-                        .filter(|entry| entry.0 == b)
-                        .count()
-                })
-                .sum::<usize>() as u32;
-            return Err(if meeting > 2 {
-                MeshError::NonManifoldEdge {
-                    edge: [tail, head],
-                    triangles: meeting,
-                    triangle: second,
-                }
-            } else {
-                MeshError::InconsistentOrientation {
-                    edge: [tail, head],
-                    triangles: [first, second],
-                }
-            });
-        }
-        for &(head, corner) in leaving {
-            let third = triangles[corner as usize / 3][(corner as usize + 2) % 3];
-            if tail < head
-                && let Some(other) = half_edges.triangle(head, tail)
-                && triangles[other as usize].contains(&third)
-            {
-                let first = corner / 3;
-                return Err(MeshError::DuplicateTriangle {
-                    first: first.min(other),
-                    second: first.max(other),
-                });
-            }
-        }
-    }
-    Ok(())
-}
-
 fn edges(
     vertices: usize,
     triangles: &[[u32; 3]],
@@ -437,10 +467,11 @@ fn edges(
     let mut sides = Vec::with_capacity(3 * triangles.len() / 2);
     for tail in 0..vertices as u32 {
         for &(head, corner) in half_edges.leaving(tail) {
-            let right = half_edges.triangle(head, tail);
-            if tail < head || right.is_none() {
+            let opposite = half_edges.opposite[corner as usize];
+            if tail < head || opposite == NONE {
+                let right = if opposite == NONE { NONE } else { opposite / 3 };
                 edges.push([tail, head]);
-                sides.push([corner / 3, right.unwrap_or(NONE)]);
+                sides.push([corner / 3, right]);
             }
         }
     }
@@ -463,66 +494,77 @@ fn rings(
     offsets.push(0);
     for vertex in 0..vertices as u32 {
         let leaving = half_edges.leaving(vertex);
-        // A fan's first half-edge at the boundary is the one that nobody runs back along.
-        let mut open_fans = 0;
-        let mut start = 0;
-        for (at, &(head, _)) in leaving.iter().enumerate().rev() {
-            if half_edges.find(head, vertex).is_none() {
-                open_fans += 1;
-                start = at;
-            }
-        }
-        let first = ring.len();
-        let mut at = start;
-        for _ in 0..leaving.len() {
-            let (head, corner) = leaving[at];
+        // An open fan starts at the boundary, a closed one at the lowest neighbour.
+        let open = leaving
+            .iter()
+            .find(|&&(_, corner)| half_edges.opposite[corner as usize] == NONE);
+        let mut reached = 0;
+        if let Some(&(head, start)) = open.or(leaving.first()) {
             ring.push(head);
-            let third = triangles[corner as usize / 3][(corner as usize + 2) % 3];
-            match half_edges.find(vertex, third) {
-                Some(next) if next != start => at = next,
-                Some(_) => break,
-                None => {
-                    ring.push(third);
+            let mut corner = start;
+            loop {
+                reached += 1;
+                let next = half_edges.next_around(corner);
+                if next == start {
                     break;
                 }
+                ring.push(apex(corner, triangles));
+                if next == NONE {
+                    break;
+                }
+                corner = next;
             }
         }
-        let reached = ring.len() - first - usize::from(open_fans > 0);
         if reached < leaving.len() {
-            let fans = count_fans(vertex, triangles, half_edges);
-            return Err(MeshError::NonManifoldVertex { vertex, fans });
+            return Err(separate_fans(vertex, triangles, half_edges));
         }
-        kinds.push(match (leaving.len(), open_fans) {
-            (0, _) => VertexKind::Isolated,
-            (_, 0) => VertexKind::Interior,
-            _ => VertexKind::Boundary,
+        kinds.push(if leaving.is_empty() {
+            VertexKind::Isolated
+        } else if open.is_some() {
+            VertexKind::Boundary
+        } else {
+            VertexKind::Interior
         });
         offsets.push(ring.len() as u32);
     }
     Ok((offsets, ring, kinds))
 }
 
-fn count_fans(vertex: u32, triangles: &[[u32; 3]], half_edges: &HalfEdges) -> u32 {
+/// The error for a vertex whose triangles form more than one fan.
+fn separate_fans(vertex: u32, triangles: &[[u32; 3]], half_edges: &HalfEdges) -> MeshError {
     let leaving = half_edges.leaving(vertex);
-    let mut fan = Vec::from_iter(0..leaving.len());
-    // Each half-edge and its successor are in one fan: merge until nothing changes.
-    loop {
-        let mut changed = false;
-        for at in 0..leaving.len() {
-            let corner = leaving[at].1 as usize;
-            if let Some(next) = half_edges.find(vertex, triangles[corner / 3][(corner + 2) % 3]) {
-                let lowest = fan[at].min(fan[next]);
-                changed |= fan[at] != lowest || fan[next] != lowest;
-                fan[at] = lowest;
-                fan[next] = lowest;
-            }
+    let next = Vec::from_iter(
+        leaving
+            .iter()
+            .map(|&(_, corner)| half_edges.find(vertex, apex(corner, triangles))),
+    );
+    // An open fan starts where no triangle precedes; what these do not reach is closed fans.
+    let mut is_start = alloc::vec![true; leaving.len()];
+    for &next in next.iter().flatten() {
+        is_start[next] = false;
+    }
+    let mut starts = Vec::from_iter((0..leaving.len()).filter(|&at| is_start[at]));
+    starts.extend((0..leaving.len()).filter(|&at| !is_start[at]));
+    let mut seen = alloc::vec![false; leaving.len()];
+    let mut fans = 0;
+    let mut found = [0; 2];
+    for start in starts {
+        if seen[start] {
+            continue;
         }
-        if !changed {
-            break;
+        if let Some(triangle) = found.get_mut(fans as usize) {
+            *triangle = leaving[start].1 / 3;
+        }
+        fans += 1;
+        let mut at = Some(start);
+        while let Some(here) = at.filter(|&here| !seen[here]) {
+            seen[here] = true;
+            at = next[here];
         }
     }
-    fan.iter()
-        .enumerate()
-        .filter(|&(at, &lowest)| at == lowest)
-        .count() as u32
+    MeshError::NonManifoldVertex {
+        vertex,
+        fans,
+        triangles: found,
+    }
 }

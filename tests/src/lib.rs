@@ -1,4 +1,5 @@
 //! What the tests share.
 
+pub mod invariants;
 pub mod quadrature;
 pub mod tolerance;

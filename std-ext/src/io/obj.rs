@@ -1,0 +1,65 @@
+//! Wavefront OBJ.
+//!
+//! Source: Wavefront Technologies, Advanced Visualizer manual, appendix B1: "Object Files".
+
+use super::text::{Text, parsed};
+use super::{Builder, MeshFile, ParseError, Problem};
+
+pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let mut text = Text::joining_lines(bytes);
+    let mut builder = Builder::new(1);
+    let mut corners = Vec::new();
+    while let Some(keyword) = text.statement() {
+        match keyword {
+            // A weight or a colour may follow.
+            b"v" => {
+                let first = text.word();
+                let point = text.coordinates(first, builder.next_vertex())?;
+                builder.positions.push(point);
+            }
+            b"f" => {
+                let position = text.position();
+                corners.clear();
+                while let Some(word) = text.word() {
+                    corners.push(corner(word, &text, &builder)?);
+                }
+                builder.add_face(&corners, position)?;
+            }
+            // Normals, groups, materials, lines, free-form surfaces and what others invented.
+            _ if keyword[0].is_ascii_alphabetic() => {}
+            _ => {
+                let expected = "an OBJ keyword such as v or f";
+                return Err(text.expected(expected, Some(keyword), None));
+            }
+        }
+    }
+    builder.finish()
+}
+
+/// The vertex, from 0, of a corner `i`, `i/t`, `i//n` or `i/t/n`, where i counts from 1, or from
+/// −1 back from the last vertex so far.
+#[inline]
+fn corner(word: &[u8], text: &Text<'_>, builder: &Builder) -> Result<u32, ParseError> {
+    let end = word.iter().position(|&byte| byte == b'/');
+    let vertices = builder.positions.len();
+    let number: Option<i64> = parsed(Some(&word[..end.unwrap_or(word.len())]));
+    let vertex = match number {
+        Some(number) if number > 0 => number - 1,
+        Some(number) if number < 0 && number.unsigned_abs() <= vertices as u64 => {
+            vertices as i64 + number
+        }
+        Some(number) => {
+            let problem = Problem::VertexOutOfRange {
+                vertex: number,
+                vertices,
+                first: 1,
+            };
+            return Err(problem.at(text.position(), Some(builder.next_face())));
+        }
+        None => -1,
+    };
+    u32::try_from(vertex).map_err(|_| {
+        let expected = "a vertex number from 1 to 4294967296, or from -1 downwards";
+        text.expected(expected, Some(word), Some(builder.next_face()))
+    })
+}

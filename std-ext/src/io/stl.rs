@@ -1,0 +1,125 @@
+//! Stereolithography files, ASCII and binary.
+//!
+//! Source: 3D Systems, Stereolithography Interface Specification (1989). A binary file has a
+//! header of 80 bytes, the number n of faces (u32), and 50 bytes a face, little endian: its
+//! normal and three corners (f32), and 2 bytes of attributes. Normals are skipped.
+
+use std::collections::HashMap;
+
+use super::text::Text;
+use super::{Builder, MeshFile, ParseError, Position, Problem, finite};
+
+/// The header and the number of faces, and one face, in bytes.
+const HEADER: usize = 84;
+const FACE: usize = 50;
+
+/// The number of faces that a binary file's header announces, if it is as long as a header.
+fn announced_faces(bytes: &[u8]) -> Option<u64> {
+    let count = bytes.get(80..HEADER)?.first_chunk()?;
+    Some(u64::from(u32::from_le_bytes(*count)))
+}
+
+pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    // A binary header may start with `solid` too: only the length tells.
+    match announced_faces(bytes) {
+        Some(faces) if HEADER as u64 + FACE as u64 * faces == bytes.len() as u64 => binary(bytes),
+        Some(faces) if bytes.contains(&0) => {
+            let length = bytes.len();
+            Err(Problem::WrongLength { faces, length }.anywhere())
+        }
+        _ => ascii(bytes),
+    }
+}
+
+fn binary(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let mut builder = Builder::new(0);
+    builder.reserve(bytes.len() / (2 * FACE), bytes.len() / FACE, bytes.len());
+    let mut weld = Weld::default();
+    for (face, record) in bytes[HEADER..].chunks_exact(FACE).enumerate() {
+        let position = Position::Byte(HEADER + FACE * face);
+        let mut numbers = record[12..48].chunks_exact(4).map(|number| {
+            let mut bytes = [0; 4];
+            bytes.copy_from_slice(number);
+            f32::from_le_bytes(bytes)
+        });
+        let mut corners = [0; 3];
+        for corner in &mut corners {
+            let mut point = [0.0; 3];
+            for ((axis, coordinate), number) in point.iter_mut().enumerate().zip(&mut numbers) {
+                *coordinate = finite(f64::from(number), axis, || number.to_string())
+                    .map_err(|problem| problem.at(position, Some(builder.next_face())))?;
+            }
+            *corner = weld.vertex(point, &mut builder.positions);
+        }
+        builder.add_face(&corners, position)?;
+    }
+    builder.finish()
+}
+
+fn ascii(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let mut text = Text::new(bytes);
+    let mut builder = Builder::new(0);
+    let mut weld = Weld::default();
+    keyword(&mut text, "solid", "`solid` (or a binary STL file)")?;
+    loop {
+        let word = text.statement();
+        if is(word, "facet") {
+            let position = text.position();
+            let face = builder.next_face();
+            keyword(&mut text, "outer", "`outer loop`")?;
+            let mut corners = [0; 3];
+            for corner in &mut corners {
+                keyword(&mut text, "vertex", "`vertex`")?;
+                let first = text.word();
+                let point = text.coordinates(first, face)?;
+                *corner = weld.vertex(point, &mut builder.positions);
+            }
+            keyword(&mut text, "endloop", "`endloop`")?;
+            keyword(&mut text, "endfacet", "`endfacet`")?;
+            builder.add_face(&corners, position)?;
+        } else if is(word, "endsolid") {
+            // Another solid may follow.
+            match text.statement() {
+                None => return builder.finish(),
+                word if is(word, "solid") => {}
+                word => return Err(text.expected("`solid` or the end of the file", word, None)),
+            }
+        } else {
+            return Err(text.expected("`facet` or `endsolid`", word, None));
+        }
+    }
+}
+
+/// The next statement has to start with this keyword.
+fn keyword(text: &mut Text<'_>, keyword: &str, expected: &'static str) -> Result<(), ParseError> {
+    match text.statement() {
+        word if is(word, keyword) => Ok(()),
+        word => Err(text.expected(expected, word, None)),
+    }
+}
+
+/// Whether a word is this keyword, in upper or lower case.
+fn is(word: Option<&[u8]>, keyword: &str) -> bool {
+    word.is_some_and(|word| word.eq_ignore_ascii_case(keyword.as_bytes()))
+}
+
+/// Makes one vertex of all corners that are at the same point.
+#[derive(Default)]
+struct Weld {
+    vertices: HashMap<[u64; 3], u32>,
+}
+
+impl Weld {
+    /// The vertex at this point, added to the positions if it is a new one.
+    fn vertex(&mut self, point: [f64; 3], positions: &mut Vec<[f64; 3]>) -> u32 {
+        // Adding 0 turns −0 into 0 and changes nothing else.
+        let point = point.map(|coordinate| coordinate + 0.0);
+        *self
+            .vertices
+            .entry(point.map(f64::to_bits))
+            .or_insert_with(|| {
+                positions.push(point);
+                (positions.len() - 1) as u32
+            })
+    }
+}

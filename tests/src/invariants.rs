@@ -1,0 +1,117 @@
+//! Checks of what was accepted, by other means than the code under test. Tests and fuzz targets
+//! share them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use helfrich::{TriangleMesh, VertexKind};
+use helfrich_std::io::{Format, parse};
+
+/// Parses bytes; what is accepted has finite positions and vertices that exist.
+///
+/// # Panics
+/// If it has not, or if an error's message is no single line.
+pub fn check_reader(bytes: &[u8], format: Format) {
+    match parse(bytes, format) {
+        Ok(file) => {
+            assert_eq!(file.mesh.vertex_count(), file.positions.len());
+            assert!(file.positions.iter().flatten().all(|x| x.is_finite()));
+            assert!(!file.mesh.triangles().is_empty());
+            let mut corners = file.mesh.triangles().iter().flatten();
+            assert!(corners.all(|&vertex| (vertex as usize) < file.positions.len()));
+        }
+        Err(error) => {
+            let message = error.to_string();
+            assert!(!message.is_empty() && !message.chars().any(char::is_control));
+        }
+    }
+}
+
+/// Checks everything that [`TriangleMesh`] promises, from its list of triangles alone.
+///
+/// # Panics
+/// If a promise is broken.
+pub fn check_invariants(mesh: &TriangleMesh, vertices: usize) {
+    assert_eq!(mesh.vertex_count(), vertices);
+    let mut sides = BTreeMap::new();
+    let mut sets = BTreeSet::new();
+    for (triangle, &[a, b, c]) in (0..).zip(mesh.triangles()) {
+        assert!([a, b, c].iter().all(|&vertex| (vertex as usize) < vertices));
+        assert!(a != b && b != c && c != a);
+        assert!(sets.insert(BTreeSet::from([a, b, c])), "a triangle twice");
+        for side in [[a, b], [b, c], [c, a]] {
+            assert!(sides.insert(side, triangle).is_none(), "a side twice");
+        }
+    }
+    check_edges(mesh, &sides);
+    for vertex in 0..vertices as u32 {
+        check_ring(mesh, vertex, &sides);
+    }
+    check_components(mesh);
+}
+
+fn check_edges(mesh: &TriangleMesh, sides: &BTreeMap<[u32; 2], u32>) {
+    let mut seen = BTreeSet::new();
+    let mut boundary = 0;
+    for (at, &[a, b]) in mesh.edges().iter().enumerate() {
+        assert!(seen.insert([a.min(b), a.max(b)]), "an edge twice");
+        let (left, right) = mesh.edge_triangles(at);
+        assert_eq!(sides.get(&[a, b]), Some(&left));
+        assert_eq!(sides.get(&[b, a]), right.as_ref());
+        boundary += usize::from(right.is_none());
+    }
+    let all = BTreeSet::from_iter(sides.keys().map(|&[a, b]| [a.min(b), a.max(b)]));
+    assert_eq!(seen, all);
+    assert_eq!(mesh.boundary_edge_count(), boundary);
+    assert_eq!(mesh.is_closed(), boundary == 0);
+}
+
+/// The ring has every neighbour once; consecutive ones span a triangle with the vertex, in this
+/// orientation, and these are all its triangles: so they form one fan.
+fn check_ring(mesh: &TriangleMesh, vertex: u32, sides: &BTreeMap<[u32; 2], u32>) {
+    let ring = mesh.one_ring(vertex as usize);
+    let mut neighbours = BTreeSet::new();
+    for &[a, b] in sides.keys() {
+        if a == vertex {
+            neighbours.insert(b);
+        } else if b == vertex {
+            neighbours.insert(a);
+        }
+    }
+    assert_eq!(ring.len(), neighbours.len());
+    assert_eq!(BTreeSet::from_iter(ring.iter().copied()), neighbours);
+    let count = mesh
+        .triangles()
+        .iter()
+        .filter(|t| t.contains(&vertex))
+        .count();
+    let expected = match mesh.vertex_kind(vertex as usize) {
+        VertexKind::Isolated => {
+            assert!(ring.is_empty());
+            0
+        }
+        VertexKind::Boundary => ring.len() - 1,
+        VertexKind::Interior => ring.len(),
+    };
+    assert_eq!(count, expected);
+    for at in 0..expected {
+        let (here, next) = (ring[at], ring[(at + 1) % ring.len()]);
+        let triangle = sides.get(&[vertex, here]);
+        assert!(triangle.is_some());
+        assert_eq!(triangle, sides.get(&[here, next]));
+        assert_eq!(triangle, sides.get(&[next, vertex]));
+    }
+}
+
+fn check_components(mesh: &TriangleMesh) {
+    let (component, count) = mesh.components();
+    assert_eq!(component.len(), mesh.vertex_count());
+    for [a, b] in mesh.edges() {
+        assert_eq!(component[*a as usize], component[*b as usize]);
+    }
+    let mut next = 0;
+    for &number in &component {
+        assert!(number <= next, "not numbered by the lowest vertex");
+        next = next.max(number + 1);
+    }
+    assert_eq!(next as usize, count);
+}
