@@ -11,8 +11,8 @@
 mod obj;
 mod off;
 mod ply;
-mod stl;
 mod replace;
+mod stl;
 mod text;
 
 pub use replace::replace_file;
