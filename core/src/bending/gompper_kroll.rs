@@ -85,7 +85,7 @@ impl<T: Real> GompperKroll<T> {
             &[],
             &mut memory.curvature,
         );
-        execution.map(&mut memory.curvature, |vertex, sum| {
+        execution.map(&mut memory.curvature[..], |vertex, sum| {
             let [x, y, z, area] = *sum;
             let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
             let over = if interior {
@@ -117,7 +117,7 @@ impl<T: Real> GompperKroll<T> {
         let half = T::constant(0.5);
         let GompperKrollMemory { curvature, weights } = memory;
         weights.resize(curvature.len(), [T::zero(); 4]);
-        execution.map(weights, |vertex, weight| {
+        execution.map(&mut weights[..], |vertex, weight| {
             let [x, y, z, _] = curvature[vertex];
             let squared = dot([x, y, z], [x, y, z]);
             *weight = [x, y, z, half * squared].map(|entry| self.modulus * entry);
