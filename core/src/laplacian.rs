@@ -209,8 +209,11 @@ impl<T: Real> Rows<T> {
             self.columns.clear();
             self.columns.extend_from_slice(columns);
             self.lengths.clear();
-            self.lengths
-                .extend(offsets.windows(2).map(|pair| pair[1] - pair[0]));
+            let lengths = self
+                .offsets
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]) as u32);
+            self.lengths.extend(lengths);
         }
         self.coefficients.clear();
         self.coefficients.resize(columns.len(), T::zero());
