@@ -36,6 +36,42 @@ impl Cotangent {
         Self { area }
     }
 
+    /// The whole of [`LaplaceBeltrami::measure`], which needs no plan.
+    pub(crate) fn sum<T: Real>(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut CotangentMemory<T>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let mesh = surface.mesh();
+        memory.sums.clear();
+        memory.sums.resize(mesh.vertex_count(), [T::zero(); 8]);
+        let kernel = Measures(self.area);
+        execution.scatter(&kernel, surface, mesh.triangles(), &[], &mut memory.sums);
+        let half = T::constant(0.5);
+        let memory = &*memory;
+        execution.map(
+            &mut curvature[..mesh.vertex_count()],
+            |vertex, curvature| {
+                let [u, v, w, x, y, z, angles, area] = memory.sums[vertex];
+                let kind = mesh.vertex_kind(vertex);
+                let normal = normalise([x, y, z]);
+                let over_area = match kind {
+                    VertexKind::Interior => memory.over_area(vertex),
+                    VertexKind::Boundary | VertexKind::Isolated => T::zero(),
+                };
+                *curvature = Curvature {
+                    normal,
+                    mean: -half * dot([u, v, w], normal) * over_area,
+                    gaussian: (T::TAU() - angles) * over_area,
+                    area,
+                    kind,
+                };
+            },
+        );
+    }
+
     /// Sets `areas` to A_i, one entry a vertex: the mass matrix of this operator.
     ///
     /// # Panics
@@ -215,32 +251,7 @@ impl<T: Real> LaplaceBeltrami<T> for Cotangent {
         memory: &mut CotangentMemory<T>,
         curvature: &mut [Curvature<T>],
     ) {
-        let mesh = surface.mesh();
-        memory.sums.clear();
-        memory.sums.resize(mesh.vertex_count(), [T::zero(); 8]);
-        let kernel = Measures(self.area);
-        execution.scatter(&kernel, surface, mesh.triangles(), &[], &mut memory.sums);
-        let half = T::constant(0.5);
-        let memory = &*memory;
-        execution.map(
-            &mut curvature[..mesh.vertex_count()],
-            |vertex, curvature| {
-                let [u, v, w, x, y, z, angles, area] = memory.sums[vertex];
-                let kind = mesh.vertex_kind(vertex);
-                let normal = normalise([x, y, z]);
-                let over_area = match kind {
-                    VertexKind::Interior => memory.over_area(vertex),
-                    VertexKind::Boundary | VertexKind::Isolated => T::zero(),
-                };
-                *curvature = Curvature {
-                    normal,
-                    mean: -half * dot([u, v, w], normal) * over_area,
-                    gaussian: (T::TAU() - angles) * over_area,
-                    area,
-                    kind,
-                };
-            },
-        );
+        self.sum(execution, surface, memory, curvature);
     }
 
     fn apply<const D: usize>(
