@@ -159,10 +159,7 @@ impl<T: Real> ElementKernel<T, 3, 0, 1> for Areas {
         corners: &Corners<L, 3>,
         _input: &[[L; 0]; 3],
     ) -> [[L; 1]; 3] {
-        let triangle = corners.triangle();
-        triangle
-            .dual_areas(self.0, triangle.cotangents(), triangle.squared_lengths())
-            .map(|area| [area])
+        corners.triangle().dual_areas(self.0).map(|area| [area])
     }
 }
 
@@ -178,10 +175,9 @@ impl<T: Real> ElementKernel<T, 3, 0, 8> for Measures {
         _input: &[[L; 0]; 3],
     ) -> [[L; 8]; 3] {
         let triangle = corners.triangle();
-        let cotangents = triangle.cotangents();
-        let areas = triangle.dual_areas(self.0, cotangents, triangle.squared_lengths());
+        let areas = triangle.dual_areas(self.0);
         let angles = triangle.angles();
-        let laplacian = triangle.area_gradient(cotangents).map(neg);
+        let laplacian = triangle.area_gradient().map(neg);
         let [x, y, z] = triangle.area_vector;
         core::array::from_fn(|k| {
             let [u, v, w] = laplacian[k];
