@@ -65,7 +65,7 @@ mod vec3;
 pub use bending::{GompperKroll, KantorNelson, StrongForm};
 pub use element::{Execution, Serial};
 pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
-pub use lane::Lane;
+pub use lane::{Lane, Pack};
 pub use laplacian::{Cotangent, Curvature, Jet, LaplaceBeltrami, Rows};
 pub use mesh::{MeshError, TriangleMesh, VertexKind};
 pub use points::{Points, PointsMut};
