@@ -78,6 +78,9 @@ impl<T: Real> Jet<T> {
 /// Highest degree that is offered: beyond, rounding outweighs what the degree gains.
 const HIGHEST_DEGREE: usize = 8;
 
+/// Slope of the fitted surface against its frame from which on it is fitted again, upright.
+const LEAN: f64 = 0.1;
+
 /// Number of monomials `x^a y^b` with 1 ≤ a + b ≤ `degree`.
 const fn coefficient_count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2 - 1
