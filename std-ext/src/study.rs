@@ -91,6 +91,15 @@ impl Quantity {
         Self::ForceDensity,
     ];
 
+    /// Whether a method says anything of this quantity.
+    pub fn is_defined_by(self, method: BendingMethod) -> bool {
+        match method {
+            BendingMethod::KantorNelson => self == Self::ForceDensity,
+            BendingMethod::GompperKroll => matches!(self, Self::Mean | Self::ForceDensity),
+            BendingMethod::Meyer => true,
+        }
+    }
+
     /// The symbol: `H`, `K`, `LapH` or `f`.
     pub fn symbol(self) -> &'static str {
         match self {
@@ -138,7 +147,7 @@ pub struct Row {
     pub quantity: Quantity,
     /// Largest error over the vertices, relative to the largest exact value, or to what the
     /// shape's size gives (1/R³, κ/R³) where the exact value vanishes. Infinite, which JSON writes
-    /// as null, if a result was no number.
+    /// as null, if a vertex has no result.
     pub max: f64,
     /// Area-weighted mean error, relative to the same.
     pub mean: f64,
@@ -170,7 +179,7 @@ pub enum StudyError {
     Generate(#[from] GenerateError),
     /// The curvatures overflow, or lose their digits.
     #[error(
-        "the {shape} cannot be studied in {scalar}: with its size and κ = {modulus}, 1/R³ or κ/R³ \
+        "{shape} cannot be studied in {scalar}: with its size and κ = {modulus:?}, 1/R³ or κ/R³ \
          are out of range"
     )]
     OutOfRange {
@@ -383,8 +392,8 @@ impl Case<'_> {
         let time = median_time(|| evaluator.evaluate(surface));
         let vertices = mesh.mesh.vertex_count();
         let row = |quantity| {
-            let [max, mean] = errors(&fields, exact, quantity)?;
-            Some(Row {
+            let [max, mean] = errors(&fields, exact, quantity);
+            Row {
                 shape: self.study.shape.name(),
                 family: self.family.name(),
                 vertices,
@@ -396,15 +405,15 @@ impl Case<'_> {
                 order_max: None,
                 order_mean: None,
                 ns_per_vertex: time.as_secs_f64() * 1e9 / vertices as f64,
-            })
+            }
         };
-        Ok(Quantity::ALL.into_iter().filter_map(row).collect())
+        let defined = |quantity: &Quantity| quantity.is_defined_by(self.method);
+        Ok(Quantity::ALL.into_iter().filter(defined).map(row).collect())
     }
 }
 
-/// Largest and area-weighted mean error of a quantity, relative; `None` if the method does not
-/// define it.
-fn errors<T: Real>(fields: &Fields<T>, exact: &Exact, quantity: Quantity) -> Option<[f64; 2]> {
+/// Largest and area-weighted mean error of a quantity, relative.
+fn errors<T: Real>(fields: &Fields<T>, exact: &Exact, quantity: Quantity) -> [f64; 2] {
     let to_f64 = |value: T| value.to_f64().unwrap_or(f64::NAN);
     let scale = exact.scales[quantity as usize];
     let mut largest = 0.0_f64;
@@ -423,15 +432,23 @@ fn errors<T: Real>(fields: &Fields<T>, exact: &Exact, quantity: Quantity) -> Opt
                     .sum::<f64>()
                     .sqrt()
             }),
-        }?;
+        };
         let area = to_f64(fields.area[vertex]);
-        // An error that is not a number is an infinite one: `max` would pass it over.
-        let error = if error.is_nan() { f64::INFINITY } else { error };
+        // No number, or none at all (on a closed surface, for want of an area), is an infinite
+        // error: `max` would pass it over.
+        let error = error
+            .filter(|error| !error.is_nan())
+            .unwrap_or(f64::INFINITY);
         largest = largest.max(error);
         weighted += area * error;
         weights += area;
     }
-    Some([largest / scale, weighted / weights / scale])
+    let mean = if largest.is_finite() {
+        weighted / weights
+    } else {
+        largest
+    };
+    [largest / scale, mean / scale]
 }
 
 /// Median over as many runs as fit into a short while, at least three, after one that warms up.

@@ -73,5 +73,10 @@ fn unfinished(path: &Path) -> io::Result<tempfile::NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         unfinished.permissions(fs::Permissions::from_mode(0o666));
     }
-    unfinished.prefix(".helfrich-").tempfile_in(folder)
+    let file = unfinished.prefix(".helfrich-").tempfile_in(folder);
+    // The name of the unfinished file, which the error tells, means nothing to anybody.
+    file.map_err(|error| match error.kind() {
+        kind @ io::ErrorKind::NotFound => io::Error::new(kind, "there is no such folder"),
+        kind => kind.into(),
+    })
 }
