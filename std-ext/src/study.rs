@@ -96,7 +96,8 @@ impl Quantity {
         match method {
             BendingMethod::KantorNelson => self == Self::ForceDensity,
             BendingMethod::GompperKroll => matches!(self, Self::Mean | Self::ForceDensity),
-            BendingMethod::Meyer => true,
+            // Those in strong form compute everything.
+            _ => true,
         }
     }
 
