@@ -3,3 +3,9 @@
 pub mod invariants;
 pub mod quadrature;
 pub mod tolerance;
+
+/// The README's examples, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+#[derive(Debug)]
+pub struct Readme;
