@@ -31,7 +31,13 @@ impl<L: Lane, const CORNERS: usize> Corners<L, CORNERS> {
     #[inline(always)]
     pub fn gather(surface: Surface<'_, L::Scalar>, elements: &[[u32; CORNERS]]) -> Self {
         let positions = surface.positions();
-        Self::from_fn(|k, corner, axis| positions[elements[k][corner] as usize][axis])
+        Self {
+            positions: core::array::from_fn(|corner| {
+                core::array::from_fn(|axis| {
+                    L::from_fn(|k| positions[elements[k][corner] as usize][axis])
+                })
+            }),
+        }
     }
 
     /// The same of a surface with or without remainders.
@@ -40,16 +46,11 @@ impl<L: Lane, const CORNERS: usize> Corners<L, CORNERS> {
     /// As [`Self::gather`].
     #[inline(always)]
     pub fn gather_near(surface: Surface<'_, L::Scalar>, elements: &[[u32; CORNERS]]) -> Self {
-        Self::from_fn(|k, corner, axis| {
-            surface.position_near(elements[k][corner], elements[k][0])[axis]
-        })
-    }
-
-    #[inline(always)]
-    fn from_fn(coordinate: impl Fn(usize, usize, usize) -> L::Scalar) -> Self {
         Self {
             positions: core::array::from_fn(|corner| {
-                core::array::from_fn(|axis| L::from_fn(|k| coordinate(k, corner, axis)))
+                core::array::from_fn(|axis| {
+                    L::from_fn(|k| surface.position_near(elements[k][corner], elements[k][0])[axis])
+                })
             }),
         }
     }
