@@ -1,5 +1,7 @@
 //! What the tests share.
 
 pub mod invariants;
+pub mod laws;
+pub mod meshes;
 pub mod quadrature;
 pub mod tolerance;

@@ -65,3 +65,28 @@ pub const ON_SURFACE: Tolerance = Tolerance::new(
     1e-13,
     "positions are the image of their pre-images, and the way back rounds a few times",
 );
+/// Forces against derivatives by dual numbers, relative to the largest force.
+pub const GRADIENT_DUAL: Tolerance = Tolerance::new(
+    1e-12,
+    "dual numbers differentiate the same formula: only rounding is left",
+);
+/// Forces against fourth-order central differences, relative to the largest force.
+pub const GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
+    1e-6,
+    "a step of 1e-4 edges leaves 1e-9 of truncation and 1e-16/1e-4 of rounding, times the roughness",
+);
+/// Net force and torque of exact gradients, relative to Σ|F| and Σ|F||x|.
+pub const BALANCE: Tolerance =
+    Tolerance::new(1e-14, "a sum of terms that cancel, each rounded");
+/// Rotation, relabelling and scaling, relative to the largest force or the energy.
+pub const INVARIANCE: Tolerance = Tolerance::new(
+    1e-11,
+    "the moved positions are rounded, and bending forces divide that by an edge length up to four times",
+);
+/// The same in f32.
+pub const INVARIANCE_SINGLE: Tolerance =
+    Tolerance::new(5e-3, "as in f64, from a rounding of 6e-8");
+/// Gauss–Bonnet, relative to the sum of all absolute angles.
+pub const GAUSS_BONNET: Tolerance = Tolerance::new(1e-12, "a sum of rounded angles");
+/// Σ of dual areas against the total area, relative to the sum of absolute parts.
+pub const AREA_SUM: Tolerance = Tolerance::new(1e-13, "a sum of rounded parts");

@@ -1,0 +1,503 @@
+//! The laws of the traits, each written once and run over every implementation.
+//!
+//! A method enters the suite by one line in [`for_each`] or [`for_each_conservative`], an operator
+//! by one in [`for_each_operator`]; [`covered_modules`] is what the coverage tests compare with
+//! the files of the library.
+
+use crate::meshes::{Mesh, SplitMix64, cross, difference, dot, norm, rotation, turned};
+use crate::tolerance;
+use autodiff::F1;
+use helfrich::{
+    Conservative, Cotangent, DualArea, Energy, Force, GompperKroll, KantorNelson, LaplaceBeltrami,
+    Prepared, Real, StrongForm, Surface, TriangleMesh,
+};
+
+/// A bending method, to be made for any scalar.
+pub trait Candidate: Copy {
+    /// The method for the scalar T.
+    type Method<T: Real>: Energy<T> + Force<T>;
+    /// What failures call it.
+    fn name(self) -> &'static str;
+    /// The library's files whose formulas it runs.
+    fn modules(self) -> &'static [&'static str];
+    /// The method with this bending modulus.
+    fn method<T: Real>(self, modulus: T) -> Self::Method<T>;
+}
+
+/// A bending method whose force is the gradient of its energy, to be made for any scalar.
+pub trait ConservativeCandidate: Copy {
+    /// The method for the scalar T.
+    type ConservativeMethod<T: Real>: Conservative<T>;
+    /// See [`Candidate::name`].
+    fn name(self) -> &'static str;
+    /// See [`Candidate::modules`].
+    fn modules(self) -> &'static [&'static str];
+    /// See [`Candidate::method`].
+    fn method<T: Real>(self, modulus: T) -> Self::ConservativeMethod<T>;
+    /// Whether the formula changes at right angles, so that finite differences must stay away.
+    fn switches_at_right_angles(self) -> bool {
+        false
+    }
+}
+
+impl<C: ConservativeCandidate> Candidate for C {
+    type Method<T: Real> = C::ConservativeMethod<T>;
+    fn name(self) -> &'static str {
+        ConservativeCandidate::name(self)
+    }
+    fn modules(self) -> &'static [&'static str] {
+        ConservativeCandidate::modules(self)
+    }
+    fn method<T: Real>(self, modulus: T) -> Self::Method<T> {
+        ConservativeCandidate::method(self, modulus)
+    }
+}
+
+/// Method A with each of its calibrations.
+#[derive(Clone, Copy, Debug)]
+pub enum Hinged {
+    /// `k̃ = 2κ/√3`.
+    Forces,
+    /// `k̃ = √3 κ`.
+    OppositeGaussianModulus,
+    /// `k̃ = 2√3 κ`.
+    SphereEnergy,
+}
+
+impl ConservativeCandidate for Hinged {
+    type ConservativeMethod<T: Real> = KantorNelson<T>;
+    fn name(self) -> &'static str {
+        match self {
+            Self::Forces => "Kantor-Nelson",
+            Self::OppositeGaussianModulus => "Kantor-Nelson, opposite Gaussian modulus",
+            Self::SphereEnergy => "Kantor-Nelson, sphere energy",
+        }
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &["kantor_nelson"]
+    }
+    fn method<T: Real>(self, modulus: T) -> KantorNelson<T> {
+        match self {
+            Self::Forces => KantorNelson::new(modulus),
+            Self::OppositeGaussianModulus => KantorNelson::with_opposite_gaussian_modulus(modulus),
+            Self::SphereEnergy => KantorNelson::with_sphere_energy(modulus),
+        }
+    }
+}
+
+/// Method B with each kind of area.
+#[derive(Clone, Copy, Debug)]
+pub struct SquaredLaplacian(pub DualArea);
+
+impl ConservativeCandidate for SquaredLaplacian {
+    type ConservativeMethod<T: Real> = GompperKroll<T>;
+    fn name(self) -> &'static str {
+        match self.0 {
+            DualArea::Voronoi => "Gompper-Kroll",
+            DualArea::Mixed => "Gompper-Kroll, mixed areas",
+            DualArea::Barycentric => "Gompper-Kroll, barycentric areas",
+        }
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &["gompper_kroll"]
+    }
+    fn method<T: Real>(self, modulus: T) -> GompperKroll<T> {
+        let area = self.0;
+        GompperKroll { modulus, area }
+    }
+    fn switches_at_right_angles(self) -> bool {
+        self.0 == DualArea::Mixed
+    }
+}
+
+/// The sum of two methods.
+#[derive(Clone, Copy, Debug)]
+pub struct Sum<A, B>(pub A, pub B);
+
+impl<A: ConservativeCandidate, B: ConservativeCandidate> ConservativeCandidate for Sum<A, B> {
+    type ConservativeMethod<T: Real> = (A::ConservativeMethod<T>, B::ConservativeMethod<T>);
+    fn name(self) -> &'static str {
+        "sum of two"
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &[]
+    }
+    fn method<T: Real>(self, modulus: T) -> Self::ConservativeMethod<T> {
+        (self.0.method(modulus), self.1.method(modulus))
+    }
+    fn switches_at_right_angles(self) -> bool {
+        self.0.switches_at_right_angles() || self.1.switches_at_right_angles()
+    }
+}
+
+/// Method C with each kind of area.
+#[derive(Clone, Copy, Debug)]
+pub struct StrongCotangent(pub DualArea);
+
+impl Candidate for StrongCotangent {
+    type Method<T: Real> = StrongForm<T, Cotangent>;
+    fn name(self) -> &'static str {
+        match self.0 {
+            DualArea::Mixed => "Meyer",
+            DualArea::Voronoi => "Meyer, Voronoi areas",
+            DualArea::Barycentric => "Meyer, barycentric areas",
+        }
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &["strong_form", "cotangent"]
+    }
+    fn method<T: Real>(self, modulus: T) -> StrongForm<T, Cotangent> {
+        StrongForm {
+            modulus,
+            operator: Cotangent::new(self.0),
+        }
+    }
+}
+
+/// A law of methods.
+pub trait Law {
+    /// Fails if the method breaks the law.
+    fn check<C: Candidate>(&mut self, candidate: C);
+}
+
+/// A law of methods whose force is a gradient.
+pub trait ConservativeLaw {
+    /// Fails if the method breaks the law.
+    fn check<C: ConservativeCandidate>(&mut self, candidate: C);
+}
+
+/// A law of Laplace–Beltrami operators.
+pub trait OperatorLaw {
+    /// Fails if the operator breaks the law.
+    fn check<L: LaplaceBeltrami<f64>>(&mut self, name: &str, operator: L);
+}
+
+/// Every method whose force is a gradient.
+pub fn for_each_conservative(law: &mut impl ConservativeLaw) {
+    law.check(Hinged::Forces);
+    law.check(Hinged::OppositeGaussianModulus);
+    law.check(Hinged::SphereEnergy);
+    law.check(SquaredLaplacian(DualArea::Voronoi));
+    law.check(SquaredLaplacian(DualArea::Mixed));
+    law.check(SquaredLaplacian(DualArea::Barycentric));
+    law.check(Sum(Hinged::Forces, SquaredLaplacian(DualArea::Voronoi)));
+}
+
+/// Every method.
+pub fn for_each(law: &mut impl Law) {
+    struct AsLaw<'a, L>(&'a mut L);
+    impl<L: Law> ConservativeLaw for AsLaw<'_, L> {
+        fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+            self.0.check(candidate);
+        }
+    }
+    for_each_conservative(&mut AsLaw(law));
+    law.check(StrongCotangent(DualArea::Mixed));
+    law.check(StrongCotangent(DualArea::Voronoi));
+    law.check(StrongCotangent(DualArea::Barycentric));
+}
+
+/// Every Laplace–Beltrami operator.
+pub fn for_each_operator(law: &mut impl OperatorLaw) {
+    law.check("cotangent, mixed", Cotangent::new(DualArea::Mixed));
+    law.check("cotangent, Voronoi", Cotangent::new(DualArea::Voronoi));
+    law.check(
+        "cotangent, barycentric",
+        Cotangent::new(DualArea::Barycentric),
+    );
+}
+
+/// The library's files that [`for_each`] runs through the laws.
+pub fn covered_modules() -> Vec<&'static str> {
+    struct Modules(Vec<&'static str>);
+    impl Law for Modules {
+        fn check<C: Candidate>(&mut self, candidate: C) {
+            self.0.extend(candidate.modules());
+        }
+    }
+    let mut modules = Modules(Vec::new());
+    for_each(&mut modules);
+    modules.0
+}
+
+/// The energy of a surface.
+///
+/// # Panics
+/// If positions and mesh do not fit.
+pub fn energy<T: Real>(
+    method: impl Energy<T>,
+    mesh: &TriangleMesh,
+    positions: &[[T; 3]],
+) -> T {
+    let surface = Surface::new(mesh, positions).expect("one finite position a vertex");
+    Prepared::new(method, mesh).energy(surface)
+}
+
+/// The nodal forces of a surface.
+///
+/// # Panics
+/// If positions and mesh do not fit.
+pub fn forces<T: Real>(
+    method: impl Force<T>,
+    mesh: &TriangleMesh,
+    positions: &[[T; 3]],
+) -> Vec<[T; 3]> {
+    let surface = Surface::new(mesh, positions).expect("one finite position a vertex");
+    let mut force = vec![[T::zero(); 3]; positions.len()];
+    Prepared::new(method, mesh).add_force(surface, &mut force);
+    force
+}
+
+/// The largest absolute coordinate.
+pub fn largest(vectors: &[[f64; 3]]) -> f64 {
+    vectors.iter().flatten().fold(0.0, |most, x| most.max(x.abs()))
+}
+
+/// The directions in which a gradient is tried: some coordinates alone, then all at random.
+fn trials(vertices: usize, seed: u64) -> Vec<Vec<[f64; 3]>> {
+    let mut random = SplitMix64::new(seed);
+    let mut trials = Vec::new();
+    for _ in 0..12 {
+        let mut direction = vec![[0.0; 3]; vertices];
+        direction[random.below(vertices)][random.below(3)] = 1.0;
+        trials.push(direction);
+    }
+    trials.extend((0..4).map(|_| random.directions(vertices)));
+    trials
+}
+
+/// −F·d, what the energy's derivative along d should be.
+fn along(force: &[[f64; 3]], direction: &[[f64; 3]]) -> f64 {
+    let work = |(&f, &d): (&[f64; 3], &[f64; 3])| dot(f, d);
+    -force.iter().zip(direction).map(work).sum::<f64>()
+}
+
+/// |d| as the sum over vertices, so that the largest force times it bounds every term.
+fn extent(direction: &[[f64; 3]]) -> f64 {
+    direction.iter().map(|&d| norm(d)).sum()
+}
+
+/// F = −∂E/∂x, the derivative by dual numbers; and force and energy together are the two alone.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceIsGradient<'a>(pub &'a Mesh);
+
+impl ConservativeLaw for ForceIsGradient<'_> {
+    fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+        let Mesh {
+            connectivity: mesh,
+            positions,
+        } = self.0;
+        let name = ConservativeCandidate::name(candidate);
+        let method = || ConservativeCandidate::method(candidate, 1.0);
+        let force = forces(method(), mesh, positions);
+        let largest = largest(&force);
+        for direction in trials(positions.len(), 1) {
+            let moved = positions.iter().zip(&direction);
+            let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| F1::new(x[k], d[k])));
+            let dual = ConservativeCandidate::method(candidate, F1::cst(1.0));
+            let derivative = energy(dual, mesh, &Vec::from_iter(moved)).dx;
+            let scale = largest * extent(&direction);
+            tolerance::GRADIENT_DUAL.assert(along(&force, &direction), derivative, scale, name);
+        }
+
+        let mut together = vec![[0.0; 3]; positions.len()];
+        let sum = Prepared::new(method(), mesh).add_force_and_energy(self.0.surface(), &mut together);
+        assert_eq!(together, force, "{name}: forces with and without energy");
+        let alone = energy(method(), mesh, positions);
+        assert_eq!(sum, alone, "{name}: energy with and without forces");
+    }
+}
+
+/// F = −∂E/∂x, the derivative by finite differences.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceIsDifference<'a>(pub &'a Mesh);
+
+impl ConservativeLaw for ForceIsDifference<'_> {
+    fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+        let Mesh {
+            connectivity: mesh,
+            positions,
+        } = self.0;
+        let name = ConservativeCandidate::name(candidate);
+        let step = 1e-4 * self.0.edge_length();
+        if candidate.switches_at_right_angles() && self.0.distance_from_right_angle() < 2e-3 {
+            return;
+        }
+        let method = || ConservativeCandidate::method(candidate, 1.0);
+        let force = forces(method(), mesh, positions);
+        let largest = largest(&force);
+        for direction in trials(positions.len(), 2) {
+            let at = |steps: f64| {
+                let moved = positions.iter().zip(&direction);
+                let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| x[k] + steps * step * d[k]));
+                energy(method(), mesh, &Vec::from_iter(moved))
+            };
+            let near = at(1.0) - at(-1.0);
+            let far = at(2.0) - at(-2.0);
+            let derivative = (8.0 * near - far) / (12.0 * step);
+            let scale = largest * extent(&direction);
+            tolerance::GRADIENT_DIFFERENCE.assert(
+                along(&force, &direction),
+                derivative,
+                scale,
+                name,
+            );
+        }
+    }
+}
+
+/// Σ F = 0 and Σ x × F = 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Balanced<'a>(pub &'a Mesh);
+
+impl ConservativeLaw for Balanced<'_> {
+    fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+        let Mesh {
+            connectivity: mesh,
+            positions,
+        } = self.0;
+        let name = ConservativeCandidate::name(candidate);
+        let method = ConservativeCandidate::method(candidate, 1.0);
+        let (net, torque) = imbalance(positions, &forces(method, mesh, positions));
+        tolerance::BALANCE.assert(net, 0.0, 1.0, &format!("{name}: Σ F"));
+        tolerance::BALANCE.assert(torque, 0.0, 1.0, &format!("{name}: Σ x × F"));
+    }
+}
+
+/// |Σ F| / Σ |F| and |Σ x × F| / Σ |x||F|.
+pub fn imbalance(positions: &[[f64; 3]], force: &[[f64; 3]]) -> (f64, f64) {
+    let mut sums = [[0.0; 3]; 2];
+    let mut scales = [f64::MIN_POSITIVE; 2];
+    for (&x, &f) in positions.iter().zip(force) {
+        let torque = cross(x, f);
+        for axis in 0..3 {
+            sums[0][axis] += f[axis];
+            sums[1][axis] += torque[axis];
+        }
+        scales[0] += norm(f);
+        scales[1] += norm(x) * norm(f);
+    }
+    (norm(sums[0]) / scales[0], norm(sums[1]) / scales[1])
+}
+
+/// Energies do not change and forces follow when the surface is turned, moved or relabelled.
+#[derive(Clone, Copy, Debug)]
+pub struct Invariant<'a> {
+    /// The surface.
+    pub mesh: &'a Mesh,
+    /// Seed of the motion.
+    pub seed: u64,
+}
+
+impl Law for Invariant<'_> {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        let mut random = SplitMix64::new(self.seed);
+        // Positions on a grid, so that a move by a multiple of the grid's pitch is not rounded.
+        let pitch = 2.0_f64.powi(-40);
+        let mesh = &self.mesh.map(|x| x.map(|x| (x / pitch).round() * pitch));
+        let evaluate = |mesh: &Mesh| {
+            let force = forces(candidate.method(1.0), &mesh.connectivity, &mesh.positions);
+            let energy = energy(candidate.method(1.0), &mesh.connectivity, &mesh.positions);
+            (force, energy)
+        };
+        let name = candidate.name();
+        let (force, energy) = evaluate(mesh);
+        let scale = largest(&force);
+        let compare = |found: &[[f64; 3]], expected: &[[f64; 3]], what: &str| {
+            for (found, expected) in found.iter().zip(expected) {
+                let error = norm(difference(*found, *expected));
+                tolerance::INVARIANCE.assert(error, 0.0, scale, &format!("{name}: force, {what}"));
+            }
+        };
+
+        let moved = evaluate(&mesh.map(|x| [x[0] + 5.0, x[1] - 2.25, x[2] + 0.125]));
+        assert!((&force, energy) == (&moved.0, moved.1), "{name}: translation changes a bit");
+
+        let quaternion = [0; 4].map(|_| random.symmetric());
+        let turn = rotation(quaternion);
+        let (turned_force, turned_energy) = evaluate(&mesh.map(|x| turned(turn, x)));
+        let expected = Vec::from_iter(force.iter().map(|&f| turned(turn, f)));
+        compare(&turned_force, &expected, "rotation");
+        let what = format!("{name}: energy, rotation");
+        tolerance::INVARIANCE.assert(turned_energy, energy, energy.abs(), &what);
+
+        let (relabelled, new_number) = mesh.relabelled(random.bits());
+        let (relabelled_force, relabelled_energy) = evaluate(&relabelled);
+        let expected = Vec::from_iter(new_number.iter().map(|&new| relabelled_force[new]));
+        compare(&expected, &force, "relabelling");
+        let what = format!("{name}: energy, relabelling");
+        tolerance::INVARIANCE.assert(relabelled_energy, energy, energy.abs(), &what);
+    }
+}
+
+/// E(s x) = E(x), F(s x) = F(x)/s, and both are proportional to κ; to the last bit where s and κ
+/// are powers of two, to rounding otherwise.
+#[derive(Clone, Copy, Debug)]
+pub struct ScaleFree<'a> {
+    /// The surface.
+    pub mesh: &'a Mesh,
+    /// s.
+    pub scale: f64,
+    /// κ.
+    pub modulus: f64,
+}
+
+impl ScaleFree<'_> {
+    /// The law in one scalar.
+    pub fn check_in<T: Real>(&self, candidate: impl Candidate, rounding: tolerance::Tolerance) {
+        let name = candidate.name();
+        let connectivity = &self.mesh.connectivity;
+        let positions = self.mesh.positions_in::<T>();
+        let (scale, modulus) = (T::constant(self.scale), T::constant(self.modulus));
+        let scaled = Vec::from_iter(positions.iter().map(|x| x.map(|x| x * scale)));
+        let unit = || candidate.method(T::one());
+        let method = || candidate.method(modulus);
+        let energy_pair = [
+            energy(method(), connectivity, &scaled),
+            modulus * energy(unit(), connectivity, &positions),
+        ];
+        let force_pair = [
+            forces(method(), connectivity, &scaled),
+            forces(unit(), connectivity, &positions),
+        ];
+        let expected = |f: T| f * (modulus / scale);
+        let is_power_of_two = |x: f64| x.log2().fract() == 0.0;
+        let what = format!("{name}, s = {:e}, κ = {:e}", self.scale, self.modulus);
+        if is_power_of_two(self.scale) && is_power_of_two(self.modulus) {
+            assert_eq!(energy_pair[0], energy_pair[1], "energy, {what}");
+            for (found, &unscaled) in force_pair[0].iter().zip(&force_pair[1]) {
+                assert_eq!(*found, unscaled.map(expected), "force, {what}");
+            }
+        } else {
+            let double = |x: T| x.to_f64().unwrap_or(f64::NAN);
+            // In double precision and divided by κ/s, so that the comparison itself cannot
+            // underflow.
+            let [found, wanted] = energy_pair.map(|e| double(e) / self.modulus);
+            rounding.assert(found, wanted, wanted.abs(), &format!("energy, {what}"));
+            let unscaled = Vec::from_iter(force_pair[1].iter().map(|f| f.map(double)));
+            let largest = largest(&unscaled);
+            for (found, wanted) in force_pair[0].iter().zip(unscaled) {
+                let found = found.map(|f| double(f) * self.scale / self.modulus);
+                let error = norm(difference(found, wanted));
+                rounding.assert(error, 0.0, largest, &format!("force, {what}"));
+            }
+        }
+    }
+}
+
+impl Law for ScaleFree<'_> {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        self.check_in::<f64>(candidate, tolerance::INVARIANCE);
+    }
+}
+
+/// [`ScaleFree`] in f32.
+#[derive(Clone, Copy, Debug)]
+pub struct ScaleFreeSingle<'a>(pub ScaleFree<'a>);
+
+impl Law for ScaleFreeSingle<'_> {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        self.0
+            .check_in::<f32>(candidate, tolerance::INVARIANCE_SINGLE);
+    }
+}
