@@ -12,6 +12,7 @@ use crate::reduction;
 use crate::surface::Surface;
 use crate::triangle::Triangle;
 use crate::vec3;
+use alloc::vec::Vec;
 
 /// The corners of an element, or of [`Lane::WIDTH`] consecutive ones: only differences of their
 /// positions can be had.
@@ -86,6 +87,85 @@ pub trait ElementKernel<T: Real, const CORNERS: usize, const IN: usize, const OU
     ) -> [[L; OUT]; CORNERS];
 }
 
+/// Output with a slot for each vertex, that can be divided among workers: slices, slices with
+/// several entries a slot, and tuples of them.
+pub trait Slots: Sized + Send {
+    /// One vertex's part.
+    type Slot;
+    /// The slots 0 … `middle` − 1, and those from `middle` on.
+    ///
+    /// # Panics
+    /// If there are fewer slots than `middle`.
+    fn split_at(self, middle: usize) -> (Self, Self);
+    /// The slots one after the other; those of a tuple end with the shortest of its parts.
+    fn into_slots(self) -> impl Iterator<Item = Self::Slot>;
+}
+
+impl<'a, O: Send> Slots for &'a mut [O] {
+    type Slot = &'a mut O;
+    #[inline]
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        self.split_at_mut(middle)
+    }
+    #[inline]
+    fn into_slots(self) -> impl Iterator<Item = &'a mut O> {
+        self.iter_mut()
+    }
+}
+
+/// A slice with `stride` consecutive entries for each vertex.
+#[derive(Debug)]
+pub struct Strided<'a, O> {
+    entries: &'a mut [O],
+    stride: usize,
+}
+
+impl<'a, O> Strided<'a, O> {
+    /// The slice `entries`, `stride` to a slot.
+    ///
+    /// # Panics
+    /// If `stride` is 0.
+    pub fn new(entries: &'a mut [O], stride: usize) -> Self {
+        assert!(stride > 0, "a slot needs at least one entry");
+        Self { entries, stride }
+    }
+}
+
+impl<'a, O: Send> Slots for Strided<'a, O> {
+    type Slot = &'a mut [O];
+    #[inline]
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        let (low, high) = self.entries.split_at_mut(middle * self.stride);
+        (
+            Self {
+                entries: low,
+                stride: self.stride,
+            },
+            Self {
+                entries: high,
+                stride: self.stride,
+            },
+        )
+    }
+    #[inline]
+    fn into_slots(self) -> impl Iterator<Item = &'a mut [O]> {
+        self.entries.chunks_exact_mut(self.stride)
+    }
+}
+
+impl<A: Slots, B: Slots> Slots for (A, B) {
+    type Slot = (A::Slot, B::Slot);
+    #[inline]
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        let (low, high) = (self.0.split_at(middle), self.1.split_at(middle));
+        ((low.0, high.0), (low.1, high.1))
+    }
+    #[inline]
+    fn into_slots(self) -> impl Iterator<Item = Self::Slot> {
+        self.0.into_slots().zip(self.1.into_slots())
+    }
+}
+
 /// Loops over elements and vertices.
 ///
 /// Laws: every loop does what its documentation says, whatever the order in which it does it; sums
@@ -107,8 +187,19 @@ pub trait Execution {
         T: Real,
         K: ElementKernel<T, CORNERS, IN, OUT>;
 
-    /// Calls `set(k, &mut output[k])` once for every k.
-    fn map<O: Send>(&self, output: &mut [O], set: impl Fn(usize, &mut O) + Sync);
+    /// Calls `set(k, slot)` once for every slot k of `output`.
+    fn map<O: Slots>(&self, output: O, set: impl Fn(usize, O::Slot) + Sync) {
+        self.map_with(&mut Vec::new(), output, |(), k, slot| set(k, slot));
+    }
+
+    /// Calls `set(scratch, k, slot)` once for every slot k of `output`. `scratches` is grown to as
+    /// many as run at a time; what one holds at the start of a call must not matter.
+    fn map_with<S: Default + Send, O: Slots>(
+        &self,
+        scratches: &mut Vec<S>,
+        output: O,
+        set: impl Fn(&mut S, usize, O::Slot) + Sync,
+    );
 
     /// Σ `term(k)` for k in 0 … `count` − 1.
     fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T;
@@ -149,9 +240,24 @@ impl Execution for Serial {
     }
 
     #[inline]
-    fn map<O: Send>(&self, output: &mut [O], set: impl Fn(usize, &mut O) + Sync) {
-        for (k, entry) in output.iter_mut().enumerate() {
-            set(k, entry);
+    fn map<O: Slots>(&self, output: O, set: impl Fn(usize, O::Slot) + Sync) {
+        for (k, slot) in output.into_slots().enumerate() {
+            set(k, slot);
+        }
+    }
+
+    #[inline]
+    fn map_with<S: Default + Send, O: Slots>(
+        &self,
+        scratches: &mut Vec<S>,
+        output: O,
+        set: impl Fn(&mut S, usize, O::Slot) + Sync,
+    ) {
+        if scratches.is_empty() {
+            scratches.push(S::default());
+        }
+        for (k, slot) in output.into_slots().enumerate() {
+            set(&mut scratches[0], k, slot);
         }
     }
 

@@ -6,7 +6,7 @@ mod cotangent;
 
 pub use cotangent::{Cotangent, CotangentMemory};
 
-use crate::element::Execution;
+use crate::element::{Execution, Strided};
 use crate::energy::Method;
 use crate::mesh::VertexKind;
 use crate::real::Real;
@@ -103,11 +103,14 @@ pub struct Curvature<T> {
 /// with the positions can be refilled without allocation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows<T> {
-    offsets: Vec<u32>,
+    offsets: Vec<usize>,
     lengths: Vec<u32>,
     columns: Vec<u32>,
     coefficients: Vec<T>,
 }
+
+/// The length, the columns and the coefficients of each row.
+type RowSlots<'a, T> = (&'a mut [u32], (Strided<'a, u32>, Strided<'a, T>));
 
 impl<T: Real> Rows<T> {
     /// No rows; the first assembly makes them.
@@ -130,7 +133,7 @@ impl<T: Real> Rows<T> {
     /// # Panics
     /// If there is no such row.
     pub fn row(&self, row: usize) -> (&[u32], &[T]) {
-        let start = self.offsets[row] as usize;
+        let start = self.offsets[row];
         let range = start..start + self.lengths[row] as usize;
         (&self.columns[range.clone()], &self.coefficients[range])
     }
@@ -140,7 +143,7 @@ impl<T: Real> Rows<T> {
     /// # Panics
     /// If there is no such row.
     pub fn row_mut(&mut self, row: usize) -> &mut [T] {
-        let start = self.offsets[row] as usize;
+        let start = self.offsets[row];
         &mut self.coefficients[start..start + self.lengths[row] as usize]
     }
 
@@ -182,17 +185,35 @@ impl<T: Real> Rows<T> {
         self.apply::<1>(execution, field.as_chunks().0, result.as_chunks_mut().0);
     }
 
+    /// Makes room for `rows` rows of up to `capacity` entries each, all empty, and gives out for
+    /// each row its length, columns and coefficients, to be set in any order.
+    fn slots(&mut self, rows: usize, capacity: usize) -> RowSlots<'_, T> {
+        self.offsets.clear();
+        self.offsets.extend((0..=rows).map(|row| row * capacity));
+        self.lengths.clear();
+        self.lengths.resize(rows, 0);
+        self.columns.resize(rows * capacity, 0);
+        self.coefficients.resize(rows * capacity, T::zero());
+        let columns = Strided::new(&mut self.columns, capacity);
+        let coefficients = Strided::new(&mut self.coefficients, capacity);
+        (&mut self.lengths, (columns, coefficients))
+    }
+
     /// Takes the pattern `columns[offsets[i] .. offsets[i + 1]]` for row i, unless it is there
     /// already, and sets all coefficients to zero.
     fn reset(&mut self, offsets: &[u32], columns: &[u32]) {
-        if self.offsets != offsets || self.columns != columns {
+        let offsets = offsets.iter().map(|&offset| offset as usize);
+        if !offsets.clone().eq(self.offsets.iter().copied()) || self.columns != columns {
             self.offsets.clear();
-            self.offsets.extend_from_slice(offsets);
+            self.offsets.extend(offsets);
             self.columns.clear();
             self.columns.extend_from_slice(columns);
             self.lengths.clear();
-            self.lengths
-                .extend(offsets.windows(2).map(|pair| pair[1] - pair[0]));
+            let lengths = self
+                .offsets
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]) as u32);
+            self.lengths.extend(lengths);
         }
         self.coefficients.clear();
         self.coefficients.resize(columns.len(), T::zero());

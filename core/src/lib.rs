@@ -11,6 +11,7 @@ mod energy;
 mod lane;
 pub mod laplacian;
 mod mesh;
+mod neighbourhood;
 mod points;
 mod real;
 mod reduction;

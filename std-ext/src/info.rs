@@ -45,8 +45,13 @@ impl MeshInfo {
         };
         let edge_lengths = range(mesh.edges().iter().map(length));
         let all = 0..mesh.triangles().len();
-        let angles = range(all.clone().flat_map(|triangle| surface.triangle_angles(triangle)));
-        let valences = (0..mesh.vertex_count()).filter(used).map(|vertex| mesh.valence(vertex));
+        let angles = range(
+            all.clone()
+                .flat_map(|triangle| surface.triangle_angles(triangle)),
+        );
+        let valences = (0..mesh.vertex_count())
+            .filter(used)
+            .map(|vertex| mesh.valence(vertex));
         Self {
             vertices: mesh.vertex_count(),
             isolated_vertices,
@@ -58,7 +63,10 @@ impl MeshInfo {
             area: surface.area(),
             volume: surface.volume(),
             angles: angles.map(f64::to_degrees),
-            valences: [valences.clone().min().unwrap_or(0), valences.max().unwrap_or(0)],
+            valences: [
+                valences.clone().min().unwrap_or(0),
+                valences.max().unwrap_or(0),
+            ],
             edge_lengths,
             degenerate_triangles: all
                 .filter(|&triangle| is_degenerate(surface, triangle))
@@ -77,7 +85,11 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
 fn is_degenerate(surface: Surface<'_, f64>, triangle: usize) -> bool {
     let [a, b, c] = surface.mesh().triangles()[triangle];
     let squared = |from, to| {
-        surface.difference(from, to).iter().map(|component| component * component).sum::<f64>()
+        surface
+            .difference(from, to)
+            .iter()
+            .map(|component| component * component)
+            .sum::<f64>()
     };
     let longest = squared(a, b).max(squared(b, c)).max(squared(c, a));
     surface.triangle_area(triangle) <= 4.0 * f64::EPSILON * longest

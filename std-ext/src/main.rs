@@ -11,7 +11,7 @@ use helfrich_std::study::{Progress, Scalar, Study};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::fmt::Display;
-use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -165,7 +165,7 @@ fn save(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Re
 
 fn study(arguments: &StudyArguments) -> Result<(), Failure> {
     let study = Study {
-        shape: arguments.shape.clone(),
+        shape: arguments.shape,
         families: unique(arguments.family.concat()),
         vertices: arguments.vertices.clone(),
         methods: unique(arguments.method.concat()),

@@ -5,8 +5,8 @@
 use helfrich::bending::StrongFormMemory;
 use helfrich::laplacian::CotangentMemory;
 use helfrich::{
-    Cotangent, Curvature, DualArea, Execution, Finding, GompperKroll, KantorNelson,
-    LaplaceBeltrami, Method, Prepared, Real, Serial, StrongForm, Surface, TriangleMesh, VertexKind,
+    Cotangent, Curvature, DualArea, Finding, GompperKroll, KantorNelson, LaplaceBeltrami, Method,
+    Prepared, Real, Serial, StrongForm, Surface, TriangleMesh, VertexKind,
 };
 use std::fmt;
 use std::str::FromStr;
@@ -54,7 +54,10 @@ impl fmt::Display for BendingMethod {
 
 /// A name that is no method's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no bending method `{name}`: the methods are {}", known_methods())]
+#[error(
+    "there is no bending method `{name}`: the methods are {}",
+    known_methods()
+)]
 pub struct UnknownMethod {
     name: String,
 }
@@ -71,7 +74,12 @@ impl FromStr for BendingMethod {
         let matches = |method: &Self| {
             method.name().eq_ignore_ascii_case(name) || method.letter().eq_ignore_ascii_case(name)
         };
-        Self::ALL.into_iter().find(matches).ok_or_else(|| UnknownMethod { name: name.to_owned() })
+        Self::ALL
+            .into_iter()
+            .find(matches)
+            .ok_or_else(|| UnknownMethod {
+                name: name.to_owned(),
+            })
     }
 }
 
@@ -120,7 +128,10 @@ impl<T: Real> Evaluator<T> {
                 PreparedMethod::Meyer(Prepared::new(StrongForm::meyer(modulus), mesh))
             }
         };
-        Self { prepared, force: vec![[T::zero(); 3]; mesh.vertex_count()] }
+        Self {
+            prepared,
+            force: vec![[T::zero(); 3]; mesh.vertex_count()],
+        }
     }
 
     /// One evaluation as a simulation makes it: nodal forces with the energy for conservative
@@ -145,7 +156,13 @@ impl<T: Real> Evaluator<T> {
         let mut curvature = vec![Curvature::default(); mesh.vertex_count()];
         let mut memory = CotangentMemory::default();
         let cotangent = Cotangent::new(DualArea::Mixed);
-        cotangent.measure(&Serial, &cotangent.plan(mesh), surface, &mut memory, &mut curvature);
+        cotangent.measure(
+            &Serial,
+            &Method::<T>::plan(&cotangent, mesh),
+            surface,
+            &mut memory,
+            &mut curvature,
+        );
         let mut fields = Fields {
             area: curvature.iter().map(|vertex| vertex.area).collect(),
             normal: curvature.iter().map(|vertex| vertex.normal).collect(),
@@ -187,7 +204,11 @@ impl<T: Real> Evaluator<T> {
 }
 
 fn where_defined<V: Copy>(values: &[V], defined: impl Fn(usize) -> bool) -> Vec<Option<V>> {
-    values.iter().enumerate().map(|(vertex, &value)| defined(vertex).then_some(value)).collect()
+    values
+        .iter()
+        .enumerate()
+        .map(|(vertex, &value)| defined(vertex).then_some(value))
+        .collect()
 }
 
 impl<T: Real> Fields<T> {
@@ -195,8 +216,11 @@ impl<T: Real> Fields<T> {
         let over = |force: [T; 3], area: T| {
             (area > T::zero()).then(|| force.map(|component| component / area))
         };
-        self.force_density =
-            force.iter().zip(&self.area).map(|(&force, &area)| over(force, area)).collect();
+        self.force_density = force
+            .iter()
+            .zip(&self.area)
+            .map(|(&force, &area)| over(force, area))
+            .collect();
     }
 
     fn set_strong_form<M>(

@@ -13,13 +13,23 @@ use std::mem::discriminant;
 /// # Errors
 /// If `out` cannot be written to.
 pub fn study_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
-    let same_block = |a: &Row, b: &Row| {
-        (a.shape, a.family, a.scalar) == (b.shape, b.family, b.scalar)
-    };
-    writeln!(out, "Relative errors, largest (max) and area-weighted mean over the vertices.")?;
-    writeln!(out, "Order: of the last refinement; error ~ h^order. – : the method does not define it.")?;
+    let same_block =
+        |a: &Row, b: &Row| (a.shape, a.family, a.scalar) == (b.shape, b.family, b.scalar);
+    writeln!(
+        out,
+        "Relative errors, largest (max) and area-weighted mean over the vertices."
+    )?;
+    writeln!(
+        out,
+        "Order: of the last refinement; error ~ h^order. – : the method does not define it."
+    )?;
     for block in rows.chunk_by(same_block) {
-        let Row { shape, family, scalar, .. } = &block[0];
+        let Row {
+            shape,
+            family,
+            scalar,
+            ..
+        } = &block[0];
         writeln!(out, "\n{shape} · {family} · {scalar}")?;
         write!(out, "{:13} {:>7}", "method", "N")?;
         for quantity in Quantity::ALL {
@@ -30,16 +40,27 @@ pub fn study_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "{}", "─".repeat(13 + 8 + 4 * 19 + 11))?;
         for method in block.chunk_by(|a, b| a.method == b.method) {
             for (index, mesh) in method.chunk_by(|a, b| a.vertices == b.vertices).enumerate() {
-                let name = if index == 0 { mesh[0].method.name() } else { "" };
+                let name = if index == 0 {
+                    mesh[0].method.name()
+                } else {
+                    ""
+                };
                 write!(out, "{name:13} {:>7}", mesh[0].vertices)?;
-                cells(mesh, out, |row| [Some(row.max), Some(row.mean)], |value| format!("{value:.1e}"))?;
+                cells(
+                    mesh,
+                    out,
+                    |row| [Some(row.max), Some(row.mean)],
+                    |value| format!("{value:.1e}"),
+                )?;
                 writeln!(out, "  {:>9.1}", mesh[0].ns_per_vertex)?;
             }
             let finest = method.last().map_or(0, |row| row.vertices);
             let start = method.partition_point(|row| row.vertices < finest);
             write!(out, "{:13} {:>7}", "", "order")?;
             let orders = |row: &Row| [row.order_max, row.order_mean];
-            cells(&method[start..], out, orders, |order| format!("{order:+.1}"))?;
+            cells(&method[start..], out, orders, |order| {
+                format!("{order:+.1}")
+            })?;
             writeln!(out)?;
         }
     }
@@ -62,9 +83,9 @@ fn cells(
 ) -> io::Result<()> {
     for quantity in Quantity::ALL {
         let row = rows.iter().find(|row| row.quantity == quantity);
-        let [max, mean] = row.map_or([None, None], &values).map(|value| {
-            value.map_or_else(|| "–".to_owned(), &text)
-        });
+        let [max, mean] = row
+            .map_or([None, None], &values)
+            .map(|value| value.map_or_else(|| "–".to_owned(), &text));
         write!(out, "  {max:>8} {mean:>8}")?;
     }
     Ok(())
@@ -89,7 +110,10 @@ pub fn mesh_info(info: &MeshInfo, out: &mut dyn Write) -> io::Result<()> {
     };
     line("closed", closed)?;
     line("components", info.components.to_string())?;
-    line("Euler characteristic", info.euler_characteristic.to_string())?;
+    line(
+        "Euler characteristic",
+        info.euler_characteristic.to_string(),
+    )?;
     line("area", format!("{}", info.area))?;
     let volume = match info.volume {
         Some(volume) if volume < 0.0 => format!("{volume} (negative: the mesh is inside out)"),
@@ -97,9 +121,18 @@ pub fn mesh_info(info: &MeshInfo, out: &mut dyn Write) -> io::Result<()> {
         None => "not defined: the mesh has a boundary".to_owned(),
     };
     line("volume", volume)?;
-    line("edge lengths", format!("{} … {}", info.edge_lengths[0], info.edge_lengths[1]))?;
-    line("angles", format!("{:.4}° … {:.4}°", info.angles[0], info.angles[1]))?;
-    line("valences", format!("{} … {}", info.valences[0], info.valences[1]))?;
+    line(
+        "edge lengths",
+        format!("{} … {}", info.edge_lengths[0], info.edge_lengths[1]),
+    )?;
+    line(
+        "angles",
+        format!("{:.4}° … {:.4}°", info.angles[0], info.angles[1]),
+    )?;
+    line(
+        "valences",
+        format!("{} … {}", info.valences[0], info.valences[1]),
+    )?;
     let degenerate = match info.degenerate_triangles.as_slice() {
         [] => "0".to_owned(),
         [first, ..] => format!("{} (the first is {first})", info.degenerate_triangles.len()),
@@ -164,5 +197,8 @@ pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
             None => kinds.push((1, finding)),
         }
     }
-    kinds.into_iter().map(|(count, first)| (count, words(first))).collect()
+    kinds
+        .into_iter()
+        .map(|(count, first)| (count, words(first)))
+        .collect()
 }

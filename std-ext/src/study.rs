@@ -43,7 +43,9 @@ impl FromStr for Scalar {
 
     fn from_str(name: &str) -> Result<Self, UnknownScalar> {
         let named = Self::ALL.into_iter().find(|scalar| scalar.name() == name);
-        named.ok_or_else(|| UnknownScalar { name: name.to_owned() })
+        named.ok_or_else(|| UnknownScalar {
+            name: name.to_owned(),
+        })
     }
 }
 
@@ -73,8 +75,12 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity, from the second to the fourth derivative.
-    pub const ALL: [Self; 4] =
-        [Self::Mean, Self::Gaussian, Self::LaplacianOfMean, Self::ForceDensity];
+    pub const ALL: [Self; 4] = [
+        Self::Mean,
+        Self::Gaussian,
+        Self::LaplacianOfMean,
+        Self::ForceDensity,
+    ];
 
     /// The symbol: `H`, `K`, `LapH` or `f`.
     pub fn symbol(self) -> &'static str {
@@ -170,7 +176,10 @@ impl Study {
     /// If a mesh cannot be made, or does not fit a number type.
     pub fn run(&self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StudyError> {
         let cases = self.methods.len() * self.scalars.len();
-        let total = self.vertices.iter().map(|&vertices| (vertices * (cases + 1)) as u64);
+        let total = self
+            .vertices
+            .iter()
+            .map(|&vertices| (vertices * (cases + 1)) as u64);
         let total = total.sum::<u64>() * self.families.len() as u64;
         let mut done = 0;
         let mut step = |vertices: usize, at: &str| {
@@ -188,7 +197,12 @@ impl Study {
             }
             for &scalar in &self.scalars {
                 for &method in &self.methods {
-                    let case = Case { study: self, family, method, scalar };
+                    let case = Case {
+                        study: self,
+                        family,
+                        method,
+                        scalar,
+                    };
                     for (mesh, exact) in &meshes {
                         let vertices = mesh.mesh.vertex_count();
                         step(vertices, &format!("{family} {vertices}: {method} {scalar}"));
@@ -196,8 +210,11 @@ impl Study {
                             Scalar::F32 => case.measure::<f32>(mesh, exact),
                             Scalar::F64 => case.measure::<f64>(mesh, exact),
                         };
-                        let found = measured
-                            .map_err(|source| StudyError::Surface { vertices, scalar, source })?;
+                        let found = measured.map_err(|source| StudyError::Surface {
+                            vertices,
+                            scalar,
+                            source,
+                        })?;
                         for mut row in found {
                             row.set_orders(&rows);
                             rows.push(row);
@@ -206,7 +223,11 @@ impl Study {
                 }
             }
         }
-        progress(Progress { done: total, total, at: "done" });
+        progress(Progress {
+            done: total,
+            total,
+            at: "done",
+        });
         Ok(rows)
     }
 }
@@ -220,7 +241,9 @@ impl Row {
                 && row.scalar == self.scalar
                 && row.quantity == self.quantity
         });
-        let Some(coarser) = coarser.filter(|row| row.vertices < self.vertices) else { return };
+        let Some(coarser) = coarser.filter(|row| row.vertices < self.vertices) else {
+            return;
+        };
         let refinement = (self.vertices as f64 / coarser.vertices as f64).sqrt().ln();
         let order = |coarse: f64, fine: f64| {
             let order = (coarse / fine).ln() / refinement;
@@ -240,7 +263,11 @@ struct Exact {
 
 impl Exact {
     fn new(shape: &AnyShape, mesh: &GeneratedMesh, modulus: f64) -> Self {
-        let points: Vec<_> = mesh.preimages.iter().map(|&preimage| shape.at(preimage)).collect();
+        let points: Vec<_> = mesh
+            .preimages
+            .iter()
+            .map(|&preimage| shape.at(preimage))
+            .collect();
         // On a sphere Δ_S H and f vanish identically, and its size is what is left to compare with.
         let sphere = shape.sphere_radius();
         let scales = Quantity::ALL.map(|quantity| {
@@ -254,7 +281,11 @@ impl Exact {
                 _ => largest,
             }
         });
-        Self { points, modulus, scales }
+        Self {
+            points,
+            modulus,
+            scales,
+        }
     }
 }
 
@@ -326,12 +357,19 @@ fn errors<T: Real>(fields: &Fields<T>, exact: &Exact, quantity: Quantity) -> Opt
             Quantity::LaplacianOfMean => scalar(fields.laplacian_of_mean[vertex]),
             Quantity::ForceDensity => fields.force_density[vertex].map(|found| {
                 let difference = |axis: usize| to_f64(found[axis]) - value * point.normal[axis];
-                (0..3).map(|axis| difference(axis).powi(2)).sum::<f64>().sqrt()
+                (0..3)
+                    .map(|axis| difference(axis).powi(2))
+                    .sum::<f64>()
+                    .sqrt()
             }),
         }?;
         let area = to_f64(fields.area[vertex]);
         // An error that is not a number is an infinite one: `max` would pass it over.
-        largest = if error.is_nan() { f64::INFINITY } else { largest.max(error) };
+        largest = if error.is_nan() {
+            f64::INFINITY
+        } else {
+            largest.max(error)
+        };
         weighted += area * error;
         weights += area;
     }

@@ -85,7 +85,7 @@ impl<T: Real> GompperKroll<T> {
             &[],
             &mut memory.curvature,
         );
-        execution.map(&mut memory.curvature, |vertex, sum| {
+        execution.map(&mut memory.curvature[..], |vertex, sum| {
             let [x, y, z, area] = *sum;
             let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
             let over = if interior {
@@ -117,7 +117,7 @@ impl<T: Real> GompperKroll<T> {
         let half = T::constant(0.5);
         let GompperKrollMemory { curvature, weights } = memory;
         weights.resize(curvature.len(), [T::zero(); 4]);
-        execution.map(weights, |vertex, weight| {
+        execution.map(&mut weights[..], |vertex, weight| {
             let [x, y, z, _] = curvature[vertex];
             let squared = dot([x, y, z], [x, y, z]);
             *weight = [x, y, z, half * squared].map(|entry| self.modulus * entry);
@@ -183,7 +183,12 @@ impl<T: Real> ElementKernel<T, 3, 4, 3> for EnergyGradient {
         input: &[[L; 4]; 3],
     ) -> [[L; 3]; 3] {
         let triangle = corners.triangle();
-        let Triangle { edges, dots, reciprocal: over, .. } = triangle;
+        let Triangle {
+            edges,
+            dots,
+            reciprocal: over,
+            ..
+        } = triangle;
         let half = L::literal(0.5);
         let w = |k: usize| [input[k][0], input[k][1], input[k][2]];
         let s: [L; 3] = core::array::from_fn(|k| input[k][3]);
@@ -199,7 +204,10 @@ impl<T: Real> ElementKernel<T, 3, 4, 3> for EnergyGradient {
         let r: [_; 3] = core::array::from_fn(|k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             let along = (y[i] + y[j] - y[k]) - (t[k] + t[k] + shrink) * dots[k];
-            scale(over, add(scale(half * dots[k], steps[k]), scale(along, edges[k])))
+            scale(
+                over,
+                add(scale(half * dots[k], steps[k]), scale(along, edges[k])),
+            )
         });
         [sub(r[2], r[1]), sub(r[0], r[2]), sub(r[1], r[0])]
     }

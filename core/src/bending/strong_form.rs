@@ -107,11 +107,11 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         } = memory;
         mean.resize(mesh.vertex_count(), T::zero());
         laplacian_of_mean.resize(mesh.vertex_count(), T::zero());
-        execution.map(mean, |vertex, mean| *mean = curvature[vertex].mean);
+        execution.map(&mut mean[..], |vertex, mean| *mean = curvature[vertex].mean);
         self.operator
             .apply_to_scalar(execution, plan, surface, operator, mean, laplacian_of_mean);
         if !mesh.is_closed() {
-            execution.map(laplacian_of_mean, |vertex, value| {
+            execution.map(&mut laplacian_of_mean[..], |vertex, value| {
                 *value = if mesh.is_surrounded(vertex) {
                     *value
                 } else {

@@ -256,7 +256,7 @@ impl<T: Real> LaplaceBeltrami<T> for Cotangent {
         let laplacian = &mut laplacian[..mesh.vertex_count()];
         laplacian.fill([T::zero(); D]);
         execution.scatter(&Differences, surface, mesh.triangles(), field, laplacian);
-        execution.map(laplacian, |vertex, sum| {
+        execution.map(&mut laplacian[..], |vertex, sum| {
             let over_area = memory.over_area(vertex);
             *sum = sum.map(|entry| entry * over_area);
         });
