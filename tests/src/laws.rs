@@ -8,8 +8,9 @@ use crate::meshes::{Mesh, SplitMix64, cross, difference, dot, norm, rotation, tu
 use crate::tolerance;
 use autodiff::F1;
 use helfrich::{
-    Conservative, Cotangent, DualArea, Energy, Force, GompperKroll, KantorNelson, LaplaceBeltrami,
-    Prepared, Real, StrongForm, Surface, TriangleMesh,
+    Conservative, Cotangent, Curvature, DualArea, Energy, Finding, Force, GompperKroll,
+    KantorNelson, LaplaceBeltrami, Method, Prepared, Real, Rows, Serial, StrongForm, Surface,
+    TriangleMesh, VertexKind,
 };
 
 /// A bending method, to be made for any scalar.
@@ -169,7 +170,7 @@ pub trait ConservativeLaw {
 /// A law of Laplace–Beltrami operators.
 pub trait OperatorLaw {
     /// Fails if the operator breaks the law.
-    fn check<L: LaplaceBeltrami<f64>>(&mut self, name: &str, operator: L);
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L);
 }
 
 /// Every method whose force is a gradient.
@@ -207,7 +208,8 @@ pub fn for_each_operator(law: &mut impl OperatorLaw) {
     );
 }
 
-/// The library's files that [`for_each`] runs through the laws.
+/// The library's files that [`for_each`] runs through the laws of methods, and, as far as they are
+/// operators, [`for_each_operator`] through those of operators.
 pub fn covered_modules() -> Vec<&'static str> {
     struct Modules(Vec<&'static str>);
     impl Law for Modules {
@@ -224,11 +226,7 @@ pub fn covered_modules() -> Vec<&'static str> {
 ///
 /// # Panics
 /// If positions and mesh do not fit.
-pub fn energy<T: Real>(
-    method: impl Energy<T>,
-    mesh: &TriangleMesh,
-    positions: &[[T; 3]],
-) -> T {
+pub fn energy<T: Real>(method: impl Energy<T>, mesh: &TriangleMesh, positions: &[[T; 3]]) -> T {
     let surface = Surface::new(mesh, positions).expect("one finite position a vertex");
     Prepared::new(method, mesh).energy(surface)
 }
@@ -250,7 +248,10 @@ pub fn forces<T: Real>(
 
 /// The largest absolute coordinate.
 pub fn largest(vectors: &[[f64; 3]]) -> f64 {
-    vectors.iter().flatten().fold(0.0, |most, x| most.max(x.abs()))
+    vectors
+        .iter()
+        .flatten()
+        .fold(0.0, |most, x| most.max(x.abs()))
 }
 
 /// The directions in which a gradient is tried: some coordinates alone, then all at random.
@@ -301,7 +302,8 @@ impl ConservativeLaw for ForceIsGradient<'_> {
         }
 
         let mut together = vec![[0.0; 3]; positions.len()];
-        let sum = Prepared::new(method(), mesh).add_force_and_energy(self.0.surface(), &mut together);
+        let sum =
+            Prepared::new(method(), mesh).add_force_and_energy(self.0.surface(), &mut together);
         assert_eq!(together, force, "{name}: forces with and without energy");
         let alone = energy(method(), mesh, positions);
         assert_eq!(sum, alone, "{name}: energy with and without forces");
@@ -411,7 +413,10 @@ impl Law for Invariant<'_> {
         };
 
         let moved = evaluate(&mesh.map(|x| [x[0] + 5.0, x[1] - 2.25, x[2] + 0.125]));
-        assert!((&force, energy) == (&moved.0, moved.1), "{name}: translation changes a bit");
+        assert!(
+            (&force, energy) == (&moved.0, moved.1),
+            "{name}: translation changes a bit"
+        );
 
         let quaternion = [0; 4].map(|_| random.symmetric());
         let turn = rotation(quaternion);
@@ -499,5 +504,263 @@ impl Law for ScaleFreeSingle<'_> {
     fn check<C: Candidate>(&mut self, candidate: C) {
         self.0
             .check_in::<f32>(candidate, tolerance::INVARIANCE_SINGLE);
+    }
+}
+
+/// Energies, forces and findings of a method on a surface that may be degenerate are finite, and
+/// vertices in no triangle feel nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Finite<'a>(pub &'a Mesh);
+
+impl Law for Finite<'_> {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        let Mesh {
+            connectivity: mesh,
+            positions,
+        } = self.0;
+        let name = candidate.name();
+        let energy = energy(candidate.method(1.0), mesh, positions);
+        assert!(energy.is_finite(), "{name}: energy {energy}");
+        let forces = forces(candidate.method(1.0), mesh, positions);
+        for (vertex, force) in forces.into_iter().enumerate() {
+            let finite = force.iter().all(|f| f.is_finite());
+            assert!(finite, "{name}: force {force:?} at vertex {vertex}");
+            if mesh.vertex_kind(vertex) == VertexKind::Isolated {
+                assert_eq!(force, [0.0; 3], "{name}: isolated vertex {vertex}");
+            }
+        }
+    }
+}
+
+impl OperatorLaw for Finite<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let measured = Measured::new(operator, self.0);
+        for (vertex, curvature) in measured.curvature.iter().enumerate() {
+            let kind = self.0.connectivity.vertex_kind(vertex);
+            let Curvature {
+                normal,
+                mean,
+                gaussian,
+                area,
+                ..
+            } = *curvature;
+            let values = [normal[0], normal[1], normal[2], mean, gaussian, area];
+            let finite = values.iter().all(|value| value.is_finite());
+            assert!(finite, "{name}: {curvature:?} at vertex {vertex}");
+            assert_eq!(curvature.kind, kind, "{name}: kind of vertex {vertex}");
+            if kind != VertexKind::Interior {
+                assert_eq!(
+                    (mean, gaussian),
+                    (0.0, 0.0),
+                    "{name}: {kind:?} vertex {vertex}"
+                );
+            }
+            if kind == VertexKind::Isolated {
+                assert_eq!((normal, area), ([0.0; 3], 0.0), "{name}: vertex {vertex}");
+            }
+        }
+        let laplacian = measured.apply(&self.0.positions);
+        let finite = laplacian.iter().flatten().all(|value| value.is_finite());
+        assert!(finite, "{name}: Δ_S x");
+    }
+}
+
+/// What a method reports after an evaluation of forces.
+pub fn findings(method: impl Force<f64>, mesh: &Mesh) -> Vec<Finding> {
+    let mut prepared = Prepared::new(method, &mesh.connectivity);
+    prepared.add_force(mesh.surface(), &mut vec![[0.0; 3]; mesh.positions.len()]);
+    let mut findings = Vec::new();
+    prepared.inspect(mesh.surface(), &mut |finding| findings.push(finding));
+    findings
+}
+
+/// An operator that has measured a surface.
+#[derive(Debug)]
+pub struct Measured<'a, L: Method<f64>> {
+    mesh: &'a Mesh,
+    operator: L,
+    plan: L::Plan,
+    memory: L::Memory,
+    /// n, H, K and A at each vertex.
+    pub curvature: Vec<Curvature<f64>>,
+}
+
+impl<'a, L: LaplaceBeltrami<f64>> Measured<'a, L> {
+    /// Measures.
+    pub fn new(operator: L, mesh: &'a Mesh) -> Self {
+        let plan = operator.plan(&mesh.connectivity);
+        let mut memory = L::Memory::default();
+        let mut curvature = vec![Curvature::default(); mesh.positions.len()];
+        operator.measure(&Serial, &plan, mesh.surface(), &mut memory, &mut curvature);
+        Self {
+            mesh,
+            operator,
+            plan,
+            memory,
+            curvature,
+        }
+    }
+
+    /// Δ_S of a field.
+    pub fn apply<const D: usize>(&self, field: &[[f64; D]]) -> Vec<[f64; D]> {
+        // Not zero before: the operator sets, it does not add.
+        let mut laplacian = vec![[f64::NAN; D]; field.len()];
+        let surface = self.mesh.surface();
+        self.operator.apply(
+            &Serial,
+            &self.plan,
+            surface,
+            &self.memory,
+            field,
+            &mut laplacian,
+        );
+        laplacian
+    }
+
+    /// Δ_S of a scalar field.
+    pub fn apply_to_scalar(&self, field: &[f64]) -> Vec<f64> {
+        let mut laplacian = vec![f64::NAN; field.len()];
+        let surface = self.mesh.surface();
+        self.operator.apply_to_scalar(
+            &Serial,
+            &self.plan,
+            surface,
+            &self.memory,
+            field,
+            &mut laplacian,
+        );
+        laplacian
+    }
+
+    /// Fills the rows.
+    pub fn assemble(&self, rows: &mut Rows<f64>) {
+        self.operator
+            .assemble(&self.plan, self.mesh.surface(), &self.memory, rows);
+    }
+}
+
+/// Δ_S of a constant is zero, to the last bit, in every form.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstantsVanish<'a>(pub &'a Mesh);
+
+impl OperatorLaw for ConstantsVanish<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let measured = Measured::new(operator, self.0);
+        let vertices = self.0.positions.len();
+        let zero = vec![0.0; vertices];
+        let constant = vec![0.1; vertices];
+        assert_eq!(measured.apply_to_scalar(&constant), zero, "{name}");
+        let mut rows = Rows::new();
+        measured.assemble(&mut rows);
+        let mut result = vec![f64::NAN; vertices];
+        rows.apply_to_scalar(&Serial, &constant, &mut result);
+        assert_eq!(result, zero, "{name}: rows");
+        let fields = measured.apply(&vec![[0.1, -7.0e30]; vertices]);
+        assert_eq!(fields, vec![[0.0; 2]; vertices], "{name}: two fields");
+    }
+}
+
+/// Rows do what the operator does; filled again for a moved surface, they keep their memory.
+#[derive(Clone, Copy, Debug)]
+pub struct RowsAgree<'a>(pub &'a Mesh);
+
+impl OperatorLaw for RowsAgree<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let mut measured = Measured::new(operator, self.0);
+        let vertices = self.0.positions.len();
+        let field = SplitMix64::new(3).directions(vertices);
+        let mut rows = Rows::new();
+        measured.assemble(&mut rows);
+        assert_eq!(rows.len(), vertices, "{name}: one row a vertex");
+        let agree = |rows: &Rows<f64>, expected: &[[f64; 3]], scalar: &[f64]| {
+            let mut result = vec![[f64::NAN; 3]; vertices];
+            rows.apply(&Serial, &field, &mut result);
+            for vertex in 0..vertices {
+                let scale = 2.0 * rows.row(vertex).1.iter().map(|c| c.abs()).sum::<f64>();
+                let error = norm(difference(result[vertex], expected[vertex]));
+                let scale = scale.max(f64::MIN_POSITIVE);
+                tolerance::OPERATOR_ROUNDING.assert(error, 0.0, scale, name);
+                assert_eq!(
+                    scalar[vertex], expected[vertex][0],
+                    "{name}: one field and three"
+                );
+            }
+        };
+        let first = Vec::from_iter(field.iter().map(|f| f[0]));
+        agree(
+            &rows,
+            &measured.apply(&field),
+            &measured.apply_to_scalar(&first),
+        );
+
+        let places = |rows: &Rows<f64>| {
+            let (columns, coefficients) = rows.row(0);
+            (columns.as_ptr(), coefficients.as_ptr())
+        };
+        let before = places(&rows);
+        let moved = self.0.map(|[x, y, z]| [1.5 * x + 0.1 * y, y, z - 0.2 * x]);
+        measured.mesh = &moved;
+        let Measured {
+            operator,
+            plan,
+            memory,
+            curvature,
+            ..
+        } = &mut measured;
+        operator.measure(&Serial, plan, moved.surface(), memory, curvature);
+        measured.assemble(&mut rows);
+        assert_eq!(
+            places(&rows),
+            before,
+            "{name}: refilled rows moved in memory"
+        );
+        agree(
+            &rows,
+            &measured.apply(&field),
+            &measured.apply_to_scalar(&first),
+        );
+        let mut fresh = Rows::new();
+        measured.assemble(&mut fresh);
+        assert_eq!(rows, fresh, "{name}: refilled rows and new ones");
+    }
+}
+
+/// Curvatures follow: n turns, H, K and A stay; H and K scale as 1/length and its square.
+#[derive(Clone, Copy, Debug)]
+pub struct CurvatureFollows<'a>(pub &'a Mesh);
+
+impl OperatorLaw for CurvatureFollows<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let pitch = 2.0_f64.powi(-40);
+        let mesh = &self.0.map(|x| x.map(|x| (x / pitch).round() * pitch));
+        let here = Measured::new(operator, mesh).curvature;
+        let there =
+            Measured::new(operator, &mesh.map(|x| [x[0] - 3.0, x[1], x[2] + 9.5])).curvature;
+        assert_eq!(here, there, "{name}: translation");
+
+        for exponent in [-40, 40] {
+            let scale = 2.0_f64.powi(exponent);
+            let scaled = mesh.map(|x| x.map(|x| scale * x));
+            let scaled = Measured::new(operator, &scaled).curvature;
+            let back = scaled.into_iter().map(|curvature| Curvature {
+                mean: curvature.mean * scale,
+                gaussian: curvature.gaussian * scale * scale,
+                area: curvature.area / scale / scale,
+                ..curvature
+            });
+            assert_eq!(Vec::from_iter(back), here, "{name}: scale 2^{exponent}");
+        }
+
+        let turn = rotation(crate::meshes::GENERIC);
+        let there = Measured::new(operator, &mesh.map(|x| turned(turn, x))).curvature;
+        let largest = here.iter().map(|c| c.mean.abs()).fold(1.0, f64::max);
+        for (here, there) in here.iter().zip(&there) {
+            let normal = norm(difference(turned(turn, here.normal), there.normal));
+            tolerance::INVARIANCE.assert(normal, 0.0, 1.0, name);
+            tolerance::INVARIANCE.assert(there.mean, here.mean, largest, name);
+            let square = largest * largest + here.gaussian.abs();
+            tolerance::INVARIANCE.assert(there.gaussian, here.gaussian, square, name);
+            tolerance::INVARIANCE.assert(there.area, here.area, here.area.abs() + 1e-3, name);
+        }
     }
 }

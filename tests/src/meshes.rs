@@ -1,7 +1,8 @@
 //! Meshes for the laws: small, seeded, and described by a few readable numbers.
 
 use helfrich::{Real, Surface, TriangleMesh};
-use proptest::prelude::{Strategy, prop_oneof};
+use proptest::prelude::{ProptestConfig, Strategy, prop_oneof};
+use proptest::test_runner::FileFailurePersistence;
 use std::collections::HashMap;
 
 /// Connectivity with positions.
@@ -149,7 +150,12 @@ pub fn icosahedron() -> Mesh {
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut positions = Vec::new();
     for axis in 0..3 {
-        for (long, short) in [(golden, 1.0), (golden, -1.0), (-golden, 1.0), (-golden, -1.0)] {
+        for (long, short) in [
+            (golden, 1.0),
+            (golden, -1.0),
+            (-golden, 1.0),
+            (-golden, -1.0),
+        ] {
             let mut position = [0.0; 3];
             position[axis] = long;
             position[(axis + 1) % 3] = short;
@@ -205,7 +211,10 @@ pub fn disc(rings: u32) -> Mesh {
     for ring in 1..=rings {
         for side in 0..6 {
             for step in 0..ring {
-                let (from, to) = (directions[side as usize], directions[(side as usize + 1) % 6]);
+                let (from, to) = (
+                    directions[side as usize],
+                    directions[(side as usize + 1) % 6],
+                );
                 let (outer, part) = (f64::from(ring), f64::from(step));
                 let along = |axis: usize| {
                     ((outer - part) * from[axis] + part * to[axis]) / f64::from(rings)
@@ -231,7 +240,8 @@ pub fn torus(around: u32, across: u32) -> Mesh {
     let mut triangles = Vec::new();
     for i in 0..around {
         for j in 0..across {
-            let angle = |k: u32, count: u32| std::f64::consts::TAU * f64::from(k) / f64::from(count);
+            let angle =
+                |k: u32, count: u32| std::f64::consts::TAU * f64::from(k) / f64::from(count);
             let ((s, c), (v, u)) = (angle(i, around).sin_cos(), angle(j, across).sin_cos());
             let radius = 1.0 + 0.4 * u;
             positions.push([radius * c, radius * s, 0.4 * v]);
@@ -301,6 +311,20 @@ fn rough(base: impl Strategy<Value = Base>) -> impl Strategy<Value = Rough> {
 
 fn one_of(bases: &'static [Base]) -> impl Strategy<Value = Base> {
     (0..bases.len()).prop_map(|index| bases[index])
+}
+
+/// So many random cases, more with `PROPTEST_CASES`; failures are kept beside the test's source.
+pub fn cases(count: u32) -> ProptestConfig {
+    let cases = match std::env::var_os("PROPTEST_CASES") {
+        Some(_) => ProptestConfig::default().cases,
+        None => count,
+    };
+    ProptestConfig {
+        cases,
+        max_shrink_iters: 200,
+        failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("regressions"))),
+        ..ProptestConfig::default()
+    }
 }
 
 /// Rough closed meshes.

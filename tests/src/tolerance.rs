@@ -76,17 +76,42 @@ pub const GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
     "a step of 1e-4 edges leaves 1e-9 of truncation and 1e-16/1e-4 of rounding, times the roughness",
 );
 /// Net force and torque of exact gradients, relative to Σ|F| and Σ|F||x|.
-pub const BALANCE: Tolerance =
-    Tolerance::new(1e-14, "a sum of terms that cancel, each rounded");
+pub const BALANCE: Tolerance = Tolerance::new(1e-14, "a sum of terms that cancel, each rounded");
 /// Rotation, relabelling and scaling, relative to the largest force or the energy.
 pub const INVARIANCE: Tolerance = Tolerance::new(
     1e-11,
     "the moved positions are rounded, and bending forces divide that by an edge length up to four times",
 );
 /// The same in f32.
-pub const INVARIANCE_SINGLE: Tolerance =
-    Tolerance::new(5e-3, "as in f64, from a rounding of 6e-8");
+pub const INVARIANCE_SINGLE: Tolerance = Tolerance::new(5e-3, "as in f64, from a rounding of 6e-8");
 /// Gauss–Bonnet, relative to the sum of all absolute angles.
 pub const GAUSS_BONNET: Tolerance = Tolerance::new(1e-12, "a sum of rounded angles");
 /// Σ of dual areas against the total area, relative to the sum of absolute parts.
 pub const AREA_SUM: Tolerance = Tolerance::new(1e-13, "a sum of rounded parts");
+/// Two orders of summation of an operator's row, relative to Σ|c| times the field.
+pub const OPERATOR_ROUNDING: Tolerance =
+    Tolerance::new(1e-14, "a dozen terms, each rounded a few times");
+/// H R on inscribed meshes, relative to ε R² Σ|cot|/|A|.
+pub const SPHERE_EXACT: Tolerance = Tolerance::new(
+    4.0,
+    "positions lie on the sphere to ε R, and each cotangent multiplies such an error of a difference",
+);
+/// Δ_S of polynomials on flat patches, relative to Σ|c| times the field.
+pub const FLAT_EXACT: Tolerance = Tolerance::new(1e-14, "exact but for rounding");
+/// Areas, volumes and angles of known polyhedra, relative.
+pub const POLYHEDRON: Tolerance = Tolerance::new(1e-15, "a few roundings of f64");
+/// Δ_S x against −2 n on the icosphere of 2562 vertices, largest error.
+pub const EIGENFUNCTION_MAX: Tolerance = Tolerance::new(
+    1e-2,
+    "first order: along n the operator is exact, tangentially it is not",
+);
+/// Δ_S of the second zonal harmonic on the same mesh, mean error.
+pub const EIGENFUNCTION_MEAN: Tolerance = Tolerance::new(
+    2e-2,
+    "nearly second order in the mean; at the twelve vertices of valence 5 there is no convergence",
+);
+/// Net force and torque of the strong form on a smooth mesh of 642 vertices, relative to Σ|F|.
+pub const STRONG_BALANCE: Tolerance = Tolerance::new(
+    1e-3,
+    "forces are pointwise values times areas, no gradient: they balance as the mesh is refined",
+);
