@@ -4,4 +4,5 @@ pub mod invariants;
 pub mod laws;
 pub mod meshes;
 pub mod quadrature;
+pub mod refused;
 pub mod tolerance;
