@@ -321,7 +321,6 @@ fn eigenfunctions_of_the_sphere() {
             }
             errors[1] += (l[3] + 6.0 * f[3]).abs() / field.len() as f64;
         }
-        println!("{refinement}: {errors:?}");
         for (error, before) in errors.iter().zip(before) {
             assert!(
                 *error < before / 1.8,
