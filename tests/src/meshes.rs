@@ -1,6 +1,6 @@
 //! Meshes for the laws: small, seeded, and described by a few readable numbers.
 
-use helfrich::{Real, Surface, TriangleMesh};
+use helfrich::{Cotangent, DualArea, Real, Serial, Surface, TriangleMesh};
 use proptest::prelude::{ProptestConfig, Strategy, prop_oneof};
 use proptest::test_runner::FileFailurePersistence;
 use std::collections::HashMap;
@@ -65,6 +65,18 @@ impl Mesh {
         let angles = (0..self.connectivity.triangles().len())
             .flat_map(|triangle| surface.triangle_angles(triangle));
         angles.map(|angle| angle.cos().abs()).fold(1.0, f64::min)
+    }
+
+    /// The mean over the smallest size of a Voronoi area: by how much the smallest amplifies
+    /// rounding, for formulas that divide by areas.
+    pub fn roughness(&self) -> f64 {
+        let mut areas = vec![0.0; self.positions.len()];
+        Cotangent::new(DualArea::Voronoi).dual_areas(&Serial, self.surface(), &mut areas);
+        let smallest = areas
+            .iter()
+            .fold(f64::INFINITY, |least, area| least.min(area.abs()));
+        let mean = self.surface().area() / areas.len() as f64;
+        (mean / smallest).max(1.0)
     }
 
     /// The same surface with other numbers for the vertices, triangles in another order, and each
@@ -281,7 +293,8 @@ pub enum Base {
 }
 
 impl Rough {
-    /// The mesh, every coordinate of every vertex displaced at random.
+    /// The mesh: bent, so that forces do not vanish even where it shrinks to no displacement, and
+    /// then every coordinate of every vertex displaced at random.
     pub fn mesh(self) -> Mesh {
         let smooth = match self.base {
             Base::Icosphere => icosphere(self.refinement),
@@ -289,6 +302,7 @@ impl Rough {
             Base::Hemisphere => hemisphere(self.refinement + 1),
             Base::Disc => disc(2 << self.refinement),
         };
+        let smooth = smooth.map(bent);
         let mut random = SplitMix64::new(self.seed);
         let reach = self.amplitude * smooth.edge_length();
         let displaced = |x: &[f64; 3]| x.map(|coordinate| coordinate + reach * random.symmetric());
@@ -297,6 +311,15 @@ impl Rough {
             connectivity: smooth.connectivity,
         }
     }
+}
+
+/// A smooth map without symmetry.
+pub fn bent([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [
+        x + 0.2 * y * z,
+        0.8 * y + 0.1 * x * x,
+        0.7 * z + 0.3 * x * y + 0.2 * x * x,
+    ]
 }
 
 fn rough(base: impl Strategy<Value = Base>) -> impl Strategy<Value = Rough> {

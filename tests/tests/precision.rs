@@ -1,7 +1,7 @@
 //! Single against double precision.
 
 use helfrich_tests::laws::{Candidate, Law, energy, for_each, forces, largest};
-use helfrich_tests::meshes::{Mesh, difference, icosphere, norm};
+use helfrich_tests::meshes::{Mesh, bent, difference, icosphere, norm};
 use helfrich_tests::tolerance::SINGLE_PRECISION;
 
 #[test]
@@ -36,6 +36,5 @@ fn single_precision_within_the_table() {
         }
     }
     // Bent, so that forces do not vanish.
-    let bent = icosphere(3).map(|[x, y, z]| [x + 0.2 * y * z, 0.8 * y + 0.1 * x * x, 0.6 * z]);
-    for_each(&mut Single(bent));
+    for_each(&mut Single(icosphere(3).map(bent)));
 }
