@@ -3,8 +3,11 @@
 //! Sign: `Δ_S = div_S grad_S`, negative semi-definite; on a sphere `Δ_S x = −2 H n` with `H > 0`.
 
 mod cotangent;
+mod jet;
+mod least_squares;
 
-pub use cotangent::{Cotangent, CotangentMemory};
+pub use cotangent::{CornerEntries, Cotangent, CotangentMemory};
+pub use jet::{Jet, JetMemory};
 
 use crate::element::{Execution, Strided};
 use crate::energy::Method;

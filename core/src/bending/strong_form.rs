@@ -5,7 +5,7 @@
 
 use crate::element::Execution;
 use crate::energy::{Energy, Finding, Force, ForceDensity, Method};
-use crate::laplacian::{Cotangent, Curvature, LaplaceBeltrami};
+use crate::laplacian::{Cotangent, Curvature, Jet, LaplaceBeltrami};
 use crate::mesh::TriangleMesh;
 use crate::real::Real;
 use crate::surface::Surface;
@@ -34,6 +34,24 @@ impl<T: Real> StrongForm<T, Cotangent> {
         Self {
             modulus,
             operator: Cotangent::new(DualArea::Mixed),
+        }
+    }
+}
+
+impl<T: Real> StrongForm<T, Jet<T>> {
+    /// Method J of degree 6: [`Jet::j6`].
+    pub fn j6(modulus: T) -> Self {
+        Self {
+            modulus,
+            operator: Jet::j6(),
+        }
+    }
+
+    /// Method J of degree 4: [`Jet::j4`].
+    pub fn j4(modulus: T) -> Self {
+        Self {
+            modulus,
+            operator: Jet::j4(),
         }
     }
 }

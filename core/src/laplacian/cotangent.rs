@@ -36,6 +36,42 @@ impl Cotangent {
         Self { area }
     }
 
+    /// The whole of [`LaplaceBeltrami::measure`], which needs no plan.
+    pub(crate) fn sum<T: Real>(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut CotangentMemory<T>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let mesh = surface.mesh();
+        memory.sums.clear();
+        memory.sums.resize(mesh.vertex_count(), [T::zero(); 8]);
+        let kernel = Measures(self.area);
+        execution.scatter(&kernel, surface, mesh.triangles(), &[], &mut memory.sums);
+        let half = T::constant(0.5);
+        let memory = &*memory;
+        execution.map(
+            &mut curvature[..mesh.vertex_count()],
+            |vertex, curvature| {
+                let [u, v, w, x, y, z, angles, area] = memory.sums[vertex];
+                let kind = mesh.vertex_kind(vertex);
+                let normal = normalise([x, y, z]);
+                let over_area = match kind {
+                    VertexKind::Interior => memory.over_area(vertex),
+                    VertexKind::Boundary | VertexKind::Isolated => T::zero(),
+                };
+                *curvature = Curvature {
+                    normal,
+                    mean: -half * dot([u, v, w], normal) * over_area,
+                    gaussian: (T::TAU() - angles) * over_area,
+                    area,
+                    kind,
+                };
+            },
+        );
+    }
+
     /// Sets `areas` to A_i, one entry a vertex: the mass matrix of this operator.
     ///
     /// # Panics
@@ -123,10 +159,7 @@ impl<T: Real> ElementKernel<T, 3, 0, 1> for Areas {
         corners: &Corners<L, 3>,
         _input: &[[L; 0]; 3],
     ) -> [[L; 1]; 3] {
-        let triangle = corners.triangle();
-        triangle
-            .dual_areas(self.0, triangle.cotangents(), triangle.squared_lengths())
-            .map(|area| [area])
+        corners.triangle().dual_areas(self.0).map(|area| [area])
     }
 }
 
@@ -142,10 +175,9 @@ impl<T: Real> ElementKernel<T, 3, 0, 8> for Measures {
         _input: &[[L; 0]; 3],
     ) -> [[L; 8]; 3] {
         let triangle = corners.triangle();
-        let cotangents = triangle.cotangents();
-        let areas = triangle.dual_areas(self.0, cotangents, triangle.squared_lengths());
+        let areas = triangle.dual_areas(self.0);
         let angles = triangle.angles();
-        let laplacian = triangle.area_gradient(cotangents).map(neg);
+        let laplacian = triangle.area_gradient().map(neg);
         let [x, y, z] = triangle.area_vector;
         core::array::from_fn(|k| {
             let [u, v, w] = laplacian[k];
@@ -215,32 +247,7 @@ impl<T: Real> LaplaceBeltrami<T> for Cotangent {
         memory: &mut CotangentMemory<T>,
         curvature: &mut [Curvature<T>],
     ) {
-        let mesh = surface.mesh();
-        memory.sums.clear();
-        memory.sums.resize(mesh.vertex_count(), [T::zero(); 8]);
-        let kernel = Measures(self.area);
-        execution.scatter(&kernel, surface, mesh.triangles(), &[], &mut memory.sums);
-        let half = T::constant(0.5);
-        let memory = &*memory;
-        execution.map(
-            &mut curvature[..mesh.vertex_count()],
-            |vertex, curvature| {
-                let [u, v, w, x, y, z, angles, area] = memory.sums[vertex];
-                let kind = mesh.vertex_kind(vertex);
-                let normal = normalise([x, y, z]);
-                let over_area = match kind {
-                    VertexKind::Interior => memory.over_area(vertex),
-                    VertexKind::Boundary | VertexKind::Isolated => T::zero(),
-                };
-                *curvature = Curvature {
-                    normal,
-                    mean: -half * dot([u, v, w], normal) * over_area,
-                    gaussian: (T::TAU() - angles) * over_area,
-                    area,
-                    kind,
-                };
-            },
-        );
+        self.sum(execution, surface, memory, curvature);
     }
 
     fn apply<const D: usize>(
