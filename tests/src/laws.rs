@@ -8,7 +8,7 @@ use crate::meshes::{Mesh, SplitMix64, cross, difference, dot, norm, rotation, tu
 use crate::tolerance;
 use autodiff::F1;
 use helfrich::{
-    Conservative, Cotangent, Curvature, DualArea, Energy, Finding, Force, GompperKroll,
+    Conservative, Cotangent, Curvature, DualArea, Energy, Finding, Force, GompperKroll, Jet,
     KantorNelson, LaplaceBeltrami, Method, Prepared, Real, Rows, Serial, StrongForm, Surface,
     TriangleMesh, VertexKind,
 };
@@ -155,6 +155,34 @@ impl Candidate for StrongCotangent {
     }
 }
 
+/// Method J of either degree.
+#[derive(Clone, Copy, Debug)]
+pub enum StrongJet {
+    /// Degree 4.
+    J4,
+    /// Degree 6.
+    J6,
+}
+
+impl Candidate for StrongJet {
+    type Method<T: Real> = StrongForm<T, Jet<T>>;
+    fn name(self) -> &'static str {
+        match self {
+            Self::J4 => "jets of degree 4",
+            Self::J6 => "jets of degree 6",
+        }
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &["strong_form", "jet", "least_squares"]
+    }
+    fn method<T: Real>(self, modulus: T) -> StrongForm<T, Jet<T>> {
+        match self {
+            Self::J4 => StrongForm::j4(modulus),
+            Self::J6 => StrongForm::j6(modulus),
+        }
+    }
+}
+
 /// A law of methods.
 pub trait Law {
     /// Fails if the method breaks the law.
@@ -196,6 +224,8 @@ pub fn for_each(law: &mut impl Law) {
     law.check(StrongCotangent(DualArea::Mixed));
     law.check(StrongCotangent(DualArea::Voronoi));
     law.check(StrongCotangent(DualArea::Barycentric));
+    law.check(StrongJet::J4);
+    law.check(StrongJet::J6);
 }
 
 /// Every Laplace–Beltrami operator.
@@ -206,6 +236,8 @@ pub fn for_each_operator(law: &mut impl OperatorLaw) {
         "cotangent, barycentric",
         Cotangent::new(DualArea::Barycentric),
     );
+    law.check("jet, degree 4", Jet::j4());
+    law.check("jet, degree 6", Jet::j6());
 }
 
 /// The library's files that [`for_each`] runs through the laws of methods, and, as far as they are
