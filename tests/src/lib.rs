@@ -1,7 +1,10 @@
 //! What the tests share.
 
 pub mod invariants;
+pub mod laws;
+pub mod meshes;
 pub mod quadrature;
+pub mod refused;
 pub mod tolerance;
 
 /// The README's examples, compiled and run.
