@@ -1,7 +1,7 @@
 //! Companion of [`helfrich`]: whatever opens a file, draws a random number, starts a thread or
 //! prints.
 //!
-//! * [`io`]: mesh files. [`generate`]: mesh families on exact shapes.
+//! * [`io`]: mesh files. [`generate`]: mesh families on exact shapes. [`subdivide`]: refined meshes.
 //! * [`method`]: the bending methods, chosen at run time. [`info`]: what a mesh is like.
 //! * [`study`]: accuracy and cost of the methods. [`report`]: how all of this is shown.
 
@@ -11,3 +11,4 @@ pub mod io;
 pub mod method;
 pub mod report;
 pub mod study;
+pub mod subdivide;
