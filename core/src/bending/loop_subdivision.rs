@@ -32,10 +32,10 @@ use alloc::vec::Vec;
 /// The control points follow from the nodes by a linear map, `C = QX`, and the nodal forces are
 /// `F_X = Qᵀ F_C`: see [`ControlPoints`], which decides the accuracy.
 ///
-/// On smooth meshes of valence 6 the energy, H and f are of fourth order (of second with
-/// [`ControlPoints::Nodes`]). At extraordinary vertices forces do not converge, on any mesh, while
-/// the energy does; on meshes on which most vertices are extraordinary neither does, unless the mesh
-/// is refined by [`crate::subdivision::Subdivision`] first.
+/// On smooth meshes of valence 6 the energy and f are of fourth order (of second with
+/// [`ControlPoints::Nodes`]), H and K at the nodes of second. At extraordinary vertices forces do not
+/// converge, on any mesh, while the energy does; on meshes on which most vertices are extraordinary
+/// neither does, unless the mesh is refined by [`crate::subdivision::Subdivision`] first.
 ///
 /// Triangles with two or three extraordinary corners are refined once, within the plan: the surface
 /// is the same, with four times the points. Triangles with a boundary vertex are left out of the
@@ -231,7 +231,7 @@ impl<T: Real> LoopSubdivisionPlan<T> {
             ..
         } = memory;
         nodal.resize(self.vertices, [T::zero(); 4]);
-        execution.map(nodal, |vertex, local| {
+        execution.map(&mut nodal[..], |vertex, local| {
             let [x, y, z] = surface.difference(self.origin, vertex as u32);
             *local = [x, y, z, T::zero()];
         });

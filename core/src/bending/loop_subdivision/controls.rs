@@ -187,14 +187,14 @@ impl<T: Real> Inverse<T> {
         let [mut keep, mut gain] = [T::zero(), self.centre.recip()];
         for _ in 0..self.steps {
             let current = &*solution;
-            execution.map(update, |row, update| {
+            execution.map(&mut update[..], |row, update| {
                 let image: [T; D] = matrix.at(row, current);
                 for k in 0..D {
                     update[k] = keep * update[k] + gain * (right[row][k] - image[k]);
                 }
             });
             let update = &*update;
-            execution.map(solution, |row, solution| {
+            execution.map(&mut solution[..], |row, solution| {
                 for k in 0..D {
                     solution[k] += update[row][k];
                 }

@@ -259,7 +259,7 @@ impl<T: Real> Patches<T> {
         blocks: &mut Vec<Block<T>>,
     ) {
         blocks.resize_with(self.blocks(), Block::default);
-        execution.map(blocks, |index, block| {
+        execution.map(&mut blocks[..], |index, block| {
             let first = index * BLOCK;
             let last = (first + BLOCK).min(self.len());
             block.energy = T::zero();
@@ -280,7 +280,7 @@ impl<T: Real> Patches<T> {
         field: &[[T; 4]],
         blocks: &mut [Block<T>],
     ) {
-        execution.map(blocks, |index, block| {
+        execution.map(&mut blocks[..], |index, block| {
             block.gifts.clear();
             for (k, &areas) in block.areas.iter().enumerate() {
                 let (nodes, bases) = self.patch(index * BLOCK + k);
@@ -305,7 +305,7 @@ impl<T: Real> Patches<T> {
         blocks: &[Block<T>],
         gathered: &mut [[T; 4]],
     ) {
-        execution.map(gathered, |control, sum| {
+        execution.map(&mut gathered[..], |control, sum| {
             *sum = [T::zero(); 4];
             let range = self.place_offsets[control]..self.place_offsets[control + 1];
             for place in &self.places[range] {
@@ -318,7 +318,7 @@ impl<T: Real> Patches<T> {
         let vertices = self.refined.sources();
         let (coarse, fine) = gathered.split_at_mut(vertices);
         if !fine.is_empty() {
-            execution.map(coarse, |vertex, sum| {
+            execution.map(&mut coarse[..], |vertex, sum| {
                 let pulled: [T; 4] = self.refined_transpose.at(vertex, fine);
                 for axis in 0..4 {
                     sum[axis] += pulled[axis];
