@@ -287,3 +287,52 @@ const SINGLE_LAPLACIAN: Tolerance = Tolerance::new(
     4e-4,
     "f is a fourth derivative: 6e-8 over the fourth power of an edge of 0.1, averaged",
 );
+/// Values, sums and identities of spline bases and refinement, relative to the control points' size.
+pub const SPLINE: Tolerance = Tolerance::new(
+    1e-13,
+    "some tens of products of weights; derivatives are compared in units of 2^level",
+);
+/// Derivatives of spline bases against central differences, relative to the largest.
+pub const SPLINE_DIFFERENCE: Tolerance = Tolerance::new(
+    1e-8,
+    "second-order differences with a step of 1e-5 leave 1e-10 of truncation and 1e-11 of rounding",
+);
+/// Tangent planes and curvatures of one surface from different patches, relative.
+pub const SPLINE_GEOMETRY: Tolerance = Tolerance::new(
+    1e-9,
+    "second derivatives of random control points, divided by the squares of tangents of any size",
+);
+/// Forces against the energy's derivative by dual numbers, relative to the largest force.
+pub const GRADIENT_EXACT: Tolerance = Tolerance::new(
+    1e-11,
+    "dual numbers add no truncation; the sums over disturbed meshes cancel to about a thousandth",
+);
+/// Forces against central differences of the energy, relative to the largest force.
+pub const LOOP_GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
+    1e-7,
+    "fourth-order differences with a step of 2e-4 leave 1e-8 of truncation and 1e-10 of rounding",
+);
+/// Net force and torque of a conservative method, relative to the sum of all forces' lengths.
+pub const NET_FORCE: Tolerance = Tolerance::new(
+    1e-12,
+    "exact but for the rounding of each force, and of weights whose sums are 0",
+);
+/// Energies and forces of a surface that was rotated and moved by about its size, relative.
+pub const RIGID_MOTION: Tolerance = Tolerance::new(
+    1e-11,
+    "positions are rounded anew, and forces are their fourth derivatives",
+);
+/// Energy of method S with sharpened or hybrid control points on smooth discocytes, relative.
+pub const LOOP_DISCOCYTE_642: Tolerance = Tolerance::new(
+    1.5e-3,
+    "fourth order away from twelve extraordinary vertices; measured 1.0e-3",
+);
+/// The same with four times the vertices.
+pub const LOOP_DISCOCYTE_2562: Tolerance = Tolerance::new(1.2e-4, "measured 7e-5");
+/// The same with sixteen times the vertices.
+pub const LOOP_DISCOCYTE_10242: Tolerance = Tolerance::new(1e-5, "measured 5e-6");
+/// Energy of method S in f32 against f64, relative.
+pub const LOOP_SINGLE: Tolerance = Tolerance::new(
+    1e-4,
+    "positions rounded at 6e-8 are differentiated twice, over edges of a twentieth",
+);
