@@ -50,6 +50,11 @@ pub enum Finding {
         /// The triangle.
         triangle: u32,
     },
+    /// The neighbourhood that the method looks at has too few vertices: this one was left out.
+    TooFewNeighbours {
+        /// The vertex.
+        vertex: u32,
+    },
 }
 
 /// An energy of a surface.

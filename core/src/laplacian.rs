@@ -3,10 +3,12 @@
 //! Sign: `Δ_S = div_S grad_S`, negative semi-definite; on a sphere `Δ_S x = −2 H n` with `H > 0`.
 
 mod cotangent;
+mod heat_kernel;
 
 pub use cotangent::{Cotangent, CotangentMemory};
+pub use heat_kernel::{Bandwidth, HeatKernel, HeatKernelMemory};
 
-use crate::element::{Execution, Strided};
+use crate::element::{Execution, Ragged, Strided};
 use crate::energy::Method;
 use crate::mesh::VertexKind;
 use crate::real::Real;
@@ -112,6 +114,9 @@ pub struct Rows<T> {
 /// The length, the columns and the coefficients of each row.
 type RowSlots<'a, T> = (&'a mut [u32], (Strided<'a, u32>, Strided<'a, T>));
 
+/// The same for rows with room of their own.
+type RaggedRowSlots<'a, T> = (&'a mut [u32], (Ragged<'a, u32>, Ragged<'a, T>));
+
 impl<T: Real> Rows<T> {
     /// No rows; the first assembly makes them.
     pub fn new() -> Self {
@@ -197,6 +202,44 @@ impl<T: Real> Rows<T> {
         let columns = Strided::new(&mut self.columns, capacity);
         let coefficients = Strided::new(&mut self.coefficients, capacity);
         (&mut self.lengths, (columns, coefficients))
+    }
+
+    /// Makes room for rows of up to `offsets[i + 1] − offsets[i]` entries, all empty, and gives out
+    /// for each its length, columns and coefficients, to be set in any order.
+    fn ragged_slots(&mut self, offsets: &[usize]) -> RaggedRowSlots<'_, T> {
+        self.offsets.clear();
+        self.offsets.extend_from_slice(offsets);
+        let entries = offsets.last().copied().unwrap_or(0);
+        self.lengths.clear();
+        self.lengths.resize(offsets.len().saturating_sub(1), 0);
+        self.columns.resize(entries, 0);
+        self.coefficients.resize(entries, T::zero());
+        let columns = Ragged::new(&mut self.columns, &self.offsets);
+        let coefficients = Ragged::new(&mut self.coefficients, &self.offsets);
+        (&mut self.lengths, (columns, coefficients))
+    }
+
+    /// Takes away all rows and keeps the memory, to be filled by [`Self::push`] and
+    /// [`Self::end_row`].
+    fn clear(&mut self) {
+        self.offsets.clear();
+        self.offsets.push(0);
+        self.lengths.clear();
+        self.columns.clear();
+        self.coefficients.clear();
+    }
+
+    /// Adds an entry to the row that is not ended yet.
+    fn push(&mut self, column: u32, coefficient: T) {
+        self.columns.push(column);
+        self.coefficients.push(coefficient);
+    }
+
+    /// Ends a row.
+    fn end_row(&mut self) {
+        let start = self.offsets.last().copied().unwrap_or(0);
+        self.lengths.push((self.columns.len() - start) as u32);
+        self.offsets.push(self.columns.len());
     }
 
     /// Takes the pattern `columns[offsets[i] .. offsets[i + 1]]` for row i, unless it is there

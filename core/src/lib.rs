@@ -24,7 +24,7 @@ pub use bending::{GompperKroll, KantorNelson, StrongForm};
 pub use element::{Execution, Serial};
 pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
 pub use lane::Lane;
-pub use laplacian::{Cotangent, Curvature, LaplaceBeltrami, Rows};
+pub use laplacian::{Bandwidth, Cotangent, Curvature, HeatKernel, LaplaceBeltrami, Rows};
 pub use mesh::{MeshError, TriangleMesh, VertexKind};
 pub use points::{Points, PointsMut};
 pub use real::Real;

@@ -48,3 +48,20 @@ pub(crate) fn norm<L: Lane>(a: Vec3<L>) -> L {
 pub(crate) fn normalise<L: Lane>(a: Vec3<L>) -> Vec3<L> {
     scale(norm(a).reciprocal_or_zero(), a)
 }
+
+/// Two unit vectors that complete a unit vector to a right-handed frame `(t₁, t₂, normal)`; without
+/// a branch or a direction in which digits are lost.
+///
+/// T. Duff et al., J. Comput. Graph. Tech. 6 (2017) 1.
+#[inline(always)]
+pub(crate) fn tangent_frame<L: Lane>(normal: Vec3<L>) -> [Vec3<L>; 2] {
+    let [x, y, z] = normal;
+    let one = L::literal(1.0);
+    let sign = L::select(z.less(L::zero()), -one, one);
+    let a = -(sign + z).reciprocal_or_zero();
+    let b = x * y * a;
+    [
+        [one + sign * x * x * a, sign * b, -(sign * x)],
+        [b, sign + y * y * a, -y],
+    ]
+}

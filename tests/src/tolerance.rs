@@ -65,3 +65,23 @@ pub const ON_SURFACE: Tolerance = Tolerance::new(
     1e-13,
     "positions are the image of their pre-images, and the way back rounds a few times",
 );
+/// What an operator makes of a surface against what it makes of the surface moved, relative to the
+/// curvatures.
+pub const OPERATOR_MOTION: Tolerance = Tolerance::new(
+    1e-9,
+    "positions are rounded anew at 1e-16 and second derivatives divide that by h² = 1e-2, times \
+     the condition of a fit",
+);
+/// Errors of methods that do not converge, against what another implementation measured on other
+/// meshes of the same kind, relative.
+pub const PUBLISHED_ERROR: Tolerance = Tolerance::new(
+    0.4,
+    "a largest error over the vertices depends on how the icosahedron is turned and mapped; the \
+     orders do not",
+);
+/// Two entries of a symmetric matrix that are computed apart, relative to themselves.
+pub const SYMMETRY: Tolerance = Tolerance::new(
+    1e-13,
+    "products of a few factors, in another order; the exponential's argument reaches 36 and \
+     multiplies its rounding by that",
+);

@@ -5,7 +5,7 @@
 
 use crate::element::Execution;
 use crate::energy::{Energy, Finding, Force, ForceDensity, Method};
-use crate::laplacian::{Cotangent, Curvature, LaplaceBeltrami};
+use crate::laplacian::{Cotangent, Curvature, HeatKernel, LaplaceBeltrami};
 use crate::mesh::TriangleMesh;
 use crate::real::Real;
 use crate::surface::Surface;
@@ -28,13 +28,24 @@ pub struct StrongForm<T, L> {
     pub operator: L,
 }
 
+impl<T: Real, L> StrongForm<T, L> {
+    /// Over any operator.
+    pub fn new(modulus: T, operator: L) -> Self {
+        Self { modulus, operator }
+    }
+}
+
 impl<T: Real> StrongForm<T, Cotangent> {
     /// Method C: the cotangent operator with mixed areas.
     pub fn meyer(modulus: T) -> Self {
-        Self {
-            modulus,
-            operator: Cotangent::new(DualArea::Mixed),
-        }
+        Self::new(modulus, Cotangent::new(DualArea::Mixed))
+    }
+}
+
+impl<T: Real> StrongForm<T, HeatKernel<T>> {
+    /// Method D: the heat kernel with a bandwidth of each vertex's mixed area.
+    pub fn belkin(modulus: T) -> Self {
+        Self::new(modulus, HeatKernel::default())
     }
 }
 

@@ -57,6 +57,42 @@ impl Cotangent {
         );
     }
 
+    /// What [`LaplaceBeltrami::measure`] does: only the rows need a plan.
+    pub(super) fn measure_without_plan<T: Real>(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut CotangentMemory<T>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let mesh = surface.mesh();
+        memory.sums.clear();
+        memory.sums.resize(mesh.vertex_count(), [T::zero(); 8]);
+        let kernel = Measures(self.area);
+        execution.scatter(&kernel, surface, mesh.triangles(), &[], &mut memory.sums);
+        let half = T::constant(0.5);
+        let memory = &*memory;
+        execution.map(
+            &mut curvature[..mesh.vertex_count()],
+            |vertex, curvature| {
+                let [u, v, w, x, y, z, angles, area] = memory.sums[vertex];
+                let kind = mesh.vertex_kind(vertex);
+                let normal = normalise([x, y, z]);
+                let over_area = match kind {
+                    VertexKind::Interior => memory.over_area(vertex),
+                    VertexKind::Boundary | VertexKind::Isolated => T::zero(),
+                };
+                *curvature = Curvature {
+                    normal,
+                    mean: -half * dot([u, v, w], normal) * over_area,
+                    gaussian: (T::TAU() - angles) * over_area,
+                    area,
+                    kind,
+                };
+            },
+        );
+    }
+
     /// Fills `rows` with the symmetric, integrated form `½ (cot α + cot β)`: dimensionless;
     /// applied to positions it gives `−∂A/∂x_i`. Both entries of an edge are equal to the last bit.
     pub fn assemble_stiffness<T: Real>(
@@ -215,32 +251,7 @@ impl<T: Real> LaplaceBeltrami<T> for Cotangent {
         memory: &mut CotangentMemory<T>,
         curvature: &mut [Curvature<T>],
     ) {
-        let mesh = surface.mesh();
-        memory.sums.clear();
-        memory.sums.resize(mesh.vertex_count(), [T::zero(); 8]);
-        let kernel = Measures(self.area);
-        execution.scatter(&kernel, surface, mesh.triangles(), &[], &mut memory.sums);
-        let half = T::constant(0.5);
-        let memory = &*memory;
-        execution.map(
-            &mut curvature[..mesh.vertex_count()],
-            |vertex, curvature| {
-                let [u, v, w, x, y, z, angles, area] = memory.sums[vertex];
-                let kind = mesh.vertex_kind(vertex);
-                let normal = normalise([x, y, z]);
-                let over_area = match kind {
-                    VertexKind::Interior => memory.over_area(vertex),
-                    VertexKind::Boundary | VertexKind::Isolated => T::zero(),
-                };
-                *curvature = Curvature {
-                    normal,
-                    mean: -half * dot([u, v, w], normal) * over_area,
-                    gaussian: (T::TAU() - angles) * over_area,
-                    area,
-                    kind,
-                };
-            },
-        );
+        self.measure_without_plan(execution, surface, memory, curvature);
     }
 
     fn apply<const D: usize>(
