@@ -6,13 +6,14 @@
 //! [`Serial`]; other loops (wider lanes, several threads) implement [`Execution`] and change no
 //! formula.
 
-use crate::lane::Lane;
+use crate::lane::{Lane, Pack};
 use crate::real::Real;
 use crate::reduction;
 use crate::surface::Surface;
 use crate::triangle::Triangle;
 use crate::vec3;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// The corners of an element, or of [`Lane::WIDTH`] consecutive ones: only differences of their
 /// positions can be had.
@@ -255,6 +256,53 @@ pub trait Execution {
     fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T;
 }
 
+/// [`Execution::scatter`] over the elements of a range that the lane's width divides.
+#[inline]
+fn scatter_range<L: Lane, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
+    range: Range<usize>,
+    kernel: &K,
+    surface: Surface<'_, L::Scalar>,
+    elements: &[[u32; CORNERS]],
+    input: &[[L::Scalar; IN]],
+    output: &mut [[L::Scalar; OUT]],
+) where
+    K: ElementKernel<L::Scalar, CORNERS, IN, OUT>,
+{
+    for first in range.step_by(L::WIDTH) {
+        let elements = &elements[first..first + L::WIDTH];
+        let corners = Corners::<L, CORNERS>::gather(surface, elements);
+        let values = core::array::from_fn(|corner| {
+            core::array::from_fn(|k| L::from_fn(|e| input[elements[e][corner] as usize][k]))
+        });
+        let gifts = kernel.evaluate::<L>(first, &corners, &values);
+        for (entry, element) in elements.iter().enumerate() {
+            for (&vertex, gift) in element.iter().zip(&gifts) {
+                let sum = &mut output[vertex as usize];
+                for k in 0..OUT {
+                    sum[k] += gift[k].entry(entry);
+                }
+            }
+        }
+    }
+}
+
+/// [`Execution::scatter`] in lanes of type `L`, and what is left over one by one.
+#[inline]
+fn scatter_in<L: Lane, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
+    kernel: &K,
+    surface: Surface<'_, L::Scalar>,
+    elements: &[[u32; CORNERS]],
+    input: &[[L::Scalar; IN]],
+    output: &mut [[L::Scalar; OUT]],
+) where
+    K: ElementKernel<L::Scalar, CORNERS, IN, OUT>,
+{
+    let whole = elements.len() / L::WIDTH * L::WIDTH;
+    scatter_range::<L, _, _, _, _>(0..whole, kernel, surface, elements, input, output);
+    let rest = whole..elements.len();
+    scatter_range::<L::Scalar, _, _, _, _>(rest, kernel, surface, elements, input, output);
+}
+
 /// One element after the other, on one thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Serial;
@@ -272,20 +320,11 @@ impl Execution for Serial {
         T: Real,
         K: ElementKernel<T, CORNERS, IN, OUT>,
     {
-        for (first, element) in elements.iter().enumerate() {
-            let corners = Corners::<T, CORNERS>::of(surface, *element);
-            let values = if IN == 0 {
-                [[T::zero(); IN]; CORNERS]
-            } else {
-                element.map(|vertex| input[vertex as usize])
-            };
-            let gifts = kernel.evaluate::<T>(first, &corners, &values);
-            for (&vertex, gift) in element.iter().zip(gifts) {
-                let sum = &mut output[vertex as usize];
-                for k in 0..OUT {
-                    sum[k] += gift[k];
-                }
-            }
+        // Vector registers of 16 bytes are there on every machine that has any.
+        match size_of::<T>() {
+            4 => scatter_in::<Pack<T, 4>, _, _, _, _>(kernel, surface, elements, input, output),
+            8 => scatter_in::<Pack<T, 2>, _, _, _, _>(kernel, surface, elements, input, output),
+            _ => scatter_in::<T, _, _, _, _>(kernel, surface, elements, input, output),
         }
     }
 

@@ -45,15 +45,22 @@ pub enum Finding {
         /// The vertex.
         vertex: u32,
     },
+    /// The neighbours of this vertex do not carry the fit that was asked for, but one of lower degree.
+    ReducedDegree {
+        /// The vertex.
+        vertex: u32,
+        /// The degree that was fitted.
+        degree: u8,
+    },
+    /// The neighbours of this vertex carry no fit at all: it was left out.
+    TooFewNeighbours {
+        /// The vertex.
+        vertex: u32,
+    },
     /// This triangle has no area and contributes nothing.
     DegenerateTriangle {
         /// The triangle.
         triangle: u32,
-    },
-    /// The neighbourhood that the method looks at has too few vertices: this one was left out.
-    TooFewNeighbours {
-        /// The vertex.
-        vertex: u32,
     },
 }
 

@@ -4,9 +4,14 @@
 
 mod cotangent;
 mod heat_kernel;
+mod jet;
+mod least_squares;
+mod paraboloid;
 
-pub use cotangent::{Cotangent, CotangentMemory};
+pub use cotangent::{CornerEntries, Cotangent, CotangentMemory};
 pub use heat_kernel::{Bandwidth, HeatKernel, HeatKernelMemory};
+pub use jet::{Jet, JetMemory};
+pub use paraboloid::{NeighbourRoom, Paraboloid, ParaboloidMemory};
 
 use crate::element::{Execution, Ragged, Strided};
 use crate::energy::Method;
@@ -103,12 +108,31 @@ pub struct Curvature<T> {
 ///
 /// A row may have room for more entries than it holds, so that an operator whose neighbours move
 /// with the positions can be refilled without allocation.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Rows<T> {
     offsets: Vec<usize>,
     lengths: Vec<u32>,
     columns: Vec<u32>,
     coefficients: Vec<T>,
+}
+
+impl<T: Clone> Clone for Rows<T> {
+    fn clone(&self) -> Self {
+        Self {
+            offsets: self.offsets.clone(),
+            lengths: self.lengths.clone(),
+            columns: self.columns.clone(),
+            coefficients: self.coefficients.clone(),
+        }
+    }
+
+    /// Reuses the memory, which the derived one would not.
+    fn clone_from(&mut self, source: &Self) {
+        self.offsets.clone_from(&source.offsets);
+        self.lengths.clone_from(&source.lengths);
+        self.columns.clone_from(&source.columns);
+        self.coefficients.clone_from(&source.coefficients);
+    }
 }
 
 /// The length, the columns and the coefficients of each row.

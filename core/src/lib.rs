@@ -1,4 +1,46 @@
-//! Bending of triangulated membranes.
+//! Bending of triangulated membranes: discrete Laplace–Beltrami operators, curvatures, and the
+//! Helfrich bending energy and force.
+//!
+//! # From points to forces
+//!
+//! ```
+//! use helfrich::{GompperKroll, Prepared, Surface, TriangleMesh};
+//!
+//! let mesh = TriangleMesh::new(4, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
+//! let points = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]];
+//! let surface = Surface::new(&mesh, &points)?;
+//!
+//! let mut bending = Prepared::new(GompperKroll::new(1.0), &mesh);
+//! let mut force = [[0.0; 3]; 4];
+//! let energy = bending.add_force_and_energy(surface, &mut force);
+//! assert!(energy > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! * [`TriangleMesh`] is connectivity, validated once; [`Surface`] adds positions, read in place
+//!   from any [`Points`].
+//! * [`LaplaceBeltrami`] operators measure [`Curvature`] and apply to fields: [`Cotangent`], [`Jet`].
+//! * [`bending`] methods give an [`Energy`], a nodal [`Force`], a [`ForceDensity`]; the exact
+//!   gradients among them are [`Conservative`].
+//! * [`Prepared`] holds a method with its plan and memory; [`shapes`] are surfaces known exactly.
+//!
+//! # Notation, signs, units
+//!
+//! * Triangles run counter-clockwise seen from outside; the unit normal n points outward.
+//! * `Δ_S = div_S grad_S`, negative semi-definite. `H = (c₁ + c₂)/2`, positive on a sphere, so that
+//!   `Δ_S x = −2 H n`. `K = c₁ c₂`.
+//! * `E = 2κ ∫ H² dS`: `8πκ` for every sphere.
+//! * Force `F_i = −∂E/∂x_i`, what the membrane exerts on its surroundings at a vertex, in units of
+//!   force. Force density `f = 2κ [Δ_S H + 2H (H² − K)] n`, force per area of membrane.
+//! * H is in 1/length, K in 1/length², Δ_S H in 1/length³, κ in units of energy; lengths are in
+//!   whatever unit the positions have.
+//! * *Pointwise* values are per area; *integrated* ones belong to a vertex and are named areas,
+//!   gradients or stiffness.
+//!
+//! # Features
+//!
+//! `std` (on by default) takes elementary functions from the platform in place of `libm`; `glam`
+//! and `nalgebra` let their points be read in place.
 #![no_std]
 #![forbid(unsafe_code)]
 #![warn(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]
@@ -23,8 +65,10 @@ mod vec3;
 pub use bending::{GompperKroll, KantorNelson, StrongForm};
 pub use element::{Execution, Serial};
 pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
-pub use lane::Lane;
-pub use laplacian::{Bandwidth, Cotangent, Curvature, HeatKernel, LaplaceBeltrami, Rows};
+pub use lane::{Lane, Pack};
+pub use laplacian::{
+    Bandwidth, Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows,
+};
 pub use mesh::{MeshError, TriangleMesh, VertexKind};
 pub use points::{Points, PointsMut};
 pub use real::Real;

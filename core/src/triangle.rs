@@ -62,10 +62,10 @@ impl<L: Lane> Triangle<L> {
 
     /// The gradient of the triangle's area with respect to each corner, in its cotangent form.
     #[inline(always)]
-    pub(crate) fn area_gradient(&self, cotangents: [L; 3]) -> [Vec3<L>; 3] {
-        let half = L::literal(0.5);
+    pub(crate) fn area_gradient(&self) -> [Vec3<L>; 3] {
+        let half = L::literal(0.5) * self.reciprocal;
         let part: [Vec3<L>; 3] =
-            core::array::from_fn(|k| scale(half * cotangents[k], self.edges[k]));
+            core::array::from_fn(|k| scale(half * self.dots[k], self.edges[k]));
         [
             sub(part[1], part[2]),
             sub(part[2], part[0]),
@@ -74,31 +74,20 @@ impl<L: Lane> Triangle<L> {
     }
 
     #[inline(always)]
-    pub(crate) fn squared_lengths(&self) -> [L; 3] {
-        self.edges.map(|edge| dot(edge, edge))
-    }
-
-    #[inline(always)]
     pub(crate) fn angles(&self) -> [L; 3] {
         self.dots.map(|dot| self.doubled_area.atan2(dot))
     }
 
     /// What each corner gets of the area.
+    ///
+    /// With S twice the area and d the scalar products, `S² = d0 d1 + d1 d2 + d2 d0` turns the
+    /// Voronoi part `⅛ Σ cot l²` into `⅛ (S + d1 d2/S)`: squared lengths are not needed.
     #[inline(always)]
-    pub(crate) fn dual_areas(
-        &self,
-        kind: DualArea,
-        cotangents: [L; 3],
-        squared_lengths: [L; 3],
-    ) -> [L; 3] {
+    pub(crate) fn dual_areas(&self, kind: DualArea) -> [L; 3] {
         let voronoi = || {
             let eighth = L::literal(0.125);
-            let part = core::array::from_fn::<L, 3, _>(|k| cotangents[k] * squared_lengths[k]);
-            [
-                eighth * (part[1] + part[2]),
-                eighth * (part[2] + part[0]),
-                eighth * (part[0] + part[1]),
-            ]
+            self.dot_products()
+                .map(|m| eighth * (self.doubled_area + self.reciprocal * m))
         };
         match kind {
             DualArea::Voronoi => voronoi(),
@@ -106,14 +95,22 @@ impl<L: Lane> Triangle<L> {
             DualArea::Mixed => {
                 let voronoi = voronoi();
                 let obtuse = self.obtuse();
+                let any_obtuse = self.any_obtuse();
                 let quarter = L::literal(0.25) * self.doubled_area;
                 let eighth = L::literal(0.125) * self.doubled_area;
                 core::array::from_fn(|k| {
                     let blunt = L::select(obtuse[k], quarter, eighth);
-                    L::select(self.any_obtuse(), blunt, voronoi[k])
+                    L::select(any_obtuse, blunt, voronoi[k])
                 })
             }
         }
+    }
+
+    /// The products of the scalar products at the two other corners.
+    #[inline(always)]
+    pub(crate) fn dot_products(&self) -> [L; 3] {
+        let [a, b, c] = self.dots;
+        [b * c, c * a, a * b]
     }
 
     /// Whether the angle at each corner is obtuse.

@@ -49,8 +49,7 @@ pub(crate) fn normalise<L: Lane>(a: Vec3<L>) -> Vec3<L> {
     scale(norm(a).reciprocal_or_zero(), a)
 }
 
-/// Two unit vectors that complete a unit vector to a right-handed frame `(t₁, t₂, normal)`; without
-/// a branch or a direction in which digits are lost.
+/// Two unit vectors that form a right-handed frame with the unit vector `normal`, without a branch.
 ///
 /// T. Duff et al., J. Comput. Graph. Tech. 6 (2017) 1.
 #[inline(always)]

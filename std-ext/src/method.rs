@@ -5,8 +5,8 @@
 use helfrich::bending::StrongFormMemory;
 use helfrich::laplacian::CotangentMemory;
 use helfrich::{
-    Cotangent, Curvature, DualArea, Finding, GompperKroll, KantorNelson, LaplaceBeltrami, Method,
-    Prepared, Real, Serial, StrongForm, Surface, TriangleMesh, VertexKind,
+    Cotangent, Curvature, DualArea, Finding, GompperKroll, Jet, KantorNelson, LaplaceBeltrami,
+    Method, Prepared, Real, Serial, StrongForm, Surface, TriangleMesh, VertexKind,
 };
 use std::fmt;
 use std::str::FromStr;
@@ -21,11 +21,21 @@ pub enum BendingMethod {
     GompperKroll,
     /// C: strong form over the cotangent operator.
     Meyer,
+    /// J of degree 4: strong form over osculating jets.
+    J4,
+    /// J of degree 6.
+    J6,
 }
 
 impl BendingMethod {
     /// Every method, in the order of the paper's letters.
-    pub const ALL: [Self; 3] = [Self::KantorNelson, Self::GompperKroll, Self::Meyer];
+    pub const ALL: [Self; 5] = [
+        Self::KantorNelson,
+        Self::GompperKroll,
+        Self::Meyer,
+        Self::J4,
+        Self::J6,
+    ];
 
     /// The long name, as on the command line.
     pub fn name(self) -> &'static str {
@@ -33,6 +43,8 @@ impl BendingMethod {
             Self::KantorNelson => "kantor-nelson",
             Self::GompperKroll => "gompper-kroll",
             Self::Meyer => "meyer",
+            Self::J4 => "j4",
+            Self::J6 => "j6",
         }
     }
 
@@ -42,6 +54,8 @@ impl BendingMethod {
             Self::KantorNelson => "A",
             Self::GompperKroll => "B",
             Self::Meyer => "C",
+            Self::J4 => "J4",
+            Self::J6 => "J6",
         }
     }
 }
@@ -112,6 +126,7 @@ enum PreparedMethod<T: Real> {
     KantorNelson(Prepared<T, KantorNelson<T>>),
     GompperKroll(Prepared<T, GompperKroll<T>>),
     Meyer(Prepared<T, StrongForm<T, Cotangent>>),
+    Jet(Prepared<T, StrongForm<T, Jet<T>>>),
 }
 
 impl<T: Real> Evaluator<T> {
@@ -127,6 +142,8 @@ impl<T: Real> Evaluator<T> {
             BendingMethod::Meyer => {
                 PreparedMethod::Meyer(Prepared::new(StrongForm::meyer(modulus), mesh))
             }
+            BendingMethod::J4 => PreparedMethod::Jet(Prepared::new(StrongForm::j4(modulus), mesh)),
+            BendingMethod::J6 => PreparedMethod::Jet(Prepared::new(StrongForm::j6(modulus), mesh)),
         };
         Self {
             prepared,
@@ -146,6 +163,7 @@ impl<T: Real> Evaluator<T> {
                 method.add_force_and_energy(surface, &mut self.force);
             }
             PreparedMethod::Meyer(method) => method.force_density(surface, &mut self.force),
+            PreparedMethod::Jet(method) => method.force_density(surface, &mut self.force),
         }
     }
 
@@ -186,6 +204,9 @@ impl<T: Real> Evaluator<T> {
             PreparedMethod::Meyer(method) => {
                 fields.set_strong_form(mesh, method.memory(), &self.force);
             }
+            PreparedMethod::Jet(method) => {
+                fields.set_strong_form(mesh, method.memory(), &self.force);
+            }
         }
         fields
     }
@@ -198,6 +219,7 @@ impl<T: Real> Evaluator<T> {
             PreparedMethod::KantorNelson(method) => method.inspect(surface, &mut report),
             PreparedMethod::GompperKroll(method) => method.inspect(surface, &mut report),
             PreparedMethod::Meyer(method) => method.inspect(surface, &mut report),
+            PreparedMethod::Jet(method) => method.inspect(surface, &mut report),
         }
         findings
     }

@@ -149,11 +149,9 @@ impl<T: Real> ElementKernel<T, 3, 0, 4> for AreaGradient {
         _input: &[[L; 0]; 3],
     ) -> [[L; 4]; 3] {
         let triangle = corners.triangle();
-        let cotangents = triangle.cotangents();
-        let areas = triangle.dual_areas(self.area, cotangents, triangle.squared_lengths());
-        // The same cotangents in L and in A: on a sphere L·x/R = 2A/R then holds to rounding
-        // however ill-conditioned they are.
-        let gradient = triangle.area_gradient(cotangents);
+        let areas = triangle.dual_areas(self.area);
+        // In cotangent form: on a sphere L·x/R = 2A/R then holds to rounding on any mesh.
+        let gradient = triangle.area_gradient();
         core::array::from_fn(|k| [gradient[k][0], gradient[k][1], gradient[k][2], areas[k]])
     }
 }
@@ -166,15 +164,15 @@ impl<T: Real> ElementKernel<T, 3, 4, 3> for EnergyGradient {
     /// One triangle's part of `−Σ_i w_i·∂L_i + Σ_i s_i ∂A_i`.
     ///
     /// With edges e_k from vertex i to j, `Δw_k = w_j − w_i`, d_k the scalar product at the opposite
-    /// corner, S twice the area, `t_k = (s_i + s_j)/8` for the Voronoi part and σ for what shares
-    /// of the whole triangle amount to,
+    /// corner, S twice the area, v_i = s_i/8 for the Voronoi part and σ for what shares of the whole
+    /// triangle amount to,
     ///
-    /// `Σ w·L − Σ s A = V/S − σ S/2`,  `V = Σ_k d_k y_k`,  `y_k = ½ Δw_k·e_k − t_k l_k²`.
+    /// `Σ w·L − Σ s A = V/S − σ S`,  `V = Σ_k ½ d_k Δw_k·e_k − Σ_k v_k d_i d_j`.
     ///
     /// `∂d_k` and `∂S` at a corner are combinations of the two edges there, so that the gradient
     /// needs no further cross product: at corner 0 it is `r_1 − r_2`, and so on around, with
-    /// `r_k = [½ d_k Δw_k + δ_k e_k]/S`,
-    /// `δ_k = y_i + y_j − y_k − 2 t_k d_k − (V/S² + σ/2) d_k`.
+    /// `r_k = [½ d_k Δw_k + (y_i + y_j − y_k − (V/S² + σ) d_k) e_k]/S`,
+    /// `y_k = ∂V/∂d_k = ½ Δw_k·e_k − v_i d_j − v_j d_i`.
     #[inline(always)]
     fn evaluate<L: Lane<Scalar = T>>(
         &self,
@@ -190,51 +188,52 @@ impl<T: Real> ElementKernel<T, 3, 4, 3> for EnergyGradient {
             ..
         } = triangle;
         let half = L::literal(0.5);
-        let w = |k: usize| [input[k][0], input[k][1], input[k][2]];
-        let s: [L; 3] = core::array::from_fn(|k| input[k][3]);
+        // Half of each difference of w.
+        let w = |k: usize| [half * input[k][0], half * input[k][1], half * input[k][2]];
+        let (w0, w1, w2) = (w(0), w(1), w(2));
+        let steps = [sub(w2, w1), sub(w0, w2), sub(w1, w0)];
+        let (v, shares) = area_weights(
+            self.area,
+            &triangle,
+            [input[0][3], input[1][3], input[2][3]],
+        );
 
-        let (t, shares) = area_weights(self.area, &triangle, s);
-        let lengths = triangle.squared_lengths();
-        let steps = [sub(w(2), w(1)), sub(w(0), w(2)), sub(w(1), w(0))];
-        let y: [L; 3] =
-            core::array::from_fn(|k| half * dot(steps[k], edges[k]) - t[k] * lengths[k]);
-        let v = dots[0] * y[0] + dots[1] * y[1] + dots[2] * y[2];
+        let turn: [L; 3] = core::array::from_fn(|k| dot(steps[k], edges[k]));
+        let products = triangle.dot_products();
+        let sum = dot(turn, dots) - dot(v, products);
         // One reciprocal after the other: its square would leave the range of small numbers.
-        let shrink = v * over * over + half * shares;
+        let shrink = sum * over * over + shares;
+        let y = [
+            turn[0] - (v[1] * dots[2] + v[2] * dots[1]),
+            turn[1] - (v[2] * dots[0] + v[0] * dots[2]),
+            turn[2] - (v[0] * dots[1] + v[1] * dots[0]),
+        ];
         let r: [_; 3] = core::array::from_fn(|k| {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            let along = (y[i] + y[j] - y[k]) - (t[k] + t[k] + shrink) * dots[k];
-            scale(
-                over,
-                add(scale(half * dots[k], steps[k]), scale(along, edges[k])),
+            let along = (y[(k + 1) % 3] + y[(k + 2) % 3] - y[k]) - shrink * dots[k];
+            add(
+                scale(over * dots[k], steps[k]),
+                scale(over * along, edges[k]),
             )
         });
         [sub(r[2], r[1]), sub(r[0], r[2]), sub(r[1], r[0])]
     }
 }
 
-/// The weights t_k of the Voronoi part and σ of the triangle's area in `Σ s_i A_i`.
+/// v_k of the Voronoi part and σ of the whole triangle's in `Σ s A = Σ v_k d_i d_j/S + σ S`.
 #[inline(always)]
 fn area_weights<L: Lane>(kind: DualArea, triangle: &Triangle<L>, s: [L; 3]) -> ([L; 3], L) {
     let eighth = L::literal(0.125);
-    let voronoi = [
-        eighth * (s[1] + s[2]),
-        eighth * (s[2] + s[0]),
-        eighth * (s[0] + s[1]),
-    ];
+    let sum = s[0] + s[1] + s[2];
     match kind {
-        DualArea::Voronoi => (voronoi, L::zero()),
-        DualArea::Barycentric => ([L::zero(); 3], (s[0] + s[1] + s[2]) * L::literal(1.0 / 3.0)),
+        DualArea::Voronoi => (s.map(|s| eighth * s), eighth * sum),
+        DualArea::Barycentric => ([L::zero(); 3], sum * L::literal(1.0 / 6.0)),
         DualArea::Mixed => {
+            // At the obtuse corner half of the triangle instead of a quarter.
             let obtuse = triangle.obtuse();
-            let quarter = L::literal(0.25);
-            let at_corner = |k: usize| L::select(obtuse[k], s[k], L::zero()) * quarter;
-            let whole = quarter * (s[0] + s[1] + s[2]) + at_corner(0) + at_corner(1) + at_corner(2);
+            let more = |k: usize| L::select(obtuse[k], eighth * s[k], L::zero());
             let any = triangle.any_obtuse();
-            (
-                voronoi.map(|t| L::select(any, L::zero(), t)),
-                L::select(any, whole, L::zero()),
-            )
+            let v = s.map(|s| L::select(any, L::zero(), eighth * s));
+            (v, eighth * sum + more(0) + more(1) + more(2))
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::element::Execution;
 use crate::energy::{Energy, Finding, Force, ForceDensity, Method};
-use crate::laplacian::{Cotangent, Curvature, HeatKernel, LaplaceBeltrami};
+use crate::laplacian::{Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid};
 use crate::mesh::TriangleMesh;
 use crate::real::Real;
 use crate::surface::Surface;
@@ -46,6 +46,26 @@ impl<T: Real> StrongForm<T, HeatKernel<T>> {
     /// Method D: the heat kernel with a bandwidth of each vertex's mixed area.
     pub fn belkin(modulus: T) -> Self {
         Self::new(modulus, HeatKernel::default())
+    }
+}
+
+impl<T: Real> StrongForm<T, Paraboloid> {
+    /// Method E: paraboloids fitted to one-rings, as published; [`Paraboloid::guarded`] is the
+    /// operator that also withstands one-rings near a conic section.
+    pub fn farutin(modulus: T) -> Self {
+        Self::new(modulus, Paraboloid::default())
+    }
+}
+
+impl<T: Real> StrongForm<T, Jet<T>> {
+    /// Method J of degree 6: [`Jet::j6`].
+    pub fn j6(modulus: T) -> Self {
+        Self::new(modulus, Jet::j6())
+    }
+
+    /// Method J of degree 4: [`Jet::j4`].
+    pub fn j4(modulus: T) -> Self {
+        Self::new(modulus, Jet::j4())
     }
 }
 

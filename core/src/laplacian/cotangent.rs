@@ -36,29 +36,8 @@ impl Cotangent {
         Self { area }
     }
 
-    /// Sets `areas` to A_i, one entry a vertex: the mass matrix of this operator.
-    ///
-    /// # Panics
-    /// If `areas` has fewer entries than the surface has vertices.
-    pub fn dual_areas<T: Real>(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        areas: &mut [T],
-    ) {
-        let areas: &mut [[T; 1]] = areas.as_chunks_mut().0;
-        areas.fill([T::zero()]);
-        execution.scatter(
-            &Areas(self.area),
-            surface,
-            surface.mesh().triangles(),
-            &[],
-            areas,
-        );
-    }
-
-    /// What [`LaplaceBeltrami::measure`] does: only the rows need a plan.
-    pub(super) fn measure_without_plan<T: Real>(
+    /// The whole of [`LaplaceBeltrami::measure`], which needs no plan.
+    pub(crate) fn sum<T: Real>(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
@@ -90,6 +69,27 @@ impl Cotangent {
                     kind,
                 };
             },
+        );
+    }
+
+    /// Sets `areas` to A_i, one entry a vertex: the mass matrix of this operator.
+    ///
+    /// # Panics
+    /// If `areas` has fewer entries than the surface has vertices.
+    pub fn dual_areas<T: Real>(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        areas: &mut [T],
+    ) {
+        let areas: &mut [[T; 1]] = areas.as_chunks_mut().0;
+        areas.fill([T::zero()]);
+        execution.scatter(
+            &Areas(self.area),
+            surface,
+            surface.mesh().triangles(),
+            &[],
+            areas,
         );
     }
 
@@ -159,10 +159,7 @@ impl<T: Real> ElementKernel<T, 3, 0, 1> for Areas {
         corners: &Corners<L, 3>,
         _input: &[[L; 0]; 3],
     ) -> [[L; 1]; 3] {
-        let triangle = corners.triangle();
-        triangle
-            .dual_areas(self.0, triangle.cotangents(), triangle.squared_lengths())
-            .map(|area| [area])
+        corners.triangle().dual_areas(self.0).map(|area| [area])
     }
 }
 
@@ -178,10 +175,9 @@ impl<T: Real> ElementKernel<T, 3, 0, 8> for Measures {
         _input: &[[L; 0]; 3],
     ) -> [[L; 8]; 3] {
         let triangle = corners.triangle();
-        let cotangents = triangle.cotangents();
-        let areas = triangle.dual_areas(self.0, cotangents, triangle.squared_lengths());
+        let areas = triangle.dual_areas(self.0);
         let angles = triangle.angles();
-        let laplacian = triangle.area_gradient(cotangents).map(neg);
+        let laplacian = triangle.area_gradient().map(neg);
         let [x, y, z] = triangle.area_vector;
         core::array::from_fn(|k| {
             let [u, v, w] = laplacian[k];
@@ -251,7 +247,7 @@ impl<T: Real> LaplaceBeltrami<T> for Cotangent {
         memory: &mut CotangentMemory<T>,
         curvature: &mut [Curvature<T>],
     ) {
-        self.measure_without_plan(execution, surface, memory, curvature);
+        self.sum(execution, surface, memory, curvature);
     }
 
     fn apply<const D: usize>(

@@ -294,7 +294,7 @@ impl<T: Real> LaplaceBeltrami<T> for HeatKernel<T> {
         let vertices = surface.mesh().vertex_count();
         let curvature = &mut curvature[..vertices];
         let mixed = Cotangent::new(DualArea::Mixed);
-        mixed.measure_without_plan(execution, surface, &mut memory.cotangent, curvature);
+        mixed.sum(execution, surface, &mut memory.cotangent, curvature);
         let Kernel {
             over_bandwidth,
             weights,

@@ -1,0 +1,387 @@
+//! Method J: osculating jets.
+//!
+//! Fits of polynomial height functions after F. Cazals and M. Pouget, Comput. Aided Geom. Des. 22
+//! (2005) 121; here weighted, interpolating at the vertex, with neighbours that adapt, and the
+//! same factorisation giving the row of a general Laplace–Beltrami operator.
+
+use crate::element::Execution;
+use crate::energy::{Finding, Method};
+use crate::laplacian::least_squares::LeastSquares;
+use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
+use crate::mesh::TriangleMesh;
+use crate::neighbourhood::Neighbourhood;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::triangle::DualArea;
+use crate::vec3::{dot, normalise, scale, sub, tangent_frame};
+use alloc::vec::Vec;
+
+/// Weighted least-squares jets: around each vertex a polynomial height function over the tangent
+/// plane is fitted to the nearest vertices along the surface.
+///
+/// * H, K and n are those of the polynomial; on meshes of any kind H and K converge with order
+///   d − 1 or better, `Δ_S H` with order d − 3 or better, in the largest error, too.
+/// * `Δ_S φ` of any field is that of the polynomial fitted to φ with the same weights: pointwise,
+///   not symmetric. Its rows must not be transposed or symmetrised: convergence is lost.
+/// * Areas are mixed areas.
+/// * Where the neighbours do not carry the degree it is lowered, which [`Method::inspect`] reports;
+///   where they do not even carry a paraboloid (meshes of a few vertices) H, K and the row are 0.
+/// * At a boundary vertex the fit is one-sided, and as good as its neighbours allow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jet<T> {
+    /// Degree d of the polynomial, 2 … 8.
+    pub degree: usize,
+    /// Neighbours of a first fit; at least twice the number of coefficients, (d + 1)(d + 2)/2 − 1,
+    /// or the regular hexagonal lattice already fails.
+    pub neighbours: usize,
+    /// Neighbours at most.
+    pub most_neighbours: usize,
+    /// β of the weights `exp(−β |x_j − x_i|²/ρ²)`, ρ the distance of the farthest neighbour.
+    pub sharpness: T,
+    /// Least |R_nn|/|R_11| of the scaled, pivoted QR factorisation with which a fit is accepted.
+    pub conditioning: T,
+}
+
+impl<T: Real> Jet<T> {
+    /// Degree 6: for meshes of about a thousand vertices and more.
+    pub fn j6() -> Self {
+        Self {
+            degree: 6,
+            neighbours: 56,
+            most_neighbours: 112,
+            sharpness: T::constant(7.0),
+            conditioning: T::constant(0.012),
+        }
+    }
+
+    /// Degree 4: for coarse meshes, small irregular ones, and dynamics.
+    pub fn j4() -> Self {
+        Self {
+            degree: 4,
+            neighbours: 32,
+            most_neighbours: 64,
+            sharpness: T::constant(6.0),
+            conditioning: T::constant(0.06),
+        }
+    }
+
+    /// Degree 6 from 1000 vertices on, degree 4 below.
+    pub fn for_mesh(mesh: &TriangleMesh) -> Self {
+        if mesh.vertex_count() < 1000 {
+            Self::j4()
+        } else {
+            Self::j6()
+        }
+    }
+}
+
+/// Highest degree that is offered: beyond, rounding outweighs what the degree gains.
+const HIGHEST_DEGREE: usize = 8;
+
+/// Slope of the fitted surface against its frame from which on it is fitted again, upright.
+const LEAN: f64 = 0.1;
+
+/// Number of monomials `x^a y^b` with 1 ≤ a + b ≤ `degree`.
+const fn coefficient_count(degree: usize) -> usize {
+    (degree + 1) * (degree + 2) / 2 - 1
+}
+
+/// Memory of [`Jet`].
+#[derive(Clone, Debug)]
+pub struct JetMemory<T> {
+    cotangent: CotangentMemory<T>,
+    rows: Rows<T>,
+    /// The degree fitted at each vertex, 0 where there was no fit.
+    degrees: Vec<u8>,
+    scratches: Vec<Scratch<T>>,
+}
+
+impl<T: Real> Default for JetMemory<T> {
+    fn default() -> Self {
+        Self {
+            cotangent: CotangentMemory::default(),
+            rows: Rows::new(),
+            degrees: Vec::new(),
+            scratches: Vec::new(),
+        }
+    }
+}
+
+impl<T> JetMemory<T> {
+    /// The degree fitted at each vertex, 0 where the neighbours carry none.
+    pub fn degrees(&self) -> &[u8] {
+        &self.degrees
+    }
+}
+
+/// What one fit at a time needs.
+#[derive(Clone, Debug, Default)]
+struct Scratch<T> {
+    neighbourhood: Neighbourhood<T>,
+    differences: Vec<[T; 3]>,
+    weights: Vec<T>,
+    heights: Vec<T>,
+    coefficients: Vec<T>,
+    functional: Vec<T>,
+    fit: LeastSquares<T>,
+}
+
+/// A polynomial in lengths of ρ, over the tangent plane of `normal`.
+struct Polynomial<T> {
+    degree: usize,
+    neighbours: usize,
+    normal: [T; 3],
+    frame: [[T; 3]; 2],
+    radius: T,
+}
+
+impl<T: Real> Jet<T> {
+    /// Fits until the neighbours carry the degree; `None` if they do not even carry a paraboloid.
+    fn fit(&self, scratch: &mut Scratch<T>, normal: [T; 3]) -> Option<Polynomial<T>> {
+        let available = scratch.neighbourhood.found.len();
+        let highest = self.degree.clamp(2, HIGHEST_DEGREE);
+        for degree in (2..=highest).rev() {
+            let coefficients = coefficient_count(degree);
+            if available < coefficients + if degree > 2 { 2 } else { 0 } {
+                continue;
+            }
+            // A lower degree starts from neighbours in proportion to its coefficients.
+            let first = (self.neighbours * coefficients).div_ceil(coefficient_count(highest));
+            let last = self.most_neighbours.max(coefficients).min(available);
+            let mut neighbours = first.clamp(coefficients.min(last), last);
+            loop {
+                let found = self.fit_with(scratch, normal, degree, neighbours);
+                let least = match (neighbours == last, degree) {
+                    (false, _) => self.conditioning,
+                    (true, 2) => T::epsilon().sqrt(),
+                    (true, _) => self.conditioning * T::constant(0.1),
+                };
+                match found {
+                    Some((polynomial, ratio)) if ratio >= least => return Some(polynomial),
+                    _ if neighbours == last => break,
+                    _ => neighbours = (neighbours + 2.max(neighbours / 4)).min(last),
+                }
+            }
+        }
+        None
+    }
+
+    /// One fit; its reciprocal condition is returned with it.
+    fn fit_with(
+        &self,
+        scratch: &mut Scratch<T>,
+        normal: [T; 3],
+        degree: usize,
+        neighbours: usize,
+    ) -> Option<(Polynomial<T>, T)> {
+        let Scratch {
+            neighbourhood,
+            differences,
+            weights,
+            heights,
+            coefficients,
+            fit,
+            ..
+        } = scratch;
+        let squared_radius = neighbourhood.found[neighbours - 1].0;
+        let radius = squared_radius.sqrt();
+        if radius < T::min_positive_value() {
+            return None;
+        }
+        let frame = tangent_frame(normal);
+        let over = radius.recip();
+        weights.clear();
+        heights.clear();
+        let columns = coefficient_count(degree);
+        let ratio = fit.factorise(neighbours, columns, |matrix| {
+            for (row, &difference) in differences[..neighbours].iter().enumerate() {
+                let local = scale(over, difference);
+                let (x, y) = (dot(local, frame[0]), dot(local, frame[1]));
+                let weight = (-self.sharpness * dot(local, local)).exp();
+                weights.push(weight);
+                heights.push(weight * dot(local, normal));
+                // Degree after degree: x·(the last degree), and y·(its last monomial).
+                let mut last = [T::zero(); HIGHEST_DEGREE + 1];
+                last[0] = weight;
+                let mut column = 0;
+                for degree in 1..=degree {
+                    last[degree] = last[degree - 1] * y;
+                    for monomial in &mut last[..degree] {
+                        *monomial *= x;
+                    }
+                    for &monomial in &last[..=degree] {
+                        matrix[column * neighbours + row] = monomial;
+                        column += 1;
+                    }
+                }
+            }
+        });
+        if ratio <= T::zero() || ratio.is_nan() {
+            return None;
+        }
+        coefficients.resize(columns, T::zero());
+        fit.solve(heights, coefficients);
+        Some((
+            Polynomial {
+                degree,
+                neighbours,
+                normal,
+                frame,
+                radius,
+            },
+            ratio,
+        ))
+    }
+}
+
+impl<T: Real> Polynomial<T> {
+    /// The surface's normal at the vertex.
+    fn surface_normal(&self, coefficients: &[T]) -> [T; 3] {
+        let [p, q] = [coefficients[0], coefficients[1]];
+        let along = sub(self.normal, scale(p, self.frame[0]));
+        normalise(sub(along, scale(q, self.frame[1])))
+    }
+
+    /// H and K of the height function `p x + q y + c₂₀ x² + c₁₁ x y + c₀₂ y² + …`, and the
+    /// functional that takes the coefficients of any field to its Δ_S.
+    fn curvatures(&self, coefficients: &[T], functional: &mut Vec<T>) -> (T, T) {
+        let one = T::one();
+        let two = T::constant(2.0);
+        let [p, q, c20, c11, c02] = [0, 1, 2, 3, 4].map(|k| coefficients[k]);
+        let (xx, xy, yy) = (two * c20, c11, two * c02);
+        let w = one + p * p + q * q;
+        let root = w.sqrt();
+        let bend = (one + q * q) * xx - two * p * q * xy + (one + p * p) * yy;
+        let mean = -bend / (two * w * root);
+        let gaussian = (xx * yy - xy * xy) / (w * w);
+        functional.clear();
+        functional.resize(coefficients.len(), T::zero());
+        functional[0] = two * mean * p / root;
+        functional[1] = two * mean * q / root;
+        functional[2] = two * (one - p * p / w);
+        functional[3] = -two * p * q / w;
+        functional[4] = two * (one - q * q / w);
+        let over = self.radius.recip();
+        (mean * over, gaussian * over * over)
+    }
+}
+
+impl<T: Real> Method<T> for Jet<T> {
+    type Plan = ();
+    type Memory = JetMemory<T>;
+
+    fn plan(&self, _mesh: &TriangleMesh) {}
+
+    fn inspect(
+        &self,
+        (): &(),
+        _surface: Surface<'_, T>,
+        memory: &JetMemory<T>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        for (vertex, &degree) in memory.degrees.iter().enumerate() {
+            let vertex = vertex as u32;
+            match usize::from(degree) {
+                0 => report(Finding::TooFewNeighbours { vertex }),
+                lower if lower < self.degree => report(Finding::ReducedDegree { vertex, degree }),
+                _ => {}
+            }
+        }
+    }
+}
+
+impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
+    fn measure(
+        &self,
+        execution: &impl Execution,
+        (): &(),
+        surface: Surface<'_, T>,
+        memory: &mut JetMemory<T>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let vertices = surface.mesh().vertex_count();
+        let JetMemory {
+            cotangent,
+            rows,
+            degrees,
+            scratches,
+        } = memory;
+        let curvature = &mut curvature[..vertices];
+        // Areas, and normals to start from.
+        Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
+        degrees.resize(vertices, 0);
+        let slots = rows.slots(vertices, self.most_neighbours.max(coefficient_count(2)));
+        let output = ((curvature, &mut degrees[..]), slots);
+        execution.map_with(
+            scratches,
+            output,
+            |scratch, vertex, ((curvature, degree), row)| {
+                let (length, (columns, coefficients)) = row;
+                scratch
+                    .neighbourhood
+                    .nearest(surface, vertex as u32, columns.len());
+                scratch.differences.clear();
+                scratch.differences.extend(
+                    scratch
+                        .neighbourhood
+                        .found
+                        .iter()
+                        .map(|&(_, j)| surface.difference(vertex as u32, j)),
+                );
+                let first = self.fit(scratch, curvature.normal);
+                let second = first.and_then(|first| {
+                    let normal = first.surface_normal(&scratch.coefficients);
+                    self.fit(scratch, normal)
+                });
+                let Some(polynomial) = second else {
+                    (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
+                    (*degree, *length) = (0, 0);
+                    return;
+                };
+                let Scratch {
+                    neighbourhood,
+                    weights,
+                    coefficients: found,
+                    functional,
+                    fit,
+                    ..
+                } = scratch;
+                curvature.normal = polynomial.surface_normal(found);
+                (curvature.mean, curvature.gaussian) = polynomial.curvatures(found, functional);
+                *degree = polynomial.degree as u8;
+                *length = polynomial.neighbours as u32;
+                let row = &mut coefficients[..polynomial.neighbours];
+                fit.row_of(functional, row);
+                let over = polynomial.radius.recip();
+                for (entry, &weight) in row.iter_mut().zip(weights.iter()) {
+                    *entry *= weight * over * over;
+                }
+                for (column, &(_, neighbour)) in columns.iter_mut().zip(&neighbourhood.found) {
+                    *column = neighbour;
+                }
+            },
+        );
+    }
+
+    fn apply<const D: usize>(
+        &self,
+        execution: &impl Execution,
+        (): &(),
+        _surface: Surface<'_, T>,
+        memory: &JetMemory<T>,
+        field: &[[T; D]],
+        laplacian: &mut [[T; D]],
+    ) {
+        memory.rows.apply(execution, field, laplacian);
+    }
+
+    fn assemble(
+        &self,
+        (): &(),
+        _surface: Surface<'_, T>,
+        memory: &JetMemory<T>,
+        rows: &mut Rows<T>,
+    ) {
+        rows.clone_from(&memory.rows);
+    }
+}
