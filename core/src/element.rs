@@ -23,7 +23,8 @@ pub struct Corners<L, const CORNERS: usize> {
 }
 
 impl<L: Lane, const CORNERS: usize> Corners<L, CORNERS> {
-    /// The corners of the elements `elements[0]`, `elements[1]`, … of a surface, one a lane entry.
+    /// The corners of the elements `elements[0]`, `elements[1]`, … of a surface without remainders,
+    /// one a lane entry.
     ///
     /// # Panics
     /// If there are fewer elements than the lane has entries, or a vertex does not exist.
@@ -39,6 +40,21 @@ impl<L: Lane, const CORNERS: usize> Corners<L, CORNERS> {
         }
     }
 
+    /// The same of a surface with or without remainders.
+    ///
+    /// # Panics
+    /// As [`Self::gather`].
+    #[inline(always)]
+    pub fn gather_near(surface: Surface<'_, L::Scalar>, elements: &[[u32; CORNERS]]) -> Self {
+        Self {
+            positions: core::array::from_fn(|corner| {
+                core::array::from_fn(|axis| {
+                    L::from_fn(|k| surface.position_near(elements[k][corner], elements[k][0])[axis])
+                })
+            }),
+        }
+    }
+
     /// The corners of one element.
     ///
     /// # Panics
@@ -49,7 +65,7 @@ impl<L: Lane, const CORNERS: usize> Corners<L, CORNERS> {
         L: Real,
     {
         Self {
-            positions: element.map(|vertex| surface.positions()[vertex as usize]),
+            positions: element.map(|vertex| surface.position_near(vertex, element[0])),
         }
     }
 
@@ -260,6 +276,7 @@ pub trait Execution {
 #[inline]
 fn scatter_range<L: Lane, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
     range: Range<usize>,
+    gather: impl Fn(Surface<'_, L::Scalar>, &[[u32; CORNERS]]) -> Corners<L, CORNERS>,
     kernel: &K,
     surface: Surface<'_, L::Scalar>,
     elements: &[[u32; CORNERS]],
@@ -270,7 +287,7 @@ fn scatter_range<L: Lane, K, const CORNERS: usize, const IN: usize, const OUT: u
 {
     for first in range.step_by(L::WIDTH) {
         let elements = &elements[first..first + L::WIDTH];
-        let corners = Corners::<L, CORNERS>::gather(surface, elements);
+        let corners = gather(surface, elements);
         let values = core::array::from_fn(|corner| {
             core::array::from_fn(|k| L::from_fn(|e| input[elements[e][corner] as usize][k]))
         });
@@ -298,9 +315,25 @@ fn scatter_in<L: Lane, K, const CORNERS: usize, const IN: usize, const OUT: usiz
     K: ElementKernel<L::Scalar, CORNERS, IN, OUT>,
 {
     let whole = elements.len() / L::WIDTH * L::WIDTH;
-    scatter_range::<L, _, _, _, _>(0..whole, kernel, surface, elements, input, output);
+    scatter_range::<L, _, _, _, _>(
+        0..whole,
+        Corners::gather,
+        kernel,
+        surface,
+        elements,
+        input,
+        output,
+    );
     let rest = whole..elements.len();
-    scatter_range::<L::Scalar, _, _, _, _>(rest, kernel, surface, elements, input, output);
+    scatter_range::<L::Scalar, _, _, _, _>(
+        rest,
+        Corners::gather,
+        kernel,
+        surface,
+        elements,
+        input,
+        output,
+    );
 }
 
 /// One element after the other, on one thread.
@@ -320,6 +353,13 @@ impl Execution for Serial {
         T: Real,
         K: ElementKernel<T, CORNERS, IN, OUT>,
     {
+        if surface.remainders().is_some() {
+            let all = 0..elements.len();
+            let gather = Corners::gather_near;
+            return scatter_range::<T, _, _, _, _>(
+                all, gather, kernel, surface, elements, input, output,
+            );
+        }
         // Vector registers of 16 bytes are there on every machine that has any.
         match size_of::<T>() {
             4 => scatter_in::<Pack<T, 4>, _, _, _, _>(kernel, surface, elements, input, output),

@@ -10,12 +10,14 @@ use crate::vec3::{self, Vec3};
 
 /// A [`TriangleMesh`] with a position for each of its vertices: a view that is copied freely.
 ///
-/// Formulas read positions through [`Surface::difference`] alone, so that nothing ever depends on
-/// where the surface lies.
+/// Formulas read differences of positions alone, so that nothing ever depends on where the surface
+/// lies. What positions lose when they are stored, differences cannot regain: a fourth derivative
+/// shows it in `f32`. [`Surface::with_remainders`] takes positions as pairs, which lose nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a, T> {
     mesh: &'a TriangleMesh,
     positions: &'a [[T; 3]],
+    remainders: Option<&'a [[T; 3]]>,
 }
 
 /// Why points do not fit a mesh.
@@ -43,6 +45,26 @@ pub enum SurfaceError {
     },
 }
 
+/// Points that fit a mesh and are finite.
+fn checked<'a, T: Real, P>(mesh: &TriangleMesh, points: &'a P) -> Result<&'a [[T; 3]], SurfaceError>
+where
+    P: Points<Scalar = T> + ?Sized,
+{
+    let positions = points.coordinates();
+    if positions.len() != mesh.vertex_count() {
+        return Err(SurfaceError::CountMismatch {
+            positions: positions.len(),
+            vertices: mesh.vertex_count(),
+        });
+    }
+    for (vertex, position) in positions.iter().enumerate() {
+        if let Some(axis) = position.iter().position(|x| !x.is_finite()) {
+            return Err(SurfaceError::NotFinite { vertex, axis });
+        }
+    }
+    Ok(positions)
+}
+
 impl<'a, T: Real> Surface<'a, T> {
     /// The surface with `points` at the vertices of `mesh`.
     ///
@@ -52,19 +74,34 @@ impl<'a, T: Real> Surface<'a, T> {
     where
         P: Points<Scalar = T> + ?Sized,
     {
-        let positions = points.coordinates();
-        if positions.len() != mesh.vertex_count() {
-            return Err(SurfaceError::CountMismatch {
-                positions: positions.len(),
-                vertices: mesh.vertex_count(),
-            });
-        }
-        for (vertex, position) in positions.iter().enumerate() {
-            if let Some(axis) = position.iter().position(|x| !x.is_finite()) {
-                return Err(SurfaceError::NotFinite { vertex, axis });
-            }
-        }
-        Ok(Self { mesh, positions })
+        let positions = checked(mesh, points)?;
+        Ok(Self {
+            mesh,
+            positions,
+            remainders: None,
+        })
+    }
+
+    /// The surface with the sums `points + remainders` at the vertices: each coordinate is held as
+    /// its nearest number and what that leaves out, twice the precision of the scalar.
+    ///
+    /// # Errors
+    /// As [`Self::new`], for both.
+    pub fn with_remainders<P>(
+        mesh: &'a TriangleMesh,
+        points: &'a P,
+        remainders: &'a P,
+    ) -> Result<Self, SurfaceError>
+    where
+        P: Points<Scalar = T> + ?Sized,
+    {
+        let positions = checked(mesh, points)?;
+        let remainders = Some(checked(mesh, remainders)?);
+        Ok(Self {
+            mesh,
+            positions,
+            remainders,
+        })
     }
 
     /// The connectivity.
@@ -73,10 +110,16 @@ impl<'a, T: Real> Surface<'a, T> {
         self.mesh
     }
 
-    /// The positions, for output; formulas use [`Self::difference`].
+    /// The positions, without remainders, for output; formulas use [`Self::difference`].
     #[inline]
     pub fn positions(&self) -> &'a [[T; 3]] {
         self.positions
+    }
+
+    /// What positions leave out, if they were given as pairs.
+    #[inline]
+    pub fn remainders(&self) -> Option<&'a [[T; 3]]> {
+        self.remainders
     }
 
     /// x_to − x_from.
@@ -85,7 +128,26 @@ impl<'a, T: Real> Surface<'a, T> {
     /// If there is no such vertex.
     #[inline(always)]
     pub fn difference(&self, from: u32, to: u32) -> [T; 3] {
-        vec3::sub(self.positions[to as usize], self.positions[from as usize])
+        let (from, to) = (from as usize, to as usize);
+        let difference = vec3::sub(self.positions[to], self.positions[from]);
+        match self.remainders {
+            None => difference,
+            Some(remainders) => vec3::add(difference, vec3::sub(remainders[to], remainders[from])),
+        }
+    }
+
+    /// The position of a vertex seen from another one that is near, remainders included. Formulas
+    /// subtract two of the same origin.
+    #[inline(always)]
+    pub(crate) fn position_near(&self, vertex: u32, origin: u32) -> [T; 3] {
+        match self.remainders {
+            None => self.positions[vertex as usize],
+            Some(remainders) => {
+                let position = self.positions[vertex as usize];
+                let difference = vec3::sub(position, self.positions[origin as usize]);
+                vec3::add(difference, remainders[vertex as usize])
+            }
+        }
     }
 
     #[inline(always)]

@@ -158,18 +158,7 @@ pub fn generate(
     vertices: usize,
     seed: u64,
 ) -> Result<GeneratedMesh, GenerateError> {
-    let least = match shape {
-        AnyShape::Torus(_) => lattice::LEAST_VERTICES,
-        _ => icosphere::LEAST_VERTICES,
-    };
-    if !(least..=MOST_VERTICES).contains(&vertices) {
-        return Err(GenerateError::OutOfRange {
-            shape: shape.name(),
-            asked: vertices,
-            least,
-            most: MOST_VERTICES,
-        });
-    }
+    check(shape, family, vertices)?;
     let draft = match family {
         Family::Regular => regular(shape, family, vertices)?,
         Family::Relaxed => match shape {
@@ -183,6 +172,31 @@ pub fn generate(
         }
     };
     draft.finish(shape)
+}
+
+/// Whether a mesh can have this number of vertices, without making it.
+///
+/// # Errors
+/// If there is no mesh of that many vertices; see [`GenerateError`].
+pub fn check(shape: &AnyShape, family: Family, vertices: usize) -> Result<(), GenerateError> {
+    let torus = matches!(shape, AnyShape::Torus(_));
+    let least = if torus {
+        lattice::LEAST_VERTICES
+    } else {
+        icosphere::LEAST_VERTICES
+    };
+    if !(least..=MOST_VERTICES).contains(&vertices) {
+        return Err(GenerateError::OutOfRange {
+            shape: shape.name(),
+            asked: vertices,
+            least,
+            most: MOST_VERTICES,
+        });
+    }
+    if !torus && family != Family::Irregular {
+        refinement_level(shape, family, vertices)?;
+    }
+    Ok(())
 }
 
 fn regular(shape: &AnyShape, family: Family, vertices: usize) -> Result<Draft, GenerateError> {

@@ -16,7 +16,7 @@ mod replace;
 mod stl;
 mod text;
 
-pub use replace::replace_file;
+pub use replace::{check_replaceable, replace_file};
 
 use std::fmt;
 use std::path::{Path, PathBuf};

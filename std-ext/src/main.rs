@@ -4,7 +4,7 @@ use clap::{Parser, Subcommand};
 use helfrich::{Finding, Real, Surface};
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::info::MeshInfo;
-use helfrich_std::io::{MeshFile, read, replace_file};
+use helfrich_std::io::{MeshFile, check_replaceable, read, replace_file};
 use helfrich_std::method::{BendingMethod, Evaluator};
 use helfrich_std::report;
 use helfrich_std::study::{Progress, Scalar, Study};
@@ -50,14 +50,14 @@ struct StudyArguments {
     /// Mesh families: regular, relaxed, irregular, hard, or `all`.
     #[arg(long, value_delimiter = ',', default_value = "regular,irregular", value_parser = families)]
     family: Vec<Vec<Family>>,
-    /// Numbers of vertices, coarse to fine; 10·4^k + 2 except for irregular meshes and the torus.
+    /// Numbers of vertices, in any order; 10·4^k + 2 except for irregular meshes and the torus.
     #[arg(long, value_delimiter = ',', default_value = "642,2562,10242,40962")]
     vertices: Vec<usize>,
     /// Number types: f32, f64.
     #[arg(long, value_delimiter = ',', default_value = "f64")]
     scalar: Vec<Scalar>,
     /// Bending modulus κ.
-    #[arg(long, default_value_t = 1.0, value_parser = positive)]
+    #[arg(long, default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
     modulus: f64,
     /// Seed of the random mesh families.
     #[arg(long, default_value_t = 1)]
@@ -75,12 +75,12 @@ struct CurvatureArguments {
     #[arg(long, default_value = "meyer")]
     method: BendingMethod,
     /// Bending modulus κ.
-    #[arg(long, default_value_t = 1.0, value_parser = positive)]
+    #[arg(long, default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
     modulus: f64,
     /// Number type: f32 or f64.
     #[arg(long, default_value = "f64")]
     scalar: Scalar,
-    /// Write to this file instead of standard output.
+    /// Write to this file instead of standard output (`-`).
     #[arg(long)]
     csv: Option<PathBuf>,
 }
@@ -119,15 +119,15 @@ impl Failure {
         Self::Input(Box::new(error))
     }
 
+    fn mesh(path: &Path, error: impl Display) -> Self {
+        Self::Input(format!("{}: {error}", path.display()).into())
+    }
+
     fn output(target: impl Display, error: &io::Error) -> Self {
         Self::Output(format!("{target}: {error}"))
     }
 }
 
-#[expect(
-    clippy::print_stderr,
-    reason = "the one place where messages are shown"
-)]
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Study(arguments) => study(&arguments),
@@ -137,14 +137,20 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
-            eprintln!("error: {error}");
+            say(format_args!("error: {error}"));
             ExitCode::from(2)
         }
         Err(Failure::Output(message)) => {
-            eprintln!("error: {message}");
+            say(format_args!("error: {message}"));
             ExitCode::from(3)
         }
     }
+}
+
+/// Writes a line to standard error. If nobody listens there, the exit code still tells:
+/// `eprintln!` would panic instead.
+fn say(line: impl Display) {
+    let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// Writes to standard output; a reader that has seen enough is no error.
@@ -163,6 +169,12 @@ fn save(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Re
     replace_file(path, write).map_err(|error| Failure::output(path.display(), &error))
 }
 
+/// The file that an option names; none for `-`, standard output.
+fn file_named(option: Option<&PathBuf>) -> Option<&Path> {
+    let path = option.filter(|path| path.as_os_str() != "-")?;
+    Some(path)
+}
+
 fn study(arguments: &StudyArguments) -> Result<(), Failure> {
     let study = Study {
         shape: arguments.shape,
@@ -173,6 +185,11 @@ fn study(arguments: &StudyArguments) -> Result<(), Failure> {
         modulus: arguments.modulus,
         seed: arguments.seed,
     };
+    let json_file = file_named(arguments.json.as_ref());
+    if let Some(path) = json_file {
+        // Not after a minute's work.
+        check_replaceable(path).map_err(|error| Failure::output(path.display(), &error))?;
+    }
     let bar = progress_bar();
     let rows = study.run(&mut |Progress { done, total, at }| {
         bar.set_length(total);
@@ -185,12 +202,11 @@ fn study(arguments: &StudyArguments) -> Result<(), Failure> {
         serde_json::to_writer_pretty(&mut *out, &rows)?;
         writeln!(out)
     };
-    match &arguments.json {
-        Some(path) if path.as_os_str() == "-" => return print(json),
-        Some(path) => save(path, json)?,
-        None => {}
+    if arguments.json.is_some() && json_file.is_none() {
+        return print(json);
     }
-    print(|out| report::study_table(&rows, out))
+    print(|out| report::study_table(&rows, out))?;
+    json_file.map_or(Ok(()), |path| save(path, json))
 }
 
 /// Each value once, in the order of its first mention.
@@ -218,12 +234,19 @@ fn load(path: &Path) -> Result<MeshFile, Failure> {
 
 fn info(path: &Path) -> Result<(), Failure> {
     let MeshFile { positions, mesh } = load(path)?;
-    let surface = Surface::new(&mesh, &positions).map_err(Failure::input)?;
+    let surface = Surface::new(&mesh, &positions).map_err(|error| Failure::mesh(path, error))?;
     let info = MeshInfo::new(surface);
     print(|out| report::mesh_info(&info, out))
 }
 
 fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
+    let CurvatureArguments {
+        modulus, scalar, ..
+    } = arguments;
+    if !scalar.holds(*modulus) {
+        let message = format!("the bending modulus {modulus} is out of the range of {scalar}");
+        return Err(Failure::Input(message.into()));
+    }
     let file = load(&arguments.mesh)?;
     match arguments.scalar {
         Scalar::F32 => curvature_in::<f32>(arguments, &file),
@@ -231,36 +254,29 @@ fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
     }
 }
 
-fn curvature_in<T: Real + Display>(
-    arguments: &CurvatureArguments,
-    file: &MeshFile,
-) -> Result<(), Failure> {
+fn curvature_in<T: Real>(arguments: &CurvatureArguments, file: &MeshFile) -> Result<(), Failure> {
     let round = |position: &[f64; 3]| position.map(T::constant);
     let positions: Vec<[T; 3]> = file.positions.iter().map(round).collect();
     let surface = Surface::new(&file.mesh, &positions).map_err(|error| {
-        let path = arguments.mesh.display();
-        Failure::Input(format!("{path}: {error} in {}", arguments.scalar).into())
+        Failure::mesh(&arguments.mesh, format!("{error} in {}", arguments.scalar))
     })?;
     let modulus = T::constant(arguments.modulus);
     let mut evaluator = Evaluator::new(arguments.method, modulus, &file.mesh);
     let fields = evaluator.fields(surface);
     warn(&arguments.mesh, &evaluator.findings(surface));
-    let kinds = file.mesh.vertex_kinds();
-    match &arguments.csv {
-        Some(path) => save(path, |out| {
-            report::curvature_csv(&positions, kinds, &fields, out)
-        }),
-        None => print(|out| report::curvature_csv(&positions, kinds, &fields, out)),
+    let csv = |out: &mut dyn Write| report::curvature_csv(&positions, &fields, out);
+    match file_named(arguments.csv.as_ref()) {
+        Some(path) => save(path, csv),
+        None => print(csv),
     }
 }
 
 /// One line for each kind of finding, with how many there are and where the first is.
-#[expect(
-    clippy::print_stderr,
-    reason = "warnings stand beside the result, not in it"
-)]
 fn warn(path: &Path, findings: &[Finding]) {
     for (count, first) in report::first_of_each_kind(findings) {
-        eprintln!("warning: {}: {count} × {first}", path.display());
+        say(format_args!(
+            "warning: {}: {count} × {first}",
+            path.display()
+        ));
     }
 }

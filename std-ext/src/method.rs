@@ -102,7 +102,7 @@ impl FromStr for BendingMethod {
 pub struct Fields<T> {
     /// Mixed area.
     pub area: Vec<T>,
-    /// Outward unit normal.
+    /// Outward unit normal; 0 where there is none.
     pub normal: Vec<[T; 3]>,
     /// Mean curvature H, positive on a sphere.
     pub mean: Vec<Option<T>>,
@@ -208,6 +208,12 @@ impl<T: Real> Evaluator<T> {
                 fields.set_strong_form(mesh, method.memory(), &self.force);
             }
         }
+        // A vertex that was left out for want of an area: the method's 0 there is no curvature.
+        for finding in self.findings(surface) {
+            if let Finding::ZeroArea { vertex } = finding {
+                fields.clear(vertex as usize);
+            }
+        }
         fields
     }
 
@@ -234,6 +240,16 @@ fn where_defined<V: Copy>(values: &[V], defined: impl Fn(usize) -> bool) -> Vec<
 }
 
 impl<T: Real> Fields<T> {
+    /// Nothing is said of a vertex, but for a nodal force over a mixed area that is not 0.
+    fn clear(&mut self, vertex: usize) {
+        self.mean[vertex] = None;
+        self.gaussian[vertex] = None;
+        self.laplacian_of_mean[vertex] = None;
+        if self.area[vertex] <= T::zero() {
+            self.force_density[vertex] = None;
+        }
+    }
+
     fn set_density(&mut self, force: &[[T; 3]]) {
         let over = |force: [T; 3], area: T| {
             (area > T::zero()).then(|| force.map(|component| component / area))

@@ -3,7 +3,7 @@
 use crate::info::MeshInfo;
 use crate::method::Fields;
 use crate::study::{Quantity, Row};
-use helfrich::{Finding, Real, VertexKind};
+use helfrich::{Finding, Real};
 use std::io::{self, Write};
 use std::mem::discriminant;
 
@@ -141,31 +141,32 @@ pub fn mesh_info(info: &MeshInfo, out: &mut dyn Write) -> io::Result<()> {
 }
 
 /// Writes a line for each vertex, with the header
-/// `vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz`; numbers in full precision, an empty field where
-/// the method says nothing.
+/// `vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz`; numbers with as many digits as tell them from
+/// every other, an empty field where the method says nothing.
 ///
 /// # Errors
 /// If `out` cannot be written to.
-pub fn curvature_csv<T: Real + std::fmt::Display>(
+pub fn curvature_csv<T: Real>(
     positions: &[[T; 3]],
-    kinds: &[VertexKind],
     fields: &Fields<T>,
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let all = |values: Option<[T; 3]>| match values {
-        Some([x, y, z]) => format!("{x},{y},{z}"),
+        // `{:?}` and not `{}`, which writes 1e-18 with 18 zeros.
+        Some([x, y, z]) => format!("{x:?},{y:?},{z:?}"),
         None => ",,".to_owned(),
     };
-    let one = |value: Option<T>| value.map_or_else(String::new, |value| value.to_string());
+    let one = |value: Option<T>| value.map_or_else(String::new, |value| format!("{value:?}"));
     writeln!(out, "vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz")?;
-    for (vertex, (&position, &kind)) in positions.iter().zip(kinds).enumerate() {
-        let used = kind != VertexKind::Isolated;
+    for (vertex, &position) in positions.iter().enumerate() {
+        let normal = fields.normal[vertex];
+        let has_normal = normal.iter().any(|component| !component.is_zero());
         writeln!(
             out,
-            "{vertex},{},{},{},{},{},{},{}",
+            "{vertex},{},{:?},{},{},{},{},{}",
             all(Some(position)),
             fields.area[vertex],
-            all(used.then_some(fields.normal[vertex])),
+            all(has_normal.then_some(normal)),
             one(fields.mean[vertex]),
             one(fields.gaussian[vertex]),
             one(fields.laplacian_of_mean[vertex]),

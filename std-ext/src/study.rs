@@ -1,6 +1,6 @@
 //! Accuracy and cost of bending methods on exact shapes: data; [`crate::report`] shows it.
 
-use crate::generate::{AnyShape, Family, GenerateError, GeneratedMesh, generate};
+use crate::generate::{self, AnyShape, Family, GenerateError, GeneratedMesh, generate};
 use crate::method::{BendingMethod, Evaluator, Fields};
 use helfrich::shapes::{ExactPoint, Shape};
 use helfrich::{Real, Surface, SurfaceError};
@@ -22,6 +22,15 @@ pub enum Scalar {
 impl Scalar {
     /// Both.
     pub const ALL: [Self; 2] = [Self::F32, Self::F64];
+
+    /// Whether a number above 0 neither overflows nor loses digits in this type.
+    pub fn holds(self, value: f64) -> bool {
+        let range = match self {
+            Self::F32 => f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX),
+            Self::F64 => f64::MIN_POSITIVE..=f64::MAX,
+        };
+        range.contains(&value)
+    }
 
     /// `f32` or `f64`.
     pub fn name(self) -> &'static str {
@@ -82,6 +91,16 @@ impl Quantity {
         Self::ForceDensity,
     ];
 
+    /// Whether a method says anything of this quantity.
+    pub fn is_defined_by(self, method: BendingMethod) -> bool {
+        match method {
+            BendingMethod::KantorNelson => self == Self::ForceDensity,
+            BendingMethod::GompperKroll => matches!(self, Self::Mean | Self::ForceDensity),
+            // Those in strong form compute everything.
+            _ => true,
+        }
+    }
+
     /// The symbol: `H`, `K`, `LapH` or `f`.
     pub fn symbol(self) -> &'static str {
         match self {
@@ -100,7 +119,7 @@ pub struct Study {
     pub shape: AnyShape,
     /// The mesh families.
     pub families: Vec<Family>,
-    /// How many vertices the meshes have, coarse to fine.
+    /// How many vertices the meshes have, in any order; each number counts once.
     pub vertices: Vec<usize>,
     /// The methods.
     pub methods: Vec<BendingMethod>,
@@ -127,9 +146,11 @@ pub struct Row {
     pub scalar: Scalar,
     /// What is compared.
     pub quantity: Quantity,
-    /// Largest error over the vertices, relative to the largest exact value.
+    /// Largest error over the vertices, relative to the largest exact value, or to what the
+    /// shape's size gives (1/R³, κ/R³) where the exact value vanishes. Infinite, which JSON writes
+    /// as null, if a vertex has no result.
     pub max: f64,
-    /// Area-weighted mean error, relative to the largest exact value.
+    /// Area-weighted mean error, relative to the same.
     pub mean: f64,
     /// Order of convergence of `max` from the next coarser mesh: ln(e₁/e₂)/ln √(N₂/N₁).
     pub order_max: Option<f64>,
@@ -157,6 +178,19 @@ pub enum StudyError {
     /// A mesh cannot be made.
     #[error(transparent)]
     Generate(#[from] GenerateError),
+    /// The curvatures overflow, or lose their digits.
+    #[error(
+        "{shape} cannot be studied in {scalar}: with its size and κ = {modulus:?}, 1/R³ or κ/R³ \
+         are out of range"
+    )]
+    OutOfRange {
+        /// The shape with its parameters.
+        shape: AnyShape,
+        /// Bending modulus κ.
+        modulus: f64,
+        /// The number type.
+        scalar: Scalar,
+    },
     /// A mesh cannot be used in this number type.
     #[error("the mesh of {vertices} vertices cannot be held in {scalar}: {source}")]
     Surface {
@@ -170,17 +204,18 @@ pub enum StudyError {
 }
 
 impl Study {
-    /// Makes the study, row after row; `progress` hears of every step.
+    /// Makes the study, row after row, coarse meshes before fine ones; `progress` hears of every
+    /// step. What can be refused is refused before anything is computed.
     ///
     /// # Errors
     /// If a mesh cannot be made, or does not fit a number type.
     pub fn run(&self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StudyError> {
-        let cases = self.methods.len() * self.scalars.len();
-        let total = self
-            .vertices
-            .iter()
-            .map(|&vertices| (vertices * (cases + 1)) as u64);
-        let total = total.sum::<u64>() * self.families.len() as u64;
+        self.check()?;
+        let mut numbers = self.vertices.clone();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let passes = self.families.len() * (self.methods.len() * self.scalars.len() + 1);
+        let total = numbers.iter().sum::<usize>() as u64 * passes as u64;
         let mut done = 0;
         let mut step = |vertices: usize, at: &str| {
             progress(Progress { done, total, at });
@@ -188,12 +223,19 @@ impl Study {
         };
         let mut rows: Vec<Row> = Vec::new();
         for &family in &self.families {
-            let mut meshes = Vec::with_capacity(self.vertices.len());
-            for &vertices in &self.vertices {
+            let mut meshes: Vec<(GeneratedMesh, Exact)> = Vec::with_capacity(numbers.len());
+            for &vertices in &numbers {
                 step(vertices, &format!("{family} {vertices}: mesh"));
                 let mesh = generate(&self.shape, family, vertices, self.seed)?;
-                let exact = Exact::new(&self.shape, &mesh, self.modulus);
-                meshes.push((mesh, exact));
+                let count = |mesh: &GeneratedMesh| mesh.mesh.vertex_count();
+                // Two numbers may have the same nearest lattice of the torus.
+                if meshes
+                    .last()
+                    .is_none_or(|(last, _)| count(last) < count(&mesh))
+                {
+                    let exact = Exact::new(&self.shape, &mesh, self.modulus);
+                    meshes.push((mesh, exact));
+                }
             }
             for &scalar in &self.scalars {
                 for &method in &self.methods {
@@ -230,10 +272,30 @@ impl Study {
         });
         Ok(rows)
     }
+
+    /// Refuses what cannot be studied.
+    fn check(&self) -> Result<(), StudyError> {
+        for &family in &self.families {
+            for &vertices in &self.vertices {
+                generate::check(&self.shape, family, vertices)?;
+            }
+        }
+        for &scalar in &self.scalars {
+            let [.., third, force] = natural_scales(&self.shape, self.modulus);
+            if !(scalar.holds(self.modulus) && scalar.holds(third) && scalar.holds(force)) {
+                return Err(StudyError::OutOfRange {
+                    shape: self.shape,
+                    modulus: self.modulus,
+                    scalar,
+                });
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Row {
-    /// The orders against the last earlier row of the same kind, if that has fewer vertices.
+    /// The orders against the last earlier row of the same kind, which has fewer vertices.
     fn set_orders(&mut self, earlier: &[Self]) {
         let coarser = earlier.iter().rev().find(|row| {
             row.family == self.family
@@ -241,7 +303,7 @@ impl Row {
                 && row.scalar == self.scalar
                 && row.quantity == self.quantity
         });
-        let Some(coarser) = coarser.filter(|row| row.vertices < self.vertices) else {
+        let Some(coarser) = coarser else {
             return;
         };
         let refinement = (self.vertices as f64 / coarser.vertices as f64).sqrt().ln();
@@ -268,17 +330,19 @@ impl Exact {
             .iter()
             .map(|&preimage| shape.at(preimage))
             .collect();
-        // On a sphere Δ_S H and f vanish identically, and its size is what is left to compare with.
-        let sphere = shape.sphere_radius();
+        let natural = natural_scales(shape, modulus);
         let scales = Quantity::ALL.map(|quantity| {
             let largest = points
                 .iter()
                 .map(|point| exact_value(point, quantity, modulus).abs())
                 .fold(0.0, f64::max);
-            match (sphere, quantity) {
-                (Some(radius), Quantity::LaplacianOfMean) => radius.powi(-3),
-                (Some(radius), Quantity::ForceDensity) => modulus.abs() * radius.powi(-3),
-                _ => largest,
+            // Δ_S H and f of a sphere and f of a Clifford torus vanish identically, but for
+            // rounding: then the shape's size is what is left to compare with.
+            let natural = natural[quantity as usize];
+            if largest > f64::EPSILON.sqrt() * natural {
+                largest
+            } else {
+                natural
             }
         });
         Self {
@@ -287,6 +351,13 @@ impl Exact {
             scales,
         }
     }
+}
+
+/// 1/R, 1/R², 1/R³ and κ/R³: what a shape's size R makes of H, K, Δ_S H and f.
+fn natural_scales(shape: &AnyShape, modulus: f64) -> [f64; 4] {
+    let curvature = shape.size().recip();
+    let third = curvature.powi(3);
+    [curvature, curvature.powi(2), third, modulus.abs() * third]
 }
 
 fn exact_value(point: &ExactPoint<f64>, quantity: Quantity, modulus: f64) -> f64 {
@@ -322,8 +393,8 @@ impl Case<'_> {
         let time = median_time(|| evaluator.evaluate(surface));
         let vertices = mesh.mesh.vertex_count();
         let row = |quantity| {
-            let [max, mean] = errors(&fields, exact, quantity)?;
-            Some(Row {
+            let [max, mean] = errors(&fields, exact, quantity);
+            Row {
                 shape: self.study.shape.name(),
                 family: self.family.name(),
                 vertices,
@@ -335,15 +406,15 @@ impl Case<'_> {
                 order_max: None,
                 order_mean: None,
                 ns_per_vertex: time.as_secs_f64() * 1e9 / vertices as f64,
-            })
+            }
         };
-        Ok(Quantity::ALL.into_iter().filter_map(row).collect())
+        let defined = |quantity: &Quantity| quantity.is_defined_by(self.method);
+        Ok(Quantity::ALL.into_iter().filter(defined).map(row).collect())
     }
 }
 
-/// Largest and area-weighted mean error of a quantity, relative; `None` if the method does not
-/// define it.
-fn errors<T: Real>(fields: &Fields<T>, exact: &Exact, quantity: Quantity) -> Option<[f64; 2]> {
+/// Largest and area-weighted mean error of a quantity, relative.
+fn errors<T: Real>(fields: &Fields<T>, exact: &Exact, quantity: Quantity) -> [f64; 2] {
     let to_f64 = |value: T| value.to_f64().unwrap_or(f64::NAN);
     let scale = exact.scales[quantity as usize];
     let mut largest = 0.0_f64;
@@ -362,18 +433,23 @@ fn errors<T: Real>(fields: &Fields<T>, exact: &Exact, quantity: Quantity) -> Opt
                     .sum::<f64>()
                     .sqrt()
             }),
-        }?;
-        let area = to_f64(fields.area[vertex]);
-        // An error that is not a number is an infinite one: `max` would pass it over.
-        largest = if error.is_nan() {
-            f64::INFINITY
-        } else {
-            largest.max(error)
         };
+        let area = to_f64(fields.area[vertex]);
+        // No number, or none at all (on a closed surface, for want of an area), is an infinite
+        // error: `max` would pass it over.
+        let error = error
+            .filter(|error| !error.is_nan())
+            .unwrap_or(f64::INFINITY);
+        largest = largest.max(error);
         weighted += area * error;
         weights += area;
     }
-    Some([largest / scale, weighted / weights / scale])
+    let mean = if largest.is_finite() {
+        weighted / weights
+    } else {
+        largest
+    };
+    [largest / scale, mean / scale]
 }
 
 /// Median over as many runs as fit into a short while, at least three, after one that warms up.

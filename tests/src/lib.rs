@@ -6,3 +6,9 @@ pub mod meshes;
 pub mod operator_laws;
 pub mod quadrature;
 pub mod tolerance;
+
+/// The README's examples, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+#[derive(Debug)]
+pub struct Readme;

@@ -330,6 +330,11 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
                 );
                 let first = self.fit(scratch, curvature.normal);
                 let second = first.and_then(|first| {
+                    let [p, q] = [scratch.coefficients[0], scratch.coefficients[1]];
+                    // A frame that leans little serves as well: the formulas know p and q.
+                    if p * p + q * q <= T::constant(LEAN * LEAN) {
+                        return Some(first);
+                    }
                     let normal = first.surface_normal(&scratch.coefficients);
                     self.fit(scratch, normal)
                 });

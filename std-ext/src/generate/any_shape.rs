@@ -64,18 +64,6 @@ impl AnyShape {
         }
     }
 
-    /// The radius if the shape is a sphere, under whichever name.
-    pub fn sphere_radius(&self) -> Option<f64> {
-        match self {
-            Self::Sphere(sphere) => Some(sphere.radius),
-            Self::Ellipsoid(ellipsoid) => {
-                let [a, b, c] = ellipsoid.semi_axes;
-                (a == b && b == c).then_some(a)
-            }
-            Self::Torus(_) | Self::Discocyte(_) => None,
-        }
-    }
-
     /// χ, the Euler characteristic: 0 for the torus, 2 for the others.
     pub fn euler_characteristic(&self) -> i64 {
         match self {
