@@ -62,7 +62,7 @@ mod surface;
 mod triangle;
 mod vec3;
 
-pub use bending::{GompperKroll, KantorNelson, StrongForm};
+pub use bending::{GompperKroll, Juelicher, KantorNelson, SpontaneousCurvature, StrongForm};
 pub use element::{Execution, Serial};
 pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
 pub use lane::{Lane, Pack};

@@ -1,6 +1,7 @@
 //! What the tests share.
 
 pub mod accuracy;
+pub mod gradient;
 pub mod invariants;
 pub mod meshes;
 pub mod operator_laws;

@@ -85,3 +85,26 @@ pub const SYMMETRY: Tolerance = Tolerance::new(
     "products of a few factors, in another order; the exponential's argument reaches 36 and \
      multiplies its rounding by that",
 );
+/// Forces against derivatives of the energy by dual numbers, relative to the largest force.
+pub const GRADIENT: Tolerance = Tolerance::new(
+    1e-10,
+    "both are exact; cotangents of irregular triangles amplify the rounding of 1e-16",
+);
+/// Forces against central differences of the energy, relative to the largest force.
+pub const GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
+    1e-6,
+    "a step of 1e-5 leaves truncation of (1e-5/edge)² and rounding of E 1e-16/1e-5",
+);
+/// Sum and torque of forces that have none, relative to the largest force.
+pub const NET_FORCE: Tolerance =
+    Tolerance::new(1e-11, "rounding of some hundred forces on a body of size 1");
+/// What a method computes in two ways that agree but for rounding, relative.
+pub const SAME: Tolerance = Tolerance::new(
+    1e-11,
+    "some operations in another order, on numbers that do not cancel",
+);
+/// Energies and curvatures that stall, against the value at which they are known to, relative.
+pub const STALL: Tolerance = Tolerance::new(
+    5e-3,
+    "the known value has three digits, and meshes of the same kind differ in the next",
+);
