@@ -55,6 +55,7 @@ pub mod laplacian;
 mod mesh;
 mod neighbourhood;
 mod points;
+mod projection;
 mod real;
 mod reduction;
 pub mod shapes;
@@ -71,6 +72,9 @@ pub use laplacian::{
 };
 pub use mesh::{MeshError, TriangleMesh, VertexKind};
 pub use points::{Points, PointsMut};
+pub use projection::{
+    Components, Projected, ProjectedMemory, RigidBody, remove_net_force_and_torque,
+};
 pub use real::Real;
 pub use surface::{Surface, SurfaceError};
 pub use triangle::DualArea;
