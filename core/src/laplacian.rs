@@ -147,6 +147,15 @@ impl<T: Real> Rows<T> {
         Self::default()
     }
 
+    /// Takes over other rows; memory that is large enough is kept, which a derived `clone_from`
+    /// does not do.
+    fn copy_from(&mut self, other: &Self) {
+        self.offsets.clone_from(&other.offsets);
+        self.lengths.clone_from(&other.lengths);
+        self.columns.clone_from(&other.columns);
+        self.coefficients.clone_from(&other.coefficients);
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.lengths.len()

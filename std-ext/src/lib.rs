@@ -2,12 +2,16 @@
 //! prints.
 //!
 //! * [`io`]: mesh files. [`generate`]: mesh families on exact shapes.
-//! * [`method`]: the bending methods, chosen at run time. [`info`]: what a mesh is like.
-//! * [`study`]: accuracy and cost of the methods. [`report`]: how all of this is shown.
+//! * [`method`] and [`scalar`]: the bending methods and number types, chosen at run time.
+//!   [`info`]: what a mesh is like.
+//! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge.
+//! * [`report`]: how all of this is shown.
 
 pub mod generate;
 pub mod info;
 pub mod io;
 pub mod method;
 pub mod report;
+pub mod scalar;
 pub mod study;
+pub mod verdict;

@@ -7,7 +7,9 @@ use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{MeshFile, check_replaceable, read, replace_file};
 use helfrich_std::method::{BendingMethod, Evaluator};
 use helfrich_std::report;
-use helfrich_std::study::{Progress, Scalar, Study};
+use helfrich_std::scalar::{HeldPositions, Scalar};
+use helfrich_std::study::{Progress, Study};
+use helfrich_std::verdict::verdicts;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::fmt::Display;
@@ -45,7 +47,7 @@ struct StudyArguments {
     #[arg(long, default_value = "discocyte")]
     shape: AnyShape,
     /// Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C).
-    #[arg(long, value_delimiter = ',', default_value = "all", value_parser = methods)]
+    #[arg(long, value_delimiter = ',', default_value = "A,B,C", value_parser = methods)]
     method: Vec<Vec<BendingMethod>>,
     /// Mesh families: regular, relaxed, irregular, hard, or `all`.
     #[arg(long, value_delimiter = ',', default_value = "regular,irregular", value_parser = families)]
@@ -53,7 +55,7 @@ struct StudyArguments {
     /// Numbers of vertices, in any order; 10·4^k + 2 except for irregular meshes and the torus.
     #[arg(long, value_delimiter = ',', default_value = "642,2562,10242,40962")]
     vertices: Vec<usize>,
-    /// Number types: f32, f64.
+    /// Number types: f32, f32-pair (positions in pairs of f32), f64.
     #[arg(long, value_delimiter = ',', default_value = "f64")]
     scalar: Vec<Scalar>,
     /// Bending modulus κ.
@@ -77,7 +79,7 @@ struct CurvatureArguments {
     /// Bending modulus κ.
     #[arg(long, default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
     modulus: f64,
-    /// Number type: f32 or f64.
+    /// Number type: f32, f32-pair (positions in pairs of f32) or f64.
     #[arg(long, default_value = "f64")]
     scalar: Scalar,
     /// Write to this file instead of standard output (`-`).
@@ -205,7 +207,10 @@ fn study(arguments: &StudyArguments) -> Result<(), Failure> {
     if arguments.json.is_some() && json_file.is_none() {
         return print(json);
     }
-    print(|out| report::study_table(&rows, out))?;
+    print(|out| {
+        report::study_table(&rows, out)?;
+        report::verdict_table(&verdicts(&rows), out)
+    })?;
     json_file.map_or(Ok(()), |path| save(path, json))
 }
 
@@ -249,22 +254,21 @@ fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
     }
     let file = load(&arguments.mesh)?;
     match arguments.scalar {
-        Scalar::F32 => curvature_in::<f32>(arguments, &file),
+        Scalar::F32 | Scalar::F32Pair => curvature_in::<f32>(arguments, &file),
         Scalar::F64 => curvature_in::<f64>(arguments, &file),
     }
 }
 
 fn curvature_in<T: Real>(arguments: &CurvatureArguments, file: &MeshFile) -> Result<(), Failure> {
-    let round = |position: &[f64; 3]| position.map(T::constant);
-    let positions: Vec<[T; 3]> = file.positions.iter().map(round).collect();
-    let surface = Surface::new(&file.mesh, &positions).map_err(|error| {
+    let held = HeldPositions::<T>::new(arguments.scalar, &file.positions);
+    let surface = held.surface(&file.mesh).map_err(|error| {
         Failure::mesh(&arguments.mesh, format!("{error} in {}", arguments.scalar))
     })?;
     let modulus = T::constant(arguments.modulus);
     let mut evaluator = Evaluator::new(arguments.method, modulus, &file.mesh);
     let fields = evaluator.fields(surface);
     warn(&arguments.mesh, &evaluator.findings(surface));
-    let csv = |out: &mut dyn Write| report::curvature_csv(&positions, &fields, out);
+    let csv = |out: &mut dyn Write| report::curvature_csv(held.positions(), &fields, out);
     match file_named(arguments.csv.as_ref()) {
         Some(path) => save(path, csv),
         None => print(csv),

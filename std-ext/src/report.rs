@@ -3,6 +3,7 @@
 use crate::info::MeshInfo;
 use crate::method::Fields;
 use crate::study::{Quantity, Row};
+use crate::verdict::Verdict;
 use helfrich::{Finding, Real};
 use std::io::{self, Write};
 use std::mem::discriminant;
@@ -61,6 +62,43 @@ pub fn study_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
             cells(&method[start..], out, orders, |order| {
                 format!("{order:+.1}")
             })?;
+            writeln!(out)?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes the verdicts: a block for each family and number type, a line for each method.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn verdict_table(verdicts: &[Verdict], out: &mut dyn Write) -> io::Result<()> {
+    if verdicts.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "\nDoes it converge? By the orders p of the largest and the mean error over the three finest meshes:"
+    )?;
+    writeln!(
+        out,
+        "largest p ≥ ½: converges (at all nodes); else mean p ≥ ½: in the mean; else largest p < −½: diverges; else stalls."
+    )?;
+    for block in verdicts.chunk_by(|a, b| (a.family, a.scalar) == (b.family, b.scalar)) {
+        let title = format!("{} · {}", block[0].family, block[0].scalar);
+        write!(out, "\n{title:21}")?;
+        for quantity in Quantity::ALL {
+            write!(out, "  {:11}", heading(quantity))?;
+        }
+        writeln!(out, "\n{}", "─".repeat(21 + 4 * 13))?;
+        for method in block.chunk_by(|a, b| a.method == b.method) {
+            write!(out, "{:21}", method[0].method)?;
+            for quantity in Quantity::ALL {
+                let verdict = method.iter().find(|verdict| verdict.quantity == quantity);
+                let text =
+                    verdict.map_or("–".to_owned(), |verdict| verdict.convergence.to_string());
+                write!(out, "  {text:11}")?;
+            }
             writeln!(out)?;
         }
     }

@@ -2,68 +2,11 @@
 
 use crate::generate::{self, AnyShape, Family, GenerateError, GeneratedMesh, generate};
 use crate::method::{BendingMethod, Evaluator, Fields};
+use crate::scalar::{HeldPositions, Scalar};
 use helfrich::shapes::{ExactPoint, Shape};
-use helfrich::{Real, Surface, SurfaceError};
+use helfrich::{Real, SurfaceError};
 use serde::Serialize;
-use std::fmt;
-use std::str::FromStr;
 use std::time::{Duration, Instant};
-
-/// The number type that a method computes with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Scalar {
-    /// 32 bits; positions are rounded to them, too.
-    F32,
-    /// 64 bits.
-    F64,
-}
-
-impl Scalar {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::F32, Self::F64];
-
-    /// Whether a number above 0 neither overflows nor loses digits in this type.
-    pub fn holds(self, value: f64) -> bool {
-        let range = match self {
-            Self::F32 => f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX),
-            Self::F64 => f64::MIN_POSITIVE..=f64::MAX,
-        };
-        range.contains(&value)
-    }
-
-    /// `f32` or `f64`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::F32 => "f32",
-            Self::F64 => "f64",
-        }
-    }
-}
-
-impl fmt::Display for Scalar {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(self.name())
-    }
-}
-
-impl FromStr for Scalar {
-    type Err = UnknownScalar;
-
-    fn from_str(name: &str) -> Result<Self, UnknownScalar> {
-        let named = Self::ALL.into_iter().find(|scalar| scalar.name() == name);
-        named.ok_or_else(|| UnknownScalar {
-            name: name.to_owned(),
-        })
-    }
-}
-
-/// A name that is no number type's.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no number type `{name}`: the number types are f32 and f64")]
-pub struct UnknownScalar {
-    name: String,
-}
 
 /// What is compared with its exact value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -249,7 +192,7 @@ impl Study {
                         let vertices = mesh.mesh.vertex_count();
                         step(vertices, &format!("{family} {vertices}: {method} {scalar}"));
                         let measured = match scalar {
-                            Scalar::F32 => case.measure::<f32>(mesh, exact),
+                            Scalar::F32 | Scalar::F32Pair => case.measure::<f32>(mesh, exact),
                             Scalar::F64 => case.measure::<f64>(mesh, exact),
                         };
                         let found = measured.map_err(|source| StudyError::Surface {
@@ -384,9 +327,8 @@ impl Case<'_> {
         mesh: &GeneratedMesh,
         exact: &Exact,
     ) -> Result<Vec<Row>, SurfaceError> {
-        let round = |position: &[f64; 3]| position.map(T::constant);
-        let positions: Vec<[T; 3]> = mesh.positions.iter().map(round).collect();
-        let surface = Surface::new(&mesh.mesh, &positions)?;
+        let held = HeldPositions::<T>::new(self.scalar, &mesh.positions);
+        let surface = held.surface(&mesh.mesh)?;
         let mut evaluator =
             Evaluator::new(self.method, T::constant(self.study.modulus), &mesh.mesh);
         let fields = evaluator.fields(surface);
@@ -452,10 +394,10 @@ fn errors<T: Real>(fields: &Fields<T>, exact: &Exact, quantity: Quantity) -> [f6
     [largest / scale, mean / scale]
 }
 
-/// Median over as many runs as fit into a short while, at least three, after one that warms up.
+/// Median over as many runs as fit into a short while, at least three. Memory is warm: the fields
+/// have been evaluated.
 fn median_time(mut run: impl FnMut()) -> Duration {
     const WHILE: Duration = Duration::from_millis(40);
-    run();
     let start = Instant::now();
     let mut times = Vec::new();
     while times.len() < 3 || (start.elapsed() < WHILE && times.len() < 1000) {

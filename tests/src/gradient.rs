@@ -37,7 +37,7 @@ where
             let derivative = dual.energy(surface).deriv();
             variable[vertex][axis] = F1::cst(x);
             let found = force[vertex][axis];
-            tolerance::GRADIENT.assert(found, -derivative, largest, "force");
+            tolerance::GRADIENT_DUAL.assert(found, -derivative, largest, "force");
             if vertex % 7 == 0 {
                 let mut at = |x: f64| {
                     moved[vertex][axis] = x;

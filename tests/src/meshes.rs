@@ -1,79 +1,518 @@
-//! Small meshes, closed and open.
+//! Meshes for the laws: small, seeded, and described by a few readable numbers.
 
-use helfrich::TriangleMesh;
+use helfrich::{Cotangent, DualArea, Real, Serial, Surface, TriangleMesh};
+use proptest::prelude::{ProptestConfig, Strategy, prop_oneof};
+use proptest::test_runner::FileFailurePersistence;
+use std::collections::HashMap;
 
-/// Connectivity and positions.
-pub type Positioned = (TriangleMesh, Vec<[f64; 3]>);
-
-fn positioned(triangles: &[[u32; 3]], positions: &[[f64; 3]]) -> Positioned {
-    let mesh = TriangleMesh::new(positions.len(), triangles.to_vec());
-    (mesh.expect("a manifold"), positions.to_vec())
+/// Connectivity with positions.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// Which vertices form triangles.
+    pub connectivity: TriangleMesh,
+    /// Where the vertices are.
+    pub positions: Vec<[f64; 3]>,
 }
 
-/// Four vertices, each with three neighbours.
-pub fn tetrahedron() -> Positioned {
-    positioned(
-        &[[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
-        &[
-            [1.0, 1.0, 1.0],
-            [-1.0, -1.0, 1.0],
-            [1.0, -1.0, -1.0],
-            [-1.0, 1.0, -1.0],
-        ]
-        .map(|[x, y, z]| [x, z, y]),
-    )
+impl Mesh {
+    /// The mesh of these triangles over these positions, which must be a valid one.
+    ///
+    /// # Panics
+    /// If it is not.
+    pub fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        let connectivity =
+            TriangleMesh::new(positions.len(), triangles).expect("the generators make manifolds");
+        Self {
+            connectivity,
+            positions,
+        }
+    }
+
+    /// The surface.
+    ///
+    /// # Panics
+    /// If a position is not finite.
+    pub fn surface(&self) -> Surface<'_, f64> {
+        Surface::new(&self.connectivity, &self.positions).expect("one finite position a vertex")
+    }
+
+    /// The same connectivity with every position moved.
+    pub fn map(&self, position: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        Self {
+            connectivity: self.connectivity.clone(),
+            positions: self.positions.iter().map(|&x| position(x)).collect(),
+        }
+    }
+
+    /// The positions rounded to another scalar.
+    pub fn positions_in<T: Real>(&self) -> Vec<[T; 3]> {
+        let round = |position: &[f64; 3]| position.map(T::constant);
+        self.positions.iter().map(round).collect()
+    }
+
+    /// The mean length of the edges.
+    pub fn edge_length(&self) -> f64 {
+        let edges = self.connectivity.edges();
+        let surface = self.surface();
+        let length = |&[a, b]: &[u32; 2]| norm(surface.difference(a, b));
+        edges.iter().map(length).sum::<f64>() / edges.len() as f64
+    }
+
+    /// The smallest |cos| of all angles: how far the mesh is from a right angle, where mixed areas
+    /// change their formula.
+    pub fn distance_from_right_angle(&self) -> f64 {
+        let surface = self.surface();
+        let angles = (0..self.connectivity.triangles().len())
+            .flat_map(|triangle| surface.triangle_angles(triangle));
+        angles.map(|angle| angle.cos().abs()).fold(1.0, f64::min)
+    }
+
+    /// The mean over the smallest size of a Voronoi area: by how much the smallest amplifies
+    /// rounding, for formulas that divide by areas.
+    pub fn roughness(&self) -> f64 {
+        let mut areas = vec![0.0; self.positions.len()];
+        Cotangent::new(DualArea::Voronoi).dual_areas(&Serial, self.surface(), &mut areas);
+        let smallest = areas
+            .iter()
+            .fold(f64::INFINITY, |least, area| least.min(area.abs()));
+        let mean = self.surface().area() / areas.len() as f64;
+        (mean / smallest).max(1.0)
+    }
+
+    /// The same surface with other numbers for the vertices, triangles in another order, and each
+    /// triangle begun at another corner; with the new number of each old vertex.
+    pub fn relabelled(&self, seed: u64) -> (Self, Vec<usize>) {
+        let mut random = SplitMix64::new(seed);
+        let new_number = random.permutation(self.positions.len());
+        let mut positions = self.positions.clone();
+        for (old, &new) in new_number.iter().enumerate() {
+            positions[new] = self.positions[old];
+        }
+        let old_triangles = self.connectivity.triangles();
+        let order = random.permutation(old_triangles.len());
+        let triangles = order.into_iter().map(|triangle| {
+            let mut corners = old_triangles[triangle].map(|old| new_number[old as usize] as u32);
+            corners.rotate_left(random.below(3));
+            corners
+        });
+        (Self::new(positions, triangles.collect()), new_number)
+    }
+
+    /// Each triangle divided into four at the middles of its edges.
+    pub fn divided(&self) -> Self {
+        let mut positions = self.positions.clone();
+        let mut middles = HashMap::new();
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                let (p, q) = (positions[a as usize], positions[b as usize]);
+                positions.push([0, 1, 2].map(|axis| 0.5 * (p[axis] + q[axis])));
+                positions.len() as u32 - 1
+            })
+        };
+        let mut triangles = Vec::new();
+        for &[a, b, c] in self.connectivity.triangles() {
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            triangles.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+        }
+        Self::new(positions, triangles)
+    }
+
+    fn divided_on_sphere(self, refinement: u32) -> Self {
+        (0..refinement).fold(self.map(unit), |mesh, _| mesh.divided().map(unit))
+    }
 }
 
-/// Six vertices, each with four neighbours.
-pub fn octahedron() -> Positioned {
-    let [px, nx, py, ny, pz, nz] = [0, 1, 2, 3, 4, 5];
-    positioned(
-        &[
-            [px, py, pz],
-            [py, nx, pz],
-            [nx, ny, pz],
-            [ny, px, pz],
-            [py, px, nz],
-            [nx, py, nz],
-            [ny, nx, nz],
-            [px, ny, nz],
-        ],
-        &[
-            [1.0, 0.0, 0.0],
-            [-1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, -1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.0, 0.0, -1.0],
-        ],
-    )
+/// The regular tetrahedron in the unit sphere.
+pub fn tetrahedron() -> Mesh {
+    let positions = vec![
+        [1.0, 1.0, 1.0],
+        [1.0, -1.0, -1.0],
+        [-1.0, 1.0, -1.0],
+        [-1.0, -1.0, 1.0],
+    ];
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    Mesh::new(positions, triangles).map(unit)
 }
 
-/// A curved sheet with a boundary, `cells` × `cells` squares of two triangles each; it has vertices
-/// in one triangle only.
-pub fn sheet(cells: u32) -> Positioned {
-    let at = |i: u32, j: u32| i + (cells + 1) * j;
-    let mut triangles = Vec::new();
+/// The regular octahedron in the unit sphere; its last four triangles look down.
+pub fn octahedron() -> Mesh {
+    let positions = vec![
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, -1.0],
+    ];
+    let triangles = vec![
+        [0, 1, 4],
+        [1, 2, 4],
+        [2, 3, 4],
+        [3, 0, 4],
+        [1, 0, 5],
+        [2, 1, 5],
+        [3, 2, 5],
+        [0, 3, 5],
+    ];
+    Mesh::new(positions, triangles)
+}
+
+/// The regular icosahedron in the unit sphere.
+pub fn icosahedron() -> Mesh {
+    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut positions = Vec::new();
-    for j in 0..=cells {
-        for i in 0..=cells {
-            let [x, y] = [i, j].map(|k| f64::from(k) / f64::from(cells) - 0.5);
-            positions.push([x, y + 0.1 * x * x, 0.4 * x * x + 0.3 * x * y - 0.2 * y]);
-            if i < cells && j < cells {
-                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-                triangles.extend([[a, b, c], [a, c, d]]);
+    for axis in 0..3 {
+        for (long, short) in [
+            (golden, 1.0),
+            (golden, -1.0),
+            (-golden, 1.0),
+            (-golden, -1.0),
+        ] {
+            let mut position = [0.0; 3];
+            position[axis] = long;
+            position[(axis + 1) % 3] = short;
+            positions.push(position);
+        }
+    }
+    // The faces are the triples at mutual distance 2, oriented outward.
+    let mut triangles = Vec::new();
+    let near = |a: usize, b: usize| norm(difference(positions[a], positions[b])) < 2.1;
+    for a in 0..12 {
+        for b in a + 1..12 {
+            for c in b + 1..12 {
+                if near(a, b) && near(b, c) && near(c, a) {
+                    let [p, q, r] = [positions[a], positions[b], positions[c]];
+                    let outward = dot(p, cross(difference(q, p), difference(r, p))) > 0.0;
+                    let (b, c) = if outward { (b, c) } else { (c, b) };
+                    triangles.push([a as u32, b as u32, c as u32]);
+                }
             }
         }
     }
-    positioned(&triangles, &positions)
+    Mesh::new(positions, triangles).map(unit)
 }
 
-/// Every mesh of this module.
-pub fn all() -> Vec<(&'static str, Positioned)> {
-    vec![
-        ("tetrahedron", tetrahedron()),
-        ("octahedron", octahedron()),
-        ("triangle pair", sheet(1)),
-        ("sheet", sheet(6)),
+/// The icosahedron divided `refinement` times, in the unit sphere, in a generic rotation.
+pub fn icosphere(refinement: u32) -> Mesh {
+    let turn = rotation(GENERIC);
+    icosahedron()
+        .divided_on_sphere(refinement)
+        .map(|x| turned(turn, x))
+}
+
+/// The upper half of the octahedron divided `refinement` times: an open patch of the unit sphere.
+pub fn hemisphere(refinement: u32) -> Mesh {
+    let octahedron = octahedron();
+    let upper = octahedron.connectivity.triangles()[..4].to_vec();
+    Mesh::new(octahedron.positions[..5].to_vec(), upper).divided_on_sphere(refinement)
+}
+
+/// A flat disc of hexagonal rings around the origin, with edges of length 1/`rings`.
+pub fn disc(rings: u32) -> Mesh {
+    let hexagon = (0..6).map(|k| {
+        let (sine, cosine) = (f64::from(k) * std::f64::consts::FRAC_PI_3).sin_cos();
+        [cosine, sine]
+    });
+    let directions = Vec::from_iter(hexagon);
+    let mut positions = vec![[0.0; 3]];
+    let mut triangles = Vec::new();
+    let number = |ring: u32, step: u32| match ring {
+        0 => 0,
+        _ => 1 + 3 * ring * (ring - 1) + step % (6 * ring),
+    };
+    for ring in 1..=rings {
+        for side in 0..6 {
+            for step in 0..ring {
+                let (from, to) = (
+                    directions[side as usize],
+                    directions[(side as usize + 1) % 6],
+                );
+                let (outer, part) = (f64::from(ring), f64::from(step));
+                let along = |axis: usize| {
+                    ((outer - part) * from[axis] + part * to[axis]) / f64::from(rings)
+                };
+                positions.push([along(0), along(1), 0.0]);
+                let here = number(ring, side * ring + step);
+                let next = number(ring, side * ring + step + 1);
+                let below = number(ring - 1, side * (ring - 1) + step);
+                triangles.push([below, here, next]);
+                if step > 0 {
+                    let before = number(ring - 1, side * (ring - 1) + step - 1);
+                    triangles.push([before, here, below]);
+                }
+            }
+        }
+    }
+    Mesh::new(positions, triangles)
+}
+
+/// A torus with radii 1 and 0.4 of `around` × `across` quadrilaterals, each cut in two.
+pub fn torus(around: u32, across: u32) -> Mesh {
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for i in 0..around {
+        for j in 0..across {
+            let angle =
+                |k: u32, count: u32| std::f64::consts::TAU * f64::from(k) / f64::from(count);
+            let ((s, c), (v, u)) = (angle(i, around).sin_cos(), angle(j, across).sin_cos());
+            let radius = 1.0 + 0.4 * u;
+            positions.push([radius * c, radius * s, 0.4 * v]);
+            let number = |i: u32, j: u32| (i % around) * across + j % across;
+            let [a, b] = [number(i, j), number(i + 1, j)];
+            let [d, c] = [number(i, j + 1), number(i + 1, j + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    Mesh::new(positions, triangles)
+}
+
+/// A mesh with random displacements, in three numbers that shrink to a smooth and coarse one.
+#[derive(Clone, Copy, Debug)]
+pub struct Rough {
+    /// What the mesh is made from.
+    pub base: Base,
+    /// Seed of the displacements.
+    pub seed: u64,
+    /// Largest displacement, in mean edge lengths.
+    pub amplitude: f64,
+    /// How often the base is divided.
+    pub refinement: u32,
+}
+
+/// What a [`Rough`] mesh is made from.
+#[derive(Clone, Copy, Debug)]
+pub enum Base {
+    /// Closed, χ = 2.
+    Icosphere,
+    /// Closed, χ = 0.
+    Torus,
+    /// With boundary, χ = 1.
+    Hemisphere,
+    /// Flat, with boundary, χ = 1.
+    Disc,
+}
+
+impl Rough {
+    /// The mesh: bent, so that forces do not vanish even where it shrinks to no displacement, and
+    /// then every coordinate of every vertex displaced at random.
+    pub fn mesh(self) -> Mesh {
+        let smooth = match self.base {
+            Base::Icosphere => icosphere(self.refinement),
+            Base::Torus => torus(6 << self.refinement, 4 << self.refinement),
+            Base::Hemisphere => hemisphere(self.refinement + 1),
+            Base::Disc => disc(2 << self.refinement),
+        };
+        let smooth = smooth.map(bent);
+        let mut random = SplitMix64::new(self.seed);
+        let reach = self.amplitude * smooth.edge_length();
+        let displaced = |x: &[f64; 3]| x.map(|coordinate| coordinate + reach * random.symmetric());
+        Mesh {
+            positions: smooth.positions.iter().map(displaced).collect(),
+            connectivity: smooth.connectivity,
+        }
+    }
+}
+
+/// A smooth map without symmetry.
+pub fn bent([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [
+        x + 0.2 * y * z,
+        0.8 * y + 0.1 * x * x,
+        0.7 * z + 0.3 * x * y + 0.2 * x * x,
     ]
+}
+
+fn rough(base: impl Strategy<Value = Base>) -> impl Strategy<Value = Rough> {
+    let numbers = (0..1_000_000_u64, 0.0..0.2, 0..3_u32);
+    (base, numbers).prop_map(|(base, (seed, amplitude, refinement))| Rough {
+        base,
+        seed,
+        amplitude,
+        refinement,
+    })
+}
+
+fn one_of(bases: &'static [Base]) -> impl Strategy<Value = Base> {
+    (0..bases.len()).prop_map(|index| bases[index])
+}
+
+/// So many random cases, more with `PROPTEST_CASES`; failures are kept beside the test's source.
+pub fn cases(count: u32) -> ProptestConfig {
+    let cases = match std::env::var_os("PROPTEST_CASES") {
+        Some(_) => ProptestConfig::default().cases,
+        None => count,
+    };
+    ProptestConfig {
+        cases,
+        max_shrink_iters: 200,
+        failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("regressions"))),
+        ..ProptestConfig::default()
+    }
+}
+
+/// Rough closed meshes.
+pub fn rough_closed() -> impl Strategy<Value = Rough> {
+    rough(one_of(&[Base::Icosphere, Base::Torus]))
+}
+
+/// Rough meshes, closed and with boundary.
+pub fn rough_any() -> impl Strategy<Value = Rough> {
+    prop_oneof![
+        rough_closed(),
+        rough(one_of(&[Base::Hemisphere, Base::Disc]))
+    ]
+}
+
+/// A mesh whose vertices all lie on a sphere about the origin, with slivers and obtuse fans.
+#[derive(Clone, Copy, Debug)]
+pub struct Inscribed {
+    /// Seed of the displacements along the sphere.
+    pub seed: u64,
+    /// Largest displacement, in mean edge lengths: from about 0.4 on, areas become negative.
+    pub amplitude: f64,
+    /// How often the icosahedron is divided.
+    pub refinement: u32,
+    /// The sphere's radius is ten to this power.
+    pub exponent: i32,
+}
+
+impl Inscribed {
+    /// The sphere's radius R.
+    pub fn radius(self) -> f64 {
+        10.0_f64.powi(self.exponent)
+    }
+
+    /// The mesh.
+    pub fn mesh(self) -> Mesh {
+        let smooth = icosphere(self.refinement);
+        let mut random = SplitMix64::new(self.seed);
+        let reach = self.amplitude * smooth.edge_length();
+        let displaced = |x: &[f64; 3]| {
+            let jittered = x.map(|coordinate| coordinate + reach * random.symmetric());
+            unit(jittered).map(|coordinate| self.radius() * coordinate)
+        };
+        Mesh {
+            positions: smooth.positions.iter().map(displaced).collect(),
+            connectivity: smooth.connectivity,
+        }
+    }
+}
+
+/// Meshes inscribed in spheres.
+pub fn inscribed() -> impl Strategy<Value = Inscribed> {
+    let numbers = (0..1_000_000_u64, 0.0..0.9, 0..4_u32, -12..=12_i32);
+    numbers.prop_map(|(seed, amplitude, refinement, exponent)| Inscribed {
+        seed,
+        amplitude,
+        refinement,
+        exponent,
+    })
+}
+
+/// A small generator of random numbers: G. Steele, D. Lea, C. Flood, OOPSLA 2014.
+#[derive(Clone, Debug)]
+pub struct SplitMix64 {
+    state: u64,
+}
+
+impl SplitMix64 {
+    /// The sequence of this seed.
+    pub fn new(seed: u64) -> Self {
+        Self { state: seed }
+    }
+
+    /// The next 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// A number in [−1, 1).
+    pub fn symmetric(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 * 2.0_f64.powi(-52) - 1.0
+    }
+
+    /// An integer below `bound`.
+    pub fn below(&mut self, bound: usize) -> usize {
+        (self.bits() % bound as u64) as usize
+    }
+
+    /// The numbers below `count` in random order.
+    pub fn permutation(&mut self, count: usize) -> Vec<usize> {
+        let mut order = Vec::from_iter(0..count);
+        for last in (1..count).rev() {
+            order.swap(last, self.below(last + 1));
+        }
+        order
+    }
+
+    /// A vector with coordinates in [−1, 1) for each of `count` vertices.
+    pub fn directions(&mut self, count: usize) -> Vec<[f64; 3]> {
+        let direction = |_| [self.symmetric(), self.symmetric(), self.symmetric()];
+        (0..count).map(direction).collect()
+    }
+}
+
+/// A quaternion without symmetry, so that nothing lines up with an axis.
+pub const GENERIC: [f64; 4] = [0.79, 0.31, -0.43, 0.17];
+
+/// The rotation matrix, by rows, of a quaternion of any length but zero.
+pub fn rotation(quaternion: [f64; 4]) -> [[f64; 3]; 3] {
+    let length = quaternion.iter().map(|q| q * q).sum::<f64>().sqrt();
+    let [w, x, y, z] = quaternion.map(|q| q / length);
+    [
+        [
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y - w * z),
+            2.0 * (x * z + w * y),
+        ],
+        [
+            2.0 * (x * y + w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z - w * x),
+        ],
+        [
+            2.0 * (x * z - w * y),
+            2.0 * (y * z + w * x),
+            1.0 - 2.0 * (x * x + y * y),
+        ],
+    ]
+}
+
+/// A vector after a rotation.
+pub fn turned(rotation: [[f64; 3]; 3], x: [f64; 3]) -> [f64; 3] {
+    rotation.map(|row| dot(row, x))
+}
+
+/// a − b.
+pub fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// Scalar product.
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Vector product.
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// Length.
+pub fn norm(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// The vector of length 1 in the same direction.
+pub fn unit(a: [f64; 3]) -> [f64; 3] {
+    let length = norm(a);
+    a.map(|coordinate| coordinate / length)
 }

@@ -1,7 +1,7 @@
 //! The laws of [`LaplaceBeltrami`], for any operator.
 
 use crate::accuracy::surface;
-use crate::{meshes, tolerance};
+use crate::{small_meshes, tolerance};
 use helfrich::{Curvature, Finding, LaplaceBeltrami, Rows, Serial, Surface, TriangleMesh};
 use helfrich_std::generate::{Family, generate};
 
@@ -89,9 +89,8 @@ pub fn check_operator<L: LaplaceBeltrami<f64>>(operator: &L) {
     let tolerance = &tolerance::OPERATOR_MOTION;
     for (vertex, curvature) in here.curvature.iter().enumerate() {
         let turned = turn(curvature.normal);
-        for axis in 0..3 {
-            let normal = there.curvature[vertex].normal[axis];
-            tolerance.assert(normal, turned[axis], 1.0, "normal");
+        for (normal, turned) in there.curvature[vertex].normal.into_iter().zip(turned) {
+            tolerance.assert(normal, turned, 1.0, "normal");
         }
         tolerance.assert(there.curvature[vertex].mean, curvature.mean, 1.0, "H");
         tolerance.assert(
@@ -112,7 +111,7 @@ pub fn check_operator<L: LaplaceBeltrami<f64>>(operator: &L) {
 pub fn check_small_meshes<L: LaplaceBeltrami<f64>>(
     operator: &L,
 ) -> Vec<(&'static str, Vec<Finding>)> {
-    let check = |(name, (mesh, positions)): (&'static str, meshes::Positioned)| {
+    let check = |(name, (mesh, positions)): (&'static str, small_meshes::Positioned)| {
         let field = some_field(&positions);
         let measured = measure(operator, &mesh, &positions, &field);
         for (vertex, curvature) in measured.curvature.iter().enumerate() {
@@ -127,5 +126,5 @@ pub fn check_small_meshes<L: LaplaceBeltrami<f64>>(
         }
         (name, measured.findings)
     };
-    meshes::all().into_iter().map(check).collect()
+    small_meshes::all().into_iter().map(check).collect()
 }

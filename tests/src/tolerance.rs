@@ -85,16 +85,6 @@ pub const SYMMETRY: Tolerance = Tolerance::new(
     "products of a few factors, in another order; the exponential's argument reaches 36 and \
      multiplies its rounding by that",
 );
-/// Forces against derivatives of the energy by dual numbers, relative to the largest force.
-pub const GRADIENT: Tolerance = Tolerance::new(
-    1e-10,
-    "both are exact; cotangents of irregular triangles amplify the rounding of 1e-16",
-);
-/// Forces against central differences of the energy, relative to the largest force.
-pub const GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
-    1e-6,
-    "a step of 1e-5 leaves truncation of (1e-5/edge)² and rounding of E 1e-16/1e-5",
-);
 /// Sum and torque of forces that have none, relative to the largest force.
 pub const NET_FORCE: Tolerance =
     Tolerance::new(1e-11, "rounding of some hundred forces on a body of size 1");
@@ -107,4 +97,201 @@ pub const SAME: Tolerance = Tolerance::new(
 pub const STALL: Tolerance = Tolerance::new(
     5e-3,
     "the known value has three digits, and meshes of the same kind differ in the next",
+);
+/// Forces against derivatives by dual numbers, relative to the largest force.
+pub const GRADIENT_DUAL: Tolerance = Tolerance::new(
+    1e-12,
+    "dual numbers differentiate the same formula: only rounding is left",
+);
+/// Forces against fourth-order central differences, relative to the largest force.
+pub const GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
+    1e-6,
+    "a step of 1e-4 edges leaves 1e-9 of truncation and 1e-16/1e-4 of rounding, times the roughness",
+);
+/// Net force and torque of exact gradients, relative to Σ|F| and Σ|F||x|.
+pub const BALANCE: Tolerance = Tolerance::new(1e-14, "a sum of terms that cancel, each rounded");
+/// Rotation, relabelling and scaling, relative to the largest force times the mesh's roughness.
+pub const INVARIANCE: Tolerance = Tolerance::new(
+    1e-11,
+    "the moved positions are rounded, and bending forces divide that by an edge length up to four times",
+);
+/// The same in f32.
+pub const INVARIANCE_SINGLE: Tolerance = Tolerance::new(5e-3, "as in f64, from a rounding of 6e-8");
+/// Gauss–Bonnet, relative to the sum of all absolute angles.
+pub const GAUSS_BONNET: Tolerance = Tolerance::new(1e-12, "a sum of rounded angles");
+/// Σ of dual areas against the total area, relative to the sum of absolute parts.
+pub const AREA_SUM: Tolerance = Tolerance::new(1e-13, "a sum of rounded parts");
+/// Two orders of summation of an operator's row, relative to Σ|c| times the field.
+pub const OPERATOR_ROUNDING: Tolerance =
+    Tolerance::new(1e-14, "a dozen terms, each rounded a few times");
+/// H R on inscribed meshes, relative to ε R² Σ|cot|/|A|.
+pub const SPHERE_EXACT: Tolerance = Tolerance::new(
+    4.0,
+    "positions lie on the sphere to ε R, and each cotangent multiplies such an error of a difference",
+);
+/// Δ_S of polynomials on flat patches, relative to Σ|c| times the field.
+pub const FLAT_EXACT: Tolerance = Tolerance::new(1e-14, "exact but for rounding");
+/// Areas, volumes and angles of known polyhedra, relative.
+pub const POLYHEDRON: Tolerance = Tolerance::new(1e-15, "a few roundings of f64");
+/// Δ_S x against −2 n on the icosphere of 2562 vertices, largest error.
+pub const EIGENFUNCTION_MAX: Tolerance = Tolerance::new(
+    1e-2,
+    "first order: along n the operator is exact, tangentially it is not",
+);
+/// Δ_S of the second zonal harmonic on the same mesh, mean error.
+pub const EIGENFUNCTION_MEAN: Tolerance = Tolerance::new(
+    2e-2,
+    "nearly second order in the mean; at the twelve vertices of valence 5 there is no convergence",
+);
+/// Net force and torque of the strong form on a smooth mesh of 642 vertices, relative to Σ|F|.
+pub const STRONG_BALANCE: Tolerance = Tolerance::new(
+    2e-3,
+    "forces are pointwise values times areas, no gradient: they balance as the mesh is refined",
+);
+
+/// What a method finds on the icosphere of 2562 vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct OnSphere {
+    /// The method's name in the law suite.
+    pub method: &'static str,
+    /// What the energy tends to, in 8πκ.
+    pub energy: f64,
+    /// How far from it the energy is, in 8πκ.
+    pub energy_error: Tolerance,
+    /// Largest |f| R³/κ, which is 0 on the sphere.
+    pub density: Tolerance,
+}
+
+/// Every method on the sphere. Densities above 1 are needed, and a test says so.
+pub const ON_SPHERE: &[OnSphere] = &[
+    OnSphere {
+        method: "Kantor-Nelson",
+        energy: 1.0 / 3.0,
+        energy_error: HINGED_SPHERE_ENERGY,
+        density: HINGED_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Kantor-Nelson, opposite Gaussian modulus",
+        energy: 0.5,
+        energy_error: HINGED_SPHERE_ENERGY,
+        density: HINGED_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Kantor-Nelson, sphere energy",
+        energy: 1.0,
+        energy_error: HINGED_SPHERE_ENERGY,
+        density: HINGED_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Gompper-Kroll",
+        energy: 1.0,
+        energy_error: SPHERE_ENERGY,
+        density: GRADIENT_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Gompper-Kroll, mixed areas",
+        energy: 1.0,
+        energy_error: SPHERE_ENERGY,
+        density: GRADIENT_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Gompper-Kroll, barycentric areas",
+        energy: 1.0,
+        energy_error: SPHERE_ENERGY,
+        density: BARYCENTRIC_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "sum of two",
+        energy: 4.0 / 3.0,
+        energy_error: HINGED_SPHERE_ENERGY,
+        density: HINGED_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Meyer",
+        energy: 1.0,
+        energy_error: SPHERE_ENERGY,
+        density: STRONG_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Meyer, Voronoi areas",
+        energy: 1.0,
+        energy_error: SPHERE_ENERGY,
+        density: STRONG_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Meyer, barycentric areas",
+        energy: 1.0,
+        energy_error: SPHERE_ENERGY,
+        density: BARYCENTRIC_SPHERE_DENSITY,
+    },
+];
+
+const SPHERE_ENERGY: Tolerance = Tolerance::new(1.5e-3, "second order in the edge length");
+const HINGED_SPHERE_ENERGY: Tolerance = Tolerance::new(
+    0.04,
+    "the limit holds for equilateral triangles; an icosphere's are not, however fine",
+);
+const HINGED_SPHERE_DENSITY: Tolerance = Tolerance::new(
+    2.5e3,
+    "diverges as 1/area at vertices of valence 5 and along the icosahedron's edges, for k̃ = 2√3 κ",
+);
+const GRADIENT_SPHERE_DENSITY: Tolerance = Tolerance::new(
+    0.3,
+    "the energy's gradient is 1.3e-3 κ/R at the worst vertex, divided by its area: no convergence",
+);
+const BARYCENTRIC_SPHERE_DENSITY: Tolerance = Tolerance::new(
+    260.0,
+    "barycentric areas are not those of the Laplacian: diverges as 1/area at vertices of valence 5",
+);
+const STRONG_SPHERE_DENSITY: Tolerance = Tolerance::new(
+    0.015,
+    "H is exact but for the normal, H² − K is second order, and so is the error of f here",
+);
+
+/// Single against double precision on a smooth mesh of 642 vertices, positions stored in f32.
+#[derive(Clone, Copy, Debug)]
+pub struct SinglePrecision {
+    /// The start of the method's name in the law suite.
+    pub method: &'static str,
+    /// Energy, relative.
+    pub energy: Tolerance,
+    /// Force, relative to the largest.
+    pub force: Tolerance,
+}
+
+/// Every method in f32.
+pub const SINGLE_PRECISION: &[SinglePrecision] = &[
+    SinglePrecision {
+        method: "Kantor-Nelson",
+        energy: SINGLE_ENERGY,
+        force: SINGLE_HINGED,
+    },
+    SinglePrecision {
+        method: "Gompper-Kroll",
+        energy: SINGLE_ENERGY,
+        force: SINGLE_LAPLACIAN,
+    },
+    SinglePrecision {
+        method: "sum of two",
+        energy: SINGLE_ENERGY,
+        force: SINGLE_LAPLACIAN,
+    },
+    SinglePrecision {
+        method: "Meyer",
+        energy: SINGLE_ENERGY,
+        force: SINGLE_LAPLACIAN,
+    },
+];
+
+const SINGLE_ENERGY: Tolerance = Tolerance::new(
+    3e-7,
+    "a few roundings of 6e-8: those of single vertices average out",
+);
+const SINGLE_HINGED: Tolerance = Tolerance::new(
+    4e-5,
+    "a stored position is off by 6e-8, a hinge's angle by that over an edge, and so twice more",
+);
+const SINGLE_LAPLACIAN: Tolerance = Tolerance::new(
+    4e-4,
+    "f is a fourth derivative: 6e-8 over the fourth power of an edge of 0.1, averaged",
 );

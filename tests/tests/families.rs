@@ -290,7 +290,7 @@ fn impossible_requests_are_explained() {
     );
     assert_eq!(
         message("sphere", Family::Irregular, 3),
-        "3 vertices on the sphere are out of range: between 12 and 715827878 are needed"
+        "3 vertices on the sphere are out of range: between 12 and 357913937 are needed"
     );
     assert!(message("torus", Family::Hard, usize::MAX).contains("out of range"));
     assert!(message("sphere", Family::Hard, usize::MAX).contains("out of range"));

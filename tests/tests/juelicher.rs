@@ -7,11 +7,11 @@ use helfrich_tests::accuracy::{
     cotangent_curvature, density_errors, exact_points, force_and_energy, surface,
 };
 use helfrich_tests::gradient::check_gradient;
-use helfrich_tests::{meshes, tolerance};
+use helfrich_tests::{small_meshes, tolerance};
 use std::f64::consts::PI;
 
 /// E/κ of the discocyte.
-const DISCOCYTE: f64 = 48.474464751661501;
+const DISCOCYTE: f64 = 48.474_464_751_661_5;
 
 fn made(shape: &str, family: Family, vertices: usize) -> GeneratedMesh {
     generate(&shape.parse().unwrap(), family, vertices, 1).unwrap()
@@ -31,13 +31,13 @@ fn forces_are_the_gradient() {
     let made = made("discocyte", Family::Irregular, 162);
     let (one, two) = (Juelicher::new(1.3), Juelicher::new(F1::cst(1.3)));
     check_gradient(&one, two.clone(), &made.mesh, &made.positions);
-    let (mesh, positions) = meshes::sheet(6);
+    let (mesh, positions) = small_meshes::sheet(6);
     check_gradient(&one, two, &mesh, &positions);
 }
 
 #[test]
 fn tiny_and_open_meshes_give_finite_values() {
-    for (name, (mesh, positions)) in meshes::all() {
+    for (name, (mesh, positions)) in small_meshes::all() {
         let surface = helfrich::Surface::new(&mesh, &positions).unwrap();
         let (force, energy) = force_and_energy(Juelicher::new(1.0), surface);
         assert!(energy.is_finite() && energy >= 0.0, "{name}");

@@ -10,7 +10,7 @@ use helfrich::{
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_tests::accuracy::{exact_points, force_and_energy, surface};
 use helfrich_tests::gradient::{check_gradient, net};
-use helfrich_tests::{meshes, tolerance};
+use helfrich_tests::{small_meshes, tolerance};
 use std::f64::consts::PI;
 
 fn made(shape: &str, family: Family, vertices: usize) -> GeneratedMesh {
@@ -40,7 +40,7 @@ fn gompper_kroll_has_the_exact_gradient() {
         }
         check_gradient(&one, two, &made.mesh, &made.positions);
     }
-    let (mesh, positions) = meshes::sheet(6);
+    let (mesh, positions) = small_meshes::sheet(6);
     let mut one = GompperKroll::with_mixed_areas(1.0);
     let mut two = GompperKroll::with_mixed_areas(F1::cst(1.0));
     one.spontaneous_curvature = (-0.4).into();
@@ -158,7 +158,7 @@ fn reference_angles_have_the_exact_gradient() {
 #[should_panic(expected = "interior edges")]
 fn a_reference_for_another_mesh_is_refused() {
     let made = made("sphere", Family::Regular, 162);
-    let (mesh, positions) = meshes::octahedron();
+    let (mesh, positions) = small_meshes::octahedron();
     let other = Surface::new(&mesh, &positions).unwrap();
     Prepared::new(KantorNelson::new(1.0).with_reference(other), &made.mesh);
 }
@@ -197,7 +197,7 @@ fn projected_forces_have_no_sum_and_no_torque() {
 /// through them.
 #[test]
 fn components_are_projected_apart_and_lines_do_not_spin() {
-    let (mesh, positions) = meshes::octahedron();
+    let (mesh, positions) = small_meshes::octahedron();
     let shifted = mesh.triangles().iter().map(|t| t.map(|vertex| vertex + 6));
     let both: Vec<_> = mesh.triangles().iter().copied().chain(shifted).collect();
     let both = TriangleMesh::new(12, both).unwrap();

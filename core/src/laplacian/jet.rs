@@ -387,6 +387,6 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
         memory: &JetMemory<T>,
         rows: &mut Rows<T>,
     ) {
-        rows.clone_from(&memory.rows);
+        rows.copy_from(&memory.rows);
     }
 }

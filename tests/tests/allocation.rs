@@ -1,0 +1,157 @@
+//! Nothing is allocated after the first evaluation.
+#![expect(
+    unsafe_code,
+    reason = "a global allocator that counts cannot be written without"
+)]
+
+use helfrich::{Cotangent, Curvature, DualArea, LaplaceBeltrami, Method, Prepared, Rows, Serial};
+use helfrich_tests::laws::{
+    Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
+    for_each_conservative, for_each_operator,
+};
+use helfrich_tests::meshes::{Mesh, hemisphere, icosphere};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+/// The system's allocator; counts the calls of each thread.
+struct Counting;
+
+thread_local! {
+    static CALLS: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count() {
+    CALLS.with(|calls| calls.set(calls.get() + 1));
+}
+
+// SAFETY: every call is handed on to the system's allocator as it is; the counter allocates
+// nothing, for it is initialised at compile time and has no destructor.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promise, handed on.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise, handed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promise, handed on.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// How often `run` allocates on this thread.
+fn allocations(run: impl FnOnce()) -> usize {
+    let before = CALLS.with(Cell::get);
+    run();
+    CALLS.with(Cell::get) - before
+}
+
+#[test]
+fn the_counter_counts() {
+    assert!(allocations(|| drop(std::hint::black_box(vec![1_u8]))) > 0);
+    assert_eq!(allocations(|| ()), 0);
+}
+
+/// A mesh, and the same one moved.
+struct Allocation {
+    mesh: Mesh,
+    moved: Mesh,
+}
+
+impl Allocation {
+    fn of(mesh: Mesh) -> Self {
+        let moved = mesh.map(|[x, y, z]| [1.2 * x + 0.1 * y, y, 0.7 * z]);
+        Self { mesh, moved }
+    }
+}
+
+impl Law for Allocation {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        let mut force = vec![[0.0; 3]; self.mesh.positions.len()];
+        let (first, second) = (self.mesh.surface(), self.moved.surface());
+        let mut prepared = Prepared::new(candidate.method(1.0), &self.mesh.connectivity);
+        prepared.add_force(first, &mut force);
+        let count = allocations(|| {
+            prepared.add_force(second, &mut force);
+            std::hint::black_box(prepared.energy(second));
+            prepared.add_force(first, &mut force);
+            prepared.inspect(first, &mut |_| ());
+        });
+        assert_eq!(count, 0, "{}", candidate.name());
+
+        let mut prepared = Prepared::new(candidate.method(1.0), &self.mesh.connectivity);
+        prepared.energy(first);
+        let count = allocations(|| {
+            std::hint::black_box(prepared.energy(second));
+        });
+        assert_eq!(count, 0, "{}: energy alone", candidate.name());
+    }
+}
+
+impl ConservativeLaw for Allocation {
+    fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+        let mut force = vec![[0.0; 3]; self.mesh.positions.len()];
+        let method = ConservativeCandidate::method(candidate, 1.0);
+        let (first, second) = (self.mesh.surface(), self.moved.surface());
+        let mut prepared = Prepared::new(method, &self.mesh.connectivity);
+        prepared.add_force_and_energy(first, &mut force);
+        let count = allocations(|| {
+            prepared.add_force_and_energy(second, &mut force);
+        });
+        let name = ConservativeCandidate::name(candidate);
+        assert_eq!(count, 0, "{name}: force and energy");
+    }
+}
+
+impl OperatorLaw for Allocation {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let vertices = self.mesh.positions.len();
+        let plan = operator.plan(&self.mesh.connectivity);
+        let mut memory = L::Memory::default();
+        let mut curvature = vec![Curvature::default(); vertices];
+        let mut rows = Rows::new();
+        let mut laplacian = vec![[0.0; 3]; vertices];
+        let mut evaluate = |mesh: &Mesh| {
+            let surface = mesh.surface();
+            operator.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
+            operator.assemble(&plan, surface, &memory, &mut rows);
+            let (field, result) = (&mesh.positions, &mut laplacian);
+            operator.apply(&Serial, &plan, surface, &memory, field, result);
+            rows.apply(&Serial, field, result);
+        };
+        evaluate(&self.mesh);
+        let count = allocations(|| {
+            evaluate(&self.moved);
+            evaluate(&self.mesh);
+        });
+        assert_eq!(count, 0, "{name}");
+    }
+}
+
+#[test]
+fn nothing_is_allocated_after_the_first_evaluation() {
+    for mesh in [icosphere(2), hemisphere(2)] {
+        let mut allocation = Allocation::of(mesh);
+        for_each(&mut allocation);
+        for_each_conservative(&mut allocation);
+        for_each_operator(&mut allocation);
+    }
+}
+
+#[test]
+fn stiffness_is_refilled_in_place() {
+    let Allocation { mesh, moved } = Allocation::of(icosphere(2));
+    let operator = Cotangent::new(DualArea::Mixed);
+    let plan = Method::<f64>::plan(&operator, &mesh.connectivity);
+    let mut rows = Rows::new();
+    operator.assemble_stiffness(&plan, mesh.surface(), &mut rows);
+    let count = allocations(|| operator.assemble_stiffness(&plan, moved.surface(), &mut rows));
+    assert_eq!(count, 0);
+}

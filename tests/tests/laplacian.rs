@@ -1,0 +1,345 @@
+//! The laws of operators, over every operator, and those of the cotangent operator.
+
+use autodiff::F1;
+use helfrich::{
+    Cotangent, DualArea, GompperKroll, Method, Prepared, Rows, Serial, Surface, VertexKind,
+};
+use helfrich_tests::laws::{
+    ConstantsVanish, CurvatureFollows, Measured, RowsAgree, covered_modules, for_each_operator,
+};
+use helfrich_tests::meshes::{
+    Inscribed, Mesh, Rough, SplitMix64, cases, difference, disc, dot, hemisphere, icosahedron,
+    icosphere, inscribed, norm, octahedron, rough_any, rough_closed, tetrahedron, torus, unit,
+};
+use helfrich_tests::tolerance;
+use proptest::prelude::*;
+
+const KINDS: [DualArea; 3] = [DualArea::Mixed, DualArea::Voronoi, DualArea::Barycentric];
+
+#[test]
+fn every_operator_of_the_library_is_in_the_suite() {
+    let source = include_str!("../../core/src/laplacian.rs");
+    let modules = source
+        .lines()
+        .filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'));
+    let modules = Vec::from_iter(modules);
+    assert!(
+        !modules.is_empty(),
+        "no module found in core's laplacian.rs"
+    );
+    let covered = covered_modules();
+    for module in modules {
+        assert!(
+            covered.contains(&module),
+            "core/src/laplacian/{module}.rs is in no law: add it to laws::for_each_operator"
+        );
+    }
+}
+
+fn dual_areas(kind: DualArea, mesh: &Mesh) -> Vec<f64> {
+    let mut areas = vec![f64::NAN; mesh.positions.len()];
+    Cotangent::new(kind).dual_areas(&Serial, mesh.surface(), &mut areas);
+    areas
+}
+
+fn stiffness(mesh: &Mesh) -> Rows<f64> {
+    let operator = Cotangent::default();
+    let plan = Method::<f64>::plan(&operator, &mesh.connectivity);
+    let mut rows = Rows::new();
+    operator.assemble_stiffness(&plan, mesh.surface(), &mut rows);
+    rows
+}
+
+/// Σ |cot| of the angles that a vertex's operator uses, by angles: independent of the library.
+fn cotangent_sums(mesh: &Mesh) -> Vec<f64> {
+    let mut sums = vec![0.0; mesh.positions.len()];
+    for &triangle in mesh.connectivity.triangles() {
+        let x = triangle.map(|vertex| mesh.positions[vertex as usize]);
+        for corner in 0..3 {
+            let (i, j) = ((corner + 1) % 3, (corner + 2) % 3);
+            let (e, f) = (difference(x[i], x[corner]), difference(x[j], x[corner]));
+            let product = dot(unit(e), unit(f));
+            let cotangent = product.abs() / norm(helfrich_tests::meshes::cross(unit(e), unit(f)));
+            sums[triangle[i] as usize] += cotangent;
+            sums[triangle[j] as usize] += cotangent;
+        }
+    }
+    sums
+}
+
+proptest! {
+    #![proptest_config(cases(64))]
+
+    #[test]
+    fn constants_vanish(rough in rough_any()) {
+        for_each_operator(&mut ConstantsVanish(&rough.mesh()));
+    }
+
+    #[test]
+    fn rows_are_the_operator(rough in rough_any()) {
+        for_each_operator(&mut RowsAgree(&rough.mesh()));
+    }
+
+    #[test]
+    fn curvatures_follow_motions(rough in rough_any()) {
+        for_each_operator(&mut CurvatureFollows(&rough.mesh()));
+    }
+
+    #[test]
+    fn stiffness_is_symmetric_to_the_last_bit(rough in rough_any()) {
+        let rows = stiffness(&rough.mesh());
+        for row in 0..rows.len() {
+            let (columns, coefficients) = rows.row(row);
+            for (&column, coefficient) in columns.iter().zip(coefficients) {
+                let (back, others) = rows.row(column as usize);
+                let place = back.iter().position(|&c| c as usize == row);
+                let place = place.expect("the pattern is symmetric");
+                prop_assert_eq!(*coefficient, others[place]);
+            }
+        }
+    }
+
+    #[test]
+    fn operator_is_symmetric_in_the_product_of_its_areas(rough in rough_any(), seed in 0..1_000_000_u64) {
+        let mesh = rough.mesh();
+        let vertices = mesh.positions.len();
+        let mut random = SplitMix64::new(seed);
+        let fields = Vec::from_iter((0..vertices).map(|_| [random.symmetric(), random.symmetric()]));
+        for kind in KINDS {
+            let measured = Measured::new(Cotangent::new(kind), &mesh);
+            let laplacian = measured.apply(&fields);
+            let areas = dual_areas(kind, &mesh);
+            let (mut forth, mut back, mut scale) = (0.0, 0.0, 0.0);
+            for vertex in 0..vertices {
+                let ([f, g], [lf, lg], area) = (fields[vertex], laplacian[vertex], areas[vertex]);
+                prop_assert_eq!(area, measured.curvature[vertex].area);
+                forth += f * lg * area;
+                back += g * lf * area;
+                scale += (lg * area).abs() + (lf * area).abs();
+            }
+            tolerance::OPERATOR_ROUNDING.assert(forth, back, scale, "⟨f, Δg⟩ and ⟨Δf, g⟩");
+        }
+    }
+
+    #[test]
+    fn dual_areas_sum_to_the_area(rough in rough_any()) {
+        let mesh = rough.mesh();
+        for kind in KINDS {
+            let areas = dual_areas(kind, &mesh);
+            let scale = areas.iter().map(|area| area.abs()).sum();
+            let what = format!("{kind:?} areas");
+            tolerance::AREA_SUM.assert(areas.iter().sum(), mesh.surface().area(), scale, &what);
+        }
+    }
+
+    /// The integrated Laplacian of the positions is −∂A/∂x.
+    #[test]
+    fn stiffness_of_positions_is_the_gradient_of_the_area(rough in rough_any()) {
+        let mesh = rough.mesh();
+        let vertices = mesh.positions.len();
+        let mut integrated = vec![[f64::NAN; 3]; vertices];
+        stiffness(&mesh).apply(&Serial, &mesh.positions, &mut integrated);
+        let mut random = SplitMix64::new(rough.seed);
+        let largest = helfrich_tests::laws::largest(&integrated);
+        for _ in 0..10 {
+            let (vertex, axis) = (random.below(vertices), random.below(3));
+            let mut positions = Vec::from_iter(mesh.positions.iter().map(|x| x.map(F1::cst)));
+            positions[vertex][axis] = F1::var(mesh.positions[vertex][axis]);
+            let surface = Surface::new(&mesh.connectivity, &positions).expect("finite positions");
+            let expected = -surface.area().dx;
+            tolerance::GRADIENT_DUAL.assert(integrated[vertex][axis], expected, largest, "−∂A/∂x");
+        }
+    }
+
+    #[test]
+    fn gauss_bonnet(rough in rough_closed()) {
+        assert_gauss_bonnet(&rough.mesh());
+    }
+
+    #[test]
+    fn spheres_are_exact(inscribed in inscribed()) {
+        assert_sphere_exact(inscribed);
+    }
+}
+
+/// Σ K_i A_i = 2πχ.
+fn assert_gauss_bonnet(mesh: &Mesh) {
+    let expected = std::f64::consts::TAU * mesh.connectivity.euler_characteristic() as f64;
+    for kind in KINDS {
+        let curvature = Measured::new(Cotangent::new(kind), mesh).curvature;
+        let total = curvature.iter().map(|c| c.gaussian * c.area).sum();
+        let scale = std::f64::consts::TAU * mesh.positions.len() as f64;
+        tolerance::GAUSS_BONNET.assert(total, expected, scale, &format!("Σ K A, {kind:?}"));
+    }
+}
+
+#[test]
+fn gauss_bonnet_on_known_meshes() {
+    for mesh in [
+        tetrahedron(),
+        octahedron(),
+        icosahedron(),
+        icosphere(3),
+        torus(12, 8),
+    ] {
+        assert_gauss_bonnet(&mesh);
+    }
+    let fold = icosphere(3).map(|[x, y, z]| [x, y, z * (0.1 + x * x + y * y)]);
+    assert_gauss_bonnet(&fold);
+}
+
+/// On any mesh inscribed in a sphere, methods B and C with Voronoi areas find H = 1/R along x/R.
+///
+/// The rounding of the positions alone moves H R by ε R² Σ|cot|/|A|; the tolerance is a few times
+/// that, and vertices where it exceeds one half have an area within rounding of zero and say
+/// nothing. How many vertices were compared, and how many with a negative area, is returned.
+fn assert_sphere_exact(inscribed: Inscribed) -> (usize, usize) {
+    let (mesh, radius) = (inscribed.mesh(), inscribed.radius());
+    let vertices = mesh.positions.len();
+    let normals = Vec::from_iter(mesh.positions.iter().map(|&x| unit(x)));
+    let areas = dual_areas(DualArea::Voronoi, &mesh);
+    let sums = cotangent_sums(&mesh);
+
+    let mut of_b = vec![f64::NAN; vertices];
+    Prepared::new(GompperKroll::new(1.0), &mesh.connectivity).with(
+        |method, execution, _, memory| {
+            method.mean_curvature(execution, mesh.surface(), memory, &normals, &mut of_b);
+        },
+    );
+    let laplacian = Measured::new(Cotangent::new(DualArea::Voronoi), &mesh).apply(&mesh.positions);
+
+    let (mut compared, mut negative) = (0, 0);
+    for vertex in 0..vertices {
+        let scale = f64::EPSILON * radius * radius * sums[vertex] / areas[vertex].abs();
+        // Written so that an area of zero, whose scale is infinite or undefined, is left out too.
+        if !(tolerance::SPHERE_EXACT.value * scale < 0.5) {
+            continue;
+        }
+        compared += 1;
+        negative += usize::from(areas[vertex] < 0.0);
+        let of_c = -0.5 * dot(laplacian[vertex], normals[vertex]);
+        for (name, mean) in [("B", of_b[vertex]), ("C", of_c)] {
+            let what = format!("H R of {name} at vertex {vertex} of {inscribed:?}");
+            tolerance::SPHERE_EXACT.assert(mean * radius, 1.0, scale, &what);
+        }
+    }
+    (compared, negative)
+}
+
+#[test]
+fn spheres_with_negative_areas_are_exact() {
+    let (mut compared, mut negative, mut vertices) = (0, 0, 0);
+    for exponent in [-12, -6, 0, 6, 12] {
+        for amplitude in [0.0, 0.3, 0.6, 0.9] {
+            let inscribed = Inscribed {
+                seed: 11,
+                amplitude,
+                refinement: 3,
+                exponent,
+            };
+            let counts = assert_sphere_exact(inscribed);
+            compared += counts.0;
+            negative += counts.1;
+            vertices += inscribed.mesh().positions.len();
+        }
+    }
+    // The law would be empty if the rule left out much, or no area were negative.
+    assert!(
+        compared * 100 >= vertices * 99,
+        "{compared} of {vertices} compared"
+    );
+    assert!(
+        negative * 100 >= vertices,
+        "{negative} of {vertices} areas negative"
+    );
+}
+
+#[test]
+fn negative_semidefinite_where_no_cotangent_sum_is_negative() {
+    for mesh in [icosphere(3), torus(24, 16), disc(6), hemisphere(3)] {
+        let mut random = SplitMix64::new(5);
+        for _ in 0..20 {
+            let field = Vec::from_iter((0..mesh.positions.len()).map(|_| random.symmetric()));
+            let mut result = vec![f64::NAN; field.len()];
+            stiffness(&mesh).apply_to_scalar(&Serial, &field, &mut result);
+            let product = field.iter().zip(&result).map(|(f, l)| f * l).sum::<f64>();
+            assert!(product < 0.0, "⟨f, Δf⟩ = {product}");
+        }
+    }
+}
+
+#[test]
+fn linear_and_quadratic_functions_on_a_flat_patch() {
+    let flat = disc(4);
+    let jittered = Rough {
+        base: helfrich_tests::meshes::Base::Disc,
+        seed: 3,
+        amplitude: 0.15,
+        refinement: 1,
+    };
+    let jittered = jittered.mesh().map(|[x, y, _]| [x, y, 0.0]);
+    for kind in KINDS {
+        for (mesh, regular) in [(&flat, true), (&jittered, false)] {
+            let measured = Measured::new(Cotangent::new(kind), mesh);
+            let field = mesh.positions.iter();
+            let field = Vec::from_iter(
+                field.map(|[x, y, _]| [2.0 * x - 3.0 * y + 5.0, x * x + 3.0 * y * y]),
+            );
+            let laplacian = measured.apply(&field);
+            let mut rows = Rows::new();
+            measured.assemble(&mut rows);
+            for vertex in 0..field.len() {
+                if mesh.connectivity.vertex_kind(vertex) != VertexKind::Interior {
+                    continue;
+                }
+                let scale = 10.0 * rows.row(vertex).1.iter().map(|c| c.abs()).sum::<f64>();
+                let [linear, quadratic] = laplacian[vertex];
+                tolerance::FLAT_EXACT.assert(linear, 0.0, scale, "Δ of a linear function");
+                if regular {
+                    tolerance::FLAT_EXACT.assert(quadratic, 8.0, scale, "Δ (x² + 3y²)");
+                }
+            }
+        }
+    }
+}
+
+/// Δ_S x = −2 n/R, Δ_S (3z² − 1) = −6 (3z² − 1)/R²: eigenfunctions on the sphere.
+///
+/// The error of the first is tangential, for along n the operator is exact, and of first order.
+#[test]
+fn eigenfunctions_of_the_sphere() {
+    let mut before = [f64::INFINITY; 2];
+    for refinement in 2..=4 {
+        let mesh = icosphere(refinement);
+        let field = mesh.positions.iter();
+        let field = Vec::from_iter(field.map(|&[x, y, z]| [x, y, z, 3.0 * z * z - 1.0]));
+        let laplacian = Measured::new(Cotangent::new(DualArea::Mixed), &mesh).apply(&field);
+        let mut errors = [0.0_f64; 2];
+        for (l, f) in laplacian.iter().zip(&field) {
+            for axis in 0..3 {
+                errors[0] = errors[0].max((l[axis] + 2.0 * f[axis]).abs());
+            }
+            errors[1] += (l[3] + 6.0 * f[3]).abs() / field.len() as f64;
+        }
+        for (error, before) in errors.iter().zip(before) {
+            assert!(
+                *error < before / 1.8,
+                "refinement {refinement}: {error} after {before}"
+            );
+        }
+        before = errors;
+    }
+    assert!(before[0] < tolerance::EIGENFUNCTION_MAX.value);
+    assert!(before[1] < tolerance::EIGENFUNCTION_MEAN.value);
+}
+
+/// The weights that Meyer et al. give the corners of an obtuse triangle.
+#[test]
+fn mixed_areas_of_an_obtuse_triangle() {
+    let positions = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
+    let obtuse = Mesh::new(positions, vec![[0, 1, 2]]);
+    assert_eq!(dual_areas(DualArea::Mixed, &obtuse), [0.5, 0.5, 1.0]);
+    assert_eq!(dual_areas(DualArea::Barycentric, &obtuse), [2.0 / 3.0; 3]);
+    // ⅛ (cot β l² + cot γ m²): by hand, cot = 1, 3, −½ at the corners and l² = 10, 2, 16 opposite.
+    assert_eq!(dual_areas(DualArea::Voronoi, &obtuse), [-0.25, 0.25, 2.0]);
+}
