@@ -170,6 +170,56 @@ impl<'a, O: Send> Slots for Strided<'a, O> {
     }
 }
 
+/// A slice with as many consecutive entries for each vertex as there are from one offset to the
+/// next.
+#[derive(Debug)]
+pub struct Ragged<'a, O> {
+    entries: &'a mut [O],
+    offsets: &'a [usize],
+}
+
+impl<'a, O> Ragged<'a, O> {
+    /// The slice `entries`, of which slot k has those from `offsets[k]` up to `offsets[k + 1]`.
+    ///
+    /// # Panics
+    /// If the offsets do not start at 0 and end at the number of entries.
+    pub fn new(entries: &'a mut [O], offsets: &'a [usize]) -> Self {
+        assert!(
+            offsets.first() == Some(&0) && offsets.last() == Some(&entries.len()),
+            "the offsets must lead from the first entry to the end"
+        );
+        Self { entries, offsets }
+    }
+}
+
+impl<'a, O: Send> Slots for Ragged<'a, O> {
+    type Slot = &'a mut [O];
+    #[inline]
+    fn split_at(self, middle: usize) -> (Self, Self) {
+        let (low, high) = (&self.offsets[..=middle], &self.offsets[middle..]);
+        let (before, after) = self.entries.split_at_mut(low[middle] - low[0]);
+        (
+            Self {
+                entries: before,
+                offsets: low,
+            },
+            Self {
+                entries: after,
+                offsets: high,
+            },
+        )
+    }
+    #[inline]
+    fn into_slots(self) -> impl Iterator<Item = &'a mut [O]> {
+        let mut entries = self.entries;
+        self.offsets.windows(2).map(move |ends| {
+            let (slot, rest) = core::mem::take(&mut entries).split_at_mut(ends[1] - ends[0]);
+            entries = rest;
+            slot
+        })
+    }
+}
+
 impl<A: Slots, B: Slots> Slots for (A, B) {
     type Slot = (A::Slot, B::Slot);
     #[inline]

@@ -3,13 +3,17 @@
 //! Sign: `Δ_S = div_S grad_S`, negative semi-definite; on a sphere `Δ_S x = −2 H n` with `H > 0`.
 
 mod cotangent;
+mod heat_kernel;
 mod jet;
 mod least_squares;
+mod paraboloid;
 
 pub use cotangent::{CornerEntries, Cotangent, CotangentMemory};
+pub use heat_kernel::{Bandwidth, HeatKernel, HeatKernelMemory};
 pub use jet::{Jet, JetMemory};
+pub use paraboloid::{NeighbourRoom, Paraboloid, ParaboloidMemory};
 
-use crate::element::{Execution, Strided};
+use crate::element::{Execution, Ragged, Strided};
 use crate::energy::Method;
 use crate::mesh::VertexKind;
 use crate::real::Real;
@@ -104,7 +108,7 @@ pub struct Curvature<T> {
 ///
 /// A row may have room for more entries than it holds, so that an operator whose neighbours move
 /// with the positions can be refilled without allocation.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Rows<T> {
     offsets: Vec<usize>,
     lengths: Vec<u32>,
@@ -112,8 +116,30 @@ pub struct Rows<T> {
     coefficients: Vec<T>,
 }
 
+impl<T: Clone> Clone for Rows<T> {
+    fn clone(&self) -> Self {
+        Self {
+            offsets: self.offsets.clone(),
+            lengths: self.lengths.clone(),
+            columns: self.columns.clone(),
+            coefficients: self.coefficients.clone(),
+        }
+    }
+
+    /// Reuses the memory, which the derived one would not.
+    fn clone_from(&mut self, source: &Self) {
+        self.offsets.clone_from(&source.offsets);
+        self.lengths.clone_from(&source.lengths);
+        self.columns.clone_from(&source.columns);
+        self.coefficients.clone_from(&source.coefficients);
+    }
+}
+
 /// The length, the columns and the coefficients of each row.
 type RowSlots<'a, T> = (&'a mut [u32], (Strided<'a, u32>, Strided<'a, T>));
+
+/// The same for rows with room of their own.
+type RaggedRowSlots<'a, T> = (&'a mut [u32], (Ragged<'a, u32>, Ragged<'a, T>));
 
 impl<T: Real> Rows<T> {
     /// No rows; the first assembly makes them.
@@ -209,6 +235,44 @@ impl<T: Real> Rows<T> {
         let columns = Strided::new(&mut self.columns, capacity);
         let coefficients = Strided::new(&mut self.coefficients, capacity);
         (&mut self.lengths, (columns, coefficients))
+    }
+
+    /// Makes room for rows of up to `offsets[i + 1] − offsets[i]` entries, all empty, and gives out
+    /// for each its length, columns and coefficients, to be set in any order.
+    fn ragged_slots(&mut self, offsets: &[usize]) -> RaggedRowSlots<'_, T> {
+        self.offsets.clear();
+        self.offsets.extend_from_slice(offsets);
+        let entries = offsets.last().copied().unwrap_or(0);
+        self.lengths.clear();
+        self.lengths.resize(offsets.len().saturating_sub(1), 0);
+        self.columns.resize(entries, 0);
+        self.coefficients.resize(entries, T::zero());
+        let columns = Ragged::new(&mut self.columns, &self.offsets);
+        let coefficients = Ragged::new(&mut self.coefficients, &self.offsets);
+        (&mut self.lengths, (columns, coefficients))
+    }
+
+    /// Takes away all rows and keeps the memory, to be filled by [`Self::push`] and
+    /// [`Self::end_row`].
+    fn clear(&mut self) {
+        self.offsets.clear();
+        self.offsets.push(0);
+        self.lengths.clear();
+        self.columns.clear();
+        self.coefficients.clear();
+    }
+
+    /// Adds an entry to the row that is not ended yet.
+    fn push(&mut self, column: u32, coefficient: T) {
+        self.columns.push(column);
+        self.coefficients.push(coefficient);
+    }
+
+    /// Ends a row.
+    fn end_row(&mut self) {
+        let start = self.offsets.last().copied().unwrap_or(0);
+        self.lengths.push((self.columns.len() - start) as u32);
+        self.offsets.push(self.columns.len());
     }
 
     /// Takes the pattern `columns[offsets[i] .. offsets[i + 1]]` for row i, unless it is there

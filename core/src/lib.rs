@@ -55,6 +55,7 @@ pub mod laplacian;
 mod mesh;
 mod neighbourhood;
 mod points;
+mod projection;
 mod real;
 mod reduction;
 pub mod shapes;
@@ -63,13 +64,21 @@ mod surface;
 mod triangle;
 mod vec3;
 
-pub use bending::{ControlPoints, GompperKroll, KantorNelson, LoopSubdivision, StrongForm};
+pub use bending::{
+    ControlPoints, GompperKroll, Juelicher, KantorNelson, LoopSubdivision, SpontaneousCurvature,
+    StrongForm,
+};
 pub use element::{Execution, Serial};
 pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
 pub use lane::{Lane, Pack};
-pub use laplacian::{Cotangent, Curvature, Jet, LaplaceBeltrami, Rows};
+pub use laplacian::{
+    Bandwidth, Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows,
+};
 pub use mesh::{MeshError, TriangleMesh, VertexKind};
 pub use points::{Points, PointsMut};
+pub use projection::{
+    Components, Projected, ProjectedMemory, RigidBody, remove_net_force_and_torque,
+};
 pub use real::Real;
 pub use subdivision::Subdivision;
 pub use surface::{Surface, SurfaceError};

@@ -16,6 +16,10 @@ pub(crate) struct Neighbourhood<T> {
     search: u32,
     /// What was reached, without the centre: squared distance through space, and vertex.
     pub(crate) found: Vec<(T, u32)>,
+    /// Length of the shortest path to each vertex that this search reached, where it asks for it.
+    paths: Vec<T>,
+    /// Vertices to go on from, with the length of the path that led there.
+    queue: Vec<(T, u32)>,
 }
 
 impl<T: Real> Neighbourhood<T> {
@@ -45,6 +49,62 @@ impl<T: Real> Neighbourhood<T> {
         self.found.sort_unstable_by(nearer);
     }
 
+    /// Finds all vertices within `rings` edges of `centre`, ring after ring.
+    pub(crate) fn rings(&mut self, surface: Surface<'_, T>, centre: u32, rings: usize) {
+        self.start(surface.mesh(), centre);
+        self.reach_around(surface, centre, centre);
+        let mut ring = 0..self.found.len();
+        for _ in 1..rings {
+            let end = self.found.len();
+            for at in ring {
+                let vertex = self.found[at].1;
+                self.reach_around(surface, centre, vertex);
+            }
+            ring = end..self.found.len();
+        }
+    }
+
+    /// Finds all vertices to which a path of edges leads that is no longer than `longest`.
+    /// `edge_lengths` has the length of the edge to each entry of the mesh's one-rings.
+    pub(crate) fn within(
+        &mut self,
+        surface: Surface<'_, T>,
+        edge_lengths: &[T],
+        centre: u32,
+        longest: T,
+    ) {
+        let mesh = surface.mesh();
+        self.start(mesh, centre);
+        self.paths.resize(mesh.vertex_count(), T::zero());
+        self.paths[centre as usize] = T::zero();
+        self.queue.clear();
+        self.queue.push((T::zero(), centre));
+        // First come, first served, and again where a shorter path turns up later: on meshes with
+        // edges of similar length that is rare, and cheaper than keeping the queue in order.
+        let mut next = 0;
+        while let Some(&(path, vertex)) = self.queue.get(next) {
+            next += 1;
+            if path > self.paths[vertex as usize] {
+                continue;
+            }
+            let start = mesh.ring_offsets()[vertex as usize] as usize;
+            let ring = mesh.one_ring(vertex as usize);
+            for (&neighbour, &edge) in ring.iter().zip(&edge_lengths[start..]) {
+                let path = path + edge;
+                let known = self.reached[neighbour as usize] == self.search;
+                let shorter = !known || path < self.paths[neighbour as usize];
+                if path > longest || !shorter {
+                    continue;
+                }
+                self.paths[neighbour as usize] = path;
+                self.queue.push((path, neighbour));
+                if !known {
+                    self.reach(surface, centre, neighbour);
+                }
+            }
+        }
+    }
+
     fn start(&mut self, mesh: &TriangleMesh, centre: u32) {
         if self.reached.len() != mesh.vertex_count() || self.search == u32::MAX {
             self.reached.clear();
@@ -59,13 +119,16 @@ impl<T: Real> Neighbourhood<T> {
     /// Adds the neighbours of `vertex` that were not reached yet.
     fn reach_around(&mut self, surface: Surface<'_, T>, centre: u32, vertex: u32) {
         for &neighbour in surface.mesh().one_ring(vertex as usize) {
-            let reached = &mut self.reached[neighbour as usize];
-            if *reached != self.search {
-                *reached = self.search;
-                let difference = surface.difference(centre, neighbour);
-                self.found.push((dot(difference, difference), neighbour));
+            if self.reached[neighbour as usize] != self.search {
+                self.reach(surface, centre, neighbour);
             }
         }
+    }
+
+    fn reach(&mut self, surface: Surface<'_, T>, centre: u32, vertex: u32) {
+        self.reached[vertex as usize] = self.search;
+        let difference = surface.difference(centre, vertex);
+        self.found.push((dot(difference, difference), vertex));
     }
 }
 

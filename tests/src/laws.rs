@@ -8,9 +8,9 @@ use crate::meshes::{Mesh, SplitMix64, cross, difference, dot, norm, rotation, tu
 use crate::tolerance;
 use autodiff::F1;
 use helfrich::{
-    Conservative, Cotangent, Curvature, DualArea, Energy, Finding, Force, GompperKroll, Jet,
-    KantorNelson, LaplaceBeltrami, Method, Prepared, Real, Rows, Serial, StrongForm, Surface,
-    TriangleMesh, VertexKind,
+    Conservative, Cotangent, Curvature, DualArea, Energy, Finding, Force, GompperKroll, HeatKernel,
+    Jet, Juelicher, KantorNelson, LaplaceBeltrami, Method, Paraboloid, Prepared, Real, Rows,
+    Serial, StrongForm, Surface, TriangleMesh, VertexKind,
 };
 
 /// A bending method, to be made for any scalar.
@@ -80,7 +80,7 @@ impl ConservativeCandidate for Hinged {
         }
     }
     fn modules(self) -> &'static [&'static str] {
-        &["kantor_nelson"]
+        &["hinge", "kantor_nelson"]
     }
     fn method<T: Real>(self, modulus: T) -> KantorNelson<T> {
         match self {
@@ -109,10 +109,30 @@ impl ConservativeCandidate for SquaredLaplacian {
     }
     fn method<T: Real>(self, modulus: T) -> GompperKroll<T> {
         let area = self.0;
-        GompperKroll { modulus, area }
+        GompperKroll {
+            area,
+            ..GompperKroll::new(modulus)
+        }
     }
     fn switches_at_right_angles(self) -> bool {
         self.0 == DualArea::Mixed
+    }
+}
+
+/// Jülicher's method.
+#[derive(Clone, Copy, Debug)]
+pub struct LengthTimesAngle;
+
+impl ConservativeCandidate for LengthTimesAngle {
+    type ConservativeMethod<T: Real> = Juelicher<T>;
+    fn name(self) -> &'static str {
+        "Jülicher"
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &["hinge", "juelicher", "spontaneous_curvature"]
+    }
+    fn method<T: Real>(self, modulus: T) -> Juelicher<T> {
+        Juelicher::new(modulus)
     }
 }
 
@@ -153,10 +173,49 @@ impl Candidate for StrongCotangent {
         &["strong_form", "cotangent"]
     }
     fn method<T: Real>(self, modulus: T) -> StrongForm<T, Cotangent> {
-        StrongForm {
-            modulus,
-            operator: Cotangent::new(self.0),
+        StrongForm::new(modulus, Cotangent::new(self.0))
+    }
+}
+
+/// Method D.
+#[derive(Clone, Copy, Debug)]
+pub struct StrongHeatKernel;
+
+impl Candidate for StrongHeatKernel {
+    type Method<T: Real> = StrongForm<T, HeatKernel<T>>;
+    fn name(self) -> &'static str {
+        "Belkin"
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &["strong_form", "heat_kernel"]
+    }
+    fn method<T: Real>(self, modulus: T) -> Self::Method<T> {
+        StrongForm::belkin(modulus)
+    }
+}
+
+/// Method E, as published or guarded.
+#[derive(Clone, Copy, Debug)]
+pub struct StrongParaboloid {
+    /// See [`Paraboloid::guarded`].
+    pub guarded: bool,
+}
+
+impl Candidate for StrongParaboloid {
+    type Method<T: Real> = StrongForm<T, Paraboloid>;
+    fn name(self) -> &'static str {
+        if self.guarded {
+            "Farutin, guarded"
+        } else {
+            "Farutin"
         }
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &["strong_form", "paraboloid", "least_squares"]
+    }
+    fn method<T: Real>(self, modulus: T) -> Self::Method<T> {
+        let guarded = self.guarded;
+        StrongForm::new(modulus, Paraboloid { guarded })
     }
 }
 
@@ -220,6 +279,7 @@ pub fn for_each_conservative(law: &mut impl ConservativeLaw) {
     law.check(SquaredLaplacian(DualArea::Voronoi));
     law.check(SquaredLaplacian(DualArea::Mixed));
     law.check(SquaredLaplacian(DualArea::Barycentric));
+    law.check(LengthTimesAngle);
     law.check(Sum(Hinged::Forces, SquaredLaplacian(DualArea::Voronoi)));
 }
 
@@ -235,6 +295,9 @@ pub fn for_each(law: &mut impl Law) {
     law.check(StrongCotangent(DualArea::Mixed));
     law.check(StrongCotangent(DualArea::Voronoi));
     law.check(StrongCotangent(DualArea::Barycentric));
+    law.check(StrongHeatKernel);
+    law.check(StrongParaboloid { guarded: false });
+    law.check(StrongParaboloid { guarded: true });
     law.check(StrongJet::J4);
     law.check(StrongJet::J6);
 }
@@ -247,6 +310,9 @@ pub fn for_each_operator(law: &mut impl OperatorLaw) {
         "cotangent, barycentric",
         Cotangent::new(DualArea::Barycentric),
     );
+    law.check("heat kernel", HeatKernel::default());
+    law.check("paraboloid", Paraboloid::default());
+    law.check("paraboloid, guarded", Paraboloid::guarded());
     law.check("jet, degree 4", Jet::j4());
     law.check("jet, degree 6", Jet::j6());
 }

@@ -65,6 +65,39 @@ pub const ON_SURFACE: Tolerance = Tolerance::new(
     1e-13,
     "positions are the image of their pre-images, and the way back rounds a few times",
 );
+/// What an operator makes of a surface against what it makes of the surface moved, relative to the
+/// curvatures.
+pub const OPERATOR_MOTION: Tolerance = Tolerance::new(
+    1e-9,
+    "positions are rounded anew at 1e-16 and second derivatives divide that by h² = 1e-2, times \
+     the condition of a fit",
+);
+/// Errors of methods that do not converge, against what another implementation measured on other
+/// meshes of the same kind, relative.
+pub const PUBLISHED_ERROR: Tolerance = Tolerance::new(
+    0.4,
+    "a largest error over the vertices depends on how the icosahedron is turned and mapped; the \
+     orders do not",
+);
+/// Two entries of a symmetric matrix that are computed apart, relative to themselves.
+pub const SYMMETRY: Tolerance = Tolerance::new(
+    1e-13,
+    "products of a few factors, in another order; the exponential's argument reaches 36 and \
+     multiplies its rounding by that",
+);
+/// Sum and torque of forces that have none, relative to the largest force.
+pub const NET_FORCE: Tolerance =
+    Tolerance::new(1e-11, "rounding of some hundred forces on a body of size 1");
+/// What a method computes in two ways that agree but for rounding, relative.
+pub const SAME: Tolerance = Tolerance::new(
+    1e-11,
+    "some operations in another order, on numbers that do not cancel",
+);
+/// Energies and curvatures that stall, against the value at which they are known to, relative.
+pub const STALL: Tolerance = Tolerance::new(
+    5e-3,
+    "the known value has three digits, and meshes of the same kind differ in the next",
+);
 /// Forces against derivatives by dual numbers, relative to the largest force.
 pub const GRADIENT_DUAL: Tolerance = Tolerance::new(
     1e-12,
@@ -313,7 +346,7 @@ pub const LOOP_GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
     "fourth-order differences with a step of 2e-4 leave 1e-8 of truncation and 1e-10 of rounding",
 );
 /// Net force and torque of a conservative method, relative to the sum of all forces' lengths.
-pub const NET_FORCE: Tolerance = Tolerance::new(
+pub const LOOP_NET_FORCE: Tolerance = Tolerance::new(
     1e-12,
     "exact but for the rounding of each force, and of weights whose sums are 0",
 );

@@ -309,7 +309,7 @@ fn boundaries_get_the_documented_values() {
     let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let hinge = Mesh::new(square, vec![[0, 1, 2], [0, 3, 1]]);
     let right_angle = energy(
-        KantorNelson { edge_modulus: 3.0 },
+        KantorNelson::with_edge_modulus(3.0),
         &hinge.connectivity,
         &hinge.positions,
     );

@@ -186,8 +186,8 @@ fn net_force_and_torque_vanish() {
                     .map(|(x, f)| cross(*x, *f)[axis])
                     .sum();
                 let what = format!("{controls:?} on {name}");
-                tolerance::NET_FORCE.assert(net, 0.0, scale, &what);
-                tolerance::NET_FORCE.assert(torque, 0.0, scale, &what);
+                tolerance::LOOP_NET_FORCE.assert(net, 0.0, scale, &what);
+                tolerance::LOOP_NET_FORCE.assert(torque, 0.0, scale, &what);
             }
         }
     }

@@ -3,6 +3,7 @@
 //! G. Gompper and D. M. Kroll, J. Phys. I France 6 (1996) 1305; the choice of areas after
 //! C. Itzykson, in: Random Surfaces and Quantum Gravity (1986). The gradient is our own.
 
+use crate::bending::SpontaneousCurvature;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::energy::{Conservative, Energy, Finding, Force, Method, report_area};
 use crate::lane::Lane;
@@ -10,18 +11,25 @@ use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::{DualArea, Triangle};
-use crate::vec3::{add, dot, scale, sub};
+use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub};
 use alloc::vec::Vec;
 
 /// `E = (κ/2) Σ_i |L_i|² / A_i` with `L_i = ½ Σ_j (cot α + cot β)(x_i − x_j) = ∂A/∂x_i`, and the
 /// exact gradient of this energy, the change of the areas included.
 ///
+/// With spontaneous curvature `E = 2κ Σ_i |L_i/(2A_i) − H0_i n_i|² A_i`, which is the same for H0 = 0,
+/// n_i the normalised sum N_i of the area vectors of the triangles around the vertex: the curvature
+/// vector is compared with the one that is wanted. `|L| − 2 A H0` instead would leave the sign of H
+/// to be found, and has a kink where L vanishes.
+///
 /// The sum runs over interior vertices; all vertices feel forces. Where `A_i = 0` the vertex is
 /// left out, and reported by [`Method::inspect`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct GompperKroll<T> {
     /// Bending modulus κ, in units of energy.
     pub modulus: T,
+    /// Spontaneous curvature H0.
+    pub spontaneous_curvature: SpontaneousCurvature<T>,
     /// The areas A_i. With `Voronoi`, the method as published, the energy is unbounded below where
     /// obtuse triangles make an area negative; `Mixed` areas are positive and the choice for
     /// dynamics; with `Barycentric` ones forces do not converge, even on a sphere.
@@ -33,6 +41,7 @@ impl<T: Real> GompperKroll<T> {
     pub fn new(modulus: T) -> Self {
         Self {
             modulus,
+            spontaneous_curvature: SpontaneousCurvature::default(),
             area: DualArea::Voronoi,
         }
     }
@@ -41,6 +50,7 @@ impl<T: Real> GompperKroll<T> {
     pub fn with_mixed_areas(modulus: T) -> Self {
         Self {
             modulus,
+            spontaneous_curvature: SpontaneousCurvature::default(),
             area: DualArea::Mixed,
         }
     }
@@ -95,13 +105,58 @@ impl<T: Real> GompperKroll<T> {
             };
             *sum = [x * over, y * over, z * over, area];
         });
+        if !self.spontaneous_curvature.is_zero() {
+            self.measure_normals(execution, surface, memory);
+        }
+    }
+
+    /// `N_i/|N_i|` and `1/|N_i|`; 0 where the vertex is left out.
+    fn measure_normals(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GompperKrollMemory<T>,
+    ) {
+        let mesh = surface.mesh();
+        let GompperKrollMemory {
+            curvature, normals, ..
+        } = memory;
+        normals.clear();
+        normals.resize(mesh.vertex_count(), [T::zero(); 4]);
+        execution.scatter(&AreaVectors, surface, mesh.triangles(), &[], normals);
+        execution.map(&mut normals[..], |vertex, sum| {
+            let [x, y, z, _] = *sum;
+            let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
+            let there = interior && curvature[vertex][3].reciprocal_or_zero() != T::zero();
+            let over = if there {
+                norm([x, y, z]).reciprocal_or_zero()
+            } else {
+                T::zero()
+            };
+            *sum = [x * over, y * over, z * over, over];
+        });
+    }
+
+    /// H0 n; 0 where the vertex is left out.
+    fn wanted(&self, memory: &GompperKrollMemory<T>, vertex: usize) -> Vec3<T> {
+        let [x, y, z, _] = memory.normals[vertex];
+        scale(self.spontaneous_curvature.at(vertex), [x, y, z])
     }
 
     fn energy_of(&self, execution: &impl Execution, memory: &GompperKrollMemory<T>) -> T {
         let curvature = &memory.curvature;
+        let plain = self.spontaneous_curvature.is_zero();
         let sum = execution.sum(curvature.len(), |vertex| {
             let [x, y, z, area] = curvature[vertex];
-            dot([x, y, z], [x, y, z]) * area
+            let excess = if plain {
+                [x, y, z]
+            } else {
+                sub(
+                    [x, y, z],
+                    scale(T::constant(2.0), self.wanted(memory, vertex)),
+                )
+            };
+            dot(excess, excess) * area
         });
         T::constant(0.5) * self.modulus * sum
     }
@@ -115,15 +170,56 @@ impl<T: Real> GompperKroll<T> {
         force: &mut [[T; 3]],
     ) {
         let half = T::constant(0.5);
-        let GompperKrollMemory { curvature, weights } = memory;
+        let GompperKrollMemory {
+            curvature, weights, ..
+        } = memory;
         weights.resize(curvature.len(), [T::zero(); 4]);
         execution.map(&mut weights[..], |vertex, weight| {
             let [x, y, z, _] = curvature[vertex];
             let squared = dot([x, y, z], [x, y, z]);
             *weight = [x, y, z, half * squared].map(|entry| self.modulus * entry);
         });
+        if !self.spontaneous_curvature.is_zero() {
+            self.add_spontaneous(execution, surface, memory, force);
+        }
         let kernel = EnergyGradient { area: self.area };
-        execution.scatter(&kernel, surface, surface.mesh().triangles(), weights, force);
+        let triangles = surface.mesh().triangles();
+        execution.scatter(&kernel, surface, triangles, &memory.weights, force);
+    }
+
+    /// What the terms `−2κ Σ H0 L·n + 2κ Σ H0² A` add: to w and s, and through the change of the
+    /// normals.
+    fn add_spontaneous(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GompperKrollMemory<T>,
+        force: &mut [[T; 3]],
+    ) {
+        let doubled = T::constant(2.0) * self.modulus;
+        let mut weights = core::mem::take(&mut memory.weights);
+        let mut turns = core::mem::take(&mut memory.turns);
+        let memory_now = &*memory;
+        execution.map(&mut weights[..], |vertex, weight| {
+            let wanted = self.wanted(memory_now, vertex);
+            for (entry, wanted) in weight.iter_mut().zip(wanted) {
+                *entry -= doubled * wanted;
+            }
+            weight[3] -= doubled * dot(wanted, wanted);
+        });
+        turns.resize(weights.len(), [T::zero(); 3]);
+        execution.map(&mut turns[..], |vertex, turn| {
+            let [x, y, z, area] = memory_now.curvature[vertex];
+            let [u, v, w, over] = memory_now.normals[vertex];
+            let (gradient, normal) = (scale(area, [x, y, z]), [u, v, w]);
+            let across = sub(gradient, scale(dot(gradient, normal), normal));
+            let spontaneous = self.spontaneous_curvature.at(vertex);
+            *turn = scale(doubled * spontaneous * over, across);
+        });
+        let triangles = surface.mesh().triangles();
+        execution.scatter(&NormalForce, surface, triangles, &turns, force);
+        memory.weights = weights;
+        memory.turns = turns;
     }
 }
 
@@ -134,6 +230,44 @@ pub struct GompperKrollMemory<T> {
     curvature: Vec<[T; 4]>,
     /// w = κ L/A, and s = κ |L|² / (2 A²).
     weights: Vec<[T; 4]>,
+    /// Unit normal and 1/|N|; with spontaneous curvature only.
+    normals: Vec<[T; 4]>,
+    /// −∂E/∂N; with spontaneous curvature only.
+    turns: Vec<[T; 3]>,
+}
+
+/// Twice a triangle's area vector for each of its corners.
+struct AreaVectors;
+
+impl<T: Real> ElementKernel<T, 3, 0, 4> for AreaVectors {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        _first: usize,
+        corners: &Corners<L, 3>,
+        _input: &[[L; 0]; 3],
+    ) -> [[L; 4]; 3] {
+        let [x, y, z] = corners.triangle().area_vector;
+        [[x, y, z, L::zero()]; 3]
+    }
+}
+
+/// What the change of a triangle's area vector gives to its corners.
+struct NormalForce;
+
+impl<T: Real> ElementKernel<T, 3, 3, 3> for NormalForce {
+    /// With g the sum of the corners' −∂E/∂N: `g × e_k`, because moving corner k by δ changes the
+    /// doubled area vector by e_k × δ.
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        _first: usize,
+        corners: &Corners<L, 3>,
+        turns: &[[L; 3]; 3],
+    ) -> [[L; 3]; 3] {
+        let sum = add(add(turns[0], turns[1]), turns[2]);
+        corners.triangle().edges.map(|edge| cross(sum, edge))
+    }
 }
 
 struct AreaGradient {

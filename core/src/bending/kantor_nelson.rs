@@ -4,157 +4,113 @@
 //! H. S. Seung and D. R. Nelson, Phys. Rev. A 38 (1988) 1005, and G. Gompper and D. M. Kroll,
 //! J. Phys. I France 6 (1996) 1305.
 
+use crate::bending::hinge::{Hinge, Hinges};
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, add, cross, dot, neg, norm, scale};
 use alloc::vec::Vec;
 
-/// `E = k̃ Σ_edges (1 − cos θ)`, θ the angle between the normals of the two triangles at an edge,
+/// `E = k̃ Σ_edges (1 − cos(θ − θ0))`, θ the angle between the normals of the two triangles at an edge,
 /// positive where the surface is convex; the force is its exact gradient.
 ///
 /// Boundary edges and edges at a triangle without area contribute nothing. On an equilateral
 /// lattice `E → k̃ √3 ∫ (H² − ⅔ K) dS`: no `k̃` serves every shape, see the constructors.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// The reference angles θ0 are 0 unless a reference shape is given: [`Self::with_reference`].
+#[derive(Clone, Debug, PartialEq)]
 pub struct KantorNelson<T> {
     /// The modulus k̃ of an edge, in units of energy.
     pub edge_modulus: T,
+    /// `[sin θ0, cos θ0]` of each hinge; empty if all are flat.
+    reference: Vec<[T; 2]>,
 }
 
 impl<T: Real> KantorNelson<T> {
+    /// With this modulus k̃ of an edge.
+    pub fn with_edge_modulus(edge_modulus: T) -> Self {
+        Self {
+            edge_modulus,
+            reference: Vec::new(),
+        }
+    }
+
+    /// The same with the angles of `shape` as reference: there energy and forces are exactly zero,
+    /// at convex and at concave hinges. For surfaces with the same mesh as `shape`.
+    ///
+    /// Preparing it for a mesh with another number of interior edges panics.
+    pub fn with_reference(mut self, shape: Surface<'_, T>) -> Self {
+        let hinges = Hinges::new(shape.mesh());
+        let angle = |&hinge| {
+            let hinge = Hinge::<T>::new(&Corners::of(shape, hinge));
+            [hinge.sine, hinge.cosine]
+        };
+        self.reference = hinges.vertices.iter().map(angle).collect();
+        self
+    }
+
     /// `k̃ = 2κ/√3`: the forces of a membrane with bending modulus κ, and a cylinder's energy. The
     /// usual choice.
     pub fn new(modulus: T) -> Self {
-        Self {
-            edge_modulus: modulus * T::constant(2.0 / SQRT_3),
-        }
+        Self::with_edge_modulus(modulus * T::constant(2.0 / SQRT_3))
     }
 
     /// `k̃ = √3 κ`: a sphere's energy if a Gaussian modulus κ_G = −κ is counted with it.
     pub fn with_opposite_gaussian_modulus(modulus: T) -> Self {
-        Self {
-            edge_modulus: modulus * T::constant(SQRT_3),
-        }
+        Self::with_edge_modulus(modulus * T::constant(SQRT_3))
     }
 
     /// `k̃ = 2√3 κ`: a sphere's energy 8πκ; forces are then three times too large.
     pub fn with_sphere_energy(modulus: T) -> Self {
-        Self {
-            edge_modulus: modulus * T::constant(2.0 * SQRT_3),
-        }
+        Self::with_edge_modulus(modulus * T::constant(2.0 * SQRT_3))
     }
 }
 
 /// √3, to the last bit of f64.
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
-/// The interior edges of a mesh, each with the four vertices around it: the edge from a to b, then
-/// the corner opposite in the triangle to its left, then the one to its right.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Hinges {
-    vertices: Vec<[u32; 4]>,
-}
-
-impl Hinges {
-    fn new(mesh: &TriangleMesh) -> Self {
-        let opposite = |triangle: u32, [a, b]: [u32; 2]| {
-            // The three indices of a triangle and two of them: what is left is the third.
-            let [i, j, k] = mesh.triangles()[triangle as usize];
-            i ^ j ^ k ^ a ^ b
-        };
-        let hinge = |(index, &edge): (usize, &[u32; 2])| {
-            let (left, right) = mesh.edge_triangles(index);
-            right.map(|right| {
-                [
-                    edge[0],
-                    edge[1],
-                    opposite(left, edge),
-                    opposite(right, edge),
-                ]
-            })
-        };
-        Self {
-            vertices: mesh.edges().iter().enumerate().filter_map(hinge).collect(),
-        }
+/// `[sin θ0, cos θ0]` of hinges `first`, `first + 1`, …, one a lane entry; of a flat hinge where
+/// there is no reference.
+#[inline(always)]
+fn reference<L: Lane>(reference: &[[L::Scalar; 2]], first: usize) -> [L; 2] {
+    if reference.is_empty() {
+        return [L::zero(), L::literal(1.0)];
     }
+    core::array::from_fn(|part| L::from_fn(|k| reference[first + k][part]))
 }
 
-/// One hinge: the sine and cosine of its angle and what its gradient is made of.
-struct Hinge<L> {
-    edge: Vec3<L>,
-    edge_length: L,
-    normals: [Vec3<L>; 2],
-    reciprocals: [L; 2],
-    cosine: L,
-    sine: L,
-    /// 1, or 0 where a triangle or the edge has no extent.
-    presence: L,
+/// 1 − cos(θ − θ0) as half the squared chord between two points on the unit circle: no cancellation
+/// at small angles.
+#[inline(always)]
+fn energy<L: Lane>(hinge: &Hinge<L>, [sine, cosine]: [L; 2]) -> L {
+    let chord = [hinge.cosine - cosine, hinge.sine - sine];
+    L::literal(0.5) * hinge.presence * (chord[0] * chord[0] + chord[1] * chord[1])
 }
 
-impl<L: Lane> Hinge<L> {
-    #[inline(always)]
-    fn new(corners: &Corners<L, 4>) -> Self {
-        let edge = corners.difference(0, 1);
-        let left = cross(edge, corners.difference(0, 2));
-        let right = cross(corners.difference(0, 3), edge);
-        let edge_length = norm(edge);
-        let lengths = [norm(left), norm(right)];
-        let reciprocals = lengths.map(L::reciprocal_or_zero);
-        let normals = [scale(reciprocals[0], left), scale(reciprocals[1], right)];
-        let along = edge_length.reciprocal_or_zero();
-        let present = along * reciprocals[0] * reciprocals[1];
-        Self {
-            edge,
-            edge_length,
-            normals,
-            reciprocals,
-            cosine: dot(normals[0], normals[1]),
-            sine: dot(edge, cross(normals[0], normals[1])) * along,
-            presence: L::select(L::zero().less(present), L::literal(1.0), L::zero()),
-        }
-    }
-
-    /// 1 − cos θ as half the squared chord between the angle's point on the unit circle and that
-    /// of angle zero: no cancellation at small angles.
-    #[inline(always)]
-    fn energy(&self) -> L {
-        let chord = self.cosine - L::literal(1.0);
-        L::literal(0.5) * self.presence * (chord * chord + self.sine * self.sine)
-    }
-}
-
-struct HingeForce<T> {
+struct HingeForce<'a, T> {
     edge_modulus: T,
+    reference: &'a [[T; 2]],
 }
 
-impl<T: Real> ElementKernel<T, 4, 0, 3> for HingeForce<T> {
-    /// −∂E/∂x = −k̃ sin θ ∂θ/∂x: lifting an opposite corner along its triangle's normal lowers θ by
-    /// the inverse of its height, and the edge's ends answer in proportion to where the corner's
-    /// foot lies between them.
+impl<T: Real> ElementKernel<T, 4, 0, 3> for HingeForce<'_, T> {
+    /// −∂E/∂x = −k̃ sin(θ − θ0) ∂θ/∂x. The sine as a difference of products that agree to the last
+    /// bit in the reference shape: there the force is exactly zero.
     #[inline(always)]
     fn evaluate<L: Lane<Scalar = T>>(
         &self,
-        _first: usize,
+        first: usize,
         corners: &Corners<L, 4>,
         _input: &[[L; 0]; 4],
     ) -> [[L; 3]; 4] {
         let hinge = Hinge::new(corners);
-        let torque = L::splat(self.edge_modulus) * hinge.sine * hinge.presence;
-        let along = hinge.edge_length.reciprocal_or_zero();
-        let lever = |side: usize| scale(torque * hinge.reciprocals[side], hinge.normals[side]);
-        let (left, right) = (lever(0), lever(1));
-        // Scalar products of the edge with what leads from the foot's end to the corner.
-        let from_b = |corner: usize| dot(corners.difference(corner, 1), hinge.edge) * along;
-        let from_a = |corner: usize| dot(corners.difference(0, corner), hinge.edge) * along;
-        [
-            neg(add(scale(from_b(2), left), scale(from_b(3), right))),
-            neg(add(scale(from_a(2), left), scale(from_a(3), right))),
-            scale(hinge.edge_length, left),
-            scale(hinge.edge_length, right),
-        ]
+        let [sine, cosine] = reference::<L>(self.reference, first);
+        let turned = hinge.sine * cosine - hinge.cosine * sine;
+        hinge.forces(
+            corners,
+            L::splat(self.edge_modulus) * turned * hinge.presence,
+        )
     }
 }
 
@@ -163,7 +119,14 @@ impl<T: Real> Method<T> for KantorNelson<T> {
     type Memory = ();
 
     fn plan(&self, mesh: &TriangleMesh) -> Hinges {
-        Hinges::new(mesh)
+        let hinges = Hinges::new(mesh);
+        assert!(
+            self.reference.is_empty() || self.reference.len() == hinges.vertices.len(),
+            "the reference shape has {} interior edges, this mesh {}",
+            self.reference.len(),
+            hinges.vertices.len()
+        );
+        hinges
     }
 
     fn inspect(
@@ -186,7 +149,11 @@ impl<T: Real> Energy<T> for KantorNelson<T> {
         _memory: &mut (),
     ) -> T {
         let sum = execution.sum(plan.vertices.len(), |hinge| {
-            Hinge::<T>::new(&Corners::of(surface, plan.vertices[hinge])).energy()
+            let corners = Corners::of(surface, plan.vertices[hinge]);
+            energy(
+                &Hinge::<T>::new(&corners),
+                reference(&self.reference, hinge),
+            )
         });
         self.edge_modulus * sum
     }
@@ -203,6 +170,7 @@ impl<T: Real> Force<T> for KantorNelson<T> {
     ) {
         let kernel = HingeForce {
             edge_modulus: self.edge_modulus,
+            reference: &self.reference,
         };
         execution.scatter(&kernel, surface, &plan.vertices, &[], force);
     }

@@ -3,56 +3,81 @@
 //!
 //! Z.-C. Ou-Yang and W. Helfrich, Phys. Rev. A 39 (1989) 5280.
 
+use crate::bending::SpontaneousCurvature;
 use crate::element::Execution;
 use crate::energy::{Energy, Finding, Force, ForceDensity, Method};
-use crate::laplacian::{Cotangent, Curvature, Jet, LaplaceBeltrami};
-use crate::mesh::TriangleMesh;
+use crate::laplacian::{Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows};
+use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
-use crate::vec3::{add, scale};
+use crate::vec3::{Vec3, add, dot, scale, sub};
 use alloc::vec::Vec;
 
-/// `f = 2κ [Δ_S H + 2H (H² − K)] n`, with Δ_S, H, K and n of one operator; nodal forces
-/// `F_i = f_i A_i`.
+/// `f = 2κ [Δ_S(H − H0) + 2(H − H0)(H² − K + H0 H)] n − 4κ (H − H0) ∇_S H0`, with Δ_S, H, K and n
+/// of one operator; nodal forces `F_i = f_i A_i`.
 ///
-/// Not the gradient of a discrete energy: forces sum to zero only as the mesh is refined. The
-/// energy that goes with it is `2κ Σ H_i² A_i`, a quadrature of `2κ ∫ H² dS` over interior vertices.
+/// The last term, along the surface, is there where the spontaneous curvature H0 varies. The
+/// gradient comes from the operator, too: `∇_S φ = ½ Σ_j c_ij (φ_j − φ_i)(x_j − x_i)` less its part
+/// along n, because `Δ(φ x) = φ Δx + x Δφ + 2 ∇φ`.
+///
+/// Not the gradient of a discrete energy: forces sum to zero only as the mesh is refined, see
+/// [`Projected`](crate::Projected). The energy that goes with it is `2κ Σ (H_i − H0_i)² A_i`, a
+/// quadrature of `2κ ∫ (H − H0)² dS` over interior vertices.
 ///
 /// f is defined where the vertex and all its neighbours are interior, and 0 elsewhere.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StrongForm<T, L> {
     /// Bending modulus κ, in units of energy.
     pub modulus: T,
+    /// Spontaneous curvature H0.
+    pub spontaneous_curvature: SpontaneousCurvature<T>,
     /// The operator.
     pub operator: L,
+}
+
+impl<T: Real, L> StrongForm<T, L> {
+    /// Over any operator, without spontaneous curvature.
+    pub fn new(modulus: T, operator: L) -> Self {
+        Self {
+            modulus,
+            spontaneous_curvature: SpontaneousCurvature::default(),
+            operator,
+        }
+    }
 }
 
 impl<T: Real> StrongForm<T, Cotangent> {
     /// Method C: the cotangent operator with mixed areas.
     pub fn meyer(modulus: T) -> Self {
-        Self {
-            modulus,
-            operator: Cotangent::new(DualArea::Mixed),
-        }
+        Self::new(modulus, Cotangent::new(DualArea::Mixed))
+    }
+}
+
+impl<T: Real> StrongForm<T, HeatKernel<T>> {
+    /// Method D: the heat kernel with a bandwidth of each vertex's mixed area.
+    pub fn belkin(modulus: T) -> Self {
+        Self::new(modulus, HeatKernel::default())
+    }
+}
+
+impl<T: Real> StrongForm<T, Paraboloid> {
+    /// Method E: paraboloids fitted to one-rings, as published; [`Paraboloid::guarded`] is the
+    /// operator that also withstands one-rings near a conic section.
+    pub fn farutin(modulus: T) -> Self {
+        Self::new(modulus, Paraboloid::default())
     }
 }
 
 impl<T: Real> StrongForm<T, Jet<T>> {
     /// Method J of degree 6: [`Jet::j6`].
     pub fn j6(modulus: T) -> Self {
-        Self {
-            modulus,
-            operator: Jet::j6(),
-        }
+        Self::new(modulus, Jet::j6())
     }
 
     /// Method J of degree 4: [`Jet::j4`].
     pub fn j4(modulus: T) -> Self {
-        Self {
-            modulus,
-            operator: Jet::j4(),
-        }
+        Self::new(modulus, Jet::j4())
     }
 }
 
@@ -60,18 +85,30 @@ impl<T: Real> StrongForm<T, Jet<T>> {
 #[derive(Clone, Debug)]
 pub struct StrongFormMemory<T, M> {
     operator: M,
-    curvature: Vec<Curvature<T>>,
-    mean: Vec<T>,
-    laplacian_of_mean: Vec<T>,
+    found: Found<T>,
 }
 
-impl<T, M: Default> Default for StrongFormMemory<T, M> {
+/// What the operator says of the surface.
+#[derive(Clone, Debug)]
+struct Found<T> {
+    curvature: Vec<Curvature<T>>,
+    /// H − H0.
+    excess: Vec<T>,
+    laplacian_of_mean: Vec<T>,
+    /// The operator's rows, where H0 varies and its gradient is needed.
+    rows: Rows<T>,
+}
+
+impl<T: Real, M: Default> Default for StrongFormMemory<T, M> {
     fn default() -> Self {
         Self {
             operator: M::default(),
-            curvature: Vec::new(),
-            mean: Vec::new(),
-            laplacian_of_mean: Vec::new(),
+            found: Found {
+                curvature: Vec::new(),
+                excess: Vec::new(),
+                laplacian_of_mean: Vec::new(),
+                rows: Rows::new(),
+            },
         }
     }
 }
@@ -79,12 +116,12 @@ impl<T, M: Default> Default for StrongFormMemory<T, M> {
 impl<T, M> StrongFormMemory<T, M> {
     /// n, H, K and A at each vertex.
     pub fn curvature(&self) -> &[Curvature<T>] {
-        &self.curvature
+        &self.found.curvature
     }
 
-    /// Δ_S H at each vertex, 0 where f is not defined; empty until a force was evaluated.
+    /// Δ_S(H − H0) at each vertex, 0 where f is not defined; empty until a force was evaluated.
     pub fn laplacian_of_mean(&self) -> &[T] {
-        &self.laplacian_of_mean
+        &self.found.laplacian_of_mean
     }
 }
 
@@ -97,17 +134,14 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         memory: &mut StrongFormMemory<T, L::Memory>,
     ) {
         let vertices = surface.mesh().vertex_count();
-        memory.curvature.resize(vertices, Curvature::default());
-        let StrongFormMemory {
-            operator,
-            curvature,
-            ..
-        } = memory;
+        let StrongFormMemory { operator, found } = memory;
+        found.curvature.resize(vertices, Curvature::default());
+        let curvature = &mut found.curvature;
         self.operator
             .measure(execution, plan, surface, operator, curvature);
     }
 
-    /// Everything up to Δ_S H.
+    /// Everything up to Δ_S(H − H0).
     fn measure_twice(
         &self,
         execution: &impl Execution,
@@ -117,19 +151,23 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
     ) {
         self.measure(execution, plan, surface, memory);
         let mesh = surface.mesh();
-        let StrongFormMemory {
-            operator,
+        let StrongFormMemory { operator, found } = memory;
+        let Found {
             curvature,
-            mean,
+            excess,
             laplacian_of_mean,
-        } = memory;
-        mean.resize(mesh.vertex_count(), T::zero());
+            rows,
+        } = found;
+        excess.resize(mesh.vertex_count(), T::zero());
         laplacian_of_mean.resize(mesh.vertex_count(), T::zero());
-        execution.map(&mut mean[..], |vertex, mean| *mean = curvature[vertex].mean);
+        execution.map(&mut excess[..], |vertex, excess| {
+            *excess = curvature[vertex].mean - self.spontaneous_curvature.at(vertex);
+        });
+        let laplacian = &mut laplacian_of_mean[..];
         self.operator
-            .apply_to_scalar(execution, plan, surface, operator, mean, laplacian_of_mean);
+            .apply_to_scalar(execution, plan, surface, operator, excess, laplacian);
         if !mesh.is_closed() {
-            execution.map(&mut laplacian_of_mean[..], |vertex, value| {
+            execution.map(laplacian, |vertex, value| {
                 *value = if mesh.is_surrounded(vertex) {
                     *value
                 } else {
@@ -137,29 +175,66 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
                 };
             });
         }
+        if self.varies() {
+            self.operator.assemble(plan, surface, operator, rows);
+        }
     }
 
-    fn density_at(
-        &self,
-        mesh: &TriangleMesh,
-        curvature: &Curvature<T>,
-        laplacian: T,
-        vertex: usize,
-    ) -> [T; 3] {
+    fn varies(&self) -> bool {
+        matches!(
+            self.spontaneous_curvature,
+            SpontaneousCurvature::PerVertex(_)
+        )
+    }
+
+    /// f at one vertex, of a surface that was measured twice.
+    fn density_at(&self, surface: Surface<'_, T>, found: &Found<T>, vertex: usize) -> Vec3<T> {
         let two = T::constant(2.0);
         let Curvature {
             normal,
             mean,
             gaussian,
             ..
-        } = *curvature;
-        let defined = if mesh.is_surrounded(vertex) {
+        } = found.curvature[vertex];
+        let excess = found.excess[vertex];
+        let spontaneous = self.spontaneous_curvature.at(vertex);
+        let defined = if surface.mesh().is_surrounded(vertex) {
             T::one()
         } else {
             T::zero()
         };
-        let normal_density = two * (laplacian + two * mean * (mean * mean - gaussian));
-        scale(defined * self.modulus * normal_density, normal)
+        let cubic = excess * (mean * mean - gaussian + spontaneous * mean);
+        let along_normal = two * (found.laplacian_of_mean[vertex] + two * cubic);
+        let density = scale(defined * self.modulus * along_normal, normal);
+        if !self.varies() {
+            return density;
+        }
+        let gradient = self.gradient_of_spontaneous(surface, &found.rows, vertex);
+        let tangential = sub(gradient, scale(dot(gradient, normal), normal));
+        let four = T::constant(4.0);
+        let weight = defined * four * self.modulus * excess;
+        sub(density, scale(weight, tangential))
+    }
+
+    /// `½ Σ_j c_ij (H0_j − H0_i)(x_j − x_i)`.
+    fn gradient_of_spontaneous(
+        &self,
+        surface: Surface<'_, T>,
+        rows: &Rows<T>,
+        vertex: usize,
+    ) -> Vec3<T> {
+        let here = self.spontaneous_curvature.at(vertex);
+        let (columns, coefficients) = rows.row(vertex);
+        let mut sum = [T::zero(); 3];
+        for (&column, &coefficient) in columns.iter().zip(coefficients) {
+            let step = self.spontaneous_curvature.at(column as usize) - here;
+            let weight = T::constant(0.5) * coefficient * step;
+            sum = add(
+                sum,
+                scale(weight, surface.difference(vertex as u32, column)),
+            );
+        }
+        sum
     }
 }
 
@@ -192,10 +267,16 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Energy<T> for StrongForm<T, L> {
         memory: &mut Self::Memory,
     ) -> T {
         self.measure(execution, plan, surface, memory);
-        let curvature = &memory.curvature;
+        let curvature = &memory.found.curvature;
         let sum = execution.sum(curvature.len(), |vertex| {
-            let Curvature { mean, area, .. } = curvature[vertex];
-            mean * mean * area
+            let Curvature {
+                mean, area, kind, ..
+            } = curvature[vertex];
+            if kind != VertexKind::Interior {
+                return T::zero();
+            }
+            let excess = mean - self.spontaneous_curvature.at(vertex);
+            excess * excess * area
         });
         T::constant(2.0) * self.modulus * sum
     }
@@ -211,15 +292,10 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> ForceDensity<T> for StrongForm<T, L>
         density: &mut [[T; 3]],
     ) {
         self.measure_twice(execution, plan, surface, memory);
-        let mesh = surface.mesh();
-        let StrongFormMemory {
-            curvature,
-            laplacian_of_mean,
-            ..
-        } = &*memory;
-        execution.map(&mut density[..mesh.vertex_count()], |vertex, density| {
-            let laplacian = laplacian_of_mean[vertex];
-            *density = self.density_at(mesh, &curvature[vertex], laplacian, vertex);
+        let found = &memory.found;
+        let vertices = surface.mesh().vertex_count();
+        execution.map(&mut density[..vertices], |vertex, density| {
+            *density = self.density_at(surface, found, vertex);
         });
     }
 }
@@ -234,16 +310,11 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Force<T> for StrongForm<T, L> {
         force: &mut [[T; 3]],
     ) {
         self.measure_twice(execution, plan, surface, memory);
-        let mesh = surface.mesh();
-        let StrongFormMemory {
-            curvature,
-            laplacian_of_mean,
-            ..
-        } = &*memory;
-        execution.map(&mut force[..mesh.vertex_count()], |vertex, force| {
-            let laplacian = laplacian_of_mean[vertex];
-            let density = self.density_at(mesh, &curvature[vertex], laplacian, vertex);
-            *force = add(*force, scale(curvature[vertex].area, density));
+        let found = &memory.found;
+        let vertices = surface.mesh().vertex_count();
+        execution.map(&mut force[..vertices], |vertex, force| {
+            let density = self.density_at(surface, found, vertex);
+            *force = add(*force, scale(found.curvature[vertex].area, density));
         });
     }
 }

@@ -1,0 +1,108 @@
+//! Two triangles that meet in an edge, and the angle between them.
+
+use crate::element::Corners;
+use crate::lane::Lane;
+use crate::mesh::TriangleMesh;
+use crate::vec3::{Vec3, add, cross, dot, neg, norm, scale};
+use alloc::vec::Vec;
+
+/// The interior edges of a mesh, each with the four vertices around it: the edge from a to b, then
+/// the corner opposite in the triangle to its left, then the one to its right.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hinges {
+    pub(super) vertices: Vec<[u32; 4]>,
+}
+
+impl Hinges {
+    pub(super) fn new(mesh: &TriangleMesh) -> Self {
+        let opposite = |triangle: u32, [a, b]: [u32; 2]| {
+            // The three indices of a triangle and two of them: what is left is the third.
+            let [i, j, k] = mesh.triangles()[triangle as usize];
+            i ^ j ^ k ^ a ^ b
+        };
+        let hinge = |(index, &edge): (usize, &[u32; 2])| {
+            let (left, right) = mesh.edge_triangles(index);
+            right.map(|right| {
+                [
+                    edge[0],
+                    edge[1],
+                    opposite(left, edge),
+                    opposite(right, edge),
+                ]
+            })
+        };
+        Self {
+            vertices: mesh.edges().iter().enumerate().filter_map(hinge).collect(),
+        }
+    }
+}
+
+/// One hinge: the sine and cosine of its angle and what its gradient is made of.
+pub(super) struct Hinge<L> {
+    edge: Vec3<L>,
+    pub(super) edge_length: L,
+    /// One over the edge's length.
+    along: L,
+    normals: [Vec3<L>; 2],
+    reciprocals: [L; 2],
+    pub(super) cosine: L,
+    pub(super) sine: L,
+    /// 1, or 0 where a triangle or the edge has no extent.
+    pub(super) presence: L,
+}
+
+impl<L: Lane> Hinge<L> {
+    #[inline(always)]
+    pub(super) fn new(corners: &Corners<L, 4>) -> Self {
+        let edge = corners.difference(0, 1);
+        let left = cross(edge, corners.difference(0, 2));
+        let right = cross(corners.difference(0, 3), edge);
+        let edge_length = norm(edge);
+        let lengths = [norm(left), norm(right)];
+        let reciprocals = lengths.map(L::reciprocal_or_zero);
+        let normals = [scale(reciprocals[0], left), scale(reciprocals[1], right)];
+        let along = edge_length.reciprocal_or_zero();
+        let present = along * reciprocals[0] * reciprocals[1];
+        Self {
+            edge,
+            edge_length,
+            along,
+            normals,
+            reciprocals,
+            cosine: dot(normals[0], normals[1]),
+            sine: dot(edge, cross(normals[0], normals[1])) * along,
+            presence: L::select(L::zero().less(present), L::literal(1.0), L::zero()),
+        }
+    }
+
+    /// θ in (−π, π]; 0 where a triangle or the edge has no extent.
+    #[inline(always)]
+    pub(super) fn angle(&self) -> L {
+        // Where the hinge is not there, sine and cosine are 0 or meaningless.
+        self.presence * self.sine.atan2(self.cosine)
+    }
+
+    /// The unit vector along the edge; 0 for one without length.
+    #[inline(always)]
+    pub(super) fn direction(&self) -> Vec3<L> {
+        scale(self.along, self.edge)
+    }
+
+    /// `−torque ∂θ/∂x` at the four corners: lifting an opposite corner along its triangle's normal
+    /// lowers θ by the inverse of its height, and the edge's ends answer in proportion to where the
+    /// corner's foot lies between them.
+    #[inline(always)]
+    pub(super) fn forces(&self, corners: &Corners<L, 4>, torque: L) -> [Vec3<L>; 4] {
+        let lever = |side: usize| scale(torque * self.reciprocals[side], self.normals[side]);
+        let (left, right) = (lever(0), lever(1));
+        // Scalar products of the edge with what leads from the foot's end to the corner.
+        let from_b = |corner: usize| dot(corners.difference(corner, 1), self.edge) * self.along;
+        let from_a = |corner: usize| dot(corners.difference(0, corner), self.edge) * self.along;
+        [
+            neg(add(scale(from_b(2), left), scale(from_b(3), right))),
+            neg(add(scale(from_a(2), left), scale(from_a(3), right))),
+            scale(self.edge_length, left),
+            scale(self.edge_length, right),
+        ]
+    }
+}

@@ -1,0 +1,46 @@
+//! The curvature that a membrane would have if it were free.
+
+use crate::real::Real;
+use alloc::vec::Vec;
+
+/// The spontaneous curvature H0 = c0/2, 1/length, in `E = 2κ ∫ (H − H0)² dS`: positive for a
+/// membrane that would be the outside of a sphere.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpontaneousCurvature<T> {
+    /// The same everywhere.
+    Constant(T),
+    /// One number a vertex. It belongs to the material there and moves with it.
+    PerVertex(Vec<T>),
+}
+
+impl<T: Real> Default for SpontaneousCurvature<T> {
+    /// None.
+    fn default() -> Self {
+        Self::Constant(T::zero())
+    }
+}
+
+impl<T: Real> From<T> for SpontaneousCurvature<T> {
+    fn from(constant: T) -> Self {
+        Self::Constant(constant)
+    }
+}
+
+impl<T: Real> SpontaneousCurvature<T> {
+    /// H0 at a vertex.
+    ///
+    /// # Panics
+    /// If there is one number a vertex, but none for this one.
+    #[inline]
+    pub fn at(&self, vertex: usize) -> T {
+        match self {
+            Self::Constant(constant) => *constant,
+            Self::PerVertex(values) => values[vertex],
+        }
+    }
+
+    /// Whether there is none anywhere.
+    pub(super) fn is_zero(&self) -> bool {
+        *self == Self::Constant(T::zero())
+    }
+}

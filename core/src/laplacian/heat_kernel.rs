@@ -1,0 +1,349 @@
+//! The heat-kernel operator: the operator of method D.
+//!
+//! M. Belkin, J. Sun and Y. Wang, Discrete Laplace operator on meshed surfaces, Proc. 24th ACM
+//! Symp. Computational Geometry (2008) 278.
+
+use crate::element::{Execution, Ragged};
+use crate::energy::{Finding, Method};
+use crate::lane::Lane;
+use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
+use crate::mesh::{TriangleMesh, VertexKind};
+use crate::neighbourhood::Neighbourhood;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::triangle::DualArea;
+use crate::vec3::{Vec3, add, dot, norm, scale};
+use alloc::vec::Vec;
+
+/// `Δ_S φ(i) = 1/(4πh²) Σ_T A_T/3 Σ_{p ∈ T} exp(−|x_p − x_i|²/4h) (φ_p − φ_i)`, h the bandwidth at
+/// vertex i.
+///
+/// * Pointwise. With a global bandwidth symmetric in the inner product of the barycentric areas;
+///   with one for each vertex not symmetric.
+/// * `H = −½ (Δ_S x)·n` by its own rows; n, K and the area are those of [`Cotangent`] with mixed
+///   areas.
+/// * The kernel ends where it is below the rounding of the scalar, at `2 √(h ln 1/ε)`: 12 √h in
+///   f64, 8 √h in f32.
+/// * Distances are those through space, but vertices are gathered along the surface, over paths of
+///   edges up to 1.15 times as long as the kernel reaches (on a triangular lattice a path is up to
+///   2/√3 times as long as it is far): it does not couple sheets that lie close together.
+/// * Nearer to a boundary than the kernel reaches, what lies beyond is missing and leaves an error
+///   of order `1/√h` times the field's gradient. H and K are 0 at boundary vertices.
+/// * Where nothing is within reach, the row is empty and H is 0; [`Method::inspect`] says so.
+///
+/// Rows have hundreds of entries (400 to 500 in f64 with the mixed area for h). Kept are their
+/// columns alone, 4 bytes an entry instead of 12: the search along the surface costs several times
+/// what the kernel costs, which is therefore computed again whenever the operator is applied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeatKernel<T> {
+    /// The bandwidth h.
+    pub bandwidth: Bandwidth<T>,
+}
+
+/// The bandwidth h of a heat kernel: an area, twice the kernel's variance along each axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bandwidth<T> {
+    /// This factor times the mixed area of the vertex. The error then stays as large as it is: the
+    /// kernel always averages over the same few neighbours.
+    MixedArea(T),
+    /// The same area everywhere. Only one that shrinks more slowly than the triangles can
+    /// converge: in mean areas of a vertex ¼, ½, 1 to 2 at 642, 2562, 10242 vertices of a
+    /// discocyte.
+    Global(T),
+}
+
+impl<T: Real> HeatKernel<T> {
+    /// The operator with this bandwidth.
+    pub fn new(bandwidth: Bandwidth<T>) -> Self {
+        Self { bandwidth }
+    }
+}
+
+impl<T: Real> Default for HeatKernel<T> {
+    /// The mixed area of each vertex as its bandwidth.
+    fn default() -> Self {
+        Self::new(Bandwidth::MixedArea(T::one()))
+    }
+}
+
+/// Memory of [`HeatKernel`].
+#[derive(Clone, Debug, Default)]
+pub struct HeatKernelMemory<T> {
+    cotangent: CotangentMemory<T>,
+    /// The length of the edge to each entry of the mesh's one-rings.
+    edge_lengths: Vec<T>,
+    searches: Vec<Neighbourhood<T>>,
+    kernel: Kernel<T>,
+    gathered: Gathered,
+}
+
+/// What the coefficients are computed from.
+#[derive(Clone, Debug, Default)]
+struct Kernel<T> {
+    /// 1/h at each vertex; 0 where the row is empty.
+    over_bandwidth: Vec<T>,
+    /// The barycentric area of each vertex.
+    weights: Vec<T>,
+}
+
+impl<T: Real> Kernel<T> {
+    /// The coefficient of `neighbour`, that far away, in the row of `vertex`.
+    #[inline]
+    fn coefficient(&self, vertex: usize, neighbour: u32, squared_distance: T) -> T {
+        let over = self.over_bandwidth[vertex];
+        // Factor by factor: 1/h² would leave the range of numbers where 1/h does not.
+        let weight = self.weights[neighbour as usize] * over;
+        let height = over * (T::constant(0.25) * T::FRAC_1_PI());
+        weight * height * (-T::constant(0.25) * squared_distance * over).exp()
+    }
+
+    /// `4 h ln 1/ε`: the squared distance at which the kernel has fallen to the rounding ε.
+    fn squared_reach(&self, vertex: usize) -> T {
+        let exponent = -T::constant(4.0) * T::epsilon().ln();
+        exponent * self.over_bandwidth[vertex].reciprocal_or_zero()
+    }
+}
+
+/// The columns of each row, with room for some more so that a moving surface seldom needs memory.
+#[derive(Clone, Debug, Default)]
+struct Gathered {
+    offsets: Vec<usize>,
+    /// How many columns a row has, or should have: it may be more than it has room for.
+    lengths: Vec<u32>,
+    columns: Vec<u32>,
+}
+
+impl Gathered {
+    /// Room for `rows` rows; how much each, [`Self::make_room`] finds out.
+    fn resize(&mut self, rows: usize) {
+        if self.lengths.len() != rows {
+            self.lengths.clear();
+            self.lengths.resize(rows, 0);
+            self.offsets.clear();
+            self.offsets.resize(rows + 1, 0);
+            self.columns.clear();
+        }
+    }
+
+    fn row(&self, row: usize) -> &[u32] {
+        let start = self.offsets[row];
+        &self.columns[start..start + self.lengths[row] as usize]
+    }
+
+    /// Gives each row room for its length and a quarter more, unless every row has enough; returns
+    /// whether it had.
+    fn make_room(&mut self) -> bool {
+        let ends = self.offsets.windows(2);
+        let mut rows = ends.zip(&self.lengths);
+        if rows.all(|(ends, &length)| length as usize <= ends[1] - ends[0]) {
+            return true;
+        }
+        let mut offset = 0;
+        for (&length, end) in self.lengths.iter().zip(&mut self.offsets[1..]) {
+            offset += length as usize + length as usize / 4;
+            *end = offset;
+        }
+        self.columns.resize(offset, 0);
+        false
+    }
+}
+
+impl<T: Real> HeatKernel<T> {
+    fn set_over_bandwidth(
+        &self,
+        execution: &impl Execution,
+        curvature: &[Curvature<T>],
+        over: &mut Vec<T>,
+    ) {
+        over.resize(curvature.len(), T::zero());
+        execution.map(&mut over[..], |vertex, over| {
+            let Curvature { area, kind, .. } = curvature[vertex];
+            let bandwidth = match (kind, self.bandwidth) {
+                (VertexKind::Isolated, _) => T::zero(),
+                (_, Bandwidth::MixedArea(factor)) => factor * area,
+                (_, Bandwidth::Global(bandwidth)) => bandwidth,
+            };
+            *over = bandwidth.reciprocal_or_zero();
+        });
+    }
+}
+
+fn set_edge_lengths<T: Real>(
+    execution: &impl Execution,
+    surface: Surface<'_, T>,
+    lengths: &mut Vec<T>,
+    offsets: &[usize],
+) {
+    let mesh = surface.mesh();
+    lengths.resize(mesh.ring_vertices().len(), T::zero());
+    execution.map(Ragged::new(lengths, offsets), |vertex, lengths| {
+        for (&neighbour, length) in mesh.one_ring(vertex).iter().zip(lengths) {
+            *length = norm(surface.difference(vertex as u32, neighbour));
+        }
+    });
+}
+
+/// Gathers what lies within reach of each vertex, and sets H.
+fn gather<T: Real>(
+    execution: &impl Execution,
+    surface: Surface<'_, T>,
+    memory: &mut HeatKernelMemory<T>,
+    curvature: &mut [Curvature<T>],
+) {
+    let HeatKernelMemory {
+        edge_lengths,
+        searches,
+        kernel,
+        gathered,
+        ..
+    } = memory;
+    let Gathered {
+        offsets,
+        lengths,
+        columns,
+    } = gathered;
+    let rows = (&mut lengths[..], Ragged::new(columns, offsets));
+    let detour = T::constant(1.15);
+    execution.map_with(
+        searches,
+        (curvature, rows),
+        |search, vertex, (curvature, (length, columns))| {
+            let centre = vertex as u32;
+            let squared_reach = kernel.squared_reach(vertex);
+            let longest = detour * squared_reach.sqrt();
+            search.within(surface, edge_lengths, centre, longest);
+            let mut count = 0;
+            let mut sum: Vec3<T> = [T::zero(); 3];
+            for &(squared_distance, neighbour) in &search.found {
+                if squared_distance > squared_reach {
+                    continue;
+                }
+                if let Some(column) = columns.get_mut(count) {
+                    *column = neighbour;
+                }
+                count += 1;
+                let coefficient = kernel.coefficient(vertex, neighbour, squared_distance);
+                sum = add(
+                    sum,
+                    scale(coefficient, surface.difference(centre, neighbour)),
+                );
+            }
+            *length = count as u32;
+            curvature.mean = match curvature.kind {
+                VertexKind::Interior => -T::constant(0.5) * dot(sum, curvature.normal),
+                VertexKind::Boundary | VertexKind::Isolated => T::zero(),
+            };
+        },
+    );
+}
+
+/// The columns and coefficients of a row.
+fn row<'a, T: Real>(
+    surface: Surface<'a, T>,
+    memory: &'a HeatKernelMemory<T>,
+    vertex: usize,
+) -> impl Iterator<Item = (u32, T)> + 'a {
+    memory.gathered.row(vertex).iter().map(move |&neighbour| {
+        let difference = surface.difference(vertex as u32, neighbour);
+        let squared_distance = dot(difference, difference);
+        let kernel = &memory.kernel;
+        (
+            neighbour,
+            kernel.coefficient(vertex, neighbour, squared_distance),
+        )
+    })
+}
+
+impl<T: Real> Method<T> for HeatKernel<T> {
+    /// Where each one-ring starts, with the length of all of them at the end.
+    type Plan = Vec<usize>;
+    type Memory = HeatKernelMemory<T>;
+
+    fn plan(&self, mesh: &TriangleMesh) -> Vec<usize> {
+        let offsets = mesh.ring_offsets().iter();
+        offsets.map(|&offset| offset as usize).collect()
+    }
+
+    fn inspect(
+        &self,
+        _plan: &Vec<usize>,
+        surface: Surface<'_, T>,
+        memory: &HeatKernelMemory<T>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        surface.report_degenerate_triangles(report);
+        for (vertex, &length) in memory.gathered.lengths.iter().enumerate() {
+            if length == 0 && surface.mesh().vertex_kind(vertex) != VertexKind::Isolated {
+                report(Finding::TooFewNeighbours {
+                    vertex: vertex as u32,
+                });
+            }
+        }
+    }
+}
+
+impl<T: Real> LaplaceBeltrami<T> for HeatKernel<T> {
+    fn measure(
+        &self,
+        execution: &impl Execution,
+        plan: &Vec<usize>,
+        surface: Surface<'_, T>,
+        memory: &mut HeatKernelMemory<T>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let vertices = surface.mesh().vertex_count();
+        let curvature = &mut curvature[..vertices];
+        let mixed = Cotangent::new(DualArea::Mixed);
+        mixed.sum(execution, surface, &mut memory.cotangent, curvature);
+        let Kernel {
+            over_bandwidth,
+            weights,
+        } = &mut memory.kernel;
+        self.set_over_bandwidth(execution, curvature, over_bandwidth);
+        weights.resize(vertices, T::zero());
+        Cotangent::new(DualArea::Barycentric).dual_areas(execution, surface, weights);
+        set_edge_lengths(execution, surface, &mut memory.edge_lengths, plan);
+        memory.gathered.resize(vertices);
+        gather(execution, surface, memory, curvature);
+        if !memory.gathered.make_room() {
+            gather(execution, surface, memory, curvature);
+        }
+    }
+
+    fn apply<const D: usize>(
+        &self,
+        execution: &impl Execution,
+        _plan: &Vec<usize>,
+        surface: Surface<'_, T>,
+        memory: &HeatKernelMemory<T>,
+        field: &[[T; D]],
+        laplacian: &mut [[T; D]],
+    ) {
+        let laplacian = &mut laplacian[..surface.mesh().vertex_count()];
+        execution.map(laplacian, |vertex, laplacian| {
+            let mut sum = [T::zero(); D];
+            for (neighbour, coefficient) in row(surface, memory, vertex) {
+                for k in 0..D {
+                    sum[k] += coefficient * (field[neighbour as usize][k] - field[vertex][k]);
+                }
+            }
+            *laplacian = sum;
+        });
+    }
+
+    fn assemble(
+        &self,
+        _plan: &Vec<usize>,
+        surface: Surface<'_, T>,
+        memory: &HeatKernelMemory<T>,
+        rows: &mut Rows<T>,
+    ) {
+        rows.clear();
+        for vertex in 0..surface.mesh().vertex_count() {
+            for (neighbour, coefficient) in row(surface, memory, vertex) {
+                rows.push(neighbour, coefficient);
+            }
+            rows.end_row();
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! The paraboloid fit: the operator of method E.
+//!
+//! A. Farutin, T. Biben and C. Misbah, J. Comput. Phys. 275 (2014) 539.
+
+use crate::element::Execution;
+use crate::energy::{Finding, Method};
+use crate::lane::Lane;
+use crate::laplacian::least_squares::LeastSquares;
+use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
+use crate::mesh::TriangleMesh;
+use crate::neighbourhood::Neighbourhood;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::triangle::DualArea;
+use crate::vec3::{Vec3, add, dot, normalise, scale, sub, tangent_frame};
+use alloc::vec::Vec;
+
+/// At each vertex the least-squares paraboloid `z = a x + b y + ½ c x² + d x y + ½ e y²` through
+/// the vertex and near its neighbours, in a frame whose z axis is turned into the paraboloid's
+/// normal until it stands still. With `w = 1 + a² + b²`
+///
+/// `H = −[(1+a²) e − 2ab d + (1+b²) c] / (2 w^{3/2})`,  `K = (c e − d²)/w²`,
+///
+/// and a field's paraboloid by the same fit gives
+/// `Δ_S φ = (1 − a²/w) φ_xx − 2ab/w φ_xy + (1 − b²/w) φ_yy + 2H (a φ_x + b φ_y)/√w`.
+///
+/// * Pointwise, not symmetric. The area is the mixed area.
+/// * The neighbours are the one-ring, and two rings where that has fewer than five vertices.
+/// * Five neighbours near a conic section through the vertex do not determine a paraboloid: values
+///   then grow without bound. That is the method as published; [`Paraboloid::guarded`] does better.
+/// * At a boundary vertex the fit is one-sided, and defines H and K there.
+/// * Where the neighbours do not determine a paraboloid at all, because two rings have fewer than
+///   five vertices (a tetrahedron) or by symmetry (an octahedron), the row is empty and H = K = 0;
+///   [`Method::inspect`] reports it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Paraboloid {
+    /// Whether two rings are used also where the one-ring nearly fails to determine the fit: the
+    /// last diagonal entry of the triangular factor, columns scaled to length 1, is below
+    /// 1/10 of the first.
+    pub guarded: bool,
+}
+
+/// Unknowns of the fit, and the fewest neighbours that can determine them.
+const COEFFICIENTS: usize = 5;
+
+/// Below this ratio of diagonal entries a guarded fit takes two rings: those of regular fans of
+/// five or six lie between 0.2 and 0.4.
+const NEARLY_DEPENDENT: f64 = 0.1;
+
+/// Most fits at one vertex. Each leaves a tilt smaller than the last by the square of edge length
+/// times curvature, so that few are needed unless the mesh is too coarse for the surface.
+const MOST_FITS: usize = 12;
+
+impl Paraboloid {
+    /// With two rings where one ring is nearly singular.
+    pub fn guarded() -> Self {
+        Self { guarded: true }
+    }
+}
+
+/// Where each row starts, with room for as many neighbours as it may have, and the end of the last.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NeighbourRoom {
+    offsets: Vec<usize>,
+}
+
+/// Memory of [`Paraboloid`]: the rows of the surface that was measured last.
+#[derive(Clone, Debug, Default)]
+pub struct ParaboloidMemory<T> {
+    cotangent: CotangentMemory<T>,
+    rows: Rows<T>,
+    fits: Vec<Fit<T>>,
+}
+
+/// Scratch memory for one vertex.
+#[derive(Clone, Debug, Default)]
+struct Fit<T> {
+    search: Neighbourhood<T>,
+    neighbours: Vec<u32>,
+    /// Neighbours' positions relative to the vertex, in units of `radius`.
+    offsets: Vec<Vec3<T>>,
+    /// The distance of the farthest neighbour.
+    radius: T,
+    problem: LeastSquares<T>,
+    heights: Vec<T>,
+}
+
+/// A paraboloid that was fitted: its coefficients a, b, c, d, e in units of the radius, the normal
+/// that follows, and how well the neighbours determine them: |R_nn|/|R_11|.
+struct Fitted<T> {
+    coefficients: [T; COEFFICIENTS],
+    normal: Vec3<T>,
+    independence: T,
+}
+
+impl<T: Real> Fit<T> {
+    fn set_neighbours(&mut self, surface: Surface<'_, T>, vertex: u32, rings: usize) {
+        self.search.rings(surface, vertex, rings);
+        let found = &self.search.found;
+        self.neighbours.clear();
+        self.neighbours.extend(found.iter().map(|found| found.1));
+        let farthest = found
+            .iter()
+            .fold(T::zero(), |most, found| most.max(found.0));
+        self.radius = farthest.sqrt();
+        let over = Lane::reciprocal_or_zero(self.radius);
+        let offset = |&neighbour| scale(over, surface.difference(vertex, neighbour));
+        self.offsets.clear();
+        self.offsets.extend(self.neighbours.iter().map(offset));
+    }
+
+    /// Fits again and again, from a first normal; `None` if the neighbours determine no paraboloid.
+    fn settle(&mut self, normal: Vec3<T>) -> Option<Fitted<T>> {
+        let mut fitted = self.fit(normal)?;
+        for _ in 1..MOST_FITS {
+            let [a, b, ..] = fitted.coefficients;
+            if a.abs().max(b.abs()) <= T::constant(8.0) * T::epsilon() {
+                break;
+            }
+            fitted = self.fit(fitted.normal)?;
+        }
+        Some(fitted)
+    }
+
+    fn fit(&mut self, normal: Vec3<T>) -> Option<Fitted<T>> {
+        let count = self.offsets.len();
+        if count < COEFFICIENTS {
+            return None;
+        }
+        let [first, second] = tangent_frame(normal);
+        let half = T::constant(0.5);
+        let offsets = &self.offsets;
+        // A column that is only rounding would be taken for a direction like any other.
+        let mut noise = false;
+        let independence = self.problem.factorise(count, COEFFICIENTS, |matrix| {
+            for (k, &offset) in offsets.iter().enumerate() {
+                let (x, y) = (dot(offset, first), dot(offset, second));
+                let basis = [x, y, half * x * x, x * y, half * y * y];
+                for (column, entry) in basis.into_iter().enumerate() {
+                    matrix[column * count + k] = entry;
+                }
+            }
+            let small = |entry: &T| entry.abs() <= T::epsilon();
+            noise = matrix
+                .chunks_exact(count)
+                .any(|column| column.iter().all(small));
+        });
+        if noise || independence <= T::constant(count as f64) * T::epsilon() {
+            return None;
+        }
+        self.heights.clear();
+        self.heights
+            .extend(offsets.iter().map(|&offset| dot(offset, normal)));
+        let mut coefficients = [T::zero(); COEFFICIENTS];
+        self.problem.solve(&mut self.heights, &mut coefficients);
+        let [a, b, ..] = coefficients;
+        let tilt = add(scale(a, first), scale(b, second));
+        Some(Fitted {
+            coefficients,
+            normal: normalise(sub(normal, tilt)),
+            independence,
+        })
+    }
+}
+
+impl<T: Real> Fitted<T> {
+    /// H, K and the functional that takes a field's coefficients to its Laplacian, in units of the
+    /// radius.
+    fn curvature(&self) -> (T, T, [T; COEFFICIENTS]) {
+        let [a, b, c, d, e] = self.coefficients;
+        let (one, two) = (T::one(), T::constant(2.0));
+        let w = one + a * a + b * b;
+        let root = w.sqrt();
+        let sum = (one + a * a) * e - two * a * b * d + (one + b * b) * c;
+        let mean = -sum / (two * w * root);
+        let gaussian = (c * e - d * d) / (w * w);
+        let slope = two * mean / root;
+        let laplacian = [
+            slope * a,
+            slope * b,
+            one - a * a / w,
+            -two * a * b / w,
+            one - b * b / w,
+        ];
+        (mean, gaussian, laplacian)
+    }
+}
+
+impl Paraboloid {
+    /// Fits one vertex: sets its curvature, whose normal is the first guess, and its row, and
+    /// returns the row's length.
+    fn measure_vertex<T: Real>(
+        &self,
+        surface: Surface<'_, T>,
+        fit: &mut Fit<T>,
+        vertex: u32,
+        curvature: &mut Curvature<T>,
+        (columns, coefficients): (&mut [u32], &mut [T]),
+    ) -> usize {
+        let start = curvature.normal;
+        (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
+        let narrow = surface.mesh().valence(vertex as usize) < COEFFICIENTS;
+        fit.set_neighbours(surface, vertex, if narrow { 2 } else { 1 });
+        let mut fitted = fit.settle(start);
+        let least = T::constant(NEARLY_DEPENDENT);
+        let determined = |fitted: &Fitted<T>| fitted.independence >= least;
+        if self.guarded && !narrow && !fitted.as_ref().is_some_and(determined) {
+            fit.set_neighbours(surface, vertex, 2);
+            fitted = fit.settle(start);
+        }
+        let Some(fitted) = fitted else {
+            return 0;
+        };
+        let (mean, gaussian, laplacian) = fitted.curvature();
+        let over = fit.radius.recip();
+        curvature.normal = fitted.normal;
+        curvature.mean = mean * over;
+        curvature.gaussian = gaussian * over * over;
+        let length = fit.neighbours.len();
+        columns[..length].copy_from_slice(&fit.neighbours);
+        let coefficients = &mut coefficients[..length];
+        fit.problem.row_of(&laplacian, coefficients);
+        for coefficient in coefficients {
+            *coefficient = *coefficient * over * over;
+        }
+        length
+    }
+}
+
+impl<T: Real> Method<T> for Paraboloid {
+    type Plan = NeighbourRoom;
+    type Memory = ParaboloidMemory<T>;
+
+    fn plan(&self, mesh: &TriangleMesh) -> NeighbourRoom {
+        let mut offsets = Vec::with_capacity(mesh.vertex_count() + 1);
+        let mut end = 0;
+        offsets.push(end);
+        for vertex in 0..mesh.vertex_count() {
+            let ring = mesh.one_ring(vertex);
+            // No more than these: some lie in both rings or are neighbours of several.
+            let both = ring.len()
+                + ring
+                    .iter()
+                    .map(|&v| mesh.valence(v as usize))
+                    .sum::<usize>();
+            let one = !self.guarded && ring.len() >= COEFFICIENTS;
+            end += if one { ring.len() } else { both };
+            offsets.push(end);
+        }
+        NeighbourRoom { offsets }
+    }
+
+    fn inspect(
+        &self,
+        _plan: &NeighbourRoom,
+        surface: Surface<'_, T>,
+        memory: &ParaboloidMemory<T>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        surface.report_degenerate_triangles(report);
+        for vertex in 0..memory.rows.len() {
+            let isolated = surface.mesh().one_ring(vertex).is_empty();
+            if !isolated && memory.rows.row(vertex).0.is_empty() {
+                report(Finding::TooFewNeighbours {
+                    vertex: vertex as u32,
+                });
+            }
+        }
+    }
+}
+
+impl<T: Real> LaplaceBeltrami<T> for Paraboloid {
+    fn measure(
+        &self,
+        execution: &impl Execution,
+        plan: &NeighbourRoom,
+        surface: Surface<'_, T>,
+        memory: &mut ParaboloidMemory<T>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let mesh = surface.mesh();
+        let ParaboloidMemory {
+            cotangent,
+            rows,
+            fits,
+        } = memory;
+        let curvature = &mut curvature[..mesh.vertex_count()];
+        // Areas, and normals to start from.
+        Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
+        let slots = rows.ragged_slots(&plan.offsets);
+        execution.map_with(
+            fits,
+            (curvature, slots),
+            |fit, vertex, (curvature, (length, row))| {
+                *length = self.measure_vertex(surface, fit, vertex as u32, curvature, row) as u32;
+            },
+        );
+    }
+
+    fn apply<const D: usize>(
+        &self,
+        execution: &impl Execution,
+        _plan: &NeighbourRoom,
+        _surface: Surface<'_, T>,
+        memory: &ParaboloidMemory<T>,
+        field: &[[T; D]],
+        laplacian: &mut [[T; D]],
+    ) {
+        memory.rows.apply(execution, field, laplacian);
+    }
+
+    fn assemble(
+        &self,
+        _plan: &NeighbourRoom,
+        _surface: Surface<'_, T>,
+        memory: &ParaboloidMemory<T>,
+        rows: &mut Rows<T>,
+    ) {
+        rows.clone_from(&memory.rows);
+    }
+}

@@ -1,0 +1,300 @@
+//! Nodal forces freed of their net force and torque.
+
+use crate::element::Execution;
+use crate::energy::{Energy, Finding, Force, ForceDensity, Method};
+use crate::lane::Lane;
+use crate::laplacian::Cotangent;
+use crate::mesh::TriangleMesh;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::triangle::DualArea;
+use crate::vec3::{Vec3, add, cross, dot, scale, sub};
+use alloc::vec::Vec;
+
+/// The connected component of each vertex.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Components {
+    of_vertex: Vec<u32>,
+    count: usize,
+}
+
+impl Components {
+    /// The components of a mesh.
+    pub fn new(mesh: &TriangleMesh) -> Self {
+        let (of_vertex, count) = mesh.components();
+        Self { of_vertex, count }
+    }
+}
+
+/// The rigid body of one component, and the force field that takes its net force and torque away.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RigidBody<T> {
+    /// A vertex, from which positions are taken.
+    origin: Option<u32>,
+    /// ΣA.
+    area: T,
+    /// ΣA x/ΣA, from the origin.
+    centre: Vec3<T>,
+    /// Largest distance from the origin: the unit of length of what follows.
+    radius: T,
+    /// ΣF/ΣA.
+    translation: Vec3<T>,
+    torque: Vec3<T>,
+    /// `xx yy zz yz zx xy` of ΣA (|r|² 1 − r rᵀ)/ΣA.
+    inertia: [T; 6],
+    /// I⁻¹ Σ r × F/ΣA.
+    rotation: Vec3<T>,
+}
+
+impl<T: Real> RigidBody<T> {
+    /// Position from the centre, in units of the radius.
+    fn arm(&self, surface: Surface<'_, T>, vertex: u32) -> Vec3<T> {
+        let from_origin = surface.difference(self.origin.unwrap_or(vertex), vertex);
+        let from_centre = sub(from_origin, self.centre);
+        scale(self.radius.reciprocal_or_zero(), from_centre)
+    }
+
+    /// Force per area at a vertex.
+    fn density(&self, surface: Surface<'_, T>, vertex: u32) -> Vec3<T> {
+        add(
+            self.translation,
+            cross(self.rotation, self.arm(surface, vertex)),
+        )
+    }
+}
+
+/// Takes from nodal forces what accelerates or spins each connected component as a rigid body:
+///
+/// `F_i −= A_i (a + b × (x_i − x_c))`, `a = ΣF/ΣA`, `b = I⁻¹ Σ (x − x_c) × F`,
+/// `I = ΣA (|d|² 1 − d dᵀ)`, `x_c = ΣA x/ΣA`, `d = x − x_c`.
+///
+/// Afterwards ΣF = 0 and Σ x × F = 0 in each component, to rounding. Where all vertices lie on a
+/// line the turn about it, which moves none of them, is left out. A component without area keeps
+/// its forces. `areas` are the A_i, one a vertex; `bodies` is memory, reused.
+///
+/// # Panics
+/// If `components`, `areas` or `force` have fewer entries than the surface has vertices.
+pub fn remove_net_force_and_torque<T: Real>(
+    components: &Components,
+    surface: Surface<'_, T>,
+    areas: &[T],
+    bodies: &mut Vec<RigidBody<T>>,
+    force: &mut [[T; 3]],
+) {
+    set_bodies(components, surface, areas, bodies, |vertex| force[vertex]);
+    for (vertex, force) in force[..areas.len()].iter_mut().enumerate() {
+        let body = &bodies[components.of_vertex[vertex] as usize];
+        let density = body.density(surface, vertex as u32);
+        *force = sub(*force, scale(areas[vertex], density));
+    }
+}
+
+/// Everything about each component's rigid body. Sums run over the vertices in their order, so
+/// that they do not depend on how work is divided.
+fn set_bodies<T: Real>(
+    components: &Components,
+    surface: Surface<'_, T>,
+    areas: &[T],
+    bodies: &mut Vec<RigidBody<T>>,
+    force: impl Fn(usize) -> Vec3<T>,
+) {
+    bodies.clear();
+    bodies.resize(components.count, RigidBody::default());
+    let vertices = || {
+        components
+            .of_vertex
+            .iter()
+            .map(|&body| body as usize)
+            .enumerate()
+    };
+    for (vertex, body) in vertices() {
+        let body = &mut bodies[body];
+        let origin = *body.origin.get_or_insert(vertex as u32);
+        let from_origin = surface.difference(origin, vertex as u32);
+        body.area += areas[vertex];
+        body.centre = add(body.centre, scale(areas[vertex], from_origin));
+        body.translation = add(body.translation, force(vertex));
+        body.radius = body.radius.max(dot(from_origin, from_origin).sqrt());
+    }
+    for body in bodies.iter_mut() {
+        let over = body.area.reciprocal_or_zero();
+        body.centre = scale(over, body.centre);
+        body.translation = scale(over, body.translation);
+    }
+    for (vertex, body) in vertices() {
+        let body = &mut bodies[body];
+        let arm = body.arm(surface, vertex as u32);
+        let over = body.area.reciprocal_or_zero();
+        let share = areas[vertex] * over;
+        let [x, y, z] = arm;
+        let products = [
+            y * y + z * z,
+            z * z + x * x,
+            x * x + y * y,
+            -y * z,
+            -z * x,
+            -x * y,
+        ];
+        for (sum, product) in body.inertia.iter_mut().zip(products) {
+            *sum += share * product;
+        }
+        body.torque = add(body.torque, scale(over, cross(arm, force(vertex))));
+    }
+    for body in bodies.iter_mut() {
+        body.rotation = solve_symmetric(body.inertia, body.torque);
+    }
+}
+
+/// A solution of `M b = t` for a symmetric, positive semi-definite M, given as `xx yy zz yz zx xy`,
+/// and a t that it can reach: elimination with the largest pivot first, unknowns whose pivot is
+/// lost in rounding being 0.
+fn solve_symmetric<T: Real>([xx, yy, zz, yz, zx, xy]: [T; 6], t: Vec3<T>) -> Vec3<T> {
+    let mut matrix = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
+    let mut right = t;
+    let noise = T::constant(16.0) * T::epsilon() * (xx + yy + zz);
+    let mut pivots = [None; 3];
+    for place in 0..3 {
+        let left = (0..3).filter(|k| !pivots.contains(&Some(*k)));
+        let larger = |best: usize, k: usize| {
+            if matrix[k][k] > matrix[best][best] {
+                k
+            } else {
+                best
+            }
+        };
+        let Some(pivot) = left.reduce(larger).filter(|&k| matrix[k][k] > noise) else {
+            break;
+        };
+        pivots[place] = Some(pivot);
+        for row in 0..3 {
+            if pivots.contains(&Some(row)) {
+                continue;
+            }
+            let factor = matrix[row][pivot] / matrix[pivot][pivot];
+            matrix[row] = sub(matrix[row], scale(factor, matrix[pivot]));
+            right[row] -= factor * right[pivot];
+        }
+    }
+    let mut solution = [T::zero(); 3];
+    for pivot in pivots.into_iter().rev().flatten() {
+        // The pivot's own unknown is still 0 in the product.
+        let known = dot(matrix[pivot], solution);
+        solution[pivot] = (right[pivot] - known) / matrix[pivot][pivot];
+    }
+    solution
+}
+
+/// A method whose forces are freed of net force and torque in each connected component, with mixed
+/// areas as weights: see [`remove_net_force_and_torque`].
+///
+/// For methods that are not the gradient of an energy: an exact gradient has neither to begin with.
+/// Force densities are freed of the same field per area, at every vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projected<M>(pub M);
+
+/// Memory of [`Projected`].
+#[derive(Clone, Debug, Default)]
+pub struct ProjectedMemory<T, M> {
+    /// The method's own.
+    pub method: M,
+    areas: Vec<T>,
+    bodies: Vec<RigidBody<T>>,
+    force: Vec<[T; 3]>,
+}
+
+impl<T: Real, M: Method<T>> Method<T> for Projected<M> {
+    type Plan = (M::Plan, Components);
+    type Memory = ProjectedMemory<T, M::Memory>;
+
+    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
+        (self.0.plan(mesh), Components::new(mesh))
+    }
+
+    fn inspect(
+        &self,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &Self::Memory,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        self.0.inspect(&plan.0, surface, &memory.method, report);
+    }
+}
+
+impl<T: Real, M: Energy<T>> Energy<T> for Projected<M> {
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut Self::Memory,
+    ) -> T {
+        self.0
+            .energy(execution, &plan.0, surface, &mut memory.method)
+    }
+}
+
+impl<T, M> ProjectedMemory<T, M>
+where
+    T: Real,
+{
+    fn set_areas(&mut self, execution: &impl Execution, surface: Surface<'_, T>) {
+        self.areas.resize(surface.mesh().vertex_count(), T::zero());
+        Cotangent::new(DualArea::Mixed).dual_areas(execution, surface, &mut self.areas);
+    }
+}
+
+impl<T: Real, M: Force<T>> Force<T> for Projected<M> {
+    fn add_force(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut Self::Memory,
+        force: &mut [[T; 3]],
+    ) {
+        memory.set_areas(execution, surface);
+        let ProjectedMemory {
+            method,
+            areas,
+            bodies,
+            force: own,
+        } = memory;
+        own.clear();
+        own.resize(areas.len(), [T::zero(); 3]);
+        self.0.add_force(execution, &plan.0, surface, method, own);
+        remove_net_force_and_torque(&plan.1, surface, areas, bodies, own);
+        execution.map(&mut force[..areas.len()], |vertex, force| {
+            *force = add(*force, own[vertex]);
+        });
+    }
+}
+
+impl<T: Real, M: ForceDensity<T>> ForceDensity<T> for Projected<M> {
+    fn force_density(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut Self::Memory,
+        density: &mut [[T; 3]],
+    ) {
+        memory.set_areas(execution, surface);
+        let ProjectedMemory {
+            method,
+            areas,
+            bodies,
+            ..
+        } = memory;
+        self.0
+            .force_density(execution, &plan.0, surface, method, density);
+        let density = &mut density[..areas.len()];
+        let force = |vertex: usize| scale(areas[vertex], density[vertex]);
+        let components = &plan.1;
+        set_bodies(components, surface, areas, bodies, force);
+        execution.map(density, |vertex, density| {
+            let body = &bodies[components.of_vertex[vertex] as usize];
+            *density = sub(*density, body.density(surface, vertex as u32));
+        });
+    }
+}

@@ -1,0 +1,117 @@
+//! Method D: the behaviour that it has, stall and divergence included.
+
+use helfrich::laplacian::LaplaceBeltrami;
+use helfrich::{Bandwidth, Curvature, HeatKernel, Method, Rows, Serial, StrongForm};
+use helfrich_std::generate::{Family, GeneratedMesh, generate};
+use helfrich_tests::accuracy::{StrongFormErrors, of_strong_form, surface};
+use helfrich_tests::operator_laws::{check_operator, check_small_meshes};
+use helfrich_tests::tolerance;
+
+fn made(family: Family, vertices: usize) -> GeneratedMesh {
+    generate(&"discocyte".parse().unwrap(), family, vertices, 1).unwrap()
+}
+
+fn on_discocyte(family: Family, vertices: usize) -> StrongFormErrors {
+    of_strong_form(StrongForm::belkin(1.0), &made(family, vertices))
+}
+
+#[test]
+fn laws() {
+    check_operator(&HeatKernel::default());
+    check_operator(&HeatKernel::new(Bandwidth::MixedArea(0.25)));
+}
+
+#[test]
+fn tiny_and_open_meshes_give_finite_values() {
+    check_small_meshes(&HeatKernel::default());
+}
+
+/// Nothing converges: f neither grows nor falls on regular meshes, and grows on irregular ones.
+#[test]
+fn force_density_stalls_on_regular_and_diverges_on_irregular_meshes() {
+    let found = [642, 2562, 10242].map(|n| on_discocyte(Family::Regular, n));
+    for (found, expected) in found.iter().zip([0.92, 0.60, 0.29]) {
+        let error = found.force_density.max;
+        tolerance::PUBLISHED_ERROR.assert(error, expected, expected, "f on regular meshes");
+    }
+    // Once √h resolves the dimple, H is of order 1 and more.
+    assert!(found[1].mean.max < 0.1 && found[2].mean.max < 0.4 * found[1].mean.max);
+    let found = [642, 2562, 10242].map(|n| on_discocyte(Family::Irregular, n));
+    assert!(found[2].force_density.max > 10.0 * found[0].force_density.max);
+}
+
+/// The two sides of the dimple are 0.2 R apart, and the kernel reaches further than that: were
+/// vertices found through space, H would be wrong by as much as it is.
+#[test]
+fn sheets_that_lie_close_together_are_not_coupled() {
+    let made = made(Family::Regular, 2562);
+    let surface = surface(&made);
+    let operator = HeatKernel::<f64>::default();
+    let plan = operator.plan(&made.mesh);
+    let mut memory = Default::default();
+    let mut curvature = vec![Curvature::default(); made.mesh.vertex_count()];
+    operator.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
+    let mut rows = Rows::new();
+    operator.assemble(&plan, surface, &memory, &mut rows);
+    let radius = |[x, y, _]: [f64; 3]| x.hypot(y);
+    let mut across = 0;
+    for (vertex, &x) in made.positions.iter().enumerate() {
+        if radius(x) > 0.12 {
+            continue;
+        }
+        let reach = 12.0 * curvature[vertex].area.sqrt();
+        let others = made.positions.iter();
+        across += others
+            .filter(|y| y[2] * x[2] < 0.0 && reach > (y[2] - x[2]).abs())
+            .count();
+        let (columns, _) = rows.row(vertex);
+        assert!(columns.len() > 200);
+        let same_side = |&column: &u32| made.positions[column as usize][2] * x[2] > 0.0;
+        assert!(columns.iter().all(same_side));
+    }
+    assert!(
+        across > 100,
+        "the test needs sheets within reach of each other"
+    );
+}
+
+/// A bandwidth that shrinks more slowly than the triangles makes H converge where one of a fixed
+/// number of triangles does not: on irregular meshes.
+#[test]
+fn a_wider_kernel_smooths_irregular_meshes() {
+    let made = made(Family::Irregular, 2562);
+    let area = surface(&made).area() / 2562.0;
+    let wide = HeatKernel::new(Bandwidth::Global(2.0 * area));
+    let wide = of_strong_form(StrongForm::new(1.0, wide), &made);
+    let narrow = of_strong_form(StrongForm::belkin(1.0), &made);
+    assert!(wide.laplacian_of_mean.max < 0.2 * narrow.laplacian_of_mean.max);
+}
+
+/// With one bandwidth for all, `A_i c_ij = A_j c_ji` with barycentric areas.
+#[test]
+fn a_global_bandwidth_gives_a_symmetric_operator() {
+    let made = made(Family::Regular, 642);
+    let surface = surface(&made);
+    let operator = HeatKernel::new(Bandwidth::Global(surface.area() / 2568.0));
+    let plan = operator.plan(&made.mesh);
+    let mut memory = Default::default();
+    let mut curvature = vec![Curvature::default(); made.mesh.vertex_count()];
+    operator.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
+    let mut rows = Rows::new();
+    operator.assemble(&plan, surface, &memory, &mut rows);
+    let mut areas = vec![0.0; made.mesh.vertex_count()];
+    let barycentric = helfrich::Cotangent::new(helfrich::DualArea::Barycentric);
+    barycentric.dual_areas(&Serial, surface, &mut areas);
+    for row in 0..rows.len() {
+        let (columns, coefficients) = rows.row(row);
+        for (&column, &coefficient) in columns.iter().zip(coefficients) {
+            let (back, others) = rows.row(column as usize);
+            let place = back.iter().position(|&back| back as usize == row).unwrap();
+            let (here, there) = (
+                areas[row] * coefficient,
+                areas[column as usize] * others[place],
+            );
+            tolerance::SYMMETRY.assert(here, there, there, "A c");
+        }
+    }
+}

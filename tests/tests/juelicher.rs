@@ -1,0 +1,110 @@
+//! Jülicher's method: exact gradient, and the errors that it has.
+
+use autodiff::F1;
+use helfrich::{Juelicher, Prepared};
+use helfrich_std::generate::{Family, GeneratedMesh, generate};
+use helfrich_tests::accuracy::{
+    cotangent_curvature, density_errors, exact_points, force_and_energy, surface,
+};
+use helfrich_tests::gradient::check_gradient;
+use helfrich_tests::{small_meshes, tolerance};
+use std::f64::consts::PI;
+
+/// E/κ of the discocyte.
+const DISCOCYTE: f64 = 48.474_464_751_661_5;
+
+fn made(shape: &str, family: Family, vertices: usize) -> GeneratedMesh {
+    generate(&shape.parse().unwrap(), family, vertices, 1).unwrap()
+}
+
+fn mean_curvature(made: &GeneratedMesh) -> Vec<f64> {
+    let mut prepared = Prepared::new(Juelicher::new(1.0), &made.mesh);
+    let mut mean = vec![0.0; made.mesh.vertex_count()];
+    prepared.with(|method, execution, plan, memory| {
+        method.mean_curvature(execution, plan, surface(made), memory, &mut mean);
+    });
+    mean
+}
+
+#[test]
+fn forces_are_the_gradient() {
+    let made = made("discocyte", Family::Irregular, 162);
+    let (one, two) = (Juelicher::new(1.3), Juelicher::new(F1::cst(1.3)));
+    check_gradient(&one, two.clone(), &made.mesh, &made.positions);
+    let (mesh, positions) = small_meshes::sheet(6);
+    check_gradient(&one, two, &mesh, &positions);
+}
+
+#[test]
+fn tiny_and_open_meshes_give_finite_values() {
+    for (name, (mesh, positions)) in small_meshes::all() {
+        let surface = helfrich::Surface::new(&mesh, &positions).unwrap();
+        let (force, energy) = force_and_energy(Juelicher::new(1.0), surface);
+        assert!(energy.is_finite() && energy >= 0.0, "{name}");
+        assert!(force.iter().flatten().all(|x| x.is_finite()), "{name}");
+    }
+}
+
+#[test]
+fn energy_converges_on_regular_meshes_and_stalls_on_irregular_ones() {
+    for (vertices, expected) in [(642, 0.988), (2562, 0.997), (10242, 0.9992)] {
+        let made = made("discocyte", Family::Regular, vertices);
+        let (_, energy) = force_and_energy(Juelicher::new(1.0), surface(&made));
+        tolerance::STALL.assert(energy / DISCOCYTE, expected, 1.0, "E/exact");
+    }
+    let made = made("discocyte", Family::Irregular, 10242);
+    let (_, energy) = force_and_energy(Juelicher::new(1.0), surface(&made));
+    assert!((1.01..1.04).contains(&(energy / DISCOCYTE)));
+}
+
+/// At the valence-5 vertices of an icosphere H is 14.6 % wrong, however fine the mesh.
+#[test]
+fn mean_curvature_on_a_sphere_is_wrong_where_five_edges_meet() {
+    for vertices in [642, 2562] {
+        let made = made("sphere", Family::Regular, vertices);
+        let mean = mean_curvature(&made);
+        let five = (0..vertices).filter(|&vertex| made.mesh.valence(vertex) == 5);
+        for vertex in five {
+            tolerance::STALL.assert((mean[vertex] - 1.0).abs(), 0.146, 1.0, "error of H");
+        }
+    }
+}
+
+/// f = F/A diverges as method A's: four times as large on a mesh twice as fine.
+#[test]
+fn force_density_diverges() {
+    let error = [2562, 10242].map(|vertices| {
+        let made = made("discocyte", Family::Regular, vertices);
+        let (force, _) = force_and_energy(Juelicher::new(1.0), surface(&made));
+        let areas = cotangent_curvature(surface(&made));
+        density_errors(&made, &force, |vertex| areas[vertex].area).max
+    });
+    let order = (error[0] / error[1]).log2();
+    assert!((-2.2..-1.8).contains(&order), "order {order} of {error:?}");
+}
+
+/// With the curvature of a sphere as spontaneous curvature little energy is left.
+#[test]
+fn spontaneous_curvature() {
+    let made = made("discocyte", Family::Irregular, 162);
+    let varying: Vec<f64> = exact_points(&made).iter().map(|p| 0.8 * p.mean).collect();
+    let dual: Vec<F1> = varying.iter().map(|&x| F1::cst(x)).collect();
+    for constant in [None, Some(0.7)] {
+        let mut one = Juelicher::new(1.3);
+        let mut two = Juelicher::new(F1::cst(1.3));
+        one.spontaneous_curvature = constant.map_or_else(
+            || helfrich::SpontaneousCurvature::PerVertex(varying.clone()),
+            Into::into,
+        );
+        two.spontaneous_curvature = constant.map_or_else(
+            || helfrich::SpontaneousCurvature::PerVertex(dual.clone()),
+            |x| F1::cst(x).into(),
+        );
+        check_gradient(&one, two, &made.mesh, &made.positions);
+    }
+    let sphere = self::made("sphere", Family::Regular, 2562);
+    let mut method = Juelicher::new(1.0);
+    method.spontaneous_curvature = 1.0.into();
+    let (_, energy) = force_and_energy(method, surface(&sphere));
+    assert!(energy < 0.01 * 8.0 * PI);
+}

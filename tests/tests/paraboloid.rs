@@ -1,0 +1,78 @@
+//! Method E: the behaviour that it has, stall and divergence included.
+
+use helfrich::{Finding, Paraboloid, StrongForm};
+use helfrich_std::generate::{Family, generate};
+use helfrich_tests::accuracy::{StrongFormErrors, of_strong_form};
+use helfrich_tests::operator_laws::{check_operator, check_small_meshes};
+use helfrich_tests::tolerance;
+
+const SIZES: [usize; 3] = [2562, 10242, 40962];
+
+fn on_discocyte(operator: Paraboloid, family: Family) -> [StrongFormErrors; 3] {
+    SIZES.map(|vertices| {
+        let made = generate(&"discocyte".parse().unwrap(), family, vertices, 1).unwrap();
+        of_strong_form(StrongForm::new(1.0, operator), &made)
+    })
+}
+
+#[test]
+fn laws() {
+    check_operator(&Paraboloid::default());
+    check_operator(&Paraboloid::guarded());
+}
+
+/// What does not determine a paraboloid is left out, and reported.
+#[test]
+fn tiny_and_open_meshes_give_finite_values() {
+    for operator in [Paraboloid::default(), Paraboloid::guarded()] {
+        for (name, findings) in check_small_meshes(&operator) {
+            let missing = |finding: &&Finding| matches!(finding, Finding::TooFewNeighbours { .. });
+            let expected = match name {
+                "tetrahedron" | "triangle pair" => 4,
+                "octahedron" => 6,
+                _ => 0,
+            };
+            assert_eq!(findings.iter().filter(missing).count(), expected, "{name}");
+        }
+    }
+}
+
+/// H is of first order at every node, and f of order −1.
+#[test]
+fn orders_on_regular_meshes() {
+    let found = on_discocyte(Paraboloid::default(), Family::Regular);
+    for pair in found.windows(2) {
+        let order = |coarse: f64, fine: f64| (coarse / fine).log2();
+        let mean = order(pair[0].mean.max, pair[1].mean.max);
+        assert!((0.8..1.3).contains(&mean), "order {mean} of H");
+        let density = order(pair[0].force_density.max, pair[1].force_density.max);
+        assert!((-1.1..-0.6).contains(&density), "order {density} of f");
+    }
+    for (found, expected) in found.iter().zip([0.47, 0.88, 1.8]) {
+        let error = found.force_density.max;
+        tolerance::PUBLISHED_ERROR.assert(error, expected, expected, "f on regular meshes");
+    }
+}
+
+/// One-rings of five near a conic section blow up the published method; the guard holds H.
+#[test]
+fn irregular_meshes_diverge_and_the_guard_helps() {
+    let published = on_discocyte(Paraboloid::default(), Family::Irregular);
+    let guarded = on_discocyte(Paraboloid::guarded(), Family::Irregular);
+    assert!(published[2].force_density.max > 50.0 * published[0].force_density.max);
+    for (published, guarded) in published.iter().zip(&guarded).skip(1) {
+        assert!(guarded.force_density.max < 0.1 * published.force_density.max);
+        assert!(guarded.mean.max < published.mean.max);
+        assert!(guarded.gaussian.max < 0.3 * published.gaussian.max);
+    }
+}
+
+/// On a sphere the error of H is of second order at every node of an icosphere.
+#[test]
+fn sphere() {
+    let errors = [642, 2562].map(|vertices| {
+        let made = generate(&"sphere".parse().unwrap(), Family::Regular, vertices, 0).unwrap();
+        of_strong_form(StrongForm::farutin(1.0), &made).mean.max
+    });
+    assert!(errors[0] < 0.01 && errors[1] < 0.27 * errors[0]);
+}
