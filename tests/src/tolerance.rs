@@ -366,6 +366,6 @@ pub const LOOP_DISCOCYTE_2562: Tolerance = Tolerance::new(1.2e-4, "measured 7e-5
 pub const LOOP_DISCOCYTE_10242: Tolerance = Tolerance::new(1e-5, "measured 5e-6");
 /// Energy of method S in f32 against f64, relative.
 pub const LOOP_SINGLE: Tolerance = Tolerance::new(
-    1e-4,
+    1e-6,
     "positions rounded at 6e-8 are differentiated twice, over edges of a twentieth",
 );

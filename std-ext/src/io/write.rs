@@ -70,7 +70,7 @@ pub fn write(path: &Path, positions: &[[f64; 3]], mesh: &TriangleMesh) -> Result
     })
 }
 
-/// Writes a mesh in a format, as [`write`] does; STL has infinity for what is beyond 32 bits.
+/// Writes a mesh in a format, as [`write()`] does; STL has infinity for what is beyond 32 bits.
 ///
 /// # Errors
 /// Whatever `out` returns.

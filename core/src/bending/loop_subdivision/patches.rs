@@ -407,8 +407,10 @@ impl<T: Real> Block<T> {
 #[inline(always)]
 fn product<T: Real>(a: &[T; DERIVATIVES], b: &[T; DERIVATIVES]) -> T {
     let mut sums = [T::zero(); 4];
-    for k in 0..DERIVATIVES {
-        sums[k % 4] += a[k] * b[k];
+    for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
     }
     (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
