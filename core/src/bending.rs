@@ -4,6 +4,7 @@ mod gompper_kroll;
 mod hinge;
 mod juelicher;
 mod kantor_nelson;
+mod loop_subdivision;
 mod spontaneous_curvature;
 mod strong_form;
 
@@ -11,5 +12,8 @@ pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
 pub use hinge::Hinges;
 pub use juelicher::{Juelicher, JuelicherMemory};
 pub use kantor_nelson::KantorNelson;
+pub use loop_subdivision::{
+    ConsistentMemory, ControlPoints, LoopSubdivision, LoopSubdivisionMemory, LoopSubdivisionPlan,
+};
 pub use spontaneous_curvature::SpontaneousCurvature;
 pub use strong_form::{StrongForm, StrongFormMemory};

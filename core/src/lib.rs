@@ -59,11 +59,15 @@ mod projection;
 mod real;
 mod reduction;
 pub mod shapes;
+pub mod subdivision;
 mod surface;
 mod triangle;
 mod vec3;
 
-pub use bending::{GompperKroll, Juelicher, KantorNelson, SpontaneousCurvature, StrongForm};
+pub use bending::{
+    ControlPoints, GompperKroll, Juelicher, KantorNelson, LoopSubdivision, SpontaneousCurvature,
+    StrongForm,
+};
 pub use element::{Execution, Serial};
 pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
 pub use lane::{Lane, Pack};
@@ -76,5 +80,6 @@ pub use projection::{
     Components, Projected, ProjectedMemory, RigidBody, remove_net_force_and_torque,
 };
 pub use real::Real;
+pub use subdivision::Subdivision;
 pub use surface::{Surface, SurfaceError};
 pub use triangle::DualArea;

@@ -26,6 +26,11 @@ pub enum Family {
     /// An icosahedron refined by edge midpoints, in a generic rotation, mapped to the shape; on the
     /// torus a triangular lattice of its two angles. Does not depend on the seed.
     Regular,
+    /// An icosahedron refined by Loop's rules, in a generic rotation: its limit positions, put on the
+    /// sphere and mapped to the shape. The connectivity of the regular mesh, without the kinks that
+    /// edge midpoints leave along the icosahedron's edges; on the torus the same as the regular mesh.
+    /// Does not depend on the seed.
+    Smooth,
     /// The regular mesh with its edges as springs, relaxed along the surface: edges become even, and
     /// on the torus, where each row keeps its number of vertices, the triangles more equilateral.
     /// Does not depend on the seed.
@@ -41,12 +46,19 @@ pub enum Family {
 
 impl Family {
     /// All families.
-    pub const ALL: [Self; 4] = [Self::Regular, Self::Relaxed, Self::Irregular, Self::Hard];
+    pub const ALL: [Self; 5] = [
+        Self::Regular,
+        Self::Smooth,
+        Self::Relaxed,
+        Self::Irregular,
+        Self::Hard,
+    ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Regular => "regular",
+            Self::Smooth => "smooth",
             Self::Relaxed => "relaxed",
             Self::Irregular => "irregular",
             Self::Hard => "hard",
@@ -62,7 +74,7 @@ impl fmt::Display for Family {
 
 /// A name that is no family's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no mesh family `{name}`: choose regular, relaxed, irregular or hard")]
+#[error("there is no mesh family `{name}`: choose regular, smooth, relaxed, irregular or hard")]
 pub struct ParseFamilyError {
     /// The name.
     pub name: String,
@@ -161,6 +173,17 @@ pub fn generate(
     check(shape, family, vertices)?;
     let draft = match family {
         Family::Regular => regular(shape, family, vertices)?,
+        Family::Smooth => match shape {
+            AnyShape::Torus(_) => regular(shape, family, vertices)?,
+            _ => {
+                let level = refinement_level(shape, family, vertices)?;
+                icosphere::smooth(level).map_err(|source| GenerateError::TooCoarse {
+                    shape: shape.name(),
+                    vertices,
+                    source,
+                })?
+            }
+        },
         Family::Relaxed => match shape {
             AnyShape::Torus(torus) => relaxed::lattice(torus, vertices),
             _ => relaxed::icosphere(shape, refinement_level(shape, family, vertices)?),

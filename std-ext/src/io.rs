@@ -1,4 +1,4 @@
-//! Mesh files: reads OBJ, OFF, STL (ASCII and binary) and PLY (ASCII and binary).
+//! Mesh files: reads and writes OBJ, OFF, STL (ASCII and binary) and PLY (ASCII and binary).
 //!
 //! Coordinates keep the unit that the file has, and all the digits of an `f64`. Polygons are split
 //! into the fan of triangles around their first corner: (a, b, c, d, …) becomes (a, b, c),
@@ -15,8 +15,10 @@ mod ply;
 mod replace;
 mod stl;
 mod text;
+mod write;
 
 pub use replace::{check_replaceable, replace_file};
+pub use write::{WriteError, write, write_to};
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -33,7 +35,7 @@ pub struct MeshFile {
     pub mesh: TriangleMesh,
 }
 
-/// The formats that can be read.
+/// The formats that can be read and written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Format {

@@ -2,6 +2,7 @@
 //! prints.
 //!
 //! * [`io`]: mesh files. [`generate`]: mesh families on exact shapes.
+//!   [`subdivide`]: refined meshes.
 //! * [`method`] and [`scalar`]: the bending methods and number types, chosen at run time.
 //!   [`info`]: what a mesh is like.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge.
@@ -14,4 +15,5 @@ pub mod method;
 pub mod report;
 pub mod scalar;
 pub mod study;
+pub mod subdivide;
 pub mod verdict;

@@ -4,11 +4,12 @@ use clap::{Parser, Subcommand};
 use helfrich::{Finding, Real, Surface};
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::info::MeshInfo;
-use helfrich_std::io::{MeshFile, check_replaceable, read, replace_file};
+use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, replace_file, write};
 use helfrich_std::method::{BendingMethod, Evaluator};
 use helfrich_std::report;
 use helfrich_std::scalar::{HeldPositions, Scalar};
 use helfrich_std::study::{Progress, Study};
+use helfrich_std::subdivide::{Target, subdivide};
 use helfrich_std::verdict::verdicts;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -39,6 +40,8 @@ enum Command {
         /// OBJ, OFF, STL or PLY file.
         mesh: PathBuf,
     },
+    /// Refine a mesh file by Loop's rules: four triangles for each triangle and level.
+    Subdivide(SubdivideArguments),
 }
 
 #[derive(clap::Args)]
@@ -46,10 +49,10 @@ struct StudyArguments {
     /// sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R].
     #[arg(long, default_value = "discocyte")]
     shape: AnyShape,
-    /// Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C).
+    /// Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C), loop (S), j4, j6.
     #[arg(long, value_delimiter = ',', default_value = "A,B,C", value_parser = methods)]
     method: Vec<Vec<BendingMethod>>,
-    /// Mesh families: regular, relaxed, irregular, hard, or `all`.
+    /// Mesh families: regular, smooth, relaxed, irregular, hard, or `all`.
     #[arg(long, value_delimiter = ',', default_value = "regular,irregular", value_parser = families)]
     family: Vec<Vec<Family>>,
     /// Numbers of vertices, in any order; 10·4^k + 2 except for irregular meshes and the torus.
@@ -73,7 +76,7 @@ struct StudyArguments {
 struct CurvatureArguments {
     /// OBJ, OFF, STL or PLY file.
     mesh: PathBuf,
-    /// Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C).
+    /// Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), loop (S), j4, j6.
     #[arg(long, default_value = "meyer")]
     method: BendingMethod,
     /// Bending modulus κ.
@@ -85,6 +88,21 @@ struct CurvatureArguments {
     /// Write to this file instead of standard output (`-`).
     #[arg(long)]
     csv: Option<PathBuf>,
+}
+
+#[derive(clap::Args)]
+struct SubdivideArguments {
+    /// OBJ, OFF, STL or PLY file.
+    mesh: PathBuf,
+    /// How often to refine.
+    #[arg(long, default_value_t = 1)]
+    levels: u32,
+    /// Put the vertices on the smooth surface that further refinement would lead to.
+    #[arg(long)]
+    limit: bool,
+    /// Write to this file; .obj, .off, .stl or .ply tells the format.
+    #[arg(long, short)]
+    output: PathBuf,
 }
 
 fn methods(name: &str) -> Result<Vec<BendingMethod>, String> {
@@ -135,6 +153,7 @@ fn main() -> ExitCode {
         Command::Study(arguments) => study(&arguments),
         Command::Curvature(arguments) => curvature(&arguments),
         Command::Info { mesh } => info(&mesh),
+        Command::Subdivide(arguments) => subdivide_file(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -242,6 +261,21 @@ fn info(path: &Path) -> Result<(), Failure> {
     let surface = Surface::new(&mesh, &positions).map_err(|error| Failure::mesh(path, error))?;
     let info = MeshInfo::new(surface);
     print(|out| report::mesh_info(&info, out))
+}
+
+fn subdivide_file(arguments: &SubdivideArguments) -> Result<(), Failure> {
+    let file = load(&arguments.mesh)?;
+    let target = if arguments.limit {
+        Target::Limit
+    } else {
+        Target::Controls
+    };
+    let fine = subdivide(file, arguments.levels, target)
+        .map_err(|error| Failure::Input(format!("{}: {error}", arguments.mesh.display()).into()))?;
+    write(&arguments.output, &fine.positions, &fine.mesh).map_err(|error| match error {
+        WriteError::Unwritable { .. } => Failure::Output(error.to_string()),
+        _ => Failure::input(error),
+    })
 }
 
 fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {

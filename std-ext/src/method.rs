@@ -6,7 +6,7 @@ use helfrich::bending::StrongFormMemory;
 use helfrich::laplacian::CotangentMemory;
 use helfrich::{
     Cotangent, Curvature, DualArea, Finding, GompperKroll, Jet, KantorNelson, LaplaceBeltrami,
-    Method, Prepared, Real, Serial, StrongForm, Surface, TriangleMesh, VertexKind,
+    LoopSubdivision, Method, Prepared, Real, Serial, StrongForm, Surface, TriangleMesh, VertexKind,
 };
 use std::fmt;
 use std::str::FromStr;
@@ -21,6 +21,8 @@ pub enum BendingMethod {
     GompperKroll,
     /// C: strong form over the cotangent operator.
     Meyer,
+    /// S: the limit surface of Loop subdivision.
+    Loop,
     /// J of degree 4: strong form over osculating jets.
     J4,
     /// J of degree 6.
@@ -29,10 +31,11 @@ pub enum BendingMethod {
 
 impl BendingMethod {
     /// Every method, in the order of the paper's letters.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::KantorNelson,
         Self::GompperKroll,
         Self::Meyer,
+        Self::Loop,
         Self::J4,
         Self::J6,
     ];
@@ -43,6 +46,7 @@ impl BendingMethod {
             Self::KantorNelson => "kantor-nelson",
             Self::GompperKroll => "gompper-kroll",
             Self::Meyer => "meyer",
+            Self::Loop => "loop",
             Self::J4 => "j4",
             Self::J6 => "j6",
         }
@@ -54,6 +58,7 @@ impl BendingMethod {
             Self::KantorNelson => "A",
             Self::GompperKroll => "B",
             Self::Meyer => "C",
+            Self::Loop => "S",
             Self::J4 => "J4",
             Self::J6 => "J6",
         }
@@ -126,6 +131,7 @@ enum PreparedMethod<T: Real> {
     KantorNelson(Prepared<T, KantorNelson<T>>),
     GompperKroll(Prepared<T, GompperKroll<T>>),
     Meyer(Prepared<T, StrongForm<T, Cotangent>>),
+    Loop(Prepared<T, LoopSubdivision<T>>),
     Jet(Prepared<T, StrongForm<T, Jet<T>>>),
 }
 
@@ -141,6 +147,9 @@ impl<T: Real> Evaluator<T> {
             }
             BendingMethod::Meyer => {
                 PreparedMethod::Meyer(Prepared::new(StrongForm::meyer(modulus), mesh))
+            }
+            BendingMethod::Loop => {
+                PreparedMethod::Loop(Prepared::new(LoopSubdivision::new(modulus), mesh))
             }
             BendingMethod::J4 => PreparedMethod::Jet(Prepared::new(StrongForm::j4(modulus), mesh)),
             BendingMethod::J6 => PreparedMethod::Jet(Prepared::new(StrongForm::j6(modulus), mesh)),
@@ -163,6 +172,9 @@ impl<T: Real> Evaluator<T> {
                 method.add_force_and_energy(surface, &mut self.force);
             }
             PreparedMethod::Meyer(method) => method.force_density(surface, &mut self.force),
+            PreparedMethod::Loop(method) => {
+                method.add_force_and_energy(surface, &mut self.force);
+            }
             PreparedMethod::Jet(method) => method.force_density(surface, &mut self.force),
         }
     }
@@ -201,6 +213,13 @@ impl<T: Real> Evaluator<T> {
                 let interior = |vertex| mesh.vertex_kind(vertex) == VertexKind::Interior;
                 fields.mean = where_defined(&mean, interior);
             }
+            PreparedMethod::Loop(method) => {
+                fields.set_density(&self.force);
+                method.with(|method, execution, plan, memory| {
+                    method.curvature(execution, plan, surface, memory, &mut curvature);
+                });
+                fields.set_curvature(&curvature);
+            }
             PreparedMethod::Meyer(method) => {
                 fields.set_strong_form(mesh, method.memory(), &self.force);
             }
@@ -208,10 +227,13 @@ impl<T: Real> Evaluator<T> {
                 fields.set_strong_form(mesh, method.memory(), &self.force);
             }
         }
-        // A vertex that was left out for want of an area: the method's 0 there is no curvature.
+        // A vertex that was left out: the method's 0 there is no curvature.
         for finding in self.findings(surface) {
-            if let Finding::ZeroArea { vertex } = finding {
-                fields.clear(vertex as usize);
+            match finding {
+                Finding::ZeroArea { vertex } | Finding::TooFewNeighbours { vertex } => {
+                    fields.clear(vertex as usize);
+                }
+                _ => {}
             }
         }
         fields
@@ -225,6 +247,7 @@ impl<T: Real> Evaluator<T> {
             PreparedMethod::KantorNelson(method) => method.inspect(surface, &mut report),
             PreparedMethod::GompperKroll(method) => method.inspect(surface, &mut report),
             PreparedMethod::Meyer(method) => method.inspect(surface, &mut report),
+            PreparedMethod::Loop(method) => method.inspect(surface, &mut report),
             PreparedMethod::Jet(method) => method.inspect(surface, &mut report),
         }
         findings
@@ -261,20 +284,23 @@ impl<T: Real> Fields<T> {
             .collect();
     }
 
+    fn set_curvature(&mut self, curvature: &[Curvature<T>]) {
+        let interior = |vertex: usize| curvature[vertex].kind == VertexKind::Interior;
+        let mean: Vec<T> = curvature.iter().map(|vertex| vertex.mean).collect();
+        let gaussian: Vec<T> = curvature.iter().map(|vertex| vertex.gaussian).collect();
+        self.normal = curvature.iter().map(|vertex| vertex.normal).collect();
+        self.mean = where_defined(&mean, interior);
+        self.gaussian = where_defined(&gaussian, interior);
+    }
+
     fn set_strong_form<M>(
         &mut self,
         mesh: &TriangleMesh,
         memory: &StrongFormMemory<T, M>,
         density: &[[T; 3]],
     ) {
-        let curvature = memory.curvature();
-        let interior = |vertex: usize| curvature[vertex].kind == VertexKind::Interior;
         let surrounded = |vertex| mesh.is_surrounded(vertex);
-        self.normal = curvature.iter().map(|vertex| vertex.normal).collect();
-        let mean: Vec<T> = curvature.iter().map(|vertex| vertex.mean).collect();
-        let gaussian: Vec<T> = curvature.iter().map(|vertex| vertex.gaussian).collect();
-        self.mean = where_defined(&mean, interior);
-        self.gaussian = where_defined(&gaussian, interior);
+        self.set_curvature(memory.curvature());
         self.laplacian_of_mean = where_defined(memory.laplacian_of_mean(), surrounded);
         self.force_density = where_defined(density, surrounded);
     }

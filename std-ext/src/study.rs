@@ -39,8 +39,9 @@ impl Quantity {
         match method {
             BendingMethod::KantorNelson => self == Self::ForceDensity,
             BendingMethod::GompperKroll => matches!(self, Self::Mean | Self::ForceDensity),
+            BendingMethod::Loop => self != Self::LaplacianOfMean,
             // Those in strong form compute everything.
-            _ => true,
+            BendingMethod::Meyer | BendingMethod::J4 | BendingMethod::J6 => true,
         }
     }
 

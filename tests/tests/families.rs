@@ -162,12 +162,14 @@ fn meshes_are_the_same_everywhere() {
     let expected = [
         [
             0xa25b_84dd_4761_7c7f,
+            0xa25b_84dd_4761_7c7f,
             0x2d05_9678_1c55_9f3e,
             0x3bbc_f0b4_60cd_1773,
             0xd4ee_4edb_471a_2bb0,
         ],
         [
             0xa111_ac5e_bb2f_d61f,
+            0xda49_5181_77d4_48e5,
             0xffd5_c574_9999_7f21,
             0x198d_87f0_2d13_7347,
             0x8e2c_782f_6ea4_bba8,
@@ -204,6 +206,52 @@ fn regular_and_relaxed_meshes_are_even() {
             };
             assert!(before > least, "{name}: {before}°");
         }
+    }
+}
+
+/// The largest distance of a vertex on the unit sphere from the mean of its six neighbours, which a
+/// smooth parametrisation leaves of second order along the surface, in mean edges squared.
+fn largest_kink(made: &GeneratedMesh) -> f64 {
+    let count = made.positions.len() as f64;
+    let edge_squared = 4.0 * std::f64::consts::PI / count * 2.0 / 3f64.sqrt();
+    let kink = |vertex: usize| {
+        let here = made.positions[vertex];
+        let ring = made.mesh.one_ring(vertex);
+        let sum = |axis| {
+            ring.iter()
+                .map(|&v| made.positions[v as usize][axis] - here[axis])
+                .sum()
+        };
+        let mean: [f64; 3] = from_fn(|axis: usize| -> f64 { sum(axis) }).map(|sum| sum / 6.0);
+        let along: [f64; 3] = from_fn(|axis| mean[axis] - dot(mean, here) * here[axis]);
+        dot(along, along).sqrt() / edge_squared
+    };
+    let regular = (0..made.positions.len()).filter(|&vertex| made.mesh.valence(vertex) == 6);
+    regular.map(kink).fold(0.0, f64::max)
+}
+
+/// Along the icosahedron's edges midpoints leave kinks that grow like 1/h, relative to what a smooth
+/// parametrisation has; Loop's rules leave smaller ones, next to the extraordinary vertices only.
+#[test]
+fn smooth_meshes_have_no_kinks() {
+    for vertices in [642, 2562, 10242] {
+        let [regular, smooth] =
+            [Family::Regular, Family::Smooth].map(|family| make("sphere", family, vertices, 0));
+        assert_eq!(regular.mesh.vertex_count(), smooth.mesh.vertex_count());
+        let [midpoints, limit] = [&regular, &smooth].map(largest_kink);
+        assert!(
+            6.0 * limit < midpoints,
+            "{vertices}: {midpoints} and {limit}"
+        );
+        let [five, six] = [5, 6].map(|n| valences(&smooth).iter().filter(|&&v| v == n).count());
+        assert_eq!([five, six], [12, vertices - 12]);
+        assert!(angles(&smooth)[0] > 45.0);
+    }
+    for torus in ["torus", "torus:1,0.8"] {
+        let [regular, smooth] =
+            [Family::Regular, Family::Smooth].map(|family| make(torus, family, 642, 0));
+        assert_eq!(regular.positions, smooth.positions);
+        assert_eq!(regular.mesh, smooth.mesh);
     }
 }
 

@@ -1,7 +1,9 @@
-//! The unit sphere, as an icosahedron refined by edge midpoints.
+//! The unit sphere, as an icosahedron refined by edge midpoints or by Loop's rules.
 
 use super::{Draft, MOST_VERTICES};
 use glam::{DQuat, DVec3};
+use helfrich::subdivision::{Subdivision, limit_positions};
+use helfrich::{MeshError, Serial, TriangleMesh};
 
 /// The icosahedron.
 pub(super) const LEAST_VERTICES: usize = 12;
@@ -32,6 +34,25 @@ pub(super) fn icosphere(level: u32) -> Draft {
         draft = refine(&draft, midpoint);
     }
     draft
+}
+
+/// The icosahedron refined `level` times by Loop's rules: its limit positions, put on the sphere.
+pub(super) fn smooth(level: u32) -> Result<Draft, MeshError> {
+    let coarse = icosahedron();
+    let mut controls = Vec::from_iter(coarse.preimages.iter().map(DVec3::to_array));
+    let mut mesh = TriangleMesh::new(controls.len(), coarse.triangles)?;
+    for _ in 0..level {
+        let fine = Subdivision::new(&mesh, 1)?;
+        controls = fine.refine(&controls);
+        mesh = fine.into_mesh();
+    }
+    let mut limit = vec![[0.0; 3]; controls.len()];
+    limit_positions(&mesh).apply(&Serial, &controls, &mut limit);
+    let on_sphere = |point: &[f64; 3]| DVec3::from(*point).normalize();
+    Ok(Draft {
+        preimages: limit.iter().map(on_sphere).collect(),
+        triangles: mesh.triangles().to_vec(),
+    })
 }
 
 /// The middle of the arc between two points of the unit sphere.

@@ -4,6 +4,7 @@
 
 use super::text::{Text, parsed};
 use super::{Builder, MeshFile, ParseError, Problem};
+use std::io::{self, Write};
 
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut text = Text::joining_lines(bytes);
@@ -34,6 +35,21 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         }
     }
     builder.finish()
+}
+
+pub(super) fn write(
+    out: &mut dyn Write,
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> io::Result<()> {
+    for [x, y, z] in positions {
+        writeln!(out, "v {x:?} {y:?} {z:?}")?;
+    }
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|vertex| vertex + 1);
+        writeln!(out, "f {a} {b} {c}")?;
+    }
+    Ok(())
 }
 
 /// The vertex, from 0, of a corner `i`, `i/t`, `i//n` or `i/t/n`, where i counts from 1, or from

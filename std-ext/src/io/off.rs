@@ -5,6 +5,7 @@
 
 use super::text::{Text, parsed};
 use super::{Builder, CORNER, MeshFile, ParseError, Problem};
+use std::io::{self, Write};
 
 /// Whether a word is the header of an OFF text with three coordinates: `OFF` after any of `ST`
 /// (texture), `C` (colour) and `N` (normal), whose columns follow the position.
@@ -63,6 +64,22 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     }
     text.end_of_file()?;
     builder.finish()
+}
+
+pub(super) fn write(
+    out: &mut dyn Write,
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> io::Result<()> {
+    // The number of edges, which nobody reads, may be 0.
+    writeln!(out, "OFF\n{} {} 0", positions.len(), triangles.len())?;
+    for [x, y, z] in positions {
+        writeln!(out, "{x:?} {y:?} {z:?}")?;
+    }
+    for [a, b, c] in triangles {
+        writeln!(out, "3 {a} {b} {c}")?;
+    }
+    Ok(())
 }
 
 fn count(what: &'static str, word: Option<&[u8]>, text: &Text<'_>) -> Result<usize, ParseError> {

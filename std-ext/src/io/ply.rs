@@ -7,6 +7,7 @@
 
 use super::text::{Text, parsed};
 use super::{Builder, CORNER, Element, MeshFile, ParseError, Position, Problem, finite};
+use std::io::{self, Write};
 
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut text = Text::new(bytes);
@@ -31,6 +32,31 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             builder.finish()
         }
     }
+}
+
+pub(super) fn write(
+    out: &mut dyn Write,
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> io::Result<()> {
+    writeln!(out, "ply\nformat binary_little_endian 1.0")?;
+    writeln!(out, "element vertex {}", positions.len())?;
+    for axis in ["x", "y", "z"] {
+        writeln!(out, "property double {axis}")?;
+    }
+    writeln!(out, "element face {}", triangles.len())?;
+    // `int`, not `uint`, is what every reader knows; the limit of a mesh is below 2³¹.
+    writeln!(out, "property list uchar int vertex_indices\nend_header")?;
+    for coordinate in positions.iter().flatten() {
+        out.write_all(&coordinate.to_le_bytes())?;
+    }
+    for triangle in triangles {
+        out.write_all(&[3])?;
+        for vertex in triangle {
+            out.write_all(&vertex.to_le_bytes())?;
+        }
+    }
+    Ok(())
 }
 
 #[derive(Clone, Copy)]

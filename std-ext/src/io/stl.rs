@@ -5,6 +5,9 @@
 //! normal and three corners (f32), and 2 bytes of attributes. Normals are skipped.
 
 use std::collections::HashMap;
+use std::io::{self, Write};
+
+use glam::DVec3;
 
 use super::text::Text;
 use super::{Builder, MeshFile, ParseError, Position, Problem, finite};
@@ -54,6 +57,28 @@ fn binary(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         builder.add_face(&corners, position)?;
     }
     builder.finish()
+}
+
+/// Binary. The header must not start with `solid`, by which other readers know a text.
+pub(super) fn write(
+    out: &mut dyn Write,
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> io::Result<()> {
+    out.write_all(&[0; HEADER - 4])?;
+    // The limit of a mesh is below 2³².
+    out.write_all(&(triangles.len() as u32).to_le_bytes())?;
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|vertex| DVec3::from(positions[vertex as usize]));
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        for point in [normal, a, b, c] {
+            for coordinate in point.to_array() {
+                out.write_all(&(coordinate as f32).to_le_bytes())?;
+            }
+        }
+        out.write_all(&[0; 2])?;
+    }
+    Ok(())
 }
 
 fn ascii(bytes: &[u8]) -> Result<MeshFile, ParseError> {

@@ -1,0 +1,395 @@
+//! Method S: the Helfrich energy of a Loop subdivision surface.
+//!
+//! F. Cirak, M. Ortiz, P. Schröder, Int. J. Numer. Meth. Eng. 47 (2000) 2039; F. Feng and
+//! W. S. Klug, J. Comput. Phys. 220 (2006) 394. Control points that are not the nodes, the exact
+//! bases around extraordinary vertices and the form of the gradient are our own.
+
+mod consistent;
+mod controls;
+mod patches;
+mod point;
+
+pub use consistent::ConsistentMemory;
+pub use controls::ControlPoints;
+
+use self::controls::ControlMap;
+use self::patches::{Block, Patches};
+use self::point::Point;
+use crate::element::Execution;
+use crate::energy::{Conservative, Energy, Finding, Force, ForceDensity, Method};
+use crate::lane::Lane;
+use crate::laplacian::Curvature;
+use crate::mesh::{TriangleMesh, VertexKind};
+use crate::real::Real;
+use crate::subdivision::{Stencils, basis, limit_normal, limit_positions};
+use crate::surface::Surface;
+use crate::vec3::{add, dot, scale};
+use alloc::vec::Vec;
+
+/// `E = 2κ ∫ H² dS` over the limit surface of Loop subdivision, by three points a triangle, and the
+/// exact gradient of this sum with respect to the nodes.
+///
+/// The control points follow from the nodes by a linear map, `C = QX`, and the nodal forces are
+/// `F_X = Qᵀ F_C`: see [`ControlPoints`], which decides the accuracy.
+///
+/// On smooth meshes of valence 6 the energy and f are of fourth order (of second with
+/// [`ControlPoints::Nodes`]), H and K at the nodes of second. At extraordinary vertices forces do not
+/// converge, on any mesh, while the energy does; on meshes on which most vertices are extraordinary
+/// neither does, unless the mesh is refined by [`crate::subdivision::Subdivision`] first.
+///
+/// Triangles with two or three extraordinary corners are refined once, within the plan: the surface
+/// is the same, with four times the points. Triangles with a boundary vertex are left out of the
+/// energy, since the surface over them is decided by the boundary; boundary vertices feel forces
+/// from the triangles that remain. A mesh without interior triangle has no energy and no forces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoopSubdivision<T> {
+    /// Bending modulus κ, in units of energy.
+    pub modulus: T,
+    /// How the control points follow from the nodes. The plan depends on it.
+    pub controls: ControlPoints,
+}
+
+impl<T: Real> LoopSubdivision<T> {
+    /// With the control points that serve best on most meshes: [`ControlPoints::Hybrid`].
+    pub fn new(modulus: T) -> Self {
+        Self::with_controls(modulus, ControlPoints::default())
+    }
+
+    /// With any choice of control points.
+    pub fn with_controls(modulus: T, controls: ControlPoints) -> Self {
+        Self { modulus, controls }
+    }
+
+    /// Sets `curvature` to n, H and K of the limit surface under each node.
+    ///
+    /// At interior vertices of valence 6, H and K are the exact values of the surface. At
+    /// extraordinary ones, where it has none, they are the means over the nearest quadrature points
+    /// of the triangles around; 0 if all of these touch the boundary. At other vertices H and K are
+    /// 0. The area is `(Qᵀm)_i`, with m the integrals of the basis functions: the areas sum to that of
+    /// the limit surface over all triangles that count.
+    ///
+    /// # Panics
+    /// If `curvature` has fewer entries than the surface has vertices.
+    pub fn curvature(
+        &self,
+        execution: &impl Execution,
+        plan: &LoopSubdivisionPlan<T>,
+        surface: Surface<'_, T>,
+        memory: &mut LoopSubdivisionMemory<T>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        self.evaluate::<true>(execution, plan, surface, memory);
+        let mesh = surface.mesh();
+        let LoopSubdivisionMemory {
+            controls, nodal, ..
+        } = &*memory;
+        execution.map(
+            &mut curvature[..mesh.vertex_count()],
+            |vertex, curvature| {
+                let [mean, gaussian] = plan.curvatures_at(mesh, controls, vertex);
+                *curvature = Curvature {
+                    normal: limit_normal(mesh, vertex, |v| position(controls, v)),
+                    mean,
+                    gaussian,
+                    area: nodal[vertex][3],
+                    kind: mesh.vertex_kind(vertex),
+                };
+            },
+        );
+    }
+
+    /// Sets `positions` to the points of the limit surface under the nodes, `LQX`.
+    ///
+    /// # Panics
+    /// If `positions` has fewer entries than the surface has vertices.
+    pub fn limit_positions(
+        &self,
+        execution: &impl Execution,
+        plan: &LoopSubdivisionPlan<T>,
+        surface: Surface<'_, T>,
+        memory: &mut LoopSubdivisionMemory<T>,
+        positions: &mut [[T; 3]],
+    ) {
+        plan.set_controls(execution, surface, memory);
+        let controls = &memory.controls;
+        let origin = surface.positions()[plan.origin as usize];
+        let positions = &mut positions[..surface.mesh().vertex_count()];
+        execution.map(positions, |vertex, position| {
+            let [x, y, z, _] = plan.limit.at(vertex, controls);
+            *position = add(origin, [x, y, z]);
+        });
+    }
+
+    /// Area and enclosed volume of the limit surface, by the quadrature of the energy; no volume
+    /// if the mesh has a boundary.
+    pub fn area_and_volume(
+        &self,
+        execution: &impl Execution,
+        plan: &LoopSubdivisionPlan<T>,
+        surface: Surface<'_, T>,
+        memory: &mut LoopSubdivisionMemory<T>,
+    ) -> (T, Option<T>) {
+        self.evaluate::<false>(execution, plan, surface, memory);
+        let controls = &memory.controls;
+        let blocks = &memory.blocks;
+        let area = execution.sum(blocks.len(), |block| blocks[block].area());
+        let volume = surface.mesh().is_closed().then(|| {
+            let third = T::constant(1.0 / 3.0);
+            third
+                * execution.sum(plan.patches.len(), |patch| {
+                    plan.patches.flux(patch, controls)
+                })
+        });
+        (area, volume)
+    }
+
+    /// Controls, patches, and with `GRADIENT` the nodal forces and masses in `memory.nodal`.
+    fn evaluate<const GRADIENT: bool>(
+        &self,
+        execution: &impl Execution,
+        plan: &LoopSubdivisionPlan<T>,
+        surface: Surface<'_, T>,
+        memory: &mut LoopSubdivisionMemory<T>,
+    ) {
+        plan.set_controls(execution, surface, memory);
+        let patches = &plan.patches;
+        patches.evaluate::<GRADIENT>(
+            execution,
+            self.modulus,
+            &memory.controls,
+            &mut memory.blocks,
+        );
+        if GRADIENT {
+            plan.collect(execution, memory);
+            let LoopSubdivisionMemory {
+                gathered,
+                nodal,
+                scratch,
+                ..
+            } = memory;
+            nodal.resize(plan.vertices, [T::zero(); 4]);
+            let on_controls = &gathered[..plan.vertices];
+            plan.map
+                .apply_transpose(execution, on_controls, nodal, scratch);
+        }
+    }
+
+    fn energy_of(execution: &impl Execution, memory: &LoopSubdivisionMemory<T>) -> T {
+        let blocks = &memory.blocks;
+        execution.sum(blocks.len(), |block| blocks[block].energy)
+    }
+}
+
+/// What [`LoopSubdivision`] works out for a mesh.
+#[derive(Clone, Debug)]
+pub struct LoopSubdivisionPlan<T> {
+    vertices: usize,
+    /// The vertex relative to which positions are held.
+    origin: u32,
+    map: ControlMap<T>,
+    /// From control points to the points of the limit surface.
+    limit: Stencils,
+    patches: Patches<T>,
+    /// First and second derivatives at a vertex of valence 6, from it and its neighbours.
+    at_vertex: [[T; 5]; 7],
+}
+
+impl<T: Real> LoopSubdivisionPlan<T> {
+    fn new(controls: ControlPoints, mesh: &TriangleMesh) -> Self {
+        let limit = limit_positions(mesh);
+        let mut at_vertex = [[T::zero(); 5]; 7];
+        let regular = basis(6, 0.0, 0.0).unwrap_or_default();
+        for (derivatives, basis) in at_vertex.iter_mut().zip(&regular) {
+            *derivatives = patches::derivatives(basis);
+        }
+        Self {
+            vertices: mesh.vertex_count(),
+            origin: mesh.triangles()[0][0],
+            map: ControlMap::new(controls, mesh, &limit),
+            limit,
+            patches: Patches::new(mesh),
+            at_vertex,
+        }
+    }
+
+    /// Number of quadrature points: three a triangle, twelve where it had to be refined.
+    pub fn quadrature_points(&self) -> usize {
+        3 * self.patches.len()
+    }
+
+    /// The control points, relative to the origin, and those of the refined triangles after them.
+    fn set_controls(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut LoopSubdivisionMemory<T>,
+    ) {
+        let LoopSubdivisionMemory {
+            controls,
+            nodal,
+            scratch,
+            ..
+        } = memory;
+        nodal.resize(self.vertices, [T::zero(); 4]);
+        execution.map(&mut nodal[..], |vertex, local| {
+            let [x, y, z] = surface.difference(self.origin, vertex as u32);
+            *local = [x, y, z, T::zero()];
+        });
+        controls.resize(self.patches.control_count(), [T::zero(); 4]);
+        let (coarse, fine) = controls.split_at_mut(self.vertices);
+        self.map.apply(execution, nodal, coarse, scratch);
+        self.patches.refine(execution, coarse, fine);
+    }
+
+    /// Sums what the patches give to their nodes: into the first entries of `memory.gathered`, one a
+    /// control point.
+    fn collect(&self, execution: &impl Execution, memory: &mut LoopSubdivisionMemory<T>) {
+        let LoopSubdivisionMemory {
+            blocks, gathered, ..
+        } = memory;
+        gathered.resize(self.patches.control_count(), [T::zero(); 4]);
+        self.patches.gather(execution, blocks, gathered);
+    }
+
+    /// H and K under a vertex.
+    fn curvatures_at(&self, mesh: &TriangleMesh, controls: &[[T; 4]], vertex: usize) -> [T; 2] {
+        let none = [T::zero(); 2];
+        if mesh.vertex_kind(vertex) != VertexKind::Interior {
+            return none;
+        }
+        if mesh.valence(vertex) == 6 {
+            let centre = controls[vertex];
+            let mut derivatives = [[T::zero(); 4]; 5];
+            for (weights, &neighbour) in self.at_vertex[1..].iter().zip(mesh.one_ring(vertex)) {
+                let spoke = patches::difference(centre, controls[neighbour as usize]);
+                patches::accumulate(&mut derivatives, weights, spoke);
+            }
+            return Point::new(derivatives).curvatures();
+        }
+        let mut sum = none;
+        let mut count = T::zero();
+        for patch in self.patches.around(vertex) {
+            let curvatures = self.patches.nearest_point(patch, controls).curvatures();
+            sum = [sum[0] + curvatures[0], sum[1] + curvatures[1]];
+            count += T::one();
+        }
+        sum.map(|sum| sum * Lane::reciprocal_or_zero(count))
+    }
+}
+
+/// Memory of [`LoopSubdivision`].
+#[derive(Clone, Debug, Default)]
+pub struct LoopSubdivisionMemory<T> {
+    /// Control points relative to the plan's origin, padded to four numbers.
+    controls: Vec<[T; 4]>,
+    blocks: Vec<Block<T>>,
+    /// Force and mass at each control point.
+    gathered: Vec<[T; 4]>,
+    /// Positions, then force and mass at each node.
+    nodal: Vec<[T; 4]>,
+    scratch: Vec<[T; 4]>,
+}
+
+fn position<T: Real>(controls: &[[T; 4]], vertex: u32) -> [T; 3] {
+    let [x, y, z, _] = controls[vertex as usize];
+    [x, y, z]
+}
+
+impl<T: Real> Method<T> for LoopSubdivision<T> {
+    type Plan = LoopSubdivisionPlan<T>;
+    type Memory = LoopSubdivisionMemory<T>;
+
+    /// # Panics
+    /// If triangles have to be refined and the mesh is so large that it cannot be; see
+    /// [`crate::subdivision::Subdivision::sizes`].
+    fn plan(&self, mesh: &TriangleMesh) -> LoopSubdivisionPlan<T> {
+        LoopSubdivisionPlan::new(self.controls, mesh)
+    }
+
+    /// Reports the triangles whose limit surface has no area at a quadrature point: these points
+    /// were left out.
+    fn inspect(
+        &self,
+        plan: &LoopSubdivisionPlan<T>,
+        _surface: Surface<'_, T>,
+        memory: &LoopSubdivisionMemory<T>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        let mut last = None;
+        for triangle in plan.patches.without_area(&memory.blocks) {
+            if last.replace(triangle) != Some(triangle) {
+                report(Finding::DegenerateTriangle { triangle });
+            }
+        }
+    }
+}
+
+impl<T: Real> Energy<T> for LoopSubdivision<T> {
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        plan: &LoopSubdivisionPlan<T>,
+        surface: Surface<'_, T>,
+        memory: &mut LoopSubdivisionMemory<T>,
+    ) -> T {
+        self.evaluate::<false>(execution, plan, surface, memory);
+        Self::energy_of(execution, memory)
+    }
+}
+
+impl<T: Real> Force<T> for LoopSubdivision<T> {
+    fn add_force(
+        &self,
+        execution: &impl Execution,
+        plan: &LoopSubdivisionPlan<T>,
+        surface: Surface<'_, T>,
+        memory: &mut LoopSubdivisionMemory<T>,
+        force: &mut [[T; 3]],
+    ) {
+        self.add_force_and_energy(execution, plan, surface, memory, force);
+    }
+}
+
+impl<T: Real> Conservative<T> for LoopSubdivision<T> {
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        plan: &LoopSubdivisionPlan<T>,
+        surface: Surface<'_, T>,
+        memory: &mut LoopSubdivisionMemory<T>,
+        force: &mut [[T; 3]],
+    ) -> T {
+        self.evaluate::<true>(execution, plan, surface, memory);
+        let nodal = &memory.nodal;
+        execution.map(&mut force[..plan.vertices], |vertex, force| {
+            let [x, y, z, _] = nodal[vertex];
+            *force = add(*force, [x, y, z]);
+        });
+        Self::energy_of(execution, memory)
+    }
+}
+
+/// `f_i = F_X,i / (Qᵀm)_i`, with m the integrals of the basis functions: lumped masses. 0 where no
+/// triangle counts.
+impl<T: Real> ForceDensity<T> for LoopSubdivision<T> {
+    fn force_density(
+        &self,
+        execution: &impl Execution,
+        plan: &LoopSubdivisionPlan<T>,
+        surface: Surface<'_, T>,
+        memory: &mut LoopSubdivisionMemory<T>,
+        density: &mut [[T; 3]],
+    ) {
+        self.evaluate::<true>(execution, plan, surface, memory);
+        let nodal = &memory.nodal;
+        execution.map(&mut density[..plan.vertices], |vertex, density| {
+            let [x, y, z, mass] = nodal[vertex];
+            *density = scale(Lane::reciprocal_or_zero(mass), [x, y, z]);
+        });
+    }
+}
+
+/// Scalar product of the first three components.
+fn dot_of<T: Real>(a: [T; 4], b: [T; 4]) -> T {
+    dot([a[0], a[1], a[2]], [b[0], b[1], b[2]])
+}

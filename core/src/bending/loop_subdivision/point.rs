@@ -1,0 +1,94 @@
+//! The surface at one quadrature point: curvature, bending energy and its derivatives.
+
+use crate::lane::Lane;
+use crate::real::Real;
+use crate::vec3::{Vec3, add, cross, dot, scale, sub};
+
+/// First and second derivatives x_v, x_w, x_vv, x_vw, x_ww and what follows from them.
+///
+/// Everything is divided by powers of `J = |x_v × x_w|` as it is computed, so that no power of a
+/// length beyond J² is ever formed, and surfaces of any size stay within the range of numbers.
+pub(super) struct Point<T> {
+    tangents: [Vec3<T>; 2],
+    second: [Vec3<T>; 3],
+    /// Normal n; 0 if there is no area, so that the point contributes nothing.
+    pub(super) normal: Vec3<T>,
+    /// J, and 1/J or 0.
+    pub(super) area: T,
+    over: T,
+    /// x_v·x_v/J, x_v·x_w/J and x_w·x_w/J.
+    metric: [T; 3],
+    /// `(x_v·x_v x_ww − 2 x_v·x_w x_vw + x_w·x_w x_vv)/J`.
+    bending: Vec3<T>,
+    /// Its part along n: −2HJ.
+    bend: T,
+}
+
+impl<T: Real> Point<T> {
+    /// From the derivatives, padded to four numbers.
+    #[inline(always)]
+    pub(super) fn new(derivatives: [[T; 4]; 5]) -> Self {
+        let [v, w, vv, vw, ww] = derivatives.map(|[x, y, z, _]| [x, y, z]);
+        let area_vector = cross(v, w);
+        let area = dot(area_vector, area_vector).sqrt();
+        let over = Lane::reciprocal_or_zero(area);
+        let normal = scale(over, area_vector);
+        let metric = [dot(v, v) * over, dot(v, w) * over, dot(w, w) * over];
+        let [e, f, g] = metric;
+        let bending = add(sub(scale(e, ww), scale(f + f, vw)), scale(g, vv));
+        Self {
+            tangents: [v, w],
+            second: [vv, vw, ww],
+            normal,
+            area,
+            over,
+            metric,
+            bending,
+            bend: dot(bending, normal),
+        }
+    }
+
+    /// H, positive on a sphere, and K.
+    #[inline(always)]
+    pub(super) fn curvatures(&self) -> [T; 2] {
+        let [l, m, n] = self
+            .second
+            .map(|second| dot(second, self.normal) * self.over);
+        let mean = -T::constant(0.5) * self.bend * self.over;
+        [mean, l * n - m * m]
+    }
+
+    /// `2κ H² J`, for κ times the weight of the point.
+    #[inline(always)]
+    pub(super) fn energy(&self, modulus: T) -> T {
+        T::constant(0.5) * modulus * self.bend * self.bend * self.over
+    }
+
+    /// The derivatives of the energy with respect to x_v, x_w, x_vv, x_vw and x_ww.
+    ///
+    /// With b = −2HJ, `s = κ b/J²`, `B` the vector whose part along n is b, and
+    /// `p = s (B − 5/2 b n)`: `∂E/∂x_v = 2s (x_ww·n) x_v − 2s (x_vw·n) x_w + x_w × p`,
+    /// `∂E/∂x_w = 2s (x_vv·n) x_w − 2s (x_vw·n) x_v + p × x_v`, and along n
+    /// `s x_w·x_w`, `−2s x_v·x_w`, `s x_v·x_v` for the second derivatives.
+    #[inline(always)]
+    pub(super) fn gradient(&self, modulus: T) -> [Vec3<T>; 5] {
+        let [v, w] = self.tangents;
+        let [e, f, g] = self.metric;
+        // s·J: what is left of J is in the metric, or in `over`.
+        let strength = modulus * self.bend * self.over;
+        let twice = (strength + strength) * self.over;
+        let [l, m, n] = self.second.map(|second| twice * dot(second, self.normal));
+        let shrink = T::constant(2.5) * self.bend;
+        let p = scale(
+            strength * self.over,
+            sub(self.bending, scale(shrink, self.normal)),
+        );
+        [
+            add(sub(scale(n, v), scale(m, w)), cross(w, p)),
+            add(sub(scale(l, w), scale(m, v)), cross(p, v)),
+            scale(strength * g, self.normal),
+            scale(-(strength + strength) * f, self.normal),
+            scale(strength * e, self.normal),
+        ]
+    }
+}

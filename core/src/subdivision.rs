@@ -1,0 +1,219 @@
+//! Loop subdivision: refinement of any triangle mesh, and the smooth surface in its limit.
+//!
+//! C. T. Loop, Smooth Subdivision Surfaces Based on Triangles, University of Utah (1987). The
+//! positions at a mesh's vertices are *control points*: a [`Subdivision`] refines them, a quadruple
+//! of triangles for each triangle and level, and [`limit_positions`] and [`limit_normals`] say where
+//! the vertices end up. Between them the limit surface is known exactly: a triangle's [`Patch`]
+//! lists the control points on which it depends, and [`basis`] their weights with first and second
+//! derivatives.
+//!
+//! | | weight at the vertex or ends | weight at the others |
+//! |---|---|---|
+//! | vertex of valence n | 1 − nβ | β = (5/8 − (3/8 + cos(2π/n)/4)²)/n at each neighbour |
+//! | edge | 3/8, 3/8 | 1/8, 1/8 at the two vertices across |
+//! | limit of a vertex | 1 − nω | ω = 1/(3/(8β) + n) at each neighbour |
+//! | boundary vertex | 3/4 | 1/8, 1/8 at the two neighbours along the boundary |
+//! | boundary edge | 1/2, 1/2 | |
+//! | limit of a boundary vertex | 2/3 | 1/6, 1/6 at the two neighbours along the boundary |
+//!
+//! The β are Loop's own for every valence. A boundary thus becomes the cubic B-spline of its
+//! polygon, whatever the triangles inside. Corners have no rule of their own: a vertex in one
+//! triangle only is rounded like every boundary vertex. Isolated vertices stay where they are.
+//!
+//! The limit surface is twice continuously differentiable, except at *extraordinary* vertices,
+//! interior ones of valence other than 6: there it has a tangent plane, but no second derivatives.
+//!
+//! ```
+//! use helfrich::subdivision::Subdivision;
+//! use helfrich::TriangleMesh;
+//!
+//! let tetrahedron = TriangleMesh::new(4, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])?;
+//! let corners = [[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, 1.0]];
+//! let twice = Subdivision::new(&tetrahedron, 2)?;
+//! let positions = twice.refine(&corners);
+//! assert_eq!(twice.mesh().triangles().len(), 64);
+//! assert_eq!(positions.len(), twice.mesh().vertex_count());
+//! # Ok::<(), helfrich::MeshError>(())
+//! ```
+
+mod limit;
+mod masks;
+mod patch;
+mod regular;
+mod stencils;
+
+pub use limit::{limit_normals, limit_positions};
+pub use masks::{limit_weight, vertex_weight};
+pub use patch::{NoPatch, Patch, basis};
+pub use regular::Basis;
+pub use stencils::Stencils;
+
+pub(crate) use limit::limit_normal;
+pub(crate) use stencils::RowSum;
+
+use crate::element::Serial;
+use crate::mesh::{MeshError, TriangleMesh, VertexKind};
+use crate::real::Real;
+use alloc::vec::Vec;
+
+/// A mesh refined by Loop's rules, and the map that refines any field on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Subdivision {
+    mesh: TriangleMesh,
+    stencils: Stencils,
+}
+
+impl Subdivision {
+    /// Refines a mesh `levels` times.
+    ///
+    /// # Errors
+    /// [`MeshError::TooLarge`] if the result has more vertices or triangles than a mesh may have.
+    pub fn new(mesh: &TriangleMesh, levels: u32) -> Result<Self, MeshError> {
+        Self::sizes(mesh, levels)?;
+        let mut refined = Self {
+            mesh: mesh.clone(),
+            stencils: Stencils::identity(mesh.vertex_count()),
+        };
+        for level in 0..levels {
+            let step = Self::step(&refined.mesh)?;
+            refined.stencils = if level == 0 {
+                step.stencils
+            } else {
+                refined.stencils.then(&step.stencils)
+            };
+            refined.mesh = step.mesh;
+        }
+        Ok(refined)
+    }
+
+    /// Numbers of vertices and triangles after `levels` refinements, without refining.
+    ///
+    /// # Errors
+    /// [`MeshError::TooLarge`] if a mesh may not have that many.
+    pub fn sizes(mesh: &TriangleMesh, levels: u32) -> Result<[usize; 2], MeshError> {
+        let mut vertices = mesh.vertex_count();
+        let mut edges = mesh.edges().len();
+        let mut triangles = mesh.triangles().len();
+        for _ in 0..levels {
+            // Within the limit nothing overflows, and every level is checked against it.
+            (vertices, edges, triangles) =
+                (vertices + edges, 2 * edges + 3 * triangles, 4 * triangles);
+            for (what, count) in [("vertices", vertices), ("triangles", triangles)] {
+                if count > TriangleMesh::LIMIT {
+                    return Err(MeshError::TooLarge {
+                        what,
+                        count,
+                        limit: TriangleMesh::LIMIT,
+                    });
+                }
+            }
+        }
+        Ok([vertices, triangles])
+    }
+
+    /// The refined mesh.
+    ///
+    /// Vertices keep their numbers; those on the edges follow, in the order of the edges. Triangle
+    /// t becomes 4t … 4t + 3: those at its three corners, and the middle one.
+    pub fn mesh(&self) -> &TriangleMesh {
+        &self.mesh
+    }
+
+    /// The map from control points, or any other field on the coarse mesh, to the refined mesh.
+    /// Its transpose pulls nodal forces back.
+    pub fn stencils(&self) -> &Stencils {
+        &self.stencils
+    }
+
+    /// The refined mesh without the map.
+    pub fn into_mesh(self) -> TriangleMesh {
+        self.mesh
+    }
+
+    /// Refines a field of D numbers a vertex: positions, colours, texture coordinates.
+    ///
+    /// # Panics
+    /// If `field` has fewer entries than the coarse mesh has vertices.
+    pub fn refine<T: Real, const D: usize>(&self, field: &[[T; D]]) -> Vec<[T; D]> {
+        let mut refined = alloc::vec![[T::zero(); D]; self.stencils.len()];
+        self.stencils.apply(&Serial, field, &mut refined);
+        refined
+    }
+
+    /// One refinement.
+    fn step(mesh: &TriangleMesh) -> Result<Self, MeshError> {
+        let coarse = mesh.vertex_count();
+        let vertices = coarse + mesh.edges().len();
+        // The middle of the edge that leaves each corner of each triangle.
+        let mut middles = alloc::vec![[0u32; 3]; mesh.triangles().len()];
+        let mut stencils =
+            Stencils::with_capacity(coarse, vertices, 7 * coarse + 4 * (vertices - coarse));
+        for vertex in 0..coarse {
+            push_vertex_mask(mesh, vertex, &mut stencils);
+        }
+        for (edge, &[tail, head]) in mesh.edges().iter().enumerate() {
+            let middle = (coarse + edge) as u32;
+            let (left, right) = mesh.edge_triangles(edge);
+            let across_left = set_middle(mesh, left, tail, middle, &mut middles);
+            match right {
+                Some(right) => {
+                    let across_right = set_middle(mesh, right, head, middle, &mut middles);
+                    let [end, side] = masks::EDGE;
+                    let weights = [
+                        (tail, end),
+                        (head, end),
+                        (across_left, side),
+                        (across_right, side),
+                    ];
+                    stencils.push_row(weights);
+                }
+                None => stencils.push_row([(tail, 0.5), (head, 0.5)]),
+            }
+        }
+        let quarters = |(&[a, b, c], &[ab, bc, ca]): (&[u32; 3], &[u32; 3])| {
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        };
+        let mut triangles = Vec::with_capacity(4 * middles.len());
+        triangles.extend(mesh.triangles().iter().zip(&middles).flat_map(quarters));
+        Ok(Self {
+            mesh: TriangleMesh::new(vertices, triangles)?,
+            stencils,
+        })
+    }
+}
+
+fn push_vertex_mask(mesh: &TriangleMesh, vertex: usize, stencils: &mut Stencils) {
+    let ring = mesh.one_ring(vertex);
+    let centre = vertex as u32;
+    match (mesh.vertex_kind(vertex), ring) {
+        (VertexKind::Boundary, &[first, .., last]) => {
+            let [middle, side] = masks::BOUNDARY_VERTEX;
+            stencils.push_row([(centre, middle), (first, side), (last, side)]);
+        }
+        (VertexKind::Interior, ring) => {
+            let beta = vertex_weight(ring.len());
+            let neighbours = ring.iter().map(|&neighbour| (neighbour, beta));
+            let middle = (centre, 1.0 - ring.len() as f64 * beta);
+            stencils.push_row(core::iter::once(middle).chain(neighbours));
+        }
+        _ => stencils.push_row([(centre, 1.0)]),
+    }
+}
+
+/// Notes the middle of the edge that leaves `tail` in a triangle, and returns the vertex across.
+fn set_middle(
+    mesh: &TriangleMesh,
+    triangle: u32,
+    tail: u32,
+    middle: u32,
+    middles: &mut [[u32; 3]],
+) -> u32 {
+    let [a, b, c] = mesh.triangles()[triangle as usize];
+    let (corner, across) = match tail {
+        _ if tail == a => (0, c),
+        _ if tail == b => (1, a),
+        _ => (2, b),
+    };
+    middles[triangle as usize][corner] = middle;
+    across
+}

@@ -1,0 +1,446 @@
+//! Method S: its gradient, its symmetries, and the orders at which it converges.
+
+use autodiff::F1;
+use helfrich::bending::{ConsistentMemory, LoopSubdivisionMemory};
+use helfrich::shapes::Shape;
+use helfrich::{
+    ControlPoints, Curvature, Finding, LoopSubdivision, Prepared, Serial, Subdivision, Surface,
+    TriangleMesh, VertexKind,
+};
+use helfrich_std::generate::{Family, GeneratedMesh, generate};
+use helfrich_tests::tolerance;
+use std::array::from_fn;
+
+type Positions = Vec<[f64; 3]>;
+
+fn make(shape: &str, family: Family, vertices: usize) -> GeneratedMesh {
+    generate(&shape.parse().unwrap(), family, vertices, 1).unwrap()
+}
+
+fn prepared(controls: ControlPoints, mesh: &TriangleMesh) -> Prepared<f64, LoopSubdivision<f64>> {
+    Prepared::new(LoopSubdivision::with_controls(1.0, controls), mesh)
+}
+
+fn energy(controls: ControlPoints, mesh: &TriangleMesh, positions: &Positions) -> f64 {
+    let surface = Surface::new(mesh, positions).unwrap();
+    prepared(controls, mesh).energy(surface)
+}
+
+fn forces(controls: ControlPoints, mesh: &TriangleMesh, positions: &Positions) -> (f64, Positions) {
+    let surface = Surface::new(mesh, positions).unwrap();
+    let mut force = vec![[0.0; 3]; positions.len()];
+    let energy = prepared(controls, mesh).add_force_and_energy(surface, &mut force);
+    (energy, force)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
+}
+
+fn largest(vectors: &[[f64; 3]]) -> f64 {
+    vectors
+        .iter()
+        .map(|v| dot(*v, *v).sqrt())
+        .fold(0.0, f64::max)
+}
+
+/// Points displaced by up to `amplitude`, without any symmetry.
+fn disturbed(positions: &[[f64; 3]], amplitude: f64) -> Positions {
+    let number = |k: usize| (((k + 1) as f64 * 12.9898).sin() * 43758.5453).fract();
+    let indexed = positions.iter().enumerate();
+    indexed
+        .map(|(i, x)| from_fn(|axis| x[axis] + amplitude * number(3 * i + axis)))
+        .collect()
+}
+
+fn tetrahedron() -> (TriangleMesh, Positions) {
+    let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let corners = [
+        [1.0, 1.0, 1.0],
+        [-1.0, 1.0, -1.0],
+        [1.0, -1.0, -1.0],
+        [-1.0, -1.0, 1.0],
+    ];
+    // The list of triangles runs clockwise around these corners' mirror image.
+    let mirrored = corners.map(|[x, y, z]: [f64; 3]| [-x, y, z]);
+    (TriangleMesh::new(4, triangles).unwrap(), mirrored.to_vec())
+}
+
+fn octahedron() -> (TriangleMesh, Positions) {
+    let sides = (0..4).flat_map(|k| [[k, (k + 1) % 4, 4], [(k + 1) % 4, k, 5]]);
+    let mut positions = vec![
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0],
+    ];
+    positions.extend([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
+    (TriangleMesh::new(6, sides.collect()).unwrap(), positions)
+}
+
+/// A sphere with a hole: the triangles at some vertices are left out.
+fn with_hole() -> (TriangleMesh, Positions) {
+    let made = make("discocyte", Family::Smooth, 162);
+    let kept = made.mesh.triangles().iter();
+    let kept = kept.filter(|triangle| !triangle.contains(&3) && !triangle.contains(&80));
+    let mesh = TriangleMesh::new(162, kept.copied().collect()).unwrap();
+    (mesh, made.positions)
+}
+
+/// Closed and open, of all valences, tiny and not.
+fn meshes() -> Vec<(&'static str, TriangleMesh, Positions)> {
+    let generated = |shape, family, vertices| {
+        let made = make(shape, family, vertices);
+        (made.mesh, made.positions)
+    };
+    [
+        ("tetrahedron", tetrahedron()),
+        ("octahedron", octahedron()),
+        ("icosahedron", generated("sphere", Family::Smooth, 12)),
+        ("smooth", generated("discocyte", Family::Smooth, 162)),
+        ("irregular", generated("ellipsoid", Family::Irregular, 200)),
+        ("torus", generated("torus", Family::Regular, 128)),
+        ("with hole", with_hole()),
+    ]
+    .map(|(name, (mesh, positions))| {
+        let positions = disturbed(&positions, 0.02);
+        (name, mesh, positions)
+    })
+    .into()
+}
+
+/// One component of the forces' gradient by a dual number in one coordinate.
+fn slope(
+    method: &Prepared<F1, LoopSubdivision<F1>>,
+    mesh: &TriangleMesh,
+    positions: &Positions,
+    vertex: usize,
+    axis: usize,
+) -> f64 {
+    let mut dual = Vec::from_iter(positions.iter().map(|x| x.map(F1::cst)));
+    dual[vertex][axis] = F1::var(positions[vertex][axis]);
+    let surface = Surface::new(mesh, &dual).unwrap();
+    method.clone().energy(surface).dx
+}
+
+#[test]
+fn forces_are_the_exact_gradient() {
+    for (name, mesh, positions) in meshes() {
+        for controls in ControlPoints::ALL {
+            let method = LoopSubdivision::with_controls(F1::cst(1.0), controls);
+            let method = Prepared::new(method, &mesh);
+            let (_, force) = forces(controls, &mesh, &positions);
+            let scale = largest(&force);
+            assert!(scale > 0.0 && scale.is_finite());
+            for vertex in (0..positions.len()).step_by(positions.len().div_ceil(24)) {
+                for axis in 0..3 {
+                    let exact = -slope(&method, &mesh, &positions, vertex, axis);
+                    let what = format!("{controls:?} on {name}, vertex {vertex}");
+                    tolerance::GRADIENT_EXACT.assert(force[vertex][axis], exact, scale, &what);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn forces_match_finite_differences() {
+    for (name, mesh, positions) in meshes() {
+        for controls in ControlPoints::ALL {
+            let (_, force) = forces(controls, &mesh, &positions);
+            let scale = largest(&force);
+            let mut method = prepared(controls, &mesh);
+            let vertex = positions.len() / 3;
+            for (axis, &found) in force[vertex].iter().enumerate() {
+                let mut at = |step: f64| {
+                    let mut moved = positions.clone();
+                    moved[vertex][axis] += step;
+                    method.energy(Surface::new(&mesh, &moved).unwrap())
+                };
+                // Fourth order.
+                let h = 2e-4;
+                let difference =
+                    (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
+                let what = format!("{controls:?} on {name}");
+                tolerance::LOOP_GRADIENT_DIFFERENCE.assert(found, -difference, scale, &what);
+            }
+        }
+    }
+}
+
+#[test]
+fn net_force_and_torque_vanish() {
+    for (name, mesh, positions) in meshes() {
+        for controls in ControlPoints::ALL {
+            let (_, force) = forces(controls, &mesh, &positions);
+            let scale = force.iter().map(|f| dot(*f, *f).sqrt()).sum::<f64>();
+            for axis in 0..3 {
+                let net: f64 = force.iter().map(|f| f[axis]).sum();
+                let torque: f64 = positions
+                    .iter()
+                    .zip(&force)
+                    .map(|(x, f)| cross(*x, *f)[axis])
+                    .sum();
+                let what = format!("{controls:?} on {name}");
+                tolerance::NET_FORCE.assert(net, 0.0, scale, &what);
+                tolerance::NET_FORCE.assert(torque, 0.0, scale, &what);
+            }
+        }
+    }
+}
+
+#[test]
+fn motions_and_scale_change_what_they_must() {
+    for (name, mesh, positions) in meshes() {
+        for controls in ControlPoints::ALL {
+            let (energy, force) = forces(controls, &mesh, &positions);
+            let largest = largest(&force);
+            // Powers of two are exact.
+            for exponent in [-40, 40] {
+                let scale = 2f64.powi(exponent);
+                let scaled = positions.iter().map(|x| x.map(|x| scale * x)).collect();
+                let (found, scaled_force) = forces(controls, &mesh, &scaled);
+                assert_eq!(found, energy, "{controls:?} on {name}");
+                for (found, expected) in scaled_force.iter().zip(&force) {
+                    assert_eq!(
+                        found.map(|f| f * scale),
+                        *expected,
+                        "{controls:?} on {name}"
+                    );
+                }
+            }
+            let rotate = |[x, y, z]: [f64; 3]| [0.6 * x - 0.8 * y, 0.8 * x + 0.6 * y, z];
+            let moved = positions.iter().map(|x| {
+                let [x, y, z] = rotate(*x);
+                [x + 3.0, y - 2.0, z + 5.0]
+            });
+            let (found, moved_force) = forces(controls, &mesh, &moved.collect());
+            let what = format!("{controls:?} on {name}");
+            tolerance::RIGID_MOTION.assert(found, energy, energy, &what);
+            for (found, expected) in moved_force.iter().zip(&force) {
+                let expected = rotate(*expected);
+                for axis in 0..3 {
+                    tolerance::RIGID_MOTION.assert(found[axis], expected[axis], largest, &what);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn interpolated_surfaces_pass_through_the_nodes() {
+    for (name, mesh, positions) in meshes() {
+        let surface = Surface::new(&mesh, &positions).unwrap();
+        let mut limit = vec![[0.0; 3]; positions.len()];
+        prepared(ControlPoints::Interpolated, &mesh).with(|method, execution, plan, memory| {
+            method.limit_positions(execution, plan, surface, memory, &mut limit);
+        });
+        for (found, expected) in limit.iter().zip(&positions) {
+            for axis in 0..3 {
+                tolerance::SPLINE.assert(found[axis], expected[axis], 1.0, name);
+            }
+        }
+    }
+}
+
+/// The surface over triangles with several extraordinary corners is that of the refined mesh.
+#[test]
+fn refinement_within_the_plan_changes_nothing_but_the_points() {
+    let (mesh, positions) = octahedron();
+    let fine = Subdivision::new(&mesh, 1).unwrap();
+    let fine_positions = fine.refine(&positions);
+    let coarse = energy(ControlPoints::Nodes, &mesh, &positions);
+    let refined = energy(ControlPoints::Nodes, fine.mesh(), &fine_positions);
+    tolerance::RIGID_MOTION.assert(coarse, refined, refined, "octahedron");
+}
+
+#[test]
+fn without_interior_triangle_there_is_nothing() {
+    let mesh = TriangleMesh::new(3, vec![[0, 1, 2]]).unwrap();
+    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    for controls in ControlPoints::ALL {
+        assert_eq!(
+            forces(controls, &mesh, &positions),
+            (0.0, vec![[0.0; 3]; 3])
+        );
+        let surface = Surface::new(&mesh, &positions).unwrap();
+        let mut density = vec![[1.0; 3]; 3];
+        prepared(controls, &mesh).force_density(surface, &mut density);
+        assert_eq!(density, [[0.0; 3]; 3]);
+    }
+}
+
+#[test]
+fn points_without_area_contribute_nothing_and_are_reported() {
+    let (mesh, _) = octahedron();
+    let positions = vec![[1.0, 2.0, 3.0]; 6];
+    let surface = Surface::new(&mesh, &positions).unwrap();
+    for controls in ControlPoints::ALL {
+        let mut method = prepared(controls, &mesh);
+        let mut force = vec![[0.0; 3]; 6];
+        assert_eq!(method.add_force_and_energy(surface, &mut force), 0.0);
+        assert_eq!(force, [[0.0; 3]; 6]);
+        let mut findings = Vec::new();
+        method.inspect(surface, &mut |finding| findings.push(finding));
+        let all = (0..8).map(|triangle| Finding::DegenerateTriangle { triangle });
+        assert_eq!(findings, Vec::from_iter(all));
+    }
+}
+
+const DISCOCYTE: f64 = 48.474_464_751_661_5;
+
+#[test]
+fn energy_on_smooth_discocytes() {
+    let errors = |controls| {
+        [642, 2562, 10242].map(|vertices| {
+            let made = make("discocyte", Family::Smooth, vertices);
+            energy(controls, &made.mesh, &made.positions) / DISCOCYTE - 1.0
+        })
+    };
+    for controls in ControlPoints::ALL {
+        println!("{controls:?}: {:?}", errors(controls));
+    }
+    let bounds = [
+        tolerance::LOOP_DISCOCYTE_642,
+        tolerance::LOOP_DISCOCYTE_2562,
+        tolerance::LOOP_DISCOCYTE_10242,
+    ];
+    for (error, bound) in errors(ControlPoints::Hybrid).into_iter().zip(bounds) {
+        bound.assert(error, 0.0, 1.0, "hybrid");
+    }
+    for (error, bound) in errors(ControlPoints::Sharpened).into_iter().zip(bounds) {
+        bound.assert(error, 0.0, 1.0, "sharpened");
+    }
+}
+
+/// ln(e₁/e₂)/ln√(N₂/N₁).
+fn order(coarse: f64, fine: f64, vertices: [usize; 2]) -> f64 {
+    (coarse / fine).ln() / (vertices[1] as f64 / vertices[0] as f64).sqrt().ln()
+}
+
+#[test]
+fn energy_and_consistent_force_density_converge_at_fourth_order_on_the_torus() {
+    let mut last: Option<(usize, [f64; 3])> = None;
+    for vertices in [512, 2048, 8192, 32768] {
+        let made = make("torus", Family::Regular, vertices);
+        let count = made.positions.len();
+        let surface = Surface::new(&made.mesh, &made.positions).unwrap();
+        let mut method = prepared(ControlPoints::Sharpened, &made.mesh);
+        let energy = method.energy(surface);
+        let mut density = vec![[0.0; 3]; count];
+        let mut lumped = density.clone();
+        method.force_density(surface, &mut lumped);
+        let iterations = method.with(|method, execution, plan, memory| {
+            let mut solver = ConsistentMemory::default();
+            method.consistent_force_density(
+                execution,
+                plan,
+                surface,
+                memory,
+                &mut solver,
+                &mut density,
+            )
+        });
+        let mut curvature = vec![Curvature::default(); count];
+        method.with(|method, execution, plan, memory| {
+            method.curvature(execution, plan, surface, memory, &mut curvature);
+        });
+        let mut scale = 0.0f64;
+        let mut error = 0.0f64;
+        let mut lumped_error = 0.0f64;
+        let mut mean_error = 0.0f64;
+        for vertex in 0..count {
+            let exact = made.shape.at(made.preimages[vertex]);
+            let value = exact.force_density(1.0);
+            let difference = |found: [f64; 3]| -> f64 {
+                let d: [f64; 3] = from_fn(|axis| found[axis] - value * exact.normal[axis]);
+                dot(d, d).sqrt()
+            };
+            error = error.max(difference(density[vertex]));
+            lumped_error = lumped_error.max(difference(lumped[vertex]));
+            mean_error = mean_error.max((curvature[vertex].mean - exact.mean).abs());
+            scale = scale.max(value.abs());
+        }
+        // 2κ ∫ H² dS = 2π² κ c²/√(c² − 1), c = R/r.
+        let exact_energy = 2.0 * std::f64::consts::PI.powi(2) * 4.0 / 3f64.sqrt();
+        let errors = [
+            (energy / exact_energy - 1.0).abs(),
+            error / scale,
+            mean_error,
+        ];
+        println!(
+            "{count}: {errors:?} lumped {} iterations {iterations}",
+            lumped_error / scale
+        );
+        if let Some((before, coarse)) = last {
+            let orders: [f64; 3] = from_fn(|k| order(coarse[k], errors[k], [before, count]));
+            println!("orders {orders:?}");
+            assert!(orders[0] >= 3.7 && orders[1] >= 3.7, "{orders:?}");
+        }
+        last = Some((count, errors));
+    }
+}
+
+/// At vertices of valence 6, away from the extraordinary ones, H converges; there it is bounded.
+#[test]
+fn curvature_area_and_volume() {
+    for vertices in [642, 2562] {
+        let made = make("discocyte", Family::Smooth, vertices);
+        let surface = Surface::new(&made.mesh, &made.positions).unwrap();
+        let mut curvature = vec![Curvature::default(); vertices];
+        let mut method = prepared(ControlPoints::Hybrid, &made.mesh);
+        method.with(|method, execution, plan, memory| {
+            method.curvature(execution, plan, surface, memory, &mut curvature);
+        });
+        let mut regular = 0.0f64;
+        let mut all = 0.0f64;
+        let mut gaussian = 0.0f64;
+        for (vertex, found) in curvature.iter().enumerate() {
+            let exact = made.shape.at(made.preimages[vertex]);
+            let error = (found.mean - exact.mean).abs();
+            all = all.max(error);
+            if made.mesh.valence(vertex) == 6 {
+                regular = regular.max(error);
+                gaussian = gaussian.max((found.gaussian - exact.gaussian).abs());
+            }
+            assert_eq!(found.kind, VertexKind::Interior);
+            assert!(dot(found.normal, exact.normal) > 0.999);
+        }
+        let (area, volume) = method.with(|method, execution, plan, memory| {
+            method.area_and_volume(execution, plan, surface, memory)
+        });
+        let sum: f64 = curvature.iter().map(|c| c.area).sum();
+        tolerance::SPLINE.assert(sum, area, area, "areas of the nodes");
+        let area = area / 8.770_854_567_499_144 - 1.0;
+        let volume = volume.unwrap() / 1.574_048_683_029_473 - 1.0;
+        println!("{vertices}: H {regular} {all} K {gaussian} area {area:e} volume {volume:e}");
+        assert!(all < 0.5, "{all}");
+    }
+}
+
+/// Evaluating again gives the same, and so does single precision as far as it goes.
+#[test]
+fn evaluations_repeat_and_single_precision_agrees() {
+    let made = make("discocyte", Family::Smooth, 642);
+    let surface = Surface::new(&made.mesh, &made.positions).unwrap();
+    let mut method = prepared(ControlPoints::Hybrid, &made.mesh);
+    let mut force = vec![[0.0; 3]; 642];
+    let first = method.add_force_and_energy(surface, &mut force);
+    assert_eq!(method.energy(surface), first);
+    let mut doubled = force.clone();
+    assert_eq!(method.add_force_and_energy(surface, &mut doubled), first);
+    for (twice, once) in doubled.iter().zip(&force) {
+        assert_eq!(*twice, once.map(|f| f + f));
+    }
+    let mut memory = LoopSubdivisionMemory::default();
+    let loose = LoopSubdivision::new(1f32);
+    let plan = helfrich::Method::<f32>::plan(&loose, &made.mesh);
+    let single = Vec::from_iter(made.positions.iter().map(|x| x.map(|x| x as f32)));
+    let surface = Surface::new(&made.mesh, &single).unwrap();
+    let found = helfrich::Energy::energy(&loose, &Serial, &plan, surface, &mut memory);
+    tolerance::LOOP_SINGLE.assert(f64::from(found), first, first, "energy");
+}

@@ -1,0 +1,117 @@
+//! Mesh files that are written and read again, and refined ones.
+
+use helfrich_std::generate::{Family, generate};
+use helfrich_std::io::{Format, MeshFile, WriteError, parse, read, write, write_to};
+use helfrich_std::subdivide::{SubdivideError, Target, subdivide};
+use std::path::{Path, PathBuf};
+
+fn discocyte(vertices: usize) -> MeshFile {
+    let shape = "discocyte:4e-6".parse().unwrap();
+    let made = generate(&shape, Family::Smooth, vertices, 0).unwrap();
+    MeshFile {
+        positions: made.positions,
+        mesh: made.mesh,
+    }
+}
+
+fn folder() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("writers");
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+#[test]
+fn what_is_written_is_read_again_with_all_digits() {
+    let file = discocyte(162);
+    for format in [Format::Obj, Format::Off, Format::Ply] {
+        let mut bytes = Vec::new();
+        write_to(&mut bytes, format, &file.positions, &file.mesh).unwrap();
+        assert_eq!(parse(&bytes, format).unwrap(), file, "{format:?}");
+    }
+}
+
+/// STL has no list of vertices: these come back in the order in which triangles name them.
+#[test]
+fn stl_keeps_the_triangles_and_seven_digits() {
+    let file = discocyte(162);
+    let mut bytes = Vec::new();
+    write_to(&mut bytes, Format::Stl, &file.positions, &file.mesh).unwrap();
+    assert_eq!(bytes.len(), 84 + 50 * file.mesh.triangles().len());
+    let again = parse(&bytes, Format::Stl).unwrap();
+    assert_eq!(again.mesh.vertex_count(), file.mesh.vertex_count());
+    let pairs = again.mesh.triangles().iter().zip(file.mesh.triangles());
+    for (found, expected) in pairs {
+        for (found, expected) in found.iter().zip(expected) {
+            let rounded = file.positions[*expected as usize].map(|x| f64::from(x as f32));
+            assert_eq!(again.positions[*found as usize], rounded);
+        }
+    }
+    // Each face starts with its outward normal.
+    let float = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+    let normal = [84, 88, 92].map(float);
+    let length: f32 = normal.iter().map(|x| x * x).sum();
+    assert!((length - 1.0).abs() < 1e-6);
+    let corner = [96, 100, 104].map(float);
+    assert!(normal.iter().zip(corner).map(|(n, x)| n * x).sum::<f32>() > 0.0);
+}
+
+#[test]
+fn files_are_named_by_their_ending() {
+    let file = discocyte(42);
+    for name in ["mesh.obj", "mesh.OFF", "mesh.ply"] {
+        let path = folder().join(name);
+        write(&path, &file.positions, &file.mesh).unwrap();
+        assert_eq!(read(&path).unwrap(), file, "{name}");
+    }
+    let message = |name: &str| {
+        let error = write(Path::new(name), &file.positions, &file.mesh);
+        error.unwrap_err().to_string()
+    };
+    assert_eq!(
+        message("mesh.vtk"),
+        "mesh.vtk: unknown format: .obj, .off, .stl and .ply files can be written"
+    );
+    assert!(message("no/such/folder/mesh.obj").starts_with("no/such/folder/mesh.obj: "));
+}
+
+#[test]
+fn coordinates_beyond_stl_are_refused() {
+    let mut file = discocyte(42);
+    file.positions[7][1] = -1e39;
+    let path = folder().join("large.stl");
+    let error = write(&path, &file.positions, &file.mesh).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            WriteError::OutOfRange {
+                vertex: 7,
+                axis: 1,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    assert!(!path.exists());
+}
+
+#[test]
+fn refined_files() {
+    let file = discocyte(42);
+    let fine = subdivide(file.clone(), 2, Target::Controls).unwrap();
+    let limit = subdivide(file.clone(), 2, Target::Limit).unwrap();
+    assert_eq!(fine.mesh.vertex_count(), 642);
+    assert_eq!(fine.mesh, limit.mesh);
+    assert_ne!(fine.positions, limit.positions);
+    assert_eq!(subdivide(file.clone(), 0, Target::Controls).unwrap(), file);
+    assert_ne!(subdivide(file.clone(), 0, Target::Limit).unwrap(), file);
+}
+
+#[test]
+fn refinement_that_cannot_be_is_refused() {
+    let message = |levels| subdivide(discocyte(42), levels, Target::Limit).unwrap_err();
+    assert_eq!(
+        message(12).to_string(),
+        "12 levels of refinement are too many: 1342177280 triangles are too many: the limit is 715827882"
+    );
+    assert!(matches!(message(u32::MAX), SubdivideError::TooLarge { .. }));
+}
