@@ -49,7 +49,8 @@ struct StudyArguments {
     /// sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R].
     #[arg(long, default_value = "discocyte")]
     shape: AnyShape,
-    /// Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C), loop (S), j4, j6.
+    /// Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C),
+    /// belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh).
     #[arg(long, value_delimiter = ',', default_value = "A,B,C", value_parser = methods)]
     method: Vec<Vec<BendingMethod>>,
     /// Mesh families: regular, smooth, relaxed, irregular, hard, or `all`.
@@ -76,7 +77,8 @@ struct StudyArguments {
 struct CurvatureArguments {
     /// OBJ, OFF, STL or PLY file.
     mesh: PathBuf,
-    /// Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), loop (S), j4, j6.
+    /// Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C),
+    /// belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh).
     #[arg(long, default_value = "meyer")]
     method: BendingMethod,
     /// Bending modulus κ.

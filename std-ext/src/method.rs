@@ -5,8 +5,9 @@
 use helfrich::bending::StrongFormMemory;
 use helfrich::laplacian::CotangentMemory;
 use helfrich::{
-    Cotangent, Curvature, DualArea, Finding, GompperKroll, Jet, KantorNelson, LaplaceBeltrami,
-    LoopSubdivision, Method, Prepared, Real, Serial, StrongForm, Surface, TriangleMesh, VertexKind,
+    Cotangent, Curvature, DualArea, Finding, GompperKroll, Jet, Juelicher, KantorNelson,
+    LaplaceBeltrami, LoopSubdivision, Method, Prepared, Real, Serial, StrongForm, Surface,
+    TriangleMesh, VertexKind,
 };
 use std::fmt;
 use std::str::FromStr;
@@ -21,47 +22,60 @@ pub enum BendingMethod {
     GompperKroll,
     /// C: strong form over the cotangent operator.
     Meyer,
+    /// D: strong form over a heat kernel.
+    Belkin,
+    /// E: strong form over paraboloids fitted to one-rings.
+    Farutin,
     /// S: the limit surface of Loop subdivision.
     Loop,
+    /// Jülicher's: squared mean curvature from dihedral angles.
+    Juelicher,
     /// J of degree 4: strong form over osculating jets.
     J4,
     /// J of degree 6.
     J6,
+    /// J of the degree that suits the mesh.
+    Jet,
 }
 
 impl BendingMethod {
-    /// Every method, in the order of the paper's letters.
-    pub const ALL: [Self; 6] = [
+    /// Every method, with J in its two degrees.
+    pub const ALL: [Self; 9] = [
         Self::KantorNelson,
         Self::GompperKroll,
         Self::Meyer,
+        Self::Belkin,
+        Self::Farutin,
         Self::Loop,
+        Self::Juelicher,
         Self::J4,
         Self::J6,
     ];
 
-    /// The long name, as on the command line.
-    pub fn name(self) -> &'static str {
+    /// The long name, as on the command line, and the letter if the method has one.
+    fn names(self) -> (&'static str, Option<&'static str>) {
         match self {
-            Self::KantorNelson => "kantor-nelson",
-            Self::GompperKroll => "gompper-kroll",
-            Self::Meyer => "meyer",
-            Self::Loop => "loop",
-            Self::J4 => "j4",
-            Self::J6 => "j6",
+            Self::KantorNelson => ("kantor-nelson", Some("A")),
+            Self::GompperKroll => ("gompper-kroll", Some("B")),
+            Self::Meyer => ("meyer", Some("C")),
+            Self::Belkin => ("belkin", Some("D")),
+            Self::Farutin => ("farutin", Some("E")),
+            Self::Loop => ("loop", Some("S")),
+            Self::Juelicher => ("juelicher", None),
+            Self::J4 => ("j4", None),
+            Self::J6 => ("j6", None),
+            Self::Jet => ("jet", Some("J")),
         }
     }
 
-    /// The paper's letter.
-    pub fn letter(self) -> &'static str {
-        match self {
-            Self::KantorNelson => "A",
-            Self::GompperKroll => "B",
-            Self::Meyer => "C",
-            Self::Loop => "S",
-            Self::J4 => "J4",
-            Self::J6 => "J6",
-        }
+    /// The long name, as on the command line.
+    pub fn name(self) -> &'static str {
+        self.names().0
+    }
+
+    /// The paper's letter, or J for the jets; `None` for what has none.
+    pub fn letter(self) -> Option<&'static str> {
+        self.names().1
     }
 }
 
@@ -82,8 +96,12 @@ pub struct UnknownMethod {
 }
 
 fn known_methods() -> String {
-    let known = BendingMethod::ALL.map(|method| format!("{method} ({})", method.letter()));
-    known.join(", ")
+    let known = |method: BendingMethod| match method.letter() {
+        Some(letter) => format!("{method} ({letter})"),
+        None => method.to_string(),
+    };
+    let all = BendingMethod::ALL.into_iter().chain([BendingMethod::Jet]);
+    all.map(known).collect::<Vec<_>>().join(", ")
 }
 
 impl FromStr for BendingMethod {
@@ -91,10 +109,12 @@ impl FromStr for BendingMethod {
 
     fn from_str(name: &str) -> Result<Self, UnknownMethod> {
         let matches = |method: &Self| {
-            method.name().eq_ignore_ascii_case(name) || method.letter().eq_ignore_ascii_case(name)
+            let (long, letter) = method.names();
+            long.eq_ignore_ascii_case(name) || letter.is_some_and(|l| l.eq_ignore_ascii_case(name))
         };
         Self::ALL
             .into_iter()
+            .chain([Self::Jet])
             .find(matches)
             .ok_or_else(|| UnknownMethod {
                 name: name.to_owned(),
@@ -120,39 +140,26 @@ pub struct Fields<T> {
 }
 
 /// A bending method made ready for one mesh.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Evaluator<T: Real> {
-    prepared: PreparedMethod<T>,
+    prepared: Box<dyn Evaluate<T>>,
     force: Vec<[T; 3]>,
-}
-
-#[derive(Clone, Debug)]
-enum PreparedMethod<T: Real> {
-    KantorNelson(Prepared<T, KantorNelson<T>>),
-    GompperKroll(Prepared<T, GompperKroll<T>>),
-    Meyer(Prepared<T, StrongForm<T, Cotangent>>),
-    Loop(Prepared<T, LoopSubdivision<T>>),
-    Jet(Prepared<T, StrongForm<T, Jet<T>>>),
 }
 
 impl<T: Real> Evaluator<T> {
     /// Prepares `method` with bending modulus `modulus` for a mesh.
     pub fn new(method: BendingMethod, modulus: T, mesh: &TriangleMesh) -> Self {
         let prepared = match method {
-            BendingMethod::KantorNelson => {
-                PreparedMethod::KantorNelson(Prepared::new(KantorNelson::new(modulus), mesh))
-            }
-            BendingMethod::GompperKroll => {
-                PreparedMethod::GompperKroll(Prepared::new(GompperKroll::new(modulus), mesh))
-            }
-            BendingMethod::Meyer => {
-                PreparedMethod::Meyer(Prepared::new(StrongForm::meyer(modulus), mesh))
-            }
-            BendingMethod::Loop => {
-                PreparedMethod::Loop(Prepared::new(LoopSubdivision::new(modulus), mesh))
-            }
-            BendingMethod::J4 => PreparedMethod::Jet(Prepared::new(StrongForm::j4(modulus), mesh)),
-            BendingMethod::J6 => PreparedMethod::Jet(Prepared::new(StrongForm::j6(modulus), mesh)),
+            BendingMethod::KantorNelson => prepare(KantorNelson::new(modulus), mesh),
+            BendingMethod::GompperKroll => prepare(GompperKroll::new(modulus), mesh),
+            BendingMethod::Meyer => prepare(StrongForm::meyer(modulus), mesh),
+            BendingMethod::Belkin => prepare(StrongForm::belkin(modulus), mesh),
+            BendingMethod::Farutin => prepare(StrongForm::farutin(modulus), mesh),
+            BendingMethod::Loop => prepare(LoopSubdivision::new(modulus), mesh),
+            BendingMethod::Juelicher => prepare(Juelicher::new(modulus), mesh),
+            BendingMethod::J4 => prepare(StrongForm::j4(modulus), mesh),
+            BendingMethod::J6 => prepare(StrongForm::j6(modulus), mesh),
+            BendingMethod::Jet => prepare(StrongForm::new(modulus, Jet::for_mesh(mesh)), mesh),
         };
         Self {
             prepared,
@@ -164,19 +171,7 @@ impl<T: Real> Evaluator<T> {
     /// methods, force densities with the curvatures for those in strong form.
     pub fn evaluate(&mut self, surface: Surface<'_, T>) {
         self.force.fill([T::zero(); 3]);
-        match &mut self.prepared {
-            PreparedMethod::KantorNelson(method) => {
-                method.add_force_and_energy(surface, &mut self.force);
-            }
-            PreparedMethod::GompperKroll(method) => {
-                method.add_force_and_energy(surface, &mut self.force);
-            }
-            PreparedMethod::Meyer(method) => method.force_density(surface, &mut self.force),
-            PreparedMethod::Loop(method) => {
-                method.add_force_and_energy(surface, &mut self.force);
-            }
-            PreparedMethod::Jet(method) => method.force_density(surface, &mut self.force),
-        }
+        self.prepared.evaluate(surface, &mut self.force);
     }
 
     /// Evaluates, and collects all that the method says.
@@ -186,13 +181,8 @@ impl<T: Real> Evaluator<T> {
         let mut curvature = vec![Curvature::default(); mesh.vertex_count()];
         let mut memory = CotangentMemory::default();
         let cotangent = Cotangent::new(DualArea::Mixed);
-        cotangent.measure(
-            &Serial,
-            &Method::<T>::plan(&cotangent, mesh),
-            surface,
-            &mut memory,
-            &mut curvature,
-        );
+        let plan = Method::<T>::plan(&cotangent, mesh);
+        cotangent.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
         let mut fields = Fields {
             area: curvature.iter().map(|vertex| vertex.area).collect(),
             normal: curvature.iter().map(|vertex| vertex.normal).collect(),
@@ -201,32 +191,7 @@ impl<T: Real> Evaluator<T> {
             laplacian_of_mean: vec![None; mesh.vertex_count()],
             force_density: vec![None; mesh.vertex_count()],
         };
-        match &mut self.prepared {
-            PreparedMethod::KantorNelson(_) => fields.set_density(&self.force),
-            PreparedMethod::GompperKroll(method) => {
-                fields.set_density(&self.force);
-                let mut mean = vec![T::zero(); mesh.vertex_count()];
-                method.with(|method, execution, (), memory| {
-                    let normals = &fields.normal;
-                    method.mean_curvature(execution, surface, memory, normals, &mut mean);
-                });
-                let interior = |vertex| mesh.vertex_kind(vertex) == VertexKind::Interior;
-                fields.mean = where_defined(&mean, interior);
-            }
-            PreparedMethod::Loop(method) => {
-                fields.set_density(&self.force);
-                method.with(|method, execution, plan, memory| {
-                    method.curvature(execution, plan, surface, memory, &mut curvature);
-                });
-                fields.set_curvature(&curvature);
-            }
-            PreparedMethod::Meyer(method) => {
-                fields.set_strong_form(mesh, method.memory(), &self.force);
-            }
-            PreparedMethod::Jet(method) => {
-                fields.set_strong_form(mesh, method.memory(), &self.force);
-            }
-        }
+        self.prepared.collect(surface, &self.force, &mut fields);
         // A vertex that was left out: the method's 0 there is no curvature.
         for finding in self.findings(surface) {
             match finding {
@@ -242,15 +207,118 @@ impl<T: Real> Evaluator<T> {
     /// What makes the last evaluation less trustworthy than usual.
     pub fn findings(&self, surface: Surface<'_, T>) -> Vec<Finding> {
         let mut findings = Vec::new();
-        let mut report = |finding| findings.push(finding);
-        match &self.prepared {
-            PreparedMethod::KantorNelson(method) => method.inspect(surface, &mut report),
-            PreparedMethod::GompperKroll(method) => method.inspect(surface, &mut report),
-            PreparedMethod::Meyer(method) => method.inspect(surface, &mut report),
-            PreparedMethod::Loop(method) => method.inspect(surface, &mut report),
-            PreparedMethod::Jet(method) => method.inspect(surface, &mut report),
-        }
+        self.prepared
+            .inspect(surface, &mut |finding| findings.push(finding));
         findings
+    }
+}
+
+fn prepare<T: Real, M>(method: M, mesh: &TriangleMesh) -> Box<dyn Evaluate<T>>
+where
+    M: Method<T>,
+    Prepared<T, M>: Evaluate<T> + 'static,
+{
+    Box::new(Prepared::new(method, mesh))
+}
+
+/// What a prepared method can be asked for, whichever it is.
+trait Evaluate<T: Real>: fmt::Debug {
+    /// Adds nodal forces to `force`, or sets it to force densities: see [`Evaluator::evaluate`].
+    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]);
+
+    /// Sets what the method says in `fields`, from what [`Self::evaluate`] made of `force`.
+    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>);
+
+    /// See [`Method::inspect`].
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding));
+}
+
+impl<T: Real> Evaluate<T> for Prepared<T, KantorNelson<T>> {
+    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
+        self.add_force_and_energy(surface, force);
+    }
+
+    fn collect(&mut self, _surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
+        fields.set_density(force);
+    }
+
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        self.inspect(surface, report);
+    }
+}
+
+impl<T: Real> Evaluate<T> for Prepared<T, GompperKroll<T>> {
+    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
+        self.add_force_and_energy(surface, force);
+    }
+
+    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
+        fields.set_density(force);
+        let mut mean = vec![T::zero(); force.len()];
+        self.with(|method, execution, (), memory| {
+            method.mean_curvature(execution, surface, memory, &fields.normal, &mut mean);
+        });
+        fields.set_mean(surface.mesh(), &mean);
+    }
+
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        self.inspect(surface, report);
+    }
+}
+
+impl<T: Real> Evaluate<T> for Prepared<T, Juelicher<T>> {
+    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
+        self.add_force_and_energy(surface, force);
+    }
+
+    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
+        fields.set_density(force);
+        let mut mean = vec![T::zero(); force.len()];
+        self.with(|method, execution, plan, memory| {
+            method.mean_curvature(execution, plan, surface, memory, &mut mean);
+        });
+        fields.set_mean(surface.mesh(), &mean);
+    }
+
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        self.inspect(surface, report);
+    }
+}
+
+impl<T: Real> Evaluate<T> for Prepared<T, LoopSubdivision<T>> {
+    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
+        self.add_force_and_energy(surface, force);
+    }
+
+    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
+        fields.set_density(force);
+        let mut curvature = vec![Curvature::default(); force.len()];
+        self.with(|method, execution, plan, memory| {
+            method.curvature(execution, plan, surface, memory, &mut curvature);
+        });
+        fields.set_curvature(&curvature);
+    }
+
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        self.inspect(surface, report);
+    }
+}
+
+impl<T, L> Evaluate<T> for Prepared<T, StrongForm<T, L>>
+where
+    T: Real,
+    L: LaplaceBeltrami<T, Plan: fmt::Debug, Memory: fmt::Debug> + fmt::Debug + Sync,
+{
+    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
+        self.force_density(surface, force);
+    }
+
+    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
+        fields.set_strong_form(surface.mesh(), self.memory(), force);
+    }
+
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        self.inspect(surface, report);
     }
 }
 
@@ -282,6 +350,11 @@ impl<T: Real> Fields<T> {
             .zip(&self.area)
             .map(|(&force, &area)| over(force, area))
             .collect();
+    }
+
+    fn set_mean(&mut self, mesh: &TriangleMesh, mean: &[T]) {
+        let interior = |vertex| mesh.vertex_kind(vertex) == VertexKind::Interior;
+        self.mean = where_defined(mean, interior);
     }
 
     fn set_curvature(&mut self, curvature: &[Curvature<T>]) {

@@ -38,10 +38,17 @@ impl Quantity {
     pub fn is_defined_by(self, method: BendingMethod) -> bool {
         match method {
             BendingMethod::KantorNelson => self == Self::ForceDensity,
-            BendingMethod::GompperKroll => matches!(self, Self::Mean | Self::ForceDensity),
+            BendingMethod::GompperKroll | BendingMethod::Juelicher => {
+                matches!(self, Self::Mean | Self::ForceDensity)
+            }
             BendingMethod::Loop => self != Self::LaplacianOfMean,
             // Those in strong form compute everything.
-            BendingMethod::Meyer | BendingMethod::J4 | BendingMethod::J6 => true,
+            BendingMethod::Meyer
+            | BendingMethod::Belkin
+            | BendingMethod::Farutin
+            | BendingMethod::J4
+            | BendingMethod::J6
+            | BendingMethod::Jet => true,
         }
     }
 

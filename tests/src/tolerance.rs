@@ -414,7 +414,7 @@ pub const LOOP_GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
     "fourth-order differences with a step of 2e-4 leave 1e-8 of truncation and 1e-10 of rounding",
 );
 /// Net force and torque of a conservative method, relative to the sum of all forces' lengths.
-pub const NET_FORCE: Tolerance = Tolerance::new(
+pub const LOOP_NET_FORCE: Tolerance = Tolerance::new(
     1e-12,
     "exact but for the rounding of each force, and of weights whose sums are 0",
 );

@@ -137,10 +137,10 @@ fn forces_are_the_exact_gradient() {
             let scale = largest(&force);
             assert!(scale > 0.0 && scale.is_finite());
             for vertex in (0..positions.len()).step_by(positions.len().div_ceil(24)) {
-                for axis in 0..3 {
+                for (axis, &found) in force[vertex].iter().enumerate() {
                     let exact = -slope(&method, &mesh, &positions, vertex, axis);
                     let what = format!("{controls:?} on {name}, vertex {vertex}");
-                    tolerance::GRADIENT_EXACT.assert(force[vertex][axis], exact, scale, &what);
+                    tolerance::GRADIENT_EXACT.assert(found, exact, scale, &what);
                 }
             }
         }
@@ -186,8 +186,8 @@ fn net_force_and_torque_vanish() {
                     .map(|(x, f)| cross(*x, *f)[axis])
                     .sum();
                 let what = format!("{controls:?} on {name}");
-                tolerance::NET_FORCE.assert(net, 0.0, scale, &what);
-                tolerance::NET_FORCE.assert(torque, 0.0, scale, &what);
+                tolerance::LOOP_NET_FORCE.assert(net, 0.0, scale, &what);
+                tolerance::LOOP_NET_FORCE.assert(torque, 0.0, scale, &what);
             }
         }
     }
@@ -301,9 +301,6 @@ fn energy_on_smooth_discocytes() {
             energy(controls, &made.mesh, &made.positions) / DISCOCYTE - 1.0
         })
     };
-    for controls in ControlPoints::ALL {
-        println!("{controls:?}: {:?}", errors(controls));
-    }
     let bounds = [
         tolerance::LOOP_DISCOCYTE_642,
         tolerance::LOOP_DISCOCYTE_2562,
@@ -322,103 +319,97 @@ fn order(coarse: f64, fine: f64, vertices: [usize; 2]) -> f64 {
     (coarse / fine).ln() / (vertices[1] as f64 / vertices[0] as f64).sqrt().ln()
 }
 
+/// Errors on a torus with R/r = 2, the largest of any node: of the energy, the consistent and the
+/// lumped force density, and the mean curvature.
+fn errors_on_torus(vertices: usize) -> (usize, [f64; 4]) {
+    let made = make("torus", Family::Regular, vertices);
+    let count = made.positions.len();
+    let surface = Surface::new(&made.mesh, &made.positions).unwrap();
+    let mut method = prepared(ControlPoints::Sharpened, &made.mesh);
+    // 2κ ∫ H² dS = 2π² κ c²/√(c² − 1), c = R/r.
+    let exact_energy = 2.0 * std::f64::consts::PI.powi(2) * 4.0 / 3f64.sqrt();
+    let mut errors = [
+        (method.energy(surface) / exact_energy - 1.0).abs(),
+        0.0,
+        0.0,
+        0.0,
+    ];
+
+    let mut lumped = vec![[0.0; 3]; count];
+    method.force_density(surface, &mut lumped);
+    let mut consistent = vec![[0.0; 3]; count];
+    let mut curvature = vec![Curvature::default(); count];
+    let iterations = method.with(|method, execution, plan, memory| {
+        method.curvature(execution, plan, surface, memory, &mut curvature);
+        let mut solver = ConsistentMemory::default();
+        let density = &mut consistent;
+        method.consistent_force_density(execution, plan, surface, memory, &mut solver, density)
+    });
+    assert!(iterations < 60, "{iterations}");
+    let mut scale = 0.0f64;
+    for vertex in 0..count {
+        let exact = made.shape.at(made.preimages[vertex]);
+        let value = exact.force_density(1.0);
+        let error = |found: [f64; 3]| {
+            let error: [f64; 3] = from_fn(|axis| found[axis] - value * exact.normal[axis]);
+            dot(error, error).sqrt()
+        };
+        errors[1] = errors[1].max(error(consistent[vertex]));
+        errors[2] = errors[2].max(error(lumped[vertex]));
+        errors[3] = errors[3].max((curvature[vertex].mean - exact.mean).abs());
+        scale = scale.max(value.abs());
+    }
+    errors[1] /= scale;
+    errors[2] /= scale;
+    (count, errors)
+}
+
 #[test]
-fn energy_and_consistent_force_density_converge_at_fourth_order_on_the_torus() {
-    let mut last: Option<(usize, [f64; 3])> = None;
-    for vertices in [512, 2048, 8192, 32768] {
-        let made = make("torus", Family::Regular, vertices);
-        let count = made.positions.len();
-        let surface = Surface::new(&made.mesh, &made.positions).unwrap();
-        let mut method = prepared(ControlPoints::Sharpened, &made.mesh);
-        let energy = method.energy(surface);
-        let mut density = vec![[0.0; 3]; count];
-        let mut lumped = density.clone();
-        method.force_density(surface, &mut lumped);
-        let iterations = method.with(|method, execution, plan, memory| {
-            let mut solver = ConsistentMemory::default();
-            method.consistent_force_density(
-                execution,
-                plan,
-                surface,
-                memory,
-                &mut solver,
-                &mut density,
-            )
-        });
-        let mut curvature = vec![Curvature::default(); count];
-        method.with(|method, execution, plan, memory| {
-            method.curvature(execution, plan, surface, memory, &mut curvature);
-        });
-        let mut scale = 0.0f64;
-        let mut error = 0.0f64;
-        let mut lumped_error = 0.0f64;
-        let mut mean_error = 0.0f64;
-        for vertex in 0..count {
-            let exact = made.shape.at(made.preimages[vertex]);
-            let value = exact.force_density(1.0);
-            let difference = |found: [f64; 3]| -> f64 {
-                let d: [f64; 3] = from_fn(|axis| found[axis] - value * exact.normal[axis]);
-                dot(d, d).sqrt()
-            };
-            error = error.max(difference(density[vertex]));
-            lumped_error = lumped_error.max(difference(lumped[vertex]));
-            mean_error = mean_error.max((curvature[vertex].mean - exact.mean).abs());
-            scale = scale.max(value.abs());
+fn orders_on_the_torus() {
+    let found = [512, 2048, 8192, 32768].map(errors_on_torus);
+    for pair in found.windows(2) {
+        let [(coarse, before), (fine, after)] = [pair[0], pair[1]];
+        let orders: [f64; 4] = from_fn(|k| order(before[k], after[k], [coarse, fine]));
+        // Second derivatives of a quartic spline at a node are of second order only.
+        for (order, least) in orders.iter().zip([3.7, 3.7, 3.3, 1.9]) {
+            assert!(*order >= least, "{orders:?} from {before:?} to {after:?}");
         }
-        // 2κ ∫ H² dS = 2π² κ c²/√(c² − 1), c = R/r.
-        let exact_energy = 2.0 * std::f64::consts::PI.powi(2) * 4.0 / 3f64.sqrt();
-        let errors = [
-            (energy / exact_energy - 1.0).abs(),
-            error / scale,
-            mean_error,
-        ];
-        println!(
-            "{count}: {errors:?} lumped {} iterations {iterations}",
-            lumped_error / scale
-        );
-        if let Some((before, coarse)) = last {
-            let orders: [f64; 3] = from_fn(|k| order(coarse[k], errors[k], [before, count]));
-            println!("orders {orders:?}");
-            assert!(orders[0] >= 3.7 && orders[1] >= 3.7, "{orders:?}");
-        }
-        last = Some((count, errors));
     }
 }
 
-/// At vertices of valence 6, away from the extraordinary ones, H converges; there it is bounded.
+/// Largest error of H at any node, and the relative ones of area and volume.
+fn errors_on_discocyte(vertices: usize) -> [f64; 3] {
+    let made = make("discocyte", Family::Smooth, vertices);
+    let surface = Surface::new(&made.mesh, &made.positions).unwrap();
+    let mut curvature = vec![Curvature::default(); vertices];
+    let mut method = prepared(ControlPoints::Hybrid, &made.mesh);
+    let (area, volume) = method.with(|method, execution, plan, memory| {
+        method.curvature(execution, plan, surface, memory, &mut curvature);
+        method.area_and_volume(execution, plan, surface, memory)
+    });
+    let sum: f64 = curvature.iter().map(|vertex| vertex.area).sum();
+    tolerance::SPLINE.assert(sum, area, area, "areas of the nodes");
+    let mut largest = 0.0f64;
+    for (found, &preimage) in curvature.iter().zip(&made.preimages) {
+        let exact = made.shape.at(preimage);
+        largest = largest.max((found.mean - exact.mean).abs());
+        assert_eq!(found.kind, VertexKind::Interior);
+        assert!(dot(found.normal, exact.normal) > 0.999);
+    }
+    [
+        largest,
+        (area / 8.770_854_567_499_144 - 1.0).abs(),
+        (volume.unwrap() / 1.574_048_683_029_473 - 1.0).abs(),
+    ]
+}
+
+/// H converges slowly even at extraordinary vertices, where it is a mean; area and volume fast.
 #[test]
 fn curvature_area_and_volume() {
-    for vertices in [642, 2562] {
-        let made = make("discocyte", Family::Smooth, vertices);
-        let surface = Surface::new(&made.mesh, &made.positions).unwrap();
-        let mut curvature = vec![Curvature::default(); vertices];
-        let mut method = prepared(ControlPoints::Hybrid, &made.mesh);
-        method.with(|method, execution, plan, memory| {
-            method.curvature(execution, plan, surface, memory, &mut curvature);
-        });
-        let mut regular = 0.0f64;
-        let mut all = 0.0f64;
-        let mut gaussian = 0.0f64;
-        for (vertex, found) in curvature.iter().enumerate() {
-            let exact = made.shape.at(made.preimages[vertex]);
-            let error = (found.mean - exact.mean).abs();
-            all = all.max(error);
-            if made.mesh.valence(vertex) == 6 {
-                regular = regular.max(error);
-                gaussian = gaussian.max((found.gaussian - exact.gaussian).abs());
-            }
-            assert_eq!(found.kind, VertexKind::Interior);
-            assert!(dot(found.normal, exact.normal) > 0.999);
-        }
-        let (area, volume) = method.with(|method, execution, plan, memory| {
-            method.area_and_volume(execution, plan, surface, memory)
-        });
-        let sum: f64 = curvature.iter().map(|c| c.area).sum();
-        tolerance::SPLINE.assert(sum, area, area, "areas of the nodes");
-        let area = area / 8.770_854_567_499_144 - 1.0;
-        let volume = volume.unwrap() / 1.574_048_683_029_473 - 1.0;
-        println!("{vertices}: H {regular} {all} K {gaussian} area {area:e} volume {volume:e}");
-        assert!(all < 0.5, "{all}");
+    let [before, after] = [642, 2562].map(errors_on_discocyte);
+    let orders: [f64; 3] = from_fn(|k| order(before[k], after[k], [642, 2562]));
+    for (order, least) in orders.iter().zip([0.7, 3.3, 3.3]) {
+        assert!(*order >= least, "{orders:?} from {before:?} to {after:?}");
     }
 }
 

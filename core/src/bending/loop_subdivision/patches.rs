@@ -33,8 +33,19 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug)]
 struct NodeBasis<T> {
     values: [T; 3],
-    /// ∂v, ∂w, ∂vv, ∂vw, ∂ww at each point.
-    derivatives: [[T; 5]; 3],
+    /// ∂v, ∂w, ∂vv, ∂vw, ∂ww at the first point, at the second and at the third, and a 0 that fills
+    /// the last vector register.
+    derivatives: [T; DERIVATIVES],
+}
+
+/// Room for five derivatives at three points.
+const DERIVATIVES: usize = 16;
+
+impl<T: Real> NodeBasis<T> {
+    /// The derivatives at one point.
+    fn at(&self, point: usize) -> [T; 5] {
+        core::array::from_fn(|k| self.derivatives[5 * point + k])
+    }
 }
 
 /// The first and second derivatives of a basis function, in the number type of the surface.
@@ -212,7 +223,7 @@ impl<T: Real> Patches<T> {
         let mut derivatives = [[T::zero(); 4]; 5];
         for (&node, basis) in nodes.iter().zip(bases).skip(1) {
             let spoke = difference(first, controls[node as usize]);
-            accumulate(&mut derivatives, &basis.derivatives[0], spoke);
+            accumulate(&mut derivatives, &basis.at(0), spoke);
         }
         Point::new(derivatives)
     }
@@ -227,7 +238,7 @@ impl<T: Real> Patches<T> {
             for (&node, basis) in nodes.iter().zip(bases) {
                 let control = controls[node as usize];
                 accumulate(&mut position, &[basis.values[k]], control);
-                accumulate(&mut derivatives, &basis.derivatives[k], control);
+                accumulate(&mut derivatives, &basis.at(k), control);
             }
             let [[x, y, z, _]] = position;
             let point = Point::new(derivatives);
@@ -267,7 +278,15 @@ impl<T: Real> Patches<T> {
             block.gifts.clear();
             for patch in first..last {
                 let (nodes, bases) = self.patch(patch);
-                block.evaluate::<GRADIENT>(nodes, bases, modulus, controls);
+                // Nearly all patches: a number of nodes that the compiler knows.
+                if let (Ok(nodes), Ok(bases)) = (
+                    <&[u32; 12]>::try_from(nodes),
+                    <&[NodeBasis<T>; 12]>::try_from(bases),
+                ) {
+                    block.evaluate::<GRADIENT>(nodes, bases, modulus, controls);
+                } else {
+                    block.evaluate::<GRADIENT>(nodes, bases, modulus, controls);
+                }
             }
         });
     }
@@ -329,7 +348,7 @@ impl<T: Real> Patches<T> {
 }
 
 impl<T: Real> Block<T> {
-    #[inline]
+    #[inline(always)]
     fn evaluate<const GRADIENT: bool>(
         &mut self,
         nodes: &[u32],
@@ -346,36 +365,52 @@ impl<T: Real> Block<T> {
             .map(|&node| difference(first, controls[node as usize]));
         self.local.extend(spokes);
 
-        let mut areas = [T::zero(); 3];
-        let mut gradients = [[[T::zero(); 4]; 5]; 3];
-        for k in 0..3 {
-            let mut sums = [[T::zero(); 4]; 5];
-            for (basis, &spoke) in bases.iter().zip(&self.local) {
-                accumulate(&mut sums, &basis.derivatives[k], spoke);
+        let derivatives: [[T; DERIVATIVES]; 3] = core::array::from_fn(|axis| {
+            let mut sums = [T::zero(); DERIVATIVES];
+            for (basis, spoke) in bases.iter().zip(&self.local) {
+                for (sum, &weight) in sums.iter_mut().zip(&basis.derivatives) {
+                    *sum += weight * spoke[axis];
+                }
             }
-            let point = Point::new(sums);
-            self.energy += point.energy(strength);
-            areas[k] = weight * point.area;
+            sums
+        });
+        let mut areas = [T::zero(); 3];
+        let mut gradients = [[T::zero(); DERIVATIVES]; 3];
+        for (point, area) in areas.iter_mut().enumerate() {
+            let vector = |k: usize| {
+                let at = |axis: usize| derivatives[axis][5 * point + k];
+                [at(0), at(1), at(2), T::zero()]
+            };
+            let geometry = Point::new(core::array::from_fn(vector));
+            self.energy += geometry.energy(strength);
+            *area = weight * geometry.area;
             if GRADIENT {
-                let gradient = point.gradient(strength);
-                gradients[k] = gradient.map(|[x, y, z]| [-x, -y, -z, T::zero()]);
+                for (k, vector) in geometry.gradient(strength).into_iter().enumerate() {
+                    for (axis, component) in vector.into_iter().enumerate() {
+                        gradients[axis][5 * point + k] = -component;
+                    }
+                }
             }
         }
         self.areas.push(areas);
         if GRADIENT {
             self.gifts.extend(bases.iter().map(|basis| {
-                let mut gift = [T::zero(); 4];
-                for (weights, gradient) in basis.derivatives.iter().zip(&gradients) {
-                    let part = combine(weights, gradient);
-                    for axis in 0..4 {
-                        gift[axis] += part[axis];
-                    }
-                }
-                gift[3] = (0..3).fold(T::zero(), |mass, k| mass + basis.values[k] * areas[k]);
-                gift
+                let [x, y, z] = [0, 1, 2].map(|axis| product(&basis.derivatives, &gradients[axis]));
+                let [a, b, c] = basis.values;
+                [x, y, z, a * areas[0] + b * areas[1] + c * areas[2]]
             }));
         }
     }
+}
+
+/// Σ a\[k\] b\[k\], in four sums that a vector register can hold.
+#[inline(always)]
+fn product<T: Real>(a: &[T; DERIVATIVES], b: &[T; DERIVATIVES]) -> T {
+    let mut sums = [T::zero(); 4];
+    for k in 0..DERIVATIVES {
+        sums[k % 4] += a[k] * b[k];
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 #[inline(always)]
@@ -415,7 +450,10 @@ fn table<T: Real>(valence: usize) -> Vec<NodeBasis<T>> {
     (0..valence + 6)
         .map(|node| NodeBasis {
             values: [0, 1, 2].map(|k| T::constant(points[k][node].value)),
-            derivatives: [0, 1, 2].map(|k| derivatives(&points[k][node])),
+            derivatives: core::array::from_fn(|k| {
+                let point = points.get(k / 5);
+                point.map_or(T::zero(), |bases| derivatives(&bases[node])[k % 5])
+            }),
         })
         .collect()
 }
