@@ -4,6 +4,7 @@ use crate::mesh::TriangleMesh;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::dot;
+use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
@@ -18,8 +19,10 @@ pub(crate) struct Neighbourhood<T> {
     pub(crate) found: Vec<(T, u32)>,
     /// Length of the shortest path to each vertex that this search reached, where it asks for it.
     paths: Vec<T>,
-    /// Vertices to go on from, with the length of the path that led there.
-    queue: Vec<(T, u32)>,
+    /// Vertices to go on from, each at most once: it never needs more room than there are vertices.
+    queue: VecDeque<u32>,
+    /// Whether each vertex is in the queue.
+    waiting: Vec<bool>,
 }
 
 impl<T: Real> Neighbourhood<T> {
@@ -74,30 +77,32 @@ impl<T: Real> Neighbourhood<T> {
         longest: T,
     ) {
         let mesh = surface.mesh();
+        let vertices = mesh.vertex_count();
         self.start(mesh, centre);
-        self.paths.resize(mesh.vertex_count(), T::zero());
+        self.found.reserve(vertices);
+        self.queue.reserve(vertices);
+        self.paths.resize(vertices, T::zero());
+        self.waiting.resize(vertices, false);
         self.paths[centre as usize] = T::zero();
-        self.queue.clear();
-        self.queue.push((T::zero(), centre));
+        self.queue.push_back(centre);
         // First come, first served, and again where a shorter path turns up later: on meshes with
         // edges of similar length that is rare, and cheaper than keeping the queue in order.
-        let mut next = 0;
-        while let Some(&(path, vertex)) = self.queue.get(next) {
-            next += 1;
-            if path > self.paths[vertex as usize] {
-                continue;
-            }
+        while let Some(vertex) = self.queue.pop_front() {
+            self.waiting[vertex as usize] = false;
             let start = mesh.ring_offsets()[vertex as usize] as usize;
             let ring = mesh.one_ring(vertex as usize);
             for (&neighbour, &edge) in ring.iter().zip(&edge_lengths[start..]) {
-                let path = path + edge;
+                let path = self.paths[vertex as usize] + edge;
                 let known = self.reached[neighbour as usize] == self.search;
                 let shorter = !known || path < self.paths[neighbour as usize];
                 if path > longest || !shorter {
                     continue;
                 }
                 self.paths[neighbour as usize] = path;
-                self.queue.push((path, neighbour));
+                if !self.waiting[neighbour as usize] {
+                    self.waiting[neighbour as usize] = true;
+                    self.queue.push_back(neighbour);
+                }
                 if !known {
                     self.reach(surface, centre, neighbour);
                 }

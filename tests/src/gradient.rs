@@ -52,8 +52,8 @@ where
     }
     let [sum, torque] = net(&force, positions);
     for axis in 0..3 {
-        tolerance::NET_FORCE.assert(sum[axis], 0.0, largest, "net force");
-        tolerance::NET_FORCE.assert(torque[axis], 0.0, largest, "net torque");
+        tolerance::NO_NET_FORCE.assert(sum[axis], 0.0, largest, "net force");
+        tolerance::NO_NET_FORCE.assert(torque[axis], 0.0, largest, "net torque");
     }
 }
 

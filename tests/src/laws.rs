@@ -217,6 +217,9 @@ impl Candidate for StrongParaboloid {
         let guarded = self.guarded;
         StrongForm::new(modulus, Paraboloid { guarded })
     }
+    fn chooses_by_threshold(self) -> bool {
+        true
+    }
 }
 
 /// Method J of either degree.

@@ -86,7 +86,7 @@ pub const SYMMETRY: Tolerance = Tolerance::new(
      multiplies its rounding by that",
 );
 /// Sum and torque of forces that have none, relative to the largest force.
-pub const NET_FORCE: Tolerance =
+pub const NO_NET_FORCE: Tolerance =
     Tolerance::new(1e-11, "rounding of some hundred forces on a body of size 1");
 /// What a method computes in two ways that agree but for rounding, relative.
 pub const SAME: Tolerance = Tolerance::new(
@@ -225,6 +225,30 @@ pub const ON_SPHERE: &[OnSphere] = &[
         density: BARYCENTRIC_SPHERE_DENSITY,
     },
     OnSphere {
+        method: "Jülicher",
+        energy: 1.0,
+        energy_error: EDGE_SPHERE_ENERGY,
+        density: EDGE_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Belkin",
+        energy: 1.0,
+        energy_error: KERNEL_SPHERE_ENERGY,
+        density: KERNEL_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Farutin",
+        energy: 1.0,
+        energy_error: KERNEL_SPHERE_ENERGY,
+        density: PARABOLOID_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Farutin, guarded",
+        energy: 1.0,
+        energy_error: KERNEL_SPHERE_ENERGY,
+        density: PARABOLOID_SPHERE_DENSITY,
+    },
+    OnSphere {
         method: "jets of degree 4",
         energy: 1.0,
         energy_error: SPHERE_ENERGY,
@@ -238,6 +262,26 @@ pub const ON_SPHERE: &[OnSphere] = &[
     },
 ];
 
+const EDGE_SPHERE_ENERGY: Tolerance = Tolerance::new(
+    6e-3,
+    "second order, but for a few vertices where H is 14.6 % wrong at any refinement",
+);
+const EDGE_SPHERE_DENSITY: Tolerance = Tolerance::new(
+    300.0,
+    "H is 14.6 % wrong at vertices of valence 5: diverges there as 1/area",
+);
+const KERNEL_SPHERE_ENERGY: Tolerance = Tolerance::new(
+    4e-3,
+    "H is second order, as the kernel and the paraboloid see the fourth derivative of the shape",
+);
+const KERNEL_SPHERE_DENSITY: Tolerance = Tolerance::new(
+    2.0,
+    "H jumps by 4e-3 at vertices of valence 5, and over h = A that grows with refinement",
+);
+const PARABOLOID_SPHERE_DENSITY: Tolerance = Tolerance::new(
+    0.4,
+    "H jumps with the angles of the one-ring by an error of second order: no convergence",
+);
 const SPHERE_ENERGY: Tolerance = Tolerance::new(1.5e-3, "second order in the edge length");
 const HINGED_SPHERE_ENERGY: Tolerance = Tolerance::new(
     0.04,
@@ -302,6 +346,21 @@ pub const SINGLE_PRECISION: &[SinglePrecision] = &[
         force: SINGLE_LAPLACIAN,
     },
     SinglePrecision {
+        method: "Jülicher",
+        energy: SINGLE_ENERGY,
+        force: SINGLE_HINGED,
+    },
+    SinglePrecision {
+        method: "Belkin",
+        energy: SINGLE_KERNEL_ENERGY,
+        force: SINGLE_KERNEL,
+    },
+    SinglePrecision {
+        method: "Farutin",
+        energy: SINGLE_ENERGY,
+        force: SINGLE_LAPLACIAN,
+    },
+    SinglePrecision {
         method: "jets",
         energy: SINGLE_ENERGY,
         force: SINGLE_LAPLACIAN,
@@ -311,6 +370,15 @@ pub const SINGLE_PRECISION: &[SinglePrecision] = &[
 const SINGLE_ENERGY: Tolerance = Tolerance::new(
     3e-7,
     "a few roundings of 6e-8: those of single vertices average out",
+);
+const SINGLE_KERNEL_ENERGY: Tolerance = Tolerance::new(
+    1e-4,
+    "the kernel ends at 8 √h instead of 12: paths around a body of this size then leave out some \
+     vertices where it is 1e-6",
+);
+const SINGLE_KERNEL: Tolerance = Tolerance::new(
+    2e-2,
+    "the same, uneven from vertex to vertex, over the bandwidth once more",
 );
 const SINGLE_HINGED: Tolerance = Tolerance::new(
     4e-5,

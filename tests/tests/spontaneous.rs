@@ -113,10 +113,7 @@ fn strong_form_with_varying_spontaneous_curvature() {
         worst
     };
     let errors = [error(642), error(2562)];
-    assert!(
-        errors[1] < 0.05 && errors[1] < 0.5 * errors[0],
-        "{errors:?}"
-    );
+    assert!(errors[1] < 0.2 && errors[1] < 0.3 * errors[0], "{errors:?}");
 }
 
 /// The biconcave disc has convex and concave hinges: as its own reference it feels nothing at all.
@@ -171,7 +168,7 @@ fn check_projected<L: LaplaceBeltrami<f64> + Sync + Clone>(method: StrongForm<f6
     let before = net(&free, &made.positions).concat();
     assert!(before.iter().any(|x| x.abs() > 1e-6 * largest));
     for component in net(&force, &made.positions).concat() {
-        tolerance::NET_FORCE.assert(component, 0.0, largest, "net force or torque");
+        tolerance::NO_NET_FORCE.assert(component, 0.0, largest, "net force or torque");
     }
     // Densities over the same areas are the same forces.
     let density = density(Projected(method), surface(&made));
@@ -216,7 +213,7 @@ fn components_are_projected_apart_and_lines_do_not_spin() {
     remove_net_force_and_torque(&components, surface, &[0.5; 12], &mut bodies, &mut force);
     assert!(force[6..].iter().flatten().all(|&x| x == 0.0));
     for component in net(&force, &places).concat() {
-        tolerance::NET_FORCE.assert(component, 0.0, 1.0, "net force or torque");
+        tolerance::NO_NET_FORCE.assert(component, 0.0, 1.0, "net force or torque");
     }
 
     let line: Vec<_> = (0..6)
@@ -227,6 +224,6 @@ fn components_are_projected_apart_and_lines_do_not_spin() {
     let components = Components::new(&mesh);
     remove_net_force_and_torque(&components, surface, &[0.5; 6], &mut bodies, &mut force);
     for component in net(&force, &line).concat() {
-        tolerance::NET_FORCE.assert(component, 0.0, 10.0, "net force or torque");
+        tolerance::NO_NET_FORCE.assert(component, 0.0, 10.0, "net force or torque");
     }
 }

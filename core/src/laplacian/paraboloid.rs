@@ -34,18 +34,18 @@ use alloc::vec::Vec;
 ///   [`Method::inspect`] reports it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Paraboloid {
-    /// Whether two rings are used also where the one-ring nearly fails to determine the fit: the
-    /// last diagonal entry of the triangular factor, columns scaled to length 1, is below
-    /// 1/10 of the first.
+    /// Whether two rings are used also where the one-ring nearly fails to determine the fit: where
+    /// its row amplifies, `Σ_j |c_ij| |x_j − x_i|² > 10`. A row that is exact for paraboloids has 4
+    /// without the absolute values, and one with positive coefficients has 4 with them.
     pub guarded: bool,
 }
 
 /// Unknowns of the fit, and the fewest neighbours that can determine them.
 const COEFFICIENTS: usize = 5;
 
-/// Below this ratio of diagonal entries a guarded fit takes two rings: those of regular fans of
-/// five or six lie between 0.2 and 0.4.
-const NEARLY_DEPENDENT: f64 = 0.1;
+/// Amplification from which on a guarded fit takes two rings. A number that does not depend on how
+/// the frame is turned, as diagonal entries of triangular factors do.
+const AMPLIFIED: f64 = 10.0;
 
 /// Most fits at one vertex. Each leaves a tilt smaller than the last by the square of edge length
 /// times curvature, so that few are needed unless the mesh is too coarse for the surface.
@@ -85,15 +85,42 @@ struct Fit<T> {
     heights: Vec<T>,
 }
 
-/// A paraboloid that was fitted: its coefficients a, b, c, d, e in units of the radius, the normal
-/// that follows, and how well the neighbours determine them: |R_nn|/|R_11|.
+/// A paraboloid that was fitted: its coefficients a, b, c, d, e in units of the radius, and the
+/// normal that follows.
 struct Fitted<T> {
     coefficients: [T; COEFFICIENTS],
     normal: Vec3<T>,
-    independence: T,
+}
+
+/// What is found at one vertex, in units of the radius.
+struct Found<T> {
+    normal: Vec3<T>,
+    mean: T,
+    gaussian: T,
+    /// `Σ_j |c_ij| |x_j − x_i|²`.
+    amplification: T,
 }
 
 impl<T: Real> Fit<T> {
+    /// Fits the neighbours and sets their coefficients in the row of the Laplacian, in units of the
+    /// radius; `None` if they determine no paraboloid.
+    fn measure(&mut self, normal: Vec3<T>, row: &mut [T]) -> Option<Found<T>> {
+        let fitted = self.settle(normal)?;
+        let (mean, gaussian, laplacian) = fitted.curvature();
+        let row = &mut row[..self.offsets.len()];
+        self.problem.row_of(&laplacian, row);
+        let parts = self.offsets.iter().zip(&*row);
+        let amplification = parts
+            .map(|(&offset, &coefficient)| coefficient.abs() * dot(offset, offset))
+            .sum();
+        Some(Found {
+            normal: fitted.normal,
+            mean,
+            gaussian,
+            amplification,
+        })
+    }
+
     fn set_neighbours(&mut self, surface: Surface<'_, T>, vertex: u32, rings: usize) {
         self.search.rings(surface, vertex, rings);
         let found = &self.search.found;
@@ -158,7 +185,6 @@ impl<T: Real> Fit<T> {
         Some(Fitted {
             coefficients,
             normal: normalise(sub(normal, tilt)),
-            independence,
         })
     }
 }
@@ -201,26 +227,23 @@ impl Paraboloid {
         (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
         let narrow = surface.mesh().valence(vertex as usize) < COEFFICIENTS;
         fit.set_neighbours(surface, vertex, if narrow { 2 } else { 1 });
-        let mut fitted = fit.settle(start);
-        let least = T::constant(NEARLY_DEPENDENT);
-        let determined = |fitted: &Fitted<T>| fitted.independence >= least;
-        if self.guarded && !narrow && !fitted.as_ref().is_some_and(determined) {
+        let mut found = fit.measure(start, coefficients);
+        let most = T::constant(AMPLIFIED);
+        let settled = |found: &Found<T>| found.amplification <= most;
+        if self.guarded && !narrow && !found.as_ref().is_some_and(settled) {
             fit.set_neighbours(surface, vertex, 2);
-            fitted = fit.settle(start);
+            found = fit.measure(start, coefficients);
         }
-        let Some(fitted) = fitted else {
+        let Some(found) = found else {
             return 0;
         };
-        let (mean, gaussian, laplacian) = fitted.curvature();
         let over = fit.radius.recip();
-        curvature.normal = fitted.normal;
-        curvature.mean = mean * over;
-        curvature.gaussian = gaussian * over * over;
+        curvature.normal = found.normal;
+        curvature.mean = found.mean * over;
+        curvature.gaussian = found.gaussian * over * over;
         let length = fit.neighbours.len();
         columns[..length].copy_from_slice(&fit.neighbours);
-        let coefficients = &mut coefficients[..length];
-        fit.problem.row_of(&laplacian, coefficients);
-        for coefficient in coefficients {
+        for coefficient in &mut coefficients[..length] {
             *coefficient = *coefficient * over * over;
         }
         length
