@@ -113,7 +113,7 @@ fn json_has_every_combination_and_nothing_else() {
         ];
         let rows = rows(&arguments);
         let mut rows = rows.iter();
-        for family in ["regular", "relaxed", "irregular", "hard"] {
+        for family in ["regular", "smooth", "relaxed", "irregular", "hard"] {
             for scalar in ["f32", "f64"] {
                 for method in ["kantor-nelson", "gompper-kroll", "meyer"] {
                     let mut coarse = Vec::new();
@@ -362,7 +362,7 @@ fn wrong_study_arguments() {
         (&["--method", "nope"][..], "kantor-nelson (A)"),
         (&["--method", ""], "kantor-nelson (A)"),
         (&["--method", "A,,B"], "kantor-nelson (A)"),
-        (&["--family", "nope"], "regular, relaxed, irregular or hard"),
+        (&["--family", "nope"], "regular, smooth, relaxed, irregular or hard"),
         (
             &["--shape", "nope"],
             "sphere, ellipsoid, torus or discocyte",
