@@ -95,6 +95,22 @@ fn known_solids_obey() {
     }
 }
 
+/// The three moduli of an edge that the literature uses for one κ.
+#[test]
+fn calibrations_of_the_edge_modulus() {
+    let root = 3.0_f64.sqrt();
+    for (method, expected) in [
+        (KantorNelson::new(5.0), 10.0 / root),
+        (
+            KantorNelson::with_opposite_gaussian_modulus(5.0),
+            5.0 * root,
+        ),
+        (KantorNelson::with_sphere_energy(5.0), 10.0 * root),
+    ] {
+        tolerance::POLYHEDRON.assert(method.edge_modulus, expected, expected, "k̃");
+    }
+}
+
 /// The sign of every force: against a bump on a plane, along the radius nowhere on a sphere.
 #[test]
 fn forces_flatten_a_bump() {
