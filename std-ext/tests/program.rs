@@ -362,7 +362,10 @@ fn wrong_study_arguments() {
         (&["--method", "nope"][..], "kantor-nelson (A)"),
         (&["--method", ""], "kantor-nelson (A)"),
         (&["--method", "A,,B"], "kantor-nelson (A)"),
-        (&["--family", "nope"], "regular, smooth, relaxed, irregular or hard"),
+        (
+            &["--family", "nope"],
+            "regular, smooth, relaxed, irregular or hard",
+        ),
         (
             &["--shape", "nope"],
             "sphere, ellipsoid, torus or discocyte",

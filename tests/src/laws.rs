@@ -8,9 +8,10 @@ use crate::meshes::{Mesh, SplitMix64, cross, difference, dot, norm, rotation, tu
 use crate::tolerance;
 use autodiff::F1;
 use helfrich::{
-    Conservative, Cotangent, Curvature, DualArea, Energy, Finding, Force, GompperKroll, HeatKernel,
-    Jet, Juelicher, KantorNelson, LaplaceBeltrami, Method, Paraboloid, Prepared, Real, Rows,
-    Serial, StrongForm, Surface, TriangleMesh, VertexKind,
+    Conservative, ControlPoints, Cotangent, Curvature, DualArea, Energy, Finding, Force,
+    GompperKroll, HeatKernel, Jet, Juelicher, KantorNelson, LaplaceBeltrami, LoopSubdivision,
+    Method, Paraboloid, Prepared, Real, Rows, Serial, StrongForm, Surface, TriangleMesh,
+    VertexKind,
 };
 
 /// A bending method, to be made for any scalar.
@@ -133,6 +134,28 @@ impl ConservativeCandidate for LengthTimesAngle {
     }
     fn method<T: Real>(self, modulus: T) -> Juelicher<T> {
         Juelicher::new(modulus)
+    }
+}
+
+/// Method S with each choice of control points.
+#[derive(Clone, Copy, Debug)]
+pub struct Subdivided(pub ControlPoints);
+
+impl ConservativeCandidate for Subdivided {
+    type ConservativeMethod<T: Real> = LoopSubdivision<T>;
+    fn name(self) -> &'static str {
+        match self.0 {
+            ControlPoints::Nodes => "Loop, nodes",
+            ControlPoints::Interpolated => "Loop, interpolated",
+            ControlPoints::Sharpened => "Loop, sharpened",
+            ControlPoints::Hybrid => "Loop",
+        }
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &["loop_subdivision"]
+    }
+    fn method<T: Real>(self, modulus: T) -> LoopSubdivision<T> {
+        LoopSubdivision::with_controls(modulus, self.0)
     }
 }
 
@@ -283,6 +306,10 @@ pub fn for_each_conservative(law: &mut impl ConservativeLaw) {
     law.check(SquaredLaplacian(DualArea::Mixed));
     law.check(SquaredLaplacian(DualArea::Barycentric));
     law.check(LengthTimesAngle);
+    law.check(Subdivided(ControlPoints::Nodes));
+    law.check(Subdivided(ControlPoints::Interpolated));
+    law.check(Subdivided(ControlPoints::Sharpened));
+    law.check(Subdivided(ControlPoints::Hybrid));
     law.check(Sum(Hinged::Forces, SquaredLaplacian(DualArea::Voronoi)));
 }
 
@@ -620,6 +647,11 @@ pub struct ScaleFreeSingle<'a>(pub ScaleFree<'a>);
 
 impl Law for ScaleFreeSingle<'_> {
     fn check<C: Candidate>(&mut self, candidate: C) {
+        // Mixed areas change their formula at right angles, and rounding decides on which side an
+        // angle lies.
+        if self.0.mesh.distance_from_right_angle() < 1e-4 {
+            return;
+        }
         self.0
             .check_in::<f32>(candidate, tolerance::INVARIANCE_SINGLE);
     }

@@ -249,6 +249,30 @@ pub const ON_SPHERE: &[OnSphere] = &[
         density: PARABOLOID_SPHERE_DENSITY,
     },
     OnSphere {
+        method: "Loop, nodes",
+        energy: 1.0,
+        energy_error: LOOP_SPHERE_ENERGY,
+        density: LOOP_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Loop, interpolated",
+        energy: 1.0,
+        energy_error: LOOP_SPHERE_ENERGY,
+        density: LOOP_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Loop, sharpened",
+        energy: 1.0,
+        energy_error: LOOP_SPHERE_ENERGY,
+        density: LOOP_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Loop",
+        energy: 1.0,
+        energy_error: LOOP_SPHERE_ENERGY,
+        density: LOOP_SPHERE_DENSITY,
+    },
+    OnSphere {
         method: "jets of degree 4",
         energy: 1.0,
         energy_error: SPHERE_ENERGY,
@@ -262,6 +286,14 @@ pub const ON_SPHERE: &[OnSphere] = &[
     },
 ];
 
+const LOOP_SPHERE_ENERGY: Tolerance = Tolerance::new(
+    2.5e-3,
+    "an icosphere by midpoints has kinks along the icosahedron's edges: first order",
+);
+const LOOP_SPHERE_DENSITY: Tolerance = Tolerance::new(
+    90.0,
+    "force errors of about κ/(3R) at vertices of valence 5, at any refinement: diverges as 1/area",
+);
 const EDGE_SPHERE_ENERGY: Tolerance = Tolerance::new(
     6e-3,
     "second order, but for a few vertices where H is 14.6 % wrong at any refinement",
@@ -349,6 +381,11 @@ pub const SINGLE_PRECISION: &[SinglePrecision] = &[
         method: "Jülicher",
         energy: SINGLE_ENERGY,
         force: SINGLE_HINGED,
+    },
+    SinglePrecision {
+        method: "Loop",
+        energy: SINGLE_ENERGY,
+        force: SINGLE_LAPLACIAN,
     },
     SinglePrecision {
         method: "Belkin",

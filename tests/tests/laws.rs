@@ -229,8 +229,12 @@ fn degenerate_triangles_and_areas_are_reported() {
     struct Reports<'a>(&'a Mesh, Vec<u32>);
     impl Law for Reports<'_> {
         fn check<C: Candidate>(&mut self, candidate: C) {
-            if candidate.modules().contains(&"jet") {
-                // Fits are to vertices; no triangle contributes.
+            // Jets are fitted to vertices, and the limit surface of Loop subdivision has an area
+            // where a triangle of its control points has none.
+            if ["jet", "loop_subdivision"]
+                .iter()
+                .any(|module| candidate.modules().contains(module))
+            {
                 return;
             }
             let found = findings(candidate.method(1.0), self.0);

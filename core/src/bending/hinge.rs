@@ -62,7 +62,9 @@ impl<L: Lane> Hinge<L> {
         let reciprocals = lengths.map(L::reciprocal_or_zero);
         let normals = [scale(reciprocals[0], left), scale(reciprocals[1], right)];
         let along = edge_length.reciprocal_or_zero();
-        let present = along * reciprocals[0] * reciprocals[1];
+        // Each factor is 1 to rounding, or 0: no product leaves the range of the scalar.
+        let sides = (lengths[0] * reciprocals[0]) * (lengths[1] * reciprocals[1]);
+        let present = (edge_length * along) * sides;
         Self {
             edge,
             edge_length,
