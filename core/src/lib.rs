@@ -19,7 +19,8 @@
 //!
 //! * [`TriangleMesh`] is connectivity, validated once; [`Surface`] adds positions, read in place
 //!   from any [`Points`].
-//! * [`LaplaceBeltrami`] operators measure [`Curvature`] and apply to fields: [`Cotangent`], [`Jet`].
+//! * [`LaplaceBeltrami`] operators measure [`Curvature`] and apply to fields: [`Cotangent`],
+//!   [`HeatKernel`], [`Paraboloid`], [`Jet`].
 //! * [`bending`] methods give an [`Energy`], a nodal [`Force`], a [`ForceDensity`]; the exact
 //!   gradients among them are [`Conservative`].
 //! * [`Prepared`] holds a method with its plan and memory; [`shapes`] are surfaces known exactly.

@@ -71,14 +71,27 @@ impl<T: Real> KantorNelson<T> {
 /// √3, to the last bit of f64.
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
-/// `[sin θ0, cos θ0]` of hinges `first`, `first + 1`, …, one a lane entry; of a flat hinge where
-/// there is no reference.
-#[inline(always)]
-fn reference<L: Lane>(reference: &[[L::Scalar; 2]], first: usize) -> [L; 2] {
-    if reference.is_empty() {
-        return [L::zero(), L::literal(1.0)];
+/// Where hinges are at rest. Resolved at compile time: a flat rest shape costs nothing.
+trait Reference<T: Real>: Copy + Sync {
+    /// `[sin θ0, cos θ0]` of hinges `first`, `first + 1`, …, one a lane entry.
+    fn angle<L: Lane<Scalar = T>>(self, first: usize) -> [L; 2];
+}
+
+#[derive(Clone, Copy)]
+struct Flat;
+
+impl<T: Real> Reference<T> for Flat {
+    #[inline(always)]
+    fn angle<L: Lane<Scalar = T>>(self, _first: usize) -> [L; 2] {
+        [L::zero(), L::literal(1.0)]
     }
-    core::array::from_fn(|part| L::from_fn(|k| reference[first + k][part]))
+}
+
+impl<T: Real> Reference<T> for &[[T; 2]] {
+    #[inline(always)]
+    fn angle<L: Lane<Scalar = T>>(self, first: usize) -> [L; 2] {
+        core::array::from_fn(|part| L::from_fn(|k| self[first + k][part]))
+    }
 }
 
 /// 1 − cos(θ − θ0) as half the squared chord between two points on the unit circle: no cancellation
@@ -89,12 +102,12 @@ fn energy<L: Lane>(hinge: &Hinge<L>, [sine, cosine]: [L; 2]) -> L {
     L::literal(0.5) * hinge.presence * (chord[0] * chord[0] + chord[1] * chord[1])
 }
 
-struct HingeForce<'a, T> {
+struct HingeForce<T, R> {
     edge_modulus: T,
-    reference: &'a [[T; 2]],
+    reference: R,
 }
 
-impl<T: Real> ElementKernel<T, 4, 0, 3> for HingeForce<'_, T> {
+impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 3> for HingeForce<T, R> {
     /// −∂E/∂x = −k̃ sin(θ − θ0) ∂θ/∂x. The sine as a difference of products that agree to the last
     /// bit in the reference shape: there the force is exactly zero.
     #[inline(always)]
@@ -105,7 +118,7 @@ impl<T: Real> ElementKernel<T, 4, 0, 3> for HingeForce<'_, T> {
         _input: &[[L; 0]; 4],
     ) -> [[L; 3]; 4] {
         let hinge = Hinge::new(corners);
-        let [sine, cosine] = reference::<L>(self.reference, first);
+        let [sine, cosine] = self.reference.angle::<L>(first);
         let turned = hinge.sine * cosine - hinge.cosine * sine;
         hinge.forces(
             corners,
@@ -148,15 +161,25 @@ impl<T: Real> Energy<T> for KantorNelson<T> {
         surface: Surface<'_, T>,
         _memory: &mut (),
     ) -> T {
-        let sum = execution.sum(plan.vertices.len(), |hinge| {
-            let corners = Corners::of(surface, plan.vertices[hinge]);
-            energy(
-                &Hinge::<T>::new(&corners),
-                reference(&self.reference, hinge),
-            )
-        });
+        let sum = if self.reference.is_empty() {
+            sum_energies(execution, plan, surface, Flat)
+        } else {
+            sum_energies(execution, plan, surface, self.reference.as_slice())
+        };
         self.edge_modulus * sum
     }
+}
+
+fn sum_energies<T: Real>(
+    execution: &impl Execution,
+    plan: &Hinges,
+    surface: Surface<'_, T>,
+    reference: impl Reference<T>,
+) -> T {
+    execution.sum(plan.vertices.len(), |hinge| {
+        let corners = Corners::of(surface, plan.vertices[hinge]);
+        energy(&Hinge::<T>::new(&corners), reference.angle(hinge))
+    })
 }
 
 impl<T: Real> Force<T> for KantorNelson<T> {
@@ -168,11 +191,21 @@ impl<T: Real> Force<T> for KantorNelson<T> {
         _memory: &mut (),
         force: &mut [[T; 3]],
     ) {
-        let kernel = HingeForce {
-            edge_modulus: self.edge_modulus,
-            reference: &self.reference,
-        };
-        execution.scatter(&kernel, surface, &plan.vertices, &[], force);
+        let edge_modulus = self.edge_modulus;
+        if self.reference.is_empty() {
+            let kernel = HingeForce {
+                edge_modulus,
+                reference: Flat,
+            };
+            execution.scatter(&kernel, surface, &plan.vertices, &[], force);
+        } else {
+            let reference = self.reference.as_slice();
+            let kernel = HingeForce {
+                edge_modulus,
+                reference,
+            };
+            execution.scatter(&kernel, surface, &plan.vertices, &[], force);
+        }
     }
 }
 
