@@ -217,7 +217,7 @@ where
     }
 
     let gompper_kroll = GompperKroll::new(modulus);
-    let (energy_b, force_b) = conservative(gompper_kroll, solid, surface);
+    let (energy_b, force_b) = conservative(gompper_kroll.clone(), solid, surface);
     if solid.expected.is_some() {
         // L points along x here: E = 2κ/R² Σ A.
         let exact = 2.0 * MODULUS * area / (radius * radius);
