@@ -19,7 +19,7 @@ impl Tolerance {
     pub fn assert(&self, found: f64, expected: f64, scale: f64, what: &str) {
         let error = (found - expected).abs() / scale;
         assert!(
-            error <= self.value,
+            approx::abs_diff_eq!(found, expected, epsilon = self.value * scale),
             "{what}: found {found:e}, expected {expected:e}, error {error:.2e} above {:.1e} ({})",
             self.value,
             self.reason
