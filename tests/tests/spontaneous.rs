@@ -3,9 +3,9 @@
 use autodiff::F1;
 use helfrich::shapes::{Ellipsoid, Shape};
 use helfrich::{
-    Components, Cotangent, DualArea, ForceDensity, GompperKroll, Jet, KantorNelson,
-    LaplaceBeltrami, Prepared, Projected, Serial, SpontaneousCurvature, StrongForm, Surface,
-    TriangleMesh, remove_net_force_and_torque,
+    Components, ControlPoints, Cotangent, DualArea, ForceDensity, GompperKroll, Jet, KantorNelson,
+    LaplaceBeltrami, LoopSubdivision, Prepared, Projected, Serial, SpontaneousCurvature,
+    StrongForm, Surface, TriangleMesh, remove_net_force_and_torque,
 };
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_tests::accuracy::{exact_points, force_and_energy, surface};
@@ -48,6 +48,57 @@ fn gompper_kroll_has_the_exact_gradient() {
     check_gradient(&one, two, &mesh, &positions);
 }
 
+/// Its meshes have triangles with several extraordinary corners, and a boundary.
+#[test]
+fn loop_subdivision_has_the_exact_gradient() {
+    let made = made("discocyte", Family::Irregular, 162);
+    let (sheet, sheet_positions) = small_meshes::sheet(6);
+    let surfaces = [(&made.mesh, &made.positions), (&sheet, &sheet_positions)];
+    for (mesh, positions) in surfaces {
+        let values: Vec<f64> = positions.iter().map(|x| 0.4 + x[0] - 0.7 * x[2]).collect();
+        let dual: Vec<F1> = values.iter().map(|&x| F1::cst(x)).collect();
+        for controls in ControlPoints::ALL {
+            let mut one = LoopSubdivision::with_controls(1.3, controls);
+            let mut two = LoopSubdivision::with_controls(F1::cst(1.3), controls);
+            one.spontaneous_curvature = 0.7.into();
+            two.spontaneous_curvature = F1::cst(0.7).into();
+            check_gradient(&one, two.clone(), mesh, positions);
+            one.spontaneous_curvature = SpontaneousCurvature::PerVertex(values.clone());
+            two.spontaneous_curvature = SpontaneousCurvature::PerVertex(dual.clone());
+            check_gradient(&one, two, mesh, positions);
+        }
+    }
+}
+
+/// H0 = α + β z on a torus of radii R and r, at the order of the surface itself: at angle t around the
+/// tube `H = (R + 2r cos t)/(2r (R + r cos t))`, `z = r sin t` and `dS = 2π r (R + r cos t) dt`; the
+/// trapezoidal rule is exact to rounding there.
+#[test]
+fn loop_subdivision_with_varying_spontaneous_curvature() {
+    let (alpha, beta, big, small) = (0.3, 0.8, 1.0, 0.5);
+    let term = |k: i32| {
+        let (sine, cosine) = (2.0 * PI * f64::from(k) / 100.0).sin_cos();
+        let distance = big + small * cosine;
+        let mean = (distance + small * cosine) / (2.0 * small * distance);
+        let excess = mean - alpha - beta * small * sine;
+        2.0 * excess * excess * 2.0 * PI * small * distance
+    };
+    let expected = (0..100).map(term).sum::<f64>() * 2.0 * PI / 100.0;
+    let error = |vertices: usize| {
+        let made = made("torus:1,0.5", Family::Smooth, vertices);
+        let values = made.positions.iter().map(|x| alpha + beta * x[2]).collect();
+        let mut method = LoopSubdivision::new(1.0);
+        method.spontaneous_curvature = SpontaneousCurvature::PerVertex(values);
+        let (_, energy) = force_and_energy(method, surface(&made));
+        (energy - expected).abs() / expected
+    };
+    let errors = [1000, 4000].map(error);
+    assert!(
+        errors[0] < 1e-3 && errors[1] < errors[0] / 13.0,
+        "{errors:?}"
+    );
+}
+
 /// On a sphere of radius R: E = 8πκ (1 − H0 R)².
 #[test]
 fn energy_of_a_sphere() {
@@ -62,6 +113,10 @@ fn energy_of_a_sphere() {
         method.spontaneous_curvature = spontaneous.into();
         let (_, energy) = force_and_energy(method, surface(&made));
         tolerance::STALL.assert(energy, expected, 8.0 * PI, "E of C");
+        let mut method = LoopSubdivision::new(1.0);
+        method.spontaneous_curvature = spontaneous.into();
+        let (_, energy) = force_and_energy(method, surface(&made));
+        tolerance::STALL.assert(energy, expected, 8.0 * PI, "E of S");
     }
 }
 
@@ -71,6 +126,12 @@ fn zero_per_vertex_is_none() {
     let made = made("discocyte", Family::Relaxed, 642);
     let zero = SpontaneousCurvature::PerVertex(vec![0.0; 642]);
     let plain = GompperKroll::new(1.0);
+    let mut varying = plain.clone();
+    varying.spontaneous_curvature = zero.clone();
+    let (expected, _) = force_and_energy(plain, surface(&made));
+    let (found, _) = force_and_energy(varying, surface(&made));
+    assert_eq!(found, expected);
+    let plain = LoopSubdivision::new(1.0);
     let mut varying = plain.clone();
     varying.spontaneous_curvature = zero.clone();
     let (expected, _) = force_and_energy(plain, surface(&made));

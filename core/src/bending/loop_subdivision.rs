@@ -13,8 +13,9 @@ pub use consistent::ConsistentMemory;
 pub use controls::ControlPoints;
 
 use self::controls::ControlMap;
-use self::patches::{Block, Patches};
+use self::patches::{Block, Field, Patches};
 use self::point::Point;
+use crate::bending::SpontaneousCurvature;
 use crate::element::Execution;
 use crate::energy::{Conservative, Energy, Finding, Force, ForceDensity, Method};
 use crate::lane::Lane;
@@ -26,8 +27,8 @@ use crate::surface::Surface;
 use crate::vec3::{add, dot, scale};
 use alloc::vec::Vec;
 
-/// `E = 2κ ∫ H² dS` over the limit surface of Loop subdivision, by three points a triangle, and the
-/// exact gradient of this sum with respect to the nodes.
+/// `E = 2κ ∫ (H − H0)² dS` over the limit surface of Loop subdivision, by three points a triangle, and
+/// the exact gradient of this sum with respect to the nodes.
 ///
 /// The control points follow from the nodes by a linear map, `C = QX`, and the nodal forces are
 /// `F_X = Qᵀ F_C`: see [`ControlPoints`], which decides the accuracy.
@@ -41,10 +42,15 @@ use alloc::vec::Vec;
 /// is the same, with four times the points. Triangles with a boundary vertex are left out of the
 /// energy, since the surface over them is decided by the boundary; boundary vertices feel forces
 /// from the triangles that remain. A mesh without interior triangle has no energy and no forces.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// Spontaneous curvature that is given vertex by vertex is a function in the same basis as the surface,
+/// with control values `Q H0`.
+#[derive(Clone, Debug, PartialEq)]
 pub struct LoopSubdivision<T> {
     /// Bending modulus κ, in units of energy.
     pub modulus: T,
+    /// Spontaneous curvature H0.
+    pub spontaneous_curvature: SpontaneousCurvature<T>,
     /// How the control points follow from the nodes. The plan depends on it.
     pub controls: ControlPoints,
 }
@@ -57,7 +63,11 @@ impl<T: Real> LoopSubdivision<T> {
 
     /// With any choice of control points.
     pub fn with_controls(modulus: T, controls: ControlPoints) -> Self {
-        Self { modulus, controls }
+        Self {
+            modulus,
+            spontaneous_curvature: SpontaneousCurvature::default(),
+            controls,
+        }
     }
 
     /// Sets `curvature` to n, H and K of the limit surface under each node.
@@ -152,10 +162,18 @@ impl<T: Real> LoopSubdivision<T> {
         memory: &mut LoopSubdivisionMemory<T>,
     ) {
         plan.set_controls(execution, surface, memory);
+        let spontaneous = match &self.spontaneous_curvature {
+            SpontaneousCurvature::Constant(constant) => Field::Constant(*constant),
+            SpontaneousCurvature::PerVertex(values) => {
+                plan.set_field(execution, values, &mut memory.field);
+                Field::Controlled(&memory.field.controls)
+            }
+        };
         let patches = &plan.patches;
         patches.evaluate::<GRADIENT>(
             execution,
             self.modulus,
+            spontaneous,
             &memory.controls,
             &mut memory.blocks,
         );
@@ -241,6 +259,21 @@ impl<T: Real> LoopSubdivisionPlan<T> {
         self.patches.refine(execution, coarse, fine);
     }
 
+    /// The control values of a number known at the vertices.
+    fn set_field(&self, execution: &impl Execution, values: &[T], field: &mut FieldMemory<T>) {
+        let FieldMemory {
+            nodal,
+            controls,
+            scratch,
+        } = field;
+        nodal.resize(self.vertices, [T::zero()]);
+        execution.map(&mut nodal[..], |vertex, nodal| *nodal = [values[vertex]]);
+        controls.resize(self.patches.control_count(), [T::zero()]);
+        let (coarse, fine) = controls.split_at_mut(self.vertices);
+        self.map.apply(execution, nodal, coarse, scratch);
+        self.patches.refine(execution, coarse, fine);
+    }
+
     /// Sums what the patches give to their nodes: into the first entries of `memory.gathered`, one a
     /// control point.
     fn collect(&self, execution: &impl Execution, memory: &mut LoopSubdivisionMemory<T>) {
@@ -288,6 +321,16 @@ pub struct LoopSubdivisionMemory<T> {
     /// Positions, then force and mass at each node.
     nodal: Vec<[T; 4]>,
     scratch: Vec<[T; 4]>,
+    /// Spontaneous curvature that varies.
+    field: FieldMemory<T>,
+}
+
+/// A number at the vertices and its control values.
+#[derive(Clone, Debug, Default)]
+struct FieldMemory<T> {
+    nodal: Vec<[T; 1]>,
+    controls: Vec<[T; 1]>,
+    scratch: Vec<[T; 1]>,
 }
 
 fn position<T: Real>(controls: &[[T; 4]], vertex: u32) -> [T; 3] {

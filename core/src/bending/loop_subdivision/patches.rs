@@ -38,6 +38,34 @@ struct NodeBasis<T> {
     derivatives: [T; DERIVATIVES],
 }
 
+/// A number on the limit surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Field<'a, T> {
+    /// The same everywhere.
+    Constant(T),
+    /// One number a control point, for the basis functions to interpolate.
+    Controlled(&'a [[T; 1]]),
+}
+
+impl<T: Real> Field<'_, T> {
+    /// Its values at the quadrature points of a patch.
+    #[inline(always)]
+    fn at(self, nodes: &[u32], bases: &[NodeBasis<T>]) -> [T; 3] {
+        let controls = match self {
+            Self::Constant(constant) => return [constant; 3],
+            Self::Controlled(controls) => controls,
+        };
+        let mut values = [T::zero(); 3];
+        for (&node, basis) in nodes.iter().zip(bases) {
+            let [control] = controls[node as usize];
+            for (value, &weight) in values.iter_mut().zip(&basis.values) {
+                *value += weight * control;
+            }
+        }
+        values
+    }
+}
+
 /// Room for five derivatives at three points.
 const DERIVATIVES: usize = 16;
 
@@ -193,12 +221,12 @@ impl<T: Real> Patches<T> {
         self.place_offsets.len() - 1
     }
 
-    /// Sets the control points of refined triangles.
-    pub(super) fn refine(
+    /// Sets the control points of refined triangles, or a field on them.
+    pub(super) fn refine<const D: usize>(
         &self,
         execution: &impl Execution,
-        coarse: &[[T; 4]],
-        fine: &mut [[T; 4]],
+        coarse: &[[T; D]],
+        fine: &mut [[T; D]],
     ) {
         self.refined.apply(execution, coarse, fine);
     }
@@ -266,6 +294,7 @@ impl<T: Real> Patches<T> {
         &self,
         execution: &impl Execution,
         modulus: T,
+        spontaneous: Field<'_, T>,
         controls: &[[T; 4]],
         blocks: &mut Vec<Block<T>>,
     ) {
@@ -283,9 +312,9 @@ impl<T: Real> Patches<T> {
                     <&[u32; 12]>::try_from(nodes),
                     <&[NodeBasis<T>; 12]>::try_from(bases),
                 ) {
-                    block.evaluate::<GRADIENT>(nodes, bases, modulus, controls);
+                    block.evaluate::<GRADIENT>(nodes, bases, modulus, spontaneous, controls);
                 } else {
-                    block.evaluate::<GRADIENT>(nodes, bases, modulus, controls);
+                    block.evaluate::<GRADIENT>(nodes, bases, modulus, spontaneous, controls);
                 }
             }
         });
@@ -354,6 +383,7 @@ impl<T: Real> Block<T> {
         nodes: &[u32],
         bases: &[NodeBasis<T>],
         modulus: T,
+        spontaneous: Field<'_, T>,
         controls: &[[T; 4]],
     ) {
         let weight = T::constant(WEIGHT);
@@ -374,6 +404,7 @@ impl<T: Real> Block<T> {
             }
             sums
         });
+        let wanted = spontaneous.at(nodes, bases);
         let mut areas = [T::zero(); 3];
         let mut gradients = [[T::zero(); DERIVATIVES]; 3];
         for (point, area) in areas.iter_mut().enumerate() {
@@ -382,10 +413,11 @@ impl<T: Real> Block<T> {
                 [at(0), at(1), at(2), T::zero()]
             };
             let geometry = Point::new(core::array::from_fn(vector));
-            self.energy += geometry.energy(strength);
+            self.energy += geometry.energy(strength, wanted[point]);
             *area = weight * geometry.area;
             if GRADIENT {
-                for (k, vector) in geometry.gradient(strength).into_iter().enumerate() {
+                let gradient = geometry.gradient(strength, wanted[point]);
+                for (k, vector) in gradient.into_iter().enumerate() {
                     for (axis, component) in vector.into_iter().enumerate() {
                         gradients[axis][5 * point + k] = -component;
                     }

@@ -58,27 +58,35 @@ impl<T: Real> Point<T> {
         [mean, l * n - m * m]
     }
 
-    /// `2κ H² J`, for κ times the weight of the point.
+    /// c = −2(H − H0)J.
     #[inline(always)]
-    pub(super) fn energy(&self, modulus: T) -> T {
-        T::constant(0.5) * modulus * self.bend * self.bend * self.over
+    fn excess(&self, spontaneous: T) -> T {
+        self.bend + (spontaneous + spontaneous) * self.area
+    }
+
+    /// `2κ (H − H0)² J`, for κ times the weight of the point.
+    #[inline(always)]
+    pub(super) fn energy(&self, modulus: T, spontaneous: T) -> T {
+        let excess = self.excess(spontaneous);
+        T::constant(0.5) * modulus * excess * excess * self.over
     }
 
     /// The derivatives of the energy with respect to x_v, x_w, x_vv, x_vw and x_ww.
     ///
-    /// With b = −2HJ, `s = κ b/J²`, `B` the vector whose part along n is b, and
-    /// `p = s (B − 5/2 b n)`: `∂E/∂x_v = 2s (x_ww·n) x_v − 2s (x_vw·n) x_w + x_w × p`,
+    /// With b = −2HJ, c = b + 2 H0 J, `s = κ c/J²`, `B` the vector whose part along n is b, and
+    /// `p = s (B − (3b − c/2) n)`: `∂E/∂x_v = 2s (x_ww·n) x_v − 2s (x_vw·n) x_w + x_w × p`,
     /// `∂E/∂x_w = 2s (x_vv·n) x_w − 2s (x_vw·n) x_v + p × x_v`, and along n
     /// `s x_w·x_w`, `−2s x_v·x_w`, `s x_v·x_v` for the second derivatives.
     #[inline(always)]
-    pub(super) fn gradient(&self, modulus: T) -> [Vec3<T>; 5] {
+    pub(super) fn gradient(&self, modulus: T, spontaneous: T) -> [Vec3<T>; 5] {
         let [v, w] = self.tangents;
         let [e, f, g] = self.metric;
+        let excess = self.excess(spontaneous);
         // s·J: what is left of J is in the metric, or in `over`.
-        let strength = modulus * self.bend * self.over;
+        let strength = modulus * excess * self.over;
         let twice = (strength + strength) * self.over;
         let [l, m, n] = self.second.map(|second| twice * dot(second, self.normal));
-        let shrink = T::constant(2.5) * self.bend;
+        let shrink = T::constant(3.0) * self.bend - T::constant(0.5) * excess;
         let p = scale(
             strength * self.over,
             sub(self.bending, scale(shrink, self.normal)),
