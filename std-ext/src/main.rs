@@ -254,6 +254,11 @@ fn progress_bar() -> ProgressBar {
     ProgressBar::new(1).with_style(style)
 }
 
+/// Whether two paths lead to the same file that exists.
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
 fn load(path: &Path) -> Result<MeshFile, Failure> {
     read(path).map_err(Failure::input)
 }
@@ -267,6 +272,9 @@ fn info(path: &Path) -> Result<(), Failure> {
 
 fn subdivide_file(arguments: &SubdivideArguments) -> Result<(), Failure> {
     let file = load(&arguments.mesh)?;
+    // Not after the work.
+    check_replaceable(&arguments.output)
+        .map_err(|error| Failure::output(arguments.output.display(), &error))?;
     let target = if arguments.limit {
         Target::Limit
     } else {
@@ -286,6 +294,12 @@ fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
     } = arguments;
     if !scalar.holds(*modulus) {
         let message = format!("the bending modulus {modulus} is out of the range of {scalar}");
+        return Err(Failure::Input(message.into()));
+    }
+    if let Some(csv) = file_named(arguments.csv.as_ref())
+        && same_file(csv, &arguments.mesh)
+    {
+        let message = format!("{}: the table would replace the mesh", csv.display());
         return Err(Failure::Input(message.into()));
     }
     let file = load(&arguments.mesh)?;
