@@ -852,6 +852,11 @@ fn csv_is_written_as_a_whole_or_not_at_all() {
         assert_eq!(message.lines().count(), 1);
     }
     assert_eq!(file.names(), ["mesh.obj", "out.csv"]);
+
+    let mesh = fs::read(file.path()).unwrap();
+    let message = fail(2, &["curvature", file.path(), "--csv", file.path()]);
+    assert!(message.contains("would replace the mesh"), "{message}");
+    assert_eq!(fs::read(file.path()).unwrap(), mesh);
 }
 
 #[cfg(unix)]
