@@ -9,6 +9,7 @@ mod spontaneous_curvature;
 mod strong_form;
 
 pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
+pub(crate) use hinge::Hinge;
 pub use hinge::Hinges;
 pub use juelicher::{Juelicher, JuelicherMemory};
 pub use kantor_nelson::KantorNelson;

@@ -51,6 +51,7 @@ extern crate alloc;
 pub mod bending;
 pub mod element;
 mod energy;
+pub mod functional;
 mod lane;
 pub mod laplacian;
 mod mesh;
@@ -71,6 +72,7 @@ pub use bending::{
 };
 pub use element::{Execution, Serial};
 pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
+pub use functional::{EnclosedVolume, Functional, Quantity, TotalArea, TotalMeanCurvature};
 pub use lane::{Lane, Pack};
 pub use laplacian::{
     Bandwidth, Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows,

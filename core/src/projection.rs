@@ -24,6 +24,18 @@ impl Components {
         let (of_vertex, count) = mesh.components();
         Self { of_vertex, count }
     }
+
+    /// How many there are; an isolated vertex is a component of its own.
+    #[inline]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The component of each vertex, counted from 0 by the lowest vertex in it.
+    #[inline]
+    pub fn of_vertex(&self) -> &[u32] {
+        &self.of_vertex
+    }
 }
 
 /// The rigid body of one component, and the force field that takes its net force and torque away.

@@ -3,18 +3,18 @@
 use crate::element::Corners;
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
-use crate::vec3::{Vec3, add, cross, dot, neg, norm, scale};
+use crate::vec3::{Vec3, add, cross, dot, neg, norm, scale, sub};
 use alloc::vec::Vec;
 
 /// The interior edges of a mesh, each with the four vertices around it: the edge from a to b, then
 /// the corner opposite in the triangle to its left, then the one to its right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hinges {
-    pub(super) vertices: Vec<[u32; 4]>,
+    pub(crate) vertices: Vec<[u32; 4]>,
 }
 
 impl Hinges {
-    pub(super) fn new(mesh: &TriangleMesh) -> Self {
+    pub(crate) fn new(mesh: &TriangleMesh) -> Self {
         let opposite = |triangle: u32, [a, b]: [u32; 2]| {
             // The three indices of a triangle and two of them: what is left is the third.
             let [i, j, k] = mesh.triangles()[triangle as usize];
@@ -38,22 +38,22 @@ impl Hinges {
 }
 
 /// One hinge: the sine and cosine of its angle and what its gradient is made of.
-pub(super) struct Hinge<L> {
+pub(crate) struct Hinge<L> {
     edge: Vec3<L>,
-    pub(super) edge_length: L,
+    pub(crate) edge_length: L,
     /// One over the edge's length.
     along: L,
     normals: [Vec3<L>; 2],
     reciprocals: [L; 2],
-    pub(super) cosine: L,
-    pub(super) sine: L,
+    pub(crate) cosine: L,
+    pub(crate) sine: L,
     /// 1, or 0 where a triangle or the edge has no extent.
-    pub(super) presence: L,
+    pub(crate) presence: L,
 }
 
 impl<L: Lane> Hinge<L> {
     #[inline(always)]
-    pub(super) fn new(corners: &Corners<L, 4>) -> Self {
+    pub(crate) fn new(corners: &Corners<L, 4>) -> Self {
         let edge = corners.difference(0, 1);
         let left = cross(edge, corners.difference(0, 2));
         let right = cross(corners.difference(0, 3), edge);
@@ -79,14 +79,14 @@ impl<L: Lane> Hinge<L> {
 
     /// θ in (−π, π]; 0 where a triangle or the edge has no extent.
     #[inline(always)]
-    pub(super) fn angle(&self) -> L {
+    pub(crate) fn angle(&self) -> L {
         // Where the hinge is not there, sine and cosine are 0 or meaningless.
         self.presence * self.sine.atan2(self.cosine)
     }
 
     /// The unit vector along the edge; 0 for one without length.
     #[inline(always)]
-    pub(super) fn direction(&self) -> Vec3<L> {
+    pub(crate) fn direction(&self) -> Vec3<L> {
         scale(self.along, self.edge)
     }
 
@@ -94,7 +94,7 @@ impl<L: Lane> Hinge<L> {
     /// lowers θ by the inverse of its height, and the edge's ends answer in proportion to where the
     /// corner's foot lies between them.
     #[inline(always)]
-    pub(super) fn forces(&self, corners: &Corners<L, 4>, torque: L) -> [Vec3<L>; 4] {
+    pub(crate) fn forces(&self, corners: &Corners<L, 4>, torque: L) -> [Vec3<L>; 4] {
         let lever = |side: usize| scale(torque * self.reciprocals[side], self.normals[side]);
         let (left, right) = (lever(0), lever(1));
         // Scalar products of the edge with what leads from the foot's end to the corner.
@@ -106,5 +106,18 @@ impl<L: Lane> Hinge<L> {
             scale(self.edge_length, left),
             scale(self.edge_length, right),
         ]
+    }
+
+    /// `weight ∂(l θ)/∂x = weight (θ ∂l + l ∂θ)` at the four corners, l the edge's length.
+    #[inline(always)]
+    pub(crate) fn length_times_angle_gradient(
+        &self,
+        corners: &Corners<L, 4>,
+        weight: L,
+    ) -> [Vec3<L>; 4] {
+        let weight = weight * self.presence;
+        let [a, b, left, right] = self.forces(corners, -(weight * self.edge_length));
+        let stretch = scale(weight * self.angle(), self.direction());
+        [sub(a, stretch), add(b, stretch), left, right]
     }
 }

@@ -10,7 +10,7 @@ use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{add, cross, scale, sub};
+use crate::vec3::{cross, scale};
 use alloc::vec::Vec;
 
 /// `E = 2κ Σ_i (H_i − H0_i)² A_i` with `H_i = M_i/A_i`, `M_i = ¼ Σ_edges l θ` over the edges at the
@@ -178,7 +178,7 @@ impl<T: Real> ElementKernel<T, 3, 0, 2> for ThirdOfArea {
 struct HingeForce;
 
 impl<T: Real> ElementKernel<T, 4, 2, 3> for HingeForce {
-    /// With u = ¼ (w_a + w_b) of the two ends: `u (θ ∂l + l ∂θ)`.
+    /// `u ∂(l θ)` with u = ¼ (w_a + w_b) of the two ends.
     #[inline(always)]
     fn evaluate<L: Lane<Scalar = T>>(
         &self,
@@ -186,11 +186,8 @@ impl<T: Real> ElementKernel<T, 4, 2, 3> for HingeForce {
         corners: &Corners<L, 4>,
         weights: &[[L; 2]; 4],
     ) -> [[L; 3]; 4] {
-        let hinge = Hinge::new(corners);
-        let weight = L::literal(0.25) * (weights[0][0] + weights[1][0]) * hinge.presence;
-        let [a, b, left, right] = hinge.forces(corners, -(weight * hinge.edge_length));
-        let stretch = scale(weight * hinge.angle(), hinge.direction());
-        [sub(a, stretch), add(b, stretch), left, right]
+        let weight = L::literal(0.25) * (weights[0][0] + weights[1][0]);
+        Hinge::new(corners).length_times_angle_gradient(corners, weight)
     }
 }
 

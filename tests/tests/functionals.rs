@@ -1,0 +1,236 @@
+//! Area, volume and integrated mean curvature of components, and their gradients.
+
+use autodiff::F1;
+use helfrich::functional::ComponentElements;
+use helfrich::{
+    EnclosedVolume, Functional, Method, Quantity, Real, Serial, Surface, TotalArea,
+    TotalMeanCurvature,
+};
+use helfrich_tests::meshes::{
+    Mesh, SplitMix64, bent, cases, disc, hemisphere, icosphere, octahedron, rough_any, tetrahedron,
+    torus,
+};
+use helfrich_tests::tolerance;
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+fn values<T: Real>(functional: impl Functional<T>, mesh: &Mesh, positions: &[[T; 3]]) -> Vec<T> {
+    let plan = functional.plan(&mesh.connectivity);
+    let surface = Surface::new(&mesh.connectivity, positions).unwrap();
+    let mut values = vec![T::nan(); functional.component_count(&plan)];
+    let mut memory = Default::default();
+    functional.values(&Serial, &plan, surface, &mut memory, &mut values);
+    values
+}
+
+fn gradient(functional: impl Functional<f64>, mesh: &Mesh, weights: &[f64]) -> Vec<[f64; 3]> {
+    let plan = functional.plan(&mesh.connectivity);
+    let mut gradient = vec![[0.0; 3]; mesh.positions.len()];
+    let (surface, mut memory) = (mesh.surface(), Default::default());
+    functional.add_gradient(&Serial, &plan, surface, &mut memory, weights, &mut gradient);
+    gradient
+}
+
+/// The meshes side by side, with their vertices and triangles in turns, and one vertex in none.
+fn together(meshes: &[Mesh]) -> Mesh {
+    let (mut positions, mut triangles) = (vec![], vec![]);
+    for (k, mesh) in meshes.iter().enumerate() {
+        let first = positions.len() as u32;
+        let away = 4.0 * k as f64;
+        positions.extend(mesh.positions.iter().map(|x| [x[0] + away, x[1], x[2]]));
+        let moved = |triangle: &[u32; 3]| triangle.map(|vertex| vertex + first);
+        triangles.extend(mesh.connectivity.triangles().iter().map(moved));
+    }
+    positions.push([-9.0; 3]);
+    Mesh::new(positions, triangles).relabelled(5).0
+}
+
+fn several() -> Mesh {
+    together(&[icosphere(1), torus(9, 6), hemisphere(2), disc(2)].map(|mesh| mesh.map(bent)))
+}
+
+/// `F` of the surface and −dF/dx along random directions against the gradient.
+fn check_gradient(mesh: &Mesh) {
+    fn check<F>(functional: F, mesh: &Mesh)
+    where
+        F: Functional<f64> + Functional<F1> + Copy,
+    {
+        let mut random = SplitMix64::new(8);
+        let components = values(functional, mesh, &mesh.positions).len();
+        let weights = Vec::from_iter((0..components).map(|_| random.symmetric()));
+        let gradient = gradient(functional, mesh, &weights);
+        let largest = gradient
+            .iter()
+            .flatten()
+            .fold(1e-3_f64, |m, x| m.max(x.abs()));
+        for _ in 0..8 {
+            let direction = random.directions(mesh.positions.len());
+            let moved = mesh.positions.iter().zip(&direction);
+            let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| F1::new(x[k], d[k])));
+            let dual = values(functional, mesh, &Vec::from_iter(moved));
+            let derivative: f64 = dual.iter().zip(&weights).map(|(f, w)| w * f.dx).sum();
+            let pairs = gradient.iter().flatten().zip(direction.iter().flatten());
+            let found: f64 = pairs.map(|(g, d)| g * d).sum();
+            let scale = largest * (mesh.positions.len() as f64);
+            tolerance::GRADIENT_DUAL.assert(found, derivative, scale, "gradient");
+        }
+    }
+    check(TotalArea, mesh);
+    check(EnclosedVolume, mesh);
+    check(TotalMeanCurvature, mesh);
+    for quantity in [Quantity::Area, Quantity::Volume, Quantity::MeanCurvature] {
+        check(quantity, mesh);
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(32))]
+
+    #[test]
+    fn gradients_are_exact(rough in rough_any()) {
+        check_gradient(&rough.mesh());
+    }
+}
+
+#[test]
+fn gradients_are_exact_with_several_components() {
+    check_gradient(&several());
+}
+
+/// Edge a: `A = √3 a²`, `V = a³/(6√2)` and `A = 2√3 a²`, `V = √2 a³/3`; the angles between normals
+/// are π − acos(1/3) and acos(1/3).
+#[test]
+fn solids_have_their_values() {
+    let (root2, root3) = (2.0_f64.sqrt(), 3.0_f64.sqrt());
+    let angle = (1.0_f64 / 3.0).acos();
+    let edge = tetrahedron().edge_length();
+    for (mesh, a, area, volume, mean) in [
+        (
+            tetrahedron(),
+            edge,
+            root3,
+            1.0 / (6.0 * root2),
+            3.0 * (PI - angle),
+        ),
+        (octahedron(), root2, 2.0 * root3, root2 / 3.0, 6.0 * angle),
+    ] {
+        let at = |values: Vec<f64>| values[0];
+        let x = &mesh.positions;
+        for (found, expected, what) in [
+            (at(values(TotalArea, &mesh, x)), area * a * a, "A"),
+            (
+                at(values(EnclosedVolume, &mesh, x)),
+                volume * a * a * a,
+                "V",
+            ),
+            (at(values(TotalMeanCurvature, &mesh, x)), mean * a, "M"),
+        ] {
+            tolerance::POLYHEDRON.assert(found, expected, expected, what);
+        }
+    }
+}
+
+/// M → 4πR, second order.
+#[test]
+fn mean_curvature_of_spheres_converges() {
+    let error = |refinement| {
+        let sphere = icosphere(refinement);
+        values(TotalMeanCurvature, &sphere, &sphere.positions)[0] / (4.0 * PI) - 1.0
+    };
+    let order = (error(3) / error(4)).log2();
+    assert!(
+        error(4).abs() < 2e-3 && (order - 2.0).abs() < 0.1,
+        "{order}"
+    );
+}
+
+/// Each component has the values and gradients that it has alone; open ones enclose nothing.
+#[test]
+fn components_are_independent() {
+    fn check(functional: impl Functional<f64> + Copy, open: bool) {
+        let whole = several();
+        let plan = functional.plan(&whole.connectivity);
+        let components = functional.components(&plan).clone();
+        let all = values(functional, &whole, &whole.positions);
+        let everything = gradient(functional, &whole, &vec![1.0; all.len()]);
+        for component in 0..components.count() {
+            let here = |vertex: u32| components.of_vertex()[vertex as usize] == component as u32;
+            let mut triangles = whole.connectivity.triangles().to_vec();
+            triangles.retain(|triangle| here(triangle[0]));
+            if triangles.is_empty() {
+                assert_eq!(all[component], 0.0, "an isolated vertex");
+                continue;
+            }
+            // The others' vertices are in no triangle now, and components of their own.
+            let alone = Mesh::new(whole.positions.clone(), triangles);
+            let found = values(functional, &alone, &alone.positions);
+            let nonzero = Vec::from_iter(found.iter().filter(|&&value| value != 0.0));
+            if alone.connectivity.is_closed() || open {
+                assert_eq!(nonzero, [&all[component]]);
+            } else {
+                assert_eq!(
+                    (nonzero.len(), all[component]),
+                    (0, 0.0),
+                    "encloses nothing"
+                );
+            }
+            let gradient = gradient(functional, &alone, &vec![1.0; found.len()]);
+            for (vertex, &gradient) in gradient.iter().enumerate() {
+                if here(vertex as u32) {
+                    assert_eq!(gradient, everything[vertex]);
+                } else {
+                    assert_eq!(gradient, [0.0; 3]);
+                }
+            }
+        }
+        let mut only = vec![0.0; all.len()];
+        only[1] = 1.0;
+        let gradient = gradient(functional, &whole, &only);
+        for (vertex, &gradient) in gradient.iter().enumerate() {
+            let inside = components.of_vertex()[vertex] == 1;
+            let expected = if inside { everything[vertex] } else { [0.0; 3] };
+            assert_eq!(gradient, expected);
+        }
+    }
+    check(TotalArea, true);
+    check(EnclosedVolume, false);
+    check(TotalMeanCurvature, true);
+}
+
+/// Moved by 2²⁷ ≈ 1e8 radii, on a grid that does not round there: not a bit changes.
+#[test]
+fn offsets_do_not_matter() {
+    let pitch = 2.0_f64.powi(-24);
+    let here = several().map(|x| x.map(|x| (x / pitch).round() * pitch));
+    let far = 2.0_f64.powi(27);
+    let there = here.map(|x| [x[0] + far, x[1] - far, x[2] + 3.0 * far]);
+    fn check(functional: impl Functional<f64> + Copy, here: &Mesh, there: &Mesh) {
+        let near = values(functional, here, &here.positions);
+        assert_eq!(near, values(functional, there, &there.positions));
+        let weights = vec![1.0; near.len()];
+        assert_eq!(
+            gradient(functional, here, &weights),
+            gradient(functional, there, &weights)
+        );
+    }
+    check(TotalArea, &here, &there);
+    check(EnclosedVolume, &here, &there);
+    check(TotalMeanCurvature, &here, &there);
+}
+
+/// A component's elements, each in the component of its first corner.
+#[test]
+fn elements_are_grouped_by_component() {
+    let mesh = several();
+    let plan: ComponentElements<3> = Method::<f64>::plan(&TotalArea, &mesh.connectivity);
+    let components = plan.components();
+    let mut count = 0;
+    for component in 0..components.count() {
+        for triangle in plan.of(component) {
+            let at = |vertex: u32| components.of_vertex()[vertex as usize] as usize;
+            assert!(triangle.iter().all(|&vertex| at(vertex) == component));
+            count += 1;
+        }
+    }
+    assert_eq!(count, mesh.connectivity.triangles().len());
+}
