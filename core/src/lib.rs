@@ -49,6 +49,7 @@
 extern crate alloc;
 
 pub mod bending;
+pub mod elasticity;
 pub mod element;
 mod energy;
 pub mod functional;
@@ -70,6 +71,7 @@ pub use bending::{
     ControlPoints, GompperKroll, Juelicher, KantorNelson, LoopSubdivision, SpontaneousCurvature,
     StrongForm,
 };
+pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, StrainEnergy};
 pub use element::{Execution, Serial};
 pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
 pub use functional::{EnclosedVolume, Functional, Quantity, TotalArea, TotalMeanCurvature};

@@ -474,3 +474,24 @@ pub const LOOP_SINGLE: Tolerance = Tolerance::new(
     1e-6,
     "positions rounded at 6e-8 are differentiated twice, over edges of a twentieth",
 );
+/// Energies and forces of homogeneous strains, relative to modulus times area, forces over the
+/// strain.
+pub const HOMOGENEOUS: Tolerance = Tolerance::new(
+    1e-13,
+    "a linear triangle is exact: only some roundings are left",
+);
+/// Energies of small strains against their quadratic limit, relative, over the strain.
+pub const SMALL_STRAIN: Tolerance = Tolerance::new(
+    8.0,
+    "terms of third order: the strain times a number that grows with the stretch's exponents",
+);
+/// The energy of a strain of 1e-8 in positions without structure, relative.
+pub const TINY_STRAIN: Tolerance = Tolerance::new(
+    1e-6,
+    "positions are rounded at 1e-16 over an edge of a third, and the strain is 1e-8",
+);
+/// In-plane energies and forces in f32 against f64, relative to the largest.
+pub const SINGLE_STRAIN: Tolerance = Tolerance::new(
+    2e-5,
+    "positions rounded at 6e-8 over edges of a tenth, and strains of a tenth",
+);

@@ -4,7 +4,10 @@
     reason = "a global allocator that counts cannot be written without"
 )]
 
-use helfrich::{Cotangent, Curvature, DualArea, LaplaceBeltrami, Method, Prepared, Rows, Serial};
+use helfrich::{
+    Cotangent, Curvature, DualArea, InPlane, LaplaceBeltrami, Method, NeoHookean, Prepared, Real,
+    Rows, Serial, Surface,
+};
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
     for_each_conservative, for_each_operator,
@@ -154,4 +157,31 @@ fn stiffness_is_refilled_in_place() {
     operator.assemble_stiffness(&plan, mesh.surface(), &mut rows);
     let count = allocations(|| operator.assemble_stiffness(&plan, moved.surface(), &mut rows));
     assert_eq!(count, 0);
+}
+
+/// An in-plane law over a mesh as its own reference.
+#[derive(Clone, Copy)]
+struct Elastic<'a>(&'a Mesh);
+
+impl ConservativeCandidate for Elastic<'_> {
+    type ConservativeMethod<T: Real> = InPlane<T, NeoHookean<T>>;
+    fn name(self) -> &'static str {
+        "neo-Hookean"
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &[]
+    }
+    fn method<T: Real>(self, shear_modulus: T) -> Self::ConservativeMethod<T> {
+        let (mesh, positions) = (&self.0.connectivity, self.0.positions_in());
+        let reference = Surface::new(mesh, &positions).unwrap();
+        InPlane::new(NeoHookean { shear_modulus }, mesh, reference).unwrap()
+    }
+}
+
+#[test]
+fn in_plane_laws_allocate_at_the_first_evaluation_only() {
+    let mesh = icosphere(2);
+    let mut allocation = Allocation::of(mesh.clone());
+    Law::check(&mut allocation, Elastic(&mesh));
+    ConservativeLaw::check(&mut allocation, Elastic(&mesh));
 }

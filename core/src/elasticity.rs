@@ -1,0 +1,498 @@
+//! In-plane elasticity over a reference shape.
+//!
+//! # The laws
+//!
+//! A strain energy per area of the reference, `W(I1, I2)`, with the invariants of R. Skalak,
+//! A. Tozeren, R. P. Zarda and S. Chien, Biophys. J. 13 (1973) 245:
+//! `I1 = λ1² + λ2² − 2`, `I2 = λ1² λ2² − 1`, λ the principal stretches. A flat triangle is stretched
+//! homogeneously, so that `E = Σ A0 W` and its gradient are exact, A0 the area in the reference.
+//!
+//! # Small strains
+//!
+//! `W → ½ K_s (tr ε)² + G |dev ε|²`: every law has a shear modulus G and an area modulus K_s, in
+//! units of force per length. From them follow the Young modulus `E_s = 4 K_s G/(K_s + G)` and the
+//! Poisson ratio `ν_s = (K_s − G)/(K_s + G)` of the surface.
+//!
+//! | law | K_s | E_s | ν_s |
+//! |---|---|---|---|
+//! | [`NeoHookean`] | 3 G | 3 G | 1/2 |
+//! | [`Skalak`] | (1 + 2 C) G | 2 G (1 + 2 C)/(1 + C) | C/(1 + C) |
+//! | [`LocalArea`], on its own a fluid | k_a | 0 | 1 |
+//!
+//! Much of the literature on capsules scales by E_s and not by G. For a neo-Hookean membrane
+//! `μ γ̇ a/E_s = 0.05` is `μ γ̇ a/G = 0.15`, and `κ/(a² E_s) = 0.0375` is `κ/(a² G) = 0.1125`. Here
+//! all moduli are G.
+//!
+//! # Forces
+//!
+//! With `s_k` the scalar product of the two edges that leave corner k, S the doubled area, the
+//! index 0 for the reference, `c_k = s0_k/S0` (a cotangent) and `γ_k = (s_k − s0_k)/S0`:
+//!
+//! `Γ = C − 1`, `tr Γ = Σ_k c_k (γ_i + γ_j)`, `det Γ = γ_0 γ_1 + γ_1 γ_2 + γ_2 γ_0`,
+//! `I1 = tr Γ`, `I2 = tr Γ + det Γ`,
+//!
+//! and each edge pulls its ends together with `[(W1 + W2) c_k + W2 γ_k] e_k`, `W1 = ∂W/∂I1`,
+//! `W2 = ∂W/∂I2`. That is `2 A0 F (W1 1 + W2 cof C) D0⁻ᵀ` of the usual form, without a frame of
+//! reference: no rotation, no square root. That such forces act along the edges was used by
+//! H. Delingette, IEEE Trans. Vis. Comput. Graph. 14 (2008) 329.
+//!
+//! The change is subtracted before anything is multiplied, and laws are written in `Γ`: small
+//! strains lose no digits beyond those of the positions, and in the reference shape energy and
+//! forces are exactly zero.
+
+use crate::element::{Corners, ElementKernel, Execution};
+use crate::energy::{Conservative, Energy, Finding, Force, Method};
+use crate::lane::Lane;
+use crate::mesh::TriangleMesh;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::triangle::Triangle;
+use crate::vec3::{Vec3, add, dot, scale, sub};
+use alloc::vec::Vec;
+
+mod local_area;
+mod neo_hookean;
+mod skalak;
+
+pub use local_area::LocalArea;
+pub use neo_hookean::NeoHookean;
+pub use skalak::Skalak;
+
+/// The strain of triangles, one a lane entry, as laws need it.
+#[derive(Clone, Copy, Debug)]
+pub struct Strain<L> {
+    /// `I1 = λ1² + λ2² − 2`.
+    pub first: L,
+    /// `I2 = λ1² λ2² − 1`.
+    pub second: L,
+    /// `I1 − I2 = −(λ1² − 1)(λ2² − 1)`: of second order in the strain, and computed as such.
+    pub difference: L,
+    /// `I2 + 1 = (A/A0)²`, from the areas: never negative.
+    pub squared_area_ratio: L,
+}
+
+/// A strain energy per area of the reference: see the [module](self).
+///
+/// Laws: W and `W1 + W2` are 0 without strain, and W ≥ 0 for moduli that are not negative.
+pub trait StrainEnergy<T: Real>: Sync {
+    /// W, in units of energy per area.
+    fn density<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> L;
+
+    /// `[W1 + W2, W2]` with `W1 = ∂W/∂I1` and `W2 = ∂W/∂I2`. The sum is 0 without strain and is
+    /// written so that it does not cancel.
+    fn derivatives<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> [L; 2];
+
+    /// Modulus G of small shear.
+    fn shear_modulus(&self) -> T;
+
+    /// Modulus K_s of small changes of area.
+    fn area_modulus(&self) -> T;
+}
+
+/// The sum of two laws over one reference; longer sums nest.
+impl<T: Real, A: StrainEnergy<T>, B: StrainEnergy<T>> StrainEnergy<T> for (A, B) {
+    #[inline(always)]
+    fn density<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> L {
+        self.0.density(strain) + self.1.density(strain)
+    }
+
+    #[inline(always)]
+    fn derivatives<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> [L; 2] {
+        let (a, b) = (self.0.derivatives(strain), self.1.derivatives(strain));
+        [a[0] + b[0], a[1] + b[1]]
+    }
+
+    fn shear_modulus(&self) -> T {
+        self.0.shear_modulus() + self.1.shear_modulus()
+    }
+
+    fn area_modulus(&self) -> T {
+        self.0.area_modulus() + self.1.area_modulus()
+    }
+}
+
+/// Why a shape cannot be the reference of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReferenceError {
+    /// The two have different numbers of triangles.
+    #[error("the reference has {reference} triangles, the mesh {mesh}: they must be the same")]
+    CountMismatch {
+        /// How many triangles the reference has.
+        reference: usize,
+        /// How many there should be.
+        mesh: usize,
+    },
+    /// A triangle has other vertices, or the same ones in another order.
+    #[error(
+        "triangle {triangle} has the vertices {reference:?} in the reference and {mesh:?} in the \
+         mesh: they must be the same, in the same order"
+    )]
+    TriangleMismatch {
+        /// The first such triangle.
+        triangle: usize,
+        /// Its vertices in the reference.
+        reference: [u32; 3],
+        /// Its vertices in the mesh.
+        mesh: [u32; 3],
+    },
+    /// A triangle of the reference has no area: no strain can be measured from it.
+    #[error("triangle {triangle} of the reference has no area")]
+    NoArea {
+        /// The first such triangle.
+        triangle: usize,
+    },
+    /// The reference was to be scaled by something else than a positive number.
+    #[error("the reference cannot be scaled by {factor}: a positive, finite number is needed")]
+    Factor {
+        /// The factor.
+        factor: f64,
+    },
+}
+
+impl ReferenceError {
+    /// Nothing, if both meshes have the same triangles in the same order.
+    pub(crate) fn unless_same(
+        mesh: &TriangleMesh,
+        reference: &TriangleMesh,
+    ) -> Result<(), ReferenceError> {
+        let (mesh, reference) = (mesh.triangles(), reference.triangles());
+        if mesh.len() != reference.len() {
+            return Err(Self::CountMismatch {
+                reference: reference.len(),
+                mesh: mesh.len(),
+            });
+        }
+        match (0..mesh.len()).find(|&triangle| mesh[triangle] != reference[triangle]) {
+            None => Ok(()),
+            Some(triangle) => Err(Self::TriangleMismatch {
+                triangle,
+                reference: reference[triangle],
+                mesh: mesh[triangle],
+            }),
+        }
+    }
+}
+
+/// What a law needs to know of a triangle in the reference: `s0_k` of the three corners, and S0.
+type Rest<T> = [T; 4];
+
+/// `E = Σ A0 W`: the in-plane energy of a law over a reference shape, see the [module](self); the
+/// force is its exact gradient.
+///
+/// Triangles that have lost their area are reported by [`Method::inspect`]; what they give is
+/// finite, see each law.
+///
+/// ```
+/// use helfrich::{InPlane, Prepared, Skalak, Surface, TriangleMesh};
+///
+/// let mesh = TriangleMesh::new(3, vec![[0, 1, 2]])?;
+/// let rest = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let skalak = Skalak { shear_modulus: 5.3, area_ratio: 10.0 };
+/// let law = InPlane::new(skalak, &mesh, Surface::new(&mesh, &rest)?)?;
+///
+/// let mut elasticity = Prepared::new(law, &mesh);
+/// assert_eq!(elasticity.energy(Surface::new(&mesh, &rest)?), 0.0);
+///
+/// // Stretched along x: G/4 (I1² + 2 I1 − 2 I2 + C I2²) with I1 = I2 = 0.21, on half a unit of area.
+/// let now = [[0.0, 0.0, 0.0], [1.1, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mut force = [[0.0; 3]; 3];
+/// let energy = elasticity.add_force_and_energy(Surface::new(&mesh, &now)?, &mut force);
+/// assert!((energy - 0.5 * 5.3 / 4.0 * 11.0 * 0.21 * 0.21_f64).abs() < 1e-14);
+/// assert!(force[1][0] < 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct InPlane<T, W> {
+    /// The law.
+    pub law: W,
+    rest: Vec<Rest<T>>,
+}
+
+/// Memory of [`InPlane`].
+#[derive(Clone, Debug, Default)]
+pub struct InPlaneMemory<T> {
+    /// A third of the energy of the triangles around each vertex.
+    energies: Vec<[T; 1]>,
+    /// The force at each vertex, and the same energy.
+    nodal: Vec<[T; 4]>,
+}
+
+impl<T: Real, W: StrainEnergy<T>> InPlane<T, W> {
+    /// The law with the edges and areas of `reference`, for surfaces with the mesh `mesh`. The two
+    /// have the same triangles; the reference may have any shape, also another one than that from
+    /// which a simulation starts.
+    ///
+    /// Preparing it for a mesh with another number of triangles than `mesh` panics.
+    ///
+    /// # Errors
+    /// If the triangles of mesh and reference differ, or one of the reference has no area.
+    pub fn new(
+        law: W,
+        mesh: &TriangleMesh,
+        reference: Surface<'_, T>,
+    ) -> Result<Self, ReferenceError> {
+        ReferenceError::unless_same(mesh, reference.mesh())?;
+        let rest = |&corners| {
+            let triangle = Corners::of(reference, corners).triangle();
+            let [a, b, c] = triangle.dots;
+            [a, b, c, triangle.doubled_area]
+        };
+        let rest = mesh.triangles().iter().map(rest).collect();
+        Self { law, rest }.with_areas()
+    }
+
+    /// The same with every length of the reference multiplied by `factor`: below 1 the membrane is
+    /// under tension in the shape that was given, above 1 under pressure.
+    ///
+    /// # Errors
+    /// If the factor is not positive and finite, or leaves a triangle without area.
+    pub fn with_scaled_reference(mut self, factor: T) -> Result<Self, ReferenceError> {
+        if !(factor > T::zero() && factor.is_finite()) {
+            let factor = factor.to_f64().unwrap_or(f64::NAN);
+            return Err(ReferenceError::Factor { factor });
+        }
+        for rest in &mut self.rest {
+            *rest = rest.map(|entry| entry * factor * factor);
+        }
+        self.with_areas()
+    }
+
+    /// This, if every triangle of the reference has an area.
+    fn with_areas(self) -> Result<Self, ReferenceError> {
+        let without = |rest: &Rest<T>| rest[3].reciprocal_or_zero() == T::zero();
+        match self.rest.iter().position(without) {
+            None => Ok(self),
+            Some(triangle) => Err(ReferenceError::NoArea { triangle }),
+        }
+    }
+
+    /// Area of the reference.
+    pub fn reference_area(&self, execution: &impl Execution) -> T {
+        T::constant(0.5) * execution.sum(self.rest.len(), |triangle| self.rest[triangle][3])
+    }
+}
+
+/// The change of a triangle's edges from one shape to another, or its rate: `c_k` and `γ_k` of the
+/// [module](self), of corner after corner.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Change<L> {
+    pub(crate) cotangents: [L; 3],
+    pub(crate) of_dots: [L; 3],
+}
+
+impl<L: Lane> Change<L> {
+    /// tr Γ.
+    #[inline(always)]
+    pub(crate) fn trace(&self) -> L {
+        let ([a, b, c], [u, v, w]) = (self.cotangents, self.of_dots);
+        a * (v + w) + b * (w + u) + c * (u + v)
+    }
+
+    /// det Γ.
+    #[inline(always)]
+    pub(crate) fn determinant(&self) -> L {
+        let [u, v, w] = self.of_dots;
+        u * v + v * w + w * u
+    }
+
+    /// Forces on the corners, if `A0 (a d tr Γ + b d det Γ)` is the change of the energy.
+    #[inline(always)]
+    pub(crate) fn forces(&self, edges: [Vec3<L>; 3], [a, b]: [L; 2]) -> [Vec3<L>; 3] {
+        let pull: [Vec3<L>; 3] =
+            core::array::from_fn(|k| scale(a * self.cotangents[k] + b * self.of_dots[k], edges[k]));
+        [
+            sub(pull[2], pull[1]),
+            sub(pull[0], pull[2]),
+            sub(pull[1], pull[0]),
+        ]
+    }
+}
+
+/// Triangles `first`, `first + 1`, … of a surface against their rest shapes, one a lane entry.
+struct Strained<L> {
+    edges: [Vec3<L>; 3],
+    change: Change<L>,
+    strain: Strain<L>,
+    /// S0.
+    doubled_area: L,
+}
+
+impl<L: Lane> Strained<L> {
+    #[inline(always)]
+    fn new(rest: &[Rest<L::Scalar>], first: usize, corners: &Corners<L, 3>) -> Self {
+        let Triangle {
+            edges,
+            dots,
+            area_vector,
+            ..
+        } = corners.triangle();
+        let at_rest = |part: usize| L::from_fn(|k| rest[first + k][part]);
+        let doubled_area = at_rest(3);
+        let over = doubled_area.reciprocal_or_zero();
+        let rest_dots: [L; 3] = core::array::from_fn(at_rest);
+        let change = Change {
+            cotangents: rest_dots.map(|dot| over * dot),
+            of_dots: core::array::from_fn(|k| over * (dots[k] - rest_dots[k])),
+        };
+        let (trace, determinant) = (change.trace(), change.determinant());
+        let ratio = scale(over, area_vector);
+        Self {
+            edges,
+            change,
+            strain: Strain {
+                first: trace,
+                second: trace + determinant,
+                difference: -determinant,
+                squared_area_ratio: dot(ratio, ratio),
+            },
+            doubled_area,
+        }
+    }
+
+    #[inline(always)]
+    fn forces(&self, law: &impl StrainEnergy<L::Scalar>) -> [Vec3<L>; 3] {
+        self.change
+            .forces(self.edges, law.derivatives(&self.strain))
+    }
+
+    /// A third of the energy, for each corner.
+    #[inline(always)]
+    fn energy_share(&self, law: &impl StrainEnergy<L::Scalar>) -> L {
+        L::literal(1.0 / 6.0) * self.doubled_area * law.density(&self.strain)
+    }
+}
+
+struct Forces<'a, T, W>(&'a InPlane<T, W>);
+
+impl<T: Real, W: StrainEnergy<T>> ElementKernel<T, 3, 0, 3> for Forces<'_, T, W> {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        first: usize,
+        corners: &Corners<L, 3>,
+        _input: &[[L; 0]; 3],
+    ) -> [[L; 3]; 3] {
+        Strained::new(&self.0.rest, first, corners).forces(&self.0.law)
+    }
+}
+
+struct Energies<'a, T, W>(&'a InPlane<T, W>);
+
+impl<T: Real, W: StrainEnergy<T>> ElementKernel<T, 3, 0, 1> for Energies<'_, T, W> {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        first: usize,
+        corners: &Corners<L, 3>,
+        _input: &[[L; 0]; 3],
+    ) -> [[L; 1]; 3] {
+        let strained = Strained::new(&self.0.rest, first, corners);
+        [[strained.energy_share(&self.0.law)]; 3]
+    }
+}
+
+struct ForcesAndEnergies<'a, T, W>(&'a InPlane<T, W>);
+
+impl<T: Real, W: StrainEnergy<T>> ElementKernel<T, 3, 0, 4> for ForcesAndEnergies<'_, T, W> {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        first: usize,
+        corners: &Corners<L, 3>,
+        _input: &[[L; 0]; 3],
+    ) -> [[L; 4]; 3] {
+        let strained = Strained::new(&self.0.rest, first, corners);
+        let share = strained.energy_share(&self.0.law);
+        let forces = strained.forces(&self.0.law);
+        forces.map(|[x, y, z]| [x, y, z, share])
+    }
+}
+
+impl<T: Real> InPlaneMemory<T> {
+    /// Sets everything to zero; all at once, so that no kind of evaluation allocates later.
+    fn clear(&mut self, vertices: usize) {
+        self.energies.clear();
+        self.energies.resize(vertices, [T::zero()]);
+        self.nodal.clear();
+        self.nodal.resize(vertices, [T::zero(); 4]);
+    }
+}
+
+impl<T: Real, W: StrainEnergy<T>> Method<T> for InPlane<T, W> {
+    type Plan = ();
+    type Memory = InPlaneMemory<T>;
+
+    fn plan(&self, mesh: &TriangleMesh) {
+        assert!(
+            self.rest.len() == mesh.triangles().len(),
+            "the reference has {} triangles, this mesh {}",
+            self.rest.len(),
+            mesh.triangles().len()
+        );
+    }
+
+    fn inspect(
+        &self,
+        _plan: &(),
+        surface: Surface<'_, T>,
+        _memory: &InPlaneMemory<T>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        surface.report_degenerate_triangles(report);
+    }
+}
+
+impl<T: Real, W: StrainEnergy<T>> Energy<T> for InPlane<T, W> {
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        _plan: &(),
+        surface: Surface<'_, T>,
+        memory: &mut InPlaneMemory<T>,
+    ) -> T {
+        let mesh = surface.mesh();
+        memory.clear(mesh.vertex_count());
+        let energies = &mut memory.energies[..];
+        execution.scatter(&Energies(self), surface, mesh.triangles(), &[], energies);
+        execution.sum(energies.len(), |vertex| energies[vertex][0])
+    }
+}
+
+impl<T: Real, W: StrainEnergy<T>> Force<T> for InPlane<T, W> {
+    fn add_force(
+        &self,
+        execution: &impl Execution,
+        _plan: &(),
+        surface: Surface<'_, T>,
+        memory: &mut InPlaneMemory<T>,
+        force: &mut [[T; 3]],
+    ) {
+        let mesh = surface.mesh();
+        memory.clear(mesh.vertex_count());
+        execution.scatter(&Forces(self), surface, mesh.triangles(), &[], force);
+    }
+}
+
+impl<T: Real, W: StrainEnergy<T>> Conservative<T> for InPlane<T, W> {
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        _plan: &(),
+        surface: Surface<'_, T>,
+        memory: &mut InPlaneMemory<T>,
+        force: &mut [[T; 3]],
+    ) -> T {
+        let mesh = surface.mesh();
+        memory.clear(mesh.vertex_count());
+        let nodal = &mut memory.nodal[..];
+        let kernel = ForcesAndEnergies(self);
+        execution.scatter(&kernel, surface, mesh.triangles(), &[], nodal);
+        let nodal = &*nodal;
+        execution.map(&mut force[..nodal.len()], |vertex, force| {
+            let [x, y, z, _] = nodal[vertex];
+            *force = add(*force, [x, y, z]);
+        });
+        execution.sum(nodal.len(), |vertex| nodal[vertex][3])
+    }
+}

@@ -1,0 +1,46 @@
+//! A penalty on the area of each triangle.
+
+use super::{Strain, StrainEnergy};
+use crate::lane::Lane;
+use crate::real::Real;
+
+/// `E = k_a/2 Σ (A − A0)²/A0` over the triangles: the membrane resists changes of area at every
+/// place, and shear not at all. `K_s = k_a`; tension of equal stretches λ: `k_a (λ² − 1)`.
+///
+/// A triangle that has lost its area feels no force: there is no direction in which it grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalArea<T> {
+    /// Area modulus k_a, in units of force per length.
+    pub area_modulus: T,
+}
+
+/// `A/A0`, and `A/A0 − 1` without cancellation.
+#[inline(always)]
+fn area_ratio<L: Lane>(strain: &Strain<L>) -> [L; 2] {
+    let ratio = strain.squared_area_ratio.sqrt();
+    let growth = strain.second * (L::literal(1.0) + ratio).reciprocal_or_zero();
+    [ratio, growth]
+}
+
+impl<T: Real> StrainEnergy<T> for LocalArea<T> {
+    #[inline(always)]
+    fn density<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> L {
+        let [_, growth] = area_ratio(strain);
+        L::literal(0.5) * L::splat(self.area_modulus) * growth * growth
+    }
+
+    #[inline(always)]
+    fn derivatives<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> [L; 2] {
+        let [ratio, growth] = area_ratio(strain);
+        let half = L::literal(0.5) * L::splat(self.area_modulus);
+        [half * growth * ratio.reciprocal_or_zero(); 2]
+    }
+
+    fn shear_modulus(&self) -> T {
+        T::zero()
+    }
+
+    fn area_modulus(&self) -> T {
+        self.area_modulus
+    }
+}

@@ -1,0 +1,54 @@
+//! The membrane of red blood cells.
+
+use super::{Strain, StrainEnergy};
+use crate::lane::Lane;
+use crate::real::Real;
+
+/// `W = G/4 (I1² + 2 I1 − 2 I2 + C I2²)`: a membrane that resists changes of area by C apart from
+/// shear. `K_s = (1 + 2 C) G`; it hardens in extension. Tension of equal stretches λ:
+/// `G [λ² − 1 + C λ² (λ⁴ − 1)]`. Stable for C > −1/2; red blood cells have C of 10² and more.
+///
+/// Finite for every triangle, also one without area.
+///
+/// R. Skalak, A. Tozeren, R. P. Zarda and S. Chien, Biophys. J. 13 (1973) 245, whose B is 2 G and
+/// whose C is 2 C G.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Skalak<T> {
+    /// Shear modulus G, in units of force per length.
+    pub shear_modulus: T,
+    /// C, a pure number.
+    pub area_ratio: T,
+}
+
+impl<T: Real> StrainEnergy<T> for Skalak<T> {
+    #[inline(always)]
+    fn density<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> L {
+        let Strain {
+            first,
+            second,
+            difference,
+            ..
+        } = *strain;
+        let twice = difference + difference;
+        let sum = first * first + twice + L::splat(self.area_ratio) * (second * second);
+        L::literal(0.25) * L::splat(self.shear_modulus) * sum
+    }
+
+    #[inline(always)]
+    fn derivatives<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> [L; 2] {
+        let half = L::literal(0.5) * L::splat(self.shear_modulus);
+        let dilation = L::splat(self.area_ratio) * strain.second;
+        [
+            half * (strain.first + dilation),
+            half * (dilation - L::literal(1.0)),
+        ]
+    }
+
+    fn shear_modulus(&self) -> T {
+        self.shear_modulus
+    }
+
+    fn area_modulus(&self) -> T {
+        (T::one() + self.area_ratio + self.area_ratio) * self.shear_modulus
+    }
+}
