@@ -6,6 +6,7 @@
 //! * [`method`] and [`scalar`]: the bending methods and number types, chosen at run time.
 //!   [`info`]: what a mesh is like.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge.
+//! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
 //! * [`report`]: how all of this is shown.
 
 pub mod generate;
@@ -14,6 +15,7 @@ pub mod io;
 pub mod method;
 pub mod report;
 pub mod scalar;
+pub mod scene;
 pub mod study;
 pub mod subdivide;
 pub mod verdict;

@@ -73,6 +73,14 @@ impl BendingMethod {
         self.names().0
     }
 
+    /// Whether its forces are the exact gradient of an energy.
+    pub fn is_conservative(self) -> bool {
+        matches!(
+            self,
+            Self::KantorNelson | Self::GompperKroll | Self::Loop | Self::Juelicher
+        )
+    }
+
     /// The paper's letter, or J for the jets; `None` for what has none.
     pub fn letter(self) -> Option<&'static str> {
         self.names().1

@@ -1,0 +1,566 @@
+//! Compares values with the table of keys, and reads what is right.
+
+use super::Units;
+use super::keys::{Form, Key, Keys, Presence, Range, nearest};
+use super::problem::{Problem, expected_number};
+use super::units::{Dimension, QuantityError, quantity};
+use super::value::{Node, Origin, Table, Value};
+
+/// Problems in the making.
+#[derive(Debug, Default)]
+pub(super) struct Problems(pub(super) Vec<(Origin, Problem)>);
+
+impl Problems {
+    pub(super) fn add(&mut self, origin: &Origin, problem: Problem) {
+        self.0.push((origin.clone(), problem));
+    }
+}
+
+/// Whatever is wrong with a table by itself. `around` is the table's path, `origin` its place.
+pub(super) fn check_table(
+    keys: &'static Keys,
+    around: &str,
+    origin: &Origin,
+    table: &Table,
+    units: Units,
+    problems: &mut Problems,
+) {
+    for entry in &table.entries {
+        let Some(key) = keys.find(&entry.key) else {
+            problems.add(&entry.key_origin, keys.unknown(around, &entry.key));
+            continue;
+        };
+        let path = join(around, key.name);
+        let origin = nonempty(&entry.node.origin, &entry.key_origin);
+        check(
+            &key.form,
+            key.name,
+            &path,
+            origin,
+            &entry.node.value,
+            units,
+            problems,
+        );
+    }
+    let given = |name: &&&str| table.get(name).is_some();
+    for Key {
+        name,
+        presence,
+        summary,
+        ..
+    } in keys.keys
+    {
+        if *presence == Presence::Required && !given(&name) {
+            let problem = Problem::Missing {
+                table: around.to_owned(),
+                key: name,
+                summary,
+            };
+            problems.add(origin, problem);
+        }
+    }
+    for group in keys.exactly_one {
+        if !group.iter().any(|name| given(&name)) {
+            let problem = Problem::NoneOf {
+                table: around.to_owned(),
+                keys: listed(group, "nor"),
+            };
+            problems.add(origin, problem);
+        }
+    }
+    for group in keys.exactly_one.iter().chain(keys.at_most_one) {
+        let found = Vec::from_iter(group.iter().filter(given).copied());
+        if let [_, .., last] = found.as_slice() {
+            let problem = Problem::SeveralOf {
+                table: around.to_owned(),
+                keys: listed(&found, "and"),
+            };
+            problems.add(&place_of(table, last, origin), problem);
+        }
+    }
+    for [key, other] in keys.needs {
+        if given(&key) && !given(&other) {
+            let summary = keys.find(other).map_or("", |other| other.summary);
+            let problem = Problem::Needs {
+                key,
+                other,
+                summary,
+            };
+            problems.add(&place_of(table, key, origin), problem);
+        }
+    }
+}
+
+/// Where a key was written.
+fn place_of(table: &Table, key: &str, or: &Origin) -> Origin {
+    let found = table.entries.iter().find(|entry| entry.key == key);
+    found.map_or_else(|| or.clone(), |entry| entry.key_origin.clone())
+}
+
+/// A table of dotted keys has no place of its own: its key has.
+fn nonempty<'a>(origin: &'a Origin, or: &'a Origin) -> &'a Origin {
+    match origin {
+        Origin::Text(range) if range.is_empty() => or,
+        origin => origin,
+    }
+}
+
+fn listed(names: &[&str], between: &str) -> String {
+    let quoted = Vec::from_iter(names.iter().map(|name| format!("`{name}`")));
+    quoted.join(&format!(" {between} "))
+}
+
+pub(super) fn join(around: &str, key: &str) -> String {
+    if around.is_empty() {
+        key.to_owned()
+    } else {
+        format!("{around}.{key}")
+    }
+}
+
+/// Whatever is wrong with a value. `name` is its key, `path` leads to it.
+fn check(
+    form: &'static Form,
+    name: &str,
+    path: &str,
+    origin: &Origin,
+    value: &Value,
+    units: Units,
+    problems: &mut Problems,
+) {
+    let key = || name.to_owned();
+    let wrong_kind = |expected: String| Problem::WrongKind {
+        key: key(),
+        found: value.kind().to_owned(),
+        expected,
+    };
+    let problem = match (form, value) {
+        (Form::Either(forms), value) => {
+            let [first, second] = forms;
+            let form = if fits(first, value) {
+                first
+            } else if fits(second, value) {
+                second
+            } else {
+                let expected = format!("{} or {}", expected(first, units), expected(second, units));
+                problems.add(origin, wrong_kind(expected));
+                return;
+            };
+            check(form, name, path, origin, value, units, problems);
+            return;
+        }
+        (Form::Table(keys), Value::Table(table)) => {
+            check_table(keys, path, origin, table, units, problems);
+            return;
+        }
+        (Form::Tables(keys), Value::List(list)) => {
+            if list.is_empty() {
+                problems.add(origin, wrong_kind(format!("one [[{name}]] or more")));
+            }
+            for (index, node) in list.iter().enumerate() {
+                let path = format!("{path}.{index}");
+                match &node.value {
+                    Value::Table(table) => {
+                        check_table(keys, &path, &node.origin, table, units, problems);
+                    }
+                    other => problems.add(
+                        &node.origin,
+                        Problem::WrongKind {
+                            key: path,
+                            found: other.kind().to_owned(),
+                            expected: "a table".to_owned(),
+                        },
+                    ),
+                }
+            }
+            return;
+        }
+        (Form::Numbers(dimension, range), Value::List(list)) if !list.is_empty() => {
+            for node in list {
+                let problem = check_number(name, *dimension, *range, &node.value, units);
+                if let Some(problem) = problem {
+                    problems.add(&node.origin, problem);
+                }
+            }
+            return;
+        }
+        (Form::Vector(dimension), Value::List(list)) if list.len() == 3 => {
+            check_all(name, *dimension, list, units, problems);
+            return;
+        }
+        (Form::Direction, Value::List(list)) if list.len() == 3 => {
+            let before = problems.0.len();
+            check_all(name, Dimension::NONE, list, units, problems);
+            let zero = |node: &Node| number(&node.value, Dimension::NONE) == Ok(0.0);
+            (problems.0.len() == before && list.iter().all(zero)).then(|| Problem::OutOfRange {
+                key: key(),
+                value: "[0, 0, 0]".to_owned(),
+                range: "other than 0 among the three".to_owned(),
+            })
+        }
+        (Form::Vector(_) | Form::Direction, Value::List(list)) => Some(Problem::WrongKind {
+            key: key(),
+            found: format!("a list of {}", list.len()),
+            expected: expected(form, units),
+        }),
+        (Form::Number(dimension, range) | Form::Numbers(dimension, range), value) => {
+            check_number(name, *dimension, *range, value, units)
+        }
+        (Form::Count(least), Value::Integer(count)) => {
+            let most = i64::MAX.into();
+            let inside = (i128::from(*least)..=most).contains(count);
+            (!inside).then(|| Problem::OutOfRange {
+                key: key(),
+                value: count.to_string(),
+                range: format!("from {least} to {most}, and whole,"),
+            })
+        }
+        (Form::Choice(names), Value::Text(text)) => {
+            let names = names();
+            (!names.contains(&text.as_str())).then(|| unknown_name(name, text, &names))
+        }
+        (Form::Shape, Value::Text(text)) => {
+            let parsed = text.parse::<crate::generate::AnyShape>();
+            parsed
+                .err()
+                .map(|source| Problem::Shape { key: key(), source })
+        }
+        (Form::Name, Value::Text(text)) => (!is_name(text)).then(|| Problem::WrongKind {
+            key: key(),
+            found: format!("\"{text}\""),
+            expected: expected(form, units),
+        }),
+        (Form::File, Value::Text(text)) => text.is_empty().then(|| Problem::WrongKind {
+            key: key(),
+            found: "empty".to_owned(),
+            expected: expected(form, units),
+        }),
+        (Form::Pair, Value::List(list)) => {
+            let text = |node: &Node| matches!(node.value, Value::Text(_));
+            (list.len() != 2 || !list.iter().all(text)).then(|| wrong_kind(expected(form, units)))
+        }
+        (Form::Text, Value::Text(_)) | (Form::Switch, Value::Switch(_)) => None,
+        _ => Some(wrong_kind(expected(form, units))),
+    };
+    if let Some(problem) = problem {
+        problems.add(origin, problem);
+    }
+}
+
+fn check_all(
+    name: &str,
+    dimension: Dimension,
+    list: &[Node],
+    units: Units,
+    problems: &mut Problems,
+) {
+    for node in list {
+        if let Some(problem) = check_number(name, dimension, Range::Any, &node.value, units) {
+            problems.add(&node.origin, problem);
+        }
+    }
+}
+
+/// Whether a value could be meant to have this form.
+fn fits(form: &Form, value: &Value) -> bool {
+    match (form, value) {
+        (Form::Choice(names), Value::Text(text)) => {
+            // A text with a digit in front is a number with a unit, if that is possible at all.
+            names().contains(&text.as_str()) || !starts_as_number(text)
+        }
+        (Form::Number(..), Value::Integer(_) | Value::Float(_) | Value::Text(_))
+        | (Form::Table(_), Value::Table(_))
+        | (Form::Switch, Value::Switch(_)) => true,
+        _ => false,
+    }
+}
+
+fn starts_as_number(text: &str) -> bool {
+    text.trim_start()
+        .starts_with(|c: char| c.is_ascii_digit() || ['+', '-', '.'].contains(&c))
+}
+
+/// What is needed, in words.
+fn expected(form: &Form, units: Units) -> String {
+    match form {
+        Form::Text => "a text".to_owned(),
+        Form::Name => "a letter, then letters, digits, `-` and `_`,".to_owned(),
+        Form::File => "the name of a file".to_owned(),
+        Form::Shape => "a shape such as \"sphere:1\"".to_owned(),
+        Form::Choice(names) => {
+            let quoted = Vec::from_iter(names().iter().map(|name| format!("\"{name}\"")));
+            match quoted.as_slice() {
+                [one] => one.clone(),
+                _ => format!("one of {}", quoted.join(", ")),
+            }
+        }
+        Form::Number(dimension, Range::Any) => expected_number(*dimension, units),
+        Form::Number(dimension, range) => {
+            format!("{}, {},", expected_number(*dimension, units), range.words())
+        }
+        Form::Numbers(dimension, _) => {
+            format!("{}, or a list of them,", expected_number(*dimension, units))
+        }
+        Form::Count(least) => format!("a whole number from {least} on"),
+        Form::Switch => "true or false".to_owned(),
+        Form::Vector(_) | Form::Direction => "a list of three numbers".to_owned(),
+        Form::Pair => "a list of the names of two surfaces".to_owned(),
+        Form::Table(_) => "a table".to_owned(),
+        Form::Tables(_) => "a list of tables".to_owned(),
+        Form::Either([first, second]) => {
+            format!("{} or {}", expected(first, units), expected(second, units))
+        }
+    }
+}
+
+fn unknown_name(key: &str, name: &str, known: &[&str]) -> Problem {
+    if key == "kind" && super::keys::LATER_DRIVERS.contains(&name) {
+        return Problem::LaterDriver {
+            name: name.to_owned(),
+        };
+    }
+    Problem::UnknownName {
+        key: key.to_owned(),
+        name: name.to_owned(),
+        nearest: nearest(name, known),
+        known: known.join(", "),
+    }
+}
+
+/// A letter, then letters, digits, `-` and `_`: a name that files and paths can have.
+pub(super) fn is_name(text: &str) -> bool {
+    let inside = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(inside)
+}
+
+/// The number that a value is, in the scene's units.
+fn number(value: &Value, dimension: Dimension) -> Result<f64, QuantityError> {
+    match value {
+        Value::Integer(integer) => Ok(*integer as f64),
+        Value::Float(float) => Ok(*float),
+        Value::Text(text) => quantity(text, dimension),
+        _ => Err(QuantityError::NoNumber),
+    }
+}
+
+fn check_number(
+    key: &str,
+    dimension: Dimension,
+    range: Range,
+    value: &Value,
+    units: Units,
+) -> Option<Problem> {
+    let key = key.to_owned();
+    let expected = expected_number(dimension, units);
+    let text = match value {
+        Value::Integer(_) | Value::Float(_) => String::new(),
+        Value::Text(text) => text.clone(),
+        other => {
+            return Some(Problem::WrongKind {
+                key,
+                found: other.kind().to_owned(),
+                expected,
+            });
+        }
+    };
+    if !text.is_empty() && units == Units::None && starts_as_number(&text) {
+        return Some(Problem::UnitWithoutUnits { key, text });
+    }
+    let example = match units {
+        Units::Micro => dimension.example(),
+        Units::None => "",
+    };
+    let no_quantity = |reason: String| Problem::NoQuantity {
+        key: key.clone(),
+        text: text.clone(),
+        reason,
+        expected: expected.clone(),
+        example,
+    };
+    let value = match number(value, dimension) {
+        Ok(value) => value,
+        Err(QuantityError::NoNumber) => return Some(no_quantity("which is no number".to_owned())),
+        Err(QuantityError::NoUnit) if dimension == Dimension::NONE => {
+            return Some(no_quantity("in quotes".to_owned()));
+        }
+        Err(QuantityError::NoUnit) => {
+            return Some(no_quantity("a number in quotes without a unit".to_owned()));
+        }
+        Err(QuantityError::UnknownUnit(word)) => {
+            return Some(no_quantity(format!("and there is no unit `{word}`")));
+        }
+        Err(QuantityError::TooLarge) => {
+            return Some(no_quantity("which is too large".to_owned()));
+        }
+        Err(QuantityError::Dimension(found)) => {
+            return Some(Problem::WrongDimension {
+                key,
+                found: found.name(),
+                text,
+                expected,
+                example,
+            });
+        }
+    };
+    if !value.is_finite() {
+        let value = value.to_string();
+        let range = "that is finite".to_owned();
+        return Some(Problem::OutOfRange { key, value, range });
+    }
+    (!range.contains(value)).then(|| Problem::OutOfRange {
+        key,
+        value: value.to_string(),
+        range: range.words(),
+    })
+}
+
+/// Reads a table of which the problems are known. Whatever has one is read as a placeholder: the
+/// scene it becomes part of is thrown away.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reader<'a> {
+    keys: &'static Keys,
+    table: &'a Table,
+    origin: &'a Origin,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(keys: &'static Keys, table: &'a Table, origin: &'a Origin) -> Self {
+        Self {
+            keys,
+            table,
+            origin,
+        }
+    }
+
+    /// Where the table was written.
+    pub(super) fn origin(&self) -> &'a Origin {
+        self.origin
+    }
+
+    /// Where a key was written, or the table if it was not.
+    pub(super) fn origin_of(&self, key: &str) -> Origin {
+        let found = self.table.entries.iter().find(|entry| entry.key == key);
+        found.map_or_else(
+            || self.origin.clone(),
+            |entry| nonempty(&entry.node.origin, &entry.key_origin).clone(),
+        )
+    }
+
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.table.get(key).is_some()
+    }
+
+    fn form(&self, key: &str) -> Option<&'static Form> {
+        let found = self.keys.find(key);
+        debug_assert!(found.is_some(), "the table of keys lacks {key}");
+        found.map(|key| &key.form)
+    }
+
+    fn get(&self, key: &str) -> Option<&'a Value> {
+        debug_assert!(self.form(key).is_some());
+        self.table.get(key).map(|node| &node.value)
+    }
+
+    pub(super) fn text(&self, key: &str) -> Option<&'a str> {
+        match self.get(key)? {
+            Value::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    fn dimension(&self, key: &str) -> Dimension {
+        fn of(form: &Form) -> Option<Dimension> {
+            match form {
+                Form::Number(dimension, _)
+                | Form::Numbers(dimension, _)
+                | Form::Vector(dimension) => Some(*dimension),
+                Form::Either(forms) => forms.iter().find_map(of),
+                _ => None,
+            }
+        }
+        self.form(key).and_then(of).unwrap_or(Dimension::NONE)
+    }
+
+    /// A number, if the key has one.
+    pub(super) fn number(&self, key: &str) -> Option<f64> {
+        number(self.get(key)?, self.dimension(key)).ok()
+    }
+
+    /// A number that has to be there.
+    pub(super) fn needed(&self, key: &str) -> f64 {
+        self.number(key).unwrap_or(f64::NAN)
+    }
+
+    /// One number or several.
+    pub(super) fn numbers(&self, key: &str) -> Vec<f64> {
+        match self.get(key) {
+            Some(Value::List(list)) => list
+                .iter()
+                .filter_map(|node| number(&node.value, self.dimension(key)).ok())
+                .collect(),
+            _ => self.number(key).into_iter().collect(),
+        }
+    }
+
+    pub(super) fn vector(&self, key: &str) -> Option<[f64; 3]> {
+        self.numbers(key).try_into().ok()
+    }
+
+    pub(super) fn count(&self, key: &str) -> Option<u64> {
+        match self.get(key)? {
+            Value::Integer(count) => u64::try_from(*count).ok(),
+            _ => None,
+        }
+    }
+
+    pub(super) fn switch(&self, key: &str) -> Option<bool> {
+        match self.get(key)? {
+            Value::Switch(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    pub(super) fn texts(&self, key: &str) -> Vec<&'a str> {
+        let Some(Value::List(list)) = self.get(key) else {
+            return Vec::new();
+        };
+        let text = |node: &'a Node| match &node.value {
+            Value::Text(text) => Some(text.as_str()),
+            _ => None,
+        };
+        list.iter().filter_map(text).collect()
+    }
+
+    /// The table of a key.
+    pub(super) fn table(&self, key: &str) -> Option<Reader<'a>> {
+        let keys = self.form(key)?.table()?;
+        let entry = self.table.entries.iter().find(|entry| entry.key == key)?;
+        match &entry.node.value {
+            Value::Table(table) => Some(Self {
+                keys,
+                table,
+                origin: nonempty(&entry.node.origin, &entry.key_origin),
+            }),
+            _ => None,
+        }
+    }
+
+    /// The tables of a list.
+    pub(super) fn tables(&self, key: &str) -> Vec<Reader<'a>> {
+        let Some(Form::Tables(keys)) = self.form(key) else {
+            return Vec::new();
+        };
+        let Some(Value::List(list)) = self.get(key) else {
+            return Vec::new();
+        };
+        let table = |node: &'a Node| match &node.value {
+            Value::Table(table) => Some(Reader {
+                keys,
+                table,
+                origin: &node.origin,
+            }),
+            _ => None,
+        };
+        list.iter().filter_map(table).collect()
+    }
+}

@@ -1,0 +1,425 @@
+//! What can be wrong with a scene, and how it is said.
+
+use super::units::Dimension;
+use super::value::Origin;
+use super::{Overrides, Units};
+use crate::generate::{GenerateError, ParseShapeError};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Something that is wrong with a scene, or worth a warning, and where.
+///
+/// Displayed as `file:line:column: what is wrong: what would be right`, with the line below it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneError {
+    /// The scene file.
+    pub path: PathBuf,
+    /// Where in it, or which override.
+    pub place: Place,
+    /// What is wrong.
+    pub problem: Problem,
+}
+
+/// Where something is wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A place in its text.
+    Text {
+        /// Line, from 1.
+        line: usize,
+        /// Column in characters, from 1.
+        column: usize,
+        /// The line, without its end.
+        text: String,
+        /// How many characters of the line are concerned, 1 or more.
+        width: usize,
+    },
+    /// An override, as it was given.
+    Override(String),
+}
+
+/// All that is wrong with a scene, in the order of its text; one or more errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneErrors(Vec<SceneError>);
+
+impl SceneErrors {
+    /// The errors.
+    pub fn errors(&self) -> &[SceneError] {
+        &self.0
+    }
+
+    pub(super) fn new(errors: Vec<SceneError>) -> Option<Self> {
+        (!errors.is_empty()).then_some(Self(errors))
+    }
+}
+
+impl From<SceneError> for SceneErrors {
+    fn from(error: SceneError) -> Self {
+        Self(vec![error])
+    }
+}
+
+impl std::error::Error for SceneErrors {}
+
+impl fmt::Display for SceneErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, error) in self.0.iter().enumerate() {
+            write!(f, "{}{error}", if index == 0 { "" } else { "\n" })?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            path,
+            place,
+            problem,
+        } = self;
+        match place {
+            Place::File => write!(f, "{}: {problem}", path.display()),
+            Place::Override(text) => write!(f, "--set {text}: {problem}"),
+            Place::Text {
+                line,
+                column,
+                text,
+                width,
+            } => {
+                writeln!(f, "{}:{line}:{column}: {problem}", path.display())?;
+                // Long lines are cut, control characters would move the marks.
+                let before = (column - 1).saturating_sub(60);
+                let shown = text.chars().skip(before).take(100);
+                let shown = shown.map(|c| if c.is_control() { ' ' } else { c });
+                let shown = String::from_iter(shown);
+                let marks = "^".repeat((*width).min(100 - (column - 1 - before)));
+                write!(
+                    f,
+                    "    {}\n    {}{marks}",
+                    shown.trim_end(),
+                    " ".repeat(column - 1 - before)
+                )
+            }
+        }
+    }
+}
+
+/// What is wrong with a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The file cannot be read.
+    #[error("{message}")]
+    Unreadable {
+        /// Why not.
+        message: String,
+    },
+    /// The text is no TOML.
+    #[error("this is no TOML: {message}")]
+    Syntax {
+        /// What the parser says.
+        message: String,
+    },
+    /// A key that does not exist.
+    #[error("there is no key `{key}` {}: {}", within(table), suggestion(nearest.as_ref(), "keys", known))]
+    UnknownKey {
+        /// The table's path; empty for the scene.
+        table: String,
+        /// The key.
+        key: String,
+        /// The key that was probably meant.
+        nearest: Option<String>,
+        /// All keys of the table.
+        known: String,
+    },
+    /// A key is missing.
+    #[error("{} lacks `{key}`: {summary}", name_of(table))]
+    Missing {
+        /// The table's path; empty for the scene.
+        table: String,
+        /// The key.
+        key: &'static str,
+        /// What the key means.
+        summary: &'static str,
+    },
+    /// None of several keys is there.
+    #[error("{} has neither {keys}: one of them is needed", name_of(table))]
+    NoneOf {
+        /// The table's path.
+        table: String,
+        /// The keys, with `nor` between them.
+        keys: String,
+    },
+    /// Several keys that exclude each other.
+    #[error("{} has both {keys}: only one of them can be meant", name_of(table))]
+    SeveralOf {
+        /// The table's path.
+        table: String,
+        /// The keys, with `and` between them.
+        keys: String,
+    },
+    /// A key that says something only beside another one.
+    #[error("`{key}` needs `{other}` beside it: {summary}")]
+    Needs {
+        /// The key.
+        key: &'static str,
+        /// The key it needs.
+        other: &'static str,
+        /// What the needed key means.
+        summary: &'static str,
+    },
+    /// A value of another kind.
+    #[error("`{key}` is {found}: {expected} is needed")]
+    WrongKind {
+        /// The key.
+        key: String,
+        /// What is there.
+        found: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// A name that does not exist.
+    #[error("`{key}` knows no \"{name}\": {}", suggestion(nearest.as_ref(), "choices", known))]
+    UnknownName {
+        /// The key.
+        key: String,
+        /// The name.
+        name: String,
+        /// The name that was probably meant.
+        nearest: Option<String>,
+        /// All names.
+        known: String,
+    },
+    /// A number out of its range.
+    #[error("`{key}` is {value}: a number {range} is needed")]
+    OutOfRange {
+        /// The key.
+        key: String,
+        /// The number, in the scene's units.
+        value: String,
+        /// What is allowed, in words.
+        range: String,
+    },
+    /// A unit of the wrong dimension.
+    #[error(
+        "`{key}` is {found}, \"{text}\": {expected} is needed{}",
+        or_example(example)
+    )]
+    WrongDimension {
+        /// The key.
+        key: String,
+        /// The number with its unit.
+        text: String,
+        /// Its dimension, in words.
+        found: String,
+        /// The dimension that is right, in words.
+        expected: String,
+        /// A number that is right.
+        example: &'static str,
+    },
+    /// A text that is no number with a unit.
+    #[error(
+        "`{key}` is \"{text}\", {reason}: {expected} is needed{}",
+        or_example(example)
+    )]
+    NoQuantity {
+        /// The key.
+        key: String,
+        /// The text.
+        text: String,
+        /// Why not.
+        reason: String,
+        /// What is needed, in words.
+        expected: String,
+        /// A number that is right.
+        example: &'static str,
+    },
+    /// A number with a unit in a scene without units.
+    #[error(
+        "`{key}` has a unit, \"{text}\", but the scene's units are \"none\": a plain number is needed, \
+         or units = \"micro\""
+    )]
+    UnitWithoutUnits {
+        /// The key.
+        key: String,
+        /// The number with its unit.
+        text: String,
+    },
+    /// A text that names no shape.
+    #[error("`{key}`: {source}")]
+    Shape {
+        /// The key.
+        key: String,
+        /// Why not.
+        source: ParseShapeError,
+    },
+    /// A mesh that cannot be generated.
+    #[error(transparent)]
+    Generate(GenerateError),
+    /// A driver that is not there yet.
+    #[error("there is no driver \"{name}\" yet: the drivers are relax")]
+    LaterDriver {
+        /// The driver.
+        name: String,
+    },
+    /// Two surfaces of one name.
+    #[error("surface {second} has the name \"{name}\" of surface {first}: names have to differ")]
+    RepeatedName {
+        /// The name.
+        name: String,
+        /// The first surface, counted from 0.
+        first: usize,
+        /// The second surface.
+        second: usize,
+    },
+    /// An override's path names no element of a list.
+    #[error("there is no {kind} `{element}`: {}", if known.is_empty() { format!("the scene has no {kind}") } else { format!("there are {}", known.join(", ")) })]
+    UnknownElement {
+        /// Which list.
+        kind: String,
+        /// The element, as the path names it.
+        element: String,
+        /// The elements there are.
+        known: Vec<String>,
+    },
+    /// An override's path ends at an element of a list.
+    #[error(
+        "`{path}.{element}` is a whole table: name one of its keys, as in {path}.{element}.KEY=VALUE"
+    )]
+    WholeElement {
+        /// The list's path.
+        path: String,
+        /// The element.
+        element: String,
+    },
+    /// An override's path goes on below a value.
+    #[error("`{path}` is a value and no table: there is no `{below}` in it")]
+    NoTable {
+        /// The path of the value.
+        path: String,
+        /// The next word of the path.
+        below: String,
+    },
+    /// Things that are right alone and wrong together.
+    #[error("{message}")]
+    Contradiction {
+        /// What contradicts what, and what would be right.
+        message: String,
+    },
+    /// Worth a warning.
+    #[error("{message}")]
+    Doubtful {
+        /// What, and why.
+        message: String,
+    },
+}
+
+fn name_of(table: &str) -> String {
+    match table {
+        "" => "the scene".to_owned(),
+        table => format!("`{table}`"),
+    }
+}
+
+fn within(table: &str) -> String {
+    format!("in {}", name_of(table))
+}
+
+fn suggestion(nearest: Option<&String>, what: &str, known: &str) -> String {
+    match nearest {
+        Some(nearest) => format!("did you mean `{nearest}`?"),
+        None => format!("the {what} are {known}"),
+    }
+}
+
+fn or_example(example: &str) -> String {
+    match example {
+        "" => String::new(),
+        example => format!(", such as {example}"),
+    }
+}
+
+/// What a number has to be, in words: its dimension, its unit in the scene.
+pub(super) fn expected_number(dimension: Dimension, units: Units) -> String {
+    match dimension.unit(units).as_str() {
+        "" if units == Units::None => "a number".to_owned(),
+        "" => dimension.name(),
+        unit => format!("{} in {unit}", dimension.name()),
+    }
+}
+
+/// A scene's texts, to which origins point.
+#[derive(Clone, Debug)]
+pub(super) struct Source {
+    pub(super) path: PathBuf,
+    pub(super) text: String,
+    pub(super) overrides: Overrides,
+}
+
+impl Source {
+    /// The error at an origin.
+    pub(super) fn error(&self, origin: &Origin, problem: Problem) -> SceneError {
+        SceneError {
+            path: self.path.clone(),
+            place: self.place(origin),
+            problem,
+        }
+    }
+
+    fn place(&self, origin: &Origin) -> Place {
+        match origin {
+            Origin::File => Place::File,
+            Origin::Override(index) => match self.overrides.texts().get(*index) {
+                Some(text) => Place::Override(text.clone()),
+                None => Place::File,
+            },
+            Origin::Text(range) => {
+                let start = floor(&self.text, range.start);
+                let end = floor(&self.text, range.end).max(start);
+                let line_start = self.text[..start].rfind('\n').map_or(0, |at| at + 1);
+                let text = self.text[line_start..].lines().next().unwrap_or("");
+                let within = &self.text[start..end];
+                let width = within.lines().next().unwrap_or("").chars().count();
+                Place::Text {
+                    line: self.text[..start].matches('\n').count() + 1,
+                    column: self.text[line_start..start].chars().count() + 1,
+                    text: text.to_owned(),
+                    width: width.max(1),
+                }
+            }
+        }
+    }
+}
+
+/// The last character boundary at or before a byte.
+fn floor(text: &str, at: usize) -> usize {
+    let mut at = at.min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+/// The text of a scene file.
+pub(super) fn read_text(path: &Path) -> Result<String, SceneError> {
+    let failure = |message: String| SceneError {
+        path: path.to_owned(),
+        place: Place::File,
+        problem: Problem::Unreadable { message },
+    };
+    let bytes = std::fs::read(path).map_err(|error| {
+        failure(match error.kind() {
+            std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
+            _ if path.is_dir() => "is a directory: a scene file is needed".to_owned(),
+            _ => format!("cannot be read: {error}"),
+        })
+    })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        failure(format!("is no text in UTF-8: byte {at} is wrong"))
+    })
+}

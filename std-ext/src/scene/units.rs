@@ -1,0 +1,375 @@
+//! Dimensions, units, and numbers with a unit.
+
+use super::Units;
+
+/// A dimension as powers of force, length and time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Dimension {
+    force: i32,
+    length: i32,
+    time: i32,
+}
+
+impl Dimension {
+    const fn new(force: i32, length: i32, time: i32) -> Self {
+        Self {
+            force,
+            length,
+            time,
+        }
+    }
+
+    pub(super) const NONE: Self = Self::new(0, 0, 0);
+    pub(super) const LENGTH: Self = Self::new(0, 1, 0);
+    pub(super) const AREA: Self = Self::new(0, 2, 0);
+    pub(super) const VOLUME: Self = Self::new(0, 3, 0);
+    pub(super) const CURVATURE: Self = Self::new(0, -1, 0);
+    pub(super) const FORCE: Self = Self::new(1, 0, 0);
+    pub(super) const ENERGY: Self = Self::new(1, 1, 0);
+    pub(super) const TENSION: Self = Self::new(1, -1, 0);
+    pub(super) const PRESSURE: Self = Self::new(1, -2, 0);
+    pub(super) const DENSITY: Self = Self::new(1, -4, 2);
+    pub(super) const ACCELERATION: Self = Self::new(0, 1, -2);
+    pub(super) const SURFACE_VISCOSITY: Self = Self::new(1, -1, 1);
+    const TIME: Self = Self::new(0, 0, 1);
+
+    /// What it is called in messages, and numbers with a unit that have it.
+    const NAMES: [(Self, &'static str, &'static str); 13] = [
+        (Self::NONE, "a number without a unit", "0.5"),
+        (Self::LENGTH, "a length", "\"3.91 µm\""),
+        (Self::AREA, "an area", "\"135 µm²\""),
+        (Self::VOLUME, "a volume", "\"94 µm³\""),
+        (Self::CURVATURE, "a curvature, 1/length", "\"0.5 1/µm\""),
+        (Self::FORCE, "a force", "\"30 pN\""),
+        (Self::ENERGY, "an energy", "\"2e-19 J\""),
+        (Self::TENSION, "a force per length", "\"5.3 µN/m\""),
+        (Self::PRESSURE, "a pressure", "\"0.5 Pa\""),
+        (Self::DENSITY, "a mass density", "\"50 kg/m³\""),
+        (Self::ACCELERATION, "an acceleration", "\"9.81 m/s²\""),
+        (
+            Self::SURFACE_VISCOSITY,
+            "a surface viscosity, force·time/length",
+            "\"0.5 µN·s/m\"",
+        ),
+        (Self::TIME, "a time", "\"2 ms\""),
+    ];
+
+    /// In words, with an article.
+    pub(super) fn name(self) -> String {
+        let known = Self::NAMES.iter().find(|(known, ..)| *known == self);
+        known.map_or_else(
+            || format!("of dimension {}", self.symbol()),
+            |(_, name, _)| (*name).to_owned(),
+        )
+    }
+
+    /// A number of this dimension with its unit, as it is written in a scene.
+    pub(super) fn example(self) -> &'static str {
+        let known = Self::NAMES.iter().find(|(known, ..)| *known == self);
+        known.map_or("", |(.., example)| example)
+    }
+
+    /// The unit in which a scene's plain numbers are; empty if there is none.
+    pub(super) fn unit(self, units: Units) -> String {
+        match units {
+            Units::Micro => self.symbol(),
+            Units::None => String::new(),
+        }
+    }
+
+    /// In pN, µm and s.
+    fn symbol(self) -> String {
+        let power = |exponent: i32| match exponent.abs() {
+            1 => String::new(),
+            2 => "²".to_owned(),
+            3 => "³".to_owned(),
+            4 => "⁴".to_owned(),
+            other => format!("^{other}"),
+        };
+        let bases = [("pN", self.force), ("µm", self.length), ("s", self.time)];
+        let part = |sign: i32, separator: &str| {
+            let chosen = bases.iter().filter(|(_, exponent)| exponent * sign > 0);
+            let words = chosen.map(|(symbol, exponent)| format!("{symbol}{}", power(*exponent)));
+            Vec::from_iter(words).join(separator)
+        };
+        let [above, below] = [part(1, "·"), part(-1, "/")];
+        match (above.as_str(), below.as_str()) {
+            (_, "") => above,
+            ("", _) => format!("1/{below}"),
+            _ => format!("{above}/{below}"),
+        }
+    }
+}
+
+/// Why a text is no number with a unit.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum QuantityError {
+    /// It does not start with a number.
+    NoNumber,
+    /// There is only a number.
+    NoUnit,
+    /// This is no unit.
+    UnknownUnit(String),
+    /// The number is beyond what an f64 holds.
+    TooLarge,
+    /// Its dimension is another one.
+    Dimension(Dimension),
+}
+
+/// The number in units of pN, µm and s that a text like `2e-19 J` or `5.3 µN/m` stands for: the
+/// f64 nearest to it, for units only shift the decimal point.
+pub(super) fn quantity(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
+    let (mantissa, exponent, unit) = split_number(text.trim()).ok_or(QuantityError::NoNumber)?;
+    let unit = unit.trim();
+    if unit.is_empty() {
+        return Err(QuantityError::NoUnit);
+    }
+    let Unit { power, dimension } = parse_unit(unit)?;
+    if dimension != expected {
+        return Err(QuantityError::Dimension(dimension));
+    }
+    // pN and µm are 10⁻¹² N and 10⁻⁶ m.
+    let shift = power + 12 * dimension.force + 6 * dimension.length;
+    let exponent = exponent.saturating_add(shift);
+    let value: f64 = format!("{mantissa}e{exponent}")
+        .parse()
+        .map_err(|_| QuantityError::NoNumber)?;
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(QuantityError::TooLarge)
+    }
+}
+
+/// Mantissa, decimal exponent and rest of a text that starts with a number.
+fn split_number(text: &str) -> Option<(&str, i32, &str)> {
+    let signed = text.strip_prefix(['+', '-']).unwrap_or(text);
+    let digits = signed.len()
+        - signed
+            .trim_start_matches(|c: char| c.is_ascii_digit())
+            .len();
+    let after = &signed[digits..];
+    let fraction = after.strip_prefix('.').map_or(0, |rest| {
+        let count = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        1 + count
+    });
+    let has_digit = digits > 0 || fraction > 1;
+    if !has_digit {
+        return None;
+    }
+    let end = text.len() - after.len() + fraction;
+    let (mantissa, rest) = text.split_at(end);
+    // `e` starts an exponent only if a number follows: `2 erg` has none.
+    if let Some(power) = rest.strip_prefix(['e', 'E']) {
+        let signed = power.strip_prefix(['+', '-']).unwrap_or(power);
+        let count = signed.len()
+            - signed
+                .trim_start_matches(|c: char| c.is_ascii_digit())
+                .len();
+        if count > 0 {
+            let (exponent, rest) = power.split_at(power.len() - signed.len() + count);
+            // Beyond an i32 nothing but 0 and infinity is left.
+            let beyond = if exponent.starts_with('-') {
+                -100_000
+            } else {
+                100_000
+            };
+            return Some((mantissa, exponent.parse().unwrap_or(beyond), rest));
+        }
+    }
+    Some((mantissa, 0, rest))
+}
+
+/// A power of ten of N, m and s.
+#[derive(Clone, Copy)]
+struct Unit {
+    power: i32,
+    dimension: Dimension,
+}
+
+/// Units without prefix.
+const BASES: [(&str, Unit); 11] = [
+    ("m", unit(0, Dimension::LENGTH)),
+    ("s", unit(0, Dimension::TIME)),
+    ("N", unit(0, Dimension::FORCE)),
+    ("J", unit(0, Dimension::ENERGY)),
+    ("Pa", unit(0, Dimension::PRESSURE)),
+    // A gram is 10⁻³ N s²/m, a litre 10⁻³ m³.
+    ("g", unit(-3, Dimension::new(1, -1, 2))),
+    ("L", unit(-3, Dimension::VOLUME)),
+    ("l", unit(-3, Dimension::VOLUME)),
+    ("dyn", unit(-5, Dimension::FORCE)),
+    ("erg", unit(-7, Dimension::ENERGY)),
+    ("1", unit(0, Dimension::NONE)),
+];
+
+const PREFIXES: [(&str, i32); 14] = [
+    ("a", -18),
+    ("f", -15),
+    ("p", -12),
+    ("n", -9),
+    // Micro sign, Greek letter, and what keyboards have.
+    ("µ", -6),
+    ("μ", -6),
+    ("u", -6),
+    ("m", -3),
+    ("c", -2),
+    ("d", -1),
+    ("h", 2),
+    ("k", 3),
+    ("M", 6),
+    ("G", 9),
+];
+
+const fn unit(power: i32, dimension: Dimension) -> Unit {
+    Unit { power, dimension }
+}
+
+/// Factors and divisors of symbols with powers, from left to right: `pN·s/µm^2`, `1/µm`.
+fn parse_unit(text: &str) -> Result<Unit, QuantityError> {
+    let unknown = |word: &str| QuantityError::UnknownUnit(word.to_owned());
+    let mut product = unit(0, Dimension::NONE);
+    let mut rest = text;
+    let mut sign = 1;
+    loop {
+        let end = rest.find(['·', '*', '/', ' ', '⋅']).unwrap_or(rest.len());
+        let (word, after) = rest.split_at(end);
+        let (factor, exponent) =
+            parse_factor(word).ok_or_else(|| unknown(if word.is_empty() { text } else { word }))?;
+        let times = sign * exponent;
+        product.power += times * factor.power;
+        product.dimension.force += times * factor.dimension.force;
+        product.dimension.length += times * factor.dimension.length;
+        product.dimension.time += times * factor.dimension.time;
+        let after = after.trim_start();
+        let Some(separator) = after.chars().next() else {
+            return Ok(product);
+        };
+        sign = if separator == '/' { -1 } else { 1 };
+        rest = after.trim_start_matches(['·', '*', ' ', '⋅']);
+        if separator == '/' {
+            rest = after[1..].trim_start();
+        } else if let Some(divisor) = rest.strip_prefix('/') {
+            sign = -1;
+            rest = divisor.trim_start();
+        }
+    }
+}
+
+/// A symbol and its power: `µm`, `µm²`, `µm2`, `s^-1`, `s⁻¹`.
+fn parse_factor(word: &str) -> Option<(Unit, i32)> {
+    if word == "1" {
+        return Some((unit(0, Dimension::NONE), 1));
+    }
+    let end = word
+        .find(|c: char| !c.is_alphabetic())
+        .unwrap_or(word.len());
+    let (symbol, power) = word.split_at(end);
+    let plain: String = power.chars().map(plain_digit).collect();
+    let exponent = match plain.strip_prefix('^').unwrap_or(&plain) {
+        "" if plain.is_empty() => 1,
+        number => number
+            .parse()
+            .ok()
+            .filter(|n: &i32| (1..=9).contains(&n.abs()))?,
+    };
+    let base = |name: &str| BASES.iter().find(|(base, _)| *base == name && name != "1");
+    if let Some((_, found)) = base(symbol) {
+        return Some((*found, exponent));
+    }
+    PREFIXES.iter().find_map(|(prefix, power)| {
+        let (_, found) = base(symbol.strip_prefix(prefix)?)?;
+        Some((unit(found.power + power, found.dimension), exponent))
+    })
+}
+
+/// Superscripts as ordinary signs and digits.
+fn plain_digit(letter: char) -> char {
+    match letter {
+        '⁻' => '-',
+        '¹' => '1',
+        '²' => '2',
+        '³' => '3',
+        '⁴' => '4',
+        '⁵' => '5',
+        '⁶' => '6',
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
+        quantity(text, dimension)
+    }
+
+    #[test]
+    fn units_convert_to_the_last_bit() {
+        let cases = [
+            ("2e-19 J", Dimension::ENERGY, 0.2),
+            ("5.3 µN/m", Dimension::TENSION, 5.3),
+            ("5.3 uN/m", Dimension::TENSION, 5.3),
+            ("5.3 μN m^-1", Dimension::TENSION, 5.3),
+            ("0.0053 mN/m", Dimension::TENSION, 5.3),
+            ("0.0053 dyn/cm", Dimension::TENSION, 5.3),
+            ("3.91 µm", Dimension::LENGTH, 3.91),
+            ("3910nm", Dimension::LENGTH, 3.91),
+            ("0.5 Pa", Dimension::PRESSURE, 0.5),
+            ("0.5 pN/µm²", Dimension::PRESSURE, 0.5),
+            ("0.5 pN / µm / µm", Dimension::PRESSURE, 0.5),
+            ("94 fL", Dimension::VOLUME, 94.0),
+            ("94 µm3", Dimension::VOLUME, 94.0),
+            ("-0.5 1/µm", Dimension::CURVATURE, -0.5),
+            ("0.5 µm⁻¹", Dimension::CURVATURE, 0.5),
+            ("30 pN", Dimension::FORCE, 30.0),
+            ("2 erg", Dimension::ENERGY, 2e11),
+            ("50 kg/m³", Dimension::DENSITY, 5e-11),
+            ("9.81 m/s²", Dimension::ACCELERATION, 9.81e6),
+            ("0.5 µN·s/m", Dimension::SURFACE_VISCOSITY, 0.5),
+            (".5e-6 N*s/m", Dimension::SURFACE_VISCOSITY, 0.5),
+        ];
+        for (text, dimension, expected) in cases {
+            assert_eq!(value(text, dimension), Ok(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_quantity_is_told_apart() {
+        let length = Dimension::LENGTH;
+        let cases = [
+            ("µm", QuantityError::NoNumber),
+            ("", QuantityError::NoNumber),
+            (".", QuantityError::NoNumber),
+            ("3", QuantityError::NoUnit),
+            ("3 parsec", QuantityError::UnknownUnit("parsec".into())),
+            ("3 µm^", QuantityError::UnknownUnit("µm^".into())),
+            ("3 µm/", QuantityError::UnknownUnit("µm/".into())),
+            (
+                "3 µm^99999999999",
+                QuantityError::UnknownUnit("µm^99999999999".into()),
+            ),
+            ("3 µm^0", QuantityError::UnknownUnit("µm^0".into())),
+            ("1e400 µm", QuantityError::TooLarge),
+            ("1e99999999999 µm", QuantityError::TooLarge),
+            ("3 J", QuantityError::Dimension(Dimension::ENERGY)),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(value(text, length), Err(expected), "{text}");
+        }
+        assert_eq!(value("1e-99999999999 µm", length), Ok(0.0));
+    }
+
+    #[test]
+    fn every_example_has_its_dimension() {
+        for (dimension, name, example) in Dimension::NAMES {
+            if dimension != Dimension::NONE {
+                let text = example.trim_matches('"');
+                assert!(quantity(text, dimension).is_ok(), "{name}: {text}");
+                let unit = format!("1 {}", dimension.symbol());
+                assert_eq!(quantity(&unit, dimension), Ok(1.0), "{name}: {unit}");
+            }
+        }
+    }
+}

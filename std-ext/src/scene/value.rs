@@ -1,0 +1,345 @@
+//! TOML values that know where they come from, and values set from outside.
+
+use super::keys::{Form, Key, Keys};
+use super::problem::Problem;
+use serde::Serialize;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Where something was written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// Nowhere in particular: it concerns the whole file.
+    File,
+    /// Bytes of the scene's text.
+    Text(Range<usize>),
+    /// An override, counted from 0.
+    Override(usize),
+}
+
+/// Where each key of a scene was written, by its path: `surface.0.bending.modulus`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Origins(BTreeMap<String, Origin>);
+
+impl Origins {
+    /// The origin of a path, or else of the nearest table around it.
+    pub(super) fn of(&self, path: &str) -> Origin {
+        let mut path = path;
+        loop {
+            if let Some(origin) = self.0.get(path) {
+                return origin.clone();
+            }
+            match path.rsplit_once('.') {
+                Some((around, _)) => path = around,
+                None => return Origin::File,
+            }
+        }
+    }
+
+    pub(super) fn new(table: &Table) -> Self {
+        let mut origins = Self::default();
+        origins.collect("", table);
+        origins
+    }
+
+    fn collect(&mut self, prefix: &str, table: &Table) {
+        for entry in &table.entries {
+            let path = format!("{prefix}{}", entry.key);
+            self.add(path, &entry.node);
+        }
+    }
+
+    fn add(&mut self, path: String, node: &Node) {
+        match &node.value {
+            Value::Table(table) => self.collect(&format!("{path}."), table),
+            Value::List(list) => {
+                for (index, node) in list.iter().enumerate() {
+                    self.add(format!("{path}.{index}"), node);
+                }
+            }
+            _ => {}
+        }
+        self.0.insert(path, node.origin.clone());
+    }
+}
+
+/// A value and its origin.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub(super) value: Value,
+    pub(super) origin: Origin,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Value {
+    Text(String),
+    Integer(i128),
+    Float(f64),
+    Switch(bool),
+    List(Vec<Node>),
+    Table(Table),
+    /// What no scene has, in words.
+    Other(&'static str),
+}
+
+/// Keys and values.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Table {
+    pub(super) entries: Vec<Entry>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) key: String,
+    /// Where the key itself was written.
+    pub(super) key_origin: Origin,
+    pub(super) node: Node,
+}
+
+impl Table {
+    pub(super) fn get(&self, key: &str) -> Option<&Node> {
+        let found = self.entries.iter().find(|entry| entry.key == key);
+        found.map(|entry| &entry.node)
+    }
+
+    /// The value of a key; a placeholder of `origin` is put there if there is none.
+    fn get_or_insert(&mut self, key: &str, origin: &Origin) -> &mut Node {
+        let found = self.entries.iter().position(|entry| entry.key == key);
+        let at = found.unwrap_or_else(|| {
+            self.entries.push(Entry {
+                key: key.to_owned(),
+                key_origin: origin.clone(),
+                node: Node {
+                    value: Value::Other("nothing"),
+                    origin: origin.clone(),
+                },
+            });
+            self.entries.len() - 1
+        });
+        &mut self.entries[at].node
+    }
+}
+
+impl Value {
+    /// What it is, in words with an article.
+    pub(super) fn kind(&self) -> &'static str {
+        match self {
+            Self::Text(_) => "a text",
+            Self::Integer(_) | Self::Float(_) => "a number",
+            Self::Switch(_) => "true or false",
+            Self::List(_) => "a list",
+            Self::Table(_) => "a table",
+            Self::Other(kind) => kind,
+        }
+    }
+
+    fn new(value: &DeValue<'_>, origin: &impl Fn(Range<usize>) -> Origin) -> Self {
+        match value {
+            DeValue::String(text) => Self::Text(text.clone().into_owned()),
+            DeValue::Integer(integer) => {
+                match i128::from_str_radix(integer.as_str(), integer.radix()) {
+                    Ok(value) => Self::Integer(value),
+                    Err(_) => Self::Other("an integer out of range"),
+                }
+            }
+            DeValue::Float(float) => match float.as_str().parse() {
+                Ok(value) => Self::Float(value),
+                Err(_) => Self::Other("no number"),
+            },
+            DeValue::Boolean(value) => Self::Switch(*value),
+            DeValue::Datetime(_) => Self::Other("a date"),
+            DeValue::Array(list) => {
+                Self::List(list.iter().map(|value| Node::new(value, origin)).collect())
+            }
+            DeValue::Table(table) => Self::Table(Table::new(table, origin)),
+        }
+    }
+}
+
+impl Node {
+    fn new(value: &Spanned<DeValue<'_>>, origin: &impl Fn(Range<usize>) -> Origin) -> Self {
+        Self {
+            value: Value::new(value.get_ref(), origin),
+            origin: origin(value.span()),
+        }
+    }
+}
+
+impl Table {
+    pub(super) fn new(table: &DeTable<'_>, origin: &impl Fn(Range<usize>) -> Origin) -> Self {
+        let entry = |(key, value): (&Spanned<Cow<'_, str>>, &Spanned<DeValue<'_>>)| Entry {
+            key: key.get_ref().clone().into_owned(),
+            key_origin: origin(key.span()),
+            node: Node::new(value, origin),
+        };
+        Self {
+            entries: table.iter().map(entry).collect(),
+        }
+    }
+}
+
+/// Values of a scene that are set from outside its file, in this order: `path.to.key=value`.
+///
+/// A path names keys from the outside to the inside; of several surfaces or interactions one is
+/// chosen by its number, counted from 0, or its name: `surface.0.bending.modulus` or
+/// `surface.vesicle.bending.modulus`. A value is read as TOML, or else is the text itself.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct Overrides {
+    texts: Vec<String>,
+}
+
+/// A text that is no `path.to.key=value`.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` sets nothing: write path.to.key=value, as in surface.0.bending.modulus=0.3")]
+pub struct OverrideSyntaxError {
+    /// The text.
+    pub text: String,
+}
+
+impl Overrides {
+    /// Overrides from texts like `surface.0.bending.modulus=0.3`.
+    ///
+    /// # Errors
+    /// If a text has no `=` or no path before it. What the path names is seen when a scene is read.
+    pub fn new<S: Into<String>>(
+        texts: impl IntoIterator<Item = S>,
+    ) -> Result<Self, OverrideSyntaxError> {
+        let texts = Vec::from_iter(texts.into_iter().map(Into::into));
+        match texts.iter().find(|text| split(text).is_none()) {
+            Some(text) => Err(OverrideSyntaxError { text: text.clone() }),
+            None => Ok(Self { texts }),
+        }
+    }
+
+    /// The texts.
+    pub fn texts(&self) -> &[String] {
+        &self.texts
+    }
+
+    /// Sets the values in a scene's table; returns what is wrong with which override.
+    pub(super) fn apply(&self, keys: &Keys, table: &mut Table) -> Vec<(Origin, Problem)> {
+        let mut problems = Vec::new();
+        for (index, text) in self.texts.iter().enumerate() {
+            let before = table.clone();
+            let Some((path, value)) = split(text) else {
+                continue;
+            };
+            let origin = Origin::Override(index);
+            let node = |value| Node {
+                value,
+                origin: origin.clone(),
+            };
+            let value = match DeValue::parse(value) {
+                Ok(value) => Value::new(value.get_ref(), &|_| origin.clone()),
+                Err(_) => Value::Text(value.to_owned()),
+            };
+            let segments = Vec::from_iter(path.split('.').map(str::trim));
+            if let Err(problem) = set(keys, "", table, &segments, node(value)) {
+                *table = before;
+                problems.push((origin, problem));
+            }
+        }
+        problems
+    }
+}
+
+fn split(text: &str) -> Option<(&str, &str)> {
+    let (path, value) = text.split_once('=')?;
+    let path = path.trim();
+    (!path.is_empty()).then_some((path, value.trim()))
+}
+
+/// Puts `node` where `segments` lead; `around` is what the table is called.
+fn set(
+    keys: &Keys,
+    around: &str,
+    table: &mut Table,
+    segments: &[&str],
+    node: Node,
+) -> Result<(), Problem> {
+    let [segment, rest @ ..] = segments else {
+        return Ok(());
+    };
+    let Some(Key { name, form, .. }) = keys.find(segment) else {
+        return Err(keys.unknown(around, segment));
+    };
+    let origin = node.origin.clone();
+    let here = table.get_or_insert(name, &origin);
+    let path = if around.is_empty() {
+        (*name).to_owned()
+    } else {
+        format!("{around}.{name}")
+    };
+    let Some((next, further)) = rest.split_first() else {
+        *here = node;
+        return Ok(());
+    };
+    if let Some(inner) = form.table() {
+        if !matches!(here.value, Value::Table(_)) {
+            *here = Node {
+                value: Value::Table(Table::default()),
+                origin,
+            };
+        }
+        return match &mut here.value {
+            Value::Table(table) => set(inner, &path, table, rest, node),
+            _ => Ok(()),
+        };
+    }
+    match form {
+        Form::Tables(inner) => {
+            let list = match &mut here.value {
+                Value::List(list) => list.as_mut_slice(),
+                _ => &mut [],
+            };
+            let names = Vec::from_iter(list.iter().enumerate().map(name_of));
+            let found = match next.parse::<usize>() {
+                Ok(index) => (index < list.len()).then_some(index),
+                Err(_) => names.iter().position(|name| name == next),
+            };
+            let numbered = |(index, name)| format!("{index} ({name})");
+            let names = names.into_iter().enumerate().map(numbered).collect();
+            let element = found.and_then(|index| list.get_mut(index));
+            match element.map(|element| &mut element.value) {
+                Some(Value::Table(_)) if further.is_empty() => Err(Problem::WholeElement {
+                    path,
+                    element: (*next).to_owned(),
+                }),
+                Some(Value::Table(table)) => {
+                    set(inner, &format!("{path}.{next}"), table, further, node)
+                }
+                _ => Err(Problem::UnknownElement {
+                    kind: (*name).to_owned(),
+                    element: (*next).to_owned(),
+                    known: names,
+                }),
+            }
+        }
+        _ => Err(Problem::NoTable {
+            path,
+            below: (*next).to_owned(),
+        }),
+    }
+}
+
+/// The name of an element of a list, or else the one that it has by default.
+fn name_of((index, node): (usize, &Node)) -> String {
+    if let Value::Table(table) = &node.value
+        && let Some(Node {
+            value: Value::Text(name),
+            ..
+        }) = table.get("name")
+    {
+        return name.clone();
+    }
+    default_name(index)
+}
+
+/// What a surface without a name is called.
+pub(super) fn default_name(index: usize) -> String {
+    format!("surface-{}", index + 1)
+}
