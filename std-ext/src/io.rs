@@ -5,6 +5,8 @@
 //! (a, c, d), …; that is right for convex polygons. Normals, colours, textures and whatever else a
 //! file says beside positions and faces are skipped.
 //!
+//! Surfaces with fields on them are written for VTK and ParaView: [`write_vtp`], [`Collection`].
+//!
 //! A file is read whole and parsed from memory. Whatever its bytes are, the parsers return a mesh
 //! or an error, in time and memory proportional to the file's length.
 
@@ -15,9 +17,11 @@ mod ply;
 mod replace;
 mod stl;
 mod text;
+mod vtp;
 mod write;
 
 pub use replace::{check_replaceable, replace_file};
+pub use vtp::{Collection, CollectionEntry, PointField, PointValues, VtpError, write_vtp};
 pub use write::{WriteError, write, write_to};
 
 use std::fmt;

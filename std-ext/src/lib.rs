@@ -7,8 +7,10 @@
 //!   [`info`]: what a mesh is like.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge.
 //! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
+//! * [`checkpoint`] and [`series`]: what a run leaves to go on from, and its numbers over time.
 //! * [`report`]: how all of this is shown.
 
+pub mod checkpoint;
 pub mod generate;
 pub mod info;
 pub mod io;
@@ -16,6 +18,7 @@ pub mod method;
 pub mod report;
 pub mod scalar;
 pub mod scene;
+pub mod series;
 pub mod study;
 pub mod subdivide;
 pub mod verdict;

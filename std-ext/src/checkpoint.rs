@@ -1,0 +1,237 @@
+//! Checkpoints: the whole state of a run in one file, kept bit for bit.
+//!
+//! A file is, in little-endian order: the 16 bytes of [`MAGIC`]; the format's version (u32); the
+//! length of the body (u64); the SHA-256 of the three and the body; the body. The body is, in the
+//! postcard encoding (postcard.jamesmunns.com), the program's version, the fingerprint of the
+//! scene, and the state. postcard stores floats as their bits.
+//!
+//! postcard does not name what it stores: a state can be read back only as the type that was
+//! written, and must not use serde's `flatten`, `untagged` or `skip_serializing_if`.
+
+use crate::io::replace_file;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fmt;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// What a checkpoint starts with. The line break is damaged wherever a file is treated as a text.
+const MAGIC: [u8; 16] = *b"helfrich state\r\n";
+/// Goes up whenever the layout before the state changes.
+const FORMAT: u32 = 1;
+/// States of another version of the program may mean something else by the same bytes.
+const PROGRAM: &str = env!("CARGO_PKG_VERSION");
+/// Bytes of the magic, the format's version and the body's length.
+const PREFIX: usize = MAGIC.len() + size_of::<u32>() + size_of::<u64>();
+/// Bytes of a SHA-256.
+const CHECKSUM: usize = 32;
+/// Bytes before the body.
+const HEADER: usize = PREFIX + CHECKSUM;
+
+/// What tells one scene from another: the SHA-256 of its text.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Fingerprint([u8; 32]);
+
+impl Fingerprint {
+    /// The fingerprint of a text.
+    pub fn of(text: &str) -> Self {
+        Self(Sha256::digest(text).into())
+    }
+}
+
+/// The first eight hexadecimal digits.
+impl fmt::Display for Fingerprint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0[..4]
+            .iter()
+            .try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+impl fmt::Debug for Fingerprint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Fingerprint({self}…)")
+    }
+}
+
+/// Why there is no checkpoint, or none to go on from. The message is one line that starts with the
+/// file's name.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {problem}", path.display())]
+pub struct CheckpointError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub problem: CheckpointProblem,
+}
+
+/// What can be wrong with a checkpoint.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckpointProblem {
+    /// The operating system refused to read or write the file.
+    #[error("{0}")]
+    Inaccessible(io::Error),
+    /// The file starts otherwise.
+    #[error("is no checkpoint: a file written by `helfrich run` is needed")]
+    NotACheckpoint,
+    /// The file was written in another layout.
+    #[error("is a checkpoint of format {found}: this program reads format {FORMAT}")]
+    OtherFormat {
+        /// The file's format.
+        found: u32,
+    },
+    /// The file ends before it should.
+    #[error("the checkpoint is truncated: it has {found} of {expected} bytes")]
+    Truncated {
+        /// How long the file is.
+        found: u64,
+        /// How long it should be.
+        expected: u64,
+    },
+    /// The file goes on after its end, or its bytes are not those that were written.
+    #[error("the checkpoint is damaged: its checksum does not fit its content")]
+    Damaged,
+    /// Another version of the program wrote the file.
+    #[error(
+        "the checkpoint was written by version {found} of the program: this is {PROGRAM}, and a \
+         run goes on only with the version that it began with"
+    )]
+    OtherProgram {
+        /// That version.
+        found: String,
+    },
+    /// The run was one of another scene.
+    #[error(
+        "the checkpoint belongs to another scene (fingerprint {found}, this scene has {expected}): \
+         the scene must not change between a run and its continuation"
+    )]
+    OtherScene {
+        /// Of the scene that was run.
+        found: Fingerprint,
+        /// Of the scene that is to go on.
+        expected: Fingerprint,
+    },
+    /// The state cannot be encoded.
+    #[error("the state cannot be written: {0}")]
+    NotEncodable(String),
+    /// The bytes are those that were written, but no such state.
+    #[error("the checkpoint does not hold the state that is asked for: {0}")]
+    OtherState(String),
+}
+
+impl CheckpointProblem {
+    fn of(self, path: &Path) -> CheckpointError {
+        CheckpointError {
+            path: path.to_owned(),
+            problem: self,
+        }
+    }
+}
+
+/// Writes the state of a run of a scene. The checkpoint that was there stays until the new one is
+/// complete and on the disk.
+///
+/// # Errors
+/// If the state cannot be encoded, or the file cannot be written; see [`CheckpointProblem`].
+pub fn write(
+    path: &Path,
+    scene: Fingerprint,
+    state: &impl Serialize,
+) -> Result<(), CheckpointError> {
+    let body = postcard::to_stdvec(&(PROGRAM, scene, state))
+        .map_err(|error| CheckpointProblem::NotEncodable(error.to_string()).of(path))?;
+    let mut header = Vec::with_capacity(HEADER);
+    header.extend(MAGIC);
+    header.extend(FORMAT.to_le_bytes());
+    header.extend((body.len() as u64).to_le_bytes());
+    header.extend(checksum(&header, &body));
+    replace_file(path, |out| {
+        out.write_all(&header)?;
+        out.write_all(&body)
+    })
+    .map_err(|error| CheckpointProblem::Inaccessible(error).of(path))
+}
+
+/// Reads the state of a run of this scene. Whatever the file's bytes are, the outcome is the state
+/// that was written or an error, and no more memory is taken than the file's length asks for.
+///
+/// # Errors
+/// If the file cannot be read, is no checkpoint, is damaged, or belongs to another version, scene
+/// or type of state; see [`CheckpointProblem`].
+pub fn read<D: DeserializeOwned>(path: &Path, scene: Fingerprint) -> Result<D, CheckpointError> {
+    read_problem(path, scene).map_err(|problem| problem.of(path))
+}
+
+fn read_problem<D: DeserializeOwned>(
+    path: &Path,
+    scene: Fingerprint,
+) -> Result<D, CheckpointProblem> {
+    let body = read_body(path).map_err(CheckpointProblem::Inaccessible)??;
+    let damaged = |error: postcard::Error| CheckpointProblem::OtherState(error.to_string());
+    let (program, rest) = postcard::take_from_bytes::<String>(&body).map_err(damaged)?;
+    if program != PROGRAM {
+        return Err(CheckpointProblem::OtherProgram { found: program });
+    }
+    let (found, rest) = postcard::take_from_bytes(rest).map_err(damaged)?;
+    if found != scene {
+        return Err(CheckpointProblem::OtherScene {
+            found,
+            expected: scene,
+        });
+    }
+    match postcard::take_from_bytes(rest).map_err(damaged)? {
+        (state, []) => Ok(state),
+        (_, rest) => {
+            let message = format!("{} bytes are left over", rest.len());
+            Err(CheckpointProblem::OtherState(message))
+        }
+    }
+}
+
+/// The body, after all that can be known without understanding it has been checked.
+fn read_body(path: &Path) -> io::Result<Result<Vec<u8>, CheckpointProblem>> {
+    let mut file = File::open(path)?;
+    let length = file.metadata()?.len();
+    let mut header = Vec::with_capacity(HEADER);
+    file.by_ref().take(HEADER as u64).read_to_end(&mut header)?;
+    let magic = &header[..header.len().min(MAGIC.len())];
+    if magic.is_empty() || !MAGIC.starts_with(magic) {
+        return Ok(Err(CheckpointProblem::NotACheckpoint));
+    }
+    let truncated = |expected| {
+        Ok(Err(CheckpointProblem::Truncated {
+            found: length,
+            expected,
+        }))
+    };
+    let Some((prefix, claimed)) = header.split_at_checked(PREFIX) else {
+        return truncated(HEADER as u64);
+    };
+    let (format, size) = prefix[MAGIC.len()..].split_at(size_of::<u32>());
+    let found = format.iter().rev().fold(0, |n, &b| n << 8 | u32::from(b));
+    if found != FORMAT {
+        return Ok(Err(CheckpointProblem::OtherFormat { found }));
+    }
+    let size = size.iter().rev().fold(0, |n, &b| n << 8 | u64::from(b));
+    let expected = size.saturating_add(HEADER as u64);
+    if length < expected {
+        return truncated(expected);
+    }
+    let mut body = Vec::new();
+    file.take(size).read_to_end(&mut body)?;
+    if length > expected || claimed != checksum(prefix, &body) {
+        return Ok(Err(CheckpointProblem::Damaged));
+    }
+    Ok(Ok(body))
+}
+
+fn checksum(prefix: &[u8], body: &[u8]) -> [u8; CHECKSUM] {
+    Sha256::new()
+        .chain_update(prefix)
+        .chain_update(body)
+        .finalize()
+        .into()
+}

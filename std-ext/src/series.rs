@@ -1,0 +1,364 @@
+//! The series of a run: a CSV file with a named column a quantity and a row a time.
+//!
+//! Every row is written by one call to the operating system, so that a run that is killed leaves
+//! at most one torn line, the last. A run that is resumed cuts the file back to the rows that its
+//! checkpoint knows and goes on: the file is, byte for byte, that of a run that nobody interrupted.
+//!
+//! Numbers have as many digits as tell every `f64` apart; `NaN`, `inf` and `-inf` are kept.
+
+use crate::io::replace_file;
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// What the first column is called.
+pub const TIME: &str = "time";
+
+/// Why a series cannot be written or read. The message is one line that starts with the file's
+/// name.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {problem}", path.display())]
+pub struct SeriesError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub problem: SeriesProblem,
+}
+
+/// What can be wrong with a series.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SeriesProblem {
+    /// The operating system refused to read or write the file.
+    #[error("{0}")]
+    Inaccessible(io::Error),
+    /// The first column is not the time.
+    #[error("the first column is `{found}`: it has to be `{TIME}`")]
+    NoTime {
+        /// What it is.
+        found: String,
+    },
+    /// A name that CSV readers would take apart, or none.
+    #[error(
+        "the column name {name:?} is empty or has a comma, a quotation mark, a control character or \
+         a space at an end"
+    )]
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// Two columns have the same name.
+    #[error("two columns are called `{name}`: each needs a name of its own")]
+    RepeatedName {
+        /// The name.
+        name: String,
+    },
+    /// A row has more or fewer numbers than there are columns.
+    #[error("line {line}: {found} numbers, but there are {columns} columns")]
+    WrongLength {
+        /// The line, from 1.
+        line: u64,
+        /// How many numbers there are.
+        found: usize,
+        /// How many there should be.
+        columns: usize,
+    },
+    /// Something in a row is no number.
+    #[error("line {line}, column `{column}`: expected a number, found `{found}`")]
+    NotANumber {
+        /// The line, from 1.
+        line: u64,
+        /// The column.
+        column: String,
+        /// What is there.
+        found: String,
+    },
+    /// The file's columns are not those that the run goes on to write.
+    #[error("the columns are `{found}`, but the run goes on with `{expected}`")]
+    OtherColumns {
+        /// The file's first line.
+        found: String,
+        /// What it should be.
+        expected: String,
+    },
+    /// Rows that the checkpoint knows are missing.
+    #[error(
+        "there are {found} complete rows, but the checkpoint was written after {expected}: the file \
+         was cut or replaced"
+    )]
+    TooFewRows {
+        /// How many there are.
+        found: u64,
+        /// How many there should be.
+        expected: u64,
+    },
+    /// The bytes are no text, or a line is longer than any row can be.
+    #[error("line {line}: is no row of numbers")]
+    NotARow {
+        /// The line, from 1.
+        line: u64,
+    },
+}
+
+impl SeriesProblem {
+    fn of(self, path: &Path) -> SeriesError {
+        SeriesError {
+            path: path.to_owned(),
+            problem: self,
+        }
+    }
+}
+
+impl From<io::Error> for SeriesProblem {
+    fn from(error: io::Error) -> Self {
+        Self::Inaccessible(error)
+    }
+}
+
+/// A series that is being written.
+#[derive(Debug)]
+pub struct Series {
+    path: PathBuf,
+    file: File,
+    columns: usize,
+    rows: u64,
+    /// The file's length in bytes, all of them complete lines.
+    length: u64,
+    /// The row that is being written.
+    line: String,
+}
+
+impl Series {
+    /// Starts a series with these columns, the first of them `time`; a file that was there is
+    /// replaced.
+    ///
+    /// # Errors
+    /// If the columns are none for a CSV file, or the file cannot be written.
+    pub fn create(path: &Path, columns: &[&str]) -> Result<Self, SeriesError> {
+        let create = || {
+            let header = header(columns)?;
+            replace_file(path, |out| out.write_all(header.as_bytes()))?;
+            Self::open(path, columns, 0, header.len() as u64)
+        };
+        create().map_err(|problem: SeriesProblem| problem.of(path))
+    }
+
+    /// Goes on with a series after its first `rows` rows: whatever follows them, complete or torn,
+    /// is cut off.
+    ///
+    /// # Errors
+    /// If the file cannot be read or written, its columns are others, or it has fewer rows; it is
+    /// unchanged then.
+    pub fn resume(path: &Path, columns: &[&str], rows: u64) -> Result<Self, SeriesError> {
+        let resume = || {
+            let header = header(columns)?;
+            let mut lines = Lines::open(path)?;
+            let found = lines.next()?.unwrap_or_default();
+            if found != header.trim_end() {
+                return Err(SeriesProblem::OtherColumns {
+                    found: found.to_owned(),
+                    expected: header.trim_end().to_owned(),
+                });
+            }
+            for found in 0..rows {
+                let Some(row) = lines.next()? else {
+                    return Err(SeriesProblem::TooFewRows {
+                        found,
+                        expected: rows,
+                    });
+                };
+                numbers(row, found + 2, columns)?;
+            }
+            let length = lines.length;
+            drop(lines);
+            let series = Self::open(path, columns, rows, length)?;
+            series.file.set_len(length)?;
+            Ok(series)
+        };
+        resume().map_err(|problem: SeriesProblem| problem.of(path))
+    }
+
+    fn open(path: &Path, columns: &[&str], rows: u64, length: u64) -> Result<Self, SeriesProblem> {
+        Ok(Self {
+            path: path.to_owned(),
+            file: fs::OpenOptions::new().append(true).open(path)?,
+            columns: columns.len(),
+            rows,
+            length,
+            line: String::new(),
+        })
+    }
+
+    /// Appends a row, one number a column; it is with the operating system when this returns.
+    ///
+    /// # Errors
+    /// If there are more or fewer numbers than columns, or the file cannot be written: it keeps
+    /// the rows that it had.
+    pub fn append(&mut self, row: &[f64]) -> Result<(), SeriesError> {
+        if row.len() != self.columns {
+            let problem = SeriesProblem::WrongLength {
+                line: self.rows + 2,
+                found: row.len(),
+                columns: self.columns,
+            };
+            return Err(problem.of(&self.path));
+        }
+        self.line.clear();
+        for (column, value) in row.iter().enumerate() {
+            let separator = if column == 0 { "" } else { "," };
+            // Writing to a string cannot fail.
+            let _ = write!(self.line, "{separator}{value:?}");
+        }
+        self.line.push('\n');
+        if let Err(error) = self.file.write_all(self.line.as_bytes()) {
+            // Part of the row may be there: a full disk stops in the middle. If it cannot be taken
+            // back, the readers pass over it.
+            let _ = self.file.set_len(self.length);
+            return Err(SeriesProblem::Inaccessible(error).of(&self.path));
+        }
+        self.length += self.line.len() as u64;
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// The number of rows, all of them on the disk: what a checkpoint has to hold for
+    /// [`Self::resume`].
+    ///
+    /// # Errors
+    /// Whatever the operating system says of the disk.
+    pub fn mark(&self) -> Result<u64, SeriesError> {
+        match self.file.sync_data() {
+            Ok(()) => Ok(self.rows),
+            Err(error) => Err(SeriesProblem::Inaccessible(error).of(&self.path)),
+        }
+    }
+}
+
+/// A series that was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeriesTable {
+    /// The names of the columns.
+    pub columns: Vec<String>,
+    /// The rows, one number a column.
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl SeriesTable {
+    /// Reads a series. A torn last line is passed over: the run may still be writing it.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is no series; see [`SeriesProblem`].
+    pub fn read(path: &Path) -> Result<Self, SeriesError> {
+        let read = || {
+            let mut lines = Lines::open(path)?;
+            let header = lines.next()?.unwrap_or_default().to_owned();
+            let columns: Vec<&str> = header.split(',').collect();
+            check_names(&columns)?;
+            let mut rows = Vec::new();
+            while let Some(row) = lines.next()? {
+                rows.push(numbers(row, rows.len() as u64 + 2, &columns)?);
+            }
+            Ok(Self {
+                columns: columns.into_iter().map(str::to_owned).collect(),
+                rows,
+            })
+        };
+        read().map_err(|problem: SeriesProblem| problem.of(path))
+    }
+
+    /// The numbers of a column from the first row to the last; none if there is no such column.
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        let column = self.columns.iter().position(|column| column == name)?;
+        Some(self.rows.iter().map(|row| row[column]).collect())
+    }
+}
+
+/// The first line.
+fn header(columns: &[&str]) -> Result<String, SeriesProblem> {
+    check_names(columns)?;
+    Ok(columns.join(",") + "\n")
+}
+
+fn check_names(columns: &[&str]) -> Result<(), SeriesProblem> {
+    let first = columns.first().copied().unwrap_or_default();
+    if first != TIME {
+        let found = first.to_owned();
+        return Err(SeriesProblem::NoTime { found });
+    }
+    for (at, &name) in columns.iter().enumerate() {
+        let splits = |c: char| c == ',' || c == '"' || c.is_control();
+        let named = || name.to_owned();
+        if name.is_empty() || name.trim() != name || name.contains(splits) {
+            return Err(SeriesProblem::Name { name: named() });
+        }
+        if columns[..at].contains(&name) {
+            return Err(SeriesProblem::RepeatedName { name: named() });
+        }
+    }
+    Ok(())
+}
+
+/// The numbers of a row.
+fn numbers(row: &str, line: u64, columns: &[&str]) -> Result<Vec<f64>, SeriesProblem> {
+    let found = row.split(',').count();
+    if found != columns.len() {
+        return Err(SeriesProblem::WrongLength {
+            line,
+            found,
+            columns: columns.len(),
+        });
+    }
+    let number = |(cell, column): (&str, &&str)| {
+        cell.parse().map_err(|_| SeriesProblem::NotANumber {
+            line,
+            column: (*column).to_owned(),
+            found: cell.to_owned(),
+        })
+    };
+    row.split(',').zip(columns).map(number).collect()
+}
+
+/// The complete lines of a file.
+struct Lines {
+    file: BufReader<File>,
+    line: Vec<u8>,
+    /// How many lines have been read.
+    count: u64,
+    /// Their length in bytes.
+    length: u64,
+}
+
+impl Lines {
+    /// No line that we write is nearly as long; a file without line breaks is not read whole.
+    const LONGEST: u64 = 1 << 20;
+
+    fn open(path: &Path) -> io::Result<Self> {
+        Ok(Self {
+            file: BufReader::new(File::open(path)?),
+            line: Vec::new(),
+            count: 0,
+            length: 0,
+        })
+    }
+
+    /// The next line without its end; none if there is no further one that has an end.
+    fn next(&mut self) -> Result<Option<&str>, SeriesProblem> {
+        self.line.clear();
+        let mut limited = self.file.by_ref().take(Self::LONGEST);
+        let read = limited.read_until(b'\n', &mut self.line)? as u64;
+        let line = self.count + 1;
+        if self.line.pop_if(|last| *last == b'\n').is_none() {
+            return match read {
+                Self::LONGEST => Err(SeriesProblem::NotARow { line }),
+                _ => Ok(None),
+            };
+        }
+        self.count = line;
+        self.length += read;
+        match str::from_utf8(&self.line) {
+            Ok(text) => Ok(Some(text)),
+            Err(_) => Err(SeriesProblem::NotARow { line }),
+        }
+    }
+}

@@ -1,0 +1,660 @@
+//! What a run leaves: surfaces for VTK, checkpoints, series.
+#![expect(
+    clippy::unwrap_used,
+    reason = "what fails in a helper fails the test that called it"
+)]
+
+use helfrich_std::checkpoint::{self, CheckpointProblem, Fingerprint};
+use helfrich_std::io::{Collection, CollectionEntry, PointField, PointValues, VtpError, write_vtp};
+use helfrich_std::series::{Series, SeriesProblem, SeriesTable};
+use helfrich_tests::meshes::{Mesh, bent, cases, icosphere};
+use proptest::prelude::*;
+use roxmltree::{Document, Node};
+use serde::de::DeserializeOwned;
+use serde::ser::{Serialize, SerializeTuple, Serializer};
+use serde_json::Value;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::{env, fs, io};
+use tempfile::TempDir;
+
+/// A surface with a field of every kind, and values that text would lose.
+struct Example {
+    mesh: helfrich::TriangleMesh,
+    positions: Vec<[f64; 3]>,
+    mean: Vec<f64>,
+    single: Vec<f32>,
+    force: Vec<[f64; 3]>,
+    velocity: Vec<[f32; 3]>,
+}
+
+const TIME: f64 = 0.1 + 0.2;
+
+impl Example {
+    fn new() -> Self {
+        let Mesh {
+            positions,
+            connectivity: mesh,
+        } = icosphere(1).map(bent);
+        let count = positions.len();
+        let number = |i: usize| (i as f64 + 1.0).sqrt() / 3.0;
+        let mut mean: Vec<f64> = (0..count).map(number).collect();
+        mean[1] = f64::MIN_POSITIVE / 4.0;
+        mean[2] = -0.0;
+        mean[3] = f64::INFINITY;
+        Self {
+            mesh,
+            mean,
+            single: (0..count).map(|i| number(i) as f32).collect(),
+            force: positions.iter().map(|x| x.map(|x| x / 7.0)).collect(),
+            velocity: positions.iter().map(|x| x.map(|x| x as f32)).collect(),
+            positions,
+        }
+    }
+
+    fn fields(&self) -> [PointField<'_>; 4] {
+        [
+            ("H <1/µm> & \"co\"", PointValues::Scalars(&self.mean)),
+            ("single", PointValues::Scalars32(&self.single)),
+            ("force", PointValues::Vectors(&self.force)),
+            ("velocity", PointValues::Vectors32(&self.velocity)),
+        ]
+        .map(|(name, values)| PointField { name, values })
+    }
+
+    fn write(&self, path: &Path) {
+        write_vtp(
+            path,
+            &self.mesh,
+            &self.positions,
+            Some(TIME),
+            &self.fields(),
+        )
+        .unwrap();
+    }
+}
+
+/// Every value of a field as an f64, in the order of the file, with VTK's name of the type.
+fn flat(values: PointValues<'_>) -> (&'static str, usize, Vec<f64>) {
+    let wide = |values: &[f32]| values.iter().map(|&x| f64::from(x)).collect();
+    match values {
+        PointValues::Scalars(values) => ("Float64", 1, values.to_vec()),
+        PointValues::Scalars32(values) => ("Float32", 1, wide(values)),
+        PointValues::Vectors(values) => ("Float64", 3, values.as_flattened().to_vec()),
+        PointValues::Vectors32(values) => ("Float32", 3, wide(values.as_flattened())),
+    }
+}
+
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+/// The bytes of base64 (RFC 4648, section 4), padded, without a character too many.
+fn decoded(text: &str) -> Vec<u8> {
+    const ALPHABET: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    assert_eq!(text.len() % 4, 0);
+    let padding = text.len() - text.trim_end_matches('=').len();
+    assert!(padding <= 2);
+    let mut bytes = Vec::new();
+    for four in text.as_bytes().chunks(4) {
+        let mut bits = 0_u32;
+        for digit in four {
+            let value = ALPHABET.iter().position(|known| known == digit);
+            bits = bits << 6 | value.unwrap_or_else(|| usize::from(*digit != b'=') * 64) as u32;
+            assert!(value.is_some() || *digit == b'=', "{digit}");
+        }
+        bytes.extend(&bits.to_be_bytes()[1..]);
+    }
+    bytes.truncate(bytes.len() - padding);
+    bytes
+}
+
+/// The numbers of a `DataArray`, whose header has to count its bytes.
+fn stored(array: Node<'_, '_>, kind: &str) -> Vec<f64> {
+    assert_eq!(array.tag_name().name(), "DataArray");
+    assert_eq!(array.attribute("format"), Some("binary"));
+    assert_eq!(array.attribute("type"), Some(kind));
+    let bytes = decoded(array.text().unwrap());
+    let (header, bytes) = bytes.split_at(8);
+    assert_eq!(
+        u64::from_le_bytes(header.try_into().unwrap()),
+        bytes.len() as u64
+    );
+    match kind {
+        "Float32" => bytes
+            .chunks(4)
+            .map(|four| f32::from_le_bytes(four.try_into().unwrap()).into())
+            .collect(),
+        "Float64" => bytes
+            .chunks(8)
+            .map(|eight| f64::from_le_bytes(eight.try_into().unwrap()))
+            .collect(),
+        "Int64" => bytes
+            .chunks(8)
+            .map(|eight| i64::from_le_bytes(eight.try_into().unwrap()) as f64)
+            .collect(),
+        other => panic!("{other}"),
+    }
+}
+
+fn children<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Vec<Node<'a, 'input>> {
+    node.children()
+        .filter(|child| child.has_tag_name(name))
+        .collect()
+}
+
+#[track_caller]
+fn only_child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Node<'a, 'input> {
+    let found = children(node, name);
+    assert_eq!(found.len(), 1, "{name}");
+    found[0]
+}
+
+#[test]
+fn a_surface_is_stored_bit_by_bit_as_vtk_documents_it() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("surface.vtp");
+    let example = Example::new();
+    example.write(&path);
+    let text = fs::read_to_string(&path).unwrap();
+    let document = Document::parse(&text).unwrap();
+    let root = document.root_element();
+    assert!(root.has_tag_name("VTKFile"));
+    for (attribute, value) in [
+        ("type", "PolyData"),
+        ("version", "1.0"),
+        ("byte_order", "LittleEndian"),
+        ("header_type", "UInt64"),
+    ] {
+        assert_eq!(root.attribute(attribute), Some(value));
+    }
+    let data = only_child(root, "PolyData");
+    let time = only_child(only_child(data, "FieldData"), "DataArray");
+    assert_eq!(time.attribute("Name"), Some("TimeValue"));
+    assert_eq!(stored(time, "Float64"), [TIME]);
+    let piece = only_child(data, "Piece");
+    let count = |name: &str| piece.attribute(name).unwrap().parse::<usize>().unwrap();
+    let triangles = example.mesh.triangles();
+    assert_eq!(count("NumberOfPoints"), example.positions.len());
+    assert_eq!(count("NumberOfPolys"), triangles.len());
+    for other in ["NumberOfVerts", "NumberOfLines", "NumberOfStrips"] {
+        assert_eq!(count(other), 0);
+    }
+    let points = only_child(only_child(piece, "Points"), "DataArray");
+    assert_eq!(points.attribute("NumberOfComponents"), Some("3"));
+    let flat_positions = bits(example.positions.as_flattened());
+    assert_eq!(bits(&stored(points, "Float64")), flat_positions);
+    for array in children(only_child(piece, "Polys"), "DataArray") {
+        let expected: Vec<f64> = match array.attribute("Name") {
+            Some("connectivity") => triangles.as_flattened().iter().map(|&v| v.into()).collect(),
+            Some("offsets") => (1..=triangles.len()).map(|t| 3.0 * t as f64).collect(),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(stored(array, "Int64"), expected);
+    }
+    let arrays = children(only_child(piece, "PointData"), "DataArray");
+    assert_eq!(arrays.len(), example.fields().len());
+    for (array, field) in arrays.into_iter().zip(example.fields()) {
+        assert_eq!(array.attribute("Name"), Some(field.name));
+        let (kind, components, values) = flat(field.values);
+        let found = array.attribute("NumberOfComponents").unwrap_or("1");
+        assert_eq!(found, components.to_string());
+        assert_eq!(bits(&stored(array, kind)), bits(&values));
+    }
+}
+
+/// A Python that has VTK: `HELFRICH_PYTHON`, or else what is called `python3`.
+fn python_with_vtk() -> Option<PathBuf> {
+    let python = env::var_os("HELFRICH_PYTHON").unwrap_or_else(|| "python3".into());
+    let mut import = Command::new(&python);
+    import.args(["-c", "import vtk"]).stderr(Stdio::null());
+    import.status().ok()?.success().then(|| python.into())
+}
+
+#[test]
+fn vtk_reads_a_surface_back() {
+    let Some(python) = python_with_vtk() else {
+        // Past the harness, which keeps what passing tests print to itself.
+        let message = "vtk_reads_a_surface_back: SKIPPED, there is no Python with the package vtk \
+                       (HELFRICH_PYTHON names one)\n";
+        io::stderr().write_all(message.as_bytes()).unwrap();
+        return;
+    };
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("surface.vtp");
+    let example = Example::new();
+    example.write(&path);
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/data/read_vtp.py");
+    let output = Command::new(python)
+        .arg(script)
+        .arg(&path)
+        .output()
+        .unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && errors.is_empty(), "{errors}");
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found["complaints"], serde_json::json!([]));
+    assert_eq!(found["other_cells"], 0);
+    assert_eq!(
+        found["triangles"],
+        serde_json::json!(example.mesh.triangles())
+    );
+    let positions = bits(example.positions.as_flattened());
+    assert_eq!(found["positions"], serde_json::json!(positions));
+    let arrays = found["point_data"].as_object().unwrap();
+    assert_eq!(arrays.len(), example.fields().len());
+    for field in example.fields() {
+        let (kind, components, values) = flat(field.values);
+        let array = &arrays[field.name];
+        let kind = if kind == "Float64" { "double" } else { "float" };
+        assert_eq!(array["type"], kind);
+        assert_eq!(array["components"], components);
+        assert_eq!(array["values"], serde_json::json!(bits(&values)));
+    }
+    let time = &found["field_data"]["TimeValue"]["values"];
+    assert_eq!(time, &serde_json::json!([TIME.to_bits()]));
+}
+
+#[test]
+fn what_is_no_field_is_refused_and_leaves_no_file() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("surface.vtp");
+    let Example {
+        mesh,
+        positions,
+        mean,
+        ..
+    } = Example::new();
+    let field = |name, values| PointField {
+        name,
+        values: PointValues::Scalars(values),
+    };
+    let write = |positions: &[[f64; 3]], fields: &[PointField<'_>]| {
+        let error = write_vtp(&path, &mesh, positions, None, fields).unwrap_err();
+        assert!(!path.exists());
+        assert!(error.to_string().starts_with(&path.display().to_string()));
+        error
+    };
+    let error = write(&positions[1..], &[]);
+    assert!(matches!(error, VtpError::CountMismatch { .. }), "{error}");
+    let error = write(&positions, &[field("H", &mean[1..])]);
+    let expected = "field `H` has 41 entries: the mesh has 42 vertices";
+    assert!(error.to_string().ends_with(expected), "{error}");
+    for name in ["", " ", "a\nb", "\u{0}", "\u{ffff}"] {
+        let error = write(&positions, &[field(name, &mean)]);
+        assert!(matches!(error, VtpError::Name { .. }), "{error}");
+    }
+    let error = write(&positions, &[field("H", &mean), field("H", &mean)]);
+    assert!(matches!(error, VtpError::RepeatedName { .. }), "{error}");
+}
+
+#[test]
+fn the_index_of_a_run_names_every_file_at_its_time() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("run.pvd");
+    let mut collection = Collection::default();
+    for step in 0..3 {
+        for part in 0..2 {
+            collection.entries.push(CollectionEntry {
+                time: TIME * f64::from(step),
+                part,
+                file: format!("surfaces/a&b-{part}-{step}.vtp"),
+            });
+        }
+        collection.write(&path).unwrap();
+        let text = fs::read_to_string(&path).unwrap();
+        let document = Document::parse(&text).unwrap();
+        let root = document.root_element();
+        assert_eq!(root.attribute("type"), Some("Collection"));
+        let found: Vec<CollectionEntry> = children(only_child(root, "Collection"), "DataSet")
+            .iter()
+            .map(|set| CollectionEntry {
+                time: set.attribute("timestep").unwrap().parse().unwrap(),
+                part: set.attribute("part").unwrap().parse().unwrap(),
+                file: set.attribute("file").unwrap().to_owned(),
+            })
+            .collect();
+        assert_eq!(found, collection.entries);
+    }
+}
+
+/// A state of the kinds that runs have.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+struct State {
+    time: f64,
+    steps: u64,
+    positions: Vec<[f64; 3]>,
+    names: Vec<String>,
+    previous: Option<Vec<f64>>,
+}
+
+fn state() -> State {
+    State {
+        time: TIME,
+        steps: 1 << 40,
+        positions: vec![
+            [1.0 / 3.0, -0.0, f64::MIN_POSITIVE / 2.0],
+            [1e300, 0.1, -7.0],
+        ],
+        names: vec!["bending".into(), "Fläche".into()],
+        previous: Some(vec![f64::INFINITY, f64::from_bits(0x7ff8_0000_dead_beef)]),
+    }
+}
+
+#[track_caller]
+fn refused<D: DeserializeOwned>(path: &Path, scene: Fingerprint) -> CheckpointProblem {
+    let error = checkpoint::read::<D>(path, scene).err().unwrap();
+    let message = error.to_string();
+    assert!(
+        message.starts_with(&path.display().to_string()),
+        "{message}"
+    );
+    assert!(!message.contains('\n'), "{message}");
+    error.problem
+}
+
+#[test]
+fn a_checkpoint_keeps_every_bit() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("checkpoint");
+    let scene = Fingerprint::of("scene");
+    checkpoint::write(&path, scene, &0_u8).unwrap();
+    checkpoint::write(&path, scene, &state()).unwrap();
+    let found: State = checkpoint::read(&path, scene).unwrap();
+    let number = |state: &State| {
+        let previous = state.previous.clone().unwrap();
+        let all = [&[state.time], state.positions.as_flattened(), &previous].concat();
+        bits(&all)
+    };
+    assert_eq!(number(&found), number(&state()));
+    assert_eq!((found.steps, found.names), (state().steps, state().names));
+    // Nothing else is left in the folder.
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+}
+
+#[test]
+fn a_checkpoint_that_cannot_be_written_leaves_the_last_one() {
+    struct Refuses;
+    impl Serialize for Refuses {
+        fn serialize<S: Serializer>(&self, _: S) -> Result<S::Ok, S::Error> {
+            Err(serde::ser::Error::custom("no"))
+        }
+    }
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("checkpoint");
+    let scene = Fingerprint::of("scene");
+    checkpoint::write(&path, scene, &17_u8).unwrap();
+    let error = checkpoint::write(&path, scene, &Refuses).unwrap_err();
+    assert!(matches!(error.problem, CheckpointProblem::NotEncodable(_)));
+    assert_eq!(checkpoint::read::<u8>(&path, scene).unwrap(), 17);
+    let error = checkpoint::write(&folder.path().join("no/checkpoint"), scene, &1).unwrap_err();
+    assert!(matches!(error.problem, CheckpointProblem::Inaccessible(_)));
+}
+
+#[test]
+fn every_truncation_bit_flip_and_extension_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("checkpoint");
+    let scene = Fingerprint::of("scene");
+    checkpoint::write(&path, scene, &state()).unwrap();
+    let good = fs::read(&path).unwrap();
+    for length in 0..good.len() {
+        fs::write(&path, &good[..length]).unwrap();
+        match refused::<State>(&path, scene) {
+            CheckpointProblem::NotACheckpoint => assert_eq!(length, 0),
+            CheckpointProblem::Truncated { found, expected } => {
+                assert_eq!(found, length as u64);
+                assert!(length < 60 || expected == good.len() as u64);
+            }
+            other => panic!("{length}: {other}"),
+        }
+    }
+    let mut bytes = good.clone();
+    for bit in 0..8 * good.len() {
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        fs::write(&path, &bytes).unwrap();
+        refused::<State>(&path, scene);
+        bytes[bit / 8] ^= 1 << (bit % 8);
+    }
+    bytes.push(0);
+    fs::write(&path, &bytes).unwrap();
+    assert!(matches!(
+        refused::<State>(&path, scene),
+        CheckpointProblem::Damaged
+    ));
+    fs::write(&path, &good).unwrap();
+    checkpoint::read::<State>(&path, scene).unwrap();
+}
+
+#[test]
+fn what_else_is_wrong_with_a_checkpoint_is_said() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("checkpoint");
+    let [scene, other] = ["scene", "scene "].map(Fingerprint::of);
+    assert!(matches!(
+        refused::<State>(&path, scene),
+        CheckpointProblem::Inaccessible(error) if error.kind() == io::ErrorKind::NotFound
+    ));
+    checkpoint::write(&path, other, &state()).unwrap();
+    assert!(matches!(
+        refused::<State>(&path, scene),
+        CheckpointProblem::OtherScene { found, expected } if (found, expected) == (other, scene)
+    ));
+    // Of another type, whether too short or too long.
+    for (path, problem) in [
+        (
+            "short",
+            checkpoint::write(&folder.path().join("short"), scene, &1_u8),
+        ),
+        (
+            "long",
+            checkpoint::write(&folder.path().join("long"), scene, &(state(), 1_u8)),
+        ),
+    ] {
+        problem.unwrap();
+        let problem = refused::<State>(&folder.path().join(path), scene);
+        assert!(
+            matches!(problem, CheckpointProblem::OtherState(_)),
+            "{problem}"
+        );
+    }
+    let good = fs::read(&path).unwrap();
+    let mut bytes = good.clone();
+    bytes[16] = 2;
+    fs::write(&path, &bytes).unwrap();
+    assert!(matches!(
+        refused::<State>(&path, scene),
+        CheckpointProblem::OtherFormat { found: 2 }
+    ));
+    fs::write(&path, "time,area\n").unwrap();
+    assert!(matches!(
+        refused::<State>(&path, scene),
+        CheckpointProblem::NotACheckpoint
+    ));
+}
+
+/// Bytes that become the state of a checkpoint as they are.
+struct Raw(Vec<u8>);
+
+impl Serialize for Raw {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut tuple = serializer.serialize_tuple(self.0.len())?;
+        for byte in &self.0 {
+            tuple.serialize_element(byte)?;
+        }
+        tuple.end()
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(32))]
+
+    /// A list that announces more than there is would exhaust memory, or panic, if it were trusted.
+    #[test]
+    fn a_state_of_any_bytes_is_read_or_refused(
+        bytes in prop::collection::vec(any::<u8>(), 0..200),
+        length in any::<u64>(),
+    ) {
+        let folder = TempDir::new().unwrap();
+        let path = folder.path().join("checkpoint");
+        let scene = Fingerprint::of("");
+        checkpoint::write(&path, scene, &Raw(bytes.clone())).unwrap();
+        let _ = checkpoint::read::<State>(&path, scene);
+        let _ = checkpoint::read::<Vec<Vec<[f64; 3]>>>(&path, scene);
+        checkpoint::write(&path, scene, &(length | 1 << 32, Raw(bytes))).unwrap();
+        prop_assert!(checkpoint::read::<Vec<f64>>(&path, scene).is_err());
+        prop_assert!(checkpoint::read::<Vec<[f64; 3]>>(&path, scene).is_err());
+        prop_assert!(checkpoint::read::<String>(&path, scene).is_err());
+    }
+}
+
+const COLUMNS: [&str; 3] = ["time", "energy_bending", "area"];
+
+/// Numbers of all sizes, and those that are none.
+fn row(at: u64) -> [f64; 3] {
+    let at = at as f64;
+    let odd = [f64::NAN, f64::INFINITY, -0.0, 5e-324, f64::MAX][at as usize % 5];
+    [at * 0.1, (at + 1.0) / 3.0, odd]
+}
+
+fn written(path: &Path, rows: u64) -> Vec<u8> {
+    let mut series = Series::create(path, &COLUMNS).unwrap();
+    (0..rows).for_each(|at| series.append(&row(at)).unwrap());
+    assert_eq!(series.mark().unwrap(), rows);
+    fs::read(path).unwrap()
+}
+
+#[test]
+fn a_series_reads_back_to_the_bit() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("series.csv");
+    let bytes = written(&path, 9);
+    let first = "time,energy_bending,area\n0.0,0.3333333333333333,NaN\n";
+    assert!(bytes.starts_with(first.as_bytes()));
+    let table = SeriesTable::read(&path).unwrap();
+    assert_eq!(table.columns, COLUMNS);
+    assert_eq!(table.rows.len(), 9);
+    for (at, found) in table.rows.iter().enumerate() {
+        assert_eq!(bits(found), bits(&row(at as u64)));
+    }
+    let expected: Vec<f64> = (0..9).map(|at| row(at)[0]).collect();
+    assert_eq!(table.column("time"), Some(expected));
+    assert_eq!(table.column("volume"), None);
+}
+
+#[test]
+fn wherever_a_series_was_torn_the_resumed_one_is_the_same() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("series.csv");
+    let whole = written(&path, 8);
+    let lines = |bytes: &[u8]| bytes.iter().filter(|&&byte| byte == b'\n').count() as u64;
+    for length in 0..=whole.len() {
+        let torn = &whole[..length];
+        for marked in 0..=8 {
+            fs::write(&path, torn).unwrap();
+            let resumed = Series::resume(&path, &COLUMNS, marked);
+            if lines(torn) < marked + 1 {
+                resumed.unwrap_err();
+                assert_eq!(fs::read(&path).unwrap(), torn);
+                continue;
+            }
+            let mut series = resumed.unwrap();
+            assert_eq!(lines(&fs::read(&path).unwrap()), marked + 1);
+            (marked..8).for_each(|at| series.append(&row(at)).unwrap());
+            assert_eq!(fs::read(&path).unwrap(), whole);
+        }
+    }
+    // A reader does not see the torn line.
+    fs::write(&path, &whole[..whole.len() - 2]).unwrap();
+    assert_eq!(SeriesTable::read(&path).unwrap().rows.len(), 7);
+}
+
+#[test]
+fn what_is_no_series_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("series.csv");
+    let create = |columns: &[&str]| Series::create(&path, columns).unwrap_err().problem;
+    assert!(matches!(
+        create(&["area", "time"]),
+        SeriesProblem::NoTime { .. }
+    ));
+    assert!(matches!(create(&[]), SeriesProblem::NoTime { .. }));
+    for name in ["", "a,b", "a\"", " a", "a\nb"] {
+        assert!(matches!(
+            create(&["time", name]),
+            SeriesProblem::Name { .. }
+        ));
+    }
+    let repeated = create(&["time", "area", "area"]);
+    assert!(matches!(repeated, SeriesProblem::RepeatedName { .. }));
+    assert!(!path.exists());
+
+    let whole = written(&path, 4);
+    let resume = |columns: &[&str], rows| {
+        let before = fs::read(&path).unwrap();
+        let error = Series::resume(&path, columns, rows).unwrap_err();
+        assert_eq!(fs::read(&path).unwrap(), before);
+        error.problem
+    };
+    let other = resume(&["time", "area"], 4);
+    assert!(
+        matches!(other, SeriesProblem::OtherColumns { .. }),
+        "{other}"
+    );
+    let few = resume(&COLUMNS, 5);
+    assert!(
+        matches!(
+            few,
+            SeriesProblem::TooFewRows {
+                found: 4,
+                expected: 5
+            }
+        ),
+        "{few}"
+    );
+    for (from, to, message) in [
+        (
+            "0.1,",
+            "0.1,,",
+            "line 3: 4 numbers, but there are 3 columns",
+        ),
+        (
+            "0.1,",
+            "O.1,",
+            "line 3, column `time`: expected a number, found `O.1`",
+        ),
+        (
+            "0.1,",
+            "\0\0\0,",
+            "line 3, column `time`: expected a number",
+        ),
+    ] {
+        let text = String::from_utf8(whole.clone())
+            .unwrap()
+            .replacen(from, to, 1);
+        fs::write(&path, text).unwrap();
+        for problem in [
+            resume(&COLUMNS, 4),
+            SeriesTable::read(&path).unwrap_err().problem,
+        ] {
+            assert!(problem.to_string().starts_with(message), "{problem}");
+        }
+    }
+    fs::write(&path, vec![b'1'; 2 << 20]).unwrap();
+    assert!(matches!(
+        resume(&COLUMNS, 0),
+        SeriesProblem::NotARow { line: 1 }
+    ));
+
+    let mut series = Series::create(&path, &COLUMNS).unwrap();
+    let problem = series.append(&[0.0, 1.0]).unwrap_err().problem;
+    assert!(matches!(
+        problem,
+        SeriesProblem::WrongLength {
+            line: 2,
+            found: 2,
+            columns: 3
+        }
+    ));
+}
