@@ -49,12 +49,14 @@
 extern crate alloc;
 
 pub mod bending;
+mod dissipation;
 pub mod elasticity;
 pub mod element;
 mod energy;
 pub mod functional;
 mod lane;
 pub mod laplacian;
+mod load;
 mod mesh;
 mod neighbourhood;
 mod points;
@@ -71,6 +73,7 @@ pub use bending::{
     ControlPoints, GompperKroll, Juelicher, KantorNelson, LoopSubdivision, SpontaneousCurvature,
     StrongForm,
 };
+pub use dissipation::{Dissipation, MembraneViscosity};
 pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, StrainEnergy};
 pub use element::{Execution, Serial};
 pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
@@ -79,6 +82,7 @@ pub use lane::{Lane, Pack};
 pub use laplacian::{
     Bandwidth, Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows,
 };
+pub use load::{LoadError, PointLoads};
 pub use mesh::{MeshError, TriangleMesh, VertexKind};
 pub use points::{Points, PointsMut};
 pub use projection::{

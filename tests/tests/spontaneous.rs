@@ -4,8 +4,8 @@ use autodiff::F1;
 use helfrich::shapes::{Ellipsoid, Shape};
 use helfrich::{
     Components, ControlPoints, Cotangent, DualArea, ForceDensity, GompperKroll, Jet, KantorNelson,
-    LaplaceBeltrami, LoopSubdivision, Prepared, Projected, Serial, SpontaneousCurvature,
-    StrongForm, Surface, TriangleMesh, remove_net_force_and_torque,
+    LaplaceBeltrami, LoopSubdivision, Prepared, Projected, ReferenceError, Serial,
+    SpontaneousCurvature, StrongForm, Surface, TriangleMesh, remove_net_force_and_torque,
 };
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_tests::accuracy::{exact_points, force_and_energy, surface};
@@ -183,7 +183,9 @@ fn strong_form_with_varying_spontaneous_curvature() {
 fn a_reference_shape_has_exactly_no_force() {
     for family in [Family::Regular, Family::Irregular] {
         let made = made("discocyte", family, 642);
-        let method = KantorNelson::new(1.0).with_reference(surface(&made));
+        let method = KantorNelson::new(1.0)
+            .with_reference(&made.mesh, surface(&made))
+            .unwrap();
         let (force, energy) = force_and_energy(method.clone(), surface(&made));
         assert_eq!(energy, 0.0);
         assert!(force.iter().flatten().all(|&x| x == 0.0));
@@ -208,18 +210,33 @@ fn reference_angles_have_the_exact_gradient() {
     let dual_positions: Vec<[F1; 3]> = positions.iter().map(constant).collect();
     let shape = Surface::new(&made.mesh, &positions).unwrap();
     let dual_shape = Surface::new(&made.mesh, &dual_positions).unwrap();
-    let one = KantorNelson::new(1.0).with_reference(shape);
-    let two = KantorNelson::new(F1::cst(1.0)).with_reference(dual_shape);
+    let one = KantorNelson::new(1.0)
+        .with_reference(&made.mesh, shape)
+        .unwrap();
+    let two = KantorNelson::new(F1::cst(1.0))
+        .with_reference(&made.mesh, dual_shape)
+        .unwrap();
     check_gradient(&one, two, &made.mesh, &made.positions);
 }
 
 #[test]
-#[should_panic(expected = "interior edges")]
 fn a_reference_for_another_mesh_is_refused() {
     let made = made("sphere", Family::Regular, 162);
     let (mesh, positions) = small_meshes::octahedron();
     let other = Surface::new(&mesh, &positions).unwrap();
-    Prepared::new(KantorNelson::new(1.0).with_reference(other), &made.mesh);
+    let refused = KantorNelson::new(1.0).with_reference(&made.mesh, other);
+    let (reference, mesh) = (8, 320);
+    let expected = ReferenceError::CountMismatch { reference, mesh };
+    assert_eq!(refused, Err(expected));
+}
+
+#[test]
+#[should_panic(expected = "interior edges")]
+fn reference_angles_of_another_mesh_do_not_go_unnoticed() {
+    let (mesh, positions) = small_meshes::octahedron();
+    let shape = Surface::new(&mesh, &positions).unwrap();
+    let method = KantorNelson::new(1.0).with_reference(&mesh, shape).unwrap();
+    Prepared::new(method, &made("sphere", Family::Regular, 162).mesh);
 }
 
 fn check_projected<L: LaplaceBeltrami<f64> + Sync + Clone>(method: StrongForm<f64, L>) {

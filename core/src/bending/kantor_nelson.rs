@@ -5,6 +5,7 @@
 //! J. Phys. I France 6 (1996) 1305.
 
 use crate::bending::hinge::{Hinge, Hinges};
+use crate::elasticity::ReferenceError;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::lane::Lane;
@@ -38,17 +39,25 @@ impl<T: Real> KantorNelson<T> {
     }
 
     /// The same with the angles of `shape` as reference: there energy and forces are exactly zero,
-    /// at convex and at concave hinges. For surfaces with the same mesh as `shape`.
+    /// at convex and at concave hinges. For surfaces with the mesh `mesh`.
     ///
     /// Preparing it for a mesh with another number of interior edges panics.
-    pub fn with_reference(mut self, shape: Surface<'_, T>) -> Self {
+    ///
+    /// # Errors
+    /// If the triangles of `mesh` and `shape` differ.
+    pub fn with_reference(
+        mut self,
+        mesh: &TriangleMesh,
+        shape: Surface<'_, T>,
+    ) -> Result<Self, ReferenceError> {
+        ReferenceError::unless_same(mesh, shape.mesh())?;
         let hinges = Hinges::new(shape.mesh());
         let angle = |&hinge| {
             let hinge = Hinge::<T>::new(&Corners::of(shape, hinge));
             [hinge.sine, hinge.cosine]
         };
         self.reference = hinges.vertices.iter().map(angle).collect();
-        self
+        Ok(self)
     }
 
     /// `k̃ = 2κ/√3`: the forces of a membrane with bending modulus κ, and a cylinder's energy. The

@@ -1,0 +1,204 @@
+//! Constant forces on vertices.
+
+use autodiff::F1;
+use helfrich::{LoadError, PointLoads, Prepared, Surface};
+use helfrich_tests::gradient::check_gradient;
+use helfrich_tests::laws::{energy, forces};
+use helfrich_tests::meshes::{GENERIC, dot, rotation};
+use helfrich_tests::meshes::{Mesh, disc, icosphere, octahedron, turned};
+use helfrich_tests::tolerance;
+use proptest::prelude::*;
+
+const ALONG_X: [f64; 3] = [1.0, 0.0, 0.0];
+
+#[test]
+fn energy_is_the_work_from_the_level() {
+    let mesh = octahedron();
+    let loads = vec![
+        (4, [0.0, 2.0, -3.0]),
+        (1, [1.0, 0.0, 0.5]),
+        (4, [0.25, 0.0, 0.0]),
+    ];
+    let loads = PointLoads::new(&mesh.connectivity, loads).unwrap();
+    let at = |level: [f64; 3]| {
+        let loads = loads.clone().with_level(level);
+        energy(loads, &mesh.connectivity, &mesh.positions)
+    };
+    let expected = |level: [f64; 3]| {
+        let work = |&(vertex, force): &(u32, [f64; 3])| {
+            let x: [f64; 3] = mesh.positions[vertex as usize];
+            dot(force, [0, 1, 2].map(|k| x[k] - level[k]))
+        };
+        -loads.loads().iter().map(work).sum::<f64>()
+    };
+    for level in [[0.0; 3], [0.5, -3.0, 2.0]] {
+        tolerance::POLYHEDRON.assert(at(level), expected(level), 10.0, "E");
+    }
+    let force = forces(loads.clone(), &mesh.connectivity, &mesh.positions);
+    assert_eq!(force[4], [0.25, 2.0, -3.0]);
+    assert_eq!(force[1], [1.0, 0.0, 0.5]);
+    assert_eq!(force[0], [0.0; 3]);
+
+    let dual = loads.loads().iter();
+    let dual = dual.map(|&(vertex, force)| (vertex, force.map(F1::cst)));
+    let dual = PointLoads::new(&mesh.connectivity, dual.collect()).unwrap();
+    // The law of the gradient, without that of balance: these forces have a sum.
+    let direction = [0.3, -1.0, 0.2];
+    let moved = mesh
+        .positions
+        .iter()
+        .map(|x| [0, 1, 2].map(|k| F1::new(x[k], direction[k])));
+    let derivative = energy(dual, &mesh.connectivity, &Vec::from_iter(moved)).dx;
+    let sum: f64 = force.iter().map(|&f| dot(f, direction)).sum();
+    tolerance::POLYHEDRON.assert(derivative, -sum, 1.0, "dE");
+
+    let none = PointLoads::new(&mesh.connectivity, vec![]).unwrap();
+    assert_eq!(energy(none, &mesh.connectivity, &mesh.positions), 0.0);
+    // Pairs of positions: the remainder of a loaded vertex counts.
+    let remainders = vec![[0.0, 0.0, 1e-18]; 6];
+    let single = PointLoads::new(&mesh.connectivity, vec![(0, [0.0, 0.0, 1.0])]).unwrap();
+    let flat = vec![[0.0; 3]; 6];
+    let surface = Surface::with_remainders(&mesh.connectivity, &flat, &remainders).unwrap();
+    assert_eq!(
+        Prepared::new(single, &mesh.connectivity).energy(surface),
+        -1e-18
+    );
+}
+
+/// The two ends as their definition has it.
+fn ends(mesh: &Mesh, fraction: f64) -> (Vec<u32>, Vec<u32>) {
+    let loads = PointLoads::opposite_ends(mesh.surface(), ALONG_X, fraction, 7.0).unwrap();
+    let side = |sign: f64| {
+        let of = loads
+            .loads()
+            .iter()
+            .filter(move |load| load.1[0] * sign > 0.0);
+        let mut side = Vec::from_iter(of.map(|load| load.0));
+        side.sort_unstable();
+        side
+    };
+    (side(1.0), side(-1.0))
+}
+
+proptest! {
+    #[test]
+    fn ends_have_the_farthest_vertices(refinement in 1..3_u32, fraction in 0.02..0.5) {
+        let mesh = icosphere(refinement);
+        let (front, back) = ends(&mesh, fraction);
+        let count = (fraction * mesh.positions.len() as f64).round() as usize;
+        prop_assert_eq!([front.len(), back.len()], [count, count]);
+        let x = |vertex: &u32| mesh.positions[*vertex as usize][0];
+        let least = front.iter().map(x).fold(f64::INFINITY, f64::min);
+        let most = back.iter().map(x).fold(f64::NEG_INFINITY, f64::max);
+        for vertex in 0..mesh.positions.len() as u32 {
+            prop_assert!(front.contains(&vertex) || x(&vertex) <= least);
+            prop_assert!(back.contains(&vertex) || x(&vertex) >= most);
+        }
+    }
+}
+
+#[test]
+fn opposite_ends_pull_without_net_force_wherever_the_surface_lies() {
+    let mesh = icosphere(3);
+    let pull = 10.0;
+    let loads = PointLoads::opposite_ends(mesh.surface(), ALONG_X, 0.05, pull).unwrap();
+    assert_eq!(loads.loads().len(), 2 * 32);
+    let force = forces(loads.clone(), &mesh.connectivity, &mesh.positions);
+    let total = |sign: f64| force.iter().map(|f| (sign * f[0]).max(0.0)).sum::<f64>();
+    for sign in [1.0, -1.0] {
+        tolerance::POLYHEDRON.assert(total(sign), pull, 32.0 * pull, "force on an end");
+    }
+    assert!(force.iter().all(|f| f[1] == 0.0 && f[2] == 0.0));
+
+    // On a grid, a move is exact, and changes no bit.
+    let pitch = 2.0_f64.powi(-30);
+    let here = mesh.map(|x| x.map(|x| (x / pitch).round() * pitch));
+    let there = here.map(|[x, y, z]| [x + 1024.0, y - 512.0, z]);
+    let [near, far] =
+        [here, there].map(|mesh| energy(loads.clone(), &mesh.connectivity, &mesh.positions));
+    assert_eq!(near, far);
+    assert!(near < 0.0);
+
+    // Along any direction, of any length.
+    let coarse = icosphere(1);
+    let turn = rotation(GENERIC);
+    let direction = turned(turn, [5.0, 0.0, 0.0]);
+    let slanted = coarse.map(|x| turned(turn, x));
+    let straight = PointLoads::opposite_ends(coarse.surface(), ALONG_X, 0.1, 1.0).unwrap();
+    let slanted = PointLoads::opposite_ends(slanted.surface(), direction, 0.1, 1.0).unwrap();
+    let vertices = |loads: &PointLoads<f64>| Vec::from_iter(loads.loads().iter().map(|l| l.0));
+    assert_eq!(vertices(&straight), vertices(&slanted));
+}
+
+#[test]
+fn the_force_is_the_gradient() {
+    // Two loads on one line through both, so that there is no torque either.
+    let mesh = icosphere(1);
+    let [a, b] = [0, 7];
+    let along = [0, 1, 2].map(|k| mesh.positions[b][k] - mesh.positions[a][k]);
+    let loads = vec![(b as u32, along), (a as u32, along.map(|f| -f))];
+    let one = PointLoads::new(&mesh.connectivity, loads.clone()).unwrap();
+    let dual = loads.iter().map(|&(v, f)| (v, f.map(F1::cst))).collect();
+    let two = PointLoads::new(&mesh.connectivity, dual).unwrap();
+    check_gradient(&one, two, &mesh.connectivity, &mesh.positions);
+}
+
+/// Of equal coordinates, the lower number is farther back; the two ends have nothing in common.
+#[test]
+fn ties_are_broken_by_number() {
+    let line = octahedron().map(|_| [1.0, 2.0, 3.0]);
+    assert_eq!(ends(&line, 0.5), (vec![3, 4, 5], vec![0, 1, 2]));
+    assert_eq!(ends(&line, 0.17), (vec![5], vec![0]));
+}
+
+#[test]
+fn what_cannot_be_loaded_is_refused() {
+    let mesh = octahedron();
+    let refused = |vertex: u32, force: [f64; 3]| {
+        PointLoads::new(&mesh.connectivity, vec![(0, [0.0; 3]), (vertex, force)]).unwrap_err()
+    };
+    assert!(matches!(
+        refused(6, [0.0; 3]),
+        LoadError::VertexOutOfRange {
+            load: 1,
+            vertex: 6,
+            vertices: 6
+        }
+    ));
+    assert_eq!(
+        refused(5, [f64::NAN, 0.0, 0.0]),
+        LoadError::NotFinite { load: 1 }
+    );
+    let pull = |direction: [f64; 3], fraction: f64, force: f64| {
+        PointLoads::opposite_ends(mesh.surface(), direction, fraction, force).map(|_| ())
+    };
+    for direction in [[0.0; 3], [f64::INFINITY, 0.0, 0.0], [f64::NAN, 1.0, 0.0]] {
+        assert_eq!(pull(direction, 0.2, 1.0), Err(LoadError::NoDirection));
+    }
+    assert_eq!(pull([1e-200, 0.0, 0.0], 0.2, 1.0), Ok(()));
+    assert!(matches!(
+        pull(ALONG_X, 0.2, f64::NAN),
+        Err(LoadError::NotFinite { .. })
+    ));
+    for fraction in [0.0, 0.05, 0.6, 1.0, -0.2, f64::NAN, f64::INFINITY] {
+        let error = pull(ALONG_X, fraction, 1.0).unwrap_err();
+        assert!(
+            matches!(error, LoadError::Fraction { vertices: 6, .. }),
+            "{error}"
+        );
+    }
+    // Vertices in no triangle are no end.
+    let mut positions = mesh.positions.clone();
+    positions.push([9.0, 0.0, 0.0]);
+    let isolated = Mesh::new(positions, mesh.connectivity.triangles().to_vec());
+    let (front, _) = ends(&isolated, 0.17);
+    assert_ne!(front, [6]);
+}
+
+#[test]
+#[should_panic(expected = "the loads are for 6 vertices")]
+fn loads_of_another_mesh_do_not_go_unnoticed() {
+    let (mesh, other) = (octahedron(), disc(2));
+    let loads = PointLoads::<f64>::new(&mesh.connectivity, vec![]).unwrap();
+    Prepared::new(loads, &other.connectivity);
+}
