@@ -8,9 +8,11 @@
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge.
 //! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
 //! * [`checkpoint`] and [`series`]: what a run leaves to go on from, and its numbers over time.
+//! * [`dynamics`]: membranes relax to equilibrium.
 //! * [`report`]: how all of this is shown.
 
 pub mod checkpoint;
+pub mod dynamics;
 pub mod generate;
 pub mod info;
 pub mod io;
