@@ -485,7 +485,7 @@ impl Relaxation {
         if restore && constraints > 0 {
             let error = problem.restore(&mut positions);
             let limit = self.settings.constraint_tolerance;
-            if !(error <= limit) {
+            if error > limit || error.is_nan() {
                 return Err((Failure::ConstraintsLost { error, limit }, none));
             }
             if let Some(failure) = self.not_finite(&positions) {

@@ -33,7 +33,8 @@ impl Secants {
     pub(super) fn push(&mut self, limit: usize, step: Vec<f64>, fall: Vec<f64>) {
         let product = vector::product(&step, &fall);
         let sizes = vector::product(&step, &step) * vector::product(&fall, &fall);
-        if !(product > LEAST_COSINE * sizes.sqrt()) {
+        let falls = product > LEAST_COSINE * sizes.sqrt();
+        if !falls {
             return;
         }
         if self.pairs.len() >= limit {
