@@ -67,7 +67,10 @@ pub struct ComponentElements<const CORNERS: usize> {
 
 impl<const CORNERS: usize> ComponentElements<CORNERS> {
     /// Groups `elements` by component, in their order.
-    fn new(components: Components, elements: impl Iterator<Item = [u32; CORNERS]>) -> Self {
+    pub(crate) fn new(
+        components: Components,
+        elements: impl Iterator<Item = [u32; CORNERS]>,
+    ) -> Self {
         let component = |element: &[u32; CORNERS]| components.of_vertex()[element[0] as usize];
         let mut elements = Vec::from_iter(elements);
         elements.sort_by_key(component);
@@ -98,7 +101,7 @@ impl<const CORNERS: usize> ComponentElements<CORNERS> {
     }
 
     /// Sets `values` to the sums of `term(first, element)`, `first` the component's first element.
-    pub(crate) fn sums<T: Real>(
+    fn sums<T: Real>(
         &self,
         execution: &impl Execution,
         values: &mut [T],

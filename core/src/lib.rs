@@ -49,6 +49,7 @@
 extern crate alloc;
 
 pub mod bending;
+pub mod constraint;
 mod dissipation;
 pub mod elasticity;
 pub mod element;
@@ -72,6 +73,10 @@ mod vec3;
 pub use bending::{
     ControlPoints, GompperKroll, Juelicher, KantorNelson, LoopSubdivision, SpontaneousCurvature,
     StrongForm,
+};
+pub use constraint::{
+    AreaDifference, Constraint, ConstraintError, Constraints, Correction, OsmoticPressure, Penalty,
+    SurfaceTension, Targets,
 };
 pub use dissipation::{Dissipation, MembraneViscosity};
 pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, StrainEnergy};

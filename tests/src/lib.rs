@@ -6,6 +6,7 @@ pub mod invariants;
 pub mod laws;
 pub mod meshes;
 pub mod operator_laws;
+pub mod potentials;
 pub mod quadrature;
 pub mod refused;
 pub mod small_meshes;

@@ -495,3 +495,29 @@ pub const SINGLE_STRAIN: Tolerance = Tolerance::new(
     2e-5,
     "positions rounded at 6e-8 over edges of a tenth, and strains of a tenth",
 );
+/// Energies on a sphere of 2562 vertices against the smooth ones, relative.
+pub const COARSE_SPHERE: Tolerance = Tolerance::new(
+    2e-2,
+    "M and A are second order, 1.5e-3 here, and five times that where M0 is 0.8 M; squared",
+);
+/// |F/F0 − 1| after a correction.
+pub const CONSTRAINED: Tolerance = Tolerance::new(
+    1e-14,
+    "some roundings of a value and of the positions it is taken from",
+);
+/// The same 1e8 radii from the origin.
+pub const CONSTRAINED_FAR: Tolerance =
+    Tolerance::new(1e-7, "positions are rounded at 1e-8 of the radius there");
+/// The same in f32.
+pub const CONSTRAINED_SINGLE: Tolerance =
+    Tolerance::new(5e-6, "as in f64, from a rounding of 6e-8");
+/// Directions of a small step against those to first order.
+pub const FIRST_ORDER: Tolerance = Tolerance::new(
+    1e-5,
+    "the step is 1e-6 of the size; cosines are second order",
+);
+/// Rates along directions that should keep a value, by central differences.
+pub const TANGENT: Tolerance = Tolerance::new(
+    1e-7,
+    "a step of 1e-6 leaves 1e-12 of truncation and 1e-15/1e-6 of rounding, times a value of 20",
+);

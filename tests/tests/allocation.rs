@@ -5,14 +5,15 @@
 )]
 
 use helfrich::{
-    Cotangent, Curvature, DualArea, InPlane, LaplaceBeltrami, Method, NeoHookean, Prepared, Real,
-    Rows, Serial, Surface,
+    Constraint, Constraints, Cotangent, Curvature, DualArea, InPlane, LaplaceBeltrami, Method,
+    NeoHookean, Prepared, Quantity, Real, Rows, Serial, Surface, Targets,
 };
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
     for_each_conservative, for_each_operator,
 };
 use helfrich_tests::meshes::{Mesh, hemisphere, icosphere};
+use helfrich_tests::potentials::for_each_potential;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -145,7 +146,38 @@ fn nothing_is_allocated_after_the_first_evaluation() {
         for_each(&mut allocation);
         for_each_conservative(&mut allocation);
         for_each_operator(&mut allocation);
+        for_each_potential(&mut allocation);
     }
+}
+
+#[test]
+fn constraints_allocate_once() {
+    let Allocation { mesh, moved } = Allocation::of(icosphere(2));
+    let constraints = Constraints {
+        constraints: [Quantity::Area, Quantity::Volume, Quantity::MeanCurvature]
+            .map(|functional| Constraint {
+                functional,
+                targets: Targets::measured(&functional, moved.surface()),
+            })
+            .to_vec(),
+    };
+    let mut prepared = Prepared::new(constraints, &mesh.connectivity);
+    let disturbed = moved.map(|[x, y, z]| [x, 1.01 * y, z]);
+    let mut field = moved.positions.clone();
+    let mut evaluate = |from: &Mesh| {
+        let mut positions = from.positions.clone();
+        let mesh = &mesh.connectivity;
+        allocations(|| {
+            prepared.with(|constraints, execution, plan, memory| {
+                let corrected = constraints.correct(execution, plan, mesh, &mut positions, memory);
+                assert!(corrected.is_ok(), "{corrected:?}");
+                let surface = moved.surface();
+                constraints.project(execution, plan, surface, memory, &mut field);
+            });
+        })
+    };
+    assert!(evaluate(&disturbed) > 0);
+    assert_eq!(evaluate(&disturbed), 0);
 }
 
 #[test]

@@ -1,0 +1,101 @@
+//! The energies of whole components, for the laws of conservative methods.
+
+use crate::laws::{ConservativeCandidate, ConservativeLaw, Sum};
+use helfrich::{AreaDifference, OsmoticPressure, Penalty, Quantity, Real, SurfaceTension};
+
+const MODULES: &[&str] = &["constraint", "functional"];
+
+/// Surface tension.
+#[derive(Clone, Copy, Debug)]
+pub struct Tension;
+
+impl ConservativeCandidate for Tension {
+    type ConservativeMethod<T: Real> = SurfaceTension<T>;
+    fn name(self) -> &'static str {
+        "surface tension"
+    }
+    fn modules(self) -> &'static [&'static str] {
+        MODULES
+    }
+    fn method<T: Real>(self, modulus: T) -> SurfaceTension<T> {
+        SurfaceTension::new(modulus)
+    }
+}
+
+/// Osmotic pressure.
+#[derive(Clone, Copy, Debug)]
+pub struct Pressure;
+
+impl ConservativeCandidate for Pressure {
+    type ConservativeMethod<T: Real> = OsmoticPressure<T>;
+    fn name(self) -> &'static str {
+        "osmotic pressure"
+    }
+    fn modules(self) -> &'static [&'static str] {
+        MODULES
+    }
+    fn method<T: Real>(self, modulus: T) -> OsmoticPressure<T> {
+        OsmoticPressure::new(modulus)
+    }
+}
+
+/// The penalty of a quantity.
+#[derive(Clone, Copy, Debug)]
+pub struct Penalised {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// Its target.
+    pub target: f64,
+}
+
+impl ConservativeCandidate for Penalised {
+    type ConservativeMethod<T: Real> = Penalty<T>;
+    fn name(self) -> &'static str {
+        match self.quantity {
+            Quantity::Area => "penalty of area",
+            Quantity::Volume => "penalty of volume",
+            Quantity::MeanCurvature => "penalty of mean curvature",
+        }
+    }
+    fn modules(self) -> &'static [&'static str] {
+        MODULES
+    }
+    fn method<T: Real>(self, modulus: T) -> Penalty<T> {
+        Penalty::new(self.quantity, modulus, T::constant(self.target))
+    }
+}
+
+/// Area difference.
+#[derive(Clone, Copy, Debug)]
+pub struct Bilayer {
+    /// M0.
+    pub target: f64,
+}
+
+impl ConservativeCandidate for Bilayer {
+    type ConservativeMethod<T: Real> = AreaDifference<T>;
+    fn name(self) -> &'static str {
+        "area difference"
+    }
+    fn modules(self) -> &'static [&'static str] {
+        MODULES
+    }
+    fn method<T: Real>(self, modulus: T) -> AreaDifference<T> {
+        AreaDifference::new(modulus, T::constant(self.target))
+    }
+}
+
+/// Every energy of whole components, with targets of bodies of size 1.
+pub fn for_each_potential(law: &mut impl ConservativeLaw) {
+    law.check(Tension);
+    law.check(Pressure);
+    for (quantity, target) in [
+        (Quantity::Area, 9.0),
+        (Quantity::Volume, 2.5),
+        (Quantity::MeanCurvature, 15.0),
+    ] {
+        law.check(Penalised { quantity, target });
+    }
+    law.check(Bilayer { target: 15.0 });
+    law.check(Sum(Tension, Bilayer { target: 10.0 }));
+}
