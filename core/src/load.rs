@@ -152,11 +152,10 @@ impl<T: Real> PointLoads<T> {
         }
         let first = order[0];
         let height = |vertex: u32| dot(direction, surface.difference(first, vertex));
+        // Stable: what is equally far stays in the order of the numbers.
         order.sort_by(|&a, &b| {
             let heights = height(a).partial_cmp(&height(b));
-            heights
-                .unwrap_or(core::cmp::Ordering::Equal)
-                .then(a.cmp(&b))
+            heights.unwrap_or(core::cmp::Ordering::Equal)
         });
         let pull = scale(force / T::constant(count as f64), direction);
         let push = pull.map(|f| -f);

@@ -2,12 +2,12 @@
 
 use helfrich::elasticity::Strain;
 use helfrich::{
-    Conservative, InPlane, LocalArea, NeoHookean, Prepared, Real, ReferenceError, Serial, Skalak,
-    StrainEnergy, Surface, TriangleMesh,
+    Conservative, Finding, InPlane, LocalArea, NeoHookean, Prepared, Real, ReferenceError, Serial,
+    Skalak, StrainEnergy, Surface, TriangleMesh,
 };
 use helfrich_tests::laws::{
     Balanced, ConservativeCandidate, ConservativeLaw, Finite, ForceIsDifference, ForceIsGradient,
-    Law, energy, forces, largest,
+    Law, energy, findings, forces, largest,
 };
 use helfrich_tests::meshes::{
     GENERIC, Mesh, bent, cases, cross, difference, disc, hemisphere, icosphere, norm, octahedron,
@@ -197,6 +197,20 @@ impl Check for Conserves<'_> {
         ForceIsGradient(self.0).check(candidate);
         ForceIsDifference(self.0).check(candidate);
         Balanced(self.0).check(candidate);
+
+        // What an evaluation leaves in memory does not enter the next; forces are added.
+        let (expected, total) = evaluate(family, reference, self.0);
+        let method = ConservativeCandidate::method(candidate, 1.0);
+        let mut prepared = Prepared::new(method, &self.0.connectivity);
+        for _ in 0..2 {
+            let mut force = vec![[0.0; 3]; expected.len()];
+            let together = prepared.add_force_and_energy(self.0.surface(), &mut force);
+            assert!((&force, together) == (&expected, total), "{}", F::MODULE);
+            assert_eq!(prepared.energy(self.0.surface()), total, "{}", F::MODULE);
+            prepared.add_force_and_energy(self.0.surface(), &mut force);
+            let twice = expected.iter().map(|f| f.map(|f| f + f));
+            assert!(force.iter().copied().eq(twice), "{}: added", F::MODULE);
+        }
     }
 }
 
@@ -521,6 +535,16 @@ fn degenerate_surfaces_give_finite_numbers() {
         sphere.map(|x| x.map(|x| 1e12 * x)),
     ];
     for_each(&mut Degenerate(sphere, shapes));
+
+    let law = || InPlane::new(Rubber.law(1.0), &sphere.connectivity, sphere.surface()).unwrap();
+    let expected = sphere.connectivity.triangles().iter().enumerate();
+    let expected =
+        expected.filter(|(_, corners)| corners.contains(&0) && corners.contains(&neighbours[0]));
+    let expected = expected.map(|(triangle, _)| Finding::DegenerateTriangle {
+        triangle: triangle as u32,
+    });
+    assert!(findings(law(), &replaced(first)).into_iter().eq(expected));
+    assert_eq!(findings(law(), sphere), []);
 
     let open = hemisphere(2);
     let flat = open.map(|[x, y, _]| [x, y, 0.0]);
