@@ -365,12 +365,13 @@ fn small_strains_have_the_moduli() {
             let law = family.law(1.0);
             let [shear, area] = family.moduli();
             assert_eq!([law.shear_modulus(), law.area_modulus()], [shear, area]);
-            // A grid of powers of two, so that what is stored of a strain is the strain.
+            // The strains are multiples of 2⁻⁵², so that what is stored of them is the strain.
             let patch = &Mesh::new(
                 vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
                 vec![[0, 1, 2], [1, 3, 2]],
             );
-            for size in [2.0_f64.powi(-13), 2.0_f64.powi(-27), 2.0_f64.powi(-40)] {
+            for units in [1_u64 << 39, 31_100_003, 3001] {
+                let size = units as f64 * f64::EPSILON;
                 for strain in [[1.0, 1.0], [1.0, 0.0], [1.0, -1.0]] {
                     let [a, b] = strain.map(|part| size * part);
                     let now = patch.map(|[x, y, z]| [x + a * x, y + b * y, z]);
