@@ -38,7 +38,8 @@
 //!
 //! The change is subtracted before anything is multiplied, and laws are written in `Γ`: small
 //! strains lose no digits beyond those of the positions, and in the reference shape energy and
-//! forces are exactly zero.
+//! forces are exactly zero. In f32, at a strain of 1e-4, the neo-Hookean energy is 1e-5 off; from
+//! `tr C − 2` and `det C − 1` it is 7 % off.
 
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::energy::{Conservative, Energy, Finding, Force, Method};
