@@ -100,8 +100,12 @@ impl<const CORNERS: usize> ComponentElements<CORNERS> {
         &self.elements[self.range(component)]
     }
 
+    pub(crate) fn all(&self) -> &[[u32; CORNERS]] {
+        &self.elements
+    }
+
     /// Sets `values` to the sums of `term(first, element)`, `first` the component's first element.
-    fn sums<T: Real>(
+    pub(crate) fn sums<T: Real>(
         &self,
         execution: &impl Execution,
         values: &mut [T],

@@ -55,6 +55,8 @@ pub mod elasticity;
 pub mod element;
 mod energy;
 pub mod functional;
+mod gravity;
+pub mod interaction;
 mod lane;
 pub mod laplacian;
 mod load;
@@ -83,6 +85,8 @@ pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, Str
 pub use element::{Execution, Serial};
 pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
 pub use functional::{EnclosedVolume, Functional, Quantity, TotalArea, TotalMeanCurvature};
+pub use gravity::{Gravity, GravityMemory};
+pub use interaction::{Interaction, Repulsion};
 pub use lane::{Lane, Pack};
 pub use laplacian::{
     Bandwidth, Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows,

@@ -521,3 +521,8 @@ pub const TANGENT: Tolerance = Tolerance::new(
     1e-7,
     "a step of 1e-6 leaves 1e-12 of truncation and 1e-15/1e-6 of rounding, times a value of 20",
 );
+/// Repulsion in f32 against f64, relative.
+pub const REPULSION_SINGLE: Tolerance = Tolerance::new(
+    1e-5,
+    "positions of size 3 rounded at 6e-8 over a range of 0.5, in the third power",
+);

@@ -5,8 +5,8 @@
 )]
 
 use helfrich::{
-    Constraint, Constraints, Cotangent, Curvature, DualArea, InPlane, LaplaceBeltrami, Method,
-    NeoHookean, Prepared, Quantity, Real, Rows, Serial, Surface, Targets,
+    Constraint, Constraints, Cotangent, Curvature, DualArea, InPlane, Interaction, LaplaceBeltrami,
+    Method, NeoHookean, Prepared, Quantity, Real, Repulsion, Rows, Serial, Surface, Targets,
 };
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
@@ -148,6 +148,32 @@ fn nothing_is_allocated_after_the_first_evaluation() {
         for_each_operator(&mut allocation);
         for_each_potential(&mut allocation);
     }
+}
+
+#[test]
+fn repulsion_allocates_once() {
+    let Allocation { mesh, moved } = Allocation::of(icosphere(2));
+    let beside = moved.map(|[x, y, z]| [x + 1.5, y, z]);
+    let repulsion = Repulsion {
+        modulus: 1.0,
+        range: 0.6,
+    };
+    let mut memory = Default::default();
+    let mut evaluate = |surfaces: [Surface<'_, f64>; 2]| {
+        let mut forces = [0, 1].map(|_| vec![[0.0; 3]; mesh.positions.len()]);
+        let [first, second] = &mut forces;
+        let forces: &mut [&mut [_]] = &mut [first, second];
+        let mut energy = 0.0;
+        let count = allocations(|| {
+            energy = repulsion.add_force_and_energy(&Serial, &surfaces, &mut memory, forces);
+            energy = energy.min(repulsion.energy(&Serial, &surfaces, &mut memory));
+        });
+        assert!(energy > 0.0);
+        count
+    };
+    assert!(evaluate([mesh.surface(), beside.surface()]) > 0);
+    assert_eq!(evaluate([beside.surface(), mesh.surface()]), 0);
+    assert_eq!(evaluate([mesh.surface(), beside.surface()]), 0);
 }
 
 #[test]

@@ -127,7 +127,7 @@ fn dilatation_does_the_work_of_euler() {
             potential: Linear { slope: 1.0 },
         };
         let (connectivity, x) = (&mesh.connectivity, &mesh.positions);
-        let force = forces(potential.clone(), connectivity, x);
+        let force = forces(potential, connectivity, x);
         let work: f64 = x.iter().zip(&force).map(|(&x, &f)| -dot(x, f)).sum();
         let value = energy(potential, connectivity, x);
         tolerance::SAME.assert(work, power * value, value.abs(), "Σ x·∂F");

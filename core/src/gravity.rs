@@ -1,0 +1,142 @@
+//! The weight of what a surface encloses.
+
+use crate::element::{Corners, ElementKernel, Execution};
+use crate::energy::{Conservative, Energy, Force, Method};
+use crate::functional::{ComponentElements, closed_triangles, sixfold_volume};
+use crate::lane::Lane;
+use crate::mesh::TriangleMesh;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::vec3::{Vec3, add, dot, scale, sub};
+use alloc::vec::Vec;
+
+/// Gravity and buoyancy: `E = −Δρ g·∫ (x − x_level) dV` over what each closed component encloses,
+/// Δρ the density inside minus the one outside, g the acceleration; the force is the exact
+/// gradient of the polyhedron's integral, the hydrostatic pressure `Δρ g·(x − x_level)` over the
+/// triangles. Positive Δρ sinks along g.
+///
+/// The force comes from outside: it has the sum Δρ V g, and a move by t changes the energy by
+/// −Δρ V g·t. The level is where inside and outside have the same pressure; put elsewhere it adds a
+/// constant pressure, which changes nothing where the volume is held. Components with boundary
+/// enclose nothing and feel nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gravity<T> {
+    /// Δρ g, force per volume.
+    pub weight: [T; 3],
+    /// x_level, a point. One near the surface keeps digits.
+    pub level: [T; 3],
+}
+
+/// Memory of [`Gravity`].
+#[derive(Clone, Debug, Default)]
+pub struct GravityMemory<T> {
+    /// Δρ g·(x − x_level) of each vertex.
+    pressures: Vec<[T; 1]>,
+    /// ∫ Δρ g·(x − x_level) dV of each component.
+    moments: Vec<T>,
+}
+
+/// What the pressure on a triangle gives to its corners: `∫ p φ_i dS n = (Σ p + p_i)/12 A n`.
+struct Pressure;
+
+impl<T: Real> ElementKernel<T, 3, 1, 3> for Pressure {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        _first: usize,
+        corners: &Corners<L, 3>,
+        pressures: &[[L; 1]; 3],
+    ) -> [[L; 3]; 3] {
+        let doubled = corners.triangle().area_vector;
+        let sum = pressures[0][0] + pressures[1][0] + pressures[2][0];
+        pressures.map(|[own]| scale(L::literal(1.0 / 24.0) * (sum + own), doubled))
+    }
+}
+
+impl<T: Real> Gravity<T> {
+    fn measure(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GravityMemory<T>,
+    ) {
+        let positions = surface.positions();
+        let pressures = &mut memory.pressures;
+        pressures.resize(positions.len(), [T::zero()]);
+        execution.map(&mut pressures[..], |vertex, pressure| {
+            let above: Vec3<T> = sub(positions[vertex], self.level);
+            let remainder = surface.remainders().map(|remainders| remainders[vertex]);
+            let above = remainder.map_or(above, |remainder| add(above, remainder));
+            *pressure = [dot(self.weight, above)];
+        });
+    }
+
+    /// Over tetrahedra between the triangles and a vertex: the mean of the corners times the volume.
+    fn energy_of(
+        execution: &impl Execution,
+        plan: &ComponentElements<3>,
+        surface: Surface<'_, T>,
+        memory: &mut GravityMemory<T>,
+    ) -> T {
+        let GravityMemory { pressures, moments } = memory;
+        let at = |vertex: u32| pressures[vertex as usize][0];
+        moments.resize(plan.components().count(), T::zero());
+        plan.sums(execution, moments, |[origin, ..], triangle| {
+            let [a, b, c] = triangle.map(at);
+            let mean = T::constant(0.25) * (at(origin) + a + b + c);
+            mean * sixfold_volume(surface, origin, triangle) / T::constant(6.0)
+        });
+        -moments.iter().copied().sum::<T>()
+    }
+}
+
+impl<T: Real> Method<T> for Gravity<T> {
+    type Plan = ComponentElements<3>;
+    type Memory = GravityMemory<T>;
+
+    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
+        closed_triangles(mesh)
+    }
+}
+
+impl<T: Real> Energy<T> for Gravity<T> {
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut Self::Memory,
+    ) -> T {
+        self.measure(execution, surface, memory);
+        Self::energy_of(execution, plan, surface, memory)
+    }
+}
+
+impl<T: Real> Force<T> for Gravity<T> {
+    fn add_force(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut Self::Memory,
+        force: &mut [[T; 3]],
+    ) {
+        self.measure(execution, surface, memory);
+        let pressures = &memory.pressures;
+        execution.scatter(&Pressure, surface, plan.all(), pressures, force);
+    }
+}
+
+impl<T: Real> Conservative<T> for Gravity<T> {
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut Self::Memory,
+        force: &mut [[T; 3]],
+    ) -> T {
+        self.add_force(execution, plan, surface, memory, force);
+        Self::energy_of(execution, plan, surface, memory)
+    }
+}
