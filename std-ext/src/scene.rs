@@ -10,13 +10,17 @@
 
 mod build;
 mod check;
+mod explain;
 mod keys;
 mod mesh_check;
 mod problem;
+mod schema;
 mod units;
 mod value;
 
+pub use explain::{Active, Explanation, Group, Parameter, SurfaceExplanation};
 pub use problem::{Place, Problem, SceneError, SceneErrors};
+pub use schema::json_schema;
 pub use value::{OverrideSyntaxError, Overrides};
 
 use crate::generate::{AnyShape, Family};
@@ -65,30 +69,43 @@ pub struct SurfaceScene {
     /// Where the mesh's origin is put.
     pub position: [f64; 3],
     /// How the mesh is turned about its origin.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Orientation>,
     /// Viscosity inside over viscosity outside, λ. Only flow drivers know viscosities.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub viscosity_ratio: Option<f64>,
     /// Bending.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bending: Option<Bending>,
     /// Elasticity in the surface's plane.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub elasticity: Option<Elasticity>,
     /// Total area of each connected component.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub area: Option<Held<Target>>,
     /// Area of each triangle.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub local_area: Option<LocalArea>,
     /// Enclosed volume of each connected component.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<Held<VolumeTarget>>,
     /// Difference of the areas of the bilayer's leaflets, through ∫H dS of each component.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub area_difference: Option<Held<AreaDifferenceTarget>>,
     /// Surface tension σ, force per length: `E = σ A`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tension: Option<f64>,
     /// Pressure inside minus pressure outside, Δp: `E = −Δp V`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<f64>,
     /// Weight of what is inside, less that of what it displaces.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Gravity>,
     /// Viscosity of the membrane.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub membrane_viscosity: Option<MembraneViscosity>,
     /// Opposite forces at the surface's two ends.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub stretching: Option<Stretching>,
 }
 
@@ -255,7 +272,7 @@ pub enum Hold {
     /// As a constraint.
     Exact,
     /// By a penalty with this modulus. Area and volume F: `E = k/2 (F − F0)²/F0`, k a force per
-    /// length or a pressure. Area difference: `E = 2π k (M − M0)²/A0` with `M = ∫H dS`, k an energy.
+    /// length or a pressure. Area difference: `E = 2π k (M − M0)²/A` with `M = ∫H dS`, k an energy.
     Penalty(f64),
 }
 
@@ -338,13 +355,14 @@ pub struct Stretching {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Interaction {
-    /// Repulsion at short range.
+    /// Repulsion at short range, `E = ∫∫ k (1 − r²/r_c²)³ dS dS` over two surfaces.
     Repulsion {
-        /// Energy of two vertices that meet.
+        /// k, energy per area squared.
         strength: f64,
-        /// Distance from which on there is none.
+        /// r_c, from which on there is none.
         cutoff: f64,
         /// The two surfaces, counted from 0; every pair if `None`.
+        #[serde(skip_serializing_if = "Option::is_none")]
         between: Option<[usize; 2]>,
     },
 }
@@ -362,7 +380,8 @@ pub enum Driver {
 pub struct Relax {
     /// The scheme, already chosen: never `auto`.
     pub scheme: Scheme,
-    /// Largest force left at a vertex, relative, at which the run ends.
+    /// The run ends when the root mean square of the force per area that is left, in units of
+    /// κ/R³ + K/R, is below this; K is the largest modulus in the plane, `4πR² = A`.
     pub residual: f64,
     /// Iterations after which the run ends in any case.
     pub iterations: u64,
@@ -444,6 +463,11 @@ impl SceneFile {
     /// Everything that the mesh does not allow.
     pub fn check_mesh(&self, surface: usize, mesh: &MeshInfo) -> Result<(), SceneErrors> {
         mesh_check::check_mesh(self, surface, mesh)
+    }
+
+    /// What is probably not meant about a surface and its mesh, scaled as the scene says.
+    pub fn mesh_warnings(&self, surface: usize, mesh: &MeshInfo) -> Vec<SceneError> {
+        mesh_check::mesh_warnings(self, surface, mesh)
     }
 
     /// Compares a surface's mesh with the one of a reference that it names.

@@ -40,12 +40,13 @@ pub(super) fn parse(
     };
     let (document, syntax_errors) = DeTable::parse_recoverable(text);
     // What follows the first error is often only its echo.
-    if let Some(error) = syntax_errors.into_iter().next() {
+    let start = |error: &toml::de::Error| error.span().map(|span| span.start);
+    if let Some(error) = syntax_errors.into_iter().min_by_key(start) {
         let origin = error.span().map_or(Origin::File, Origin::Text);
         let message = error.message().to_owned();
-        if let Some(errors) = fail(vec![(origin, Problem::Syntax { message })]) {
-            return Err(errors);
-        }
+        return Err(SceneErrors::from(
+            source.error(&origin, Problem::Syntax { message }),
+        ));
     }
     let mut table = Table::new(document.get_ref(), &Origin::Text);
     let mut problems = Problems(overrides.apply(&SCENE, &mut table));
@@ -253,7 +254,7 @@ impl Builder<'_> {
                 }
             }
             law => {
-                if given && law.is_some() {
+                if given && law == Some("neo-hookean") {
                     self.contradiction(
                         &elasticity.origin_of("area_ratio"),
                         "`area_ratio` is the C of Skalak's law, and the neo-Hookean has none: leave \
@@ -422,8 +423,8 @@ impl Builder<'_> {
         }
         Relax {
             scheme,
-            residual: number("residual").unwrap_or(1e-4),
-            iterations: count("iterations").unwrap_or(20_000),
+            residual: number("residual").unwrap_or(1e-5),
+            iterations: count("iterations").unwrap_or(10_000),
             redistribution: redistribution.unwrap_or(fluid),
         }
     }
@@ -465,6 +466,35 @@ impl Builder<'_> {
                  scale of its mesh, more so on a finer one: add [surface.bending]"
             );
             let origin = reader.origin_of("elasticity");
+            self.warnings.add(&origin, Problem::Doubtful { message });
+        }
+        let exact = |hold: Option<Hold>| hold == Some(Hold::Exact);
+        let idle = [
+            (
+                "tension",
+                surface.tension.is_some() && exact(surface.area.map(|held| held.hold)),
+                "area",
+            ),
+            (
+                "pressure",
+                surface.pressure.is_some() && exact(surface.volume.map(|held| held.hold)),
+                "volume",
+            ),
+        ];
+        for (key, _, held) in idle.into_iter().filter(|(_, idle, _)| *idle) {
+            let message = format!(
+                "`{key}` does nothing to \"{name}\", whose {held} is held exactly: leave one of them \
+                 out"
+            );
+            let origin = reader.origin_of(key);
+            self.warnings.add(&origin, Problem::Doubtful { message });
+        }
+        if surface.gravity.is_some() {
+            let message = format!(
+                "\"{name}\" has a weight and nothing that carries it: the driver \"relax\" finds no \
+                 equilibrium, and ends by its iterations"
+            );
+            let origin = reader.origin_of("gravity");
             self.warnings.add(&origin, Problem::Doubtful { message });
         }
         if !surface.has_effects() {

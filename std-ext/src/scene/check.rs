@@ -47,13 +47,14 @@ pub(super) fn check_table(
         name,
         presence,
         summary,
-        ..
+        form,
     } in keys.keys
     {
         if *presence == Presence::Required && !given(&name) {
             let problem = Problem::Missing {
                 table: around.to_owned(),
                 key: name,
+                expected: expected(form, units).trim_end_matches(',').to_owned(),
                 summary,
             };
             problems.add(origin, problem);
@@ -240,6 +241,7 @@ fn check(
             (list.len() != 2 || !list.iter().all(text)).then(|| wrong_kind(expected(form, units)))
         }
         (Form::Text, Value::Text(_)) | (Form::Switch, Value::Switch(_)) => None,
+        (Form::Tables(_), _) => Some(wrong_kind(format!("a list of tables, [[{name}]],"))),
         _ => Some(wrong_kind(expected(form, units))),
     };
     if let Some(problem) = problem {

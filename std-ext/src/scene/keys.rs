@@ -304,7 +304,7 @@ static SURFACE: Keys = Keys {
             "area_difference",
             Form::Table(&AREA_DIFFERENCE),
             "Difference of the leaflets' areas by M = ∫H dS, held exactly (bilayer coupling) or by a \
-             penalty E = 2π k (M − M0)²/A0.",
+             penalty E = 2π k (M − M0)²/A.",
         ),
         optional(
             "tension",
@@ -576,13 +576,13 @@ static INTERACTION: Keys = plain(&[
     ),
     required(
         "strength",
-        positive(Dimension::ENERGY),
-        "Energy of two vertices that meet.",
+        positive(Dimension::REPULSION),
+        "Energy per area of both surfaces where they meet: k in E = ∫∫ k (1 − r²/r_c²)³ dS dS.",
     ),
     required(
         "cutoff",
         positive(Dimension::LENGTH),
-        "Distance from which on there is no force.",
+        "Distance r_c from which on there is no force; edges need half of it or less.",
     ),
     optional(
         "between",
@@ -609,13 +609,14 @@ static DRIVER: Keys = plain(&[
     optional(
         "residual",
         NUMBER,
-        "The run ends when the force that is left, relative to the forces that balance, is smaller; \
-         by default 1e-4.",
+        "The run ends when the root mean square of the force per area that is left, in units of \
+         κ/R³ + K/R with K the largest modulus in the plane and 4πR² = A, is smaller; by default \
+         1e-5.",
     ),
     optional(
         "iterations",
         Form::Count(1),
-        "The run ends after as many iterations in any case; by default 20000.",
+        "The run ends after as many iterations in any case; by default 10000.",
     ),
     optional(
         "redistribution",

@@ -2,7 +2,10 @@
 
 use super::build::reduced_volume;
 use super::problem::{Problem, SceneErrors};
-use super::{Held, Hold, SceneFile, SurfaceScene, Target, VolumeTarget};
+use super::{
+    Held, Hold, Interaction, Reference, ReferenceSource, SceneError, SceneFile, SurfaceScene,
+    Target, VolumeTarget,
+};
 use crate::info::MeshInfo;
 use helfrich::TriangleMesh;
 
@@ -46,6 +49,24 @@ pub(super) fn check_mesh(
             Some(_) => {}
         }
     }
+    if let [first, ..] = mesh.degenerate_triangles.as_slice() {
+        let initial = |reference: &Reference| reference.source == ReferenceSource::Initial;
+        let elasticity = scene.elasticity.as_ref();
+        let local_area = scene.local_area.as_ref();
+        let named = [
+            ("elasticity", elasticity.map(|law| initial(&law.reference))),
+            ("local_area", local_area.map(|law| initial(&law.reference))),
+        ];
+        for (key, _) in named.into_iter().filter(|(_, named)| *named == Some(true)) {
+            problem(
+                key,
+                format!(
+                    "triangle {first} of the mesh has no area, and no strain can be measured from \
+                     it: repair the mesh, or give `{key}` another reference"
+                ),
+            );
+        }
+    }
     targets(scene, mesh, &mut problem);
     let errors = found.into_iter().map(|(key, message)| {
         let path = match key.as_str() {
@@ -57,6 +78,28 @@ pub(super) fn check_mesh(
             .error(&origin, Problem::Contradiction { message })
     });
     SceneErrors::new(errors.collect()).map_or(Ok(()), Err)
+}
+
+pub(super) fn mesh_warnings(file: &SceneFile, surface: usize, mesh: &MeshInfo) -> Vec<SceneError> {
+    let interactions = file.scene.interactions.iter().enumerate();
+    let warning = |(index, interaction): (usize, &Interaction)| {
+        let Interaction::Repulsion {
+            cutoff, between, ..
+        } = interaction;
+        let concerned = between.is_none_or(|pair| pair.contains(&surface));
+        let longest = mesh.edge_lengths[1];
+        (concerned && longest > 0.5 * cutoff).then(|| {
+            let message = format!(
+                "the repulsion reaches {cutoff}, and edges of \"{}\" are up to {longest} long: a \
+                 surface can slip between the vertices of another: choose a longer `cutoff` or more \
+                 vertices, such that edges are half of it or less",
+                file.scene.surfaces[surface].name
+            );
+            let origin = file.origins.of(&format!("interaction.{index}.cutoff"));
+            file.source.error(&origin, Problem::Doubtful { message })
+        })
+    };
+    interactions.filter_map(warning).collect()
 }
 
 fn needing_a_volume(scene: &SurfaceScene) -> Vec<&'static str> {
@@ -137,8 +180,12 @@ pub(super) fn check_reference(
     } else {
         return Ok(());
     };
-    let elastic = scene.elasticity.is_some();
-    let effect = if elastic { "elasticity" } else { "local_area" };
+    let initial = |reference: &Reference| reference.source == ReferenceSource::Initial;
+    let elasticity = scene.elasticity.as_ref();
+    let effect = match elasticity.is_some_and(|elasticity| !initial(&elasticity.reference)) {
+        true => "elasticity",
+        false => "local_area",
+    };
     let origin = file
         .origins
         .of(&format!("surface.{surface}.{effect}.reference"));

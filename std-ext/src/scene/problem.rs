@@ -137,12 +137,14 @@ pub enum Problem {
         known: String,
     },
     /// A key is missing.
-    #[error("{} lacks `{key}`: {summary}", name_of(table))]
+    #[error("{} lacks `{key}`: {expected} is needed. {summary}", name_of(table))]
     Missing {
         /// The table's path; empty for the scene.
         table: String,
         /// The key.
         key: &'static str,
+        /// What would be right.
+        expected: String,
         /// What the key means.
         summary: &'static str,
     },
@@ -405,11 +407,13 @@ fn floor(text: &str, at: usize) -> usize {
 }
 
 /// The text of a scene file.
-pub(super) fn read_text(path: &Path) -> Result<String, SceneError> {
-    let failure = |message: String| SceneError {
-        path: path.to_owned(),
-        place: Place::File,
-        problem: Problem::Unreadable { message },
+pub(super) fn read_text(path: &Path) -> Result<String, SceneErrors> {
+    let failure = |message: String| {
+        SceneErrors::from(SceneError {
+            path: path.to_owned(),
+            place: Place::File,
+            problem: Problem::Unreadable { message },
+        })
     };
     let bytes = std::fs::read(path).map_err(|error| {
         failure(match error.kind() {

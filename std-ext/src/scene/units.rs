@@ -31,10 +31,11 @@ impl Dimension {
     pub(super) const DENSITY: Self = Self::new(1, -4, 2);
     pub(super) const ACCELERATION: Self = Self::new(0, 1, -2);
     pub(super) const SURFACE_VISCOSITY: Self = Self::new(1, -1, 1);
+    pub(super) const REPULSION: Self = Self::new(1, -3, 0);
     const TIME: Self = Self::new(0, 0, 1);
 
     /// What it is called in messages, and numbers with a unit that have it.
-    const NAMES: [(Self, &'static str, &'static str); 13] = [
+    const NAMES: [(Self, &'static str, &'static str); 14] = [
         (Self::NONE, "a number without a unit", "0.5"),
         (Self::LENGTH, "a length", "\"3.91 µm\""),
         (Self::AREA, "an area", "\"135 µm²\""),
@@ -50,6 +51,11 @@ impl Dimension {
             Self::SURFACE_VISCOSITY,
             "a surface viscosity, force·time/length",
             "\"0.5 µN·s/m\"",
+        ),
+        (
+            Self::REPULSION,
+            "an energy per area squared",
+            "\"0.5 pN/µm³\"",
         ),
         (Self::TIME, "a time", "\"2 ms\""),
     ];

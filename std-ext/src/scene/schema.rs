@@ -1,0 +1,111 @@
+//! A JSON schema from the table of keys, for editors and other programs.
+
+use super::keys::{Form, Key, Keys, Presence, Range, SCENE};
+use super::units::Dimension;
+use serde_json::{Map, Value, json};
+
+/// The JSON schema (draft 2020-12) of a scene file, its tables being objects.
+///
+/// It knows keys, forms, plain ranges and which keys exclude or need each other; dimensions of
+/// units and contradictions between effects are seen by [`super::SceneFile`] alone.
+pub fn json_schema() -> Value {
+    let mut schema = object(&SCENE);
+    schema.insert(
+        "$schema".to_owned(),
+        json!("https://json-schema.org/draft/2020-12/schema"),
+    );
+    schema.insert("title".to_owned(), json!("Scene of the helfrich program"));
+    Value::Object(schema)
+}
+
+fn object(keys: &'static Keys) -> Map<String, Value> {
+    let required = |key: &&Key| key.presence == Presence::Required;
+    let required = Vec::from_iter(keys.keys.iter().filter(required).map(|key| key.name));
+    let properties = keys.keys.iter().map(|key| {
+        let mut value = form(&key.form);
+        value.insert("description".to_owned(), json!(key.summary));
+        (key.name.to_owned(), Value::Object(value))
+    });
+    let mut schema = Map::from_iter([
+        ("type".to_owned(), json!("object")),
+        ("properties".to_owned(), Value::Object(properties.collect())),
+        ("additionalProperties".to_owned(), json!(false)),
+    ]);
+    if !required.is_empty() {
+        schema.insert("required".to_owned(), json!(required));
+    }
+    let one = |group: &&[&str]| {
+        let alone = Vec::from_iter(group.iter().map(|key| json!({ "required": [key] })));
+        json!({ "oneOf": alone })
+    };
+    let at_most_one = |group: &&[&str]| json!({ "not": { "required": group } });
+    let one = keys.exactly_one.iter().map(one);
+    let rules = Vec::from_iter(one.chain(keys.at_most_one.iter().map(at_most_one)));
+    if !rules.is_empty() {
+        schema.insert("allOf".to_owned(), json!(rules));
+    }
+    let mut needs = Map::new();
+    for [key, other] in keys.needs {
+        needs.insert((*key).to_owned(), json!([other]));
+    }
+    if !needs.is_empty() {
+        schema.insert("dependentRequired".to_owned(), Value::Object(needs));
+    }
+    schema
+}
+
+/// What a number with a unit looks like.
+const QUANTITY: &str = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*\S";
+
+fn form(form: &'static Form) -> Map<String, Value> {
+    let value = match form {
+        Form::Text => json!({ "type": "string" }),
+        Form::Name => json!({ "type": "string", "pattern": "^[A-Za-z][A-Za-z0-9_-]*$" }),
+        Form::File => json!({ "type": "string", "minLength": 1 }),
+        Form::Shape => {
+            json!({ "type": "string", "pattern": "^(sphere|ellipsoid|torus|discocyte)(:|$)" })
+        }
+        Form::Choice(names) => json!({ "enum": names() }),
+        Form::Number(dimension, range) => number(*dimension, *range),
+        Form::Numbers(dimension, range) => {
+            let number = number(*dimension, *range);
+            json!({ "anyOf": [number, { "type": "array", "items": number, "minItems": 1 }] })
+        }
+        Form::Count(least) => json!({ "type": "integer", "minimum": least }),
+        Form::Switch => json!({ "type": "boolean" }),
+        Form::Vector(dimension) => three(*dimension),
+        Form::Direction => three(Dimension::NONE),
+        Form::Pair => {
+            json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 })
+        }
+        Form::Table(keys) => Value::Object(object(keys)),
+        Form::Tables(keys) => json!({ "type": "array", "items": object(keys), "minItems": 1 }),
+        Form::Either([first, second]) => {
+            json!({ "anyOf": [self::form(first), self::form(second)] })
+        }
+    };
+    match value {
+        Value::Object(map) => map,
+        _ => Map::new(),
+    }
+}
+
+fn three(dimension: Dimension) -> Value {
+    let number = number(dimension, Range::Any);
+    json!({ "type": "array", "items": number, "minItems": 3, "maxItems": 3 })
+}
+
+fn number(dimension: Dimension, range: Range) -> Value {
+    let number = match range {
+        Range::Any => json!({ "type": "number" }),
+        Range::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
+        Range::NotNegative => json!({ "type": "number", "minimum": 0 }),
+        Range::Fraction => json!({ "type": "number", "exclusiveMinimum": 0, "maximum": 1 }),
+        Range::Half => json!({ "type": "number", "exclusiveMinimum": 0, "maximum": 0.5 }),
+        Range::Above(least) => json!({ "type": "number", "exclusiveMinimum": least }),
+    };
+    if dimension == Dimension::NONE {
+        return number;
+    }
+    json!({ "anyOf": [number, { "type": "string", "pattern": QUANTITY }] })
+}
