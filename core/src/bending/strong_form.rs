@@ -126,6 +126,27 @@ impl<T, M> StrongFormMemory<T, M> {
 }
 
 impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
+    /// The energy that goes with the last evaluation in `memory`, of whatever kind: for those who
+    /// want it beside the force, without measuring the surface twice.
+    pub fn energy_of(
+        &self,
+        execution: &impl Execution,
+        memory: &StrongFormMemory<T, L::Memory>,
+    ) -> T {
+        let curvature = memory.curvature();
+        let sum = execution.sum(curvature.len(), |vertex| {
+            let Curvature {
+                mean, area, kind, ..
+            } = curvature[vertex];
+            if kind != VertexKind::Interior {
+                return T::zero();
+            }
+            let excess = mean - self.spontaneous_curvature.at(vertex);
+            excess * excess * area
+        });
+        T::constant(2.0) * self.modulus * sum
+    }
+
     fn measure(
         &self,
         execution: &impl Execution,
@@ -267,18 +288,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Energy<T> for StrongForm<T, L> {
         memory: &mut Self::Memory,
     ) -> T {
         self.measure(execution, plan, surface, memory);
-        let curvature = &memory.found.curvature;
-        let sum = execution.sum(curvature.len(), |vertex| {
-            let Curvature {
-                mean, area, kind, ..
-            } = curvature[vertex];
-            if kind != VertexKind::Interior {
-                return T::zero();
-            }
-            let excess = mean - self.spontaneous_curvature.at(vertex);
-            excess * excess * area
-        });
-        T::constant(2.0) * self.modulus * sum
+        self.energy_of(execution, memory)
     }
 }
 
