@@ -20,7 +20,7 @@ mod text;
 mod vtp;
 mod write;
 
-pub use replace::{check_replaceable, replace_file};
+pub use replace::{UNFINISHED, check_replaceable, replace_file};
 pub use vtp::{Collection, CollectionEntry, PointField, PointValues, VtpError, write_vtp};
 pub use write::{WriteError, write, write_to};
 

@@ -7,20 +7,24 @@
 //!   [`info`]: what a mesh is like.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge.
 //! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
+//! * [`effect`] and [`simulation`]: what acts on the surfaces of a scene; [`run`]: a run in a folder.
 //! * [`checkpoint`] and [`series`]: what a run leaves to go on from, and its numbers over time.
 //! * [`dynamics`]: membranes relax to equilibrium.
 //! * [`report`]: how all of this is shown.
 
 pub mod checkpoint;
 pub mod dynamics;
+pub mod effect;
 pub mod generate;
 pub mod info;
 pub mod io;
 pub mod method;
 pub mod report;
+pub mod run;
 pub mod scalar;
 pub mod scene;
 pub mod series;
+pub mod simulation;
 pub mod study;
 pub mod subdivide;
 pub mod verdict;

@@ -7,7 +7,10 @@ use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, replace_file, write};
 use helfrich_std::method::{BendingMethod, Evaluator};
 use helfrich_std::report;
+use helfrich_std::run::{End, run};
 use helfrich_std::scalar::{HeldPositions, Scalar};
+use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::simulation::build;
 use helfrich_std::study::{Progress, Study};
 use helfrich_std::subdivide::{Target, subdivide};
 use helfrich_std::verdict::verdicts;
@@ -17,11 +20,13 @@ use std::fmt::Display;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Bending of triangulated membranes: compares methods, measures curvature.
 ///
 /// Exit codes: 0 done; 2 the arguments or an input file are at fault; 3 an output could not be
-/// written.
+/// written; 4 a run ended before its equilibrium; 130 it was interrupted, and can be resumed.
 #[derive(Parser)]
 #[command(version, max_term_width = 100)]
 struct Arguments {
@@ -42,6 +47,34 @@ enum Command {
     },
     /// Refine a mesh file by Loop's rules: four triangles for each triangle and level.
     Subdivide(SubdivideArguments),
+    /// Run a scene: surfaces, the effects that act on each, and what drives them.
+    Run(RunArguments),
+    /// What a scene asks for: effects, dimensionless groups, memory, step limits. Runs nothing.
+    Explain(SceneArguments),
+}
+
+#[derive(clap::Args)]
+struct SceneArguments {
+    /// TOML file; `scenes/scene.schema.json` describes it.
+    scene: PathBuf,
+    /// Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`; as often as needed.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+}
+
+#[derive(clap::Args)]
+struct RunArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// The folder that everything is written to; the scene's name without `.toml` if there is none.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Go on with the run that is in the folder, from its last checkpoint.
+    #[arg(long)]
+    resume: bool,
+    /// Only say what is wrong with the scene, if anything is.
+    #[arg(long, conflicts_with_all = ["resume", "out"])]
+    check: bool,
 }
 
 #[derive(clap::Args)]
@@ -134,6 +167,8 @@ enum Failure {
     Input(Box<dyn Error>),
     /// Exit code 3.
     Output(String),
+    /// A run that ended early and has said so; its exit code.
+    Unfinished(u8),
 }
 
 impl Failure {
@@ -156,9 +191,12 @@ fn main() -> ExitCode {
         Command::Curvature(arguments) => curvature(&arguments),
         Command::Info { mesh } => info(&mesh),
         Command::Subdivide(arguments) => subdivide_file(&arguments),
+        Command::Run(arguments) => run_scene(&arguments),
+        Command::Explain(arguments) => explain_scene(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Unfinished(code)) => ExitCode::from(code),
         Err(Failure::Input(error)) => {
             say(format_args!("error: {error}"));
             ExitCode::from(2)
@@ -322,6 +360,70 @@ fn curvature_in<T: Real>(arguments: &CurvatureArguments, file: &MeshFile) -> Res
     match file_named(arguments.csv.as_ref()) {
         Some(path) => save(path, csv),
         None => print(csv),
+    }
+}
+
+/// The scene of a file with its overrides; what is probably not meant is said here.
+fn scene(arguments: &SceneArguments) -> Result<SceneFile, Failure> {
+    let overrides = Overrides::new(&arguments.set).map_err(Failure::input)?;
+    let file = SceneFile::read(&arguments.scene, &overrides).map_err(Failure::input)?;
+    for warning in &file.warnings {
+        say(format_args!("warning: {warning}"));
+    }
+    Ok(file)
+}
+
+fn explain_scene(arguments: &SceneArguments) -> Result<(), Failure> {
+    let file = scene(arguments)?;
+    let (simulation, positions) = build(&file).map_err(Failure::input)?;
+    let bodies = simulation.bodies().iter();
+    let infos = bodies.filter_map(|body| Some(MeshInfo::new(body.surface(&positions)?)));
+    let explanation = file.scene.explain(&Vec::from_iter(infos));
+    print(|out| write!(out, "{explanation}"))
+}
+
+fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
+    let file = scene(&arguments.scene)?;
+    if arguments.check {
+        build(&file).map_err(Failure::input)?;
+        return print(|out| writeln!(out, "{}: is a valid scene", arguments.scene.scene.display()));
+    }
+    let folder = match &arguments.out {
+        Some(folder) => folder.clone(),
+        None => PathBuf::from(arguments.scene.scene.file_stem().unwrap_or_default()),
+    };
+    let stop = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&stop);
+    // Without a handler an interrupt ends the run at once: the last checkpoint remains.
+    let _ = ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed));
+    let bar = progress_bar();
+    bar.set_length(1000);
+    let outcome = run(
+        &file,
+        &folder,
+        arguments.resume,
+        &|| stop.load(Ordering::Relaxed),
+        &mut |progress| {
+            bar.set_position((1000.0 * progress.fraction()) as u64);
+            bar.set_message(progress.to_string());
+        },
+    );
+    bar.finish_and_clear();
+    let summary = outcome.map_err(|error| {
+        if error.is_output() {
+            Failure::Output(error.to_string())
+        } else {
+            Failure::input(error)
+        }
+    })?;
+    print(|out| report::run_table(&summary, &folder, out))?;
+    match summary.end {
+        End::Converged => Ok(()),
+        End::Interrupted => Err(Failure::Unfinished(130)),
+        _ => {
+            say(format_args!("error: {}", summary.message));
+            Err(Failure::Unfinished(4))
+        }
     }
 }
 

@@ -2,11 +2,15 @@
 
 use crate::info::MeshInfo;
 use crate::method::Fields;
+use crate::run::Summary;
+use crate::series::TIME;
 use crate::study::{Quantity, Row};
 use crate::verdict::Verdict;
 use helfrich::{Finding, Real};
+use std::fmt;
 use std::io::{self, Write};
 use std::mem::discriminant;
+use std::path::Path;
 
 /// Writes a study as a table: a block for each shape, family and number type, a line for each
 /// method and mesh, and the orders of the last refinement under each method.
@@ -240,4 +244,61 @@ pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
         .into_iter()
         .map(|(count, first)| (count, words(first)))
         .collect()
+}
+
+/// Writes how a run ended: its last numbers, and what each effect has cost.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::Result<()> {
+    let Summary {
+        title,
+        message,
+        iterations,
+        seconds,
+        last,
+        effects,
+        ..
+    } = summary;
+    writeln!(out, "{title}")?;
+    writeln!(
+        out,
+        "{message}: {iterations} iterations in {seconds:.1} s\n"
+    )?;
+    let width = last.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    for (name, value) in last.iter().filter(|(name, _)| name != TIME) {
+        writeln!(out, "{name:width$}  {value:>14.7}", value = Short(*value))?;
+    }
+    let width = effects.iter().map(|cost| cost.effect.len()).max();
+    let width = width.unwrap_or(0).max(6);
+    writeln!(
+        out,
+        "\n{:width$}  {:>11}  {:>9}  {:>6}",
+        "effect", "evaluations", "seconds", "share"
+    )?;
+    for cost in effects {
+        let share = 100.0 * cost.seconds / seconds;
+        writeln!(
+            out,
+            "{:width$}  {:>11}  {:>9.3}  {share:>4.0} %",
+            cost.effect, cost.evaluations, cost.seconds
+        )?;
+    }
+    writeln!(out, "\nwritten to {}", folder.display())
+}
+
+/// A number as people write it: in powers of ten only where it is very large or small.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = formatter.precision().unwrap_or(6);
+        let size = self.0.abs();
+        let text = if size == 0.0 || (1e-3..1e6).contains(&size) {
+            format!("{:.digits$}", self.0)
+        } else {
+            format!("{:.*e}", digits.saturating_sub(3), self.0)
+        };
+        formatter.pad_integral(true, "", &text)
+    }
 }

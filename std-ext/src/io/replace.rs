@@ -4,6 +4,9 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+/// How the names of files begin that [`replace_file`] is still writing, or was when it was killed.
+pub const UNFINISHED: &str = ".helfrich-";
+
 /// Writes a file through `write`. A regular file appears, or replaces the one that was there, only
 /// when all of it has been written: until then the old one stays as it is. The new one has the
 /// old one's permissions, and a link keeps pointing to it. Anything else (a device, a pipe) is
@@ -73,7 +76,7 @@ fn unfinished(path: &Path) -> io::Result<tempfile::NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         unfinished.permissions(fs::Permissions::from_mode(0o666));
     }
-    let file = unfinished.prefix(".helfrich-").tempfile_in(folder);
+    let file = unfinished.prefix(UNFINISHED).tempfile_in(folder);
     // The name of the unfinished file, which the error tells, means nothing to anybody.
     file.map_err(|error| match error.kind() {
         kind @ io::ErrorKind::NotFound => io::Error::new(kind, "there is no such folder"),

@@ -1,0 +1,185 @@
+//! What a run says of its surfaces.
+
+use crate::effect::{Effect, EffectKind};
+use crate::scene::Scene;
+use crate::simulation::{Acting, Body, Simulation};
+use helfrich::laplacian::CotangentMemory;
+use helfrich::{Cotangent, Curvature, DualArea, LaplaceBeltrami, Method, Serial, Surface};
+use std::f64::consts::PI;
+
+/// The columns of the series.
+#[derive(Debug)]
+pub(super) struct Measures {
+    columns: Vec<String>,
+    /// Of each surface that is stretched: the directions along and across.
+    directions: Vec<Option<[[f64; 3]; 2]>>,
+}
+
+impl Measures {
+    pub(super) fn new(scene: &Scene, simulation: &Simulation, positions: &[[f64; 3]]) -> Self {
+        let mut columns = vec![
+            "time".to_owned(),
+            "residual".to_owned(),
+            "energy".to_owned(),
+        ];
+        let effects = simulation.effect_names().into_iter();
+        columns.extend(effects.map(|effect| format!("energy_{effect}")));
+        let mut directions = Vec::new();
+        for (body, scene) in simulation.bodies().iter().zip(&scene.surfaces) {
+            let mut names = vec!["area", "volume", "reduced_volume", "smallest_angle"];
+            if scene.stretching.is_some() {
+                names.extend(["force", "axial_diameter", "transverse_diameter"]);
+            }
+            columns.extend(names.into_iter().map(|name| simulation.label(name, body)));
+            let along = body.stretching().map(|(_, axis)| axis);
+            directions.push(along.map(|axis| [axis, across(axis, &positions[body.vertices()])]));
+        }
+        Self {
+            columns,
+            directions,
+        }
+    }
+
+    pub(super) fn columns(&self) -> Vec<&str> {
+        self.columns.iter().map(String::as_str).collect()
+    }
+
+    /// A number for each column; NaN for what is not defined.
+    pub(super) fn row(
+        &self,
+        simulation: &Simulation,
+        positions: &[[f64; 3]],
+        acting: &[Acting],
+        time: u64,
+        residual: f64,
+    ) -> Vec<f64> {
+        let energies = acting.iter().map(|acting| acting.energy);
+        let mut row = vec![time as f64, residual, energies.clone().sum()];
+        row.extend(energies);
+        for (body, directions) in simulation.bodies().iter().zip(&self.directions) {
+            let [area, volume, angle] = body.surface(positions).map_or([f64::NAN; 3], measured);
+            row.extend([
+                area,
+                volume,
+                6.0 * PI.sqrt() * volume / area.powf(1.5),
+                angle,
+            ]);
+            if let (Some((force, _)), Some(directions)) = (body.stretching(), directions) {
+                let own = &positions[body.vertices()];
+                row.push(force);
+                row.extend(directions.map(|direction| extent(direction, own)));
+            }
+        }
+        row
+    }
+}
+
+/// Area, volume and smallest angle.
+fn measured(surface: Surface<'_, f64>) -> [f64; 3] {
+    let triangles = 0..surface.mesh().triangles().len();
+    let angles = triangles.flat_map(|triangle| surface.triangle_angles(triangle));
+    [
+        surface.area(),
+        surface.volume().unwrap_or(f64::NAN),
+        angles.fold(f64::INFINITY, f64::min).to_degrees(),
+    ]
+}
+
+/// The direction across an axis in which points extend farthest.
+fn across(axis: [f64; 3], positions: &[[f64; 3]]) -> [f64; 3] {
+    let axis = glam::DVec3::from_array(axis);
+    let bases = [glam::DVec3::X, glam::DVec3::Y, glam::DVec3::Z];
+    let least = |a: &glam::DVec3, b: &glam::DVec3| a.dot(axis).abs().total_cmp(&b.dot(axis).abs());
+    let base = bases.into_iter().min_by(least).unwrap_or(glam::DVec3::X);
+    let first = (base - base.dot(axis) * axis).normalize();
+    let second = axis.cross(first);
+    let direction = |degrees: u32| {
+        let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
+        (cosine * first + sine * second).to_array()
+    };
+    // Of those that extend alike, as far as anybody could see, the first.
+    let mut best = (0.0, direction(0));
+    for degrees in 0..180 {
+        let direction = direction(degrees);
+        let extent = extent(direction, positions);
+        if extent > 1.000_001 * best.0 {
+            best = (extent, direction);
+        }
+    }
+    best.1
+}
+
+/// How far points extend along a direction of length 1.
+fn extent(direction: [f64; 3], positions: &[[f64; 3]]) -> f64 {
+    let direction = glam::DVec3::from_array(direction);
+    let heights = positions
+        .iter()
+        .map(|&position| direction.dot(glam::DVec3::from_array(position)));
+    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), height| {
+        (low.min(height), high.max(height))
+    });
+    high - low
+}
+
+/// A field on a surface.
+#[derive(Debug)]
+pub(super) enum Values {
+    Scalars(Vec<f64>),
+    Vectors(Vec<[f64; 3]>),
+}
+
+/// H, K, the bending force density f, and the nodal force of each effect that acts on a surface.
+///
+/// H and K are those of the cotangent operator, whatever the method; f is the nodal force over the
+/// mixed area.
+pub(super) fn fields(
+    simulation: &Simulation,
+    body: &Body,
+    positions: &[[f64; 3]],
+    acting: &[Acting],
+) -> Vec<(String, Values)> {
+    let Some(surface) = body.surface(positions) else {
+        return Vec::new();
+    };
+    let mesh = surface.mesh();
+    let mut curvature = vec![Curvature::default(); mesh.vertex_count()];
+    let cotangent = Cotangent::new(DualArea::Mixed);
+    let plan = Method::<f64>::plan(&cotangent, mesh);
+    let mut memory = CotangentMemory::default();
+    cotangent.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
+    let scalars =
+        |value: fn(&Curvature<f64>) -> f64| Values::Scalars(curvature.iter().map(value).collect());
+    let mut fields = vec![
+        ("mean_curvature".to_owned(), scalars(|vertex| vertex.mean)),
+        (
+            "gaussian_curvature".to_owned(),
+            scalars(|vertex| vertex.gaussian),
+        ),
+    ];
+    let own = body.effects().iter().map(Effect::kind);
+    let own = own.map(|kind| (kind.name(), simulation.label(kind.name(), body)));
+    for (name, label) in own {
+        let Some(acting) = acting.iter().find(|acting| acting.effect == label) else {
+            continue;
+        };
+        let force = &acting.force[body.vertices()];
+        if name == EffectKind::Bending.name() {
+            let density = |(force, vertex): (&[f64; 3], &Curvature<f64>)| {
+                let over = if vertex.area > 0.0 {
+                    vertex.area.recip()
+                } else {
+                    0.0
+                };
+                force.map(|component| over * component)
+            };
+            let density = force.iter().zip(&curvature).map(density).collect();
+            fields.push(("f".to_owned(), Values::Vectors(density)));
+        }
+        fields.push((format!("force_{name}"), Values::Vectors(force.to_vec())));
+    }
+    for acting in acting.iter().filter(|acting| acting.between) {
+        let force = acting.force[body.vertices()].to_vec();
+        fields.push((format!("force_{}", acting.effect), Values::Vectors(force)));
+    }
+    fields
+}

@@ -1,0 +1,361 @@
+//! A scene made ready: its surfaces, and exactly the effects that it names.
+//!
+//! Nothing is written here and nothing moves: a [`Simulation`] says which forces act at given
+//! positions. [`crate::dynamics`] moves them, [`crate::run`] writes what becomes of them.
+
+mod build;
+
+pub use build::{BuildError, build};
+
+use crate::dynamics::{Evaluation, Membrane, Problem};
+use crate::effect::{Effect, EffectKind};
+use build::Stretch;
+use helfrich::interaction::RepulsionMemory;
+use helfrich::{
+    Constraints, Functional, Interaction, Prepared, Quantity, Repulsion, Serial, Surface,
+    TriangleMesh,
+};
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Surfaces under forces: what a driver drives.
+#[derive(Debug)]
+pub struct Simulation {
+    bodies: Vec<Body>,
+    between: Vec<Between>,
+    /// The connected component of each vertex, among those of all bodies.
+    groups: Vec<u32>,
+    /// What is held exactly in some body; each has its own field of constraint gradients.
+    held: Vec<Quantity>,
+}
+
+/// One surface.
+#[derive(Debug)]
+pub struct Body {
+    name: String,
+    mesh: Arc<TriangleMesh>,
+    vertices: Range<usize>,
+    membrane: Membrane,
+    effects: Vec<Effect>,
+    constraints: Option<Prepared<f64, Constraints<f64>>>,
+    held: Vec<Held>,
+    stretch: Option<Stretch>,
+}
+
+/// A quantity that is held exactly.
+#[derive(Debug)]
+struct Held {
+    /// Its place among the constraints of the simulation.
+    index: usize,
+    prepared: Prepared<f64, Quantity>,
+    /// One for each component.
+    ones: Vec<f64>,
+}
+
+/// Repulsion between some surfaces.
+#[derive(Debug)]
+struct Between {
+    repulsion: Repulsion<f64>,
+    /// The bodies, two or more.
+    bodies: Vec<usize>,
+    memory: RepulsionMemory<f64>,
+    evaluations: u64,
+    time: Duration,
+}
+
+/// What one effect does at some positions.
+#[derive(Clone, Debug)]
+pub struct Acting {
+    /// The effect's name, which ends in the surface's where there are several.
+    pub effect: String,
+    /// Whether it acts between surfaces.
+    pub between: bool,
+    /// Its energy; of a method in strong form the one that goes with it.
+    pub energy: f64,
+    /// Its nodal forces on all surfaces.
+    pub force: Vec<[f64; 3]>,
+}
+
+/// What an effect has cost so far.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Cost {
+    /// The effect, with the surface's name where there are several.
+    pub effect: String,
+    /// How often it was evaluated.
+    pub evaluations: u64,
+    /// The time that this took.
+    pub seconds: f64,
+}
+
+impl Body {
+    /// The surface's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its mesh.
+    pub fn mesh(&self) -> &TriangleMesh {
+        &self.mesh
+    }
+
+    /// Its vertices among those of all surfaces.
+    pub fn vertices(&self) -> Range<usize> {
+        self.vertices.clone()
+    }
+
+    /// What acts on it, besides constraints.
+    pub fn effects(&self) -> &[Effect] {
+        &self.effects
+    }
+
+    /// The force on each end, if it is stretched, and the axis, of length 1.
+    pub fn stretching(&self) -> Option<(f64, [f64; 3])> {
+        let stretch = self.stretch.as_ref()?;
+        Some((stretch.force(), stretch.axis()))
+    }
+
+    /// The surface at these positions of all surfaces; none if one of them is not finite.
+    pub fn surface<'a>(&'a self, positions: &'a [[f64; 3]]) -> Option<Surface<'a, f64>> {
+        Surface::new(&self.mesh, &positions[self.vertices.clone()]).ok()
+    }
+}
+
+impl Simulation {
+    /// The surfaces.
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// The same, to evaluate the effects of one of them.
+    pub fn bodies_mut(&mut self) -> &mut [Body] {
+        &mut self.bodies
+    }
+
+    /// The membranes as the relaxation sees them.
+    pub fn membranes(&self) -> Vec<Membrane> {
+        let membrane = |body: &Body| body.membrane.clone();
+        self.bodies.iter().map(membrane).collect()
+    }
+
+    /// How many loads the longest sequence of stretching forces has; 1 if nothing is stretched.
+    pub fn load_count(&self) -> usize {
+        let stretches = self.bodies.iter().filter_map(|body| body.stretch.as_ref());
+        stretches.map(Stretch::count).max().unwrap_or(1)
+    }
+
+    /// Puts the load with this number on every stretched surface; on those with a shorter
+    /// sequence, its last.
+    pub fn set_load(&mut self, load: usize) {
+        for body in &mut self.bodies {
+            if let Some(stretch) = &mut body.stretch {
+                let loads = stretch.set(load);
+                let stretching = |effect: &&mut Effect| effect.kind() == EffectKind::Stretching;
+                if let Some(effect) = body.effects.iter_mut().find(stretching) {
+                    effect.replace(loads, &body.mesh);
+                }
+            }
+        }
+    }
+
+    /// The names of the effects: those of the surfaces one after the other, then interactions.
+    pub fn effect_names(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        for body in &self.bodies {
+            let kinds = body.effects.iter().map(Effect::kind);
+            names.extend(kinds.map(|kind| self.label(kind.name(), body)));
+        }
+        names.extend((0..self.between.len()).map(|index| self.label_of_interaction(index)));
+        names
+    }
+
+    /// What each effect by itself does at these positions, in the order of
+    /// [`Self::effect_names`]: for files and pictures, and not counted as cost. Nothing if a
+    /// position is not finite.
+    pub fn resolve(&mut self, positions: &[[f64; 3]]) -> Vec<Acting> {
+        let names = self.effect_names();
+        let mut acting = Vec::with_capacity(names.len());
+        let mut add = |between: bool, energy: f64, force: Vec<[f64; 3]>| {
+            acting.push(Acting {
+                effect: names[acting.len()].clone(),
+                between,
+                energy,
+                force,
+            });
+        };
+        for body in &mut self.bodies {
+            let Ok(surface) = Surface::new(&body.mesh, &positions[body.vertices.clone()]) else {
+                return Vec::new();
+            };
+            for effect in &mut body.effects {
+                let mut force = vec![[0.0; 3]; positions.len()];
+                let own = &mut force[body.vertices.clone()];
+                let energy = effect.add_force_unseen(surface, own);
+                add(false, energy, force);
+            }
+        }
+        for between in &mut self.between {
+            let mut force = vec![[0.0; 3]; positions.len()];
+            match between.add_force(&self.bodies, positions, &mut force) {
+                Some(energy) => add(true, energy, force),
+                None => return Vec::new(),
+            }
+        }
+        acting
+    }
+
+    /// What each effect has cost so far.
+    pub fn costs(&self) -> Vec<Cost> {
+        let mut costs = Vec::new();
+        for body in &self.bodies {
+            for effect in &body.effects {
+                let (evaluations, time) = effect.cost();
+                costs.push(Cost {
+                    effect: self.label(effect.kind().name(), body),
+                    evaluations,
+                    seconds: time.as_secs_f64(),
+                });
+            }
+        }
+        for (index, between) in self.between.iter().enumerate() {
+            costs.push(Cost {
+                effect: self.label_of_interaction(index),
+                evaluations: between.evaluations,
+                seconds: between.time.as_secs_f64(),
+            });
+        }
+        costs
+    }
+
+    /// A column's name for one of the surfaces.
+    pub fn label(&self, name: &str, body: &Body) -> String {
+        if self.bodies.len() == 1 {
+            name.to_owned()
+        } else {
+            format!("{name}_{}", body.name)
+        }
+    }
+
+    fn label_of_interaction(&self, index: usize) -> String {
+        if self.between.len() == 1 {
+            "repulsion".to_owned()
+        } else {
+            format!("repulsion_{}", index + 1)
+        }
+    }
+}
+
+impl Problem for Simulation {
+    fn is_conservative(&self) -> bool {
+        let mut effects = self.bodies.iter().flat_map(|body| &body.effects);
+        effects.all(Effect::is_conservative)
+    }
+
+    fn evaluate(&mut self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) -> Evaluation {
+        force.fill([0.0; 3]);
+        let mut evaluation = Evaluation::default();
+        let mut add = |energy: f64| {
+            evaluation.energy += energy;
+            evaluation.energy_scale += energy.abs();
+        };
+        for body in &mut self.bodies {
+            let force = &mut force[body.vertices.clone()];
+            let Ok(surface) = Surface::new(&body.mesh, &positions[body.vertices.clone()]) else {
+                return Evaluation::new(f64::NAN);
+            };
+            for effect in &mut body.effects {
+                add(effect.add_force(surface, force));
+            }
+        }
+        for between in &mut self.between {
+            let start = Instant::now();
+            let Some(energy) = between.add_force(&self.bodies, positions, force) else {
+                return Evaluation::new(f64::NAN);
+            };
+            add(energy);
+            between.time += start.elapsed();
+            between.evaluations += 1;
+        }
+        evaluation
+    }
+
+    fn constraint_count(&self) -> usize {
+        self.held.len()
+    }
+
+    fn groups(&self) -> &[u32] {
+        &self.groups
+    }
+
+    fn constraint_gradients(&mut self, positions: &[[f64; 3]], gradients: &mut [Vec<[f64; 3]>]) {
+        for gradient in gradients.iter_mut() {
+            gradient.fill([0.0; 3]);
+        }
+        for body in &mut self.bodies {
+            let Ok(surface) = Surface::new(&body.mesh, &positions[body.vertices.clone()]) else {
+                continue;
+            };
+            for Held {
+                index,
+                prepared,
+                ones,
+            } in &mut body.held
+            {
+                let gradient = &mut gradients[*index][body.vertices.clone()];
+                prepared.with(|quantity, execution, plan, memory| {
+                    quantity.add_gradient(execution, plan, surface, memory, ones, gradient);
+                });
+            }
+        }
+    }
+
+    fn restore(&mut self, positions: &mut [[f64; 3]]) -> f64 {
+        let mut largest = 0.0_f64;
+        for body in &mut self.bodies {
+            let Some(constraints) = &mut body.constraints else {
+                continue;
+            };
+            let positions = &mut positions[body.vertices.clone()];
+            let mesh = &body.mesh;
+            let correction = constraints.with(|constraints, execution, plan, memory| {
+                constraints.correct(execution, plan, mesh, positions, memory)
+            });
+            match correction {
+                Ok(correction) => largest = largest.max(correction.residual),
+                // The driver takes a shorter step, or stops and says so.
+                Err(_) => return f64::INFINITY,
+            }
+        }
+        largest
+    }
+}
+
+impl Between {
+    /// Adds the forces and returns the energy; none if a position is not finite.
+    fn add_force(
+        &mut self,
+        bodies: &[Body],
+        positions: &[[f64; 3]],
+        force: &mut [[f64; 3]],
+    ) -> Option<f64> {
+        let surfaces: Option<Vec<_>> = self
+            .bodies
+            .iter()
+            .map(|&body| bodies[body].surface(positions))
+            .collect();
+        let surfaces = surfaces?;
+        let mut rest = force;
+        let mut first = 0;
+        let mut forces = Vec::with_capacity(surfaces.len());
+        for &body in &self.bodies {
+            let vertices = bodies[body].vertices.clone();
+            let (_, after) = rest.split_at_mut(vertices.start - first);
+            let (own, after) = after.split_at_mut(vertices.len());
+            forces.push(own);
+            rest = after;
+            first = vertices.end;
+        }
+        let (repulsion, memory) = (&self.repulsion, &mut self.memory);
+        Some(repulsion.add_force_and_energy(&Serial, &surfaces, memory, &mut forces))
+    }
+}

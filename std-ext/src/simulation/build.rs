@@ -1,0 +1,513 @@
+//! From a scene to surfaces and effects.
+
+use super::{Between, Body, Held, Simulation};
+use crate::dynamics::{Membrane, Motion};
+use crate::effect::{Effect, EffectKind};
+use crate::generate::{GenerateError, GeneratedMesh, generate};
+use crate::info::MeshInfo;
+use crate::io::{ReadError, read};
+use crate::scene::{
+    self, AreaDifferenceTarget, Hold, InPlaneLaw, MeshSource, Orientation, Reference,
+    ReferenceSource, SceneErrors, SceneFile, SurfaceScene, Target, VolumeTarget,
+};
+use helfrich::interaction::RepulsionMemory;
+use helfrich::shapes::Shape;
+use helfrich::{
+    AreaDifference, Constraint, Constraints, Gravity, InPlane, LoadError, LocalArea, NeoHookean,
+    OsmoticPressure, Penalty, PointLoads, Prepared, Quantity, ReferenceError, Repulsion, Skalak,
+    StrainEnergy, Surface, SurfaceError, SurfaceTension, Targets, TriangleMesh,
+};
+use std::f64::consts::PI;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Why a scene cannot be made ready. The message is one line.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// The scene asks something of a mesh that the mesh does not have.
+    #[error(transparent)]
+    Scene(#[from] SceneErrors),
+    /// A mesh cannot be generated.
+    #[error("surface \"{surface}\": {source}")]
+    Generate {
+        /// The surface's name.
+        surface: String,
+        /// Why.
+        source: GenerateError,
+    },
+    /// A mesh file cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A position is out of the range of numbers.
+    #[error("surface \"{surface}\": {source}")]
+    Positions {
+        /// The surface's name.
+        surface: String,
+        /// Which.
+        source: SurfaceError,
+    },
+    /// A reference shape cannot be used.
+    #[error("surface \"{surface}\": {source}")]
+    Reference {
+        /// The surface's name.
+        surface: String,
+        /// Why.
+        source: ReferenceError,
+    },
+    /// The ends of a surface cannot be loaded.
+    #[error("surface \"{surface}\": {source}")]
+    Stretching {
+        /// The surface's name.
+        surface: String,
+        /// Why.
+        source: LoadError,
+    },
+}
+
+/// Makes a scene ready: its surfaces where they start, one surface's positions after the other's,
+/// and the effects that it names.
+///
+/// # Errors
+/// If a mesh cannot be had, or does not allow what the scene asks of it; see [`BuildError`].
+pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError> {
+    let scene = &file.scene;
+    let mut bodies: Vec<Body> = Vec::with_capacity(scene.surfaces.len());
+    let mut positions = Vec::new();
+    let mut groups = Vec::new();
+    let mut group_count = 0;
+    let mut held = Vec::new();
+    for (index, surface) in scene.surfaces.iter().enumerate() {
+        let start = Start::new(surface)?;
+        let vertices = positions.len()..positions.len() + start.positions.len();
+        let body = start.body(file, index, surface, vertices, &mut held)?;
+        let (components, count) = body.mesh.components();
+        groups.extend(components.into_iter().map(|group| group + group_count));
+        group_count += count as u32;
+        positions.extend(start.positions);
+        bodies.push(body);
+    }
+    let between = scene.interactions.iter().map(|interaction| {
+        let scene::Interaction::Repulsion {
+            strength,
+            cutoff,
+            between,
+        } = *interaction;
+        let all = Vec::from_iter(0..bodies.len());
+        Between {
+            repulsion: Repulsion {
+                modulus: strength,
+                range: cutoff,
+            },
+            bodies: between.map_or(all, |pair| pair.to_vec()),
+            memory: RepulsionMemory::default(),
+            evaluations: 0,
+            time: Duration::ZERO,
+        }
+    });
+    let between = between.collect();
+    let mut simulation = Simulation {
+        bodies,
+        between,
+        groups,
+        held,
+    };
+    simulation.set_load(0);
+    Ok((simulation, positions))
+}
+
+/// A surface as the scene starts it.
+struct Start {
+    mesh: TriangleMesh,
+    /// As the mesh comes, scaled.
+    unplaced: Vec<[f64; 3]>,
+    positions: Vec<[f64; 3]>,
+    /// Of a generated mesh: where on a shape each vertex belongs.
+    preimages: Option<Vec<[f64; 3]>>,
+}
+
+impl Start {
+    fn new(surface: &SurfaceScene) -> Result<Self, BuildError> {
+        let (mesh, mut unplaced, preimages) = match &surface.source {
+            MeshSource::Shape {
+                shape,
+                family,
+                vertices,
+                seed,
+            } => {
+                let made = generate(shape, *family, *vertices, *seed);
+                let GeneratedMesh {
+                    mesh,
+                    positions,
+                    preimages,
+                    ..
+                } = made.map_err(|source| BuildError::Generate {
+                    surface: surface.name.clone(),
+                    source,
+                })?;
+                (mesh, positions, Some(preimages))
+            }
+            MeshSource::File(path) => {
+                let file = read(path)?;
+                (file.mesh, file.positions, None)
+            }
+        };
+        for position in &mut unplaced {
+            *position = position.map(|x| surface.scale * x);
+        }
+        let place = |position: &[f64; 3]| {
+            let turned = turn(surface.orientation, *position);
+            core::array::from_fn(|axis| surface.position[axis] + turned[axis])
+        };
+        let positions = unplaced.iter().map(place).collect();
+        Ok(Self {
+            mesh,
+            unplaced,
+            positions,
+            preimages,
+        })
+    }
+
+    fn body(
+        &self,
+        file: &SceneFile,
+        index: usize,
+        scene: &SurfaceScene,
+        vertices: std::ops::Range<usize>,
+        all_held: &mut Vec<Quantity>,
+    ) -> Result<Body, BuildError> {
+        let surface =
+            Surface::new(&self.mesh, &self.positions).map_err(|source| BuildError::Positions {
+                surface: scene.name.clone(),
+                source,
+            })?;
+        file.check_mesh(index, &MeshInfo::new(surface))?;
+        let mut constraints = Vec::new();
+        let mut effects = Vec::new();
+        if let Some(scene::Bending {
+            method,
+            modulus,
+            spontaneous_curvature,
+        }) = scene.bending
+        {
+            effects.push(Effect::bending(
+                method,
+                modulus,
+                spontaneous_curvature,
+                &self.mesh,
+            ));
+        }
+        if let Some(elasticity) = &scene.elasticity {
+            let reference = self.reference(file, index, scene, &elasticity.reference)?;
+            effects.push(self.in_plane(
+                scene,
+                EffectKind::Elasticity,
+                elasticity.law,
+                &reference,
+                elasticity.reference.scale,
+            )?);
+        }
+        if let Some(local_area) = &scene.local_area {
+            let reference = self.reference(file, index, scene, &local_area.reference)?;
+            let law = LocalArea {
+                area_modulus: local_area.modulus,
+            };
+            effects.push(self.law(
+                scene,
+                EffectKind::LocalArea,
+                law,
+                &reference,
+                local_area.reference.scale,
+            )?);
+        }
+        let areas = match scene.area {
+            Some(scene::Held {
+                target: Target::Value(area),
+                ..
+            }) => Targets::Same(area),
+            _ => Targets::measured(&Quantity::Area, surface),
+        };
+        let mut hold = |hold, kind, quantity, targets: Targets<f64>| match hold {
+            Hold::Exact => constraints.push(Constraint {
+                functional: quantity,
+                targets,
+            }),
+            Hold::Penalty(modulus) => {
+                let penalty = Penalty::new(quantity, modulus, targets);
+                effects.push(Effect::conservative(kind, penalty, &self.mesh));
+            }
+        };
+        if let Some(area) = scene.area {
+            hold(area.hold, EffectKind::Area, Quantity::Area, areas.clone());
+        }
+        if let Some(volume) = scene.volume {
+            let targets = match volume.target {
+                VolumeTarget::Initial => Targets::measured(&Quantity::Volume, surface),
+                VolumeTarget::Value(volume) => Targets::Same(volume),
+                VolumeTarget::Reduced(reduced) => {
+                    map(&areas, |area| reduced * area.powf(1.5) / (6.0 * PI.sqrt()))
+                }
+            };
+            hold(volume.hold, EffectKind::Volume, Quantity::Volume, targets);
+        }
+        if let Some(difference) = scene.area_difference {
+            let targets = match difference.target {
+                AreaDifferenceTarget::Initial => {
+                    Targets::measured(&Quantity::MeanCurvature, surface)
+                }
+                AreaDifferenceTarget::Value(integral) => Targets::Same(integral),
+                AreaDifferenceTarget::Reduced(reduced) => {
+                    map(&areas, |area| reduced * (4.0 * PI * area).sqrt())
+                }
+            };
+            match difference.hold {
+                Hold::Exact => constraints.push(Constraint {
+                    functional: Quantity::MeanCurvature,
+                    targets,
+                }),
+                Hold::Penalty(modulus) => effects.push(Effect::conservative(
+                    EffectKind::AreaDifference,
+                    AreaDifference::new(modulus, targets),
+                    &self.mesh,
+                )),
+            }
+        }
+        if let Some(tension) = scene.tension {
+            let method = SurfaceTension::new(tension);
+            effects.push(Effect::conservative(
+                EffectKind::Tension,
+                method,
+                &self.mesh,
+            ));
+        }
+        if let Some(pressure) = scene.pressure {
+            let method = OsmoticPressure::new(pressure);
+            effects.push(Effect::conservative(
+                EffectKind::Pressure,
+                method,
+                &self.mesh,
+            ));
+        }
+        if let Some(gravity) = scene.gravity {
+            let method = Gravity {
+                weight: gravity
+                    .acceleration
+                    .map(|acceleration| gravity.density_difference * acceleration),
+                level: scene.position,
+            };
+            effects.push(Effect::conservative(
+                EffectKind::Gravity,
+                method,
+                &self.mesh,
+            ));
+        }
+        let stretch = match &scene.stretching {
+            None => None,
+            Some(stretching) => {
+                let stretch =
+                    Stretch::new(surface, stretching).map_err(|source| BuildError::Stretching {
+                        surface: scene.name.clone(),
+                        source,
+                    })?;
+                let loads = stretch.loads[0].clone();
+                effects.push(Effect::conservative(
+                    EffectKind::Stretching,
+                    loads,
+                    &self.mesh,
+                ));
+                Some(stretch)
+            }
+        };
+        let held = constraints.iter().map(|constraint: &Constraint<f64>| {
+            let quantity = constraint.functional;
+            let known = all_held.iter().position(|&held| held == quantity);
+            let index = known.unwrap_or_else(|| {
+                all_held.push(quantity);
+                all_held.len() - 1
+            });
+            Held {
+                index,
+                prepared: Prepared::new(quantity, &self.mesh),
+                ones: vec![1.0; self.mesh.components().1],
+            }
+        });
+        let held = held.collect();
+        let mesh = Arc::new(self.mesh.clone());
+        let constraints = (!constraints.is_empty())
+            .then(|| Prepared::new(Constraints { constraints }, &self.mesh));
+        Ok(Body {
+            name: scene.name.clone(),
+            membrane: membrane(&mesh, scene),
+            mesh,
+            vertices,
+            effects,
+            constraints,
+            held,
+            stretch,
+        })
+    }
+
+    /// The positions of a reference.
+    fn reference(
+        &self,
+        file: &SceneFile,
+        index: usize,
+        scene: &SurfaceScene,
+        reference: &Reference,
+    ) -> Result<Vec<[f64; 3]>, BuildError> {
+        match &reference.source {
+            ReferenceSource::Initial => Ok(self.unplaced.clone()),
+            ReferenceSource::Shape(shape) => {
+                let preimages = self.preimages.iter().flatten();
+                Ok(preimages
+                    .map(|&preimage| shape.position(preimage))
+                    .collect())
+            }
+            ReferenceSource::File(path) => {
+                let reference = read(path)?;
+                file.check_reference(index, &self.mesh, &reference.mesh)?;
+                let _ = scene;
+                Ok(reference.positions)
+            }
+        }
+    }
+
+    fn in_plane(
+        &self,
+        scene: &SurfaceScene,
+        kind: EffectKind,
+        law: InPlaneLaw,
+        reference: &[[f64; 3]],
+        scale: f64,
+    ) -> Result<Effect, BuildError> {
+        match law {
+            InPlaneLaw::NeoHookean { shear_modulus } => {
+                let law = NeoHookean { shear_modulus };
+                self.law(scene, kind, law, reference, scale)
+            }
+            InPlaneLaw::Skalak {
+                shear_modulus,
+                area_ratio,
+            } => {
+                let law = Skalak {
+                    shear_modulus,
+                    area_ratio,
+                };
+                self.law(scene, kind, law, reference, scale)
+            }
+        }
+    }
+
+    fn law<W>(
+        &self,
+        scene: &SurfaceScene,
+        kind: EffectKind,
+        law: W,
+        reference: &[[f64; 3]],
+        scale: f64,
+    ) -> Result<Effect, BuildError>
+    where
+        W: StrainEnergy<f64> + std::fmt::Debug + 'static,
+    {
+        let reference =
+            Surface::new(&self.mesh, reference).map_err(|source| BuildError::Positions {
+                surface: scene.name.clone(),
+                source,
+            })?;
+        let law = InPlane::new(law, &self.mesh, reference)
+            .and_then(|law| law.with_scaled_reference(scale))
+            .map_err(|source| BuildError::Reference {
+                surface: scene.name.clone(),
+                source,
+            })?;
+        Ok(Effect::conservative(kind, law, &self.mesh))
+    }
+}
+
+/// What the relaxation has to know of a surface.
+fn membrane(mesh: &Arc<TriangleMesh>, scene: &SurfaceScene) -> Membrane {
+    let elasticity = scene.elasticity.as_ref();
+    let penalty = |hold: Option<Hold>| match hold {
+        Some(Hold::Penalty(modulus)) => modulus,
+        _ => 0.0,
+    };
+    let in_plane = [
+        elasticity.map_or(0.0, |elasticity| elasticity.law.area_modulus()),
+        scene.local_area.as_ref().map_or(0.0, |law| law.modulus),
+        penalty(scene.area.map(|area| area.hold)),
+        scene.tension.unwrap_or(0.0).abs(),
+    ];
+    let solid = elasticity.is_some() || scene.local_area.is_some();
+    Membrane {
+        mesh: Arc::clone(mesh),
+        bending_modulus: scene.bending.map_or(0.0, |bending| bending.modulus),
+        in_plane_modulus: in_plane.into_iter().fold(0.0, f64::max),
+        motion: if solid {
+            Motion::Free
+        } else {
+            Motion::AlongNormals
+        },
+    }
+}
+
+fn map(targets: &Targets<f64>, f: impl Fn(f64) -> f64) -> Targets<f64> {
+    match targets {
+        Targets::Same(target) => Targets::Same(f(*target)),
+        Targets::PerComponent(targets) => {
+            Targets::PerComponent(targets.iter().map(|&target| f(target)).collect())
+        }
+    }
+}
+
+/// Rodrigues' rotation about an axis.
+fn turn(orientation: Option<Orientation>, x: [f64; 3]) -> [f64; 3] {
+    let Some(Orientation { axis, angle }) = orientation else {
+        return x;
+    };
+    let [axis, x] = [axis, x].map(glam::DVec3::from_array);
+    glam::DQuat::from_axis_angle(axis.normalize(), angle.to_radians())
+        .mul_vec3(x)
+        .to_array()
+}
+
+/// The loads of a stretched surface, one after the other.
+#[derive(Debug)]
+pub(super) struct Stretch {
+    axis: [f64; 3],
+    forces: Vec<f64>,
+    loads: Vec<PointLoads<f64>>,
+    current: usize,
+}
+
+impl Stretch {
+    fn new(surface: Surface<'_, f64>, scene: &scene::Stretching) -> Result<Self, LoadError> {
+        let loads = scene
+            .forces
+            .iter()
+            .map(|&force| PointLoads::opposite_ends(surface, scene.axis, scene.fraction, force));
+        Ok(Self {
+            axis: glam::DVec3::from_array(scene.axis).normalize().to_array(),
+            forces: scene.forces.clone(),
+            loads: loads.collect::<Result<_, _>>()?,
+            current: 0,
+        })
+    }
+
+    pub(super) fn axis(&self) -> [f64; 3] {
+        self.axis
+    }
+
+    pub(super) fn force(&self) -> f64 {
+        self.forces[self.current]
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.forces.len()
+    }
+
+    /// The loads with this number, or the last.
+    pub(super) fn set(&mut self, load: usize) -> PointLoads<f64> {
+        self.current = load.min(self.count() - 1);
+        self.loads[self.current].clone()
+    }
+}

@@ -1,0 +1,311 @@
+//! Scenes that the program runs: what a run leaves, and how it survives being stopped.
+#![expect(
+    clippy::unwrap_used,
+    reason = "what fails in a helper fails the test that called it"
+)]
+
+use helfrich_std::series::SeriesTable;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::thread;
+use std::time::Duration;
+use tempfile::TempDir;
+
+const SCENE: &str = r#"
+title = "Small vesicle"
+units = "none"
+
+[[surface]]
+name = "vesicle"
+shape = "ellipsoid:1,1,1.6"
+vertices = 642
+
+[surface.bending]
+method = "juelicher"
+modulus = 2.0
+
+[surface.area]
+constraint = "exact"
+
+[surface.volume]
+constraint = "exact"
+
+[driver]
+kind = "relax"
+residual = 1e-7
+
+[output]
+every = 4
+checkpoint_every = 3
+"#;
+
+/// A folder with the scene, and `extra` at its end.
+fn scene(extra: &str) -> (TempDir, PathBuf) {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("scene.toml");
+    fs::write(&path, format!("{SCENE}{extra}")).unwrap();
+    (folder, path)
+}
+
+fn command(scene: &Path, out: &Path, more: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_helfrich"));
+    command.arg("run").arg(scene).arg("--out").arg(out);
+    command.args(more).stdin(Stdio::null());
+    command
+}
+
+fn run(scene: &Path, out: &Path, more: &[&str]) -> Output {
+    command(scene, out, more).output().unwrap()
+}
+
+#[track_caller]
+fn succeed(scene: &Path, out: &Path, more: &[&str]) -> String {
+    let output = run(scene, out, more);
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), &*errors), (Some(0), ""));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Every file under a folder but those that tell the time and the checkpoint.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if !path.ends_with("summary.json") && !path.ends_with("checkpoint") {
+                let name = path.strip_prefix(folder).unwrap().to_owned();
+                found.insert(name, fs::read(path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+fn summary(folder: &Path) -> Value {
+    serde_json::from_slice(&fs::read(folder.join("summary.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn a_run_leaves_its_series_surfaces_and_summary() {
+    let (folder, scene) = scene("");
+    let out = folder.path().join("out");
+    let printed = succeed(&scene, &out, &[]);
+    assert!(
+        printed.contains("Small vesicle") && printed.contains("converged"),
+        "{printed}"
+    );
+
+    let series = SeriesTable::read(&out.join("series.csv")).unwrap();
+    let columns = [
+        "time",
+        "residual",
+        "energy",
+        "energy_bending",
+        "area",
+        "volume",
+        "reduced_volume",
+        "smallest_angle",
+    ];
+    assert_eq!(series.columns, columns);
+    // The constraints hold in every row, and the energy never rises.
+    let column = |name: &str| series.column(name).unwrap();
+    for name in ["area", "volume"] {
+        let values = column(name);
+        for value in &values[1..] {
+            assert!(
+                (value / values[1] - 1.0).abs() < 1e-10,
+                "{name}: {values:?}"
+            );
+        }
+    }
+    let energies = column("energy");
+    assert!(
+        energies.is_sorted_by(|a, b| *b <= a * (1.0 + 1e-14)),
+        "{energies:?}"
+    );
+
+    let summary = summary(&out);
+    assert_eq!(summary["end"], "converged");
+    assert_eq!(summary["scene"]["surfaces"][0]["name"], "vesicle");
+    assert_eq!(summary["effects"][0]["effect"], "bending");
+    assert!(summary["effects"].as_array().unwrap().len() == 1);
+    let last = series.rows.last().unwrap();
+    for (entry, value) in summary["last"].as_array().unwrap().iter().zip(last) {
+        let found = entry[1].as_f64().unwrap();
+        // The reader of JSON rounds the last place.
+        assert!(
+            (found - value).abs() <= 1e-15 * value.abs(),
+            "{entry} {value}"
+        );
+    }
+
+    let times = column("time");
+    let index = fs::read_to_string(out.join("surfaces.pvd")).unwrap();
+    for time in times {
+        let name = format!("surfaces/vesicle-{time:08}.vtp");
+        assert!(index.contains(&name), "{name} in {index}");
+        let surface = fs::read_to_string(out.join(&name)).unwrap();
+        for field in [
+            "mean_curvature",
+            "gaussian_curvature",
+            "\"f\"",
+            "force_bending",
+        ] {
+            assert!(surface.contains(field), "{field} in {name}");
+        }
+    }
+}
+
+/// Two runs, and what is left of one of them that is killed again and again.
+#[test]
+fn killed_at_any_moment_and_resumed_nothing_is_different() {
+    let (folder, scene) = scene("");
+    let [whole, killed] = ["whole", "killed"].map(|name| folder.path().join(name));
+    succeed(&scene, &whole, &[]);
+    let mut kills = 0;
+    let mut more: &[&str] = &[];
+    for wait in [30, 45, 20, 60, 35, 50, 25, 40] {
+        let mut child = command(&scene, &killed, more)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        thread::sleep(Duration::from_millis(wait));
+        // `Child::kill` is SIGKILL.
+        child.kill().unwrap();
+        kills += usize::from(child.wait().unwrap().code().is_none());
+        if killed.join("checkpoint").exists() {
+            more = &["--resume"];
+        } else {
+            // Nothing to lose yet: it was killed before its first checkpoint.
+            let _ = fs::remove_dir_all(&killed);
+        }
+    }
+    assert!(kills > 0);
+    succeed(&scene, &killed, more);
+    let [whole, killed] = [&whole, &killed].map(|folder| files(folder));
+    assert_eq!(
+        whole.keys().collect::<Vec<_>>(),
+        killed.keys().collect::<Vec<_>>()
+    );
+    for (name, content) in whole {
+        assert!(killed[&name] == content, "{} differs", name.display());
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_says_so_and_can_be_resumed() {
+    let (folder, scene) = scene("");
+    let [whole, stopped] = ["whole", "stopped"].map(|name| folder.path().join(name));
+    // Long enough that it is still running.
+    let set = ["--set", "surface.vesicle.vertices=10242"];
+    let child = command(&scene, &stopped, &set)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !stopped.join("checkpoint").exists() {
+        thread::sleep(Duration::from_millis(5));
+    }
+    let pid = child.id().to_string();
+    Command::new("kill").args(["-INT", &pid]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(printed.contains("--resume"), "{printed}");
+    assert_eq!(summary(&stopped)["end"], "interrupted");
+
+    succeed(&scene, &stopped, &[&set[..], &["--resume"]].concat());
+    succeed(&scene, &whole, &set);
+    assert!(files(&whole) == files(&stopped));
+}
+
+#[test]
+fn runs_are_neither_overwritten_nor_mixed() {
+    let (folder, scene) = scene("");
+    let out = folder.path().join("out");
+    succeed(&scene, &out, &[]);
+    let before = files(&out);
+    let refused = |more: &[&str], hints: &[&str]| {
+        let output = run(&scene, &out, more);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        for hint in hints {
+            assert!(message.contains(hint), "{message}");
+        }
+        assert!(files(&out) == before);
+    };
+    refused(&[], &["--resume", "--out"]);
+    refused(
+        &["--resume", "--set", "surface.vesicle.bending.modulus=3"],
+        &["another scene"],
+    );
+    // A finished run is finished.
+    succeed(&scene, &out, &["--resume"]);
+    assert!(files(&out) == before);
+
+    let none = folder.path().join("none");
+    let output = run(&scene, &none, &["--resume"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!none.exists());
+}
+
+#[test]
+fn a_run_that_does_not_converge_says_so() {
+    let (folder, scene) = scene("");
+    let out = folder.path().join("out");
+    let output = run(&scene, &out, &["--set", "driver.iterations=5"]);
+    assert_eq!(output.status.code(), Some(4));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("limit"), "{message}");
+    assert_eq!(summary(&out)["end"], "iteration-limit");
+}
+
+#[test]
+fn a_scene_is_checked_and_explained_without_a_run() {
+    let (folder, scene) = scene("");
+    let program = || Command::new(env!("CARGO_BIN_EXE_helfrich"));
+    let output = program()
+        .arg("run")
+        .arg(&scene)
+        .arg("--check")
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    let output = program().arg("explain").arg(&scene).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("juelicher") && text.contains("reduced volume"),
+        "{text}"
+    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+
+    fs::write(&scene, SCENE.replace("modulus", "modolus")).unwrap();
+    for command in ["run", "explain"] {
+        let output = program().arg(command).arg(&scene).output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            message.contains("scene.toml:12") && message.contains("modulus"),
+            "{message}"
+        );
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_exit_code_3() {
+    let (folder, scene) = scene("");
+    let file = folder.path().join("file");
+    fs::write(&file, "kept").unwrap();
+    let output = run(&scene, &file.join("out"), &[]);
+    assert_eq!(output.status.code(), Some(3));
+    assert_eq!(fs::read(&file).unwrap(), b"kept");
+}
