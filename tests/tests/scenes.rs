@@ -445,6 +445,50 @@ fn wrong_forms_say_what_is_needed() {
 }
 
 #[test]
+fn places_count_characters_and_lines() {
+    // Three of them have two bytes.
+    refused_effect(
+        "area = { target = \"3 µm²\", constraint = \"exäct\" }",
+        [8, 41],
+        &["\n    area = { target = \"3 µm²\", constraint = \"exäct\" }\n                                            ^^^^^^^\n".trim_end()],
+    );
+    let windows = with("tension.value = true").replace('\n', "\r\n");
+    let (place, message) = the_error(&windows);
+    assert!(
+        matches!(
+            place,
+            Place::Text {
+                line: 8,
+                column: 17,
+                ..
+            }
+        ),
+        "{message}"
+    );
+    assert!(
+        message.ends_with("    tension.value = true\n                    ^^^^"),
+        "{message}"
+    );
+    // A line that is too long is shown around its error.
+    let long = with(&format!(
+        "tension.value = 1 # {}\nposition = [{} 1, 2, true]",
+        "x".repeat(300),
+        " ".repeat(200)
+    ));
+    let (_, message) = the_error(&long);
+    assert!(
+        message.ends_with(
+            "1, 2, true]\n                                                                ^^^^"
+        ),
+        "{message}"
+    );
+    assert!(
+        message.lines().all(|line| line.chars().count() <= 110),
+        "{message}"
+    );
+}
+
+#[test]
 fn names_suggest_the_nearest() {
     refused_effect(
         "[surface.bending]\nmethod = \"gomper-kroll\"\nmodulus = 1",
@@ -592,6 +636,9 @@ fn units_are_converted_and_checked() {
         [8, 41],
         &["did you mean `initial`?"],
     );
+    // Every way in which TOML writes numbers.
+    let surface = valid("units = \"none\"\ndriver.kind = \"relax\"\n[[surface]]\nmesh = \"a.ply\"\ntension.value = 1_000.5\nscale = 0x10").scene.surfaces.remove(0);
+    assert_eq!((surface.tension, surface.scale), (Some(1000.5), 16.0));
     let none = with(&tension("5.3 µN/m")).replace("micro", "none");
     refused(
         &none,
@@ -991,6 +1038,29 @@ fn meshes_are_checked_when_they_are_known() {
         message.contains("no surface of that area encloses more than"),
         "{message}"
     );
+}
+
+#[test]
+fn families_have_the_same_triangles_on_every_shape() {
+    use helfrich_std::generate::Family;
+    for family in Family::ALL
+        .into_iter()
+        .filter(|&family| family != Family::Irregular)
+    {
+        let mesh = |shape: &str| {
+            generate(&shape.parse().unwrap(), family, 642, 5)
+                .unwrap()
+                .mesh
+        };
+        let sphere = mesh("sphere:3");
+        for shape in ["ellipsoid:1,2,0.3", "discocyte:4"] {
+            assert_eq!(
+                sphere.triangles(),
+                mesh(shape).triangles(),
+                "{family} {shape}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -213,7 +213,7 @@ fn check(
             (!inside).then(|| Problem::OutOfRange {
                 key: key(),
                 value: count.to_string(),
-                range: format!("from {least} to {most}, and whole,"),
+                range: format!("from {least} to {most}"),
             })
         }
         (Form::Choice(names), Value::Text(text)) => {
