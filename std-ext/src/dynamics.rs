@@ -15,6 +15,7 @@
 
 mod cholesky;
 mod coordinates;
+mod frame;
 mod preconditioner;
 mod redistribution;
 mod relaxation;

@@ -1,18 +1,17 @@
-//! The directions in which vertices are free to move.
+//! The geometry of membranes at some positions, and what constraints forbid there.
 
+use super::frame::Frame;
 use super::vector::{self, Vector};
 use super::{Membrane, Motion};
 
-/// Forces and displacements as long vectors: one number a vertex, along its normal, for membranes
-/// that are fluid; three for the others. Numbers along normals need no transport from one surface to
-/// the next.
+/// What steps need to know of the membranes at some positions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Coordinates {
-    /// Outward unit normals: the sum of the area vectors around, which is ∂V/∂x. 0 where it vanishes.
+    /// Outward unit normals: see [`geometry`].
     pub(super) normals: Vec<Vector>,
     /// A third of the areas around.
     pub(super) areas: Vec<f64>,
-    /// The directions that constraints forbid, as forces: orthonormal for M⁻¹ in each group.
+    /// What constraints forbid, as forces on the frame's numbers: orthonormal for M⁻¹ in each group.
     forbidden: Vec<Vec<f64>>,
 }
 
@@ -62,28 +61,41 @@ pub(super) fn number_count(places: &[Place]) -> usize {
     places.last().map_or(0, |place| place.numbers().end)
 }
 
-impl Coordinates {
-    /// Takes over the geometry of the membranes, without constraints.
-    pub(super) fn set(&mut self, membranes: &[Membrane], places: &[Place], positions: &[Vector]) {
-        self.normals.clear();
-        self.normals.resize(positions.len(), [0.0; 3]);
-        self.areas.clear();
-        self.areas.resize(positions.len(), 0.0);
-        self.forbidden.clear();
-        for (membrane, place) in membranes.iter().zip(places) {
-            for triangle in membrane.mesh.triangles() {
-                let corners = triangle.map(|vertex| place.first_vertex + vertex as usize);
-                let [a, b, c] = corners.map(|vertex| positions[vertex]);
-                let doubled = vector::cross(vector::sub(b, a), vector::sub(c, a));
-                let share = vector::norm(doubled) / 6.0;
-                for corner in corners {
-                    self.normals[corner] = vector::add(self.normals[corner], doubled);
-                    self.areas[corner] += share;
-                }
+/// Unit normals, the sum of the area vectors around (which is ∂V/∂x) over its length, 0 where it
+/// vanishes; and a third of the areas around.
+pub(super) fn geometry(
+    membranes: &[Membrane],
+    places: &[Place],
+    positions: &[Vector],
+) -> (Vec<Vector>, Vec<f64>) {
+    let mut normals = vec![[0.0; 3]; positions.len()];
+    let mut areas = vec![0.0; positions.len()];
+    for (membrane, place) in membranes.iter().zip(places) {
+        for triangle in membrane.mesh.triangles() {
+            let corners = triangle.map(|vertex| place.first_vertex + vertex as usize);
+            let [a, b, c] = corners.map(|vertex| positions[vertex]);
+            let doubled = vector::cross(vector::sub(b, a), vector::sub(c, a));
+            let share = vector::norm(doubled) / 6.0;
+            for corner in corners {
+                normals[corner] = vector::add(normals[corner], doubled);
+                areas[corner] += share;
             }
         }
-        for normal in &mut self.normals {
-            *normal = vector::unit(*normal);
+    }
+    for normal in &mut normals {
+        *normal = vector::unit(*normal);
+    }
+    (normals, areas)
+}
+
+impl Coordinates {
+    /// The geometry at these positions, without constraints.
+    pub(super) fn new(membranes: &[Membrane], places: &[Place], positions: &[Vector]) -> Self {
+        let (normals, areas) = geometry(membranes, places, positions);
+        Self {
+            normals,
+            areas,
+            forbidden: Vec::new(),
         }
     }
 
@@ -109,40 +121,49 @@ impl Coordinates {
         None
     }
 
-    /// Sets `numbers` to a field's part along the directions that are free.
-    pub(super) fn reduce(&self, places: &[Place], field: &[Vector], numbers: &mut [f64]) {
-        for place in places {
-            let numbers = &mut numbers[place.numbers()];
-            let vertices = place.vertices();
-            if place.width == 1 {
-                let normals = &self.normals[vertices.clone()];
-                for ((number, &entry), &normal) in
-                    numbers.iter_mut().zip(&field[vertices]).zip(normals)
-                {
-                    *number = vector::dot(entry, normal);
+    /// The least sine of all angles, with the membrane and its triangle.
+    pub(super) fn narrowest(
+        &self,
+        membranes: &[Membrane],
+        places: &[Place],
+        positions: &[Vector],
+    ) -> (f64, usize, usize) {
+        let mut least = (1.0, 0, 0);
+        for (index, (membrane, place)) in membranes.iter().zip(places).enumerate() {
+            for (k, triangle) in membrane.mesh.triangles().iter().enumerate() {
+                let corners = triangle.map(|vertex| place.first_vertex + vertex as usize);
+                let [a, b, c] = corners.map(|vertex| positions[vertex]);
+                let edges = [vector::sub(b, a), vector::sub(c, b), vector::sub(a, c)];
+                let doubled = vector::norm(vector::cross(edges[0], edges[1]));
+                let mut squares = edges.map(|edge| vector::dot(edge, edge));
+                squares.sort_by(f64::total_cmp);
+                // Opposite to the shortest side.
+                let sine = doubled / (squares[1] * squares[2]).sqrt();
+                if sine < least.0 || sine.is_nan() {
+                    least = (sine, index, k);
                 }
-            } else {
-                numbers.copy_from_slice(field[vertices].as_flattened());
             }
         }
+        least
     }
 
-    /// Sets `field` to the displacements that `numbers` stand for.
-    pub(super) fn expand(&self, places: &[Place], numbers: &[f64], field: &mut [Vector]) {
-        for place in places {
-            let numbers = &numbers[place.numbers()];
-            let vertices = place.vertices();
-            if place.width == 1 {
-                let normals = &self.normals[vertices.clone()];
-                for ((entry, &number), &normal) in
-                    field[vertices].iter_mut().zip(numbers).zip(normals)
-                {
-                    *entry = vector::scale(number, normal);
+    /// Whether the surface has turned so far that its normals are better directions.
+    pub(super) fn turned(&self, places: &[Place], frame: &Frame) -> bool {
+        let turned = |place: &Place| {
+            let mut sum = 0.0;
+            let mut least = 1.0f64;
+            for vertex in place.vertices() {
+                let cosine = vector::dot(self.normals[vertex], frame.directions()[vertex]);
+                sum += self.areas[vertex] * (1.0 - cosine * cosine);
+                // Vertices in no triangle have no normal, now or before.
+                if self.areas[vertex] > 0.0 {
+                    least = least.min(cosine);
                 }
-            } else {
-                field[vertices].as_flattened_mut().copy_from_slice(numbers);
             }
-        }
+            let area: f64 = self.areas[place.vertices()].iter().sum();
+            sum > LARGEST_TURN * LARGEST_TURN * area || least < LEAST_COSINE
+        };
+        places.iter().any(|place| place.width == 1 && turned(place))
     }
 
     /// Calls `each` with a number's index, its group and 1/area, or 0 where there is no area.
@@ -159,11 +180,9 @@ impl Coordinates {
     }
 
     /// Forbids the directions of these gradients, each by itself in every group of vertices.
-    pub(super) fn forbid(&mut self, places: &[Place], groups: &[u32], gradients: &[Vec<Vector>]) {
-        let group_count = groups.iter().max().map_or(0, |&group| group as usize + 1);
-        for gradient in gradients {
-            let mut field = vec![0.0; number_count(places)];
-            self.reduce(places, gradient, &mut field);
+    pub(super) fn forbid(&mut self, places: &[Place], groups: &[u32], gradients: Vec<Vec<f64>>) {
+        let group_count = group_count(groups);
+        for mut field in gradients {
             let mut before = vec![0.0; group_count];
             self.for_each(places, groups, |number, group, over| {
                 before[group] += field[number] * field[number] * over;
@@ -221,6 +240,12 @@ impl Coordinates {
         }
     }
 }
+
+/// The root-mean-square angle, in radians, by which a surface may turn against its directions.
+const LARGEST_TURN: f64 = 0.15;
+
+/// The least cosine between a normal and its direction.
+const LEAST_COSINE: f64 = 0.7;
 
 /// The share of a squared gradient that has to be its own, for it to count.
 const DEPENDENT: f64 = 1e-10;

@@ -153,8 +153,7 @@ mod tests {
         }];
         let places = Place::of(&membranes);
         let mut positions = generated.positions.clone();
-        let mut coordinates = Coordinates::default();
-        coordinates.set(&membranes, &places, &positions);
+        let coordinates = Coordinates::new(&membranes, &places, &positions);
         assert!(redistribute(
             &membranes,
             &places,

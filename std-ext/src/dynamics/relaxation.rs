@@ -1,6 +1,7 @@
 //! The stepper.
 
-use super::coordinates::{Coordinates, Place, number_count};
+use super::coordinates::{Coordinates, Place, reciprocal_or_zero};
+use super::frame::Frame;
 use super::preconditioner::Preconditioner;
 use super::redistribution::redistribute;
 use super::secants::Secants;
@@ -19,8 +20,16 @@ const CURVATURE: f64 = 0.9;
 /// decide, as a share of that at its start.
 const OVERSHOOT: f64 = 0.5;
 
+/// The largest growth of the residual in a step that no energy decides on: instabilities of a shape
+/// may grow, those of a step that is too long may not.
+const LARGEST_GROWTH: f64 = 1.5;
+
 /// The largest change of an edge in a step, as a share of its length: triangles do not turn over.
 const LARGEST_STRAIN: f64 = 0.5;
+
+/// The sine of the angle, 3°, below which no triangle's angle may fall; on meshes that are worse to
+/// begin with, half of their least.
+const LEAST_SINE: f64 = 0.052;
 
 /// Trials for one step; each is at least a factor 10 below the one before.
 const TRIALS: usize = 24;
@@ -49,6 +58,7 @@ pub struct Relaxation {
     settings: Settings,
     state: State,
     preconditioners: Vec<Preconditioner>,
+    frame: Frame,
     here: Option<Point>,
 }
 
@@ -62,6 +72,8 @@ pub struct State {
     evaluations: usize,
     redistributions: usize,
     secants: Secants,
+    /// Where the frame was made; empty before.
+    anchor: Vec<Vector>,
     /// Where the preconditioner was made; empty before.
     reference: Vec<Vector>,
     /// `None` before the first evaluation.
@@ -70,6 +82,8 @@ pub struct State {
     /// Steps until vertices are spread anew, and how many they were the last time.
     wait: usize,
     last_wait: usize,
+    /// The least sine of an angle that is allowed; `None` before the first evaluation.
+    least_sine: Option<f64>,
     outcome: Option<Outcome>,
 }
 
@@ -144,6 +158,18 @@ pub enum Failure {
         membrane: usize,
         /// The triangle of that membrane.
         triangle: usize,
+    },
+    /// A triangle has become too narrow for forces on it to mean anything.
+    #[error(
+        "triangle {triangle} of membrane {membrane} has become too narrow: an angle of {degrees:.2} degrees"
+    )]
+    Distorted {
+        /// The membrane, from 0.
+        membrane: usize,
+        /// The triangle of that membrane.
+        triangle: usize,
+        /// The angle whose sine is least.
+        degrees: f64,
     },
     /// The step fell below its floor, though forces are far from rounding: they do not belong to
     /// the energy, or the mesh is so bad that no step helps.
@@ -242,11 +268,13 @@ impl Relaxation {
             evaluations: 0,
             redistributions: 0,
             secants: Secants::default(),
+            anchor: Vec::new(),
             reference: Vec::new(),
             lowest_energy: None,
             progress: None,
             wait: *WAIT.start(),
             last_wait: *WAIT.start(),
+            least_sine: None,
             outcome: None,
         };
         Self::resume(membranes, state, settings)
@@ -296,8 +324,12 @@ impl Relaxation {
             settings,
             state,
             preconditioners,
+            frame: Frame::default(),
             here: None,
         };
+        if !relaxation.state.anchor.is_empty() {
+            relaxation.set_frame();
+        }
         if !relaxation.state.reference.is_empty() {
             relaxation.set_preconditioners();
         }
@@ -353,6 +385,10 @@ impl Relaxation {
             self.here = Some(here);
             return report;
         }
+        let here = match self.turn(problem, here) {
+            Ok(here) => here,
+            Err((failure, evaluation)) => return self.fail(failure, evaluation),
+        };
         self.refresh_preconditioners(&here.positions);
         let (next, step, redistributed) = match self.advance(problem, &here) {
             Ok(Trial { point, step }) => {
@@ -435,6 +471,24 @@ impl Relaxation {
         Ok(point)
     }
 
+    /// Chooses the frame anew where the surface has turned away from it.
+    fn turn(
+        &mut self,
+        problem: &mut (impl Problem + ?Sized),
+        here: Point,
+    ) -> Result<Point, (Failure, Evaluation)> {
+        if !here.coordinates.turned(&self.places, &self.frame) {
+            return Ok(here);
+        }
+        self.state.anchor.clone_from(&here.positions);
+        self.set_frame();
+        self.evaluate(problem, here.positions, false)
+    }
+
+    fn set_frame(&mut self) {
+        self.frame = Frame::new(&self.membranes, &self.places, &self.state.anchor);
+    }
+
     fn ended(&mut self, problem: &mut (impl Problem + ?Sized), point: &Point) -> Option<Outcome> {
         if point.residual <= self.settings.tolerance {
             return Some(Outcome::Converged);
@@ -493,10 +547,27 @@ impl Relaxation {
             }
         }
         let (membranes, places) = (&self.membranes, &self.places);
-        let mut coordinates = Coordinates::default();
-        coordinates.set(membranes, places, &positions);
+        let mut coordinates = Coordinates::new(membranes, places, &positions);
         if let Some((membrane, triangle)) = coordinates.folded(membranes, places, &positions) {
             return Err((Failure::Inverted { membrane, triangle }, none));
+        }
+        let (sine, membrane, triangle) = coordinates.narrowest(membranes, places, &positions);
+        let least = *self
+            .state
+            .least_sine
+            .get_or_insert(LEAST_SINE.min(0.5 * sine));
+        if sine < least {
+            let degrees = sine.asin().to_degrees();
+            let failure = Failure::Distorted {
+                membrane,
+                triangle,
+                degrees,
+            };
+            return Err((failure, none));
+        }
+        if self.state.anchor.is_empty() {
+            self.state.anchor.clone_from(&positions);
+            self.set_frame();
         }
         let mut nodal = vec![[0.0; 3]; positions.len()];
         let evaluation = problem.evaluate(&positions, &mut nodal);
@@ -511,12 +582,15 @@ impl Relaxation {
             };
             return Err((failure, evaluation));
         }
-        let mut force = vec![0.0; number_count(&self.places)];
-        coordinates.reduce(&self.places, &nodal, &mut force);
+        let mut force = self.frame.reduce(&self.places, &positions, &nodal);
         if constraints > 0 {
             let mut gradients = vec![vec![[0.0; 3]; positions.len()]; constraints];
             problem.constraint_gradients(&positions, &mut gradients);
-            coordinates.forbid(&self.places, problem.groups(), &gradients);
+            let reduced: Vec<_> = gradients
+                .iter()
+                .map(|gradient| self.frame.reduce(&self.places, &positions, gradient))
+                .collect();
+            coordinates.forbid(&self.places, problem.groups(), reduced);
             coordinates.take_out(&self.places, problem.groups(), &mut force);
         }
         let residual = self.residual(&coordinates, &force);
@@ -547,11 +621,11 @@ impl Relaxation {
             let areas = &coordinates.areas[place.vertices()];
             let forces = force[place.numbers()].chunks_exact(place.width);
             let squares = |(force, &area): (&[f64], &f64)| {
-                vector::product(force, force) * super::coordinates::reciprocal_or_zero(area)
+                vector::product(force, force) * reciprocal_or_zero(area)
             };
             let sum: f64 = forces.zip(areas).map(squares).sum();
             let area: f64 = areas.iter().sum();
-            let over = super::coordinates::reciprocal_or_zero((area / SPHERE).sqrt());
+            let over = reciprocal_or_zero((area / SPHERE).sqrt());
             let unit =
                 membrane.bending_modulus * over * over * over + membrane.in_plane_modulus * over;
             largest = largest.max((sum / area).sqrt() / unit);
@@ -601,10 +675,18 @@ impl Relaxation {
             preconditioners,
             settings,
             state,
+            frame,
             ..
         } = self;
+        let stiff = |membrane: &Membrane, place: &Place| {
+            let areas = &here.coordinates.areas[place.vertices()];
+            let shift = SPHERE / areas.iter().sum::<f64>();
+            shift * (membrane.bending_modulus * shift + membrane.in_plane_modulus)
+        };
+        let parts = membranes.iter().zip(places.iter());
+        let stiffest = parts.map(|(m, p)| stiff(m, p)).fold(0.0, f64::max);
         let mut direction = here.force.clone();
-        state.secants.apply(&mut direction, |force| {
+        let precondition = |force: &mut [f64]| {
             for ((place, membrane), preconditioner) in
                 places.iter().zip(membranes).zip(preconditioners)
             {
@@ -615,6 +697,9 @@ impl Relaxation {
                     plain(membrane, place, &here.coordinates, force);
                 }
             }
+        };
+        state.secants.apply(&mut direction, |force| {
+            frame.apart_from_rigid(stiffest.recip(), force, precondition);
         });
         here.coordinates
             .keep(places, problem.groups(), &mut direction);
@@ -686,9 +771,7 @@ impl Relaxation {
         direction: &[f64],
         slope: f64,
     ) -> Result<Trial, (Failure, f64)> {
-        let mut displacement = vec![[0.0; 3]; here.positions.len()];
-        here.coordinates
-            .expand(&self.places, direction, &mut displacement);
+        let displacement = self.frame.expand(&self.places, &here.positions, direction);
         let longest = self.longest_step(&here.positions, &displacement);
         let mut step = longest.min(1.0);
         let gain = step * slope;
@@ -763,7 +846,8 @@ impl Relaxation {
         // Where the force along the way vanishes if it falls evenly.
         let secant = step * (slope / (slope - left)).clamp(0.1, 0.7);
         if !problem.is_conservative() {
-            return (left < -OVERSHOOT * slope).then_some(secant);
+            let wild = there.residual > LARGEST_GROWTH * here.residual;
+            return (wild || left < -OVERSHOOT * slope).then_some(secant);
         }
         let (before, after) = (here.evaluation, there.evaluation);
         let rounding = ROUNDING * before.energy_scale.max(after.energy_scale);

@@ -1,0 +1,268 @@
+//! The directions in which vertices are free to move.
+
+use super::Membrane;
+use super::coordinates::{Place, geometry, number_count, reciprocal_or_zero};
+use super::vector::{self, Vector};
+use helfrich::Components;
+
+/// Forces and displacements as long vectors of numbers: three a vertex, or for fluid membranes one,
+/// the displacement u along the vertex's direction. One number needs no transport from one surface to
+/// the next.
+///
+/// The directions of a fluid membrane are the normals n of an earlier surface, the anchor. Were they
+/// the present ones, steps that are normal each time could add up to any slide along the surface, and
+/// an energy that slides downhill along the surface, as that of every discretisation does, would have
+/// no minimum.
+///
+/// For the same reason each body moves as a whole where u is that of a rigid motion. By displacements
+/// along n alone a prolate vesicle would turn while its vertices stay, and so it does, towards the
+/// meshes whose energy is too low. With the rigid motions `ρ_k` of the present positions, whose
+/// `b_k = n·ρ_k` at the anchor are orthonormal, displacements are `n u + Σ_k (ρ_k − n b_k) Σ A b_k u`,
+/// and forces the transpose of this: where there is no net force and torque, u is never along b_k.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Frame {
+    directions: Vec<Vector>,
+    modes: Vec<Mode>,
+}
+
+/// A rigid motion of a body.
+#[derive(Clone, Debug)]
+struct Mode {
+    /// The body's vertices and their numbers' places.
+    vertices: Vec<(u32, u32)>,
+    /// A, and A b.
+    areas: Vec<f64>,
+    weighted: Vec<f64>,
+    /// ρ = v + w × (x − c): v, w, c.
+    velocity: Vector,
+    rotation: Vector,
+    centre: Vector,
+}
+
+impl Mode {
+    /// ρ at x.
+    fn at(&self, position: Vector) -> Vector {
+        let arm = vector::sub(position, self.centre);
+        vector::add(self.velocity, vector::cross(self.rotation, arm))
+    }
+
+    /// b, from one of A b.
+    fn normal_part(&self, k: usize) -> f64 {
+        self.weighted[k] * reciprocal_or_zero(self.areas[k])
+    }
+}
+
+impl Frame {
+    /// The frame of membranes at these positions.
+    pub(super) fn new(membranes: &[Membrane], places: &[Place], anchor: &[Vector]) -> Self {
+        let (directions, areas) = geometry(membranes, places, anchor);
+        let mut modes = Vec::new();
+        for (membrane, place) in membranes.iter().zip(places) {
+            if place.width == 1 {
+                let components = Components::new(&membrane.mesh);
+                for component in 0..components.count() as u32 {
+                    let vertices: Vec<(u32, u32)> = components
+                        .of_vertex()
+                        .iter()
+                        .enumerate()
+                        .filter(|(_, of)| **of == component)
+                        .map(|(k, _)| {
+                            let vertex = place.first_vertex + k;
+                            (vertex as u32, (place.first_number + k) as u32)
+                        })
+                        .collect();
+                    add_modes(&mut modes, vertices, &directions, &areas, anchor);
+                }
+            }
+        }
+        Self { directions, modes }
+    }
+
+    /// The directions of all vertices.
+    pub(super) fn directions(&self) -> &[Vector] {
+        &self.directions
+    }
+
+    /// The forces on the numbers that nodal forces amount to.
+    pub(super) fn reduce(
+        &self,
+        places: &[Place],
+        positions: &[Vector],
+        field: &[Vector],
+    ) -> Vec<f64> {
+        let mut numbers = vec![0.0; number_count(places)];
+        for place in places {
+            let numbers = &mut numbers[place.numbers()];
+            let vertices = place.vertices();
+            if place.width == 1 {
+                let directions = &self.directions[vertices.clone()];
+                let parts = field[vertices].iter().zip(directions);
+                for (number, (&entry, &direction)) in numbers.iter_mut().zip(parts) {
+                    *number = vector::dot(entry, direction);
+                }
+            } else {
+                numbers.copy_from_slice(field[vertices].as_flattened());
+            }
+        }
+        let along = numbers.clone();
+        for mode in &self.modes {
+            let slip = |(k, &(vertex, number)): (usize, &(u32, u32))| {
+                let force = field[vertex as usize];
+                let rigid = vector::dot(mode.at(positions[vertex as usize]), force);
+                rigid - mode.normal_part(k) * along[number as usize]
+            };
+            let sum: f64 = mode.vertices.iter().enumerate().map(slip).sum();
+            for (&(_, number), weighted) in mode.vertices.iter().zip(&mode.weighted) {
+                numbers[number as usize] += weighted * sum;
+            }
+        }
+        numbers
+    }
+
+    /// Calls `precondition` on what of a force deforms; rigid motions are kept apart, so that forces
+    /// without net force and torque make none. `compliance` is that of rigid motions.
+    pub(super) fn apart_from_rigid(
+        &self,
+        compliance: f64,
+        force: &mut [f64],
+        precondition: impl FnOnce(&mut [f64]),
+    ) {
+        // f − A b (b·f), and after it d − b (A b·d): transposes of each other.
+        let over = |weighted: f64, area: f64| weighted * reciprocal_or_zero(area);
+        let mut shares = Vec::with_capacity(self.modes.len());
+        for mode in &self.modes {
+            let parts = mode
+                .vertices
+                .iter()
+                .zip(mode.weighted.iter().zip(&mode.areas));
+            let share: f64 = parts
+                .map(|(&(_, number), (&weighted, &area))| {
+                    over(weighted, area) * force[number as usize]
+                })
+                .sum();
+            for (&(_, number), weighted) in mode.vertices.iter().zip(&mode.weighted) {
+                force[number as usize] -= share * weighted;
+            }
+            shares.push(share);
+        }
+        precondition(force);
+        for (mode, share) in self.modes.iter().zip(shares) {
+            let parts = mode.vertices.iter().zip(&mode.weighted);
+            let rigid: f64 = parts
+                .map(|(&(_, number), weighted)| weighted * force[number as usize])
+                .sum();
+            let wanted = compliance * share - rigid;
+            let parts = mode.weighted.iter().zip(&mode.areas);
+            for (&(_, number), (&weighted, &area)) in mode.vertices.iter().zip(parts) {
+                force[number as usize] += wanted * over(weighted, area);
+            }
+        }
+    }
+
+    /// The displacements that numbers stand for.
+    pub(super) fn expand(
+        &self,
+        places: &[Place],
+        positions: &[Vector],
+        numbers: &[f64],
+    ) -> Vec<Vector> {
+        let mut field = vec![[0.0; 3]; self.directions.len()];
+        for place in places {
+            let numbers = &numbers[place.numbers()];
+            let vertices = place.vertices();
+            if place.width == 1 {
+                let directions = &self.directions[vertices.clone()];
+                let parts = numbers.iter().zip(directions);
+                for (entry, (&number, &direction)) in field[vertices].iter_mut().zip(parts) {
+                    *entry = vector::scale(number, direction);
+                }
+            } else {
+                field[vertices].as_flattened_mut().copy_from_slice(numbers);
+            }
+        }
+        for mode in &self.modes {
+            let parts = mode.vertices.iter().zip(&mode.weighted);
+            let sum: f64 = parts
+                .map(|(&(_, number), weighted)| weighted * numbers[number as usize])
+                .sum();
+            for (k, &(vertex, _)) in mode.vertices.iter().enumerate() {
+                let vertex = vertex as usize;
+                let along = vector::scale(mode.normal_part(k), self.directions[vertex]);
+                let slip = vector::sub(mode.at(positions[vertex]), along);
+                field[vertex] = vector::add(field[vertex], vector::scale(sum, slip));
+            }
+        }
+        field
+    }
+}
+
+/// The rigid motions of one body, as far as they move its surface.
+fn add_modes(
+    modes: &mut Vec<Mode>,
+    vertices: Vec<(u32, u32)>,
+    directions: &[Vector],
+    areas: &[f64],
+    anchor: &[Vector],
+) {
+    let area: f64 = vertices.iter().map(|&(v, _)| areas[v as usize]).sum();
+    let over = reciprocal_or_zero(area);
+    let first = vertices
+        .first()
+        .map_or([0.0; 3], |&(v, _)| anchor[v as usize]);
+    let mut centre = [0.0; 3];
+    for &(v, _) in &vertices {
+        let offset = vector::sub(anchor[v as usize], first);
+        centre = vector::add(centre, vector::scale(areas[v as usize] * over, offset));
+    }
+    let centre = vector::add(first, centre);
+    let turn = reciprocal_or_zero(area.sqrt());
+    let own_from = modes.len();
+    let areas: Vec<f64> = vertices.iter().map(|&(v, _)| areas[v as usize]).collect();
+    for motion in 0..6 {
+        let mut axis = [0.0; 3];
+        axis[motion % 3] = 1.0;
+        let mut mode = Mode {
+            vertices: vertices.clone(),
+            areas: areas.clone(),
+            weighted: vec![0.0; vertices.len()],
+            velocity: if motion < 3 { axis } else { [0.0; 3] },
+            rotation: if motion < 3 {
+                [0.0; 3]
+            } else {
+                vector::scale(turn, axis)
+            },
+            centre,
+        };
+        let normal_part =
+            |mode: &Mode, v: u32| vector::dot(directions[v as usize], mode.at(anchor[v as usize]));
+        // Twice, for what rounding leaves.
+        for _ in 0..2 {
+            for other in &modes[own_from..] {
+                let parts = vertices.iter().zip(&other.weighted);
+                let share: f64 = parts.map(|(&(v, _), b)| b * normal_part(&mode, v)).sum();
+                let less = |a: Vector, b: Vector| vector::sub(a, vector::scale(share, b));
+                mode.velocity = less(mode.velocity, other.velocity);
+                mode.rotation = less(mode.rotation, other.rotation);
+            }
+        }
+        let (mut across, mut all) = (0.0, 0.0);
+        for (&(v, _), area) in vertices.iter().zip(&areas) {
+            let moved = mode.at(anchor[v as usize]);
+            across += area * normal_part(&mode, v).powi(2);
+            all += area * vector::dot(moved, moved);
+        }
+        if across > LEAST_ACROSS * LEAST_ACROSS * all {
+            let scale = across.sqrt().recip();
+            mode.velocity = vector::scale(scale, mode.velocity);
+            mode.rotation = vector::scale(scale, mode.rotation);
+            for (k, &(v, _)) in vertices.iter().enumerate() {
+                mode.weighted[k] = areas[k] * normal_part(&mode, v);
+            }
+            modes.push(mode);
+        }
+    }
+}
+
+/// The share of a rigid motion that has to be across the surface: the turn of a sphere, and nearly
+/// that of what is nearly one, does not change its shape, and cannot be told from its displacement.
+const LEAST_ACROSS: f64 = 0.05;
