@@ -16,12 +16,14 @@
 mod cholesky;
 mod coordinates;
 mod frame;
+mod held;
 mod preconditioner;
 mod redistribution;
 mod relaxation;
 mod secants;
 mod vector;
 
+pub use held::Held;
 pub use relaxation::{Failure, Outcome, Relaxation, SetupError, State, StepReport};
 
 use helfrich::TriangleMesh;

@@ -526,3 +526,28 @@ pub const REPULSION_SINGLE: Tolerance = Tolerance::new(
     1e-5,
     "positions of size 3 rounded at 6e-8 over a range of 0.5, in the third power",
 );
+/// Rise of the energy in an accepted step of a relaxation, relative.
+pub const ENERGY_RISE: Tolerance = Tolerance::new(
+    1e-13,
+    "thousands of terms of one size, summed in pairs, round at some 1e-16",
+);
+/// Area and volume of a vesicle in every step of its relaxation, relative.
+pub const HELD: Tolerance = Tolerance::new(
+    1e-10,
+    "what the settings allow; Newton's method leaves far less",
+);
+/// Energies of vesicles of 2562 vertices against theory, relative.
+pub const VESICLE_ENERGY: Tolerance = Tolerance::new(
+    7e-3,
+    "second order: the area and volume that are held are those of the polyhedron",
+);
+/// The same of 642 vertices.
+pub const COARSE_VESICLE_ENERGY: Tolerance = Tolerance::new(
+    2e-2,
+    "four times that of 2562 vertices, less what methods share",
+);
+/// Area, volume and energy over G R² of an elastic sphere that relaxed, relative.
+pub const REGAINED: Tolerance = Tolerance::new(
+    1e-6,
+    "the residual of 1e-5 bounds the strain, to which the energy is quadratic",
+);
