@@ -10,6 +10,7 @@
 //! * [`effect`] and [`simulation`]: what acts on the surfaces of a scene; [`run`]: a run in a folder.
 //! * [`checkpoint`] and [`series`]: what a run leaves to go on from, and its numbers over time.
 //! * [`dynamics`]: membranes relax to equilibrium.
+//! * [`picture`]: surfaces coloured by a field, and plots, as PNG files.
 //! * [`report`]: how all of this is shown.
 
 pub mod checkpoint;
@@ -19,6 +20,7 @@ pub mod generate;
 pub mod info;
 pub mod io;
 pub mod method;
+pub mod picture;
 pub mod report;
 pub mod run;
 pub mod scalar;

@@ -551,3 +551,8 @@ pub const REGAINED: Tolerance = Tolerance::new(
     1e-6,
     "the residual of 1e-5 bounds the strain, to which the energy is quadratic",
 );
+/// Places and lengths in pictures, relative to a length of about a hundred pixels.
+pub const PICTURE_RADIUS: Tolerance = Tolerance::new(
+    1e-2,
+    "pixels that an outline merely touches are counted as seen, which is half a pixel in a hundred",
+);
