@@ -64,15 +64,27 @@ fn polar([lightness, chroma, hue]: [f64; 3]) -> [f64; 3] {
 
 /// The nearest colour of the same lightness and hue that screens can show, as light.
 fn shown(lightness: f64, chroma: f64, hue: f64) -> ([f64; 3], [f64; 3]) {
-    let mut chroma = chroma;
-    loop {
+    let of = |chroma| {
         let lab = polar([lightness, chroma, hue]);
-        let light = from_oklab(lab);
-        if chroma == 0.0 || light.iter().all(|x| (0.0..=1.0).contains(x)) {
-            return (lab, light);
-        }
-        chroma = (chroma - 0.001).max(0.0);
+        (lab, from_oklab(lab))
+    };
+    let is_shown =
+        |(_, light): &([f64; 3], [f64; 3])| light.iter().all(|x| (0.0..=1.0).contains(x));
+    let wanted = of(chroma);
+    if is_shown(&wanted) {
+        return wanted;
     }
+    // Halving as far as f64 tells colours apart: steps would show as steps of the map.
+    let (mut low, mut high) = (0.0, chroma);
+    for _ in 0..52 {
+        let middle = 0.5 * (low + high);
+        if is_shown(&of(middle)) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    of(low)
 }
 
 /// The path of the sequential map for t from 0 to 1: violet, blue, green, yellow, ever lighter.
