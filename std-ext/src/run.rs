@@ -19,7 +19,8 @@ use crate::io::{
     Collection, CollectionEntry, PointField, PointValues, UNFINISHED, VtpError, replace_file,
     write_vtp,
 };
-use crate::scene::{Driver, Relax, Scene, SceneFile};
+use crate::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
+use crate::scene::{Driver, Relax, Scene, SceneFile, Units};
 use crate::series::{Series, SeriesError, SeriesTable};
 use crate::simulation::{Acting, BuildError, Cost, Simulation, build};
 use measure::Measures;
@@ -31,6 +32,9 @@ use std::time::Instant;
 
 /// The checkpoint's name in its folder.
 pub const CHECKPOINT: &str = "checkpoint";
+
+/// Width and height of the pictures, in pixels.
+const PICTURE_SIZE: [u32; 2] = [900, 700];
 
 /// Why a run cannot begin or go on. The message is one line, or one for each error of the scene.
 #[derive(Debug, thiserror::Error)]
@@ -385,7 +389,7 @@ impl Run<'_> {
             self.write_surfaces(time, &acting)?;
         }
         if self.file.scene.output.pictures {
-            self.draw(time)?;
+            self.draw(time, &acting)?;
         }
         self.stored.written = Some(time);
         Ok(())
@@ -423,9 +427,61 @@ impl Run<'_> {
         written.map_err(|source| RunError::Unwritable { path, source })
     }
 
-    fn draw(&mut self, time: u64) -> Result<(), RunError> {
-        let _ = time;
-        Ok(())
+    /// All surfaces in one picture, coloured by the scene's field.
+    fn draw(&mut self, time: u64, acting: &[Acting]) -> Result<(), RunError> {
+        let folder = self.folder.join("pictures");
+        make_folder(&folder)?;
+        let positions = self.relaxation.positions();
+        let scene = &self.file.scene;
+        let field = scene.output.picture_field;
+        let bodies = self.simulation.bodies();
+        let fields =
+            Vec::from_iter(bodies.iter().map(|body| {
+                measure::picture_field(&self.simulation, body, positions, acting, field)
+            }));
+        let surfaces = bodies.iter().zip(&fields).filter_map(|(body, field)| {
+            Some(PaintedSurface {
+                surface: body.surface(positions)?,
+                field: field.as_deref(),
+                shading: Shading::Smooth,
+                edges: false,
+            })
+        });
+        let surfaces = Vec::from_iter(surfaces);
+        let signed = fields.iter().flatten().flatten().any(|&value| value < 0.0);
+        let label = measure::picture_label(field, scene.units);
+        let title = match scene.title.as_str() {
+            "" => format!("iteration {time}"),
+            title => format!("{title}, iteration {time}"),
+        };
+        let picture = Picture {
+            size: PICTURE_SIZE,
+            title: &title,
+            surfaces: &surfaces,
+            colours: Colouring {
+                label: &label,
+                range: None,
+                map: if signed {
+                    ColourMap::Diverging
+                } else {
+                    ColourMap::Sequential
+                },
+            },
+            view: View {
+                frame: Some(self.measures.frame(positions)),
+                ..View::default()
+            },
+            length_unit: match scene.units {
+                Units::Micro => Some("µm"),
+                Units::None => None,
+            },
+        };
+        let path = folder.join(format!("{time:08}.png"));
+        let canvas = picture
+            .draw()
+            .map_err(|error| RunError::Output(Box::new(error)))?;
+        let written = canvas.write_png(&path);
+        written.map_err(|source| RunError::Unwritable { path, source })
     }
 
     fn checkpoint(&mut self) -> Result<(), RunError> {

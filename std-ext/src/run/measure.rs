@@ -1,7 +1,8 @@
 //! What a run says of its surfaces.
 
 use crate::effect::{Effect, EffectKind};
-use crate::scene::Scene;
+use crate::picture::Frame;
+use crate::scene::{PictureField, Scene, Units};
 use crate::simulation::{Acting, Body, Simulation};
 use helfrich::laplacian::CotangentMemory;
 use helfrich::{Cotangent, Curvature, DualArea, LaplaceBeltrami, Method, Serial, Surface};
@@ -13,6 +14,8 @@ pub(super) struct Measures {
     columns: Vec<String>,
     /// Of each surface that is stretched: the directions along and across.
     directions: Vec<Option<[[f64; 3]; 2]>>,
+    /// A ball around the surfaces at the start.
+    ball: Frame,
 }
 
 impl Measures {
@@ -37,6 +40,19 @@ impl Measures {
         Self {
             columns,
             directions,
+            ball: ball(positions),
+        }
+    }
+
+    /// What a picture shows: the ball around the surfaces at the start, or around the same centre as
+    /// much more as they need, in few steps, so that pictures can be compared.
+    pub(super) fn frame(&self, positions: &[[f64; 3]]) -> Frame {
+        let Frame { centre, radius } = self.ball;
+        let needed = farthest(centre, positions) / radius;
+        let steps = (needed.ln() / ZOOM.ln()).ceil().max(0.0);
+        Frame {
+            centre,
+            radius: radius * ZOOM.powf(steps),
         }
     }
 
@@ -72,6 +88,27 @@ impl Measures {
         }
         row
     }
+}
+
+/// The factor between two frames.
+const ZOOM: f64 = 1.25;
+
+/// A ball with all points, and a little room.
+fn ball(positions: &[[f64; 3]]) -> Frame {
+    let points = positions
+        .iter()
+        .map(|&position| glam::DVec3::from_array(position));
+    let centre = (points.sum::<glam::DVec3>() / positions.len() as f64).to_array();
+    Frame {
+        centre,
+        radius: 1.05 * farthest(centre, positions),
+    }
+}
+
+fn farthest(centre: [f64; 3], positions: &[[f64; 3]]) -> f64 {
+    let centre = glam::DVec3::from_array(centre);
+    let distance = |&position: &[f64; 3]| centre.distance(glam::DVec3::from_array(position));
+    positions.iter().map(distance).fold(0.0, f64::max)
 }
 
 /// Area, volume and smallest angle.
@@ -182,4 +219,41 @@ pub(super) fn fields(
         fields.push((format!("force_{}", acting.effect), Values::Vectors(force)));
     }
     fields
+}
+
+/// The numbers that a picture shows on a surface; none if no effect there has them.
+pub(super) fn picture_field(
+    simulation: &Simulation,
+    body: &Body,
+    positions: &[[f64; 3]],
+    acting: &[Acting],
+    field: PictureField,
+) -> Option<Vec<f64>> {
+    let name = match field {
+        PictureField::MeanCurvature => "mean_curvature",
+        PictureField::GaussianCurvature => "gaussian_curvature",
+        PictureField::BendingForce => "f",
+    };
+    let fields = fields(simulation, body, positions, acting);
+    let (_, values) = fields.into_iter().find(|(found, _)| found == name)?;
+    Some(match values {
+        Values::Scalars(values) => values,
+        Values::Vectors(values) => {
+            let length = |&value: &[f64; 3]| glam::DVec3::from_array(value).length();
+            values.iter().map(length).collect()
+        }
+    })
+}
+
+/// What a picture's colours show, with its unit.
+pub(super) fn picture_label(field: PictureField, units: Units) -> String {
+    let (name, unit) = match field {
+        PictureField::MeanCurvature => ("H", "1/µm"),
+        PictureField::GaussianCurvature => ("K", "1/µm²"),
+        PictureField::BendingForce => ("|f|", "Pa"),
+    };
+    match units {
+        Units::Micro => format!("{name} ({unit})"),
+        Units::None => name.to_owned(),
+    }
 }
