@@ -451,8 +451,8 @@ impl Relaxation {
         }
     }
 
-    /// The first point; positions that meet the constraints already are not moved, so that a run
-    /// that is resumed stays on its way.
+    /// The first point. Constraints are not restored where a run is resumed, so that it stays on its
+    /// way.
     fn arrive(
         &mut self,
         problem: &mut (impl Problem + ?Sized),
@@ -522,7 +522,24 @@ impl Relaxation {
         if *iteration >= self.settings.iteration_limit {
             return Some(Outcome::IterationLimit);
         }
-        (idle >= self.settings.patience).then_some(Outcome::Stagnated)
+        if idle < self.settings.patience {
+            return None;
+        }
+        // Steps may have become so small because a triangle is at its limit.
+        let (sine, membrane, triangle) =
+            point
+                .coordinates
+                .narrowest(&self.membranes, &self.places, &point.positions);
+        let least = self.state.least_sine.unwrap_or(0.0);
+        Some(if sine < 1.1 * least {
+            Outcome::Failed(Failure::Distorted {
+                membrane,
+                triangle,
+                degrees: sine.asin().to_degrees(),
+            })
+        } else {
+            Outcome::Stagnated
+        })
     }
 
     /// Restores constraints if that is asked for, and finds out all there is to know.
