@@ -1,8 +1,8 @@
 //! Checkpoints: the whole state of a run in one file, kept bit for bit.
 //!
-//! A file is, in little-endian order: the 16 bytes of [`MAGIC`]; the format's version (u32); the
-//! length of the body (u64); the SHA-256 of the three and the body; the body. The body is, in the
-//! postcard encoding (postcard.jamesmunns.com), the program's version, the fingerprint of the
+//! A file is, in little-endian order: the 16 bytes `helfrich state\r\n`; the format's version (u32);
+//! the length of the body (u64); the SHA-256 of the three and the body; the body. The body is, in
+//! the postcard encoding (postcard.jamesmunns.com), the program's version, the fingerprint of the
 //! scene, and the state. postcard stores floats as their bits.
 //!
 //! postcard does not name what it stores: a state can be read back only as the type that was

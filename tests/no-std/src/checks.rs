@@ -1,5 +1,7 @@
 //! Meshes inscribed in a sphere, and what is known of them exactly.
 
+mod effects;
+
 use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt::Display;
@@ -34,6 +36,8 @@ pub fn run() {
     uneven.expected = None;
     in_f64(&uneven);
     in_f32(&uneven);
+    effects::run::<f64>();
+    effects::run::<f32>();
 }
 
 /// A convex solid with its corners on a sphere.

@@ -1,6 +1,7 @@
 //! Proof that `helfrich` needs no std: a program without std, C library or operating system
-//! services but `write` and `exit`, that computes with methods A, B, C and the cotangent operator,
-//! and ends with 0 only if the results are right.
+//! services but `write` and `exit`, that computes with methods A, B, C, the cotangent operator,
+//! in-plane elasticity, membrane viscosity, repulsion and an exact constraint, and ends with 0 only
+//! if the results are right.
 //!
 //! x86-64 and AArch64 Linux.
 #![no_std]
