@@ -7,7 +7,7 @@
 use crate::method::BendingMethod;
 use helfrich::{
     Conservative, Finding, GompperKroll, Jet, Juelicher, KantorNelson, LaplaceBeltrami,
-    LoopSubdivision, Prepared, StrongForm, Surface, TriangleMesh,
+    LoopSubdivision, Prepared, Projected, StrongForm, Surface, TriangleMesh,
 };
 use serde::Serialize;
 use std::fmt;
@@ -144,7 +144,7 @@ impl Effect {
         L: LaplaceBeltrami<f64, Plan: fmt::Debug, Memory: fmt::Debug> + fmt::Debug + Sync + 'static,
     {
         method.spontaneous_curvature = spontaneous_curvature.into();
-        let prepared = Box::new(InStrongForm(Prepared::new(method, mesh)));
+        let prepared = Box::new(InStrongForm(Prepared::new(Projected(method), mesh)));
         Self::new(EffectKind::Bending, false, prepared)
     }
 
@@ -233,9 +233,10 @@ where
     }
 }
 
-/// A method in strong form: its force is the gradient of no energy.
+/// A method in strong form: its force is the gradient of no energy. Without net force and torque,
+/// which nothing in a scene would balance.
 #[derive(Debug)]
-struct InStrongForm<L>(Prepared<f64, StrongForm<f64, L>>)
+struct InStrongForm<L>(Prepared<f64, Projected<StrongForm<f64, L>>>)
 where
     L: LaplaceBeltrami<f64, Plan: fmt::Debug, Memory: fmt::Debug> + Sync;
 
@@ -245,8 +246,9 @@ where
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         self.0.add_force(surface, force);
-        self.0
-            .with(|method, execution, _, memory| method.energy_of(execution, memory))
+        self.0.with(|Projected(method), execution, _, memory| {
+            method.energy_of(execution, &memory.method)
+        })
     }
 
     fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding)) {

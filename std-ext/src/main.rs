@@ -9,8 +9,8 @@ use helfrich_std::method::{BendingMethod, Evaluator};
 use helfrich_std::report;
 use helfrich_std::run::{End, run};
 use helfrich_std::scalar::{HeldPositions, Scalar};
-use helfrich_std::scene::{Overrides, SceneFile};
-use helfrich_std::simulation::build;
+use helfrich_std::scene::{Overrides, Scene, SceneFile};
+use helfrich_std::simulation::{Simulation, build};
 use helfrich_std::study::{Progress, Study};
 use helfrich_std::subdivide::{Target, subdivide};
 use helfrich_std::verdict::verdicts;
@@ -363,34 +363,34 @@ fn curvature_in<T: Real>(arguments: &CurvatureArguments, file: &MeshFile) -> Res
     }
 }
 
-/// The scene of a file with its overrides; what is probably not meant is said here.
-fn scene(arguments: &SceneArguments) -> Result<SceneFile, Failure> {
+/// The scene of a file with its overrides, made ready. What is probably not meant is said here.
+fn scene(arguments: &SceneArguments) -> Result<(Scene, Simulation, Vec<[f64; 3]>), Failure> {
     let overrides = Overrides::new(&arguments.set).map_err(Failure::input)?;
     let file = SceneFile::read(&arguments.scene, &overrides).map_err(Failure::input)?;
-    for warning in &file.warnings {
+    let (simulation, positions) = build(&file).map_err(Failure::input)?;
+    for warning in simulation.warnings() {
         say(format_args!("warning: {warning}"));
     }
-    Ok(file)
+    Ok((file.scene, simulation, positions))
 }
 
 fn explain_scene(arguments: &SceneArguments) -> Result<(), Failure> {
-    let file = scene(arguments)?;
-    let (simulation, positions) = build(&file).map_err(Failure::input)?;
+    let (scene, simulation, positions) = scene(arguments)?;
     let bodies = simulation.bodies().iter();
     let infos = bodies.filter_map(|body| Some(MeshInfo::new(body.surface(&positions)?)));
-    let explanation = file.scene.explain(&Vec::from_iter(infos));
+    let explanation = scene.explain(&Vec::from_iter(infos));
     print(|out| write!(out, "{explanation}"))
 }
 
 fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
-    let file = scene(&arguments.scene)?;
+    let (scene, simulation, positions) = scene(&arguments.scene)?;
+    let path = &arguments.scene.scene;
     if arguments.check {
-        build(&file).map_err(Failure::input)?;
-        return print(|out| writeln!(out, "{}: is a valid scene", arguments.scene.scene.display()));
+        return print(|out| writeln!(out, "{}: is a valid scene", path.display()));
     }
     let folder = match &arguments.out {
         Some(folder) => folder.clone(),
-        None => PathBuf::from(arguments.scene.scene.file_stem().unwrap_or_default()),
+        None => PathBuf::from(path.file_stem().unwrap_or_default()),
     };
     let stop = Arc::new(AtomicBool::new(false));
     let handler = Arc::clone(&stop);
@@ -399,7 +399,8 @@ fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
     let bar = progress_bar();
     bar.set_length(1000);
     let outcome = run(
-        &file,
+        &scene,
+        (simulation, positions),
         &folder,
         arguments.resume,
         &|| stop.load(Ordering::Relaxed),

@@ -20,9 +20,9 @@ use crate::io::{
     write_vtp,
 };
 use crate::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
-use crate::scene::{Driver, Relax, Scene, SceneFile, Units};
+use crate::scene::{Driver, Relax, Scene, Units};
 use crate::series::{Series, SeriesError, SeriesTable};
-use crate::simulation::{Acting, BuildError, Cost, Simulation, build};
+use crate::simulation::{Acting, Cost, Simulation};
 use measure::Measures;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -36,13 +36,10 @@ pub const CHECKPOINT: &str = "checkpoint";
 /// Width and height of the pictures, in pixels.
 const PICTURE_SIZE: [u32; 2] = [900, 700];
 
-/// Why a run cannot begin or go on. The message is one line, or one for each error of the scene.
+/// Why a run cannot begin or go on. The message is one line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// The scene cannot be made ready.
-    #[error(transparent)]
-    Build(#[from] BuildError),
     /// The surfaces resist nothing.
     #[error("{0}: give a surface `bending`, `elasticity`, `tension` or a penalty on its `area`")]
     Setup(#[from] SetupError),
@@ -185,28 +182,27 @@ struct Stored {
     seconds: f64,
 }
 
-/// Runs a scene in a folder, which is made if it is not there; with `resume`, goes on with the run
+/// Runs a scene that was made ready by [`build`](crate::simulation::build) in a folder, which is made if it is not there; with `resume`, goes on with the run
 /// that is there.
 ///
 /// After every step `progress` is told how far it is, and `interrupted` asked whether to stop.
 ///
 /// # Errors
-/// If the scene cannot be made ready, the folder holds another run, or something cannot be
+/// If the surfaces resist nothing, the folder holds another run, or something cannot be
 /// written. That a scene does not come to its equilibrium is no error: see [`End`].
 pub fn run(
-    file: &SceneFile,
+    scene: &Scene,
+    (mut simulation, positions): (Simulation, Vec<[f64; 3]>),
     folder: &Path,
     resume: bool,
     interrupted: &dyn Fn() -> bool,
     progress: &mut dyn FnMut(&Progress),
 ) -> Result<Summary, RunError> {
     let start = Instant::now();
-    let (simulation, positions) = build(file)?;
-    let fingerprint = fingerprint(&file.scene, &simulation, &positions);
-    let measures = Measures::new(&file.scene, &simulation, &positions);
-    let Driver::Relax(relax) = file.scene.driver;
+    let fingerprint = fingerprint(scene, &simulation, &positions);
+    let measures = Measures::new(scene, &simulation, &positions);
+    let Driver::Relax(relax) = scene.driver;
     let settings = settings(relax);
-    let mut simulation = simulation;
     let columns = measures.columns();
     let [path, series_path] = [CHECKPOINT, "series.csv"].map(|name| folder.join(name));
     let (relaxation, series, stored, last) = if resume {
@@ -243,7 +239,7 @@ pub fn run(
         (relaxation, series, stored, Vec::new())
     };
     let mut run = Run {
-        file,
+        scene,
         folder,
         fingerprint,
         simulation,
@@ -301,7 +297,7 @@ fn remove_unfinished(folder: &Path) {
 
 /// A run under way.
 struct Run<'a> {
-    file: &'a SceneFile,
+    scene: &'a Scene,
     folder: &'a Path,
     fingerprint: Fingerprint,
     simulation: Simulation,
@@ -326,7 +322,7 @@ impl Run<'_> {
         interrupted: &dyn Fn() -> bool,
         progress: &mut dyn FnMut(&Progress),
     ) -> Result<(End, String), RunError> {
-        let output = self.file.scene.output;
+        let output = self.scene.output;
         let loads = self.simulation.load_count();
         if self.stored.written.is_none() {
             self.write(0, f64::NAN)?;
@@ -385,10 +381,10 @@ impl Run<'_> {
         let output = |error: SeriesError| RunError::Output(Box::new(error));
         self.series.append(&row).map_err(output)?;
         self.last = row;
-        if self.file.scene.output.surfaces {
+        if self.scene.output.surfaces {
             self.write_surfaces(time, &acting)?;
         }
-        if self.file.scene.output.pictures {
+        if self.scene.output.pictures {
             self.draw(time, &acting)?;
         }
         self.stored.written = Some(time);
@@ -432,7 +428,7 @@ impl Run<'_> {
         let folder = self.folder.join("pictures");
         make_folder(&folder)?;
         let positions = self.relaxation.positions();
-        let scene = &self.file.scene;
+        let scene = self.scene;
         let field = scene.output.picture_field;
         let bodies = self.simulation.bodies();
         let fields =
@@ -517,16 +513,21 @@ impl Run<'_> {
             .map(str::to_owned)
             .zip(self.last.clone());
         let summary = Summary {
-            title: self.file.scene.title.clone(),
+            title: self.scene.title.clone(),
             end,
             message,
             iterations: self.time,
             seconds: self.seconds(),
             last: last.collect(),
             effects: self.costs(),
-            warnings: self.file.warnings.iter().map(ToString::to_string).collect(),
+            warnings: self
+                .simulation
+                .warnings()
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
             version: env!("CARGO_PKG_VERSION"),
-            scene: self.file.scene.clone(),
+            scene: self.scene.clone(),
         };
         let path = self.folder.join("summary.json");
         replace_file(&path, |out| {

@@ -7,14 +7,12 @@ mod build;
 
 pub use build::{BuildError, build};
 
-use crate::dynamics::{Evaluation, Membrane, Problem};
+use crate::dynamics::{Evaluation, Held, Membrane, Problem};
 use crate::effect::{Effect, EffectKind};
+use crate::scene::SceneError;
 use build::Stretch;
 use helfrich::interaction::RepulsionMemory;
-use helfrich::{
-    Constraints, Functional, Interaction, Prepared, Quantity, Repulsion, Serial, Surface,
-    TriangleMesh,
-};
+use helfrich::{Interaction, Quantity, Repulsion, Serial, Surface, TriangleMesh};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -28,6 +26,7 @@ pub struct Simulation {
     groups: Vec<u32>,
     /// What is held exactly in some body; each has its own field of constraint gradients.
     held: Vec<Quantity>,
+    warnings: Vec<SceneError>,
 }
 
 /// One surface.
@@ -38,19 +37,10 @@ pub struct Body {
     vertices: Range<usize>,
     membrane: Membrane,
     effects: Vec<Effect>,
-    constraints: Option<Prepared<f64, Constraints<f64>>>,
-    held: Vec<Held>,
+    held: Held,
+    /// The place of each of its constraints among those of the simulation.
+    places: Vec<usize>,
     stretch: Option<Stretch>,
-}
-
-/// A quantity that is held exactly.
-#[derive(Debug)]
-struct Held {
-    /// Its place among the constraints of the simulation.
-    index: usize,
-    prepared: Prepared<f64, Quantity>,
-    /// One for each component.
-    ones: Vec<f64>,
 }
 
 /// Repulsion between some surfaces.
@@ -127,9 +117,9 @@ impl Simulation {
         &self.bodies
     }
 
-    /// The same, to evaluate the effects of one of them.
-    pub fn bodies_mut(&mut self) -> &mut [Body] {
-        &mut self.bodies
+    /// What is probably not meant: the scene's warnings, and those that its meshes give reason for.
+    pub fn warnings(&self) -> &[SceneError] {
+        &self.warnings
     }
 
     /// The membranes as the relaxation sees them.
@@ -292,41 +282,22 @@ impl Problem for Simulation {
             gradient.fill([0.0; 3]);
         }
         for body in &mut self.bodies {
-            let Ok(surface) = Surface::new(&body.mesh, &positions[body.vertices.clone()]) else {
-                continue;
-            };
-            for Held {
-                index,
-                prepared,
-                ones,
-            } in &mut body.held
-            {
-                let gradient = &mut gradients[*index][body.vertices.clone()];
-                prepared.with(|quantity, execution, plan, memory| {
-                    quantity.add_gradient(execution, plan, surface, memory, ones, gradient);
-                });
+            let vertices = body.vertices.clone();
+            for (index, &place) in body.places.iter().enumerate() {
+                let gradient = &mut gradients[place][vertices.clone()];
+                body.held
+                    .gradient(index, &positions[vertices.clone()], gradient);
             }
         }
     }
 
     fn restore(&mut self, positions: &mut [[f64; 3]]) -> f64 {
-        let mut largest = 0.0_f64;
-        for body in &mut self.bodies {
-            let Some(constraints) = &mut body.constraints else {
-                continue;
-            };
-            let positions = &mut positions[body.vertices.clone()];
-            let mesh = &body.mesh;
-            let correction = constraints.with(|constraints, execution, plan, memory| {
-                constraints.correct(execution, plan, mesh, positions, memory)
-            });
-            match correction {
-                Ok(correction) => largest = largest.max(correction.residual),
-                // The driver takes a shorter step, or stops and says so.
-                Err(_) => return f64::INFINITY,
-            }
-        }
-        largest
+        let restore = |body: &mut Body| {
+            let restored = body.held.restore(&mut positions[body.vertices.clone()]);
+            // The driver takes a shorter step, or stops and says so.
+            restored.map_or(f64::INFINITY, |correction| correction.residual)
+        };
+        self.bodies.iter_mut().map(restore).fold(0.0, f64::max)
     }
 }
 

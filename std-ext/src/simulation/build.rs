@@ -1,20 +1,20 @@
 //! From a scene to surfaces and effects.
 
-use super::{Between, Body, Held, Simulation};
-use crate::dynamics::{Membrane, Motion};
+use super::{Between, Body, Simulation};
+use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::{Effect, EffectKind};
 use crate::generate::{GenerateError, GeneratedMesh, generate};
 use crate::info::MeshInfo;
 use crate::io::{ReadError, read};
 use crate::scene::{
     self, AreaDifferenceTarget, Hold, InPlaneLaw, MeshSource, Orientation, Reference,
-    ReferenceSource, SceneErrors, SceneFile, SurfaceScene, Target, VolumeTarget,
+    ReferenceSource, SceneError, SceneErrors, SceneFile, SurfaceScene, Target, VolumeTarget,
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
 use helfrich::{
     AreaDifference, Constraint, Constraints, Gravity, InPlane, LoadError, LocalArea, NeoHookean,
-    OsmoticPressure, Penalty, PointLoads, Prepared, Quantity, ReferenceError, Repulsion, Skalak,
+    OsmoticPressure, Penalty, PointLoads, Quantity, ReferenceError, Repulsion, Skalak,
     StrainEnergy, Surface, SurfaceError, SurfaceTension, Targets, TriangleMesh,
 };
 use std::f64::consts::PI;
@@ -77,10 +77,11 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
     let mut groups = Vec::new();
     let mut group_count = 0;
     let mut held = Vec::new();
+    let mut warnings = file.warnings.clone();
     for (index, surface) in scene.surfaces.iter().enumerate() {
         let start = Start::new(surface)?;
         let vertices = positions.len()..positions.len() + start.positions.len();
-        let body = start.body(file, index, surface, vertices, &mut held)?;
+        let body = start.body(file, index, surface, vertices, &mut held, &mut warnings)?;
         let (components, count) = body.mesh.components();
         groups.extend(components.into_iter().map(|group| group + group_count));
         group_count += count as u32;
@@ -111,6 +112,7 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
         between,
         groups,
         held,
+        warnings,
     };
     simulation.set_load(0);
     Ok((simulation, positions))
@@ -175,13 +177,16 @@ impl Start {
         scene: &SurfaceScene,
         vertices: std::ops::Range<usize>,
         all_held: &mut Vec<Quantity>,
+        warnings: &mut Vec<SceneError>,
     ) -> Result<Body, BuildError> {
         let surface =
             Surface::new(&self.mesh, &self.positions).map_err(|source| BuildError::Positions {
                 surface: scene.name.clone(),
                 source,
             })?;
-        file.check_mesh(index, &MeshInfo::new(surface))?;
+        let info = MeshInfo::new(surface);
+        file.check_mesh(index, &info)?;
+        warnings.extend(file.mesh_warnings(index, &info));
         let mut constraints = Vec::new();
         let mut effects = Vec::new();
         if let Some(scene::Bending {
@@ -198,7 +203,7 @@ impl Start {
             ));
         }
         if let Some(elasticity) = &scene.elasticity {
-            let reference = self.reference(file, index, scene, &elasticity.reference)?;
+            let reference = self.reference(file, index, &elasticity.reference)?;
             effects.push(self.in_plane(
                 scene,
                 EffectKind::Elasticity,
@@ -208,7 +213,7 @@ impl Start {
             )?);
         }
         if let Some(local_area) = &scene.local_area {
-            let reference = self.reference(file, index, scene, &local_area.reference)?;
+            let reference = self.reference(file, index, &local_area.reference)?;
             let law = LocalArea {
                 area_modulus: local_area.modulus,
             };
@@ -318,31 +323,24 @@ impl Start {
                 Some(stretch)
             }
         };
-        let held = constraints.iter().map(|constraint: &Constraint<f64>| {
+        let places = constraints.iter().map(|constraint: &Constraint<f64>| {
             let quantity = constraint.functional;
             let known = all_held.iter().position(|&held| held == quantity);
-            let index = known.unwrap_or_else(|| {
+            known.unwrap_or_else(|| {
                 all_held.push(quantity);
                 all_held.len() - 1
-            });
-            Held {
-                index,
-                prepared: Prepared::new(quantity, &self.mesh),
-                ones: vec![1.0; self.mesh.components().1],
-            }
+            })
         });
-        let held = held.collect();
+        let places = places.collect();
         let mesh = Arc::new(self.mesh.clone());
-        let constraints = (!constraints.is_empty())
-            .then(|| Prepared::new(Constraints { constraints }, &self.mesh));
         Ok(Body {
             name: scene.name.clone(),
             membrane: membrane(&mesh, scene),
+            held: Held::new(Arc::clone(&mesh), Constraints { constraints }),
+            places,
             mesh,
             vertices,
             effects,
-            constraints,
-            held,
             stretch,
         })
     }
@@ -352,7 +350,6 @@ impl Start {
         &self,
         file: &SceneFile,
         index: usize,
-        scene: &SurfaceScene,
         reference: &Reference,
     ) -> Result<Vec<[f64; 3]>, BuildError> {
         match &reference.source {
@@ -366,7 +363,6 @@ impl Start {
             ReferenceSource::File(path) => {
                 let reference = read(path)?;
                 file.check_reference(index, &self.mesh, &reference.mesh)?;
-                let _ = scene;
                 Ok(reference.positions)
             }
         }

@@ -1,0 +1,279 @@
+//! Simulations: exactly the effects that a scene names, and the scenes that are shipped.
+#![expect(
+    unsafe_code,
+    reason = "a global allocator that counts cannot be written without"
+)]
+
+use helfrich_std::dynamics::Problem;
+use helfrich_std::run::{End, Summary, run};
+use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::series::SeriesTable;
+use helfrich_std::simulation::{Simulation, build};
+use helfrich_tests::tolerance;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// The system's allocator; counts the calls of each thread.
+struct Counting;
+
+thread_local! {
+    static CALLS: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is handed on to the system's allocator as it is; the counter allocates
+// nothing, for it is initialised at compile time and has no destructor.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        CALLS.with(|calls| calls.set(calls.get() + 1));
+        // SAFETY: the caller's promise, handed on.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise, handed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn parse(text: &str) -> SceneFile {
+    let overrides = Overrides::default();
+    SceneFile::parse(text, Path::new("scene.toml"), &overrides).expect("a scene")
+}
+
+const SURFACE: &str = "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\nshape = \"sphere\"\nvertices = 642\n";
+
+/// Every effect by itself, as it stands in a scene.
+const EFFECTS: [(&str, &str); 10] = [
+    ("bending", "method = \"gompper-kroll\"\nmodulus = 1"),
+    (
+        "elasticity",
+        "law = \"skalak\"\nshear_modulus = 1\narea_ratio = 2",
+    ),
+    ("local_area", "modulus = 1"),
+    ("area", "modulus = 1"),
+    ("volume", "modulus = 1"),
+    ("area_difference", "modulus = 1"),
+    ("tension", "value = 1"),
+    ("pressure", "value = 1"),
+    (
+        "gravity",
+        "density_difference = 1\nacceleration = [0, 0, -1]",
+    ),
+    ("stretching", "axis = [1, 0, 0]\nforce = 1"),
+];
+
+fn scene(named: &[usize]) -> SceneFile {
+    let table = |&k: &usize| {
+        let (name, keys) = EFFECTS[k];
+        match name {
+            "tension" | "pressure" => format!("{name} = 1\n"),
+            _ => keys
+                .lines()
+                .map(|line| format!("{name}.{line}\n"))
+                .collect(),
+        }
+    };
+    let tables: String = named.iter().map(table).collect();
+    parse(&format!("{SURFACE}{tables}"))
+}
+
+/// The names of the effects with the number of their evaluations, after so many of the whole; and
+/// the allocations of all but the first of these.
+fn evaluated(file: &SceneFile, times: usize) -> (Vec<(String, u64)>, usize) {
+    let (mut simulation, positions) = build(file).expect("a simulation");
+    let mut force = vec![[0.0; 3]; positions.len()];
+    simulation.evaluate(&positions, &mut force);
+    let before = CALLS.with(Cell::get);
+    for _ in 1..times {
+        simulation.evaluate(&positions, &mut force);
+    }
+    let allocations = CALLS.with(Cell::get) - before;
+    let costs = simulation.costs().into_iter();
+    let costs = costs.map(|cost| (cost.effect, cost.evaluations));
+    (costs.collect(), allocations)
+}
+
+/// Each effect alone, each missing, none, and all.
+#[test]
+fn what_a_scene_does_not_name_is_never_touched() {
+    let all = Vec::from_iter(0..EFFECTS.len());
+    let alone = all.iter().map(|&k| vec![k]);
+    let missing = all.iter().map(|&k| {
+        let others = all.iter().copied().filter(|&other| other != k);
+        others.collect()
+    });
+    let cases = alone.chain(missing).chain([vec![], all.clone()]);
+    for named in cases {
+        let (costs, allocations) = evaluated(&scene(&named), 3);
+        let expected = named.iter().map(|&k| (EFFECTS[k].0.to_owned(), 3));
+        assert_eq!(costs, Vec::from_iter(expected));
+        assert_eq!(allocations, 0, "{named:?}");
+    }
+}
+
+/// The whole is the sum of its effects, on every surface and between them.
+#[test]
+fn an_evaluation_is_the_sum_of_what_each_effect_does() {
+    let text = format!(
+        "{SURFACE}name = \"a\"\nbending.method = \"juelicher\"\nbending.modulus = 1\n\
+         [[surface]]\nname = \"b\"\nshape = \"ellipsoid:1,1,0.8\"\nvertices = 162\n\
+         position = [0, 0, 1.9]\ntension = 0.3\npressure = -0.2\n\
+         [[interaction]]\nkind = \"repulsion\"\nstrength = 1\ncutoff = 0.5\n"
+    );
+    let (mut simulation, positions) = build(&parse(&text)).expect("a simulation");
+    let mut force = vec![[0.0; 3]; positions.len()];
+    let whole = simulation.evaluate(&positions, &mut force);
+    let acting = simulation.resolve(&positions);
+    let names = Vec::from_iter(acting.iter().map(|acting| acting.effect.as_str()));
+    assert_eq!(names, ["bending_a", "tension_b", "pressure_b", "repulsion"]);
+    assert_eq!(simulation.effect_names(), names);
+    let sum: f64 = acting.iter().map(|acting| acting.energy).sum();
+    let size: f64 = acting.iter().map(|acting| acting.energy.abs()).sum();
+    tolerance::SAME.assert(whole.energy, sum, size, "E");
+    let largest = force
+        .as_flattened()
+        .iter()
+        .fold(0.0_f64, |m, x| m.max(x.abs()));
+    for vertex in 0..force.len() {
+        for axis in 0..3 {
+            let sum: f64 = acting.iter().map(|acting| acting.force[vertex][axis]).sum();
+            tolerance::SAME.assert(force[vertex][axis], sum, largest, "F");
+        }
+    }
+    // Each acts where it should.
+    let second = simulation.bodies()[1].vertices();
+    assert!(
+        acting[0].force[second.clone()]
+            .iter()
+            .flatten()
+            .all(|&x| x == 0.0)
+    );
+    assert!(
+        acting[1].force[..second.start]
+            .iter()
+            .flatten()
+            .all(|&x| x == 0.0)
+    );
+    let pushes = |range: &[[f64; 3]]| range.iter().map(|force| force[2]).sum::<f64>();
+    let (lower, upper) = acting[3].force.split_at(second.start);
+    assert!(pushes(upper) > 0.0 && acting[3].energy > 0.0);
+    tolerance::SAME.assert(pushes(lower), -pushes(upper), pushes(upper), "push");
+}
+
+fn shipped(name: &str) -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("a workspace");
+    root.join("std-ext/scenes").join(format!("{name}.toml"))
+}
+
+/// Runs a shipped scene, and returns its end and its series.
+fn run_shipped(name: &str, overrides: &[&str]) -> (Summary, SeriesTable, TempDir) {
+    let quiet = ["output.pictures=false", "output.surfaces=false"];
+    let overrides = Overrides::new(overrides.iter().chain(&quiet).copied()).expect("overrides");
+    let file = SceneFile::read(&shipped(name), &overrides).expect("a scene");
+    let built: (Simulation, _) = build(&file).expect("a simulation");
+    let folder = TempDir::new().expect("a folder");
+    let out = folder.path().join("out");
+    let summary = run(&file.scene, built, &out, false, &|| false, &mut |_| ()).expect("a run");
+    let table = SeriesTable::read(&out.join("series.csv")).expect("a series");
+    (summary, table, folder)
+}
+
+/// Energies of the stationary axisymmetric vesicles of Seifert, Berndl and Lipowsky, Phys. Rev. A 44
+/// (1991) 1182, over 8πκ; the vesicle that leaves the oblate branch ends as the prolate.
+#[test]
+fn vesicles_have_the_energies_of_theory() {
+    for (name, expected) in [
+        ("vesicle-prolate-0.9", 1.1896),
+        ("vesicle-prolate-0.8", 1.3874),
+        ("vesicle-oblate-0.7", 1.6991),
+        ("vesicle-oblate-unstable-0.9", 1.1896),
+    ] {
+        let (summary, table, _folder) = run_shipped(name, &[]);
+        assert_eq!(summary.end, End::Converged, "{name}");
+        let last = |column: &str| *table.column(column).expect(column).last().expect("rows");
+        tolerance::VESICLE_ENERGY.assert(last("energy") / (8.0 * PI), expected, expected, name);
+        let reduced = &name[name.len() - 3..];
+        let reduced: f64 = reduced.parse().expect("a reduced volume");
+        tolerance::HELD.assert(last("reduced_volume"), reduced, reduced, name);
+        let areas = table.column("area").expect("area");
+        for &area in &areas[1..] {
+            tolerance::HELD.assert(area, areas[1], areas[1], name);
+        }
+    }
+}
+
+/// The oblate is stationary for a while: its energy is passed on the way.
+#[test]
+fn the_unstable_oblate_is_left() {
+    let (_, table, _folder) = run_shipped("vesicle-oblate-unstable-0.9", &["output.every=1"]);
+    let energies = table.column("energy").expect("energy");
+    let reduced = energies.iter().skip(1).map(|energy| energy / (8.0 * PI));
+    let near = reduced
+        .filter(|energy| (1.205..1.225).contains(energy))
+        .count();
+    assert!(near >= 5, "{energies:?}");
+}
+
+#[test]
+fn a_bud_forms_and_a_cell_becomes_a_discocyte() {
+    let (summary, ..) = run_shipped("budding", &[]);
+    assert_eq!(summary.end, End::Converged);
+    // Two unit spheres' worth of membrane on a neck would have H0 = 1 and no energy; a tube has more.
+    let (summary, table, _folder) =
+        run_shipped("red-blood-cell-relax", &["surface.cell.vertices=642"]);
+    assert_eq!(summary.end, End::Converged);
+    let last = |column: &str| *table.column(column).expect(column).last().expect("rows");
+    tolerance::HELD.assert(last("area"), 134.0, 134.0, "area");
+    tolerance::HELD.assert(last("volume"), 94.0, 94.0, "volume");
+}
+
+/// J. P. Mills et al., Mech. Chem. Biosyst. 1 (2004) 169: both diameters within their bounds under
+/// every force.
+#[test]
+fn the_stretched_cell_is_as_measured() {
+    let (summary, table, _folder) = run_shipped(
+        "red-blood-cell-stretched",
+        &["surface.cell.vertices=642", "output.every=100000"],
+    );
+    assert_eq!(summary.end, End::Converged);
+    let data = include_str!("../data/mills2004.csv");
+    let measured = data
+        .lines()
+        .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+    let measured = measured.map(|line| {
+        let numbers = line
+            .split(',')
+            .map(|cell| cell.parse::<f64>().expect("a number"));
+        Vec::from_iter(numbers)
+    });
+    let [forces, along, across] = ["force", "axial_diameter", "transverse_diameter"]
+        .map(|name| table.column(name).expect(name));
+    let mut count = 0;
+    for row in measured {
+        // The last row under this force is its equilibrium.
+        let at = forces
+            .iter()
+            .rposition(|&force| force == row[0])
+            .expect("this force");
+        let (along, across) = (along[at], across[at]);
+        assert!(
+            (row[3]..=row[4]).contains(&across),
+            "{across} across under {}",
+            row[0]
+        );
+        assert!(
+            (row[5]..=row[6]).contains(&along),
+            "{along} along under {}",
+            row[0]
+        );
+        count += 1;
+    }
+    assert_eq!(count, 13);
+}
