@@ -68,15 +68,11 @@ const EFFECTS: [(&str, &str); 10] = [
 ];
 
 fn scene(named: &[usize]) -> SceneFile {
-    let table = |&k: &usize| {
+    let table = |&k: &usize| -> String {
         let (name, keys) = EFFECTS[k];
-        match name {
-            "tension" | "pressure" => format!("{name} = 1\n"),
-            _ => keys
-                .lines()
-                .map(|line| format!("{name}.{line}\n"))
-                .collect(),
-        }
+        keys.lines()
+            .map(|line| format!("{name}.{line}\n"))
+            .collect()
     };
     let tables: String = named.iter().map(table).collect();
     parse(&format!("{SURFACE}{tables}"))
@@ -122,7 +118,7 @@ fn an_evaluation_is_the_sum_of_what_each_effect_does() {
     let text = format!(
         "{SURFACE}name = \"a\"\nbending.method = \"juelicher\"\nbending.modulus = 1\n\
          [[surface]]\nname = \"b\"\nshape = \"ellipsoid:1,1,0.8\"\nvertices = 162\n\
-         position = [0, 0, 1.9]\ntension = 0.3\npressure = -0.2\n\
+         position = [0, 0, 1.9]\ntension.value = 0.3\npressure.value = -0.2\n\
          [[interaction]]\nkind = \"repulsion\"\nstrength = 1\ncutoff = 0.5\n"
     );
     let (mut simulation, positions) = build(&parse(&text)).expect("a simulation");
