@@ -96,7 +96,7 @@ fn dissipation<T: Real + Display>(surface: Surface<'_, T>) {
     let inward = -power / (6.0 * rate * RADIUS);
     radial(surface, &force, inward, "the dissipative force");
 
-    let turn = |&[x, y, z]: &[T; 3]| [-y, x, z - z];
+    let turn = |&[x, y, _]: &[T; 3]| [-y, x, T::zero()];
     let velocities = Vec::from_iter(surface.positions().iter().map(turn));
     force.fill([T::zero(); 3]);
     viscosity.add_dissipative_force(surface, &velocities, &mut force);
@@ -129,6 +129,15 @@ fn repulsion<T: Real + Display>(left: Surface<'_, T>) {
     let push = 6.0 * gap * MODULUS * areas * inside * inside;
     near(net[0], -push, "the push on the left");
     near(net[1], push, "the push on the right");
+
+    // Growing about the vertex that is in the range, a body changes the area there and no distance.
+    let near_vertex = right.positions()[3];
+    let grow = |(&force, &[x, y, z]): (&[T; 3], &[T; 3])| {
+        let [a, b, c] = near_vertex;
+        dot(force, [x - a, y - b, z - c])
+    };
+    let work: T = forces[1].iter().zip(right.positions()).map(grow).sum();
+    near(work, -2.0 * expected, "the work against growth");
 }
 
 /// Two octahedra in one mesh, brought to twice and three times their volume 4/3 R³: each grows by
