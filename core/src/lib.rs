@@ -1,5 +1,5 @@
-//! Bending of triangulated membranes: discrete Laplace–Beltrami operators, curvatures, and the
-//! Helfrich bending energy and force.
+//! Bending of triangulated membranes: discrete Laplace–Beltrami operators, curvatures, the Helfrich
+//! bending energy and force, and what else acts on membranes.
 //!
 //! # From points to forces
 //!
@@ -23,7 +23,15 @@
 //!   [`HeatKernel`], [`Paraboloid`], [`Jet`].
 //! * [`bending`] methods give an [`Energy`], a nodal [`Force`], a [`ForceDensity`]; the exact
 //!   gradients among them are [`Conservative`].
-//! * [`Prepared`] holds a method with its plan and memory; [`shapes`] are surfaces known exactly.
+//! * [`elasticity`] in the plane is [`InPlane`] with a law, over a reference that may differ from
+//!   the shape at the start: [`NeoHookean`], [`Skalak`], [`LocalArea`].
+//! * A [`Functional`] is a number of each connected component: [`TotalArea`], [`EnclosedVolume`],
+//!   [`TotalMeanCurvature`]. Energies are made of them ([`Penalty`], [`SurfaceTension`],
+//!   [`OsmoticPressure`], [`AreaDifference`]), and [`Constraints`] hold them exactly.
+//! * [`Gravity`] and [`PointLoads`] come from outside. An [`Interaction`] acts between surfaces:
+//!   [`Repulsion`]. A [`Dissipation`] depends on velocities: [`MembraneViscosity`].
+//! * The sum of two methods is the pair `(a, b)`; longer sums nest. [`Prepared`] holds a method with
+//!   its plan and memory; [`shapes`] are surfaces known exactly.
 //!
 //! # Notation, signs, units
 //!
@@ -33,6 +41,8 @@
 //! * `E = 2κ ∫ H² dS`: `8πκ` for every sphere.
 //! * Force `F_i = −∂E/∂x_i`, what the membrane exerts on its surroundings at a vertex, in units of
 //!   force. Force density `f = 2κ [Δ_S H + 2H (H² − K)] n`, force per area of membrane.
+//! * In-plane moduli are forces per length; E_s, which some give for neo-Hookean membranes, is 3 G.
+//!   Positive surface tension contracts, positive osmotic pressure inflates.
 //! * H is in 1/length, K in 1/length², Δ_S H in 1/length³, κ in units of energy; lengths are in
 //!   whatever unit the positions have.
 //! * *Pointwise* values are per area; *integrated* ones belong to a vertex and are named areas,

@@ -7,10 +7,11 @@
 //!   [`info`]: what a mesh is like.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge.
 //! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
-//! * [`effect`] and [`simulation`]: what acts on the surfaces of a scene; [`run`]: a run in a folder.
-//! * [`checkpoint`] and [`series`]: what a run leaves to go on from, and its numbers over time.
-//! * [`dynamics`]: membranes relax to equilibrium.
-//! * [`picture`]: surfaces coloured by a field, and plots, as PNG files.
+//! * [`effect`] and [`simulation`]: exactly what a scene names, made ready; nothing moves or is
+//!   written. [`dynamics`]: membranes relax to equilibrium, whatever acts on them.
+//! * [`run`]: a scene driven in a folder. [`checkpoint`] and [`series`]: what a run leaves to go on
+//!   from, and its numbers over time. [`picture`]: surfaces coloured by a field, and plots, as PNG
+//!   files.
 //! * [`report`]: how all of this is shown.
 
 pub mod checkpoint;
