@@ -348,7 +348,7 @@ impl Run<'_> {
                 let goes_on = !last && !matches!(outcome, Outcome::Failed(_));
                 if !goes_on {
                     self.checkpoint()?;
-                    return Ok((end(outcome), outcome.to_string()));
+                    return Ok((end(outcome), self.message(outcome, report.residual)));
                 }
                 self.stored.load += 1;
                 self.stored.before = time;
@@ -366,6 +366,21 @@ impl Run<'_> {
                 self.checkpoint()?;
             }
         }
+    }
+
+    /// An outcome in words, with what is worth knowing of it.
+    fn message(&self, outcome: Outcome, residual: f64) -> String {
+        let mut message = outcome.to_string();
+        if let Outcome::Failed(failure) = outcome
+            && let Some(membrane) = failure.membrane()
+        {
+            let name = self.simulation.bodies()[membrane].name();
+            message.push_str(&format!("; membrane {membrane} is the surface \"{name}\""));
+        }
+        if outcome != Outcome::Converged && residual.is_finite() {
+            message.push_str(&format!("; the residual is {residual:.1e}"));
+        }
+        message
     }
 
     /// A row of the series and a set of files, unless that was done at this time already.

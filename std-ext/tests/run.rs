@@ -309,3 +309,23 @@ fn outputs_that_cannot_be_written_are_exit_code_3() {
     assert_eq!(output.status.code(), Some(3));
     assert_eq!(fs::read(&file).unwrap(), b"kept");
 }
+
+/// A sphere encloses the most: none of its volume can be taken at the same area, to first order.
+#[test]
+fn constraints_out_of_reach_are_refused_before_anything_is_written() {
+    let (folder, scene) = scene("");
+    let out = folder.path().join("out");
+    let sets = [
+        "surface.vesicle.shape=sphere",
+        "surface.vesicle.volume.reduced=0.9",
+    ];
+    let sets = sets.map(|set| ["--set", set]);
+    let output = run(&scene, &out, sets.as_flattened());
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert_eq!(message.lines().count(), 1, "{message}");
+    for hint in ["vesicle", "sphere", "ellipsoid"] {
+        assert!(message.contains(hint), "{message}");
+    }
+    assert!(!out.exists());
+}

@@ -135,11 +135,11 @@ fn an_evaluation_is_the_sum_of_what_each_effect_does() {
         .as_flattened()
         .iter()
         .fold(0.0_f64, |m, x| m.max(x.abs()));
-    for vertex in 0..force.len() {
-        for axis in 0..3 {
-            let sum: f64 = acting.iter().map(|acting| acting.force[vertex][axis]).sum();
-            tolerance::SAME.assert(force[vertex][axis], sum, largest, "F");
-        }
+    for (entry, &found) in force.as_flattened().iter().enumerate() {
+        let parts = acting
+            .iter()
+            .map(|acting| acting.force.as_flattened()[entry]);
+        tolerance::SAME.assert(found, parts.sum(), largest, "F");
     }
     // Each acts where it should.
     let second = simulation.bodies()[1].vertices();

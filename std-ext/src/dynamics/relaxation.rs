@@ -191,6 +191,18 @@ pub enum Failure {
     },
 }
 
+impl Failure {
+    /// The membrane it names, from 0.
+    pub fn membrane(&self) -> Option<usize> {
+        match *self {
+            Self::NotFinite { membrane, .. }
+            | Self::Inverted { membrane, .. }
+            | Self::Distorted { membrane, .. } => Some(membrane),
+            Self::StepBelowFloor { .. } | Self::ConstraintsLost { .. } => None,
+        }
+    }
+}
+
 impl fmt::Display for Outcome {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

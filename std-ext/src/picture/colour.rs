@@ -185,8 +185,8 @@ mod tests {
 
     #[test]
     fn maps_take_even_steps_and_lightness_is_monotonic() {
-        let paths: [fn(f64) -> ([f64; 3], [f64; 3]); 3] =
-            [sequential, |t| diverging(-t), diverging];
+        type Path = fn(f64) -> ([f64; 3], [f64; 3]);
+        let paths: [Path; 3] = [sequential, |t| diverging(-t), diverging];
         for (path, rises) in paths.into_iter().zip([true, false, false]) {
             let colours = even(64, path);
             let steps: Vec<f64> = colours

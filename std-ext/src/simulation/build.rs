@@ -13,9 +13,9 @@ use crate::scene::{
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
 use helfrich::{
-    AreaDifference, Constraint, Constraints, Gravity, InPlane, LoadError, LocalArea, NeoHookean,
-    OsmoticPressure, Penalty, PointLoads, Quantity, ReferenceError, Repulsion, Skalak,
-    StrainEnergy, Surface, SurfaceError, SurfaceTension, Targets, TriangleMesh,
+    AreaDifference, Constraint, ConstraintError, Constraints, Gravity, InPlane, LoadError,
+    LocalArea, NeoHookean, OsmoticPressure, Penalty, PointLoads, Quantity, ReferenceError,
+    Repulsion, Skalak, StrainEnergy, Surface, SurfaceError, SurfaceTension, Targets, TriangleMesh,
 };
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -55,6 +55,16 @@ pub enum BuildError {
         /// Why.
         source: ReferenceError,
     },
+    /// What is held exactly cannot be had from where the surface starts.
+    #[error("surface \"{surface}\": {}", unreachable(constraints, source))]
+    Constraints {
+        /// The surface's name.
+        surface: String,
+        /// What is held, as scenes call it.
+        constraints: Vec<&'static str>,
+        /// Why not.
+        source: ConstraintError,
+    },
     /// The ends of a surface cannot be loaded.
     #[error("surface \"{surface}\": {source}")]
     Stretching {
@@ -63,6 +73,28 @@ pub enum BuildError {
         /// Why.
         source: LoadError,
     },
+}
+
+/// Why constraints, called by these names, are out of reach.
+fn unreachable(names: &[&str], error: &ConstraintError) -> String {
+    let name = |constraint: usize| names.get(constraint).copied().unwrap_or_default();
+    match *error {
+        ConstraintError::Dependent { constraint, .. } => format!(
+            "from where it starts, `{}` cannot be changed without the others that are held exactly, \
+             as the volume of a sphere without its area: begin with another shape, an ellipsoid say",
+            name(constraint)
+        ),
+        ConstraintError::NotReached {
+            constraint,
+            residual,
+            ..
+        } => format!(
+            "from where it starts, `{}` does not come nearer to its target than {residual:.1e} of it: \
+             begin with a shape that is nearer to it",
+            name(constraint)
+        ),
+        error => error.to_string(),
+    }
 }
 
 /// Makes a scene ready: its surfaces where they start, one surface's positions after the other's,
@@ -332,11 +364,27 @@ impl Start {
             })
         });
         let places = places.collect();
+        let names = constraints
+            .iter()
+            .map(|constraint| match constraint.functional {
+                Quantity::Area => "area",
+                Quantity::Volume => "volume",
+                Quantity::MeanCurvature => "area_difference",
+            });
+        let names = names.collect();
         let mesh = Arc::new(self.mesh.clone());
+        let mut held = Held::new(Arc::clone(&mesh), Constraints { constraints });
+        // Not after a first row has been written.
+        held.restore(&mut self.positions.clone())
+            .map_err(|source| BuildError::Constraints {
+                surface: scene.name.clone(),
+                constraints: names,
+                source,
+            })?;
         Ok(Body {
             name: scene.name.clone(),
             membrane: membrane(&mesh, scene),
-            held: Held::new(Arc::clone(&mesh), Constraints { constraints }),
+            held,
             places,
             mesh,
             vertices,
