@@ -116,7 +116,8 @@ pub trait ForceDensity<T: Real>: Method<T> {
 
 /// A force that is the exact negative gradient of its own discrete energy.
 ///
-/// Laws: F_i = −∂E/∂x_i, exact but for rounding; therefore ΣF = 0 and Σ x × F = 0.
+/// Laws: F_i = −∂E/∂x_i, exact but for rounding; therefore ΣF = 0 and Σ x × F = 0, unless the energy is
+/// one of something outside, as weight and loads are.
 pub trait Conservative<T: Real>: Energy<T> + Force<T> {
     /// Adds the nodal forces to `force` and returns the energy, in one evaluation.
     ///

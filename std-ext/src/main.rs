@@ -23,7 +23,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Bending of triangulated membranes: compares methods, measures curvature.
+/// Bending of triangulated membranes: compares methods, measures curvature, relaxes scenes.
 ///
 /// Exit codes: 0 done; 2 the arguments or an input file are at fault; 3 an output could not be
 /// written; 4 a run ended before its equilibrium; 130 it was interrupted, and can be resumed.

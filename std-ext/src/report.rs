@@ -260,7 +260,9 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
         effects,
         ..
     } = summary;
-    writeln!(out, "{title}")?;
+    if !title.is_empty() {
+        writeln!(out, "{title}")?;
+    }
     writeln!(
         out,
         "{message}: {iterations} iterations in {seconds:.1} s\n"

@@ -182,8 +182,8 @@ struct Stored {
     seconds: f64,
 }
 
-/// Runs a scene that was made ready by [`build`](crate::simulation::build) in a folder, which is made if it is not there; with `resume`, goes on with the run
-/// that is there.
+/// Runs a scene that was made ready by [`build`](crate::simulation::build) in a folder, which is made
+/// if it is not there; with `resume`, goes on with the run that is there.
 ///
 /// After every step `progress` is told how far it is, and `interrupted` asked whether to stop.
 ///
