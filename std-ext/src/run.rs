@@ -180,6 +180,9 @@ struct Stored {
     first_residual: Option<f64>,
     costs: Vec<(u64, f64)>,
     seconds: f64,
+    /// How the first load ended that did not come to its equilibrium, and all of these in words.
+    unfinished: Option<End>,
+    notes: Vec<String>,
 }
 
 /// Runs a scene that was made ready by [`build`](crate::simulation::build) in a folder, which is made
@@ -235,6 +238,8 @@ pub fn run(
             first_residual: None,
             costs: Vec::new(),
             seconds: 0.0,
+            unfinished: None,
+            notes: Vec::new(),
         };
         (relaxation, series, stored, Vec::new())
     };
@@ -344,13 +349,23 @@ impl Run<'_> {
                 self.write(time, report.residual)?;
             }
             if let Some(outcome) = report.outcome {
-                let last = self.stored.load + 1 == loads;
-                let goes_on = !last && !matches!(outcome, Outcome::Failed(_));
-                if !goes_on {
-                    self.checkpoint()?;
-                    return Ok((end(outcome), self.message(outcome, report.residual)));
+                let mut message = self.message(outcome, report.residual);
+                let load = self.stored.load + 1;
+                if loads > 1 && outcome != Outcome::Converged {
+                    message = format!("load {load} of {loads}: {message}");
+                    self.stored.notes.push(message.clone());
+                    self.stored.unfinished.get_or_insert(end(outcome));
                 }
-                self.stored.load += 1;
+                let failed = matches!(outcome, Outcome::Failed(_));
+                if load == loads || failed {
+                    self.checkpoint()?;
+                    let first = self.stored.unfinished.filter(|_| !failed);
+                    if !self.stored.notes.is_empty() {
+                        message = self.stored.notes.join("; ");
+                    }
+                    return Ok((first.unwrap_or(end(outcome)), message));
+                }
+                self.stored.load = load;
                 self.stored.before = time;
                 self.stored.first_residual = None;
                 self.simulation.set_load(self.stored.load);
@@ -527,6 +542,9 @@ impl Run<'_> {
             .into_iter()
             .map(str::to_owned)
             .zip(self.last.clone());
+        let warnings = self.simulation.warnings().iter();
+        let mut warnings = Vec::from_iter(warnings.map(ToString::to_string));
+        warnings.extend(self.stored.notes.iter().cloned());
         let summary = Summary {
             title: self.scene.title.clone(),
             end,
@@ -535,12 +553,7 @@ impl Run<'_> {
             seconds: self.seconds(),
             last: last.collect(),
             effects: self.costs(),
-            warnings: self
-                .simulation
-                .warnings()
-                .iter()
-                .map(ToString::to_string)
-                .collect(),
+            warnings,
             version: env!("CARGO_PKG_VERSION"),
             scene: self.scene.clone(),
         };

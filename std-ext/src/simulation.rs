@@ -47,7 +47,7 @@ pub struct Body {
 #[derive(Debug)]
 struct Between {
     repulsion: Repulsion<f64>,
-    /// The bodies, two or more.
+    /// The bodies, two or more, in their order.
     bodies: Vec<usize>,
     memory: RepulsionMemory<f64>,
     evaluations: u64,

@@ -268,6 +268,37 @@ fn a_run_that_does_not_converge_says_so() {
     assert_eq!(summary(&out)["end"], "iteration-limit");
 }
 
+/// Each load has the limit for itself, and one that ends before its equilibrium is not forgotten.
+#[test]
+fn no_load_of_a_sequence_ends_early_in_silence() {
+    let (folder, scene) = scene("");
+    let out = folder.path().join("out");
+    let sets = [
+        "--set",
+        "surface.vesicle.stretching={axis=[0,0,1],force=[20,0]}",
+        "--set",
+        "driver.iterations=6",
+        "--set",
+        "driver.residual=1e-3",
+    ];
+    let output = run(&scene, &out, &sets);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(4), "{message}");
+    assert!(message.contains("load 1 of 2"), "{message}");
+    let series = SeriesTable::read(&out.join("series.csv")).unwrap();
+    let forces = series.column("force").unwrap();
+    assert!(
+        forces.contains(&20.0) && forces.last() == Some(&0.0),
+        "{forces:?}"
+    );
+    assert!(
+        summary(&out)["warnings"][0]
+            .as_str()
+            .unwrap()
+            .contains("load 1 of 2")
+    );
+}
+
 #[test]
 fn a_scene_is_checked_and_explained_without_a_run() {
     let (folder, scene) = scene("");

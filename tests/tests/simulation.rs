@@ -119,7 +119,7 @@ fn an_evaluation_is_the_sum_of_what_each_effect_does() {
         "{SURFACE}name = \"a\"\nbending.method = \"juelicher\"\nbending.modulus = 1\n\
          [[surface]]\nname = \"b\"\nshape = \"ellipsoid:1,1,0.8\"\nvertices = 162\n\
          position = [0, 0, 1.9]\ntension.value = 0.3\npressure.value = -0.2\n\
-         [[interaction]]\nkind = \"repulsion\"\nstrength = 1\ncutoff = 0.5\n"
+         [[interaction]]\nkind = \"repulsion\"\nstrength = 1\ncutoff = 0.5\nbetween = [\"b\", \"a\"]\n"
     );
     let (mut simulation, positions) = build(&parse(&text)).expect("a simulation");
     let mut force = vec![[0.0; 3]; positions.len()];

@@ -126,13 +126,15 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
             cutoff,
             between,
         } = *interaction;
-        let all = Vec::from_iter(0..bodies.len());
+        let mut between =
+            between.map_or_else(|| Vec::from_iter(0..bodies.len()), |pair| pair.to_vec());
+        between.sort_unstable();
         Between {
             repulsion: Repulsion {
                 modulus: strength,
                 range: cutoff,
             },
-            bodies: between.map_or(all, |pair| pair.to_vec()),
+            bodies: between,
             memory: RepulsionMemory::default(),
             evaluations: 0,
             time: Duration::ZERO,
