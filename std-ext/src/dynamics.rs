@@ -17,6 +17,7 @@ mod cholesky;
 mod coordinates;
 mod frame;
 mod held;
+pub mod integrate;
 mod preconditioner;
 mod redistribution;
 mod relaxation;

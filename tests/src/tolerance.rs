@@ -556,3 +556,23 @@ pub const PICTURE_RADIUS: Tolerance = Tolerance::new(
     1e-2,
     "pixels that an outline merely touches are counted as seen, which is half a pixel in a hundred",
 );
+/// Observed orders of convergence in time.
+pub const TIME_ORDER: Tolerance = Tolerance::new(
+    0.1,
+    "the next term of the error is a fiftieth of the first at steps of 1/40",
+);
+/// A stabilised step of a linear problem against its closed polynomial, relative to the start.
+pub const STABILITY_POLYNOMIAL: Tolerance = Tolerance::new(
+    1e-10,
+    "rounding grows with the square of the number of stages, 1e4 at most",
+);
+/// Error of a step in units of the one allowed.
+pub const STEP_ERROR: Tolerance = Tolerance::new(
+    2.0,
+    "estimates are right to leading order, and steps are chosen for half of what is allowed",
+);
+/// Rates of growing modes, relative.
+pub const GROWTH_RATE: Tolerance = Tolerance::new(
+    1e-2,
+    "power iteration ends when the estimate changes by 1e-3",
+);

@@ -1,0 +1,665 @@
+//! Explicit integration in time against theory.
+
+use helfrich_std::dynamics::integrate::{
+    Failure, Integrator, RightHandSide, Scheme, Settings, SetupError, SpectralRadius, StepReport,
+};
+use helfrich_tests::tolerance;
+use std::f64::consts::PI;
+
+/// So large a tolerance that errors never limit a step.
+const ANY: f64 = 1e12;
+
+const RK4: Scheme = Scheme::Rk4 { step: 0.02 };
+
+/// Vectors that turn about the z-axis at the rate cos t and grow towards unit length:
+/// `x' = cos t e_z × x + (1 − |x|²) x`.
+fn logistic(x: &[[f64; 3]], time: f64, v: &mut [[f64; 3]]) -> Result<(), String> {
+    for (v, x) in v.iter_mut().zip(x) {
+        let growth = 1.0 - x.iter().map(|x| x * x).sum::<f64>();
+        *v = x.map(|x| growth * x);
+        v[0] -= time.cos() * x[1];
+        v[1] += time.cos() * x[0];
+    }
+    Ok(())
+}
+
+/// Where those vectors are later, exactly.
+fn logistic_flow(x: &[[f64; 3]], from: f64, to: f64) -> Vec<[f64; 3]> {
+    let (sin, cos) = (to.sin() - from.sin()).sin_cos();
+    let moved = |x: &[f64; 3]| {
+        let square: f64 = x.iter().map(|x| x * x).sum();
+        let later = 1.0 / (1.0 + (1.0 / square - 1.0) * (-2.0 * (to - from)).exp());
+        let factor = (later / square).sqrt();
+        [
+            factor * (cos * x[0] - sin * x[1]),
+            factor * (sin * x[0] + cos * x[1]),
+            factor * x[2],
+        ]
+    };
+    x.iter().map(moved).collect()
+}
+
+fn vectors() -> Vec<[f64; 3]> {
+    vec![
+        [0.3, 0.0, 0.1],
+        [0.0, 1.2, -0.4],
+        [-0.5, 0.5, 0.5],
+        [0.1, -0.1, 1.5],
+    ]
+}
+
+/// `√(Σ|a_i − b_i|²/N)`.
+fn distance(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    let square = |(a, b): (&[f64; 3], &[f64; 3])| -> f64 {
+        (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum()
+    };
+    (a.iter().zip(b).map(square).sum::<f64>() / a.len() as f64).sqrt()
+}
+
+fn size(a: &[[f64; 3]]) -> f64 {
+    distance(a, &vec![[0.0; 3]; a.len()])
+}
+
+/// A chain of vertices with fixed ends: `x_i' = D (x_(i−1) − 2 x_i + x_(i+1))`, and one of them may
+/// be driven apart: `+ g x_j`.
+struct Chain {
+    diffusion: f64,
+    driven: Option<(usize, f64)>,
+}
+
+impl Chain {
+    /// The spectral radius, exactly.
+    fn radius(&self, count: usize) -> f64 {
+        let half = 0.5 * PI / (count + 1) as f64;
+        4.0 * self.diffusion * (count as f64 * half).sin().powi(2)
+    }
+}
+
+impl RightHandSide for Chain {
+    fn evaluate(&mut self, x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]) -> Result<(), String> {
+        let at = |i: Option<usize>, axis: usize| {
+            let x = i.and_then(|i| x.get(i));
+            x.map_or(0.0, |x| x[axis])
+        };
+        for (i, v) in v.iter_mut().enumerate() {
+            for (axis, v) in v.iter_mut().enumerate() {
+                let neighbours = at(i.checked_sub(1), axis) + at(Some(i + 1), axis);
+                *v = self.diffusion * (neighbours - 2.0 * x[i][axis]);
+            }
+        }
+        if let Some((i, growth)) = self.driven {
+            for axis in 0..3 {
+                v[i][axis] += growth * x[i][axis];
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Positions in which all modes of a chain are present.
+fn rough(count: usize) -> Vec<[f64; 3]> {
+    let position = |i: usize| {
+        let s = (i * i) as f64;
+        [(1.7 * s).sin(), (0.9 * s).cos(), (2.3 * s + 1.0).sin()]
+    };
+    (0..count).map(position).collect()
+}
+
+fn fixed_step(scheme: Scheme, step: f64, radius: SpectralRadius) -> Settings {
+    let scheme = match scheme {
+        Scheme::Rk4 { .. } => Scheme::Rk4 { step },
+        other => other,
+    };
+    Settings {
+        tolerance: ANY,
+        longest_step: Some(step),
+        spectral_radius: radius,
+        stage_limit: 1000,
+        ..Settings::new(scheme, 1.0)
+    }
+}
+
+/// A spectral radius for which a stabilised step of this length has this number of stages.
+fn radius_for(stages: usize, step: f64) -> f64 {
+    ((stages * stages) as f64 - 1.0) / (1.54 * step)
+}
+
+#[test]
+fn orders_of_convergence_are_those_of_the_schemes() {
+    let (from, to) = (0.3, 2.3);
+    let cases = [
+        (Scheme::Rkc2, Some(2), 2.0),
+        (Scheme::Rkc2, Some(5), 2.0),
+        (Scheme::Rkc2, Some(12), 2.0),
+        (Scheme::Bs23, None, 3.0),
+        (RK4, None, 4.0),
+    ];
+    for (scheme, stages, order) in cases {
+        let error = |steps: usize| {
+            let step = (to - from) / steps as f64;
+            let radius = match stages {
+                Some(stages) => SpectralRadius::Given(radius_for(stages, step)),
+                None => SpectralRadius::Unknown,
+            };
+            let settings = fixed_step(scheme, step, radius);
+            let mut run = Integrator::new(vectors(), from, settings).expect("a start");
+            let end = run.run(&mut logistic, to, |_, report| {
+                assert!(stages.is_none_or(|stages| stages == report.stages));
+                true
+            });
+            assert_eq!(end.expect("no failure").accepted, steps);
+            distance(run.positions(), &logistic_flow(&vectors(), from, to))
+        };
+        let errors = [40, 80, 160].map(error);
+        let found = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+        println!("{scheme:?} {stages:?}: errors {errors:?}, orders {found:.3?}");
+        tolerance::TIME_ORDER.assert(found[1], order, 1.0, "order");
+    }
+}
+
+#[test]
+fn a_stabilised_step_is_its_chebyshev_polynomial() {
+    for stages in [2_usize, 3, 4, 7, 20, 100] {
+        let s = stages as f64;
+        // T_s = cosh sθ, w0 = cosh θ.
+        let w0 = 1.0 + 2.0 / 13.0 / (s * s);
+        let theta = w0.acosh();
+        let t = (s * theta).cosh();
+        let first = s * (s * theta).sinh() / theta.sinh();
+        let second = (s * s * t - w0 * first) / (w0 * w0 - 1.0);
+        let w1 = first / second;
+        let b = second / (first * first);
+        for share in [0.01, 0.3, 0.77, 1.0, 1.1] {
+            let z = -share * radius_for(stages, 1.0);
+            let w = w0 + w1 * z;
+            let chebyshev = if w.abs() <= 1.0 {
+                (s * w.acos()).cos()
+            } else {
+                (s * w.abs().acosh()).cosh() * w.signum().powi(stages as i32)
+            };
+            let expected = 1.0 - b * t + b * chebyshev;
+            let radius = SpectralRadius::Given(radius_for(stages, 1.0));
+            let settings = fixed_step(Scheme::Rkc2, 1.0, radius);
+            let mut run = Integrator::new(vec![[1.0, -2.0, 0.0]], 0.0, settings).expect("a start");
+            let mut decay = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
+                v[0] = x[0].map(|x| z * x);
+                Ok(())
+            };
+            let report = run.step(&mut decay, 1.0).expect("no failure");
+            assert_eq!(report.stages, stages);
+            let found = run.positions()[0];
+            tolerance::STABILITY_POLYNOMIAL.assert(found[0], expected, 1.0, "R(z)");
+            tolerance::STABILITY_POLYNOMIAL.assert(found[1], -2.0 * expected, 2.0, "R(z)");
+        }
+    }
+}
+
+#[test]
+fn stabilised_steps_are_stable_up_to_their_limit() {
+    let count = 100;
+    // The intervals of 3 and 5 stages are a good deal longer than that.
+    for stages in [2_usize, 4, 9, 10, 31] {
+        for (share, stable) in [(0.95, true), (1.05, false)] {
+            let mut chain = Chain {
+                diffusion: 1.0,
+                driven: None,
+            };
+            let step = share * radius_for(stages, chain.radius(count));
+            let given = SpectralRadius::Given(radius_for(stages, step));
+            let settings = fixed_step(Scheme::Rkc2, step, given);
+            let mut run = Integrator::new(rough(count), 0.0, settings).expect("a start");
+            let mut before = size(&rough(count));
+            let start = before;
+            for _ in 0..200 {
+                let report = run.step(&mut chain, 1e9).expect("no failure");
+                assert_eq!((report.stages, report.rejected), (stages, 0));
+                let now = size(run.positions());
+                assert!(
+                    !stable || now <= before,
+                    "{stages} stages: {before:e} becomes {now:e}"
+                );
+                before = now;
+                if before > 1e6 * start {
+                    break;
+                }
+            }
+            assert!(
+                stable || before > 10.0 * start,
+                "{stages} stages: {before:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn errors_are_what_the_tolerance_allows() {
+    for scheme in [Scheme::Rkc2, Scheme::Bs23] {
+        let mut finals = Vec::new();
+        for allowed in [1e-3, 1e-4, 1e-5, 1e-6] {
+            let settings = Settings {
+                tolerance: allowed,
+                ..Settings::new(scheme, 2.0)
+            };
+            let mut run = Integrator::new(vectors(), 0.0, settings).expect("a start");
+            let (mut at, mut time) = (vectors(), 0.0);
+            let (mut largest, mut ratios) = (0.0_f64, Vec::new());
+            let end = run.run(&mut logistic, 6.0, |run, report| {
+                let exact = logistic_flow(&at, time, report.time);
+                let error = distance(run.positions(), &exact) / (2.0 * allowed);
+                largest = largest.max(error);
+                if report.step * 1.001 > report.next_step.unwrap_or(0.0) / 10.0 {
+                    ratios.push(error / report.error);
+                }
+                at = run.positions().to_vec();
+                time = report.time;
+                true
+            });
+            let end = end.expect("no failure");
+            ratios.sort_by(f64::total_cmp);
+            let median = ratios[ratios.len() / 2];
+            let error = distance(run.positions(), &logistic_flow(&vectors(), 0.0, 6.0));
+            println!(
+                "{scheme:?} {allowed:e}: largest error of a step {largest:.2} of that allowed, over \
+                 its estimate {median:.2}, at the end {:.2}, {} + {} steps, {} evaluations",
+                error / (2.0 * allowed),
+                end.accepted,
+                end.rejected,
+                end.evaluations
+            );
+            assert!(
+                largest <= tolerance::STEP_ERROR.value,
+                "{scheme:?}: {largest}"
+            );
+            finals.push(error);
+        }
+        // Proportional to the tolerance, as long as errors are of one order.
+        let order = (finals[1] / finals[3]).log10() / 2.0;
+        println!("{scheme:?}: error at the end ~ tolerance^{order:.2}");
+    }
+}
+
+#[test]
+fn output_times_are_hit_and_leave_no_trace() {
+    for scheme in [Scheme::Rkc2, Scheme::Bs23, RK4] {
+        let settings = Settings::new(scheme, 1.0);
+        let mut free = Integrator::new(vectors(), 0.0, settings).expect("a start");
+        let natural = free
+            .run(&mut logistic, 5.0, |_, _| true)
+            .expect("no failure")
+            .accepted;
+
+        let mut run = Integrator::new(vectors(), 0.0, settings).expect("a start");
+        let outputs: Vec<f64> = (1..=20)
+            .flat_map(|i| [0.25 * f64::from(i) - 1e-7, 0.25 * f64::from(i)])
+            .collect();
+        let mut last: Option<StepReport> = None;
+        for &output in &outputs {
+            let end = run.run(&mut logistic, output, |_, report| {
+                let shortened = last.and_then(|last| last.next_step);
+                let shortened = shortened.filter(|step| report.step < 0.99 * step);
+                if let (Some(proposed), 0) = (shortened, report.rejected) {
+                    assert_eq!(report.next_step, Some(proposed), "{scheme:?}");
+                }
+                last = Some(*report);
+                true
+            });
+            assert_eq!(end.expect("no failure").time, output);
+            assert_eq!(run.time(), output);
+        }
+        let report = run.step(&mut logistic, 4.0).expect("nothing to do");
+        assert_eq!((report.step, report.time), (0.0, 5.0));
+        let steps = report.accepted;
+        println!(
+            "{scheme:?}: {natural} steps become {steps} with {} outputs",
+            outputs.len()
+        );
+        assert!(steps <= natural + 2 * outputs.len(), "{scheme:?}: {steps}");
+    }
+}
+
+#[test]
+fn the_spectral_radius_is_found_within_its_margin() {
+    let inside = |found: f64, exact: f64, what: &str| {
+        println!(
+            "{what}: {found:.5} of exactly {exact:.5}, {:.3}",
+            found / exact
+        );
+        assert!(
+            (exact..=1.2 * exact).contains(&found),
+            "{what}: {found} of {exact}"
+        );
+    };
+    let settings = Settings::new(Scheme::Rkc2, 1.0);
+    for count in [1, 2, 3, 10, 100, 1000] {
+        let mut chain = Chain {
+            diffusion: 7.0,
+            driven: None,
+        };
+        let mut run = Integrator::new(rough(count), 0.0, settings).expect("a start");
+        let spectrum = run.estimate_spectrum(&mut chain).expect("velocities");
+        inside(
+            spectrum.radius,
+            chain.radius(count),
+            &format!("chain of {count}"),
+        );
+        assert!(
+            spectrum.converged && spectrum.growing.is_none(),
+            "{spectrum:?}"
+        );
+        let again = run.estimate_spectrum(&mut chain).expect("velocities");
+        println!(
+            "{} iterations, then {}",
+            spectrum.iterations, again.iterations
+        );
+        assert!(again.iterations <= 3, "{again:?}");
+    }
+    // A complex pair: vectors turn and shrink.
+    let mut spiral = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
+        for (v, x) in v.iter_mut().zip(x) {
+            *v = [-x[0] - 5.0 * x[1], 5.0 * x[0] - x[1], -3.0 * x[2]];
+        }
+        Ok(())
+    };
+    let mut run = Integrator::new(rough(20), 0.0, settings).expect("a start");
+    let spectrum = run.estimate_spectrum(&mut spiral).expect("velocities");
+    inside(spectrum.radius, 26.0_f64.sqrt(), "spiral");
+    assert!(
+        spectrum.converged && spectrum.growing.is_none(),
+        "{spectrum:?}"
+    );
+    // Far from the origin, where positions are rounded.
+    let far: Vec<[f64; 3]> = rough(100).into_iter().map(|x| x.map(|x| x + 1e6)).collect();
+    let mut chain = Chain {
+        diffusion: 7.0,
+        driven: None,
+    };
+    let mut run = Integrator::new(far, 0.0, settings).expect("a start");
+    let spectrum = run.estimate_spectrum(&mut chain).expect("velocities");
+    inside(spectrum.radius, chain.radius(100), "far away");
+    // Where nothing happens there is no limit.
+    let mut still = |_: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
+        v.fill([1.0, 0.0, 0.0]);
+        Ok(())
+    };
+    let mut run = Integrator::new(rough(5), 0.0, settings).expect("a start");
+    let report = run.run(&mut still, 2.0, |_, _| true).expect("no failure");
+    assert_eq!(
+        (report.spectrum.map(|s| s.radius), report.step_limit),
+        (Some(0.0), None)
+    );
+}
+
+#[test]
+fn a_mode_that_grows_is_named() {
+    let growth: f64 = 8.0;
+    let mut chain = Chain {
+        diffusion: 1.0,
+        driven: Some((17, growth)),
+    };
+    let settings = Settings::new(Scheme::Rkc2, 1.0);
+    let mut run = Integrator::new(rough(60), 0.0, settings).expect("a start");
+    let report = run.step(&mut chain, 1.0).expect("no failure");
+    let mode = report
+        .spectrum
+        .and_then(|spectrum| spectrum.growing)
+        .expect("it grows");
+    // The bound state of one site: λ + 2 = 2 cosh κ, g = 2 sinh κ.
+    let rate = (4.0 + growth * growth).sqrt() - 2.0;
+    tolerance::GROWTH_RATE.assert(mode.rate, rate, rate, "rate");
+    assert_eq!(mode.vertex, 17);
+    // Vectors that turn as they grow.
+    let mut spiral = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
+        for (i, (v, x)) in v.iter_mut().zip(x).enumerate() {
+            let rate = if i == 3 { 2.0 } else { 0.5 };
+            *v = [rate * x[0] - 5.0 * x[1], 5.0 * x[0] + rate * x[1], -x[2]];
+        }
+        Ok(())
+    };
+    let mut run = Integrator::new(rough(6), 0.0, settings).expect("a start");
+    let spectrum = run.estimate_spectrum(&mut spiral).expect("velocities");
+    let mode = spectrum.growing.expect("it grows");
+    tolerance::GROWTH_RATE.assert(mode.rate, 2.0, 2.0, "rate");
+    assert_eq!(mode.vertex, 3);
+}
+
+#[test]
+fn what_goes_wrong_is_said_and_the_last_good_positions_stay() {
+    for scheme in [Scheme::Rkc2, Scheme::Bs23, RK4] {
+        let settings = Settings::new(scheme, 1.0);
+        // From the beginning.
+        let mut broken = |x: &[[f64; 3]], time: f64, v: &mut [[f64; 3]]| {
+            logistic(x, time, v)?;
+            v[2][1] = f64::NAN;
+            Ok(())
+        };
+        let mut run = Integrator::new(vectors(), 0.5, settings).expect("a start");
+        let failure = run.step(&mut broken, 1.0).expect_err("not finite");
+        assert_eq!(
+            failure,
+            Failure::NotFinite {
+                vertex: 2,
+                time: 0.5
+            }
+        );
+        assert_eq!((run.time(), run.positions()), (0.5, &vectors()[..]));
+        // From some time on.
+        let mut broken = |x: &[[f64; 3]], time: f64, v: &mut [[f64; 3]]| {
+            logistic(x, time, v)?;
+            if time > 0.7 {
+                v[3][0] = f64::INFINITY;
+            }
+            Ok(())
+        };
+        let mut run = Integrator::new(vectors(), 0.5, settings).expect("a start");
+        let failure = run
+            .run(&mut broken, 1.0, |_, _| true)
+            .expect_err("not finite");
+        assert!(
+            matches!(failure, Failure::NotFinite { vertex: 3, .. }),
+            "{failure}"
+        );
+        assert!((0.6..=0.7).contains(&run.time()), "{}", run.time());
+        let exact = logistic_flow(&vectors(), 0.5, run.time());
+        assert!(distance(run.positions(), &exact) < 1e-3);
+        // With a reason.
+        let mut refusing = |_: &[[f64; 3]], _: f64, _: &mut [[f64; 3]]| Err("too close".to_owned());
+        let mut run = Integrator::new(vectors(), 0.5, settings).expect("a start");
+        let failure = run.step(&mut refusing, 1.0).expect_err("refused");
+        assert!(failure.to_string().contains("too close"), "{failure}");
+    }
+}
+
+#[test]
+fn a_step_that_went_too_far_is_tried_again_shorter() {
+    for scheme in [Scheme::Rkc2, Scheme::Bs23] {
+        // x' = −x up to a wall behind which there is nothing.
+        let mut walled = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
+            if x[0][0] < 0.0 {
+                return Err("behind the wall".to_owned());
+            }
+            v[0] = x[0].map(|x| -x);
+            Ok(())
+        };
+        let settings = Settings {
+            tolerance: 1.0,
+            spectral_radius: SpectralRadius::Given(0.1),
+            ..Settings::new(scheme, 1.0)
+        };
+        let mut run = Integrator::new(vec![[1.0, 0.0, 0.0]], 0.0, settings).expect("a start");
+        let report = run.run(&mut walled, 50.0, |_, _| true).expect("no failure");
+        assert!(report.rejected > 0, "{scheme:?}: {report:?}");
+    }
+}
+
+#[test]
+fn where_no_step_is_short_enough_it_is_said() {
+    for scheme in [Scheme::Rkc2, Scheme::Bs23] {
+        // x' = |x| x ends at t = 1.
+        let mut explosive = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
+            v[0] = x[0].map(|y| x[0][0].abs() * y);
+            Ok(())
+        };
+        let settings = Settings {
+            spectral_radius: SpectralRadius::Estimated,
+            ..Settings::new(scheme, 1.0)
+        };
+        let mut run = Integrator::new(vec![[1.0, 0.0, 0.0]], 0.0, settings).expect("a start");
+        let failure = run
+            .run(&mut explosive, 2.0, |_, _| true)
+            .expect_err("no solution");
+        println!("{scheme:?}: {failure}");
+        assert!(
+            run.time() < 1.01 && run.time() > 0.99,
+            "{scheme:?}: {}",
+            run.time()
+        );
+    }
+}
+
+#[test]
+fn what_is_kept_is_restored_without_evaluations() {
+    /// Rigid rotation, in which lengths are kept.
+    struct Turning;
+    impl RightHandSide for Turning {
+        fn evaluate(&mut self, x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]) -> Result<(), String> {
+            for (v, x) in v.iter_mut().zip(x) {
+                *v = [-x[1], x[0], 0.0];
+            }
+            Ok(())
+        }
+
+        fn restore(&mut self, x: &mut [[f64; 3]]) {
+            for x in x {
+                let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
+                *x = x.map(|x| x / length);
+            }
+        }
+    }
+    for scheme in [Scheme::Rkc2, Scheme::Bs23, RK4] {
+        let settings = Settings {
+            spectral_radius: SpectralRadius::Given(1.0),
+            ..Settings::new(scheme, 1.0)
+        };
+        let mut run = Integrator::new(vec![[0.6, 0.0, 0.8]; 3], 0.0, settings).expect("a start");
+        let mut evaluations = None;
+        run.run(&mut Turning, 3.0, |run, report| {
+            for (x, v) in run.positions().iter().zip(run.velocities()) {
+                let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
+                tolerance::CONSTRAINED.assert(length, 1.0, 1.0, "length");
+                assert_eq!(*v, [-x[1], x[0], 0.0]);
+            }
+            let before = evaluations.filter(|&(_, rejected)| rejected == report.rejected);
+            if let Some((before, _)) = before {
+                assert_eq!(report.evaluations, before + report.stages);
+            }
+            evaluations = Some((report.evaluations, report.rejected));
+            true
+        })
+        .expect("no failure");
+    }
+}
+
+#[test]
+fn stabilised_steps_need_fewer_evaluations_where_it_is_stiff() {
+    let count = 200;
+    let (diffusion, end) = (4000.0, 1.0);
+    let start: Vec<[f64; 3]> = (0..count)
+        .map(|i| {
+            let s = PI * (i + 1) as f64 / (count + 1) as f64;
+            [
+                s.sin(),
+                (3.0 * s).sin(),
+                (2.0 * s).sin() + 0.1 * (9.0 * s).sin(),
+            ]
+        })
+        .collect();
+    // Each of these is a mode.
+    let decay = |k: f64| {
+        let rate = 4.0 * diffusion * (0.5 * k * PI / (count + 1) as f64).sin().powi(2);
+        (-rate * end).exp()
+    };
+    let exact: Vec<[f64; 3]> = (0..count)
+        .map(|i| {
+            let s = PI * (i + 1) as f64 / (count + 1) as f64;
+            let z = decay(2.0) * (2.0 * s).sin() + 0.1 * decay(9.0) * (9.0 * s).sin();
+            [decay(1.0) * s.sin(), decay(3.0) * (3.0 * s).sin(), z]
+        })
+        .collect();
+    let [rkc2, bs23, rk4] = [Scheme::Rkc2, Scheme::Bs23, Scheme::Rk4 { step: 1.0 }].map(|scheme| {
+        let mut chain = Chain {
+            diffusion,
+            driven: None,
+        };
+        let mut run =
+            Integrator::new(start.clone(), 0.0, Settings::new(scheme, 1.0)).expect("a start");
+        let report = run.run(&mut chain, end, |_, _| true).expect("no failure");
+        let error = distance(run.positions(), &exact);
+        println!(
+            "{scheme:?}: {} evaluations, {} + {} steps, error {error:.1e}, step limit {:.2e}",
+            report.evaluations,
+            report.accepted,
+            report.rejected,
+            report.step_limit.expect("a limit")
+        );
+        assert!(error < 1e-3, "{scheme:?}: {error:e}");
+        report.evaluations
+    });
+    assert!(5 * rkc2 < rk4 && 5 * rkc2 < bs23, "{rkc2}, {bs23}, {rk4}");
+}
+
+#[test]
+fn settings_that_make_no_sense_are_refused() {
+    let usual = Settings::new(Scheme::Rkc2, 1.0);
+    let refuse = |settings: Settings, positions: Vec<[f64; 3]>| {
+        let refused = Integrator::new(positions, 0.0, settings);
+        refused.map(|_| ()).expect_err("refused")
+    };
+    for settings in [
+        Settings {
+            tolerance: 0.0,
+            ..usual
+        },
+        Settings {
+            length: f64::NAN,
+            ..usual
+        },
+        Settings {
+            longest_step: Some(-1.0),
+            ..usual
+        },
+        Settings {
+            scheme: Scheme::Rk4 {
+                step: f64::INFINITY,
+            },
+            ..usual
+        },
+        Settings {
+            spectral_radius: SpectralRadius::Given(-1.0),
+            ..usual
+        },
+    ] {
+        let refused = refuse(settings, vectors());
+        assert!(
+            matches!(refused, SetupError::NotPositive { .. }),
+            "{refused}"
+        );
+    }
+    let unknown = Settings {
+        spectral_radius: SpectralRadius::Unknown,
+        ..usual
+    };
+    assert_eq!(refuse(unknown, vectors()), SetupError::NeedsRadius);
+    let few = Settings {
+        stage_limit: 1,
+        ..usual
+    };
+    assert_eq!(refuse(few, vectors()), SetupError::StageLimit { limit: 1 });
+    let bad = vec![[0.0; 3], [0.0, f64::NAN, 0.0]];
+    assert_eq!(refuse(usual, bad), SetupError::NotFinite { vertex: 1 });
+    // Nothing at all to move is no mistake.
+    let mut run = Integrator::new(Vec::new(), 0.0, usual).expect("a start");
+    let report = run
+        .run(&mut logistic, 1.0, |_, _| true)
+        .expect("no failure");
+    assert_eq!(report.time, 1.0);
+}
