@@ -568,8 +568,8 @@ pub const STABILITY_POLYNOMIAL: Tolerance = Tolerance::new(
 );
 /// Error of a step in units of the one allowed.
 pub const STEP_ERROR: Tolerance = Tolerance::new(
-    2.0,
-    "estimates are right to leading order, and steps are chosen for half of what is allowed",
+    3.0,
+    "estimates are right to leading order, and the longest steps turn vectors by a third of a radian",
 );
 /// Rates of growing modes, relative.
 pub const GROWTH_RATE: Tolerance = Tolerance::new(

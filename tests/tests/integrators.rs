@@ -188,8 +188,9 @@ fn a_stabilised_step_is_its_chebyshev_polynomial() {
             let report = run.step(&mut decay, 1.0).expect("no failure");
             assert_eq!(report.stages, stages);
             let found = run.positions()[0];
-            tolerance::STABILITY_POLYNOMIAL.assert(found[0], expected, 1.0, "R(z)");
-            tolerance::STABILITY_POLYNOMIAL.assert(found[1], -2.0 * expected, 2.0, "R(z)");
+            let scale = expected.abs().max(1.0);
+            tolerance::STABILITY_POLYNOMIAL.assert(found[0], expected, scale, "R(z)");
+            tolerance::STABILITY_POLYNOMIAL.assert(found[1], -2.0 * expected, 2.0 * scale, "R(z)");
         }
     }
 }
@@ -247,9 +248,7 @@ fn errors_are_what_the_tolerance_allows() {
                 let exact = logistic_flow(&at, time, report.time);
                 let error = distance(run.positions(), &exact) / (2.0 * allowed);
                 largest = largest.max(error);
-                if report.step * 1.001 > report.next_step.unwrap_or(0.0) / 10.0 {
-                    ratios.push(error / report.error);
-                }
+                ratios.push(error / report.error);
                 at = run.positions().to_vec();
                 time = report.time;
                 true
@@ -272,9 +271,15 @@ fn errors_are_what_the_tolerance_allows() {
             );
             finals.push(error);
         }
-        // Proportional to the tolerance, as long as errors are of one order.
-        let order = (finals[1] / finals[3]).log10() / 2.0;
-        println!("{scheme:?}: error at the end ~ tolerance^{order:.2}");
+        // Errors allowed are of third order: a scheme of order p ends with tolerance^(p/3).
+        let found = (finals[1] / finals[3]).log10() / 2.0;
+        println!("{scheme:?}: error at the end ~ tolerance^{found:.3}");
+        let expected = if scheme == Scheme::Rkc2 {
+            2.0 / 3.0
+        } else {
+            1.0
+        };
+        tolerance::TIME_ORDER.assert(found, expected, 1.0, "power of the tolerance");
     }
 }
 
@@ -410,8 +415,8 @@ fn a_mode_that_grows_is_named() {
     // Vectors that turn as they grow.
     let mut spiral = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
         for (i, (v, x)) in v.iter_mut().zip(x).enumerate() {
-            let rate = if i == 3 { 2.0 } else { 0.5 };
-            *v = [rate * x[0] - 5.0 * x[1], 5.0 * x[0] + rate * x[1], -x[2]];
+            let (rate, turn) = if i == 3 { (2.0, 5.0) } else { (0.5, 2.0) };
+            *v = [rate * x[0] - turn * x[1], turn * x[0] + rate * x[1], -x[2]];
         }
         Ok(())
     };

@@ -35,7 +35,8 @@ const OUTDATED: usize = 25;
 /// How far a step may be from the one proposed, relative, to reach an output time.
 const SLACK: f64 = 1e-6;
 
-/// The floor of steps, in units of the time in which positions move by the error allowed.
+/// The floor of steps, in units of the time in which positions move by the error allowed, and of
+/// the first trial, for what is at rest.
 const FLOOR: f64 = 1e-8;
 
 /// Velocities of positions and time.
@@ -285,7 +286,7 @@ pub struct StepReport {
     pub time: f64,
     /// The step; 0 if there was none.
     pub step: f64,
-    /// The step that is proposed next, output times aside; `None` before there was one.
+    /// The step that is proposed next, within its limits, output times aside; `None` before there was one.
     pub next_step: Option<f64>,
     /// The error estimate in units of that allowed; 0 for [`Scheme::Rk4`], which has none.
     pub error: f64,
@@ -512,6 +513,7 @@ impl Integrator {
         }
         self.arrive(right_hand_side)?;
         let mut fresh = false;
+        let mut first = None;
         loop {
             let estimated = self.settings.spectral_radius == SpectralRadius::Estimated;
             let outdated = self.state.age >= OUTDATED || (fresh && self.state.age > 0);
@@ -535,6 +537,7 @@ impl Integrator {
             };
             let step = end_time - self.state.time;
             let stages = self.stages(step);
+            let floor = self.floor(*first.get_or_insert(step));
             let error = match self.attempt(right_hand_side, end_time, stages) {
                 Ok(error) => error / (self.settings.tolerance * self.settings.length),
                 Err(failure) => {
@@ -542,7 +545,7 @@ impl Integrator {
                     fresh = true;
                     let shorter = RETREAT * step;
                     let fixed = matches!(self.settings.scheme, Scheme::Rk4 { .. });
-                    if fixed || shorter < self.floor() {
+                    if fixed || shorter < floor {
                         return Err(failure);
                     }
                     self.state.step = Some(shorter);
@@ -565,7 +568,6 @@ impl Integrator {
                 *FACTOR.start()
             };
             let shorter = factor * step;
-            let floor = self.floor();
             if shorter < floor {
                 return Err(Failure::StepBelowFloor {
                     time: self.state.time,
@@ -653,6 +655,9 @@ impl Integrator {
     /// The next step by the last two errors: the controller of the paper of [`rkc2`], after H. A.
     /// Watts, J. Comput. Appl. Math. 12 (1985) 93. The error is of third order for both schemes.
     fn choose_step(&mut self, step: f64, error: f64) {
+        if matches!(self.settings.scheme, Scheme::Rk4 { .. }) {
+            return;
+        }
         let error = error.max(LEAST_ERROR);
         let trend = self.state.previous.map_or(1.0, |previous| {
             step / previous.step * (previous.error / error).cbrt()
@@ -732,28 +737,31 @@ impl Integrator {
         limit.is_finite().then_some(limit)
     }
 
-    /// The shortest step that makes sense: it is more than a rounding of the time, and positions
-    /// move at all.
-    fn floor(&self) -> f64 {
+    /// The shortest step that makes sense after a first trial of this length: it is more than a
+    /// rounding of the time, and positions move at all.
+    fn floor(&self, first: f64) -> f64 {
         let speed = root_mean_square(self.state.velocities.iter().copied());
-        let pace = if speed > 0.0 { speed.recip() } else { 0.0 };
-        let moving = FLOOR * self.settings.tolerance * self.settings.length * pace;
-        moving.max(16.0 * f64::EPSILON * self.state.time.abs())
+        let moving = self.settings.tolerance * self.settings.length / speed;
+        let rounding = 16.0 * f64::EPSILON * self.state.time.abs();
+        (FLOOR * moving.min(first)).max(rounding)
     }
 
     fn report(&self, step: f64, error: f64, stages: usize) -> StepReport {
         let state = &self.state;
+        let step_limit = self.step_limit();
+        let limits = [self.settings.longest_step, step_limit];
+        let limit = limits.into_iter().flatten().fold(f64::INFINITY, f64::min);
         StepReport {
             time: state.time,
             step,
-            next_step: state.step,
+            next_step: state.step.map(|step| step.min(limit)),
             error,
             stages,
             accepted: state.accepted,
             rejected: state.rejected,
             evaluations: state.evaluations,
             spectrum: state.spectrum,
-            step_limit: self.step_limit(),
+            step_limit,
         }
     }
 }
