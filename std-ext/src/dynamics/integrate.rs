@@ -234,7 +234,7 @@ pub enum Failure {
     },
     /// The error stays too large however short a step is.
     #[error(
-        "at time {time:e} a step of {tried:e} still has {error:.1} times the error that is allowed, and one below {floor:e} is too short to get anywhere"
+        "at time {time:e} a step of {tried:e} still has {error:.2} times the error that is allowed, and one below {floor:e} is too short to get anywhere"
     )]
     StepBelowFloor {
         /// When.
