@@ -233,6 +233,35 @@ fn stabilised_steps_are_stable_up_to_their_limit() {
 }
 
 #[test]
+fn steps_of_few_stages_end_where_they_are_stable() {
+    for scheme in [Scheme::Bs23, RK4] {
+        for (share, stable) in [(0.99, true), (1.01, false)] {
+            let rate = 3.0;
+            let mut decay = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
+                v[0] = x[0].map(|x| -rate * x);
+                Ok(())
+            };
+            let given = SpectralRadius::Given(rate / share);
+            let settings = fixed_step(scheme, 100.0, given);
+            let mut run = Integrator::new(vec![[1.0, 2.0, 3.0]], 0.0, settings).expect("a start");
+            let mut limit = None;
+            for _ in 0..400 {
+                limit = run.step(&mut decay, 1e9).expect("no failure").step_limit;
+            }
+            let grown = size(run.positions()) / size(&[[1.0, 2.0, 3.0]]);
+            assert!(
+                grown < 0.3 || !stable,
+                "{scheme:?}: {grown:e} with {limit:?}"
+            );
+            assert!(
+                grown > 3.0 || stable,
+                "{scheme:?}: {grown:e} with {limit:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn errors_are_what_the_tolerance_allows() {
     for scheme in [Scheme::Rkc2, Scheme::Bs23] {
         let mut finals = Vec::new();
