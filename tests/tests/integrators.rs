@@ -402,7 +402,7 @@ fn the_spectral_radius_is_found_within_its_margin() {
         "{spectrum:?}"
     );
     // Far from the origin, where positions are rounded.
-    let far: Vec<[f64; 3]> = rough(100).into_iter().map(|x| x.map(|x| x + 1e6)).collect();
+    let far: Vec<[f64; 3]> = rough(100).into_iter().map(|x| x.map(|x| x + 1e9)).collect();
     let mut chain = Chain {
         diffusion: 7.0,
         driven: None,
