@@ -8,7 +8,8 @@
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge.
 //! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
 //! * [`effect`] and [`simulation`]: exactly what a scene names, made ready; nothing moves or is
-//!   written. [`dynamics`]: membranes relax to equilibrium, whatever acts on them.
+//!   written. [`dynamics`]: membranes relax to equilibrium, whatever acts on them. [`flow`]: what
+//!   their forces do to viscous fluid.
 //! * [`run`]: a scene driven in a folder. [`checkpoint`] and [`series`]: what a run leaves to go on
 //!   from, and its numbers over time. [`picture`]: surfaces coloured by a field, and plots, as PNG
 //!   files.
@@ -17,6 +18,7 @@
 pub mod checkpoint;
 pub mod dynamics;
 pub mod effect;
+pub mod flow;
 pub mod generate;
 pub mod info;
 pub mod io;

@@ -576,3 +576,29 @@ pub const GROWTH_RATE: Tolerance = Tolerance::new(
     1e-2,
     "power iteration ends when the estimate changes by 1e-3",
 );
+/// Integrals over a triangle about its corner against graded subdivision, relative.
+pub const PANEL: Tolerance = Tolerance::new(
+    1e-10,
+    "forty halvings leave 1e-12; Gauss rules of 96 points on triangles of aspect up to ten the rest",
+);
+/// Velocities of moved and turned surfaces, relative to the largest.
+pub const FLOW_MOTION: Tolerance = Tolerance::new(
+    1e-11,
+    "places rounded at 1e-15 of the distance between vertices some hundred times nearer",
+);
+/// Velocities from the same forces in other units, relative to the largest.
+pub const FLOW_ROUNDING: Tolerance = Tolerance::new(
+    1e-13,
+    "thousands of terms summed in one order; the reciprocal root is good to 8e-15",
+);
+/// Velocities on a sphere of 2562 vertices against exact ones, relative.
+pub const FLOW_SPHERE: Tolerance = Tolerance::new(
+    2e-3,
+    "second order: the polyhedron's area and volume are 1.3e-3 short",
+);
+/// Velocity next to a surface by halved triangles against the same on triangles of a 16th of the
+/// edge, relative.
+pub const FLOW_NEAR: Tolerance = Tolerance::new(
+    5e-4,
+    "three points on a triangle at twice its edge are good to 1e-3 of what it gives",
+);

@@ -1,0 +1,86 @@
+//! Membranes in flow: the ambient flow, and what the membranes' forces add to it.
+//!
+//! Everything is Stokes flow: no inertia, velocities linear in the forces. Nothing here knows of
+//! files, scenes or effects. [`SingleLayer`] is the velocity that membranes give to unbounded fluid
+//! of one viscosity, inside and outside.
+
+mod boundary_integral;
+
+pub use boundary_integral::SingleLayer;
+
+use glam::{DMat3, DVec3};
+
+/// The flow u∞ that the fluid would have without membranes; lengths and times in the units of the
+/// positions and of the membranes' moduli.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ambient {
+    /// `u = L·x`.
+    Linear {
+        /// L, 1/time: `gradient[i][j]` is ∂u_i/∂x_j. Its trace is 0 in an incompressible fluid.
+        gradient: [[f64; 3]; 3],
+    },
+    /// `u = U (1 − ρ²/R²) t`, ρ the distance from an axis along the unit vector t: the flow in a
+    /// round tube of radius R, without the tube. It goes on as the same paraboloid beyond ρ = R.
+    Poiseuille {
+        /// U, the velocity on the axis.
+        centre_velocity: f64,
+        /// R, a length.
+        radius: f64,
+        /// Along the axis and the flow; need not be a unit vector.
+        direction: [f64; 3],
+        /// A point of the axis.
+        through: [f64; 3],
+    },
+}
+
+impl Ambient {
+    /// Simple shear, `u = (γ̇ y, 0, 0)`: long axes of soft capsules lie between x and y.
+    pub fn shear(rate: f64) -> Self {
+        let gradient = [[0.0, rate, 0.0], [0.0; 3], [0.0; 3]];
+        Self::Linear { gradient }
+    }
+
+    /// Uniaxial extension, `u = ε̇ (x, −y/2, −z/2)`.
+    pub fn extension(rate: f64) -> Self {
+        let [along, across] = [rate, -0.5 * rate];
+        let gradient = [[along, 0.0, 0.0], [0.0, across, 0.0], [0.0, 0.0, across]];
+        Self::Linear { gradient }
+    }
+
+    /// Plane extension, `u = ε̇ (x, −y, 0)`.
+    pub fn plane_extension(rate: f64) -> Self {
+        let gradient = [[rate, 0.0, 0.0], [0.0, -rate, 0.0], [0.0; 3]];
+        Self::Linear { gradient }
+    }
+
+    /// u∞ at a point.
+    pub fn velocity(&self, point: [f64; 3]) -> [f64; 3] {
+        match *self {
+            Self::Linear { gradient } => {
+                let columns = DMat3::from_cols_array_2d(&gradient);
+                (columns.transpose() * DVec3::from(point)).to_array()
+            }
+            Self::Poiseuille {
+                centre_velocity,
+                radius,
+                direction,
+                through,
+            } => {
+                let direction = DVec3::from(direction).normalize_or_zero();
+                let away = (DVec3::from(point) - DVec3::from(through)) / radius;
+                let across = away - away.dot(direction) * direction;
+                (centre_velocity * (1.0 - across.length_squared()) * direction).to_array()
+            }
+        }
+    }
+
+    /// Adds u∞ at every point.
+    ///
+    /// # Panics
+    /// If there are more points than velocities.
+    pub fn add_velocity(&self, points: &[[f64; 3]], velocity: &mut [[f64; 3]]) {
+        for (&point, sum) in points.iter().zip(&mut velocity[..points.len()]) {
+            *sum = (DVec3::from(*sum) + DVec3::from(self.velocity(point))).to_array();
+        }
+    }
+}
