@@ -602,3 +602,9 @@ pub const FLOW_NEAR: Tolerance = Tolerance::new(
     5e-4,
     "three points on a triangle at twice its edge are good to 1e-3 of what it gives",
 );
+/// Velocity near a single triangle against Gauss rules of 96 points, relative.
+pub const FLOW_SEVEN_POINTS: Tolerance = Tolerance::new(
+    1e-4,
+    "parts seen from twice their edge, by a rule of degree 5: (1/√3/2)⁶ of the sixth term, and \
+     signs that differ from part to part",
+);

@@ -208,30 +208,37 @@ fn velocities_move_with_the_surfaces() {
     tolerance::FLOW_MOTION.assert(error, 0.0, largest(&expected), "velocity");
 }
 
+/// ∫ G(x − origin)·q dS over a triangle by the product of two Gauss rules.
+fn tensor(
+    corners: [[f64; 3]; 3],
+    tractions: [[f64; 3]; 3],
+    origin: [f64; 3],
+    rule: &[(f64, f64)],
+) -> [f64; 3] {
+    let [a, b, c] = corners;
+    let doubled = norm(cross(difference(b, a), difference(c, a)));
+    let mut sum = [0.0; 3];
+    for &(first, w1) in rule {
+        for &(second, w2) in rule {
+            let (s, t) = (0.5 + 0.5 * first, 0.5 + 0.5 * second);
+            let shares = [1.0 - s, s * (1.0 - t), s * t];
+            let mean = |values: [[f64; 3]; 3]| -> [f64; 3] {
+                std::array::from_fn(|k| (0..3).map(|n| shares[n] * values[n][k]).sum())
+            };
+            let (r, q) = (difference(mean(corners), origin), mean(tractions));
+            let weight = 0.25 * w1 * w2 * s * doubled / norm(r);
+            let along = dot(r, q) / dot(r, r);
+            for k in 0..3 {
+                sum[k] += weight * (q[k] + along * r[k]);
+            }
+        }
+    }
+    sum
+}
+
 /// ∫ G(x − corners[0])·q dS by triangles that are halved towards the corner.
 fn graded(corners: [[f64; 3]; 3], tractions: [[f64; 3]; 3], halvings: u32) -> [f64; 3] {
     let rule = gauss_legendre(96);
-    let tensor = |corners: [[f64; 3]; 3], tractions: [[f64; 3]; 3], origin: [f64; 3]| {
-        let [a, b, c] = corners;
-        let doubled = norm(cross(difference(b, a), difference(c, a)));
-        let mut sum = [0.0; 3];
-        for &(first, w1) in &rule {
-            for &(second, w2) in &rule {
-                let (s, t) = (0.5 + 0.5 * first, 0.5 + 0.5 * second);
-                let shares = [1.0 - s, s * (1.0 - t), s * t];
-                let mean = |values: [[f64; 3]; 3]| -> [f64; 3] {
-                    std::array::from_fn(|k| (0..3).map(|n| shares[n] * values[n][k]).sum())
-                };
-                let (r, q) = (difference(mean(corners), origin), mean(tractions));
-                let weight = 0.25 * w1 * w2 * s * doubled / norm(r);
-                let along = dot(r, q) / dot(r, r);
-                for k in 0..3 {
-                    sum[k] += weight * (q[k] + along * r[k]);
-                }
-            }
-        }
-        sum
-    };
     let origin = corners[0];
     let (mut corners, mut tractions) = (corners, tractions);
     let mut sum = [0.0; 3];
@@ -247,7 +254,7 @@ fn graded(corners: [[f64; 3]; 3], tractions: [[f64; 3]; 3], halvings: u32) -> [f
             ([ab, bc, ca], [fab, fbc, fca]),
         ];
         for (corners, tractions) in parts {
-            let part = tensor(corners, tractions, origin);
+            let part = tensor(corners, tractions, origin, &rule);
             sum = std::array::from_fn(|k| sum[k] + part[k]);
         }
         (corners, tractions) = ([a, ab, ca], [fa, fab, fca]);
@@ -279,6 +286,60 @@ fn triangles_are_exact_about_their_corners() {
             let error = norm(difference(found, expected));
             tolerance::PANEL.assert(error, 0.0, norm(expected), "about a corner");
         }
+    }
+}
+
+/// Far from a surface the sum is that of three points a triangle, the middles between corners and
+/// centre, whatever the processor's way of adding them.
+#[test]
+fn far_points_see_three_stokeslets_a_triangle() {
+    let sphere = icosphere(2);
+    let field = Vec::from_iter(
+        sphere
+            .positions
+            .iter()
+            .map(|&[x, y, z]| [1.0 + y, z * x, 0.5 - z]),
+    );
+    let surface = sphere.surface();
+    // More than a lane of them, and not a multiple.
+    let points = Vec::from_iter((0..7).map(|k| [3.0, -2.0 + f64::from(k), 1.0]));
+    let expected = points.iter().map(|&point| {
+        let mut sum = [0.0; 3];
+        for (number, &triangle) in sphere.connectivity.triangles().iter().enumerate() {
+            let corners = triangle.map(|v| sphere.positions[v as usize]);
+            let tractions = triangle.map(|v| field[v as usize]);
+            let weight = surface.triangle_area(number) / 3.0 / (8.0 * PI * VISCOSITY);
+            for own in 0..3 {
+                let mean = |values: [[f64; 3]; 3]| -> [f64; 3] {
+                    std::array::from_fn(|k| {
+                        (values[0][k] + values[1][k] + values[2][k]) / 6.0 + 0.5 * values[own][k]
+                    })
+                };
+                let (r, q) = (difference(mean(corners), point), mean(tractions));
+                let along = dot(r, q) / dot(r, r);
+                sum = std::array::from_fn(|k| sum[k] + weight / norm(r) * (q[k] + along * r[k]));
+            }
+        }
+        sum
+    });
+    let expected = Vec::from_iter(expected);
+    let error = largest_error(&at_points(&layer(&[&sphere], &field), &points), &expected);
+    tolerance::FLOW_ROUNDING.assert(error, 0.0, largest(&expected), "far off");
+}
+
+/// With parts that are near throughout, what is left is the error of seven points.
+#[test]
+fn near_triangles_are_integrated_to_degree_five() {
+    let mesh = TriangleMesh::new(3, vec![[0, 1, 2]]).unwrap();
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.4, 0.9, 0.0]];
+    let tractions = [[1.0, -0.4, 0.2], [-0.3, 0.9, 2.0], [0.5, 0.1, -0.8]];
+    let mut layer = SingleLayer::new([&mesh], (8.0 * PI).recip(), ONE);
+    layer.set_tractions(&corners, &tractions);
+    for point in [[0.5, 0.3, 0.4], [0.5, 0.3, -0.9], [1.3, 0.2, 0.1]] {
+        let found = at_points(&layer, &[point])[0];
+        let expected = tensor(corners, tractions, point, &gauss_legendre(96));
+        let error = norm(difference(found, expected));
+        tolerance::FLOW_SEVEN_POINTS.assert(error, 0.0, norm(expected), "near a triangle");
     }
 }
 
