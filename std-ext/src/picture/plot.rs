@@ -310,12 +310,17 @@ impl Axis<'_> {
             };
         }
         const MARGIN: f64 = 0.04;
+        // Of the numbers above 0 that f64 holds.
+        const LEAST: f64 = -323.0;
+        const MOST: f64 = 308.25;
         let [low, high] = widened(extent(numbers.map(|number| on_scale(self.scale, number))));
         let margin = MARGIN * (high - low);
         let ends = [low - margin, high + margin];
         Ok(match self.scale {
+            // At the ends of what f64 holds there is no room for a margin.
+            Scale::Linear if !(ends[1] - ends[0]).is_finite() => [low, high],
             Scale::Linear => ends,
-            Scale::Logarithmic => ends.map(libm::exp10),
+            Scale::Logarithmic => ends.map(|end| libm::exp10(end.clamp(LEAST, MOST))),
         })
     }
 }
