@@ -587,10 +587,8 @@ pub const FLOW_MOTION: Tolerance = Tolerance::new(
     "places rounded at 1e-15 of the distance between vertices some hundred times nearer",
 );
 /// Velocities from the same forces in other units, relative to the largest.
-pub const FLOW_ROUNDING: Tolerance = Tolerance::new(
-    1e-13,
-    "thousands of terms summed in one order; the reciprocal root is good to 8e-15",
-);
+pub const FLOW_ROUNDING: Tolerance =
+    Tolerance::new(1e-13, "thousands of terms summed in one order");
 /// Velocities on a sphere of 2562 vertices against exact ones, relative.
 pub const FLOW_SPHERE: Tolerance = Tolerance::new(
     2e-3,

@@ -61,12 +61,9 @@ struct Part {
     triangles: Range<usize>,
 }
 
-/// What follows from positions and forces. Lengths are in units of a power of two about the extent
-/// of all surfaces, so that squared distances are within single precision.
+/// What follows from positions and forces.
 #[derive(Clone, Debug, Default)]
 struct State {
-    /// 1 over the unit of length.
-    scale: f64,
     positions: Vec<DVec3>,
     tractions: Vec<DVec3>,
     sources: Vec<Source>,
@@ -155,8 +152,6 @@ impl SingleLayer {
             state,
             ..
         } = self;
-        // A in units of the scaled lengths; F is not scaled, and q has to be F over the true area.
-        let unit = state.scale * state.scale;
         state.tractions.clear();
         for (vertex, &force) in forces.iter().enumerate() {
             let ring = ring_offsets[vertex] as usize..ring_offsets[vertex + 1] as usize;
@@ -164,7 +159,7 @@ impl SingleLayer {
                 Panel::new(triangles[number as usize], &state.positions).doubled_area()
             };
             let area = ring_triangles[ring].iter().map(area).sum::<f64>() / 6.0;
-            let over = if area.is_normal() { unit / area } else { 0.0 };
+            let over = if area.is_normal() { area.recip() } else { 0.0 };
             state.tractions.push(over * DVec3::from(force));
         }
         self.emit();
@@ -219,8 +214,7 @@ impl SingleLayer {
     /// If the numbers of points and velocities differ, or no forces have been set.
     pub fn add_at_points(&self, points: &[[f64; 3]], velocity: &mut [[f64; 3]]) {
         assert_eq!(velocity.len(), points.len(), "one velocity a point");
-        let scale = self.state.scale;
-        let place = |point: usize| scale * DVec3::from(points[point]);
+        let place = |point: usize| DVec3::from(points[point]);
         self.add(velocity, place, |_, at| self.near(at, |_| true));
     }
 
@@ -232,20 +226,9 @@ impl SingleLayer {
             "one position a vertex"
         );
         let state = &mut self.state;
-        let points = || positions.iter().copied().map(DVec3::from);
-        let first = points().next().unwrap_or_default();
-        let low = points().fold(first, DVec3::min);
-        let high = points().fold(first, DVec3::max);
-        let extent = (high - low).max_element();
-        // The multiplication by a power of two is exact.
-        let exponent = if extent.is_normal() {
-            extent.log2() as i32
-        } else {
-            0
-        };
-        state.scale = 2.0_f64.powi(-exponent);
         state.positions.clear();
-        state.positions.extend(points().map(|x| state.scale * x));
+        let points = positions.iter().copied().map(DVec3::from);
+        state.positions.extend(points);
         state.centres.clear();
         for &triangle in &self.triangles {
             let panel = Panel::new(triangle, &state.positions);
@@ -324,7 +307,7 @@ impl SingleLayer {
             3 * self.triangles.len(),
             "forces are set before velocities are asked for"
         );
-        let factor = (8.0 * PI * self.viscosity * state.scale).recip();
+        let factor = (8.0 * PI * self.viscosity).recip();
         let run = |first: usize, velocity: &mut [[f64; 3]]| {
             let places = Vec::from_iter((first..first + velocity.len()).map(&place));
             let sums = stokeslets::sums(&places, &state.sources);
