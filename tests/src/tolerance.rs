@@ -602,7 +602,7 @@ pub const FLOW_NEAR: Tolerance = Tolerance::new(
 );
 /// Velocity near a single triangle against Gauss rules of 96 points, relative.
 pub const FLOW_SEVEN_POINTS: Tolerance = Tolerance::new(
-    1e-4,
-    "parts seen from twice their edge, by a rule of degree 5: (1/√3/2)⁶ of the sixth term, and \
-     signs that differ from part to part",
+    1e-6,
+    "corners are 0.29 distances from the centre at most, 6e-4 in the sixth power, times the rule's \
+     constant; most parts are farther off, and signs differ",
 );
