@@ -6,7 +6,7 @@ use crate::laplacian::Cotangent;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
-use crate::vec3::{Vec3, add, cross, dot, scale, sub};
+use crate::vec3::{Vec3, add, dot, scale, sub};
 use alloc::vec::Vec;
 
 /// An energy of several surfaces together, with its nodal forces.
@@ -260,10 +260,8 @@ impl<T: Real> ElementKernel<T, 3, 1, 3> for AreaForce {
         corners: &Corners<L, 3>,
         weights: &[[L; 1]; 3],
     ) -> [[L; 3]; 3] {
-        let triangle = corners.triangle();
         let sixth = L::literal(1.0 / 6.0) * (weights[0][0] + weights[1][0] + weights[2][0]);
-        let normal = scale(sixth, triangle.normal());
-        triangle.edges.map(|edge| cross(normal, edge))
+        corners.triangle().outward_edges(sixth)
     }
 }
 

@@ -73,6 +73,14 @@ impl<L: Lane> Triangle<L> {
         ]
     }
 
+    /// The opposite edge of each corner, turned outward in the plane and scaled: with a factor of ½
+    /// the gradient of the area, as in [`Self::area_gradient`] but for rounding.
+    #[inline(always)]
+    pub(crate) fn outward_edges(&self, factor: L) -> [Vec3<L>; 3] {
+        let normal = scale(factor, self.normal());
+        self.edges.map(|edge| cross(normal, edge))
+    }
+
     #[inline(always)]
     pub(crate) fn angles(&self) -> [L; 3] {
         self.dots.map(|dot| self.doubled_area.atan2(dot))

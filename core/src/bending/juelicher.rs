@@ -10,7 +10,6 @@ use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{cross, scale};
 use alloc::vec::Vec;
 
 /// `E = 2κ Σ_i (H_i − H0_i)² A_i` with `H_i = M_i/A_i`, `M_i = ¼ Σ_edges l θ` over the edges at the
@@ -195,7 +194,7 @@ impl<T: Real> ElementKernel<T, 4, 2, 3> for HingeForce {
 struct AreaForce;
 
 impl<T: Real> ElementKernel<T, 3, 2, 3> for AreaForce {
-    /// `⅓ Σ w ∂A`, and ∂A at a corner is half the opposite edge, turned outward in the plane.
+    /// `⅓ Σ w ∂A`.
     #[inline(always)]
     fn evaluate<L: Lane<Scalar = T>>(
         &self,
@@ -203,10 +202,8 @@ impl<T: Real> ElementKernel<T, 3, 2, 3> for AreaForce {
         corners: &Corners<L, 3>,
         weights: &[[L; 2]; 3],
     ) -> [[L; 3]; 3] {
-        let triangle = corners.triangle();
         let sixth = L::literal(1.0 / 6.0) * (weights[0][1] + weights[1][1] + weights[2][1]);
-        let normal = scale(sixth, triangle.normal());
-        triangle.edges.map(|edge| cross(normal, edge))
+        corners.triangle().outward_edges(sixth)
     }
 }
 

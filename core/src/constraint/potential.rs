@@ -1,0 +1,216 @@
+//! Energies of one number of a component.
+
+use super::Targets;
+use crate::element::Execution;
+use crate::energy::{Conservative, Energy, Finding, Force, Method};
+use crate::functional::{EnclosedVolume, Functional, Quantity, TotalArea};
+use crate::lane::Lane;
+use crate::mesh::TriangleMesh;
+use crate::real::Real;
+use crate::surface::Surface;
+use alloc::vec::Vec;
+
+/// An energy φ_c(F) of one number F of each connected component c.
+pub trait Potential<T: Real> {
+    /// φ_c and its derivative.
+    ///
+    /// # Panics
+    /// If the potential has parameters for each component, but none for this one.
+    fn at(&self, component: usize, value: T) -> [T; 2];
+}
+
+/// `φ = slope · F`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linear<T> {
+    /// Energy per unit of F.
+    pub slope: T,
+}
+
+impl<T: Real> Potential<T> for Linear<T> {
+    fn at(&self, _component: usize, value: T) -> [T; 2] {
+        [self.slope * value, self.slope]
+    }
+}
+
+/// `φ = k/2 (F − F0)²/|F0|`; nothing where F0 = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quadratic<T> {
+    /// k, in units of energy per unit of F.
+    pub modulus: T,
+    /// F0 of each component.
+    pub targets: Targets<T>,
+}
+
+impl<T: Real> Potential<T> for Quadratic<T> {
+    fn at(&self, component: usize, value: T) -> [T; 2] {
+        let target = self.targets.at(component);
+        let excess = value - target;
+        let slope = self.modulus * excess * target.abs().reciprocal_or_zero();
+        [T::constant(0.5) * excess * slope, slope]
+    }
+}
+
+/// The energy `E = Σ_c φ_c(F_c)` of a functional F, and its exact gradient
+/// `F_i = −φ_c′(F_c) ∂F_c/∂x_i`: one reduction, one pass over the elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PotentialOf<F, P> {
+    /// F.
+    pub functional: F,
+    /// φ.
+    pub potential: P,
+}
+
+/// `E = k/2 Σ_c (F_c − F0_c)²/|F0_c|`: of [`TotalArea`] with k in energy per area, of
+/// [`EnclosedVolume`] with k a pressure.
+pub type Penalty<T, F = Quantity> = PotentialOf<F, Quadratic<T>>;
+/// `E = σ A`, σ the surface tension, positive if it contracts.
+pub type SurfaceTension<T> = PotentialOf<TotalArea, Linear<T>>;
+/// `E = −Δp V`, Δp the pressure inside minus the one outside: positive inflates. Components with
+/// boundary feel none.
+pub type OsmoticPressure<T> = PotentialOf<EnclosedVolume, Linear<T>>;
+
+impl<T: Real, F> PotentialOf<F, Quadratic<T>> {
+    /// With modulus k and targets F0.
+    pub fn new(functional: F, modulus: T, targets: impl Into<Targets<T>>) -> Self {
+        let targets = targets.into();
+        Self {
+            functional,
+            potential: Quadratic { modulus, targets },
+        }
+    }
+}
+
+impl<T: Real> PotentialOf<TotalArea, Linear<T>> {
+    /// With surface tension σ, energy per area.
+    pub fn new(tension: T) -> Self {
+        Self {
+            functional: TotalArea,
+            potential: Linear { slope: tension },
+        }
+    }
+}
+
+impl<T: Real> PotentialOf<EnclosedVolume, Linear<T>> {
+    /// With pressure difference Δp, inside minus outside, energy per volume.
+    pub fn new(difference: T) -> Self {
+        Self {
+            functional: EnclosedVolume,
+            potential: Linear { slope: -difference },
+        }
+    }
+}
+
+/// Memory of [`PotentialOf`].
+#[derive(Clone, Debug, Default)]
+pub struct PotentialMemory<T, M> {
+    functional: M,
+    values: Vec<T>,
+    /// −φ′.
+    weights: Vec<T>,
+}
+
+impl<T: Real, M> PotentialMemory<T, M> {
+    /// F of each component, as the last evaluation found it.
+    pub fn values(&self) -> &[T] {
+        &self.values
+    }
+}
+
+impl<F, P> PotentialOf<F, P> {
+    fn measure<T: Real>(
+        &self,
+        execution: &impl Execution,
+        plan: &F::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut PotentialMemory<T, F::Memory>,
+    ) where
+        F: Functional<T>,
+    {
+        let functional = &self.functional;
+        let PotentialMemory {
+            functional: own,
+            values,
+            ..
+        } = memory;
+        values.resize(functional.component_count(plan), T::zero());
+        functional.values(execution, plan, surface, own, values);
+    }
+
+    fn energy_of<T: Real>(&self, values: &[T]) -> T
+    where
+        P: Potential<T>,
+    {
+        let energy = |(component, &value)| self.potential.at(component, value)[0];
+        values.iter().enumerate().map(energy).sum()
+    }
+}
+
+impl<T: Real, F: Functional<T>, P: Potential<T>> Method<T> for PotentialOf<F, P> {
+    type Plan = F::Plan;
+    type Memory = PotentialMemory<T, F::Memory>;
+
+    fn plan(&self, mesh: &TriangleMesh) -> F::Plan {
+        self.functional.plan(mesh)
+    }
+
+    fn inspect(
+        &self,
+        plan: &F::Plan,
+        surface: Surface<'_, T>,
+        memory: &Self::Memory,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        self.functional
+            .inspect(plan, surface, &memory.functional, report);
+    }
+}
+
+impl<T: Real, F: Functional<T>, P: Potential<T>> Energy<T> for PotentialOf<F, P> {
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        plan: &F::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut Self::Memory,
+    ) -> T {
+        self.measure(execution, plan, surface, memory);
+        self.energy_of(&memory.values)
+    }
+}
+
+impl<T: Real, F: Functional<T>, P: Potential<T>> Force<T> for PotentialOf<F, P> {
+    fn add_force(
+        &self,
+        execution: &impl Execution,
+        plan: &F::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut Self::Memory,
+        force: &mut [[T; 3]],
+    ) {
+        self.add_force_and_energy(execution, plan, surface, memory, force);
+    }
+}
+
+impl<T: Real, F: Functional<T>, P: Potential<T>> Conservative<T> for PotentialOf<F, P> {
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        plan: &F::Plan,
+        surface: Surface<'_, T>,
+        memory: &mut Self::Memory,
+        force: &mut [[T; 3]],
+    ) -> T {
+        self.measure(execution, plan, surface, memory);
+        let PotentialMemory {
+            functional,
+            values,
+            weights,
+        } = memory;
+        weights.clear();
+        let weight = |(component, &value)| -self.potential.at(component, value)[1];
+        weights.extend(values.iter().enumerate().map(weight));
+        self.functional
+            .add_gradient(execution, plan, surface, functional, weights, force);
+        self.energy_of(values)
+    }
+}

@@ -1,0 +1,92 @@
+//! Integrated mean curvature.
+//!
+//! Of polyhedra: J. Steiner, Monatsber. Preuss. Akad. Wiss. (1840) 114.
+
+use super::{ComponentElements, Functional};
+use crate::bending::{Hinge, Hinges};
+use crate::element::{Corners, ElementKernel, Execution};
+use crate::energy::{Finding, Method};
+use crate::lane::Lane;
+use crate::mesh::TriangleMesh;
+use crate::projection::Components;
+use crate::real::Real;
+use crate::surface::Surface;
+
+/// The integrated mean curvature `M = ∫ H dS = ½ Σ l θ` of each component, l the length of an
+/// interior edge, θ the angle between the normals of its two triangles, positive where the surface
+/// is convex: 4πR on a sphere. In units of length.
+///
+/// The gradient `½ Σ (θ ∂l + l ∂θ)` is exact; on a closed component the second sum is zero (L.
+/// Schläfli, Q. J. Pure Appl. Math. 2 (1858) 269), at a boundary it is not. Boundary edges and edges
+/// at a triangle without area have no angle. θ jumps by 2π where two triangles fold onto each
+/// other, and M with it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TotalMeanCurvature;
+
+/// `w ∂M/∂x`.
+struct MeanCurvatureGradient<T>(T);
+
+impl<T: Real> ElementKernel<T, 4, 0, 3> for MeanCurvatureGradient<T> {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        _first: usize,
+        corners: &Corners<L, 4>,
+        _input: &[[L; 0]; 4],
+    ) -> [[L; 3]; 4] {
+        let half = L::literal(0.5) * L::splat(self.0);
+        Hinge::new(corners).length_times_angle_gradient(corners, half)
+    }
+}
+
+impl<T: Real> Method<T> for TotalMeanCurvature {
+    type Plan = ComponentElements<4>;
+    type Memory = ();
+
+    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
+        let hinges = Hinges::new(mesh).vertices;
+        ComponentElements::new(Components::new(mesh), hinges.into_iter())
+    }
+
+    fn inspect(
+        &self,
+        _plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        _memory: &(),
+        report: &mut dyn FnMut(Finding),
+    ) {
+        surface.report_degenerate_triangles(report);
+    }
+}
+
+impl<T: Real> Functional<T> for TotalMeanCurvature {
+    fn components<'a>(&self, plan: &'a Self::Plan) -> &'a Components {
+        plan.components()
+    }
+
+    fn values(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        _memory: &mut (),
+        values: &mut [T],
+    ) {
+        plan.sums(execution, values, |_, hinge| {
+            let hinge = Hinge::<T>::new(&Corners::of(surface, hinge));
+            T::constant(0.5) * hinge.edge_length * hinge.angle()
+        });
+    }
+
+    fn add_gradient(
+        &self,
+        execution: &impl Execution,
+        plan: &Self::Plan,
+        surface: Surface<'_, T>,
+        _memory: &mut (),
+        weights: &[T],
+        gradient: &mut [[T; 3]],
+    ) {
+        plan.scatter(execution, surface, weights, MeanCurvatureGradient, gradient);
+    }
+}
