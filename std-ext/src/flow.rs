@@ -5,8 +5,10 @@
 //! of one viscosity, inside and outside.
 
 mod boundary_integral;
+mod gmres;
 
 pub use boundary_integral::SingleLayer;
+pub use gmres::{Gmres, Product, Solved};
 
 use glam::{DMat3, DVec3};
 
