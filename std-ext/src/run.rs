@@ -20,7 +20,7 @@ use crate::io::{
     write_vtp,
 };
 use crate::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
-use crate::scene::{Driver, Relax, Scene, Units};
+use crate::scene::{Driver, Every, Relax, Scene, Units};
 use crate::series::{Series, SeriesError, SeriesTable};
 use crate::simulation::{Acting, Cost, Simulation};
 use measure::Measures;
@@ -43,6 +43,12 @@ pub enum RunError {
     /// The surfaces resist nothing.
     #[error("{0}: give a surface `bending`, `elasticity`, `tension` or a penalty on its `area`")]
     Setup(#[from] SetupError),
+    /// A driver that cannot be run.
+    #[error("scenes of the driver \"{name}\" can be read, and not run yet")]
+    Driver {
+        /// The driver.
+        name: &'static str,
+    },
     /// There is a run in the folder already.
     #[error(
         "{}: there is a run here already: `--resume` goes on with it, `--out` names another folder",
@@ -204,7 +210,11 @@ pub fn run(
     let start = Instant::now();
     let fingerprint = fingerprint(scene, &simulation, &positions);
     let measures = Measures::new(scene, &simulation, &positions);
-    let Driver::Relax(relax) = scene.driver;
+    let (Driver::Relax(relax), Every::Iterations(every)) = (scene.driver, scene.output.every)
+    else {
+        let name = scene.driver.name();
+        return Err(RunError::Driver { name });
+    };
     let settings = settings(relax);
     let columns = measures.columns();
     let [path, series_path] = [CHECKPOINT, "series.csv"].map(|name| folder.join(name));
@@ -257,7 +267,7 @@ pub fn run(
         time: 0,
         last,
     };
-    let (end, message) = run.drive(relax, interrupted, progress)?;
+    let (end, message) = run.drive(relax, every, interrupted, progress)?;
     run.finish(end, message)
 }
 
@@ -324,10 +334,11 @@ impl Run<'_> {
     fn drive(
         &mut self,
         relax: Relax,
+        every: u64,
         interrupted: &dyn Fn() -> bool,
         progress: &mut dyn FnMut(&Progress),
     ) -> Result<(End, String), RunError> {
-        let output = self.scene.output;
+        let checkpoint_every = self.scene.output.checkpoint_every;
         let loads = self.simulation.load_count();
         if self.stored.written.is_none() {
             self.write(0, f64::NAN)?;
@@ -345,7 +356,7 @@ impl Run<'_> {
             });
             let time = self.stored.before + iteration;
             self.time = time;
-            if report.outcome.is_some() || iteration.is_multiple_of(output.every) {
+            if report.outcome.is_some() || iteration.is_multiple_of(every) {
                 self.write(time, report.residual)?;
             }
             if let Some(outcome) = report.outcome {
@@ -377,7 +388,7 @@ impl Run<'_> {
                 self.checkpoint()?;
                 let message = format!("interrupted after {time} iterations: `--resume` goes on");
                 return Ok((End::Interrupted, message));
-            } else if iteration.is_multiple_of(output.checkpoint_every) {
+            } else if iteration.is_multiple_of(checkpoint_every) {
                 self.checkpoint()?;
             }
         }

@@ -5,8 +5,9 @@ use helfrich_std::generate::generate;
 use helfrich_std::info::MeshInfo;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::scene::{
-    AreaDifferenceTarget, Driver, Hold, InPlaneLaw, Interaction, MeshSource, Overrides, Place,
-    ReferenceSource, SceneErrors, SceneFile, Scheme, Target, Units, VolumeTarget, json_schema,
+    AreaDifferenceTarget, Driver, Every, Hold, InPlaneLaw, Interaction, MeshSource, Overrides,
+    Place, ReferenceSource, SceneErrors, SceneFile, Scheme, Target, Units, VolumeTarget,
+    json_schema,
 };
 use helfrich_tests::meshes::cases;
 use proptest::prelude::*;
@@ -181,6 +182,7 @@ checkpoint_every = 11
         family,
         vertices,
         seed,
+        match_volume: false,
     } = a.source
     else {
         panic!("a shape");
@@ -257,12 +259,17 @@ checkpoint_every = 11
         between: Some([1, 0]),
     };
     assert_eq!(scene.interactions, [repulsion]);
-    let Driver::Relax(relax) = scene.driver;
+    let Driver::Relax(relax) = scene.driver else {
+        panic!("{:?}", scene.driver);
+    };
     assert_eq!(relax.scheme, Scheme::Overdamped);
     assert_eq!((relax.residual, relax.iterations), (1e-3, 7));
     assert!(!relax.redistribution);
-    let output = scene.output;
-    assert_eq!((output.every, output.checkpoint_every), (3, 11));
+    let output = &scene.output;
+    assert_eq!(
+        (output.every, output.checkpoint_every),
+        (Every::Iterations(3), 11)
+    );
     assert!(!output.surfaces && !output.pictures);
     assert_eq!(
         serde_json::to_value(output.picture_field).unwrap(),
@@ -273,7 +280,9 @@ checkpoint_every = 11
 #[test]
 fn automatic_choices_follow_the_effects() {
     let relax = |effects: &str| {
-        let Driver::Relax(relax) = valid(&with(effects)).scene.driver;
+        let Driver::Relax(relax) = valid(&with(effects)).scene.driver else {
+            panic!("another driver");
+        };
         (relax.scheme, relax.redistribution)
     };
     let bending = |method: &str| format!("bending = {{ method = \"{method}\", modulus = 1 }}\n");
@@ -310,6 +319,7 @@ fn generated(file: &SceneFile, surface: usize) -> MeshInfo {
         family,
         vertices,
         seed,
+        match_volume: false,
     } = &surface.source
     else {
         panic!("no shape");
@@ -742,9 +752,9 @@ fn contradictions_are_refused() {
         &["the scene has only one: add a [[surface]]"],
     );
     refused(
-        &with("tension.value = 1").replace("relax", "boundary-integral"),
+        &with("tension.value = 1").replace("relax", "lattice-boltzmann"),
         [3, 8],
-        &["no driver \"boundary-integral\" yet: the drivers are relax"],
+        &["no driver \"lattice-boltzmann\" yet: the drivers are relax, boundary-integral"],
     );
 }
 
@@ -918,7 +928,7 @@ fn overrides_replace_and_add() {
         one("surface.cell.shape=\"ellipsoid:1,2,3\"").source
     );
     let later = parse_with(&text, &["output.every=3", "output.every=4"]).unwrap();
-    assert_eq!(later.scene.output.every, 4);
+    assert_eq!(later.scene.output.every, Every::Iterations(4));
     // The default name of a surface without one.
     let unnamed = text.replace("name = \"cell\"\n", "");
     let found = parse_with(&unnamed, &["surface.surface-1.tension.value=2"]).unwrap();
@@ -1187,6 +1197,9 @@ fn conforms(schema: &Value, value: &Value) -> bool {
         let list = || rule.as_array().unwrap().iter();
         let number = || rule.as_f64().unwrap();
         match keyword.as_str() {
+            "const" => rule == value || (rule.is_number() && rule.as_f64() == value.as_f64()),
+            "if" => !conforms(rule, value) || conforms(&schema["then"], value),
+            "then" => true,
             "$schema" | "title" | "description" => true,
             "type" => match rule.as_str().unwrap() {
                 "object" => value.is_object(),
@@ -1249,7 +1262,10 @@ fn conforms(schema: &Value, value: &Value) -> bool {
             other => panic!("keyword {other}"),
         }
     };
-    schema.as_object().unwrap().iter().all(holds)
+    match schema {
+        Value::Bool(allowed) => *allowed,
+        schema => schema.as_object().unwrap().iter().all(holds),
+    }
 }
 
 fn json(text: &str) -> Value {

@@ -1,6 +1,7 @@
 //! A shape that is chosen at run time.
 
 use helfrich::shapes::{Discocyte, Ellipsoid, ExactPoint, Shape, ShapeError, Sphere, Torus};
+use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
@@ -61,6 +62,23 @@ impl AnyShape {
             Self::Ellipsoid(ellipsoid) => ellipsoid.semi_axes.into_iter().fold(0.0, f64::max),
             Self::Torus(torus) => torus.radius,
             Self::Discocyte(discocyte) => discocyte.radius,
+        }
+    }
+
+    /// The enclosed volume: `4π a b c/3`; `2π² R r²` of the torus; of the discocyte
+    /// `2π R³ ∫₀¹ s √(1 − s²) (C0 + C1 s² + C2 s⁴) ds = 2π R³ (C0/3 + 2 C1/15 + 8 C2/105)`.
+    pub fn volume(&self) -> f64 {
+        match self {
+            Self::Sphere(sphere) => 4.0 * PI / 3.0 * sphere.radius.powi(3),
+            Self::Ellipsoid(ellipsoid) => {
+                4.0 * PI / 3.0 * ellipsoid.semi_axes.iter().product::<f64>()
+            }
+            Self::Torus(torus) => 2.0 * PI * PI * torus.radius * torus.tube_radius.powi(2),
+            Self::Discocyte(discocyte) => {
+                let [c0, c1, c2] = discocyte.coefficients;
+                let integral = c0 / 3.0 + 2.0 * c1 / 15.0 + 8.0 * c2 / 105.0;
+                2.0 * PI * discocyte.radius.powi(3) * integral
+            }
         }
     }
 

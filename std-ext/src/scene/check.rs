@@ -1,7 +1,7 @@
 //! Compares values with the table of keys, and reads what is right.
 
 use super::Units;
-use super::keys::{Form, Key, Keys, Presence, Range, nearest};
+use super::keys::{Form, Key, Keys, Kind, Presence, Range, nearest};
 use super::problem::{Problem, expected_number};
 use super::units::{Dimension, QuantityError, quantity};
 use super::value::{Node, Origin, Table, Value};
@@ -43,6 +43,21 @@ pub(super) fn check_table(
         );
     }
     let given = |name: &&&str| table.get(name).is_some();
+    let kind = kind_of(keys, table);
+    if let Some(kind) = kind {
+        for entry in &table.entries {
+            let kinds = keys.kinds_with(&entry.key);
+            if !kinds.is_empty() && !kinds.contains(&kind.name) {
+                let problem = Problem::OtherKind {
+                    table: around.to_owned(),
+                    key: entry.key.clone(),
+                    kind: kind.name,
+                    kinds: quoted(&kinds, " or "),
+                };
+                problems.add(&entry.key_origin, problem);
+            }
+        }
+    }
     for Key {
         name,
         presence,
@@ -50,7 +65,8 @@ pub(super) fn check_table(
         form,
     } in keys.keys
     {
-        if *presence == Presence::Required && !given(&name) {
+        let of_kind = kind.is_some_and(|kind| kind.required.contains(name));
+        if (*presence == Presence::Required || of_kind) && !given(&name) {
             let problem = Problem::Missing {
                 table: around.to_owned(),
                 key: name,
@@ -60,7 +76,9 @@ pub(super) fn check_table(
             problems.add(origin, problem);
         }
     }
-    for group in keys.exactly_one {
+    let exactly_one = kind.map_or(&[][..], |kind| kind.exactly_one);
+    let exactly_one = keys.exactly_one.iter().chain(exactly_one);
+    for group in exactly_one.clone() {
         if !group.iter().any(|name| given(&name)) {
             let problem = Problem::NoneOf {
                 table: around.to_owned(),
@@ -69,7 +87,7 @@ pub(super) fn check_table(
             problems.add(origin, problem);
         }
     }
-    for group in keys.exactly_one.iter().chain(keys.at_most_one) {
+    for group in exactly_one.chain(keys.at_most_one) {
         let found = Vec::from_iter(group.iter().filter(given).copied());
         if let [_, .., last] = found.as_slice() {
             let problem = Problem::SeveralOf {
@@ -92,6 +110,14 @@ pub(super) fn check_table(
     }
 }
 
+/// The kind that a table's key `kind` names.
+fn kind_of(keys: &'static Keys, table: &Table) -> Option<&'static Kind> {
+    let Some(Value::Text(name)) = table.get("kind").map(|node| &node.value) else {
+        return None;
+    };
+    keys.kinds.iter().find(|kind| kind.name == name)
+}
+
 /// Where a key was written.
 fn place_of(table: &Table, key: &str, or: &Origin) -> Origin {
     let found = table.entries.iter().find(|entry| entry.key == key);
@@ -109,6 +135,11 @@ fn nonempty<'a>(origin: &'a Origin, or: &'a Origin) -> &'a Origin {
 fn listed(names: &[&str], between: &str) -> String {
     let quoted = Vec::from_iter(names.iter().map(|name| format!("`{name}`")));
     quoted.join(&format!(" {between} "))
+}
+
+fn quoted(names: &[&str], between: &str) -> String {
+    let quoted = Vec::from_iter(names.iter().map(|name| format!("\"{name}\"")));
+    quoted.join(between)
 }
 
 pub(super) fn join(around: &str, key: &str) -> String {
@@ -199,11 +230,27 @@ fn check(
                 range: "other than 0 among the three".to_owned(),
             })
         }
-        (Form::Vector(_) | Form::Direction, Value::List(list)) => Some(Problem::WrongKind {
-            key: key(),
-            found: format!("a list of {}", list.len()),
-            expected: expected(form, units),
-        }),
+        (Form::Exactly(count, inner), Value::List(list)) if list.len() == *count => {
+            for node in list {
+                check(
+                    inner,
+                    name,
+                    path,
+                    &node.origin,
+                    &node.value,
+                    units,
+                    problems,
+                );
+            }
+            return;
+        }
+        (Form::Vector(_) | Form::Direction | Form::Exactly(..), Value::List(list)) => {
+            Some(Problem::WrongKind {
+                key: key(),
+                found: format!("a list of {}", list.len()),
+                expected: expected(form, units),
+            })
+        }
         (Form::Number(dimension, range) | Form::Numbers(dimension, range), value) => {
             check_number(name, *dimension, *range, value, units)
         }
@@ -289,13 +336,10 @@ fn expected(form: &Form, units: Units) -> String {
         Form::Name => "a letter, then letters, digits, `-` and `_`,".to_owned(),
         Form::File => "the name of a file".to_owned(),
         Form::Shape => "a shape such as \"sphere:1\"".to_owned(),
-        Form::Choice(names) => {
-            let quoted = Vec::from_iter(names().iter().map(|name| format!("\"{name}\"")));
-            match quoted.as_slice() {
-                [one] => one.clone(),
-                _ => format!("one of {}", quoted.join(", ")),
-            }
-        }
+        Form::Choice(names) => match names().as_slice() {
+            [one] => format!("\"{one}\""),
+            names => format!("one of {}", quoted(names, ", ")),
+        },
         Form::Number(dimension, Range::Any) => expected_number(*dimension, units),
         Form::Number(dimension, range) => {
             format!("{}, {},", expected_number(*dimension, units), range.words())
@@ -307,6 +351,11 @@ fn expected(form: &Form, units: Units) -> String {
         Form::Switch => "true or false".to_owned(),
         Form::Vector(_) | Form::Direction => "a list of three numbers".to_owned(),
         Form::Pair => "a list of the names of two surfaces".to_owned(),
+        Form::Exactly(count, inner) => match inner {
+            Form::Exactly(inner, _) => format!("a list of {count} lists of {inner} numbers"),
+            Form::Count(_) => format!("a list of {count} whole numbers"),
+            _ => format!("a list of {count} numbers"),
+        },
         Form::Table(_) => "a table".to_owned(),
         Form::Tables(_) => "a list of tables".to_owned(),
         Form::Either([first, second]) => {
@@ -477,6 +526,7 @@ impl<'a> Reader<'a> {
                 | Form::Numbers(dimension, _)
                 | Form::Vector(dimension) => Some(*dimension),
                 Form::Either(forms) => forms.iter().find_map(of),
+                Form::Exactly(_, form) => of(form),
                 _ => None,
             }
         }
@@ -506,6 +556,42 @@ impl<'a> Reader<'a> {
 
     pub(super) fn vector(&self, key: &str) -> Option<[f64; 3]> {
         self.numbers(key).try_into().ok()
+    }
+
+    pub(super) fn pair(&self, key: &str) -> Option<[f64; 2]> {
+        self.numbers(key).try_into().ok()
+    }
+
+    /// Three rows of three numbers.
+    pub(super) fn matrix(&self, key: &str) -> Option<[[f64; 3]; 3]> {
+        let Value::List(rows) = self.get(key)? else {
+            return None;
+        };
+        let dimension = self.dimension(key);
+        let row = |row: &Node| -> Option<[f64; 3]> {
+            let Value::List(entries) = &row.value else {
+                return None;
+            };
+            let entry = |entry: &Node| number(&entry.value, dimension).ok();
+            Vec::from_iter(entries.iter().filter_map(entry))
+                .try_into()
+                .ok()
+        };
+        Vec::from_iter(rows.iter().filter_map(row)).try_into().ok()
+    }
+
+    /// Two whole numbers.
+    pub(super) fn counts(&self, key: &str) -> Option<[u64; 2]> {
+        let Value::List(list) = self.get(key)? else {
+            return None;
+        };
+        let count = |node: &Node| match node.value {
+            Value::Integer(count) => u64::try_from(count).ok(),
+            _ => None,
+        };
+        Vec::from_iter(list.iter().filter_map(count))
+            .try_into()
+            .ok()
     }
 
     pub(super) fn count(&self, key: &str) -> Option<u64> {

@@ -5,7 +5,7 @@ use super::build::reduced_volume;
 use super::units::Dimension;
 use super::{
     AreaDifferenceTarget, Driver, Held, Hold, InPlaneLaw, Interaction, MeshSource, Reference,
-    ReferenceSource, Scene, Scheme, Stretching, SurfaceScene, Target, Units, VolumeTarget,
+    ReferenceSource, Relax, Scene, Scheme, Stretching, SurfaceScene, Target, Units, VolumeTarget,
 };
 use crate::info::MeshInfo;
 use crate::method::BendingMethod;
@@ -90,6 +90,8 @@ pub struct Group {
 const BASE_BYTES: u64 = 600;
 /// Of the twelve pairs of positions and forces that minimisation remembers.
 const MINIMISE_BYTES: u64 = 12 * 2 * 24;
+/// Of sources, centres and tractions of the triangles, and of the stages of a step.
+const BOUNDARY_INTEGRAL_BYTES: u64 = 800;
 /// Of a law over a reference: three numbers for each of two triangles a vertex, forces, energies.
 const IN_PLANE_BYTES: u64 = 130;
 
@@ -99,21 +101,22 @@ impl Scene {
     /// # Panics
     /// If there are fewer meshes than surfaces.
     pub fn explain(&self, meshes: &[MeshInfo]) -> Explanation {
-        let Driver::Relax(relax) = self.driver;
         let surfaces = self.surfaces.iter().zip(meshes);
         assert!(meshes.len() >= self.surfaces.len(), "one mesh a surface");
         let memory = surfaces.clone().map(|(surface, mesh)| {
             let vertices = mesh.vertices as u64;
-            let minimise = match relax.scheme {
-                Scheme::Minimise => MINIMISE_BYTES,
-                Scheme::Overdamped => 0,
+            let minimises = |relax: &Relax| relax.scheme == Scheme::Minimise;
+            let driver = match &self.driver {
+                Driver::Relax(relax) if minimises(relax) => MINIMISE_BYTES,
+                Driver::Relax(_) => 0,
+                Driver::BoundaryIntegral(_) => BOUNDARY_INTEGRAL_BYTES,
             };
             let bending = surface
                 .bending
                 .map_or(0, |bending| bytes(bending.method, mesh));
             let laws =
                 u64::from(surface.elasticity.is_some()) + u64::from(surface.local_area.is_some());
-            vertices * (BASE_BYTES + minimise + bending + laws * IN_PLANE_BYTES)
+            vertices * (BASE_BYTES + driver + bending + laws * IN_PLANE_BYTES)
         });
         let number = Parameters(self.units);
         let interaction = |interaction: &Interaction| {
@@ -135,12 +138,6 @@ impl Scene {
                 ],
             }
         };
-        let scheme = match relax.scheme {
-            Scheme::Minimise => "minimise: the energy of all effects, under the constraints",
-            Scheme::Overdamped => {
-                "overdamped: forces that have no energy, stopped on what is left of them"
-            }
-        };
         Explanation {
             title: self.title.clone(),
             units: self.units,
@@ -148,18 +145,41 @@ impl Scene {
                 .map(|(surface, mesh)| explain_surface(surface, mesh, self.units))
                 .collect(),
             interactions: self.interactions.iter().map(interaction).collect(),
-            driver: Active {
-                name: "relax",
-                choice: scheme.to_owned(),
-                parameters: vec![
-                    number.plain("residual", relax.residual),
-                    number.plain("iterations", relax.iterations as f64),
-                ],
-            },
+            driver: driver(&self.driver, &number),
             step_limit: "none: relax has no time, and chooses its steps itself; without a flow \
                          there is no capillary number either",
             memory: memory.sum(),
         }
+    }
+}
+
+fn driver(driver: &Driver, number: &Parameters) -> Active {
+    let (choice, parameters) = match driver {
+        Driver::Relax(relax) => {
+            let scheme = match relax.scheme {
+                Scheme::Minimise => "minimise: the energy of all effects, under the constraints",
+                Scheme::Overdamped => {
+                    "overdamped: forces that have no energy, stopped on what is left of them"
+                }
+            };
+            let parameters = vec![
+                number.plain("residual", relax.residual),
+                number.plain("iterations", relax.iterations as f64),
+            ];
+            (scheme.to_owned(), parameters)
+        }
+        Driver::BoundaryIntegral(integral) => {
+            let parameters = vec![
+                number.of("viscosity", integral.viscosity, Dimension::VISCOSITY),
+                number.of("duration", integral.duration, Dimension::TIME),
+            ];
+            ("Stokes flow without walls".to_owned(), parameters)
+        }
+    };
+    Active {
+        name: driver.name(),
+        choice,
+        parameters,
     }
 }
 

@@ -14,6 +14,18 @@ pub(super) struct Keys {
     pub(super) at_most_one: &'static [&'static [&'static str]],
     /// The first key needs the second.
     pub(super) needs: &'static [[&'static str; 2]],
+    /// What further rules follow from the table's key `kind`.
+    pub(super) kinds: &'static [Kind],
+}
+
+/// Keys that a table has if its `kind` is this one. Keys that no kind names belong to all.
+#[derive(Debug)]
+pub(super) struct Kind {
+    pub(super) name: &'static str,
+    pub(super) required: &'static [&'static str],
+    pub(super) optional: &'static [&'static str],
+    /// As [`Keys::exactly_one`]; these keys are optional ones.
+    pub(super) exactly_one: &'static [&'static [&'static str]],
 }
 
 /// A key.
@@ -59,6 +71,8 @@ pub(super) enum Form {
     Direction,
     /// Two names of surfaces.
     Pair,
+    /// As many values of a form.
+    Exactly(usize, &'static Form),
     /// A table.
     Table(&'static Keys),
     /// A list of tables.
@@ -71,6 +85,8 @@ pub(super) enum Form {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Range {
     Any,
+    /// Other than 0.
+    NotZero,
     /// Above 0.
     Positive,
     /// 0 or above.
@@ -87,6 +103,7 @@ impl Range {
     pub(super) fn contains(self, value: f64) -> bool {
         match self {
             Self::Any => true,
+            Self::NotZero => value != 0.0,
             Self::Positive => value > 0.0,
             Self::NotNegative => value >= 0.0,
             Self::Fraction => value > 0.0 && value <= 1.0,
@@ -99,6 +116,7 @@ impl Range {
     pub(super) fn words(self) -> String {
         match self {
             Self::Any => "of any size".to_owned(),
+            Self::NotZero => "other than 0".to_owned(),
             Self::Positive => "above 0".to_owned(),
             Self::NotNegative => "of 0 or above".to_owned(),
             Self::Fraction => "above 0 and at most 1".to_owned(),
@@ -119,7 +137,19 @@ impl Form {
     }
 }
 
+impl Kind {
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.required.contains(&name) || self.optional.contains(&name)
+    }
+}
+
 impl Keys {
+    /// The kinds that have a key; none if all have it.
+    pub(super) fn kinds_with(&self, name: &str) -> Vec<&'static str> {
+        let kinds = self.kinds.iter().filter(|kind| kind.has(name));
+        kinds.map(|kind| kind.name).collect()
+    }
+
     pub(super) fn find(&self, name: &str) -> Option<&'static Key> {
         self.keys.iter().find(|key| key.name == name)
     }
@@ -174,7 +204,13 @@ const fn plain(keys: &'static [Key]) -> Keys {
         exactly_one: &[],
         at_most_one: &[],
         needs: &[],
+        kinds: &[],
     }
+}
+
+/// The names of the kinds of a table, as its key `kind` has them.
+fn kinds(keys: &Keys) -> Vec<&'static str> {
+    keys.kinds.iter().map(|kind| kind.name).collect()
 }
 
 const NUMBER: Form = Form::Number(Dimension::NONE, Range::Positive);
@@ -250,6 +286,12 @@ static SURFACE: Keys = Keys {
             "Seed of the families irregular and hard; by default 1.",
         ),
         optional(
+            "match_volume",
+            Form::Switch,
+            "Whether the mesh is scaled so that it encloses the shape's volume, and not that of a \
+             polyhedron inscribed in it; by default false.",
+        ),
+        optional(
             "mesh",
             Form::File,
             "OBJ, OFF, STL or PLY file, relative to the scene's folder; its coordinates are in the \
@@ -273,7 +315,7 @@ static SURFACE: Keys = Keys {
         optional(
             "viscosity_ratio",
             NUMBER,
-            "Viscosity inside over viscosity outside; for drivers with a flow.",
+            "Viscosity inside over viscosity outside, λ; for drivers with a fluid; by default 1.",
         ),
         optional(
             "bending",
@@ -340,7 +382,9 @@ static SURFACE: Keys = Keys {
         ["vertices", "shape"],
         ["family", "shape"],
         ["seed", "shape"],
+        ["match_volume", "shape"],
     ],
+    kinds: &[],
 };
 
 static ORIENTATION: Keys = plain(&[
@@ -422,6 +466,7 @@ static REFERENCE: Keys = Keys {
     exactly_one: &[],
     at_most_one: &[&["shape", "mesh"]],
     needs: &[],
+    kinds: &[],
 };
 
 const CONSTRAINT: Key = optional(
@@ -447,6 +492,7 @@ static AREA: Keys = Keys {
     exactly_one: &[&["constraint", "modulus"]],
     at_most_one: &[],
     needs: &[],
+    kinds: &[],
 };
 
 static LOCAL_AREA: Keys = plain(&[
@@ -488,6 +534,7 @@ static VOLUME: Keys = Keys {
     exactly_one: &[&["constraint", "modulus"]],
     at_most_one: &[&["target", "reduced"]],
     needs: &[],
+    kinds: &[],
 };
 
 static AREA_DIFFERENCE: Keys = Keys {
@@ -513,6 +560,7 @@ static AREA_DIFFERENCE: Keys = Keys {
     exactly_one: &[&["constraint", "modulus"]],
     at_most_one: &[&["target", "reduced"]],
     needs: &[],
+    kinds: &[],
 };
 
 static TENSION: Keys = plain(&[required(
@@ -592,65 +640,285 @@ static INTERACTION: Keys = plain(&[
 ]);
 
 /// The drivers there will be, none of which a scene can have yet.
-pub(super) const LATER_DRIVERS: [&str; 2] = ["boundary-integral", "lattice-boltzmann"];
+pub(super) const LATER_DRIVERS: [&str; 1] = ["lattice-boltzmann"];
 
-static DRIVER: Keys = plain(&[
+/// The drivers there are.
+pub(super) fn drivers() -> Vec<&'static str> {
+    kinds(&DRIVER)
+}
+
+static DRIVER: Keys = Keys {
+    keys: &[
+        required(
+            "kind",
+            Form::Choice(drivers),
+            "The driver: \"relax\" goes to an equilibrium, and knows no time; \"boundary-integral\" \
+             moves membranes in Stokes flow without walls.",
+        ),
+        optional(
+            "scheme",
+            Form::Choice(|| vec!["auto", "minimise", "overdamped"]),
+            "\"minimise\" for methods with an energy, \"overdamped\" for all; \"auto\", the \
+             default, minimises where it can.",
+        ),
+        optional(
+            "residual",
+            NUMBER,
+            "The run ends when the root mean square of the force per area that is left, in units \
+             of κ/R³ + K/R with K the largest modulus in the plane and 4πR² = A, is smaller; by \
+             default 1e-5.",
+        ),
+        optional(
+            "iterations",
+            Form::Count(1),
+            "The run ends after as many iterations in any case; by default 10000.",
+        ),
+        optional(
+            "redistribution",
+            Form::Either(&[Form::Switch, Form::Choice(|| vec!["auto"])]),
+            "Whether vertices of fluid surfaces are moved along the surface to keep the mesh even; \
+             by default \"auto\": wherever a surface is fluid.",
+        ),
+        optional(
+            "viscosity",
+            positive(Dimension::VISCOSITY),
+            "Viscosity μ of the fluid outside the surfaces.",
+        ),
+        optional(
+            "flow",
+            Form::Table(&FLOW),
+            "The flow that there would be without surfaces; by default the fluid is at rest.",
+        ),
+        optional(
+            "duration",
+            positive(Dimension::TIME),
+            "Time at which the run ends.",
+        ),
+        optional(
+            "strain",
+            NUMBER,
+            "Strain at which the run ends, the flow's rate times the time, instead of duration. \
+             Rates: γ̇ of a shear, ε̇ of an extension, √(2 E:E) of a linear flow with E the symmetric \
+             part of its gradient, 2U/R of a Poiseuille flow.",
+        ),
+        optional(
+            "integrator",
+            Form::Choice(|| vec!["auto", "rkc2", "bs23", "rk4"]),
+            "\"rkc2\" where bending limits the step, \"bs23\" where it does not, \"rk4\" for fixed \
+             steps; \"auto\", the default, is rkc2 if a surface bends and else bs23.",
+        ),
+        optional(
+            "step",
+            positive(Dimension::TIME),
+            "Step of rk4, which needs it; the others choose theirs by the tolerance.",
+        ),
+        optional(
+            "tolerance",
+            NUMBER,
+            "Error allowed in a step, relative to the size of the surfaces; by default 1e-4.",
+        ),
+        optional(
+            "volume_correction",
+            Form::Switch,
+            "Whether the volume of each closed surface is kept to rounding, instead of to the error \
+             of the mesh and the steps; by default true.",
+        ),
+    ],
+    exactly_one: &[],
+    at_most_one: &[],
+    needs: &[],
+    kinds: &[
+        Kind {
+            name: "relax",
+            required: &[],
+            optional: &["scheme", "residual", "iterations", "redistribution"],
+            exactly_one: &[],
+        },
+        Kind {
+            name: "boundary-integral",
+            required: &["viscosity"],
+            optional: &[
+                "flow",
+                "duration",
+                "strain",
+                "integrator",
+                "step",
+                "tolerance",
+                "volume_correction",
+            ],
+            exactly_one: &[&["duration", "strain"]],
+        },
+    ],
+};
+
+const RATE: Form = Form::Number(Dimension::RATE, Range::NotZero);
+
+static FLOW: Keys = Keys {
+    keys: &[
+        required(
+            "kind",
+            Form::Choice(|| kinds(&FLOW)),
+            "\"quiescent\"; \"shear\", u = (γ̇ y, 0, 0); \"extension\", u = ε̇ (x, −y/2, −z/2); \
+             \"plane-extension\", u = ε̇ (x, −y, 0); \"linear\", u = L·x; \"poiseuille\", \
+             u = U (1 − ρ²/R²) along an axis, ρ the distance from it.",
+        ),
+        optional("rate", RATE, "Shear rate γ̇ or rate of extension ε̇."),
+        optional(
+            "gradient",
+            Form::Exactly(3, &Form::Exactly(3, &any(Dimension::RATE))),
+            "Velocity gradient L, row by row: [[∂u/∂x, ∂u/∂y, ∂u/∂z], [∂v/∂x, …], …]; its trace is 0.",
+        ),
+        optional(
+            "centre_velocity",
+            Form::Number(Dimension::VELOCITY, Range::NotZero),
+            "Velocity U on the axis.",
+        ),
+        optional(
+            "radius",
+            positive(Dimension::LENGTH),
+            "Radius R of the tube of this flow. There are no walls: the flow turns round beyond it.",
+        ),
+        optional("direction", Form::Direction, "Direction of axis and flow."),
+        optional(
+            "through",
+            Form::Vector(Dimension::LENGTH),
+            "A point of the axis; by default [0, 0, 0].",
+        ),
+    ],
+    exactly_one: &[],
+    at_most_one: &[],
+    needs: &[],
+    kinds: &[
+        no_keys("quiescent"),
+        with_rate("shear"),
+        with_rate("extension"),
+        with_rate("plane-extension"),
+        Kind {
+            required: &["gradient"],
+            ..no_keys("linear")
+        },
+        Kind {
+            required: &["centre_velocity", "radius", "direction"],
+            optional: &["through"],
+            ..no_keys("poiseuille")
+        },
+    ],
+};
+
+const fn no_keys(name: &'static str) -> Kind {
+    Kind {
+        name,
+        required: &[],
+        optional: &[],
+        exactly_one: &[],
+    }
+}
+
+const fn with_rate(name: &'static str) -> Kind {
+    Kind {
+        required: &["rate"],
+        ..no_keys(name)
+    }
+}
+
+static OUTPUT: Keys = Keys {
+    keys: &[
+        optional(
+            "every",
+            Form::Count(1),
+            "Iterations from one row of the series to the next, and from one set of files to the \
+             next, of drivers without time; by default 100.",
+        ),
+        optional(
+            "interval",
+            positive(Dimension::TIME),
+            "The same as a time, of drivers with time; by default a hundredth of the duration.",
+        ),
+        optional(
+            "strain_interval",
+            NUMBER,
+            "The same as a strain, the flow's rate times the time.",
+        ),
+        optional(
+            "surfaces",
+            Form::Switch,
+            "Whether surfaces are written as VTP files; by default true.",
+        ),
+        optional(
+            "pictures",
+            Form::Switch,
+            "Whether pictures are written as PNG files; by default true.",
+        ),
+        optional(
+            "picture_field",
+            Form::Choice(|| vec!["mean-curvature", "gaussian-curvature", "bending-force"]),
+            "What the pictures' colours show; by default mean-curvature.",
+        ),
+        optional(
+            "checkpoint_every",
+            Form::Count(1),
+            "Iterations, or steps in time, from one checkpoint to the next; by default 1000 \
+             iterations or 50 steps.",
+        ),
+        optional(
+            "plot",
+            Form::Tables(&PLOT),
+            "A column of the series, drawn as a PNG file.",
+        ),
+        optional(
+            "slice",
+            Form::Tables(&SLICE),
+            "A rectangle on which the fluid's velocity and pressure are written as VTI and PNG files \
+             at every output.",
+        ),
+    ],
+    exactly_one: &[],
+    at_most_one: &[&["every", "interval", "strain_interval"]],
+    needs: &[],
+    kinds: &[],
+};
+
+static PLOT: Keys = plain(&[
     required(
-        "kind",
-        Form::Choice(|| vec!["relax"]),
-        "The driver: \"relax\" goes to an equilibrium, and knows no time.",
+        "column",
+        Form::Text,
+        "The column of series.csv. Of several surfaces each has its own, NAME_SURFACE: NAME alone is \
+         all of them.",
     ),
     optional(
-        "scheme",
-        Form::Choice(|| vec!["auto", "minimise", "overdamped"]),
-        "\"minimise\" for methods with an energy, \"overdamped\" for all; \"auto\", the default, \
-         minimises where it can.",
+        "against",
+        Form::Text,
+        "The column of the horizontal axis; by default strain if the flow has a rate, else time.",
     ),
     optional(
-        "residual",
-        NUMBER,
-        "The run ends when the root mean square of the force per area that is left, in units of \
-         κ/R³ + K/R with K the largest modulus in the plane and 4πR² = A, is smaller; by default \
-         1e-5.",
-    ),
-    optional(
-        "iterations",
-        Form::Count(1),
-        "The run ends after as many iterations in any case; by default 10000.",
-    ),
-    optional(
-        "redistribution",
-        Form::Either(&[Form::Switch, Form::Choice(|| vec!["auto"])]),
-        "Whether vertices of fluid surfaces are moved along the surface to keep the mesh even; by \
-         default \"auto\": wherever a surface is fluid.",
+        "published",
+        Form::File,
+        "CSV file of curves to draw beside it, relative to the scene's folder: a head curve,x,y, \
+         then points.",
     ),
 ]);
 
-static OUTPUT: Keys = plain(&[
+static SLICE: Keys = plain(&[
     optional(
-        "every",
-        Form::Count(1),
-        "Iterations from one row of the series to the next, and from one set of files to the next; \
-         by default 100.",
+        "name",
+        Form::Name,
+        "The slice's name, and that of its files; by default slice-1, slice-2 and so on.",
     ),
     optional(
-        "surfaces",
-        Form::Switch,
-        "Whether surfaces are written as VTP files; by default true.",
+        "centre",
+        Form::Vector(Dimension::LENGTH),
+        "Its centre; by default [0, 0, 0].",
     ),
-    optional(
-        "pictures",
-        Form::Switch,
-        "Whether pictures are written as PNG files; by default true.",
+    required("normal", Form::Direction, "The normal of its plane."),
+    required(
+        "size",
+        Form::Exactly(2, &positive(Dimension::LENGTH)),
+        "Lengths of its edges. The first is along x, or along y where the normal is nearer to x than \
+         45°, turned into the plane; the second along the normal times the first.",
     ),
-    optional(
-        "picture_field",
-        Form::Choice(|| vec!["mean-curvature", "gaussian-curvature", "bending-force"]),
-        "What the pictures' colours show; by default mean-curvature.",
-    ),
-    optional(
-        "checkpoint_every",
-        Form::Count(1),
-        "Iterations from one checkpoint to the next; by default 1000.",
+    required(
+        "points",
+        Form::Exactly(2, &Form::Count(2)),
+        "Number of points along each edge.",
     ),
 ]);

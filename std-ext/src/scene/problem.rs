@@ -136,6 +136,22 @@ pub enum Problem {
         /// All keys of the table.
         known: String,
     },
+    /// A key that tables of another kind have.
+    #[error(
+        "`{key}` belongs to the kind {kinds}, and {} is of the kind \"{kind}\": leave it out, or \
+         choose another kind",
+        name_of(table)
+    )]
+    OtherKind {
+        /// The table's path.
+        table: String,
+        /// The key.
+        key: String,
+        /// The table's kind.
+        kind: &'static str,
+        /// The kinds that have the key.
+        kinds: String,
+    },
     /// A key is missing.
     #[error("{} lacks `{key}`: {expected} is needed. {summary}", name_of(table))]
     Missing {
@@ -263,19 +279,21 @@ pub enum Problem {
     #[error(transparent)]
     Generate(GenerateError),
     /// A driver that is not there yet.
-    #[error("there is no driver \"{name}\" yet: the drivers are relax")]
+    #[error("there is no driver \"{name}\" yet: the drivers are {}", super::keys::drivers().join(", "))]
     LaterDriver {
         /// The driver.
         name: String,
     },
-    /// Two surfaces of one name.
-    #[error("surface {second} has the name \"{name}\" of surface {first}: names have to differ")]
+    /// Two surfaces or slices of one name.
+    #[error("{what} {second} has the name \"{name}\" of {what} {first}: names have to differ")]
     RepeatedName {
+        /// What they are.
+        what: &'static str,
         /// The name.
         name: String,
-        /// The first surface, counted from 0.
+        /// The first, counted from 0.
         first: usize,
-        /// The second surface.
+        /// The second.
         second: usize,
     },
     /// An override's path names no element of a list.

@@ -1,6 +1,6 @@
 //! A JSON schema from the table of keys, for editors and other programs.
 
-use super::keys::{Form, Key, Keys, Presence, Range, SCENE};
+use super::keys::{Form, Key, Keys, Kind, Presence, Range, SCENE};
 use super::units::Dimension;
 use serde_json::{Map, Value, json};
 
@@ -34,13 +34,17 @@ fn object(keys: &'static Keys) -> Map<String, Value> {
     if !required.is_empty() {
         schema.insert("required".to_owned(), json!(required));
     }
-    let one = |group: &&[&str]| {
-        let alone = Vec::from_iter(group.iter().map(|key| json!({ "required": [key] })));
-        json!({ "oneOf": alone })
-    };
-    let at_most_one = |group: &&[&str]| json!({ "not": { "required": group } });
-    let one = keys.exactly_one.iter().map(one);
-    let rules = Vec::from_iter(one.chain(keys.at_most_one.iter().map(at_most_one)));
+    let mut rules = Vec::from_iter(keys.exactly_one.iter().map(one));
+    for group in keys.at_most_one {
+        for (index, first) in group.iter().enumerate() {
+            let later = group[index + 1..].iter();
+            rules.extend(later.map(|second| json!({ "not": { "required": [first, second] } })));
+        }
+    }
+    for kind in keys.kinds {
+        let named = json!({ "properties": { "kind": { "const": kind.name } } });
+        rules.push(json!({ "if": named, "then": of_kind(keys, kind) }));
+    }
     if !rules.is_empty() {
         schema.insert("allOf".to_owned(), json!(rules));
     }
@@ -52,6 +56,29 @@ fn object(keys: &'static Keys) -> Map<String, Value> {
         schema.insert("dependentRequired".to_owned(), Value::Object(needs));
     }
     schema
+}
+
+/// What holds besides for a table of this kind: its other keys are not there.
+fn of_kind(keys: &'static Keys, kind: &Kind) -> Map<String, Value> {
+    let elsewhere = |name: &&str| !kind.has(name) && !keys.kinds_with(name).is_empty();
+    let elsewhere = keys.keys.iter().map(|key| key.name).filter(elsewhere);
+    let elsewhere = elsewhere.map(|name| (name.to_owned(), Value::Bool(false)));
+    let mut schema = Map::new();
+    schema.insert("properties".to_owned(), Value::Object(elsewhere.collect()));
+    if !kind.required.is_empty() {
+        schema.insert("required".to_owned(), json!(kind.required));
+    }
+    if !kind.exactly_one.is_empty() {
+        let one = Vec::from_iter(kind.exactly_one.iter().map(one));
+        schema.insert("allOf".to_owned(), json!(one));
+    }
+    schema
+}
+
+/// Exactly one key of a group is there.
+fn one(group: &&[&str]) -> Value {
+    let alone = Vec::from_iter(group.iter().map(|key| json!({ "required": [key] })));
+    json!({ "oneOf": alone })
 }
 
 /// What a number with a unit looks like.
@@ -78,6 +105,10 @@ fn form(form: &'static Form) -> Map<String, Value> {
         Form::Pair => {
             json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 })
         }
+        Form::Exactly(count, inner) => {
+            let inner = self::form(inner);
+            json!({ "type": "array", "items": inner, "minItems": count, "maxItems": count })
+        }
         Form::Table(keys) => Value::Object(object(keys)),
         Form::Tables(keys) => json!({ "type": "array", "items": object(keys), "minItems": 1 }),
         Form::Either([first, second]) => {
@@ -98,6 +129,7 @@ fn three(dimension: Dimension) -> Value {
 fn number(dimension: Dimension, range: Range) -> Value {
     let number = match range {
         Range::Any => json!({ "type": "number" }),
+        Range::NotZero => json!({ "type": "number", "not": { "const": 0 } }),
         Range::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
         Range::NotNegative => json!({ "type": "number", "minimum": 0 }),
         Range::Fraction => json!({ "type": "number", "exclusiveMinimum": 0, "maximum": 1 }),

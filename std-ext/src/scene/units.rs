@@ -32,10 +32,13 @@ impl Dimension {
     pub(super) const ACCELERATION: Self = Self::new(0, 1, -2);
     pub(super) const SURFACE_VISCOSITY: Self = Self::new(1, -1, 1);
     pub(super) const REPULSION: Self = Self::new(1, -3, 0);
-    const TIME: Self = Self::new(0, 0, 1);
+    pub(super) const TIME: Self = Self::new(0, 0, 1);
+    pub(super) const RATE: Self = Self::new(0, 0, -1);
+    pub(super) const VELOCITY: Self = Self::new(0, 1, -1);
+    pub(super) const VISCOSITY: Self = Self::new(1, -2, 1);
 
     /// What it is called in messages, and numbers with a unit that have it.
-    const NAMES: [(Self, &'static str, &'static str); 14] = [
+    const NAMES: [(Self, &'static str, &'static str); 17] = [
         (Self::NONE, "a number without a unit", "0.5"),
         (Self::LENGTH, "a length", "\"3.91 µm\""),
         (Self::AREA, "an area", "\"135 µm²\""),
@@ -58,6 +61,13 @@ impl Dimension {
             "\"0.5 pN/µm³\"",
         ),
         (Self::TIME, "a time", "\"2 ms\""),
+        (Self::RATE, "a rate, 1/time", "\"100 1/s\""),
+        (Self::VELOCITY, "a velocity", "\"1 mm/s\""),
+        (
+            Self::VISCOSITY,
+            "a viscosity, pressure·time",
+            "\"1.2 mPa s\"",
+        ),
     ];
 
     /// In words, with an article.
@@ -335,6 +345,16 @@ mod tests {
             ("9.81 m/s²", Dimension::ACCELERATION, 9.81e6),
             ("0.5 µN·s/m", Dimension::SURFACE_VISCOSITY, 0.5),
             (".5e-6 N*s/m", Dimension::SURFACE_VISCOSITY, 0.5),
+            ("1.2 mPa s", Dimension::VISCOSITY, 1.2e-3),
+            ("1.2e-3 Pa·s", Dimension::VISCOSITY, 1.2e-3),
+            ("1.2e-3 pN s/µm²", Dimension::VISCOSITY, 1.2e-3),
+            ("100 1/s", Dimension::RATE, 100.0),
+            ("0.1 ms^-1", Dimension::RATE, 100.0),
+            ("20 µs", Dimension::TIME, 2e-5),
+            ("2 ms", Dimension::TIME, 2e-3),
+            ("1.5 mm/s", Dimension::VELOCITY, 1500.0),
+            ("2 m/s", Dimension::VELOCITY, 2e6),
+            ("15 µm s⁻¹", Dimension::VELOCITY, 15.0),
         ];
         for (text, dimension, expected) in cases {
             assert_eq!(value(text, dimension), Ok(expected), "{text}");

@@ -296,7 +296,8 @@ fn set(
                 Value::List(list) => list.as_mut_slice(),
                 _ => &mut [],
             };
-            let names = Vec::from_iter(list.iter().enumerate().map(name_of));
+            let names = list.iter().enumerate();
+            let names = Vec::from_iter(names.map(|(index, node)| name_of(name, index, node)));
             let found = match next.parse::<usize>() {
                 Ok(index) => (index < list.len()).then_some(index),
                 Err(_) => names.iter().position(|name| name == next),
@@ -327,7 +328,7 @@ fn set(
 }
 
 /// The name of an element of a list, or else the one that it has by default.
-fn name_of((index, node): (usize, &Node)) -> String {
+fn name_of(list: &str, index: usize, node: &Node) -> String {
     if let Value::Table(table) = &node.value
         && let Some(Node {
             value: Value::Text(name),
@@ -336,10 +337,10 @@ fn name_of((index, node): (usize, &Node)) -> String {
     {
         return name.clone();
     }
-    default_name(index)
+    default_name(list, index)
 }
 
-/// What a surface without a name is called.
-pub(super) fn default_name(index: usize) -> String {
-    format!("surface-{}", index + 1)
+/// What a surface, or another element of a list, is called that has no name.
+pub(super) fn default_name(list: &str, index: usize) -> String {
+    format!("{list}-{}", index + 1)
 }

@@ -152,6 +152,19 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
     Ok((simulation, positions))
 }
 
+/// Scales a closed mesh so that it encloses this volume.
+fn scale_to_volume(mesh: &TriangleMesh, positions: &mut [[f64; 3]], volume: f64) {
+    let enclosed = Surface::new(mesh, &*positions)
+        .ok()
+        .and_then(|surface| surface.volume());
+    if let Some(enclosed) = enclosed {
+        let factor = (volume / enclosed).cbrt();
+        for coordinate in positions.as_flattened_mut() {
+            *coordinate *= factor;
+        }
+    }
+}
+
 /// A surface as the scene starts it.
 struct Start {
     mesh: TriangleMesh,
@@ -170,17 +183,21 @@ impl Start {
                 family,
                 vertices,
                 seed,
+                match_volume,
             } => {
                 let made = generate(shape, *family, *vertices, *seed);
                 let GeneratedMesh {
                     mesh,
-                    positions,
+                    mut positions,
                     preimages,
                     ..
                 } = made.map_err(|source| BuildError::Generate {
                     surface: surface.name.clone(),
                     source,
                 })?;
+                if *match_volume {
+                    scale_to_volume(&mesh, &mut positions, shape.volume());
+                }
                 (mesh, positions, Some(preimages))
             }
             MeshSource::File(path) => {
@@ -406,9 +423,18 @@ impl Start {
             ReferenceSource::Initial => Ok(self.unplaced.clone()),
             ReferenceSource::Shape(shape) => {
                 let preimages = self.preimages.iter().flatten();
-                Ok(preimages
-                    .map(|&preimage| shape.position(preimage))
-                    .collect())
+                let mut positions = Vec::from_iter(preimages.map(|&at| shape.position(at)));
+                let source = &file.scene.surfaces[index].source;
+                if matches!(
+                    source,
+                    MeshSource::Shape {
+                        match_volume: true,
+                        ..
+                    }
+                ) {
+                    scale_to_volume(&self.mesh, &mut positions, shape.volume());
+                }
+                Ok(positions)
             }
             ReferenceSource::File(path) => {
                 let reference = read(path)?;

@@ -1,0 +1,349 @@
+//! The driver and the outputs from their values.
+
+use super::super::check::Reader;
+use super::super::value::default_name;
+use super::super::{
+    BoundaryIntegral, Driver, Every, Flow, Hold, Integrator, Output, PictureField, Plot, Relax,
+    Scheme, Slice, SurfaceScene,
+};
+use super::Builder;
+use crate::method::BendingMethod;
+
+impl Builder<'_> {
+    /// The driver; none if it cannot be told which.
+    pub(super) fn driver(
+        &mut self,
+        driver: Reader<'_>,
+        surfaces: &[SurfaceScene],
+    ) -> Option<Driver> {
+        match driver.text("kind")? {
+            "relax" => Some(Driver::Relax(self.relax(driver, surfaces))),
+            "boundary-integral" => Some(Driver::BoundaryIntegral(
+                self.boundary_integral(driver, surfaces),
+            )),
+            _ => None,
+        }
+    }
+
+    fn relax(&mut self, driver: Reader<'_>, surfaces: &[SurfaceScene]) -> Relax {
+        let strong_form = |surface: &&SurfaceScene| !surface.is_conservative();
+        let strong_form = surfaces.iter().find(strong_form);
+        let scheme = match driver.text("scheme") {
+            Some("minimise") => Scheme::Minimise,
+            Some("overdamped") => Scheme::Overdamped,
+            _ if strong_form.is_none() => Scheme::Minimise,
+            _ => Scheme::Overdamped,
+        };
+        if let (Scheme::Minimise, Some(surface)) = (scheme, strong_form) {
+            let method = surface.bending.map_or("", |bending| bending.method.name());
+            self.contradiction(
+                &driver.origin_of("scheme"),
+                format!(
+                    "scheme = \"minimise\" needs an energy, and {method}, the bending method of \
+                     \"{}\", has none: choose \"overdamped\" or \"auto\", or one of the methods {}",
+                    surface.name,
+                    conservative_methods()
+                ),
+            );
+        }
+        let fluid = surfaces.iter().any(SurfaceScene::is_fluid);
+        let redistribution = driver.switch("redistribution");
+        if let (Some(true), false) = (redistribution, fluid) {
+            self.contradiction(
+                &driver.origin_of("redistribution"),
+                "redistribution moves vertices along fluid membranes, and every surface is elastic: \
+                 choose false or \"auto\""
+                    .to_owned(),
+            );
+        }
+        Relax {
+            scheme,
+            residual: driver.number("residual").unwrap_or(1e-5),
+            iterations: driver.count("iterations").unwrap_or(10_000),
+            redistribution: redistribution.unwrap_or(fluid),
+        }
+    }
+
+    fn boundary_integral(
+        &mut self,
+        driver: Reader<'_>,
+        surfaces: &[SurfaceScene],
+    ) -> BoundaryIntegral {
+        let flow = self.flow(driver.table("flow"));
+        let volume_correction = driver.switch("volume_correction").unwrap_or(true);
+        let exact = |surface: &SurfaceScene| {
+            let hold = surface.volume.map(|volume| volume.hold);
+            hold == Some(Hold::Exact)
+        };
+        if !volume_correction && !surfaces.iter().all(exact) {
+            let message =
+                "without `volume_correction` the surfaces' volumes drift with the errors of \
+                           mesh and steps, and their deformation with them: leave it on, or hold \
+                           `volume` exactly"
+                    .to_owned();
+            self.doubt(&driver.origin_of("volume_correction"), message);
+        }
+        BoundaryIntegral {
+            viscosity: driver.needed("viscosity"),
+            flow,
+            duration: self.duration(driver, flow),
+            integrator: self.integrator(driver, surfaces),
+            tolerance: driver.number("tolerance").unwrap_or(1e-4),
+            volume_correction,
+        }
+    }
+
+    /// The time at which the run ends.
+    fn duration(&mut self, driver: Reader<'_>, flow: Flow) -> f64 {
+        let strain = driver.number("strain");
+        let key = if strain.is_some() {
+            "strain"
+        } else {
+            "duration"
+        };
+        let duration = match strain {
+            Some(strain) => self.time_of(strain, driver, "strain", flow, "duration"),
+            None => driver.needed("duration"),
+        };
+        // A placeholder has its error already.
+        if driver.has(key) && !duration.is_nan() && !(0.01 * duration).is_normal() {
+            self.contradiction(
+                &driver.origin_of(key),
+                format!("the run would last {duration}: choose other units of time"),
+            );
+        }
+        duration
+    }
+
+    /// The time that a strain, the value of a key, takes; `other` is the key for a time.
+    fn time_of(
+        &mut self,
+        strain: f64,
+        reader: Reader<'_>,
+        key: &str,
+        flow: Flow,
+        other: &str,
+    ) -> f64 {
+        if let Some(rate) = flow.rate() {
+            return strain / rate;
+        }
+        let finite = match flow {
+            Flow::Quiescent => true,
+            Flow::Linear { gradient } => gradient.as_flattened().iter().all(|x| x.is_finite()),
+            _ => false,
+        };
+        // What is not finite, or 0 where it must not be, has its error already.
+        if finite {
+            self.contradiction(
+                &reader.origin_of(key),
+                format!(
+                    "`{key}` is a rate times a time, and this flow, {}, strains nothing: give `{other}`",
+                    flow.name()
+                ),
+            );
+        }
+        f64::NAN
+    }
+
+    fn flow(&mut self, flow: Option<Reader<'_>>) -> Flow {
+        let Some(flow) = flow else {
+            return Flow::Quiescent;
+        };
+        let rate = flow.needed("rate");
+        match flow.text("kind") {
+            Some("quiescent") => Flow::Quiescent,
+            Some("extension") => Flow::Extension { rate },
+            Some("plane-extension") => Flow::PlaneExtension { rate },
+            Some("linear") => self.linear(flow),
+            Some("poiseuille") => Flow::Poiseuille {
+                centre_velocity: flow.needed("centre_velocity"),
+                radius: flow.needed("radius"),
+                direction: flow.vector("direction").unwrap_or_default(),
+                through: flow.vector("through").unwrap_or_default(),
+            },
+            _ => Flow::Shear { rate },
+        }
+    }
+
+    fn linear(&mut self, flow: Reader<'_>) -> Flow {
+        let gradient = flow.matrix("gradient").unwrap_or([[f64::NAN; 3]; 3]);
+        let entries = gradient.as_flattened().iter();
+        let size = entries.fold(0.0, |size: f64, entry| size.max(entry.abs()));
+        let trace = gradient[0][0] + gradient[1][1] + gradient[2][2];
+        if trace.abs() > TRACE * size {
+            self.contradiction(
+                &flow.origin_of("gradient"),
+                format!(
+                    "the trace of this gradient is {trace}, and an incompressible fluid's is 0: the \
+                     diagonal's entries have to add up to 0"
+                ),
+            );
+        }
+        if gradient == [[0.0; 3]; 3] {
+            self.contradiction(
+                &flow.origin_of("gradient"),
+                "this gradient is 0: for fluid at rest choose kind = \"quiescent\"".to_owned(),
+            );
+        }
+        Flow::Linear { gradient }
+    }
+
+    fn integrator(&mut self, driver: Reader<'_>, surfaces: &[SurfaceScene]) -> Integrator {
+        let name = driver.text("integrator");
+        if driver.has("step") && name != Some("rk4") {
+            self.contradiction(
+                &driver.origin_of("step"),
+                "`step` is for integrator = \"rk4\": the others choose their steps by `tolerance`"
+                    .to_owned(),
+            );
+        }
+        match name {
+            Some("rk4") => {
+                if !driver.has("step") {
+                    self.contradiction(
+                        &driver.origin_of("integrator"),
+                        "rk4 has no error control, and needs a `step`, a time: give it, or choose \
+                         another integrator"
+                            .to_owned(),
+                    );
+                }
+                Integrator::Rk4 {
+                    step: driver.needed("step"),
+                }
+            }
+            Some("rkc2") => Integrator::Rkc2,
+            Some("bs23") => Integrator::Bs23,
+            _ if surfaces.iter().any(|surface| surface.bending.is_some()) => Integrator::Rkc2,
+            _ => Integrator::Bs23,
+        }
+    }
+
+    pub(super) fn output(&mut self, output: Option<Reader<'_>>, driver: Option<&Driver>) -> Output {
+        let switch = |key| output.and_then(|output| output.switch(key));
+        let tables = |key| output.map_or_else(Vec::new, |output| output.tables(key));
+        let against = match driver.and_then(Driver::flow).and_then(Flow::rate) {
+            Some(_) => "strain",
+            None => "time",
+        };
+        let plot = |plot: Reader<'_>| Plot {
+            column: plot.text("column").unwrap_or_default().to_owned(),
+            against: plot.text("against").unwrap_or(against).to_owned(),
+            published: plot.text("published").map(|name| self.file(name)),
+        };
+        let plots = tables("plot").into_iter().map(plot).collect();
+        let checkpoint_every = output.and_then(|output| output.count("checkpoint_every"));
+        Output {
+            every: self.every(output, driver),
+            surfaces: switch("surfaces").unwrap_or(true),
+            pictures: switch("pictures").unwrap_or(true),
+            picture_field: match output.and_then(|output| output.text("picture_field")) {
+                Some("gaussian-curvature") => PictureField::GaussianCurvature,
+                Some("bending-force") => PictureField::BendingForce,
+                _ => PictureField::MeanCurvature,
+            },
+            checkpoint_every: checkpoint_every.unwrap_or(match driver {
+                Some(Driver::BoundaryIntegral(_)) => 50,
+                _ => 1000,
+            }),
+            plots,
+            slices: self.slices(&tables("slice"), driver),
+        }
+    }
+
+    fn every(&mut self, output: Option<Reader<'_>>, driver: Option<&Driver>) -> Every {
+        let given = |key| output.filter(|output| output.has(key));
+        match driver {
+            None => Every::Iterations(0),
+            Some(Driver::Relax(_)) => {
+                for key in ["interval", "strain_interval"] {
+                    if let Some(output) = given(key) {
+                        self.contradiction(
+                            &output.origin_of(key),
+                            format!(
+                                "the driver \"relax\" has no time, and `{key}` is for drivers that \
+                                 have: give `every`, a number of iterations"
+                            ),
+                        );
+                    }
+                }
+                let every = output.and_then(|output| output.count("every"));
+                Every::Iterations(every.unwrap_or(100))
+            }
+            Some(Driver::BoundaryIntegral(integral)) => {
+                if let Some(output) = given("every") {
+                    self.contradiction(
+                        &output.origin_of("every"),
+                        "the driver \"boundary-integral\" goes by time, and `every` counts \
+                         iterations: give `interval`, a time, or `strain_interval`"
+                            .to_owned(),
+                    );
+                }
+                let interval = output.and_then(|output| output.number("interval"));
+                let strain = output.and_then(|output| {
+                    let strain = output.number("strain_interval")?;
+                    let flow = integral.flow;
+                    Some(self.time_of(strain, output, "strain_interval", flow, "interval"))
+                });
+                let hundredth = 0.01 * integral.duration;
+                Every::Time(interval.or(strain).unwrap_or(hundredth))
+            }
+        }
+    }
+
+    fn slices(&mut self, readers: &[Reader<'_>], driver: Option<&Driver>) -> Vec<Slice> {
+        let size = |count: u64| usize::try_from(count).unwrap_or(usize::MAX);
+        let slice = |(index, reader): (usize, &Reader<'_>)| Slice {
+            name: match reader.text("name") {
+                Some(name) => name.to_owned(),
+                None => default_name("slice", index),
+            },
+            centre: reader.vector("centre").unwrap_or_default(),
+            normal: reader.vector("normal").unwrap_or_default(),
+            size: reader.pair("size").unwrap_or_default(),
+            points: reader.counts("points").unwrap_or_default().map(size),
+        };
+        let slices = Vec::from_iter(readers.iter().enumerate().map(slice));
+        let names = slices.iter().map(|slice| slice.name.as_str());
+        self.different("slice", &Vec::from_iter(names), readers);
+        if let (Some(Driver::Relax(_)), [first, ..]) = (driver, readers) {
+            self.contradiction(
+                first.origin(),
+                "a slice shows the fluid, and the driver \"relax\" has none: leave \
+                 [[output.slice]] out, or choose the driver \"boundary-integral\""
+                    .to_owned(),
+            );
+        }
+        for (slice, reader) in slices.iter().zip(readers) {
+            let points = slice.points[0].saturating_mul(slice.points[1]);
+            if points > POINTS {
+                self.contradiction(
+                    &reader.origin_of("points"),
+                    format!("{points} points are too many for a slice: {POINTS} at most"),
+                );
+            }
+        }
+        slices
+    }
+}
+
+/// The trace of a gradient that was written with its digits in full, relative to its entries.
+const TRACE: f64 = 1e-9;
+
+/// The most points of a slice.
+const POINTS: usize = 4_000_000;
+
+/// Of a scene whose driver cannot be read.
+pub(super) const PLACEHOLDER: Driver = Driver::Relax(Relax {
+    scheme: Scheme::Overdamped,
+    residual: f64::NAN,
+    iterations: 0,
+    redistribution: false,
+});
+
+fn conservative_methods() -> String {
+    let all = BendingMethod::ALL.into_iter();
+    let names = all
+        .filter(|method| method.is_conservative())
+        .map(BendingMethod::name);
+    Vec::from_iter(names).join(", ")
+}

@@ -1,0 +1,88 @@
+//! What is written, and how often.
+
+use glam::DVec3;
+use serde::Serialize;
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::path::PathBuf;
+
+/// What is written, and how often.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Output {
+    /// From one row of the series to the next, and from one set of files to the next.
+    pub every: Every,
+    /// Whether surfaces are written.
+    pub surfaces: bool,
+    /// Whether pictures are written.
+    pub pictures: bool,
+    /// What the pictures' colours show.
+    pub picture_field: PictureField,
+    /// Iterations, or steps in time, between two checkpoints.
+    pub checkpoint_every: u64,
+    /// Columns of the series that are drawn as plots.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub plots: Vec<Plot>,
+    /// Planes on which the fluid's velocity and pressure are written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub slices: Vec<Slice>,
+}
+
+/// How far it is from one output to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Every {
+    /// As many iterations, of drivers without time.
+    Iterations(u64),
+    /// As much time.
+    Time(f64),
+}
+
+/// What a picture's colours show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PictureField {
+    /// H.
+    MeanCurvature,
+    /// K.
+    GaussianCurvature,
+    /// Magnitude of the bending force density.
+    BendingForce,
+}
+
+/// A column of the series, drawn over another one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plot {
+    /// The column. Of several surfaces each has its own, `NAME_SURFACE`: `NAME` alone is all of them.
+    pub column: String,
+    /// The column of the horizontal axis.
+    pub against: String,
+    /// CSV file with curves to be drawn beside it: a head `curve,x,y`, then points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub published: Option<PathBuf>,
+}
+
+/// A rectangle in the fluid, on which velocity and pressure are written at every output.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Slice {
+    /// Its name, and that of its files; `slice-1` and so on for those without one.
+    pub name: String,
+    /// Its centre.
+    pub centre: [f64; 3],
+    /// The normal of its plane, of any length above 0.
+    pub normal: [f64; 3],
+    /// Its edges' lengths, along [`Self::axes`].
+    pub size: [f64; 2],
+    /// The number of points along each edge, 2 or more.
+    pub points: [usize; 2],
+}
+
+impl Slice {
+    /// Unit vectors along its edges: x, or y where the normal is nearer to x than 45°, turned into the
+    /// plane; and the normal times that.
+    pub fn axes(&self) -> [[f64; 3]; 2] {
+        let normal = DVec3::from(self.normal).normalize_or_zero();
+        let near = normal.x.abs() > FRAC_1_SQRT_2;
+        let axis = if near { DVec3::Y } else { DVec3::X };
+        let first = axis.reject_from_normalized(normal).normalize_or_zero();
+        [first, normal.cross(first)].map(|axis| axis.to_array())
+    }
+}
