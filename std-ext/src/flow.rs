@@ -6,9 +6,11 @@
 
 mod boundary_integral;
 mod gmres;
+mod suspension;
 
 pub use boundary_integral::SingleLayer;
 pub use gmres::{Gmres, Product, Solved};
+pub use suspension::{Effort, Membranes, Moving, Suspension};
 
 use glam::{DMat3, DVec3};
 

@@ -8,7 +8,8 @@ mod build;
 pub use build::{BuildError, build};
 
 use crate::dynamics::{Evaluation, Held, Membrane, Problem};
-use crate::effect::{Effect, EffectKind};
+use crate::effect::{Effect, EffectKind, Viscosity};
+use crate::flow::Membranes;
 use crate::scene::SceneError;
 use build::Stretch;
 use helfrich::interaction::RepulsionMemory;
@@ -37,6 +38,7 @@ pub struct Body {
     vertices: Range<usize>,
     membrane: Membrane,
     effects: Vec<Effect>,
+    viscosity: Option<Viscosity>,
     held: Held,
     /// The place of each of its constraints among those of the simulation.
     places: Vec<usize>,
@@ -207,6 +209,16 @@ impl Simulation {
                 });
             }
         }
+        for body in &self.bodies {
+            if let Some(viscosity) = &body.viscosity {
+                let (evaluations, time) = viscosity.cost();
+                costs.push(Cost {
+                    effect: self.label(Viscosity::NAME, body),
+                    evaluations,
+                    seconds: time.as_secs_f64(),
+                });
+            }
+        }
         for (index, between) in self.between.iter().enumerate() {
             costs.push(Cost {
                 effect: self.label_of_interaction(index),
@@ -298,6 +310,43 @@ impl Problem for Simulation {
             restored.map_or(f64::INFINITY, |correction| correction.residual)
         };
         self.bodies.iter_mut().map(restore).fold(0.0, f64::max)
+    }
+}
+
+impl Membranes for Simulation {
+    fn set_forces(
+        &mut self,
+        positions: &[[f64; 3]],
+        forces: &mut [[f64; 3]],
+    ) -> Result<(), String> {
+        let evaluation = self.evaluate(positions, forces);
+        if evaluation.energy.is_finite() {
+            return Ok(());
+        }
+        Err("the energy is not a finite number: the mesh has been torn apart".to_owned())
+    }
+
+    fn are_viscous(&self) -> bool {
+        self.bodies.iter().any(|body| body.viscosity.is_some())
+    }
+
+    fn add_viscous_forces(
+        &mut self,
+        positions: &[[f64; 3]],
+        velocities: &[[f64; 3]],
+        forces: &mut [[f64; 3]],
+    ) {
+        for body in &mut self.bodies {
+            let vertices = body.vertices.clone();
+            let surface = Surface::new(&body.mesh, &positions[vertices.clone()]);
+            if let (Some(viscosity), Ok(surface)) = (&mut body.viscosity, surface) {
+                viscosity.add_force(
+                    surface,
+                    &velocities[vertices.clone()],
+                    &mut forces[vertices],
+                );
+            }
+        }
     }
 }
 

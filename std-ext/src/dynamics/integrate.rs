@@ -112,6 +112,9 @@ pub struct Settings {
     pub tolerance: f64,
     /// The size of what moves, the radius of a capsule say.
     pub length: f64,
+    /// How accurately velocities are known, relative: that of rounding, or of an iterative solver
+    /// where they come from one. Derivatives by differences take their displacement from it.
+    pub precision: f64,
     /// The longest step; `None` for no limit.
     pub longest_step: Option<f64>,
     /// The largest number of stages of [`Scheme::Rkc2`]. It is lower where rounding, which grows
@@ -128,6 +131,7 @@ impl Settings {
             scheme,
             tolerance: 1e-4,
             length,
+            precision: f64::EPSILON,
             longest_step: None,
             stage_limit: 200,
             spectral_radius: SpectralRadius::Estimated,
@@ -144,6 +148,7 @@ impl Settings {
         };
         positive("tolerance", self.tolerance)?;
         positive("length", self.length)?;
+        positive("precision", self.precision)?;
         if let Some(step) = self.longest_step {
             positive("longest step", step)?;
         }
@@ -486,9 +491,9 @@ impl Integrator {
             inner: right_hand_side,
             evaluations: &mut state.evaluations,
         };
-        let (length, work) = (self.settings.length, &mut self.work);
+        let (settings, work) = (&self.settings, &mut self.work);
         let spectrum =
-            spectral_radius::estimate(&mut checked, start, length, &mut state.mode, work)?;
+            spectral_radius::estimate(&mut checked, start, settings, &mut state.mode, work)?;
         state.spectrum = Some(spectrum);
         state.age = 0;
         Ok(spectrum)

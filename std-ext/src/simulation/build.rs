@@ -2,7 +2,7 @@
 
 use super::{Between, Body, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
-use crate::effect::{Effect, EffectKind};
+use crate::effect::{Effect, EffectKind, Lumping, Viscosity};
 use crate::generate::{GenerateError, GeneratedMesh, generate};
 use crate::info::MeshInfo;
 use crate::io::{ReadError, read};
@@ -14,8 +14,9 @@ use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
 use helfrich::{
     AreaDifference, Constraint, ConstraintError, Constraints, Gravity, InPlane, LoadError,
-    LocalArea, NeoHookean, OsmoticPressure, Penalty, PointLoads, Quantity, ReferenceError,
-    Repulsion, Skalak, StrainEnergy, Surface, SurfaceError, SurfaceTension, Targets, TriangleMesh,
+    LocalArea, MembraneViscosity, NeoHookean, OsmoticPressure, Penalty, PointLoads, Quantity,
+    ReferenceError, Repulsion, Skalak, StrainEnergy, Surface, SurfaceError, SurfaceTension,
+    Targets, TriangleMesh,
 };
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -250,7 +251,8 @@ impl Start {
                 method,
                 modulus,
                 spontaneous_curvature,
-                &self.mesh,
+                Lumping::Own,
+                surface,
             ));
         }
         if let Some(elasticity) = &scene.elasticity {
@@ -408,6 +410,10 @@ impl Start {
             mesh,
             vertices,
             effects,
+            viscosity: scene.membrane_viscosity.map(|viscosity| {
+                let scene::MembraneViscosity { shear, dilational } = viscosity;
+                Viscosity::new(MembraneViscosity { shear, dilational }, &self.mesh)
+            }),
             stretch,
         })
     }

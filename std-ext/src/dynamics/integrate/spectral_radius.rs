@@ -3,7 +3,7 @@
 //! After each product the two Ritz values of the last three iterates are taken (W. E. Arnoldi,
 //! Quart. Appl. Math. 9 (1951) 17), so that complex pairs are found as well as real eigenvalues.
 
-use super::{Checked, Failure, RightHandSide, Start, Work};
+use super::{Checked, Failure, RightHandSide, Settings, Start, Work};
 use crate::dynamics::vector::{Vector, add, dot, norm, scale, sub};
 use serde::{Deserialize, Serialize};
 
@@ -59,11 +59,11 @@ struct Ritz {
 }
 
 /// Estimates the spectrum at a start. `mode` is where the iteration begins and is set to where it
-/// ended; empty before the first time. `length` is the size of what moves.
+/// ended; empty before the first time.
 pub(super) fn estimate(
     rhs: &mut Checked<'_, impl RightHandSide + ?Sized>,
     start: Start<'_>,
-    length: f64,
+    settings: &Settings,
     mode: &mut Vec<Vector>,
     work: &mut Work,
 ) -> Result<Spectrum, Failure> {
@@ -73,9 +73,10 @@ pub(super) fn estimate(
         mode.clear();
         mode.extend((0..x.len() as u64).map(noise));
     }
-    let far = x.iter().map(|x| norm(*x)).fold(length, f64::max);
-    // Root mean square of the displacement: half of the digits each for truncation and rounding.
-    let displacement = f64::EPSILON.sqrt() * far;
+    let far = x.iter().map(|x| norm(*x)).fold(settings.length, f64::max);
+    // Root mean square of the displacement: half of the digits each for truncation and for the error
+    // of the velocities.
+    let displacement = settings.precision.sqrt() * far;
     let least = LEAST[usize::from(!cold)];
 
     let [before, _, _] = &mut work.stages;

@@ -1,0 +1,219 @@
+//! Membranes that move with the flow that they make.
+
+use super::{Ambient, SingleLayer};
+use crate::dynamics::Held;
+use crate::dynamics::integrate::RightHandSide;
+use glam::DVec3;
+use helfrich::{Constraint, Constraints, Quantity, Surface, Targets, TriangleMesh};
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What membranes exert on the fluid, over the positions of all of them, one after the other.
+pub trait Membranes {
+    /// Sets `forces` to the nodal forces F_i. F_i over a third of the area of the triangles around
+    /// is the force per area that acts on the fluid.
+    ///
+    /// # Errors
+    /// The reason why there are none.
+    fn set_forces(&mut self, positions: &[[f64; 3]], forces: &mut [[f64; 3]])
+    -> Result<(), String>;
+
+    /// Whether there are forces that depend on velocities.
+    fn are_viscous(&self) -> bool {
+        false
+    }
+
+    /// Adds those, linear in the velocities.
+    fn add_viscous_forces(
+        &mut self,
+        _positions: &[[f64; 3]],
+        _velocities: &[[f64; 3]],
+        _forces: &mut [[f64; 3]],
+    ) {
+    }
+}
+
+/// Membranes suspended in unbounded fluid: their velocities are that of the ambient flow and those
+/// that their forces make by the boundary integrals of Stokes flow.
+#[derive(Debug)]
+pub struct Suspension {
+    ambient: Option<Ambient>,
+    layer: SingleLayer,
+    volumes: Vec<KeptVolume>,
+    forces: Vec<[f64; 3]>,
+    layers: Effort,
+}
+
+/// The enclosed volume of one surface's components.
+#[derive(Debug)]
+struct KeptVolume {
+    vertices: Range<usize>,
+    held: Held,
+    components: usize,
+    gradient: Vec<[f64; 3]>,
+}
+
+/// What something took so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Effort {
+    /// How often it was done.
+    pub evaluations: u64,
+    /// The time that this took.
+    pub time: Duration,
+}
+
+impl Effort {
+    fn add(&mut self, start: Instant) {
+        self.evaluations += 1;
+        self.time += start.elapsed();
+    }
+}
+
+impl Suspension {
+    /// Membranes of these meshes in fluid of one viscosity μ.
+    ///
+    /// # Panics
+    /// If there are 2³² vertices or more.
+    pub fn new(
+        meshes: &[Arc<TriangleMesh>],
+        viscosity: f64,
+        ambient: Option<Ambient>,
+        threads: NonZeroUsize,
+    ) -> Self {
+        let layer = SingleLayer::new(meshes.iter().map(|mesh| &**mesh), viscosity, threads);
+        Self {
+            ambient,
+            forces: vec![[0.0; 3]; layer.vertex_count()],
+            layer,
+            volumes: Vec::new(),
+            layers: Effort::default(),
+        }
+    }
+
+    /// Keeps the volume of each component of closed meshes at what it is at these positions.
+    ///
+    /// The flow keeps volumes but for errors of discretisation. Velocities are corrected along the
+    /// normals n of the vertices, so that the volume V of the polyhedron has no rate of change,
+    /// `u_i −= n_i (Σ_j ∂V/∂x_j·u_j)/(Σ_j ∂V/∂x_j·n_j)`; after each step positions are corrected
+    /// for the rest, which is of the order of the step's error. Positions that are not finite keep
+    /// nothing.
+    ///
+    /// # Panics
+    /// If there are fewer positions than vertices.
+    pub fn keep_volumes(&mut self, meshes: &[Arc<TriangleMesh>], positions: &[[f64; 3]]) {
+        self.volumes.clear();
+        let mut first = 0;
+        for mesh in meshes {
+            let vertices = first..first + mesh.vertex_count();
+            first = vertices.end;
+            let Ok(surface) = Surface::new(mesh, &positions[vertices.clone()]) else {
+                continue;
+            };
+            if !mesh.is_closed() {
+                continue;
+            }
+            let constraints = vec![Constraint {
+                functional: Quantity::Volume,
+                targets: Targets::measured(&Quantity::Volume, surface),
+            }];
+            let (_, components) = mesh.components();
+            self.volumes.push(KeptVolume {
+                held: Held::new(Arc::clone(mesh), Constraints { constraints }),
+                components,
+                gradient: vec![[0.0; 3]; vertices.len()],
+                vertices,
+            });
+        }
+    }
+
+    /// Sets the velocities of all vertices.
+    ///
+    /// # Errors
+    /// The reason why the membranes give no forces.
+    ///
+    /// # Panics
+    /// If there is not one position and one velocity a vertex.
+    pub fn set_velocities(
+        &mut self,
+        membranes: &mut impl Membranes,
+        positions: &[[f64; 3]],
+        velocities: &mut [[f64; 3]],
+    ) -> Result<(), String> {
+        membranes.set_forces(positions, &mut self.forces)?;
+        velocities.fill([0.0; 3]);
+        if let Some(ambient) = &self.ambient {
+            ambient.add_velocity(positions, velocities);
+        }
+        let start = Instant::now();
+        self.layer.set_forces(positions, &self.forces);
+        self.layer.add_at_vertices(velocities);
+        self.layers.add(start);
+        for volume in &mut self.volumes {
+            volume.correct(positions, velocities);
+        }
+        Ok(())
+    }
+
+    /// Moves positions to where volumes are what they were.
+    pub fn restore_volumes(&mut self, positions: &mut [[f64; 3]]) {
+        for volume in &mut self.volumes {
+            // Where it fails positions stay, and the volume's column shows what is missing.
+            let _ = volume.held.restore(&mut positions[volume.vertices.clone()]);
+        }
+    }
+
+    /// What boundary integrals took so far.
+    pub fn effort(&self) -> Effort {
+        self.layers
+    }
+}
+
+impl KeptVolume {
+    fn correct(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]]) {
+        let gradient = &mut self.gradient;
+        let positions = &positions[self.vertices.clone()];
+        let velocities = &mut velocities[self.vertices.clone()];
+        self.held.gradient(0, positions, gradient);
+        let mut sums = vec![[0.0; 2]; self.components];
+        let groups = self.held.groups();
+        for ((&group, &gradient), &velocity) in groups.iter().zip(&*gradient).zip(&*velocities) {
+            let gradient = DVec3::from(gradient);
+            let [rate, area] = &mut sums[group as usize];
+            *rate += gradient.dot(velocity.into());
+            *area += gradient.length();
+        }
+        for ((&group, &gradient), velocity) in groups.iter().zip(&*gradient).zip(velocities) {
+            let [rate, area] = sums[group as usize];
+            let normal = DVec3::from(gradient).normalize_or_zero();
+            let speed = if area > 0.0 { rate / area } else { 0.0 };
+            *velocity = (DVec3::from(*velocity) - speed * normal).to_array();
+        }
+    }
+}
+
+/// The right-hand side of an integration in time: the velocities of these membranes.
+#[derive(Debug)]
+pub struct Moving<'a, M> {
+    /// The fluid.
+    pub suspension: &'a mut Suspension,
+    /// What moves.
+    pub membranes: &'a mut M,
+}
+
+impl<M: Membranes> RightHandSide for Moving<'_, M> {
+    fn evaluate(
+        &mut self,
+        positions: &[[f64; 3]],
+        _time: f64,
+        velocities: &mut [[f64; 3]],
+    ) -> Result<(), String> {
+        self.suspension
+            .set_velocities(self.membranes, positions, velocities)
+    }
+
+    fn restore(&mut self, positions: &mut [[f64; 3]]) {
+        self.suspension.restore_volumes(positions);
+    }
+}
