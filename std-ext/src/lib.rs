@@ -9,13 +9,15 @@
 //! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
 //! * [`effect`] and [`simulation`]: exactly what a scene names, made ready; nothing moves or is
 //!   written. [`dynamics`]: membranes relax to equilibrium, whatever acts on them. [`flow`]: what
-//!   their forces do to viscous fluid.
+//!   their forces do to viscous fluid. [`deformation`]: how bodies in flow are deformed and turned;
+//!   [`section`]: where a plane cuts them.
 //! * [`run`]: a scene driven in a folder. [`checkpoint`] and [`series`]: what a run leaves to go on
 //!   from, and its numbers over time. [`picture`]: surfaces coloured by a field, and plots, as PNG
 //!   files.
 //! * [`report`]: how all of this is shown.
 
 pub mod checkpoint;
+pub mod deformation;
 pub mod dynamics;
 pub mod effect;
 pub mod flow;
@@ -28,6 +30,7 @@ pub mod report;
 pub mod run;
 pub mod scalar;
 pub mod scene;
+pub mod section;
 pub mod series;
 pub mod simulation;
 pub mod study;

@@ -606,3 +606,42 @@ pub const FLOW_SEVEN_POINTS: Tolerance = Tolerance::new(
     "corners are 0.29 distances from the centre at most, 6e-4 in the sixth power, times the rule's \
      constant; most parts are farther off, and signs differ",
 );
+/// Moments, axes, angles and turns of polyhedra, relative to a natural scale.
+pub const DEFORMATION: Tolerance = Tolerance::new(
+    1e-12,
+    "sums of a thousand terms of either sign, some thirty lengths from the origin",
+);
+/// A semi-axis extrapolated from two refinements, relative.
+pub const DEFORMATION_EXTRAPOLATED: Tolerance =
+    Tolerance::new(2e-5, "fourth order: 5e-3 of 642 vertices squared");
+/// D of an irregular mesh of 642 vertices.
+pub const DEFORMATION_RANDOM_MESH: Tolerance = Tolerance::new(
+    5e-3,
+    "the polyhedron's volume is 1 % short, more where it is curved more; D has the difference",
+);
+/// D by extreme points of a mesh of 2562 vertices.
+pub const DEFORMATION_EXTREMES: Tolerance = Tolerance::new(
+    2e-3,
+    "chords are short of the curve by an eighth of the squared edge, 7e-4",
+);
+/// Areas of sections of a sphere of 642 vertices, relative.
+pub const SECTION_AREA: Tolerance = Tolerance::new(
+    2e-2,
+    "chords of a polyhedron whose surface is up to 4e-3 inside; twice that at a height of 0.7",
+);
+/// The wrinkle indicator of a sphere of 642 vertices.
+pub const WRINKLE_INDICATOR: Tolerance =
+    Tolerance::new(1e-2, "second order in edges of 0.15 radii");
+/// Turns of a tank-treading ellipsoid of 162 vertices.
+pub const TANK_TREADING: Tolerance = Tolerance::new(
+    1e-2,
+    "some thirty vertices are not evenly spread in phase; whole turns are interpolated over 0.09",
+);
+/// First plateaus of known curves, relative to the plateau.
+pub const PLATEAU: Tolerance = Tolerance::new(
+    2e-3,
+    "the slope over five points of a coarse curve is up to a quarter too steep or too gentle",
+);
+/// When a slope is least, relative.
+pub const PLATEAU_TIME: Tolerance =
+    Tolerance::new(5e-2, "one sample in twenty, where the slope is least");
