@@ -1,9 +1,6 @@
-//! Scenes that the program runs: what a run leaves, and how it survives being stopped.
-#![expect(
-    clippy::unwrap_used,
-    reason = "what fails in a helper fails the test that called it"
-)]
+//! `helfrich run`: what a run leaves, and how it survives being stopped.
 
+use crate::text;
 use helfrich_std::series::SeriesTable;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -51,9 +48,8 @@ fn scene(extra: &str) -> (TempDir, PathBuf) {
 }
 
 fn command(scene: &Path, out: &Path, more: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_helfrich"));
-    command.arg("run").arg(scene).arg("--out").arg(out);
-    command.args(more).stdin(Stdio::null());
+    let mut command = crate::command(&["run", text(scene), "--out", text(out)]);
+    command.args(more);
     command
 }
 
@@ -302,27 +298,17 @@ fn no_load_of_a_sequence_ends_early_in_silence() {
 #[test]
 fn a_scene_is_checked_and_explained_without_a_run() {
     let (folder, scene) = scene("");
-    let program = || Command::new(env!("CARGO_BIN_EXE_helfrich"));
-    let output = program()
-        .arg("run")
-        .arg(&scene)
-        .arg("--check")
-        .output()
-        .unwrap();
-    assert!(output.status.success());
-    let output = program().arg("explain").arg(&scene).output().unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
+    crate::succeed(&["run", text(&scene), "--check"]);
+    let explained = crate::succeed(&["explain", text(&scene)]);
     assert!(
-        text.contains("juelicher") && text.contains("reduced volume"),
-        "{text}"
+        explained.contains("juelicher") && explained.contains("reduced volume"),
+        "{explained}"
     );
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 
     fs::write(&scene, SCENE.replace("modulus", "modolus")).unwrap();
     for command in ["run", "explain"] {
-        let output = program().arg(command).arg(&scene).output().unwrap();
-        assert_eq!(output.status.code(), Some(2));
-        let message = String::from_utf8(output.stderr).unwrap();
+        let message = crate::fail(2, &[command, text(&scene)]);
         assert!(
             message.contains("scene.toml:12") && message.contains("modulus"),
             "{message}"

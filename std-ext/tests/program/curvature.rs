@@ -1,0 +1,368 @@
+//! `helfrich curvature`.
+
+use crate::fixture::{Fixture, obj, off, ply, sheet, stl};
+use crate::{fail, run, succeed, text};
+use helfrich::shapes::Shape;
+use helfrich::{GompperKroll, KantorNelson, Prepared, Real, Surface};
+use helfrich_std::generate::{AnyShape, Family, GeneratedMesh, generate};
+use helfrich_std::io::read;
+use helfrich_std::method::{BendingMethod, Evaluator, Fields};
+use std::fmt::Debug;
+use std::fs;
+use std::str::FromStr;
+
+const HEADER: &str = "vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz";
+
+fn irregular_discocyte() -> GeneratedMesh {
+    let shape: AnyShape = "discocyte".parse().unwrap();
+    generate(&shape, Family::Irregular, 300, 7).unwrap()
+}
+
+/// A table of numbers, with what is empty as `None`.
+fn table<T: FromStr<Err: Debug>>(csv: &str) -> Vec<[Option<T>; 13]> {
+    let mut lines = csv.lines();
+    assert_eq!(lines.next(), Some(HEADER));
+    assert!(csv.ends_with('\n') && !csv.contains('\r'));
+    let line = |(vertex, line): (usize, &str)| {
+        let mut fields = line.split(',');
+        assert_eq!(fields.next(), Some(vertex.to_string().as_str()));
+        let value = |field: &str| (!field.is_empty()).then(|| field.parse().unwrap());
+        Vec::from_iter(fields.map(value)).try_into().ok().unwrap()
+    };
+    lines.enumerate().map(line).collect()
+}
+
+fn vector<T: Copy>(line: &[Option<T>; 13], at: usize) -> Option<[T; 3]> {
+    Some([line[at]?, line[at + 1]?, line[at + 2]?])
+}
+
+#[track_caller]
+fn check_table<T: Real>(lines: &[[Option<T>; 13]], positions: &[[T; 3]], fields: &Fields<T>) {
+    assert_eq!(lines.len(), positions.len());
+    for (vertex, line) in lines.iter().enumerate() {
+        assert_eq!(vector(line, 0), Some(positions[vertex]));
+        assert_eq!(line[3], Some(fields.area[vertex]));
+        assert_eq!(vector(line, 4), Some(fields.normal[vertex]));
+        assert_eq!(line[7], fields.mean[vertex]);
+        assert_eq!(line[8], fields.gaussian[vertex]);
+        assert_eq!(line[9], fields.laplacian_of_mean[vertex]);
+        assert_eq!(vector(line, 10), fields.force_density[vertex]);
+    }
+}
+
+#[test]
+fn every_format_gives_what_the_library_computes() {
+    let GeneratedMesh {
+        mesh, positions, ..
+    } = irregular_discocyte();
+    let triangles = mesh.triangles();
+    let files = [
+        Fixture::new("mesh.obj", obj(&positions, triangles)),
+        Fixture::new("mesh.off", off(&positions, triangles)),
+        Fixture::new("mesh.ply", ply(&positions, triangles)),
+        Fixture::new("mesh.STL", stl(&positions, triangles)),
+    ];
+    for file in &files {
+        let mesh_file = read(file.path().as_ref()).unwrap();
+        if !file.path().ends_with("STL") {
+            assert_eq!(mesh_file.positions, positions);
+        }
+        let (mesh, exact) = (&mesh_file.mesh, &mesh_file.positions);
+        let single = Vec::from_iter(exact.iter().map(|point| point.map(|x| x as f32)));
+        for method in BendingMethod::ALL {
+            let arguments = ["curvature", file.path(), "--method", method.name()];
+            let surface = Surface::new(mesh, exact).unwrap();
+            let fields = Evaluator::new(method, 1.0, mesh).fields(surface);
+            // Warnings of negative areas may stand beside the table.
+            check_table(&table(&run(&arguments).stdout), exact, &fields);
+
+            let surface = Surface::new(mesh, &single).unwrap();
+            let fields = Evaluator::new(method, 1.0, mesh).fields(surface);
+            let csv = run(&[&arguments[..], &["--scalar", "f32"]].concat()).stdout;
+            check_table(&table(&csv), &single, &fields);
+        }
+    }
+}
+
+#[test]
+fn what_a_method_does_not_define_is_empty() {
+    let GeneratedMesh {
+        mesh, positions, ..
+    } = irregular_discocyte();
+    let file = Fixture::new("mesh.obj", obj(&positions, mesh.triangles()));
+    for (method, defined) in [
+        ("A", [false, false, false]),
+        ("B", [true, false, false]),
+        ("C", [true, true, true]),
+        ("D", [true, true, true]),
+        ("E", [true, true, true]),
+        ("S", [true, true, false]),
+        ("juelicher", [true, false, false]),
+        ("j4", [true, true, true]),
+        ("j6", [true, true, true]),
+        ("J", [true, true, true]),
+    ] {
+        let csv = run(&["curvature", file.path(), "--method", method]).stdout;
+        for line in table::<f64>(&csv) {
+            assert_eq!([7, 8, 9].map(|column| line[column].is_some()), defined);
+            assert!(vector(&line, 4).is_some() && vector(&line, 10).is_some());
+        }
+    }
+    // The default is the method that defines all.
+    let [plain, meyer] = [&[][..], &["--method", "meyer"]]
+        .map(|method| run(&[&["curvature", file.path()], method].concat()).stdout);
+    assert_eq!(plain, meyer);
+}
+
+#[test]
+fn the_force_density_is_the_nodal_force_over_the_mixed_area() {
+    let GeneratedMesh {
+        mesh, positions, ..
+    } = irregular_discocyte();
+    let file = Fixture::new("mesh.obj", obj(&positions, mesh.triangles()));
+    let surface = Surface::new(&mesh, &positions).unwrap();
+    for method in ["A", "B"] {
+        let mut force = vec![[0.0; 3]; positions.len()];
+        match method {
+            "A" => Prepared::new(KantorNelson::new(2.5), &mesh).add_force(surface, &mut force),
+            _ => Prepared::new(GompperKroll::new(2.5), &mesh).add_force(surface, &mut force),
+        }
+        let csv = run(&[
+            "curvature",
+            file.path(),
+            "--method",
+            method,
+            "--modulus",
+            "2.5",
+        ])
+        .stdout;
+        let lines = table::<f64>(&csv);
+        let total: f64 = lines.iter().filter_map(|line| line[3]).sum();
+        assert!((total / surface.area() - 1.0).abs() < 1e-13);
+        let largest = force.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
+        for (line, force) in lines.iter().zip(force) {
+            let (area, density) = (line[3].unwrap(), vector(line, 10).unwrap());
+            for axis in 0..3 {
+                assert!((density[axis] * area - force[axis]).abs() <= 1e-13 * largest);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_force_is_proportional_to_the_modulus() {
+    let GeneratedMesh {
+        mesh, positions, ..
+    } = irregular_discocyte();
+    let file = Fixture::new("mesh.off", off(&positions, mesh.triangles()));
+    for method in ["A", "B", "C"] {
+        let lines = |modulus| {
+            let arguments = [
+                "curvature",
+                file.path(),
+                "--method",
+                method,
+                "--modulus",
+                modulus,
+            ];
+            table::<f64>(&run(&arguments).stdout)
+        };
+        for (one, four) in lines("1").iter().zip(lines("4")) {
+            assert_eq!(one[..10], four[..10]);
+            // A power of two rounds nothing.
+            assert_eq!(
+                vector(one, 10).unwrap().map(|x| 4.0 * x),
+                vector(&four, 10).unwrap()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_cell_in_metres_keeps_its_digits() {
+    let shape: AnyShape = "discocyte:3.91e-6".parse().unwrap();
+    let made = generate(&shape, Family::Regular, 642, 1).unwrap();
+    let file = Fixture::new("cell.obj", obj(&made.positions, made.mesh.triangles()));
+    let csv = succeed(&["curvature", file.path(), "--modulus", "2e-19"]);
+    for (line, &preimage) in table::<f64>(&csv).iter().zip(&made.preimages) {
+        let exact = shape.at(preimage);
+        assert_eq!(vector(line, 0), Some(exact.position));
+        assert!((line[7].unwrap() - exact.mean).abs() * 3.91e-6 < 0.5);
+    }
+    assert!(csv.len() < 642 * 13 * 25, "digits, not zeros");
+}
+
+#[test]
+fn boundaries_and_unused_vertices_have_empty_fields() {
+    let (positions, triangles) = sheet();
+    let file = Fixture::new("sheet.obj", obj(&positions, &triangles));
+    for method in ["A", "B", "C"] {
+        let lines = table::<f64>(&succeed(&["curvature", file.path(), "--method", method]));
+        assert_eq!(lines.len(), 26);
+        let unused = &lines[25];
+        assert_eq!(unused[..4], [Some(9.0), Some(9.0), Some(9.0), Some(0.0)]);
+        assert!(unused[4..].iter().all(Option::is_none), "{unused:?}");
+        for (vertex, line) in lines[..25].iter().enumerate() {
+            let [row, column] = [vertex / 5, vertex % 5];
+            let within =
+                |ring: usize| (ring..5 - ring).contains(&row) && (ring..5 - ring).contains(&column);
+            assert!(vector(line, 4).is_some() && line[3] > Some(0.0));
+            assert_eq!(
+                line[7].is_some(),
+                method != "A" && within(1),
+                "H at {vertex}"
+            );
+            assert_eq!(
+                line[8].is_some(),
+                method == "C" && within(1),
+                "K at {vertex}"
+            );
+            assert_eq!(
+                line[9].is_some(),
+                method == "C" && within(2),
+                "ΔH at {vertex}"
+            );
+            // Nodal forces exist everywhere, the strong form needs a full second ring.
+            assert_eq!(
+                vector(line, 10).is_some(),
+                method != "C" || within(2),
+                "f at {vertex}"
+            );
+        }
+    }
+}
+
+#[test]
+fn degenerate_triangles_warn_and_leave_no_false_numbers() {
+    // An octahedron of which one corner is opened into two coincident vertices.
+    let positions = [
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, -1.0],
+    ];
+    let triangles = [
+        [0, 1, 4],
+        [1, 5, 4],
+        [1, 2, 5],
+        [2, 3, 5],
+        [3, 4, 5],
+        [3, 0, 4],
+        [1, 0, 6],
+        [2, 1, 6],
+        [3, 2, 6],
+        [0, 3, 6],
+    ];
+    let file = Fixture::new("opened.obj", obj(&positions, &triangles));
+    for method in ["A", "B", "C"] {
+        let run = run(&["curvature", file.path(), "--method", method]);
+        assert_eq!(run.code, Some(0));
+        assert!(
+            run.stderr.starts_with(&format!("warning: {}", file.path())),
+            "{}",
+            run.stderr
+        );
+        for line in table::<f64>(&run.stdout) {
+            assert!(
+                line.iter().flatten().all(|number| number.is_finite()),
+                "{line:?}"
+            );
+        }
+    }
+    let info = succeed(&["info", file.path()]);
+    assert!(info.contains("2 (the first is 1)"), "{info}");
+
+    // All in one point: nothing has an area.
+    let file = Fixture::new("point.obj", obj(&[[1.0; 3]; 7], &triangles));
+    for method in ["A", "B", "C"] {
+        let run = run(&["curvature", file.path(), "--method", method]);
+        assert_eq!(run.code, Some(0));
+        for line in table::<f64>(&run.stdout) {
+            assert_eq!(line[3], Some(0.0));
+            assert!(line[4..].iter().all(Option::is_none), "{method} {line:?}");
+        }
+    }
+}
+
+#[test]
+fn csv_is_written_as_a_whole_or_not_at_all() {
+    let GeneratedMesh {
+        mesh, positions, ..
+    } = irregular_discocyte();
+    let file = Fixture::new("mesh.obj", obj(&positions, mesh.triangles()));
+    let csv = file.beside("out.csv");
+    let printed = succeed(&["curvature", file.path()]);
+    assert_eq!(succeed(&["curvature", file.path(), "--csv", "-"]), printed);
+    for _ in 0..2 {
+        assert_eq!(
+            succeed(&["curvature", file.path(), "--csv", text(&csv)]),
+            ""
+        );
+        assert_eq!(fs::read_to_string(&csv).unwrap(), printed);
+    }
+    assert_eq!(file.names(), ["mesh.obj", "out.csv"]);
+
+    // What was there stays as it was if there is nothing to write.
+    let bad = Fixture::new("bad.obj", "v 0 0 nan\n");
+    fail(2, &["curvature", bad.path(), "--csv", text(&csv)]);
+    assert_eq!(fs::read_to_string(&csv).unwrap(), printed);
+
+    for target in ["none/out.csv", "mesh.obj/out.csv", "."] {
+        let target = file.beside(target);
+        let message = fail(3, &["curvature", file.path(), "--csv", text(&target)]);
+        assert!(message.contains(text(&target)), "{message}");
+        assert_eq!(message.lines().count(), 1);
+    }
+    assert_eq!(file.names(), ["mesh.obj", "out.csv"]);
+
+    let mesh = fs::read(file.path()).unwrap();
+    let message = fail(2, &["curvature", file.path(), "--csv", file.path()]);
+    assert!(message.contains("would replace the mesh"), "{message}");
+    assert_eq!(fs::read(file.path()).unwrap(), mesh);
+}
+
+#[cfg(unix)]
+#[test]
+fn links_and_permissions_survive() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let (positions, triangles) = sheet();
+    let file = Fixture::new("sheet.obj", obj(&positions, &triangles));
+    let [csv, link] = ["out.csv", "link.csv"].map(|name| file.beside(name));
+    fs::write(&csv, "old").unwrap();
+    fs::set_permissions(&csv, fs::Permissions::from_mode(0o640)).unwrap();
+    symlink("out.csv", &link).unwrap();
+    succeed(&["curvature", file.path(), "--csv", text(&link)]);
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert!(fs::read_to_string(&csv).unwrap().starts_with(HEADER));
+    assert_eq!(
+        fs::metadata(&csv).unwrap().permissions().mode() & 0o777,
+        0o640
+    );
+}
+
+#[test]
+fn wrong_curvature_arguments() {
+    let (positions, triangles) = sheet();
+    let file = Fixture::new("sheet.obj", obj(&positions, &triangles));
+    for (arguments, hint) in [
+        (&["--method", "nope"][..], "kantor-nelson (A)"),
+        (&["--method", "all"], "kantor-nelson (A)"),
+        (&["--method", "A,B"], "kantor-nelson (A)"),
+        (&["--scalar", "f16"], "f32, f32-pair and f64"),
+        (&["--modulus", "0"], "above 0"),
+        (&["--modulus", "-2"], "above 0"),
+        (&["--modulus", "x"], "above 0"),
+        (&["--modulus", "1e39", "--scalar", "f32"], "f32"),
+        (&["--nope"], "--nope"),
+    ] {
+        let message = fail(2, &[&["curvature", file.path()], arguments].concat());
+        assert!(message.contains(hint), "{arguments:?}: {message}");
+    }
+    fail(2, &["curvature"]);
+    fail(2, &["info"]);
+    fail(2, &["info", file.path(), file.path()]);
+    fail(2, &["nope"]);
+}

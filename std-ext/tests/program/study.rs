@@ -1,0 +1,383 @@
+//! `helfrich study`.
+
+use crate::{fail, is_empty, succeed, text};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+use tempfile::TempDir;
+
+/// The rows that `study --json -` prints with these arguments.
+#[track_caller]
+fn rows(arguments: &[&str]) -> Vec<Value> {
+    let all = [&["study", "--json", "-"], arguments].concat();
+    serde_json::from_str(&succeed(&all)).unwrap()
+}
+
+fn number(row: &Value, key: &str) -> f64 {
+    row[key].as_f64().unwrap()
+}
+
+const METHODS: [&str; 9] = [
+    "kantor-nelson",
+    "gompper-kroll",
+    "meyer",
+    "belkin",
+    "farutin",
+    "loop",
+    "juelicher",
+    "j4",
+    "j6",
+];
+
+/// The quantities that the study compares.
+fn defined(method: &str) -> &'static [&'static str] {
+    match method {
+        "kantor-nelson" => &["f"],
+        "gompper-kroll" | "juelicher" => &["H", "f"],
+        "loop" => &["H", "K", "f"],
+        _ => &["H", "K", "LapH", "f"],
+    }
+}
+
+#[test]
+fn json_has_every_combination_and_nothing_else() {
+    for (shape, numbers) in [
+        ("sphere", "162,642"),
+        ("ellipsoid", "162,642"),
+        ("discocyte", "162,642"),
+        ("torus", "200,800"),
+    ] {
+        let both = "f32,f64";
+        let arguments = [
+            "--shape",
+            shape,
+            "--vertices",
+            numbers,
+            "--family",
+            "all",
+            "--method",
+            "all",
+            "--scalar",
+            both,
+        ];
+        let rows = rows(&arguments);
+        let mut rows = rows.iter();
+        for family in ["regular", "smooth", "relaxed", "irregular", "hard"] {
+            for scalar in ["f32", "f64"] {
+                for method in METHODS {
+                    let mut coarse = Vec::new();
+                    for quantity in defined(method) {
+                        let row = rows.next().unwrap();
+                        check_row(row, [shape, family, scalar, method, quantity]);
+                        assert!(row["order_max"].is_null() && row["order_mean"].is_null());
+                        coarse.push(row);
+                    }
+                    for (quantity, coarse) in defined(method).iter().zip(coarse) {
+                        let row = rows.next().unwrap();
+                        check_row(row, [shape, family, scalar, method, quantity]);
+                        check_order(coarse, row);
+                    }
+                }
+            }
+        }
+        assert_eq!(rows.next(), None);
+    }
+}
+
+fn check_row(row: &Value, names: [&str; 5]) {
+    let keys = [
+        "shape",
+        "family",
+        "vertices",
+        "method",
+        "scalar",
+        "quantity",
+        "max",
+        "mean",
+        "order_max",
+        "order_mean",
+        "ns_per_vertex",
+    ];
+    let found: BTreeSet<&str> = row
+        .as_object()
+        .unwrap()
+        .keys()
+        .map(String::as_str)
+        .collect();
+    assert_eq!(found, BTreeSet::from(keys));
+    let labels = ["shape", "family", "scalar", "method", "quantity"];
+    assert_eq!(labels.map(|key| row[key].as_str().unwrap()), names);
+    let [max, mean] = ["max", "mean"].map(|key| number(row, key));
+    assert!(0.0 < mean && mean <= max && max.is_finite(), "{row}");
+    assert!(number(row, "ns_per_vertex") > 0.0);
+    assert!(row["vertices"].is_u64());
+}
+
+fn check_order(coarse: &Value, fine: &Value) {
+    let refinement = (number(fine, "vertices") / number(coarse, "vertices")).sqrt();
+    for (error, order) in [("max", "order_max"), ("mean", "order_mean")] {
+        let expected = (number(coarse, error) / number(fine, error)).ln() / refinement.ln();
+        assert!((number(fine, order) - expected).abs() < 1e-9, "{fine}");
+    }
+}
+
+#[test]
+fn orders_on_regular_meshes_of_the_discocyte() {
+    let rows = rows(&[
+        "--method",
+        "A,B,C",
+        "--family",
+        "regular",
+        "--vertices",
+        "2562,10242",
+    ]);
+    let order = |method: &str, quantity: &str, key: &str| {
+        let row = rows.iter().find(|row| {
+            let names = ["method", "quantity"].map(|key| row[key].as_str().unwrap());
+            names == [method, quantity] && row["vertices"] == 10242
+        });
+        number(row.unwrap(), key)
+    };
+    // Valence-5 vertices stall H and K and make f diverge in the largest error; elsewhere H and K
+    // are of second order.
+    let largest = [
+        ("kantor-nelson", "f", -2.0),
+        ("gompper-kroll", "f", -2.0),
+        ("meyer", "f", -2.0),
+        ("meyer", "LapH", -2.0),
+        ("gompper-kroll", "H", 0.0),
+        ("meyer", "H", 0.0),
+        ("meyer", "K", 0.0),
+    ];
+    for (method, quantity, expected) in largest {
+        let found = order(method, quantity, "order_max");
+        assert!(
+            (found - expected).abs() <= 0.4,
+            "{method} {quantity}: {found}"
+        );
+    }
+    for (method, quantity) in [("gompper-kroll", "H"), ("meyer", "H"), ("meyer", "K")] {
+        let found = order(method, quantity, "order_mean");
+        assert!((found - 2.0).abs() <= 0.4, "{method} {quantity}: {found}");
+    }
+}
+
+/// All but the times.
+fn results(rows: &[Value]) -> Vec<Value> {
+    let mut rows = rows.to_vec();
+    for row in &mut rows {
+        row["ns_per_vertex"] = Value::Null;
+    }
+    rows
+}
+
+#[test]
+fn what_is_listed_in_any_order_or_twice_counts_once_coarse_to_fine() {
+    let plain = rows(&[
+        "--method",
+        "B,C",
+        "--family",
+        "regular",
+        "--vertices",
+        "42,162,642",
+    ]);
+    let muddled = rows(&[
+        "--method",
+        "b,meyer,Gompper-Kroll",
+        "--family",
+        "regular,regular",
+        "--vertices",
+        "642,42,162,642",
+    ]);
+    assert_eq!(results(&plain), results(&muddled));
+    // 640 and 643 have the same nearest lattice.
+    let near = rows(&[
+        "--shape",
+        "torus",
+        "--method",
+        "A",
+        "--family",
+        "regular",
+        "--vertices",
+        "640,643,2560",
+    ]);
+    assert_eq!(near.len(), 2);
+    assert!(near[0]["order_max"].is_null() && near[1]["order_max"].is_f64());
+}
+
+#[test]
+fn relative_errors_do_not_depend_on_modulus_or_size() {
+    let base = ["--method", "A,B,C", "--vertices", "162", "--shape"];
+    let one = rows(&[&base[..], &["discocyte"]].concat());
+    let other = rows(&[&base[..], &["discocyte:3.91e-6", "--modulus", "2e-19"]].concat());
+    assert_eq!(one.len(), other.len());
+    for (one, other) in one.iter().zip(&other) {
+        for key in ["max", "mean"] {
+            let [one, other] = [number(one, key), number(other, key)];
+            assert!((one / other - 1.0).abs() < 1e-9, "{one} {other}");
+        }
+    }
+}
+
+#[test]
+fn forces_that_vanish_are_compared_with_the_size() {
+    // A sphere under two names, and the Clifford torus.
+    for (shape, vertices) in [
+        ("sphere", "642"),
+        ("ellipsoid:2,2,2", "642"),
+        ("torus:1.4142135623730951,1", "2560"),
+    ] {
+        let arguments = [
+            "--shape",
+            shape,
+            "--vertices",
+            vertices,
+            "--family",
+            "regular",
+        ];
+        for row in rows(&[&arguments[..], &["--method", "meyer"]].concat()) {
+            assert!(number(&row, "max") < 1.0, "{row}");
+        }
+    }
+}
+
+#[test]
+fn a_result_that_is_no_number_shows() {
+    // The areas of so small a sphere underflow in f32.
+    let arguments = [
+        "--shape",
+        "sphere:1e-12",
+        "--scalar",
+        "f32",
+        "--vertices",
+        "42",
+    ];
+    let found = rows(
+        &[
+            &arguments[..],
+            &["--method", "A,B,C", "--family", "regular"],
+        ]
+        .concat(),
+    );
+    assert_eq!(found.len(), 7);
+    assert!(
+        found
+            .iter()
+            .all(|row| row["max"].is_null() && row["mean"].is_null())
+    );
+    let table = succeed(&[&["study"], &arguments[..]].concat());
+    assert!(table.contains("inf"), "{table}");
+}
+
+#[test]
+fn the_table_names_every_method_and_mesh() {
+    let table = succeed(&["study", "--method", "A,B,C", "--vertices", "42,162"]);
+    for name in [
+        "kantor-nelson",
+        "gompper-kroll",
+        "meyer",
+        "regular",
+        "irregular",
+        "order",
+    ] {
+        assert!(table.contains(name), "{name}: {table}");
+    }
+    assert!(!table.contains('\r') && !table.contains('\x1b'));
+}
+
+#[test]
+fn json_in_a_file_stands_beside_the_table() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("rows.json");
+    fs::write(&path, "old").unwrap();
+    let arguments = [
+        "study",
+        "--vertices",
+        "42",
+        "--method",
+        "A",
+        "--json",
+        text(&path),
+    ];
+    assert!(succeed(&arguments).contains("kantor-nelson"));
+    let rows: Vec<Value> = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    assert_eq!(rows.len(), 2);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn wrong_study_arguments() {
+    for (arguments, hint) in [
+        (&["--method", "nope"][..], "kantor-nelson (A)"),
+        (&["--method", ""], "kantor-nelson (A)"),
+        (&["--method", "A,,B"], "kantor-nelson (A)"),
+        (
+            &["--family", "nope"],
+            "regular, smooth, relaxed, irregular or hard",
+        ),
+        (
+            &["--shape", "nope"],
+            "sphere, ellipsoid, torus or discocyte",
+        ),
+        (&["--shape", "torus:1,2"], "tube radius"),
+        (&["--shape", "torus:1"], "torus:2,1"),
+        (&["--shape", "sphere:nan"], "radius"),
+        (&["--shape", "sphere:1e-120"], "out of range"),
+        (&["--scalar", "f16"], "f32, f32-pair and f64"),
+        (&["--vertices", ""], "empty"),
+        (&["--vertices", "0"], "between 12 and"),
+        (&["--vertices", "-642"], "-6"),
+        (&["--vertices", "643"], "642 and 2562"),
+        (
+            &["--vertices", "642,643", "--family", "hard"],
+            "642 and 2562",
+        ),
+        (&["--vertices", "642,,2562"], "empty"),
+        (&["--vertices", "642.0"], "642.0"),
+        (&["--vertices", "1000000000000"], "between 12 and"),
+        (
+            &["--vertices", "1000000000000", "--family", "irregular"],
+            "between 12 and",
+        ),
+        (
+            &["--vertices", "1000000000000", "--shape", "torus"],
+            "between 16 and",
+        ),
+        (
+            &["--vertices", "18446744073709551615,18446744073709551614"],
+            "between 12 and",
+        ),
+        (&["--vertices", "1e12"], "1e12"),
+        (&["--vertices", "99999999999999999999999"], "too large"),
+        (&["--modulus", "0"], "above 0"),
+        (&["--modulus", "-1"], "above 0"),
+        (&["--modulus", "inf"], "above 0"),
+        (&["--modulus", "1e300", "--scalar", "f64,f32"], "f32"),
+        (&["--seed", "x"], "seed"),
+        (&["--nope"], "--nope"),
+    ] {
+        let message = fail(2, &[&["study"], arguments].concat());
+        assert!(message.contains(hint), "{arguments:?}: {message}");
+    }
+}
+
+#[test]
+fn a_study_refuses_before_it_computes() {
+    // Families and numbers that can be made come first.
+    let late = [
+        "--family",
+        "irregular,regular",
+        "--vertices",
+        "163842,200000",
+    ];
+    assert!(fail(2, &[&["study"], &late[..]].concat()).contains("200000"));
+    let folder = TempDir::new().unwrap();
+    for path in [
+        folder.path().join("none/rows.json"),
+        folder.path().to_owned(),
+    ] {
+        let message = fail(3, &["study", "--vertices", "163842", "--json", text(&path)]);
+        assert!(message.contains(text(&path)), "{message}");
+    }
+    assert!(is_empty(&folder));
+}
