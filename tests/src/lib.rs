@@ -1,15 +1,12 @@
 //! What the tests share.
 
 pub mod accuracy;
-pub mod gradient;
 pub mod invariants;
 pub mod laws;
 pub mod meshes;
-pub mod operator_laws;
 pub mod potentials;
 pub mod quadrature;
 pub mod refused;
-pub mod small_meshes;
 pub mod tolerance;
 
 /// The README's examples, compiled and run.

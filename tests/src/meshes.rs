@@ -266,6 +266,35 @@ pub fn torus(around: u32, across: u32) -> Mesh {
     Mesh::new(positions, triangles)
 }
 
+/// A curved sheet with a boundary, `cells` × `cells` squares of two triangles each; it has vertices
+/// in one triangle only.
+pub fn sheet(cells: u32) -> Mesh {
+    let at = |i: u32, j: u32| i + (cells + 1) * j;
+    let mut triangles = Vec::new();
+    let mut positions = Vec::new();
+    for j in 0..=cells {
+        for i in 0..=cells {
+            let [x, y] = [i, j].map(|k| f64::from(k) / f64::from(cells) - 0.5);
+            positions.push([x, y + 0.1 * x * x, 0.4 * x * x + 0.3 * x * y - 0.2 * y]);
+            if i < cells && j < cells {
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+    Mesh::new(positions, triangles)
+}
+
+/// The smallest meshes, closed and open, with their names.
+pub fn small() -> [(&'static str, Mesh); 4] {
+    [
+        ("tetrahedron", tetrahedron()),
+        ("octahedron", octahedron()),
+        ("triangle pair", sheet(1)),
+        ("sheet", sheet(6)),
+    ]
+}
+
 /// A mesh with random displacements, in three numbers that shrink to a smooth and coarse one.
 #[derive(Clone, Copy, Debug)]
 pub struct Rough {

@@ -4,7 +4,7 @@ use helfrich::laplacian::LaplaceBeltrami;
 use helfrich::{Bandwidth, Curvature, HeatKernel, Method, Rows, Serial, StrongForm};
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_tests::accuracy::{StrongFormErrors, of_strong_form, surface};
-use helfrich_tests::operator_laws::{check_operator, check_small_meshes};
+use helfrich_tests::laws::{check_operator, findings_on_small_meshes};
 use helfrich_tests::tolerance;
 
 fn made(family: Family, vertices: usize) -> GeneratedMesh {
@@ -17,13 +17,14 @@ fn on_discocyte(family: Family, vertices: usize) -> StrongFormErrors {
 
 #[test]
 fn laws() {
-    check_operator(&HeatKernel::default());
-    check_operator(&HeatKernel::new(Bandwidth::MixedArea(0.25)));
+    check_operator("heat kernel", HeatKernel::default());
+    let narrow = HeatKernel::new(Bandwidth::MixedArea(0.25));
+    check_operator("narrow heat kernel", narrow);
 }
 
 #[test]
 fn tiny_and_open_meshes_give_finite_values() {
-    check_small_meshes(&HeatKernel::default());
+    findings_on_small_meshes(HeatKernel::default());
 }
 
 /// Nothing converges: f neither grows nor falls on regular meshes, and grows on irregular ones.

@@ -6,8 +6,8 @@ use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_tests::accuracy::{
     cotangent_curvature, density_errors, exact_points, force_and_energy, surface,
 };
-use helfrich_tests::gradient::check_gradient;
-use helfrich_tests::{small_meshes, tolerance};
+use helfrich_tests::laws::check_gradient;
+use helfrich_tests::{meshes, tolerance};
 use std::f64::consts::PI;
 
 /// E/κ of the discocyte.
@@ -31,15 +31,14 @@ fn forces_are_the_gradient() {
     let made = made("discocyte", Family::Irregular, 162);
     let (one, two) = (Juelicher::new(1.3), Juelicher::new(F1::cst(1.3)));
     check_gradient(&one, two.clone(), &made.mesh, &made.positions);
-    let (mesh, positions) = small_meshes::sheet(6);
-    check_gradient(&one, two, &mesh, &positions);
+    let sheet = meshes::sheet(6);
+    check_gradient(&one, two, &sheet.connectivity, &sheet.positions);
 }
 
 #[test]
 fn tiny_and_open_meshes_give_finite_values() {
-    for (name, (mesh, positions)) in small_meshes::all() {
-        let surface = helfrich::Surface::new(&mesh, &positions).unwrap();
-        let (force, energy) = force_and_energy(Juelicher::new(1.0), surface);
+    for (name, mesh) in meshes::small() {
+        let (force, energy) = force_and_energy(Juelicher::new(1.0), mesh.surface());
         assert!(energy.is_finite() && energy >= 0.0, "{name}");
         assert!(force.iter().flatten().all(|x| x.is_finite()), "{name}");
     }

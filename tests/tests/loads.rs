@@ -2,7 +2,7 @@
 
 use autodiff::F1;
 use helfrich::{LoadError, PointLoads, Prepared, Surface};
-use helfrich_tests::gradient::check_gradient;
+use helfrich_tests::laws::check_gradient;
 use helfrich_tests::laws::{energy, forces};
 use helfrich_tests::meshes::{GENERIC, dot, rotation};
 use helfrich_tests::meshes::{Mesh, disc, icosphere, octahedron, turned};

@@ -3,7 +3,7 @@
 use helfrich::{Finding, Paraboloid, StrongForm};
 use helfrich_std::generate::{Family, generate};
 use helfrich_tests::accuracy::{StrongFormErrors, of_strong_form};
-use helfrich_tests::operator_laws::{check_operator, check_small_meshes};
+use helfrich_tests::laws::{check_operator, findings_on_small_meshes};
 use helfrich_tests::tolerance;
 
 const SIZES: [usize; 3] = [2562, 10242, 40962];
@@ -17,15 +17,15 @@ fn on_discocyte(operator: Paraboloid, family: Family) -> [StrongFormErrors; 3] {
 
 #[test]
 fn laws() {
-    check_operator(&Paraboloid::default());
-    check_operator(&Paraboloid::guarded());
+    check_operator("paraboloid", Paraboloid::default());
+    check_operator("paraboloid, guarded", Paraboloid::guarded());
 }
 
 /// What does not determine a paraboloid is left out, and reported.
 #[test]
 fn tiny_and_open_meshes_give_finite_values() {
     for operator in [Paraboloid::default(), Paraboloid::guarded()] {
-        for (name, findings) in check_small_meshes(&operator) {
+        for (name, findings) in findings_on_small_meshes(operator) {
             let missing = |finding: &&Finding| matches!(finding, Finding::TooFewNeighbours { .. });
             let expected = match name {
                 "tetrahedron" | "triangle pair" => 4,

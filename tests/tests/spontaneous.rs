@@ -9,8 +9,9 @@ use helfrich::{
 };
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_tests::accuracy::{exact_points, force_and_energy, surface};
-use helfrich_tests::gradient::{check_gradient, net};
-use helfrich_tests::{small_meshes, tolerance};
+use helfrich_tests::laws::{check_gradient, net};
+use helfrich_tests::meshes::{self, Mesh};
+use helfrich_tests::tolerance;
 use std::f64::consts::PI;
 
 fn made(shape: &str, family: Family, vertices: usize) -> GeneratedMesh {
@@ -40,20 +41,23 @@ fn gompper_kroll_has_the_exact_gradient() {
         }
         check_gradient(&one, two, &made.mesh, &made.positions);
     }
-    let (mesh, positions) = small_meshes::sheet(6);
+    let sheet = meshes::sheet(6);
     let mut one = GompperKroll::with_mixed_areas(1.0);
     let mut two = GompperKroll::with_mixed_areas(F1::cst(1.0));
     one.spontaneous_curvature = (-0.4).into();
     two.spontaneous_curvature = F1::cst(-0.4).into();
-    check_gradient(&one, two, &mesh, &positions);
+    check_gradient(&one, two, &sheet.connectivity, &sheet.positions);
 }
 
 /// Its meshes have triangles with several extraordinary corners, and a boundary.
 #[test]
 fn loop_subdivision_has_the_exact_gradient() {
     let made = made("discocyte", Family::Irregular, 162);
-    let (sheet, sheet_positions) = small_meshes::sheet(6);
-    let surfaces = [(&made.mesh, &made.positions), (&sheet, &sheet_positions)];
+    let sheet = meshes::sheet(6);
+    let surfaces = [
+        (&made.mesh, &made.positions),
+        (&sheet.connectivity, &sheet.positions),
+    ];
     for (mesh, positions) in surfaces {
         let values: Vec<f64> = positions.iter().map(|x| 0.4 + x[0] - 0.7 * x[2]).collect();
         let dual: Vec<F1> = values.iter().map(|&x| F1::cst(x)).collect();
@@ -222,9 +226,8 @@ fn reference_angles_have_the_exact_gradient() {
 #[test]
 fn a_reference_for_another_mesh_is_refused() {
     let made = made("sphere", Family::Regular, 162);
-    let (mesh, positions) = small_meshes::octahedron();
-    let other = Surface::new(&mesh, &positions).unwrap();
-    let refused = KantorNelson::new(1.0).with_reference(&made.mesh, other);
+    let octahedron = meshes::octahedron();
+    let refused = KantorNelson::new(1.0).with_reference(&made.mesh, octahedron.surface());
     let (reference, mesh) = (8, 320);
     let expected = ReferenceError::CountMismatch { reference, mesh };
     assert_eq!(refused, Err(expected));
@@ -233,9 +236,10 @@ fn a_reference_for_another_mesh_is_refused() {
 #[test]
 #[should_panic(expected = "interior edges")]
 fn reference_angles_of_another_mesh_do_not_go_unnoticed() {
-    let (mesh, positions) = small_meshes::octahedron();
-    let shape = Surface::new(&mesh, &positions).unwrap();
-    let method = KantorNelson::new(1.0).with_reference(&mesh, shape).unwrap();
+    let octahedron = meshes::octahedron();
+    let method = KantorNelson::new(1.0)
+        .with_reference(&octahedron.connectivity, octahedron.surface())
+        .unwrap();
     Prepared::new(method, &made("sphere", Family::Regular, 162).mesh);
 }
 
@@ -273,7 +277,10 @@ fn projected_forces_have_no_sum_and_no_torque() {
 /// through them.
 #[test]
 fn components_are_projected_apart_and_lines_do_not_spin() {
-    let (mesh, positions) = small_meshes::octahedron();
+    let Mesh {
+        connectivity: mesh,
+        positions,
+    } = meshes::octahedron();
     let shifted = mesh.triangles().iter().map(|t| t.map(|vertex| vertex + 6));
     let both: Vec<_> = mesh.triangles().iter().copied().chain(shifted).collect();
     let both = TriangleMesh::new(12, both).unwrap();

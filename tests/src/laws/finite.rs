@@ -1,0 +1,56 @@
+//! What comes of surfaces that may be degenerate.
+
+use super::{Candidate, Law, Measured, OperatorLaw, energy, forces};
+use crate::meshes::Mesh;
+use helfrich::{Curvature, LaplaceBeltrami, VertexKind};
+
+/// Energies, forces and findings of a method on a surface that may be degenerate are finite, and
+/// vertices in no triangle feel nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Finite<'a>(pub &'a Mesh);
+
+impl Law for Finite<'_> {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        let Mesh {
+            connectivity: mesh,
+            positions,
+        } = self.0;
+        let name = candidate.name();
+        let energy = energy(candidate.method(1.0), mesh, positions);
+        assert!(energy.is_finite(), "{name}: energy {energy}");
+        let forces = forces(candidate.method(1.0), mesh, positions);
+        for (vertex, force) in forces.into_iter().enumerate() {
+            let finite = force.iter().all(|f| f.is_finite());
+            assert!(finite, "{name}: force {force:?} at vertex {vertex}");
+            if mesh.vertex_kind(vertex) == VertexKind::Isolated {
+                assert_eq!(force, [0.0; 3], "{name}: isolated vertex {vertex}");
+            }
+        }
+    }
+}
+
+impl OperatorLaw for Finite<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let measured = Measured::new(operator, self.0);
+        for (vertex, curvature) in measured.curvature.iter().enumerate() {
+            let kind = self.0.connectivity.vertex_kind(vertex);
+            let Curvature {
+                normal,
+                mean,
+                gaussian,
+                area,
+                ..
+            } = *curvature;
+            let values = [normal[0], normal[1], normal[2], mean, gaussian, area];
+            let finite = values.iter().all(|value| value.is_finite());
+            assert!(finite, "{name}: {curvature:?} at vertex {vertex}");
+            assert_eq!(curvature.kind, kind, "{name}: kind of vertex {vertex}");
+            if kind == VertexKind::Isolated {
+                assert_eq!((normal, area), ([0.0; 3], 0.0), "{name}: vertex {vertex}");
+            }
+        }
+        let laplacian = measured.apply(&self.0.positions);
+        let finite = laplacian.iter().flatten().all(|value| value.is_finite());
+        assert!(finite, "{name}: Δ_S x");
+    }
+}

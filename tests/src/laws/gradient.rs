@@ -1,0 +1,191 @@
+//! Forces are the gradient of the energy, and have no sum and no torque.
+
+use super::{ConservativeCandidate, ConservativeLaw, energy, forces, largest};
+use crate::meshes::{Mesh, SplitMix64, cross, dot, norm};
+use crate::tolerance;
+use autodiff::F1;
+use helfrich::{Conservative, Energy, Prepared, Surface, TriangleMesh};
+
+/// The directions in which a gradient is tried: some coordinates alone, then all at random.
+fn trials(vertices: usize, seed: u64) -> Vec<Vec<[f64; 3]>> {
+    let mut random = SplitMix64::new(seed);
+    let mut trials = Vec::new();
+    for _ in 0..12 {
+        let mut direction = vec![[0.0; 3]; vertices];
+        direction[random.below(vertices)][random.below(3)] = 1.0;
+        trials.push(direction);
+    }
+    trials.extend((0..4).map(|_| random.directions(vertices)));
+    trials
+}
+
+/// −F·d, what the energy's derivative along d should be.
+fn along(force: &[[f64; 3]], direction: &[[f64; 3]]) -> f64 {
+    let work = |(&f, &d): (&[f64; 3], &[f64; 3])| dot(f, d);
+    -force.iter().zip(direction).map(work).sum::<f64>()
+}
+
+/// |d| as the sum over vertices, so that the largest force times it bounds every term.
+fn extent(direction: &[[f64; 3]]) -> f64 {
+    direction.iter().map(|&d| norm(d)).sum()
+}
+
+/// F = −∂E/∂x, the derivative by dual numbers; and force and energy together are the two alone.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceIsGradient<'a>(pub &'a Mesh);
+
+impl ConservativeLaw for ForceIsGradient<'_> {
+    fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+        let Mesh {
+            connectivity: mesh,
+            positions,
+        } = self.0;
+        let name = ConservativeCandidate::name(candidate);
+        let method = || ConservativeCandidate::method(candidate, 1.0);
+        let force = forces(method(), mesh, positions);
+        let largest = largest(&force);
+        for direction in trials(positions.len(), 1) {
+            let moved = positions.iter().zip(&direction);
+            let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| F1::new(x[k], d[k])));
+            let dual = ConservativeCandidate::method(candidate, F1::cst(1.0));
+            let derivative = energy(dual, mesh, &Vec::from_iter(moved)).dx;
+            let scale = largest * extent(&direction);
+            tolerance::GRADIENT_DUAL.assert(along(&force, &direction), derivative, scale, name);
+        }
+
+        let mut together = vec![[0.0; 3]; positions.len()];
+        let sum =
+            Prepared::new(method(), mesh).add_force_and_energy(self.0.surface(), &mut together);
+        assert_eq!(together, force, "{name}: forces with and without energy");
+        let alone = energy(method(), mesh, positions);
+        assert_eq!(sum, alone, "{name}: energy with and without forces");
+    }
+}
+
+/// F = −∂E/∂x, the derivative by finite differences.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceIsDifference<'a>(pub &'a Mesh);
+
+impl ConservativeLaw for ForceIsDifference<'_> {
+    fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+        let Mesh {
+            connectivity: mesh,
+            positions,
+        } = self.0;
+        let name = ConservativeCandidate::name(candidate);
+        // Where an area nearly vanishes, the energy changes its slope over as short a way.
+        let step = 1e-4 * self.0.edge_length() / self.0.roughness();
+        if candidate.switches_at_right_angles() && self.0.distance_from_right_angle() < 2e-3 {
+            return;
+        }
+        let method = || ConservativeCandidate::method(candidate, 1.0);
+        let force = forces(method(), mesh, positions);
+        let largest = largest(&force);
+        for direction in trials(positions.len(), 2) {
+            let at = |steps: f64| {
+                let moved = positions.iter().zip(&direction);
+                let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| x[k] + steps * step * d[k]));
+                energy(method(), mesh, &Vec::from_iter(moved))
+            };
+            let near = at(1.0) - at(-1.0);
+            let far = at(2.0) - at(-2.0);
+            let derivative = (8.0 * near - far) / (12.0 * step);
+            let scale = largest * extent(&direction);
+            tolerance::GRADIENT_DIFFERENCE.assert(
+                along(&force, &direction),
+                derivative,
+                scale,
+                name,
+            );
+        }
+    }
+}
+
+/// Σ F = 0 and Σ x × F = 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Balanced<'a>(pub &'a Mesh);
+
+impl ConservativeLaw for Balanced<'_> {
+    fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+        let Mesh {
+            connectivity: mesh,
+            positions,
+        } = self.0;
+        let name = ConservativeCandidate::name(candidate);
+        let method = ConservativeCandidate::method(candidate, 1.0);
+        let (net, torque) = imbalance(positions, &forces(method, mesh, positions));
+        tolerance::BALANCE.assert(net, 0.0, 1.0, &format!("{name}: Σ F"));
+        tolerance::BALANCE.assert(torque, 0.0, 1.0, &format!("{name}: Σ x × F"));
+    }
+}
+
+/// Forces are minus the derivative of the energy by every coordinate, by dual numbers and by
+/// central differences of some; they have no sum and no torque. `dual` is the same method with
+/// dual numbers.
+///
+/// # Panics
+/// If a law is broken.
+pub fn check_gradient<M, D>(method: &M, dual: D, mesh: &TriangleMesh, positions: &[[f64; 3]])
+where
+    M: Conservative<f64> + Clone,
+    D: Energy<F1>,
+{
+    let force = forces(method.clone(), mesh, positions);
+    assert!(energy(method.clone(), mesh, positions).is_finite());
+    let largest = largest(&force);
+
+    let mut dual = Prepared::new(dual, mesh);
+    let constant = |x: &[f64; 3]| x.map(F1::cst);
+    let mut variable: Vec<[F1; 3]> = positions.iter().map(constant).collect();
+    let mut moved = positions.to_vec();
+    for vertex in 0..positions.len() {
+        for axis in 0..3 {
+            let x = positions[vertex][axis];
+            variable[vertex][axis] = F1::var(x);
+            let surface = Surface::new(mesh, &variable).expect("finite positions");
+            let derivative = dual.energy(surface).deriv();
+            variable[vertex][axis] = F1::cst(x);
+            let found = force[vertex][axis];
+            tolerance::GRADIENT_DUAL.assert(found, -derivative, largest, "force");
+            if vertex % 7 == 0 {
+                let mut at = |x: f64| {
+                    moved[vertex][axis] = x;
+                    energy(method.clone(), mesh, &moved)
+                };
+                let step = 1e-5;
+                let difference = (at(x + step) - at(x - step)) / (2.0 * step);
+                at(x);
+                tolerance::GRADIENT_DIFFERENCE.assert(found, -difference, largest, "force");
+            }
+        }
+    }
+    let [sum, torque] = net(&force, positions);
+    for axis in 0..3 {
+        tolerance::NO_NET_FORCE.assert(sum[axis], 0.0, largest, "net force");
+        tolerance::NO_NET_FORCE.assert(torque[axis], 0.0, largest, "net torque");
+    }
+}
+
+/// Σ F and Σ x × F.
+pub fn net(force: &[[f64; 3]], positions: &[[f64; 3]]) -> [[f64; 3]; 2] {
+    let mut sums = [[0.0; 3]; 2];
+    for (&f, &x) in force.iter().zip(positions) {
+        let torque = cross(x, f);
+        for axis in 0..3 {
+            sums[0][axis] += f[axis];
+            sums[1][axis] += torque[axis];
+        }
+    }
+    sums
+}
+
+/// |Σ F| / Σ |F| and |Σ x × F| / Σ |x||F|.
+pub fn imbalance(positions: &[[f64; 3]], force: &[[f64; 3]]) -> (f64, f64) {
+    let mut scales = [f64::MIN_POSITIVE; 2];
+    for (&x, &f) in positions.iter().zip(force) {
+        scales[0] += norm(f);
+        scales[1] += norm(x) * norm(f);
+    }
+    let [sum, torque] = net(force, positions);
+    (norm(sum) / scales[0], norm(torque) / scales[1])
+}

@@ -1,0 +1,141 @@
+//! Energies and forces of a surface that is moved, turned, relabelled or scaled.
+
+use super::{Candidate, Law, ROOM, energy, forces, largest};
+use crate::meshes::{Mesh, SplitMix64, difference, norm, rotation, turned};
+use crate::tolerance;
+use helfrich::Real;
+
+/// Energies do not change and forces follow when the surface is turned, moved or relabelled.
+#[derive(Clone, Copy, Debug)]
+pub struct Invariant<'a> {
+    /// The surface.
+    pub mesh: &'a Mesh,
+    /// Seed of the motion.
+    pub seed: u64,
+}
+
+impl Law for Invariant<'_> {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        let mut random = SplitMix64::new(self.seed);
+        // Positions on a grid, so that a move by a multiple of the grid's pitch is not rounded.
+        let pitch = 2.0_f64.powi(-40);
+        let mesh = &self.mesh.map(|x| x.map(|x| (x / pitch).round() * pitch));
+        let evaluate = |mesh: &Mesh| {
+            let force = forces(candidate.method(1.0), &mesh.connectivity, &mesh.positions);
+            let energy = energy(candidate.method(1.0), &mesh.connectivity, &mesh.positions);
+            (force, energy)
+        };
+        let name = candidate.name();
+        let (force, energy) = evaluate(mesh);
+        let scale = largest(&force) * mesh.roughness();
+        let energy_scale = energy.abs() + scale;
+        let compare = |found: &[[f64; 3]], expected: &[[f64; 3]], what: &str| {
+            for (found, expected) in found.iter().zip(expected) {
+                let error = norm(difference(*found, *expected));
+                tolerance::INVARIANCE.assert(error, 0.0, scale, &format!("{name}: force, {what}"));
+            }
+        };
+
+        let moved = evaluate(&mesh.map(|x| [x[0] + 5.0, x[1] - 2.25, x[2] + 0.125]));
+        assert!(
+            (&force, energy) == (&moved.0, moved.1),
+            "{name}: translation changes a bit"
+        );
+
+        if candidate.chooses_by_threshold() && mesh.positions.len() < ROOM {
+            return;
+        }
+        let quaternion = [0; 4].map(|_| random.symmetric());
+        let turn = rotation(quaternion);
+        let (turned_force, turned_energy) = evaluate(&mesh.map(|x| turned(turn, x)));
+        let expected = Vec::from_iter(force.iter().map(|&f| turned(turn, f)));
+        compare(&turned_force, &expected, "rotation");
+        let what = format!("{name}: energy, rotation");
+        tolerance::INVARIANCE.assert(turned_energy, energy, energy_scale, &what);
+
+        let (relabelled, new_number) = mesh.relabelled(random.bits());
+        let (relabelled_force, relabelled_energy) = evaluate(&relabelled);
+        let expected = Vec::from_iter(new_number.iter().map(|&new| relabelled_force[new]));
+        compare(&expected, &force, "relabelling");
+        let what = format!("{name}: energy, relabelling");
+        tolerance::INVARIANCE.assert(relabelled_energy, energy, energy_scale, &what);
+    }
+}
+
+/// E(s x) = E(x), F(s x) = F(x)/s, and both are proportional to κ; to the last bit where s and κ
+/// are powers of two, to rounding otherwise.
+#[derive(Clone, Copy, Debug)]
+pub struct ScaleFree<'a> {
+    /// The surface.
+    pub mesh: &'a Mesh,
+    /// s.
+    pub scale: f64,
+    /// κ.
+    pub modulus: f64,
+}
+
+impl ScaleFree<'_> {
+    /// The law in one scalar.
+    pub fn check_in<T: Real>(&self, candidate: impl Candidate, rounding: tolerance::Tolerance) {
+        let name = candidate.name();
+        let connectivity = &self.mesh.connectivity;
+        let positions = self.mesh.positions_in::<T>();
+        let (scale, modulus) = (T::constant(self.scale), T::constant(self.modulus));
+        let scaled = Vec::from_iter(positions.iter().map(|x| x.map(|x| x * scale)));
+        let unit = || candidate.method(T::one());
+        let method = || candidate.method(modulus);
+        let energy_pair = [
+            energy(method(), connectivity, &scaled),
+            modulus * energy(unit(), connectivity, &positions),
+        ];
+        let force_pair = [
+            forces(method(), connectivity, &scaled),
+            forces(unit(), connectivity, &positions),
+        ];
+        let expected = |f: T| f * (modulus / scale);
+        let is_power_of_two = |x: f64| x.log2().fract() == 0.0;
+        let what = format!("{name}, s = {:e}, κ = {:e}", self.scale, self.modulus);
+        if is_power_of_two(self.scale) && is_power_of_two(self.modulus) {
+            assert_eq!(energy_pair[0], energy_pair[1], "energy, {what}");
+            for (found, &unscaled) in force_pair[0].iter().zip(&force_pair[1]) {
+                assert_eq!(*found, unscaled.map(expected), "force, {what}");
+            }
+        } else if !candidate.chooses_by_threshold() || positions.len() >= ROOM {
+            let double = |x: T| x.to_f64().unwrap_or(f64::NAN);
+            // In double precision and divided by κ/s, so that the comparison itself cannot
+            // underflow.
+            let unscaled = Vec::from_iter(force_pair[1].iter().map(|f| f.map(double)));
+            let force_scale = largest(&unscaled) * self.mesh.roughness();
+            for (found, wanted) in force_pair[0].iter().zip(unscaled) {
+                let found = found.map(|f| double(f) * self.scale / self.modulus);
+                let error = norm(difference(found, wanted));
+                rounding.assert(error, 0.0, force_scale, &format!("force, {what}"));
+            }
+            let [found, wanted] = energy_pair.map(|e| double(e) / self.modulus);
+            let energy_scale = wanted.abs() + force_scale;
+            rounding.assert(found, wanted, energy_scale, &format!("energy, {what}"));
+        }
+    }
+}
+
+impl Law for ScaleFree<'_> {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        self.check_in::<f64>(candidate, tolerance::INVARIANCE);
+    }
+}
+
+/// [`ScaleFree`] in f32.
+#[derive(Clone, Copy, Debug)]
+pub struct ScaleFreeSingle<'a>(pub ScaleFree<'a>);
+
+impl Law for ScaleFreeSingle<'_> {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        // Mixed areas change their formula at right angles, and rounding decides on which side an
+        // angle lies.
+        if self.0.mesh.distance_from_right_angle() < 1e-4 {
+            return;
+        }
+        self.0
+            .check_in::<f32>(candidate, tolerance::INVARIANCE_SINGLE);
+    }
+}

@@ -1,0 +1,288 @@
+//! Laplace–Beltrami operators: what they do to constants, their rows, and surfaces that are moved,
+//! turned or scaled.
+
+use super::{Finite, OperatorLaw, ROOM};
+use crate::meshes::{GENERIC, Mesh, SplitMix64, difference, norm, rotation, small, turned};
+use crate::tolerance;
+use helfrich::{Curvature, Finding, LaplaceBeltrami, Method, Rows, Serial};
+use helfrich_std::generate::{Family, generate};
+
+/// An operator that has measured a surface.
+#[derive(Debug)]
+pub struct Measured<'a, L: Method<f64>> {
+    mesh: &'a Mesh,
+    operator: L,
+    plan: L::Plan,
+    memory: L::Memory,
+    /// n, H, K and A at each vertex.
+    pub curvature: Vec<Curvature<f64>>,
+}
+
+impl<'a, L: LaplaceBeltrami<f64>> Measured<'a, L> {
+    /// Measures.
+    pub fn new(operator: L, mesh: &'a Mesh) -> Self {
+        let plan = operator.plan(&mesh.connectivity);
+        let mut memory = L::Memory::default();
+        let mut curvature = vec![Curvature::default(); mesh.positions.len()];
+        operator.measure(&Serial, &plan, mesh.surface(), &mut memory, &mut curvature);
+        Self {
+            mesh,
+            operator,
+            plan,
+            memory,
+            curvature,
+        }
+    }
+
+    /// Δ_S of a field.
+    pub fn apply<const D: usize>(&self, field: &[[f64; D]]) -> Vec<[f64; D]> {
+        // Not zero before: the operator sets, it does not add.
+        let mut laplacian = vec![[f64::NAN; D]; field.len()];
+        let surface = self.mesh.surface();
+        self.operator.apply(
+            &Serial,
+            &self.plan,
+            surface,
+            &self.memory,
+            field,
+            &mut laplacian,
+        );
+        laplacian
+    }
+
+    /// Δ_S of a scalar field.
+    pub fn apply_to_scalar(&self, field: &[f64]) -> Vec<f64> {
+        let mut laplacian = vec![f64::NAN; field.len()];
+        let surface = self.mesh.surface();
+        self.operator.apply_to_scalar(
+            &Serial,
+            &self.plan,
+            surface,
+            &self.memory,
+            field,
+            &mut laplacian,
+        );
+        laplacian
+    }
+
+    /// What the operator reports.
+    pub fn findings(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        let surface = self.mesh.surface();
+        let mut report = |finding| findings.push(finding);
+        self.operator
+            .inspect(&self.plan, surface, &self.memory, &mut report);
+        findings
+    }
+
+    /// Fills the rows.
+    pub fn assemble(&self, rows: &mut Rows<f64>) {
+        self.operator
+            .assemble(&self.plan, self.mesh.surface(), &self.memory, rows);
+    }
+}
+
+/// Δ_S of a constant is zero, to the last bit, in every form.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstantsVanish<'a>(pub &'a Mesh);
+
+impl OperatorLaw for ConstantsVanish<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let measured = Measured::new(operator, self.0);
+        let vertices = self.0.positions.len();
+        let zero = vec![0.0; vertices];
+        let constant = vec![0.1; vertices];
+        assert_eq!(measured.apply_to_scalar(&constant), zero, "{name}");
+        let mut rows = Rows::new();
+        measured.assemble(&mut rows);
+        let mut result = vec![f64::NAN; vertices];
+        rows.apply_to_scalar(&Serial, &constant, &mut result);
+        assert_eq!(result, zero, "{name}: rows");
+        let fields = measured.apply(&vec![[0.1, -7.0e30]; vertices]);
+        assert_eq!(fields, vec![[0.0; 2]; vertices], "{name}: two fields");
+    }
+}
+
+/// Rows do what the operator does; filled again for a moved surface, they keep their memory.
+#[derive(Clone, Copy, Debug)]
+pub struct RowsAgree<'a>(pub &'a Mesh);
+
+impl OperatorLaw for RowsAgree<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let mut measured = Measured::new(operator, self.0);
+        let vertices = self.0.positions.len();
+        let field = SplitMix64::new(3).directions(vertices);
+        let mut rows = Rows::new();
+        measured.assemble(&mut rows);
+        assert_eq!(rows.len(), vertices, "{name}: one row a vertex");
+        let agree = |rows: &Rows<f64>, expected: &[[f64; 3]], scalar: &[f64]| {
+            let mut result = vec![[f64::NAN; 3]; vertices];
+            rows.apply(&Serial, &field, &mut result);
+            for vertex in 0..vertices {
+                let scale = 2.0 * rows.row(vertex).1.iter().map(|c| c.abs()).sum::<f64>();
+                let error = norm(difference(result[vertex], expected[vertex]));
+                let scale = scale.max(f64::MIN_POSITIVE);
+                tolerance::OPERATOR_ROUNDING.assert(error, 0.0, scale, name);
+                assert_eq!(
+                    scalar[vertex], expected[vertex][0],
+                    "{name}: one field and three"
+                );
+            }
+        };
+        let first = Vec::from_iter(field.iter().map(|f| f[0]));
+        agree(
+            &rows,
+            &measured.apply(&field),
+            &measured.apply_to_scalar(&first),
+        );
+
+        let places = |rows: &Rows<f64>| {
+            let (columns, coefficients) = rows.row(0);
+            (columns.as_ptr(), coefficients.as_ptr())
+        };
+        let before = places(&rows);
+        let moved = self.0.map(|[x, y, z]| [1.5 * x + 0.1 * y, y, z - 0.2 * x]);
+        measured.mesh = &moved;
+        let Measured {
+            operator,
+            plan,
+            memory,
+            curvature,
+            ..
+        } = &mut measured;
+        operator.measure(&Serial, plan, moved.surface(), memory, curvature);
+        measured.assemble(&mut rows);
+        assert_eq!(
+            places(&rows),
+            before,
+            "{name}: refilled rows moved in memory"
+        );
+        agree(
+            &rows,
+            &measured.apply(&field),
+            &measured.apply_to_scalar(&first),
+        );
+        let mut fresh = Rows::new();
+        measured.assemble(&mut fresh);
+        for vertex in 0..vertices {
+            assert_eq!(
+                rows.row(vertex),
+                fresh.row(vertex),
+                "{name}: refilled rows and new ones"
+            );
+        }
+    }
+}
+
+/// Curvatures follow: n turns, H, K and A stay; H and K scale as 1/length and its square. Turned
+/// are only meshes that leave room for operators that choose by thresholds.
+#[derive(Clone, Copy, Debug)]
+pub struct CurvatureFollows<'a>(pub &'a Mesh);
+
+impl OperatorLaw for CurvatureFollows<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let pitch = 2.0_f64.powi(-40);
+        let mesh = &self.0.map(|x| x.map(|x| (x / pitch).round() * pitch));
+        let here = Measured::new(operator, mesh).curvature;
+        let there =
+            Measured::new(operator, &mesh.map(|x| [x[0] - 3.0, x[1], x[2] + 9.5])).curvature;
+        assert_eq!(here, there, "{name}: translation");
+
+        for exponent in [-40, 40] {
+            let scale = 2.0_f64.powi(exponent);
+            let scaled = mesh.map(|x| x.map(|x| scale * x));
+            let scaled = Measured::new(operator, &scaled).curvature;
+            let back = scaled.into_iter().map(|curvature| Curvature {
+                mean: curvature.mean * scale,
+                gaussian: curvature.gaussian * scale * scale,
+                area: curvature.area / scale / scale,
+                ..curvature
+            });
+            assert_eq!(Vec::from_iter(back), here, "{name}: scale 2^{exponent}");
+        }
+
+        if mesh.positions.len() < ROOM {
+            return;
+        }
+        let turn = rotation(GENERIC);
+        let there = Measured::new(operator, &mesh.map(|x| turned(turn, x))).curvature;
+        let largest = here.iter().map(|c| c.mean.abs()).fold(1.0, f64::max);
+        for (here, there) in here.iter().zip(&there) {
+            let normal = norm(difference(turned(turn, here.normal), there.normal));
+            tolerance::INVARIANCE.assert(normal, 0.0, 1.0, name);
+            tolerance::INVARIANCE.assert(there.mean, here.mean, largest, name);
+            let square = largest * largest + here.gaussian.abs();
+            tolerance::INVARIANCE.assert(there.gaussian, here.gaussian, square, name);
+            tolerance::INVARIANCE.assert(there.area, here.area, here.area.abs() + 1e-3, name);
+        }
+    }
+}
+
+/// Δ_S of a field stays when the surface is moved and turned, and scales as 1/length²; rows give it
+/// to the last bit.
+#[derive(Clone, Copy, Debug)]
+pub struct LaplacianFollows<'a>(pub &'a Mesh);
+
+impl OperatorLaw for LaplacianFollows<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let wave = |&[x, y, z]: &[f64; 3]| (1.3 * x - 0.4 * y).sin() + z * (x + 0.2);
+        let field = Vec::from_iter(self.0.positions.iter().map(wave));
+        let laplacian = |mesh: &Mesh| {
+            let measured = Measured::new(operator, mesh);
+            let laplacian = measured.apply_to_scalar(&field);
+            let mut rows = Rows::new();
+            measured.assemble(&mut rows);
+            let mut by_rows = vec![f64::NAN; field.len()];
+            rows.apply_to_scalar(&Serial, &field, &mut by_rows);
+            assert_eq!(by_rows, laplacian, "{name}: rows");
+            laplacian
+        };
+        let here = laplacian(self.0);
+        // By a power of two everything scales to the last bit, unless there is an absolute number
+        // somewhere.
+        for exponent in [-40, 40] {
+            let scale = 2.0_f64.powi(exponent);
+            let there = laplacian(&self.0.map(|x| x.map(|x| scale * x)));
+            let back = there.into_iter().map(|value| value * scale * scale);
+            assert_eq!(Vec::from_iter(back), here, "{name}: scale 2^{exponent}");
+        }
+        let turn = rotation(GENERIC);
+        let there = laplacian(&self.0.map(|x| turned(turn, x).map(|x| x + 0.75)));
+        for (found, expected) in there.into_iter().zip(here) {
+            tolerance::OPERATOR_MOTION.assert(found, expected, 10.0, name);
+        }
+    }
+}
+
+/// Every law of operators on an ellipsoid.
+///
+/// # Panics
+/// If a law is broken.
+pub fn check_operator(name: &str, operator: impl LaplaceBeltrami<f64> + Copy) {
+    let shape = "ellipsoid".parse().expect("a shape");
+    let made = generate(&shape, Family::Relaxed, 642, 0).expect("a mesh");
+    let mesh = &Mesh {
+        connectivity: made.mesh,
+        positions: made.positions,
+    };
+    ConstantsVanish(mesh).check(name, operator);
+    RowsAgree(mesh).check(name, operator);
+    CurvatureFollows(mesh).check(name, operator);
+    LaplacianFollows(mesh).check(name, operator);
+}
+
+/// The laws that hold on the smallest meshes, and what the operator reports on each.
+///
+/// # Panics
+/// If a law is broken.
+pub fn findings_on_small_meshes(
+    operator: impl LaplaceBeltrami<f64> + Copy,
+) -> Vec<(&'static str, Vec<Finding>)> {
+    let check = |(name, mesh): (&'static str, Mesh)| {
+        Finite(&mesh).check(name, operator);
+        ConstantsVanish(&mesh).check(name, operator);
+        RowsAgree(&mesh).check(name, operator);
+        (name, Measured::new(operator, &mesh).findings())
+    };
+    small().into_iter().map(check).collect()
+}
