@@ -6,6 +6,7 @@
 
 mod boundary_integral;
 mod gmres;
+pub mod lattice_boltzmann;
 mod suspension;
 
 pub use boundary_integral::SingleLayer;

@@ -645,3 +645,40 @@ pub const PLATEAU: Tolerance = Tolerance::new(
 /// When a slope is least, relative.
 pub const PLATEAU_TIME: Tolerance =
     Tolerance::new(5e-2, "one sample in twenty, where the slope is least");
+/// Steady flows on a lattice between plates, for which its walls are exact, relative to the fastest.
+pub const LATTICE_STEADY: Tolerance = Tolerance::new(
+    1e-12,
+    "rounding over thousands of steps; what is left of the start is e⁻⁴⁰ and less",
+);
+/// Mass of a lattice after a few steps, relative; momentum and differences of it, relative to a
+/// twentieth of the mass.
+pub const LATTICE_ROUNDING: Tolerance = Tolerance::new(
+    4e-15,
+    "the errors of a thousand nodes, rounded some hundred times each, mostly cancel",
+);
+/// Velocities of a decayed vortex with 48 nodes to its wavelength, relative to the first.
+pub const LATTICE_VORTEX: Tolerance = Tolerance::new(
+    2e-3,
+    "second order in k = 2π/48, k² = 0.017, and in the Mach number, Ma² = 5e-4",
+);
+/// The same in a stream four times as fast.
+pub const LATTICE_STREAM: Tolerance = Tolerance::new(
+    4e-3,
+    "the viscosity is short of 3 · 0.05² = 0.75 %, which after a half-life is 0.26 % of the speed, \
+     and the rest as without a stream",
+);
+/// Force on an obstacle in steady flow, relative.
+pub const LATTICE_DRAG_BALANCE: Tolerance = Tolerance::new(
+    1e-4,
+    "the slowest mode decays with ν k² or faster: e⁻⁴⁰ and less in open fluid, more between spheres",
+);
+/// Drag of a sphere of six nodes' radius, relative.
+pub const LATTICE_DRAG: Tolerance = Tolerance::new(
+    2e-2,
+    "its surface is made of steps: the radius is uncertain by a tenth of the distance of nodes",
+);
+/// f32 against f64 after forty steps, relative to the deviations.
+pub const LATTICE_SINGLE: Tolerance = Tolerance::new(
+    1e-6,
+    "f32 rounds at 6e-8 of the deviations, some twenty times a step, with random signs",
+);
