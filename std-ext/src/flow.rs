@@ -2,14 +2,15 @@
 //!
 //! Everything is Stokes flow: no inertia, velocities linear in the forces. Nothing here knows of
 //! files, scenes or effects. [`SingleLayer`] is the velocity that membranes give to unbounded fluid
-//! of one viscosity, inside and outside.
+//! of one viscosity, inside and outside; [`DoubleLayer`] is what another viscosity inside adds, and
+//! [`Gmres`] solves the equation that it leads to.
 
 mod boundary_integral;
 mod gmres;
 pub mod lattice_boltzmann;
 mod suspension;
 
-pub use boundary_integral::SingleLayer;
+pub use boundary_integral::{DoubleLayer, SingleLayer};
 pub use gmres::{Gmres, Product, Solved};
 pub use suspension::{Effort, Membranes, Moving, Suspension};
 
@@ -75,6 +76,26 @@ impl Ambient {
                 let away = (DVec3::from(point) - DVec3::from(through)) / radius;
                 let across = away - away.dot(direction) * direction;
                 (centre_velocity * (1.0 - across.length_squared()) * direction).to_array()
+            }
+        }
+    }
+
+    /// The pressure that drives u∞, at a point of fluid of viscosity μ: `∇p = μ ∇²u∞`.
+    ///
+    /// It is 0 for linear flows, that being one choice of a constant, and `−4μU/R² t·(x − x_axis)` in
+    /// the paraboloid, 0 at the point of the axis.
+    pub fn pressure(&self, point: [f64; 3], viscosity: f64) -> f64 {
+        match *self {
+            Self::Linear { .. } => 0.0,
+            Self::Poiseuille {
+                centre_velocity,
+                radius,
+                direction,
+                through,
+            } => {
+                let direction = DVec3::from(direction).normalize_or_zero();
+                let along = (DVec3::from(point) - DVec3::from(through)).dot(direction) / radius;
+                -4.0 * viscosity * centre_velocity / radius * along
             }
         }
     }

@@ -645,6 +645,33 @@ pub const PLATEAU: Tolerance = Tolerance::new(
 /// When a slope is least, relative.
 pub const PLATEAU_TIME: Tolerance =
     Tolerance::new(5e-2, "one sample in twenty, where the slope is least");
+/// Velocities and pressures of the double layer, and pressures of the single one, near a triangle,
+/// relative.
+pub const FLOW_SEVEN_STRESSLETS: Tolerance = Tolerance::new(
+    1e-5,
+    "as for the single layer, with two more powers of the distance under the integral",
+);
+/// Velocities in, on and around a strained sphere of 2562 vertices of any viscosity, of 1.
+pub const FLOW_STRAINED: Tolerance = Tolerance::new(
+    5e-3,
+    "second order: the polyhedron's area and volume are 1.3e-3 short, and forces are 2λ + 3 times them",
+);
+/// Pressures around it, within an edge of it too, of 5.
+pub const FLOW_PRESSURE: Tolerance = Tolerance::new(
+    2e-2,
+    "flat triangles bend at edges, near which the pressure has the logarithm of the distance",
+);
+/// Solutions of the equation of both layers in another order, relative.
+pub const FLOW_SOLVED: Tolerance = Tolerance::new(
+    1e-10,
+    "residuals of 1e-12, and the condition of the equation",
+);
+/// Velocities on a pancake by facing triangles in parts against triangles of a quarter of the edge,
+/// relative.
+pub const FLOW_FACING: Tolerance = Tolerance::new(
+    5e-3,
+    "three points on the neighbours of the triangles around a vertex, as everywhere",
+);
 /// Steady flows on a lattice between plates, for which its walls are exact, relative to the fastest.
 pub const LATTICE_STEADY: Tolerance = Tolerance::new(
     1e-12,

@@ -1,6 +1,6 @@
 //! Integrals over one triangle.
 
-use super::stokeslets::{self, Source};
+use super::kernel::{Gradient, Kernel, Stokeslet, Stresslet, StressletPressure, source};
 use glam::DVec3;
 
 /// A triangle is near where its centre is nearer than this many times its longest edge.
@@ -28,6 +28,15 @@ impl<'a> Panel<'a> {
         self.triangle.map(|vertex| self.positions[vertex as usize])
     }
 
+    fn corners_from(&self, at: DVec3) -> [DVec3; 3] {
+        self.corners().map(|corner| corner - at)
+    }
+
+    /// The values of a field at the corners.
+    pub(super) fn of(&self, field: &[DVec3]) -> [DVec3; 3] {
+        self.triangle.map(|vertex| field[vertex as usize])
+    }
+
     /// The same triangle with this vertex, one of its own, as the first.
     pub(super) fn turned_to(self, vertex: u32) -> Self {
         let [a, b, c] = self.triangle;
@@ -41,10 +50,14 @@ impl<'a> Panel<'a> {
         Self { triangle, ..self }
     }
 
+    /// The normal as long as twice the area.
+    pub(super) fn doubled_normal(&self) -> DVec3 {
+        doubled_normal(self.corners())
+    }
+
     /// Twice the area.
     pub(super) fn doubled_area(&self) -> f64 {
-        let [a, b, c] = self.corners();
-        (b - a).cross(c - a).length()
+        self.doubled_normal().length()
     }
 
     pub(super) fn centre(&self) -> DVec3 {
@@ -57,17 +70,13 @@ impl<'a> Panel<'a> {
         REACH * REACH * squared_longest(self.corners())
     }
 
-    /// The rule of three interior points, exact to degree 2.
-    pub(super) fn sources(&self, tractions: &[DVec3]) -> [Source; 3] {
+    /// Three interior points and the field there, each a third of the triangle, exact to degree 2.
+    pub(super) fn points(&self, values: [DVec3; 3]) -> [(DVec3, DVec3); 3] {
         let corners = self.corners();
-        let tractions = self.triangle.map(|vertex| tractions[vertex as usize]);
-        let weight = self.doubled_area() / 6.0;
         let shares = [[4.0, 1.0, 1.0], [1.0, 4.0, 1.0], [1.0, 1.0, 4.0]];
         shares.map(|share| {
             let share = share.map(|part| part / 6.0);
-            let [x, y, z] = mean(corners, share).to_array();
-            let [a, b, c] = (weight * mean(tractions, share)).to_array();
-            [x, y, z, a, b, c]
+            (mean(corners, share), mean(values, share))
         })
     }
 
@@ -77,22 +86,25 @@ impl<'a> Panel<'a> {
     /// `(I/|v| + v v/|v|³)/ρ`: linear in ρ under the integral. That leaves
     /// `A ∫₀¹ (I/|v| + v v/|v|³)·[q₀ + (1 − s) q₁ + s q₂] ds`, in whose terms tⁿ/|v| and tⁿ/|v|³, t
     /// the length along the edge from the foot of x₀, are elementary.
-    pub(super) fn integral_about_corner(&self, tractions: &[DVec3]) -> DVec3 {
+    pub(super) fn stokeslets_about_corner(&self, tractions: [DVec3; 3]) -> DVec3 {
         let [x, a, b] = self.corners();
-        let [own, first, second] = self.triangle.map(|vertex| tractions[vertex as usize]);
-        let (v1, v2) = (a - x, b - x);
-        let edge = v2 - v1;
-        let (length, doubled_area) = (edge.length(), v1.cross(v2).length());
-        let height = doubled_area / length;
-        if !(height.is_normal() && length.is_normal()) {
+        let [own, first, second] = tractions;
+        let Some(edge) = Edge::new(a - x, b - x) else {
+            return DVec3::ZERO;
+        };
+        let Edge {
+            length,
+            along,
+            foot,
+            height,
+            ends: [(t1, r1), (t2, r2)],
+            over_r,
+        } = edge;
+        if !height.is_normal() {
             return DVec3::ZERO;
         }
-        let along = edge / length;
-        let [t1, t2] = [v1.dot(along), v2.dot(along)];
-        let foot = v1 - t1 * along;
         // The direction of the foot is finite however low the triangle is.
         let up = foot / height;
-        let [r1, r2] = [v1.length(), v2.length()];
         // q = base + slope t along the edge, the corner's own included.
         let slope = (second - first) / length;
         let base = own + first - t1 * slope;
@@ -100,15 +112,6 @@ impl<'a> Panel<'a> {
         let constant = foot.dot(base);
         let linear = along.dot(base) + foot.dot(slope);
         let square = along.dot(slope);
-        // ∫ dt/r = ln[(r1 + r2 + L)/(r1 + r2 − L)]; the difference is taken without cancellation.
-        let inner = v1.dot(v2);
-        let spread = if inner >= 0.0 {
-            r1 * r2 + inner
-        } else {
-            doubled_area * doubled_area / (r1 * r2 - inner)
-        };
-        let around = r1 + r2 + length;
-        let over_r = (around * around / (2.0 * spread)).ln();
         let ratio = t2 / r2 - t1 / r1;
         // ∫ tⁿ/r³ dt for n = 0 (times the squared height), 1, 2, 3.
         let cubes = [
@@ -125,54 +128,261 @@ impl<'a> Panel<'a> {
     }
 
     /// `∫ G(x − at)·q dS` for a point near the triangle.
-    pub(super) fn integral_near(&self, at: DVec3, tractions: &[DVec3]) -> DVec3 {
-        let corners = self.corners().map(|corner| corner - at);
-        let tractions = self.triangle.map(|vertex| tractions[vertex as usize]);
-        halved(corners, tractions, HALVINGS)
+    pub(super) fn stokeslets(&self, at: DVec3, tractions: [DVec3; 3]) -> [f64; 3] {
+        in_parts(self.corners_from(at), tractions, HALVINGS, &|x, q| {
+            Stokeslet.one([0.0; 3], &source(&[x, q]))
+        })
+    }
+
+    /// `∫ r·q/r³ dS`, r = x − at, for a point near the triangle.
+    ///
+    /// What q is at the nearest point is integrated without error, and only the rest, whose
+    /// integrand is one power of r less singular, in parts. So for the other layers below.
+    pub(super) fn gradients(&self, at: DVec3, values: [DVec3; 3]) -> [f64; 1] {
+        let flat = Flat::new(self.corners_from(at));
+        let (base, values) = flat.split(values);
+        let exact = base.dot(flat.attraction());
+        let rest = in_parts(flat.corners, values, HALVINGS, &|x, q| {
+            Gradient.one([0.0; 3], &source(&[x, q]))
+        });
+        sum([exact], rest)
+    }
+
+    /// `∫ r (r·n)(r·u)/r⁵ dS` for a point near the triangle.
+    pub(super) fn stresslets(&self, at: DVec3, values: [DVec3; 3]) -> [f64; 3] {
+        let flat = Flat::new(self.corners_from(at));
+        let (base, values) = flat.split(values);
+        let exact = flat.stresslet(base).to_array();
+        let rest = in_parts(flat.corners, values, HALVINGS, &|x, u| {
+            Stresslet.one([0.0; 6], &source(&[x, flat.normal, u]))
+        });
+        sum(exact, rest)
+    }
+
+    /// `∫ [3 (r·n)(r·u)/r⁵ − n·u/r³] dS` for a point near the triangle.
+    pub(super) fn stresslet_pressures(&self, at: DVec3, values: [DVec3; 3]) -> [f64; 1] {
+        let flat = Flat::new(self.corners_from(at));
+        let (base, values) = flat.split(values);
+        let exact = base.dot(flat.normal_derivative());
+        let rest = in_parts(flat.corners, values, HALVINGS, &|x, u| {
+            StressletPressure.one([0.0; 3], &source(&[x, flat.normal, u]))
+        });
+        sum([exact], rest)
+    }
+
+    /// `∫ r·n/r³ dS`, exactly.
+    pub(super) fn solid_angle(&self, at: DVec3) -> f64 {
+        Flat::new(self.corners_from(at)).solid_angle()
     }
 }
 
-/// The integral seen from the origin, by parts that are far off by their own measure.
-fn halved(corners: [DVec3; 3], tractions: [DVec3; 3], halvings: u32) -> DVec3 {
+/// An edge seen from the origin.
+struct Edge {
+    length: f64,
+    /// The unit vector along it.
+    along: DVec3,
+    /// The point of its line that is nearest, and its distance.
+    foot: DVec3,
+    height: f64,
+    /// Of its ends, the length t along the line from the foot, and the distance.
+    ends: [(f64, f64); 2],
+    /// ∫ dt/r; not finite for the origin on the edge.
+    over_r: f64,
+}
+
+impl Edge {
+    /// None without length.
+    fn new(v1: DVec3, v2: DVec3) -> Option<Self> {
+        let edge = v2 - v1;
+        let (length, doubled_area) = (edge.length(), v1.cross(v2).length());
+        if !length.is_normal() {
+            return None;
+        }
+        let along = edge / length;
+        let [t1, t2] = [v1.dot(along), v2.dot(along)];
+        let [r1, r2] = [v1.length(), v2.length()];
+        // ∫ dt/r = ln[(r1 + r2 + L)/(r1 + r2 − L)]; the difference is taken without cancellation.
+        let inner = v1.dot(v2);
+        let spread = if inner >= 0.0 {
+            r1 * r2 + inner
+        } else {
+            doubled_area * doubled_area / (r1 * r2 - inner)
+        };
+        let around = r1 + r2 + length;
+        Some(Self {
+            length,
+            along,
+            foot: v1 - t1 * along,
+            height: doubled_area / length,
+            ends: [(t1, r1), (t2, r2)],
+            over_r: (around * around / (2.0 * spread)).ln(),
+        })
+    }
+
+    /// `∫ r/r³ dt`; 0 for the origin on the line, where its multiples by the distance from the
+    /// plane end.
+    fn attraction(&self) -> DVec3 {
+        let [(t1, r1), (t2, r2)] = self.ends;
+        let across = (t2 / r2 - t1 / r1) / (self.height * self.height);
+        if !across.is_finite() {
+            return DVec3::ZERO;
+        }
+        across * self.foot + (r1.recip() - r2.recip()) * self.along
+    }
+}
+
+/// A flat triangle seen from the origin: integrals without error but rounding of what is constant
+/// on it.
+///
+/// On the plane `r·n` is constant. Derivatives of 1/r along the plane are integrals along the
+/// edges, with their outward normals ν in the plane, and 1/r is harmonic: everything comes down to
+/// `∫ dt/r` and `∫ r/r³ dt` along edges and to the solid angle, which is that of A. Van Oosterom and
+/// J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125.
+struct Flat {
+    corners: [DVec3; 3],
+    /// The unit normal, 0 without extent.
+    normal: DVec3,
+}
+
+impl Flat {
+    fn new(corners: [DVec3; 3]) -> Self {
+        Self {
+            corners,
+            normal: doubled_normal(corners).normalize_or_zero(),
+        }
+    }
+
+    /// The value of a linear field at about the nearest point, and what remains at the corners.
+    fn split(&self, values: [DVec3; 3]) -> (DVec3, [DVec3; 3]) {
+        let [a, b, c] = self.corners;
+        let shares =
+            [b.cross(c), c.cross(a), a.cross(b)].map(|area| self.normal.dot(area).max(0.0));
+        let all: f64 = shares.iter().sum();
+        let shares = if all > 0.0 {
+            shares.map(|share| share / all)
+        } else {
+            [1.0 / 3.0; 3]
+        };
+        let base = mean(values, shares);
+        (base, values.map(|value| value - base))
+    }
+
+    /// Edges, and their outward normals.
+    fn edges(&self) -> impl Iterator<Item = (Edge, DVec3)> {
+        let [a, b, c] = self.corners;
+        let edges = [(a, b), (b, c), (c, a)].into_iter();
+        edges
+            .filter_map(|(from, to)| Edge::new(from, to))
+            .map(|edge| {
+                let outward = edge.along.cross(self.normal);
+                (edge, outward)
+            })
+    }
+
+    /// `∫ r·n/r³ dS`: positive where the normal points away.
+    fn solid_angle(&self) -> f64 {
+        let [a, b, c] = self.corners;
+        let [x, y, z] = self.corners.map(DVec3::length);
+        let doubled = a.dot(b.cross(c));
+        2.0 * doubled.atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
+    }
+
+    /// `∫ r/r³ dS`.
+    fn attraction(&self) -> DVec3 {
+        let along: DVec3 = self
+            .edges()
+            .filter(|(edge, _)| edge.over_r.is_finite())
+            .map(|(edge, outward)| edge.over_r * outward)
+            .sum();
+        self.solid_angle() * self.normal - along
+    }
+
+    /// `∫ r (r·n)(r·c)/r⁵ dS`: by `3 r r/r⁵ = ∇∇(1/r) + I/r³`.
+    fn stresslet(&self, c: DVec3) -> DVec3 {
+        let n = self.normal;
+        let mut along = DVec3::ZERO;
+        let mut trace = 0.0;
+        let mut through = DVec3::ZERO;
+        for (edge, outward) in self.edges() {
+            let attraction = edge.attraction();
+            // ∫ (∇ along the plane) ∂_c(1/r) dS, and the same along n.
+            along -= attraction.dot(c) * outward;
+            through -= attraction.dot(n) * outward;
+            trace -= attraction.dot(outward);
+        }
+        let second = along + (through.dot(c) - trace * n.dot(c)) * n;
+        (self.solid_angle() * c + self.corners[0].dot(n) * second) / 3.0
+    }
+
+    /// `∫ ∇∂_n(1/r) dS`.
+    fn normal_derivative(&self) -> DVec3 {
+        let mut sum = DVec3::ZERO;
+        for (edge, outward) in self.edges() {
+            let attraction = edge.attraction();
+            sum += attraction.dot(outward) * self.normal - attraction.dot(self.normal) * outward;
+        }
+        sum
+    }
+}
+
+/// The integral of `point(x, weighted field)` over a triangle seen from the origin, by parts that
+/// are far off by their own measure.
+fn in_parts<const N: usize>(
+    corners: [DVec3; 3],
+    values: [DVec3; 3],
+    halvings: u32,
+    point: &impl Fn(DVec3, DVec3) -> [f64; N],
+) -> [f64; N] {
     let [a, b, c] = corners;
     let centre = (a + b + c) / 3.0;
     let far = centre.length_squared() >= REACH * REACH * squared_longest(corners);
     if far || halvings == 0 {
-        return by_seven_points(corners, tractions);
+        return by_seven_points(corners, values, point);
     }
     let middles = |[a, b, c]: [DVec3; 3]| [0.5 * (b + c), 0.5 * (c + a), 0.5 * (a + b)];
-    let (at, of) = (middles(corners), middles(tractions));
-    let mut sum = halved(at, of, halvings - 1);
+    let (at, of) = (middles(corners), middles(values));
+    let mut total = in_parts(at, of, halvings - 1, point);
     for k in 0..3 {
         let (next, last) = ((k + 1) % 3, (k + 2) % 3);
-        sum += halved(
-            [corners[k], at[last], at[next]],
-            [tractions[k], of[last], of[next]],
-            halvings - 1,
-        );
+        let corners = [corners[k], at[last], at[next]];
+        let values = [values[k], of[last], of[next]];
+        total = sum(total, in_parts(corners, values, halvings - 1, point));
     }
-    sum
+    total
 }
 
 /// The rule of seven interior points, exact to degree 5 (J. Radon 1948).
-fn by_seven_points(corners: [DVec3; 3], tractions: [DVec3; 3]) -> DVec3 {
-    let [a, b, c] = corners;
-    let area = 0.5 * (b - a).cross(c - a).length();
+fn by_seven_points<const N: usize>(
+    corners: [DVec3; 3],
+    values: [DVec3; 3],
+    point: &impl Fn(DVec3, DVec3) -> [f64; N],
+) -> [f64; N] {
+    let area = 0.5 * doubled_normal(corners).length();
     let point = |share: [f64; 3], weight: f64| {
-        let [x, y, z] = mean(corners, share).to_array();
-        let [f, g, h] = (area * weight * mean(tractions, share)).to_array();
-        stokeslets::one(DVec3::ZERO, [x, y, z, f, g, h])
+        point(mean(corners, share), area * weight * mean(values, share))
     };
     let root = 15.0_f64.sqrt();
-    let mut sum = point([1.0 / 3.0; 3], 9.0 / 40.0);
+    let mut total = point([1.0 / 3.0; 3], 9.0 / 40.0);
     for root in [root, -root] {
         let (outer, weight) = ((6.0 + root) / 21.0, (155.0 + root) / 1200.0);
         let inner = 1.0 - 2.0 * outer;
-        sum += point([inner, outer, outer], weight)
-            + point([outer, inner, outer], weight)
-            + point([outer, outer, inner], weight);
+        for share in [
+            [inner, outer, outer],
+            [outer, inner, outer],
+            [outer, outer, inner],
+        ] {
+            total = sum(total, point(share, weight));
+        }
     }
-    sum
+    total
+}
+
+fn sum<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| a[k] + b[k])
+}
+
+fn doubled_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
 }
 
 fn mean(values: [DVec3; 3], [a, b, c]: [f64; 3]) -> DVec3 {

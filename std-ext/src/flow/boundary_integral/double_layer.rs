@@ -1,0 +1,346 @@
+//! The double layer: what surfaces between fluids of different viscosities add.
+
+use super::geometry::Geometry;
+use super::kernel::{Kernel, SolidAngle, Stresslet, StressletPressure, source};
+use super::panel::Panel;
+use super::sums;
+use crate::flow::{Gmres, Solved};
+use glam::DVec3;
+use helfrich::TriangleMesh;
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+use std::ops::Range;
+
+/// `−6/(8π)`, T and what goes before the integral.
+const FACTOR: f64 = -0.75 / PI;
+
+/// What fluid of another viscosity inside closed surfaces adds to the velocity.
+///
+/// With λ_j the viscosity inside surface j over that of the fluid outside, the velocity on the
+/// surfaces obeys
+///
+/// `u(x₀) = b(x₀) + Σ_j (1 − λ_j)/(8π) ∫_j [u(x) − u(x₀)]·T(x − x₀)·n dS`, `T(r) = −6 r r r/r⁵`,
+///
+/// n outward, b the ambient flow and the [single layer](super::SingleLayer) of the outer viscosity:
+/// a linear equation that [`Self::solve`] solves. At other points of the fluid
+///
+/// `λ u(x₀) = b(x₀) + Σ_j (1 − λ_j)/(8π) ∫_j u(x)·T(x − x₀)·n dS`,
+///
+/// λ the viscosity there over that of the outer fluid, [`Self::viscosity_ratios`]; and the pressure
+/// is the sum of those of b and `μ Σ_j (1 − λ_j)/(2π) ∫_j u·∇∇(1/r)·n dS`, μ the outer viscosity, on
+/// both sides.
+///
+/// Surfaces lie outside one another. Positions and velocities are those of all, one after the other;
+/// those with λ = 1 take no time.
+///
+/// Taking u(x₀) away where it is not on surface j changes nothing, as `∫_j T·n dS = 0` outside of j,
+/// and leaves less to integrate where surfaces are near.
+///
+/// # Quadrature
+/// Triangles are flat, u is linear on them. As for the single layer, near triangles apart: what u is
+/// at their nearest point is integrated exactly, the rest in halved parts. Triangles around x₀ lie
+/// in planes through it and give nothing. The error is of second order in the edge length whatever
+/// the distance of surfaces; that of the pressure is as for the single layer.
+///
+/// Results do not depend on the number of threads.
+#[derive(Clone, Debug)]
+pub struct DoubleLayer {
+    /// Number of threads.
+    pub threads: NonZeroUsize,
+    viscosity_ratios: Vec<f64>,
+    geometry: Geometry,
+    velocities: Vec<DVec3>,
+    /// Places, normals times (1 − λ) and a third of the area, and velocities.
+    sources: Vec<[f64; 9]>,
+}
+
+impl DoubleLayer {
+    /// The double layer on these surfaces, without velocities as yet. Viscosity ratios are positive
+    /// and finite.
+    ///
+    /// # Panics
+    /// If there is not one viscosity ratio a surface, or 2³² vertices or more.
+    pub fn new<'a>(
+        meshes: impl IntoIterator<Item = &'a TriangleMesh>,
+        viscosity_ratios: &[f64],
+        threads: NonZeroUsize,
+    ) -> Self {
+        let geometry = Geometry::new(meshes);
+        assert_eq!(
+            viscosity_ratios.len(),
+            geometry.surfaces.len(),
+            "one viscosity ratio a surface"
+        );
+        Self {
+            threads,
+            viscosity_ratios: viscosity_ratios.to_vec(),
+            geometry,
+            velocities: Vec::new(),
+            sources: Vec::new(),
+        }
+    }
+
+    /// Number of vertices of all surfaces.
+    pub fn vertex_count(&self) -> usize {
+        self.geometry.vertex_count()
+    }
+
+    /// Puts the vertices at `positions`; all velocities are zero then.
+    ///
+    /// # Panics
+    /// If there is not one position a vertex.
+    pub fn set_positions(&mut self, positions: &[[f64; 3]]) {
+        self.geometry.place(positions);
+        self.velocities.clear();
+        self.velocities.resize(positions.len(), DVec3::ZERO);
+        self.sources.clear();
+        for (number, drop) in panels(&self.geometry, &self.viscosity_ratios) {
+            let panel = self.geometry.panel(number);
+            self.sources.extend(sources(panel, drop, [DVec3::ZERO; 3]));
+        }
+    }
+
+    /// Sets the velocity u at every vertex.
+    ///
+    /// # Panics
+    /// If there is not one velocity a vertex, or no positions have been set.
+    pub fn set_velocities(&mut self, velocity: &[[f64; 3]]) {
+        self.assert_placed();
+        assert_eq!(velocity.len(), self.vertex_count(), "one velocity a vertex");
+        let rows = velocity.iter().copied().map(DVec3::from);
+        self.velocities.clear();
+        self.velocities.extend(rows);
+        let panels = panels(&self.geometry, &self.viscosity_ratios);
+        for ((number, _), sources) in panels.zip(self.sources.as_chunks_mut::<3>().0) {
+            let panel = self.geometry.panel(number);
+            let values = panel.points(panel.of(&self.velocities));
+            for (source, (_, value)) in sources.iter_mut().zip(values) {
+                source[6..].copy_from_slice(&value.to_array());
+            }
+        }
+    }
+
+    /// Adds `Σ_j (1 − λ_j)/(8π) ∫_j [u(x) − u(x₀)]·T(x − x₀)·n dS` at every vertex x₀.
+    ///
+    /// # Panics
+    /// If there is not one velocity a vertex, or no positions have been set.
+    pub fn add_at_vertices(&self, sum: &mut [[f64; 3]]) {
+        self.assert_placed();
+        assert_eq!(sum.len(), self.vertex_count(), "one velocity a vertex");
+        let geometry = &self.geometry;
+        let target = |vertex: usize| source(&[geometry.position(vertex), self.velocities[vertex]]);
+        sums::add(
+            Stresslet,
+            self.threads,
+            &self.sources,
+            FACTOR,
+            sum,
+            target,
+            |vertex| {
+                let at = geometry.position(vertex);
+                self.lacking(geometry.near_vertex(vertex), at, self.velocities[vertex])
+            },
+        );
+    }
+
+    /// Adds `Σ_j (1 − λ_j)/(8π) ∫_j u(x)·T(x − x₀)·n dS` at points of the fluid x₀, on either side of
+    /// the surfaces. The velocity there is the sum of everything over [`Self::viscosity_ratios`].
+    ///
+    /// # Panics
+    /// If the numbers of points and velocities differ, or no positions have been set.
+    pub fn add_at_points(&self, points: &[[f64; 3]], sum: &mut [[f64; 3]]) {
+        self.assert_placed();
+        assert_eq!(sum.len(), points.len(), "one velocity a point");
+        let target = |point: usize| source(&[points[point].into(), DVec3::ZERO]);
+        sums::add(
+            Stresslet,
+            self.threads,
+            &self.sources,
+            FACTOR,
+            sum,
+            target,
+            |point| {
+                let at = points[point].into();
+                self.lacking(self.geometry.near_point(at), at, DVec3::ZERO)
+            },
+        );
+    }
+
+    /// Adds the pressure at points of the fluid, on either side of the surfaces, for an outer fluid
+    /// of viscosity μ. Nothing is to be divided here.
+    ///
+    /// # Panics
+    /// If the numbers of points and pressures differ, or no positions have been set.
+    pub fn add_pressure_at_points(
+        &self,
+        viscosity: f64,
+        points: &[[f64; 3]],
+        pressure: &mut [f64],
+    ) {
+        self.assert_placed();
+        assert_eq!(pressure.len(), points.len(), "one pressure a point");
+        sums::add(
+            StressletPressure,
+            self.threads,
+            &self.sources,
+            viscosity / (2.0 * PI),
+            pressure.as_chunks_mut().0,
+            |point| points[point],
+            |point| {
+                let at = points[point].into();
+                let lacking = |number| {
+                    let panel = self.geometry.panel(number);
+                    let drop = self.drop(number);
+                    let values = panel.of(&self.velocities);
+                    let [near] = panel.stresslet_pressures(at, values);
+                    let sources = sources(panel, drop, values);
+                    let [far] = three_points(StressletPressure, points[point], &sources);
+                    drop * near - far
+                };
+                [self.geometry.near_point(at).map(lacking).sum()]
+            },
+        );
+    }
+
+    /// Sets each entry to the viscosity at a point of the fluid over that of the outer fluid: λ_j
+    /// inside surface j, and 1 outside of all. Whether a point is inside is the solid angle under
+    /// which it sees the surface, to rounding right at any distance.
+    ///
+    /// # Panics
+    /// If the numbers of points and ratios differ, or no positions have been set.
+    pub fn viscosity_ratios(&self, points: &[[f64; 3]], ratios: &mut [f64]) {
+        self.assert_placed();
+        assert_eq!(ratios.len(), points.len(), "one ratio a point");
+        ratios.fill(1.0);
+        let mut turns = vec![[0.0]; points.len()];
+        let mut first = 0;
+        for (range, &ratio) in self.geometry.surfaces.iter().zip(&self.viscosity_ratios) {
+            if ratio == 1.0 {
+                continue;
+            }
+            let sources = &self.sources[first..first + 3 * range.len()];
+            first += sources.len();
+            turns.fill([0.0]);
+            sums::add(
+                SolidAngle,
+                self.threads,
+                sources,
+                (4.0 * PI * (1.0 - ratio)).recip(),
+                &mut turns,
+                |point| points[point],
+                |point| self.lacking_angle(range, points[point].into()),
+            );
+            for (entry, [turns]) in ratios.iter_mut().zip(&turns) {
+                if *turns > 0.5 {
+                    *entry = ratio;
+                }
+            }
+        }
+    }
+
+    /// Solves `u = b + Σ_j (1 − λ_j)/(8π) ∫_j [u − u(x₀)]·T·n dS` on the surfaces: `right` is b, and
+    /// `velocity` u, its first guess before. The velocities of the layer are u then, converged or
+    /// not.
+    ///
+    /// # Panics
+    /// If there is not one entry of `right` and `velocity` a vertex, or no positions have been set.
+    pub fn solve(
+        &mut self,
+        gmres: &mut Gmres,
+        right: &[[f64; 3]],
+        velocity: &mut [[f64; 3]],
+    ) -> Solved {
+        let mut apply = |velocity: &[[f64; 3]], product: &mut [[f64; 3]]| {
+            self.set_velocities(velocity);
+            product.fill([0.0; 3]);
+            self.add_at_vertices(product);
+            let rows = product.as_flattened_mut().iter_mut();
+            for (product, velocity) in rows.zip(velocity.as_flattened()) {
+                *product = velocity - *product;
+            }
+        };
+        let solved = gmres.solve(&mut apply, right, velocity);
+        self.set_velocities(velocity);
+        solved
+    }
+
+    fn assert_placed(&self) {
+        assert_eq!(
+            self.velocities.len(),
+            self.vertex_count(),
+            "positions are set before velocities"
+        );
+    }
+
+    /// 1 − λ of the surface of a triangle.
+    fn drop(&self, number: usize) -> f64 {
+        let surface = self
+            .geometry
+            .surfaces
+            .partition_point(|range| range.end <= number);
+        1.0 - self.viscosity_ratios[surface]
+    }
+
+    /// What near triangles lack at a place with this velocity.
+    fn lacking(&self, near: impl Iterator<Item = usize>, at: DVec3, velocity: DVec3) -> [f64; 3] {
+        let target = source(&[at, velocity]);
+        let mut sum = DVec3::ZERO;
+        for number in near {
+            let drop = self.drop(number);
+            if drop == 0.0 {
+                continue;
+            }
+            let panel = self.geometry.panel(number);
+            let values = panel.of(&self.velocities);
+            let near = panel.stresslets(at, values.map(|value| value - velocity));
+            let far = three_points(Stresslet, target, &sources(panel, drop, values));
+            sum += drop * DVec3::from(near) - DVec3::from(far);
+        }
+        sum.to_array()
+    }
+
+    /// What near triangles of a surface lack of its solid angle times 1 − λ.
+    fn lacking_angle(&self, range: &Range<usize>, at: DVec3) -> [f64; 1] {
+        let near = self.geometry.near_point(at);
+        let lacking = |number| {
+            let panel = self.geometry.panel(number);
+            let drop = self.drop(number);
+            let sources = sources(panel, drop, [DVec3::ZERO; 3]);
+            let [far] = three_points(SolidAngle, at.to_array(), &sources);
+            drop * panel.solid_angle(at) - far
+        };
+        [near
+            .filter(|number| range.contains(number))
+            .map(lacking)
+            .sum()]
+    }
+}
+
+/// The triangles with sources, and 1 − λ of each.
+fn panels(geometry: &Geometry, viscosity_ratios: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+    let surfaces = geometry.surfaces.iter().zip(viscosity_ratios);
+    surfaces
+        .filter(|&(_, &ratio)| ratio != 1.0)
+        .flat_map(|(range, &ratio)| range.clone().map(move |number| (number, 1.0 - ratio)))
+}
+
+/// A triangle's three points.
+fn sources(panel: Panel<'_>, drop: f64, velocities: [DVec3; 3]) -> [[f64; 9]; 3] {
+    let normal = drop / 6.0 * panel.doubled_normal();
+    panel
+        .points(velocities)
+        .map(|(x, u)| source(&[x, normal, u]))
+}
+
+/// What the sum over all sources has of one triangle.
+fn three_points<K: Kernel<T, 9, N>, const T: usize, const N: usize>(
+    kernel: K,
+    target: [f64; T],
+    sources: &[[f64; 9]; 3],
+) -> [f64; N] {
+    let mut sum = [0.0; N];
+    for source in sources {
+        sum = kernel.add(pulp::Scalar, target, source, sum);
+    }
+    sum
+}
