@@ -1,6 +1,7 @@
 //! What the tests share.
 
 pub mod accuracy;
+pub mod allocation;
 pub mod invariants;
 pub mod laws;
 pub mod meshes;

@@ -1,41 +1,15 @@
 //! Simulations: exactly the effects that a scene names, and the scenes that are shipped.
-#![expect(
-    unsafe_code,
-    reason = "a global allocator that counts cannot be written without"
-)]
 
 use helfrich_std::dynamics::Problem;
 use helfrich_std::run::{End, Summary, run};
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::series::SeriesTable;
 use helfrich_std::simulation::{Simulation, build};
+use helfrich_tests::allocation::{Counting, allocations};
 use helfrich_tests::tolerance;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-
-/// The system's allocator; counts the calls of each thread.
-struct Counting;
-
-thread_local! {
-    static CALLS: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: every call is handed on to the system's allocator as it is; the counter allocates
-// nothing, for it is initialised at compile time and has no destructor.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        CALLS.with(|calls| calls.set(calls.get() + 1));
-        // SAFETY: the caller's promise, handed on.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise, handed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -84,11 +58,11 @@ fn evaluated(file: &SceneFile, times: usize) -> (Vec<(String, u64)>, usize) {
     let (mut simulation, positions) = build(file).expect("a simulation");
     let mut force = vec![[0.0; 3]; positions.len()];
     simulation.evaluate(&positions, &mut force);
-    let before = CALLS.with(Cell::get);
-    for _ in 1..times {
-        simulation.evaluate(&positions, &mut force);
-    }
-    let allocations = CALLS.with(Cell::get) - before;
+    let allocations = allocations(|| {
+        for _ in 1..times {
+            simulation.evaluate(&positions, &mut force);
+        }
+    });
     let costs = simulation.costs().into_iter();
     let costs = costs.map(|cost| (cost.effect, cost.evaluations));
     (costs.collect(), allocations)

@@ -15,7 +15,7 @@ use proptest::prelude::*;
 
 #[test]
 fn every_method_of_the_library_is_in_the_suite() {
-    let source = include_str!("../../core/src/bending.rs");
+    let source = include_str!("../../../core/src/bending.rs");
     let modules = source
         .lines()
         .filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'));

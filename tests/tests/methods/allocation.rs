@@ -1,61 +1,16 @@
 //! Nothing is allocated after the first evaluation.
-#![expect(
-    unsafe_code,
-    reason = "a global allocator that counts cannot be written without"
-)]
 
 use helfrich::{
     Constraint, Constraints, Cotangent, Curvature, DualArea, InPlane, Interaction, LaplaceBeltrami,
     Method, NeoHookean, Prepared, Quantity, Real, Repulsion, Rows, Serial, Surface, Targets,
 };
+use helfrich_tests::allocation::allocations;
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
     for_each_conservative, for_each_operator,
 };
 use helfrich_tests::meshes::{Mesh, hemisphere, icosphere};
 use helfrich_tests::potentials::for_each_potential;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-/// The system's allocator; counts the calls of each thread.
-struct Counting;
-
-thread_local! {
-    static CALLS: Cell<usize> = const { Cell::new(0) };
-}
-
-fn count() {
-    CALLS.with(|calls| calls.set(calls.get() + 1));
-}
-
-// SAFETY: every call is handed on to the system's allocator as it is; the counter allocates
-// nothing, for it is initialised at compile time and has no destructor.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promise, handed on.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise, handed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promise, handed on.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// How often `run` allocates on this thread.
-fn allocations(run: impl FnOnce()) -> usize {
-    let before = CALLS.with(Cell::get);
-    run();
-    CALLS.with(Cell::get) - before
-}
 
 #[test]
 fn the_counter_counts() {

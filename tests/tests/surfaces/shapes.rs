@@ -147,7 +147,7 @@ const QUANTITIES: [&str; 3] = ["H", "K", "Δ_S H"];
 
 #[test]
 fn discocyte_meets_the_reference() {
-    let text = include_str!("../data/discocyte.json");
+    let text = include_str!("../../data/discocyte.json");
     let reference: serde_json::Value = serde_json::from_str(text).unwrap();
     let number = |value: &serde_json::Value| value.as_str().unwrap().parse::<f64>().unwrap();
     let names = ["z", "n_r", "n_z", "H", "K", "LapH", "f_over_kappa"];

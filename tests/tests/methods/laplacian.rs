@@ -19,7 +19,7 @@ const KINDS: [DualArea; 3] = [DualArea::Mixed, DualArea::Voronoi, DualArea::Bary
 
 #[test]
 fn every_operator_of_the_library_is_in_the_suite() {
-    let source = include_str!("../../core/src/laplacian.rs");
+    let source = include_str!("../../../core/src/laplacian.rs");
     let modules = source
         .lines()
         .filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'));

@@ -1,0 +1,4 @@
+//! Drivers: relaxation and integration in time.
+
+mod integrators;
+mod relaxation;

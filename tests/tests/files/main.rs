@@ -1,0 +1,4 @@
+//! Mesh files.
+
+mod readers;
+mod writers;

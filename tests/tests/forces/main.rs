@@ -1,0 +1,9 @@
+//! What acts on membranes besides bending.
+
+mod constraints;
+mod dissipation;
+mod elasticity;
+mod functionals;
+mod gravity;
+mod interaction;
+mod loads;

@@ -1,0 +1,16 @@
+//! Bending methods and their operators: the laws of all, and how each behaves.
+
+use helfrich_tests::allocation::Counting;
+
+mod allocation;
+mod heat_kernel;
+mod juelicher;
+mod laplacian;
+mod laws;
+mod loop_subdivision;
+mod paraboloid;
+mod precision;
+mod spontaneous;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;

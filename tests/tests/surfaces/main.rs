@@ -1,0 +1,8 @@
+//! Meshes and surfaces: connectivity, geometry, subdivision, exact shapes and what is made on them.
+
+mod families;
+mod mesh;
+mod points;
+mod shapes;
+mod subdivision;
+mod surface;
