@@ -709,3 +709,15 @@ pub const LATTICE_SINGLE: Tolerance = Tolerance::new(
     1e-6,
     "f32 rounds at 6e-8 of the deviations, some twenty times a step, with random signs",
 );
+/// Sums over the weights of a kernel, and what is interpolated with it.
+pub const LATTICE_KERNEL: Tolerance = Tolerance::new(1e-14, "sums of 64 terms, none above 1");
+/// Work of forces on points and on nodes, relative to what one of them does.
+pub const LATTICE_WORK: Tolerance = Tolerance::new(
+    1e-12,
+    "forces on nodes are read off differences of velocities, of a hundredth of these",
+);
+/// Mobilities in two boxes, relative to their difference.
+pub const LATTICE_IMAGES: Tolerance = Tolerance::new(
+    1e-2,
+    "second order: on the lattice, k² is off by some of its square, which is (2π/14)² for the first",
+);

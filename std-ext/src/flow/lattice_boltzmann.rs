@@ -2,7 +2,7 @@
 //! membranes.
 //!
 //! Everything is in lattice units: the distance of nodes, the time of a step and the density at
-//! rest are 1, and the speed of sound is 1/√3. Node (i, j, k) is at
+//! rest are 1, and the speed of sound is 1/√3. [`Units`] converts. Node (i, j, k) is at
 //! (i + ½, j + ½, k + ½); a box of n cells reaches from 0 to n, and that is where its walls are.
 //!
 //! Nineteen populations a node (D3Q19) relax with two times, Λ = 3/16, to the equilibrium of second
@@ -15,9 +15,14 @@
 mod boundary;
 mod collision;
 mod force;
+mod immersed;
 mod stencil;
+mod units;
 mod vectors;
 mod voxel;
+
+pub use immersed::{Immersed, Kernel};
+pub use units::{Units, mach, memory, reynolds};
 
 use boundary::{FIRST_OBSTACLE, Links, wall};
 use collision::{Fluid, Slab};
@@ -171,6 +176,39 @@ pub enum LatticeError {
         /// How many there may be.
         limit: usize,
     },
+    /// A point that is nowhere.
+    #[error("coordinate {} of point {point} is not a finite number", axis_name(*axis))]
+    PointNotFinite {
+        /// The point.
+        point: usize,
+        /// 0, 1 or 2.
+        axis: usize,
+    },
+    /// A point whose kernel reaches through a wall.
+    #[error(
+        "point {point} is at {coordinate} along {}, between walls at 0 and {cells}: its kernel needs \
+         {distance} of distance from each, and one of fewer points less", axis_name(*axis)
+    )]
+    NearWall {
+        /// The point.
+        point: usize,
+        /// The axis that goes through the wall.
+        axis: usize,
+        /// The point's coordinate.
+        coordinate: f64,
+        /// Number of nodes along the axis.
+        cells: usize,
+        /// How far from the walls the kernel needs the point to be.
+        distance: f64,
+    },
+    /// Units that are not numbers above 0.
+    #[error("the {name} is {value}: it has to be a number above 0")]
+    Unit {
+        /// What it is a unit of.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// A state of another lattice.
     #[error(
         "the state is of a lattice of {} × {} × {} nodes with {populations} populations, this one \
@@ -221,6 +259,22 @@ impl Node {
     /// (ρ − 1)/3, in units of a density times a squared velocity.
     pub fn pressure(&self) -> f64 {
         (self.density - 1.0) / 3.0
+    }
+}
+
+/// δρ, and momentum with half of the force.
+#[derive(Clone, Copy, Debug, Default)]
+struct Moments {
+    excess: f64,
+    momentum: [f64; 3],
+}
+
+impl Moments {
+    fn add(&mut self, other: &Self) {
+        self.excess += other.excess;
+        for (sum, momentum) in self.momentum.iter_mut().zip(other.momentum) {
+            *sum += momentum;
+        }
     }
 }
 
@@ -367,56 +421,82 @@ impl<T: Precision> Lattice<T> {
     /// If there is no such node.
     pub fn node(&self, cell: [usize; 3]) -> Node {
         self.assert_inside(cell);
-        let (excess, momentum) = self.moments(cell);
+        let mut moments = [Moments::default()];
+        self.read_row(cell, &mut moments);
+        let [moments] = moments;
+        Node {
+            density: 1.0 + moments.excess,
+            velocity: self.velocity(&moments),
+        }
+    }
+
+    fn velocity(&self, moments: &Moments) -> [f64; 3] {
         let mass = if self.setup.inertia {
-            1.0 + excess
+            1.0 + moments.excess
         } else {
             1.0
         };
-        Node {
-            density: 1.0 + excess,
-            velocity: momentum.map(|momentum| momentum / mass),
+        moments.momentum.map(|momentum| momentum / mass)
+    }
+
+    /// The moments of the nodes that start here, in the direction of x.
+    fn read_row(&self, [x, y, z]: [usize; 3], moments: &mut [Moments]) {
+        let layout = &self.layout;
+        let [length, rows, planes] = layout.cells;
+        for (number, moments) in moments.iter_mut().enumerate() {
+            let force = self.force_at(layout.node([x + number, y, z]));
+            *moments = Moments {
+                excess: 0.0,
+                momentum: force.map(|force| 0.5 * force),
+            };
+        }
+        for (direction, velocity) in VELOCITIES.iter().enumerate() {
+            let (stored, step) = Layout::source(self.odd(), direction);
+            let row = [0, wrapped(y, step[1], rows), wrapped(z, step[2], planes)];
+            let row = &self.state.populations[layout.slot(stored, row)..][..length];
+            let velocity = velocity.map(f64::from);
+            let first = wrapped(x, step[0], length);
+            let populations = row[first..].iter().chain(&row[..first]);
+            for (moments, &population) in moments.iter_mut().zip(populations) {
+                let population = number(population);
+                moments.excess += population;
+                for (sum, velocity) in moments.momentum.iter_mut().zip(velocity) {
+                    *sum += velocity * population;
+                }
+            }
         }
     }
 
     /// Mass of the fluid, without that inside obstacles.
     pub fn mass(&self) -> f64 {
-        self.sum(|lattice, cell| 1.0 + lattice.moments(cell).0)
+        let (nodes, Moments { excess, .. }) = self.totals();
+        nodes as f64 + excess
     }
 
     /// Momentum of the fluid, without that inside obstacles.
     pub fn momentum(&self) -> [f64; 3] {
-        array::from_fn(|axis| self.sum(|lattice, cell| lattice.moments(cell).1[axis]))
+        self.totals().1.momentum
     }
 
-    /// A sum over the nodes of the fluid, by rows so that little is lost to rounding.
-    fn sum(&self, value: impl Fn(&Self, [usize; 3]) -> f64) -> f64 {
+    /// Number of nodes in the fluid, and the sums over them, by rows so that little is lost to
+    /// rounding.
+    fn totals(&self) -> (usize, Moments) {
         let [length, rows, planes] = self.layout.cells;
-        let row = |number: usize| -> f64 {
-            (number * length..(number + 1) * length)
-                .filter(|&node| !self.is_labelled(node))
-                .map(|node| value(self, self.layout.cell(node)))
-                .sum()
-        };
-        (0..rows * planes).map(row).sum()
-    }
-
-    /// δρ, and momentum with half of the force.
-    fn moments(&self, cell: [usize; 3]) -> (f64, [f64; 3]) {
-        let odd = self.odd();
-        let mut excess = 0.0;
-        let mut momentum = self
-            .force_at(self.layout.node(cell))
-            .map(|force| 0.5 * force);
-        for (direction, step) in VELOCITIES.iter().enumerate() {
-            let place = self.layout.place(odd, direction, cell);
-            let population = number(self.state.populations[place]);
-            excess += population;
-            for (sum, &step) in momentum.iter_mut().zip(step) {
-                *sum += f64::from(step) * population;
+        let mut nodes = 0;
+        let mut total = Moments::default();
+        let mut moments = vec![Moments::default(); length];
+        for (z, y) in (0..planes).flat_map(|z| (0..rows).map(move |y| (z, y))) {
+            self.read_row([0, y, z], &mut moments);
+            let mut row = Moments::default();
+            for (x, moments) in moments.iter().enumerate() {
+                if !self.is_labelled(self.layout.node([x, y, z])) {
+                    nodes += 1;
+                    row.add(moments);
+                }
             }
+            total.add(&row);
         }
-        (excess, momentum)
+        (nodes, total)
     }
 
     /// Sets a force on every node: a pressure gradient, or gravity.
@@ -439,9 +519,13 @@ impl<T: Precision> Lattice<T> {
     pub fn add_force(&mut self, cell: [usize; 3], force: [f64; 3]) -> Result<(), LatticeError> {
         self.assert_inside(cell);
         let force = checked_force(force)?.map(T::constant);
-        let forces = (self.forces).get_or_insert_with(|| NodalForces::new(&self.layout));
-        forces.add(self.layout.node(cell), force);
+        let node = self.layout.node(cell);
+        self.nodal_forces().add(node, force);
         Ok(())
+    }
+
+    fn nodal_forces(&mut self) -> &mut NodalForces<T> {
+        (self.forces).get_or_insert_with(|| NodalForces::new(&self.layout))
     }
 
     /// Takes away all forces on single nodes.
@@ -513,8 +597,8 @@ impl<T: Precision> Lattice<T> {
         }
         let in_box = |axis: usize, index: i64| {
             let count = cells[axis] as i64;
-            let periodic = self.setup.sides[axis] == Sides::Periodic;
-            (periodic || (0..count).contains(&index)).then(|| index.rem_euclid(count) as usize)
+            (self.is_periodic(axis) || (0..count).contains(&index))
+                .then(|| index.rem_euclid(count) as usize)
         };
         let mut inside = vec![false; self.layout.nodes()];
         voxel::for_each_row_inside(mesh.triangles(), positions, |row, j, k| {
@@ -617,8 +701,8 @@ impl<T: Precision> Lattice<T> {
             },
         };
         let layout = self.layout;
+        let share = self.planes_a_thread();
         let mut planes = planes(&layout, odd, &mut self.state.populations);
-        let share = planes.len().div_ceil(self.setup.threads.get());
         std::thread::scope(|scope| {
             let slab = |(number, planes)| Slab {
                 planes,
@@ -638,6 +722,15 @@ impl<T: Precision> Lattice<T> {
         });
         self.links.bounce_back(&mut self.state.populations, odd);
         self.state.steps += 1;
+    }
+
+    /// How many planes each thread works on; the last one may have fewer.
+    fn planes_a_thread(&self) -> usize {
+        self.layout.cells[2].div_ceil(self.setup.threads.get())
+    }
+
+    fn is_periodic(&self, axis: usize) -> bool {
+        self.setup.sides[axis] == Sides::Periodic
     }
 
     fn odd(&self) -> bool {

@@ -64,15 +64,10 @@ impl<T: Precision> WithSimd for Slab<'_, '_, T> {
                 // No closures: what they do not inline takes as long as an eighth of the collisions.
                 let mut slots: [&mut [T]; Q] = array::from_fn(|_| <&mut [T]>::default());
                 for (direction, (slots, sheet)) in slots.iter_mut().zip(&mut *sheets).enumerate() {
-                    // Where the row begins, and whether it is borrowed from the neighbour in x.
-                    let (stored, step) = if self.odd {
-                        let back = opposite(direction);
-                        (back, VELOCITIES[back])
-                    } else {
-                        (direction, [0; 3])
-                    };
+                    let (stored, step) = Layout::source(self.odd, direction);
                     let start = wrapped(y, step[1], rows) * pitch;
                     let row = &mut sheet[start..start + pitch];
+                    // What goes through the end of a row has come to the slot more for now.
                     *slots = match step[0] {
                         0 => &mut row[Layout::lead(stored)..][..length],
                         1 => {

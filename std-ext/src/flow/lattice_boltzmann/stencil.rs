@@ -123,12 +123,6 @@ impl Layout {
         [node % x, node / x % y, node / (x * y)]
     }
 
-    /// The neighbour of a node, on the torus.
-    pub(super) fn neighbour(&self, cell: [usize; 3], direction: usize) -> [usize; 3] {
-        let step = VELOCITIES[direction];
-        array::from_fn(|axis| wrapped(cell[axis], step[axis], self.cells[axis]))
-    }
-
     /// Where a row's node 0 lies in it: the slot more is on the other side.
     pub(super) fn lead(direction: usize) -> usize {
         usize::from(VELOCITIES[direction][0] < 0)
@@ -139,15 +133,30 @@ impl Layout {
         (z * Q + direction) * self.sheet + y * self.pitch + x + Self::lead(direction)
     }
 
-    /// The slot in which a node finds the population of a direction, and in which it leaves what it
-    /// makes of the opposite one: before even steps its own, before odd ones the opposite one's of
-    /// the node from which the population came.
-    pub(super) fn place(&self, odd: bool, direction: usize, cell: [usize; 3]) -> usize {
+    /// Under which direction, and how many nodes away, a node finds the population of a direction,
+    /// and leaves what it makes of the opposite one: before even steps the same and here, before odd
+    /// ones the opposite one and there from where the population came.
+    pub(super) fn source(odd: bool, direction: usize) -> (usize, [i8; 3]) {
         if odd {
             let back = opposite(direction);
-            self.slot(back, self.neighbour(cell, back))
+            (back, VELOCITIES[back])
         } else {
-            self.slot(direction, cell)
+            (direction, [0; 3])
         }
+    }
+
+    /// The slot of [`Self::source`].
+    pub(super) fn place(&self, odd: bool, direction: usize, cell: [usize; 3]) -> usize {
+        let (stored, step) = Self::source(odd, direction);
+        self.slot(stored, self.moved(cell, step))
+    }
+
+    /// The neighbour of a node in a direction, on the torus.
+    pub(super) fn neighbour(&self, cell: [usize; 3], direction: usize) -> [usize; 3] {
+        self.moved(cell, VELOCITIES[direction])
+    }
+
+    fn moved(&self, cell: [usize; 3], step: [i8; 3]) -> [usize; 3] {
+        array::from_fn(|axis| wrapped(cell[axis], step[axis], self.cells[axis]))
     }
 }
