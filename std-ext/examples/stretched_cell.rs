@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = root.join("scenes/red-blood-cell-stretched.toml");
     let file = SceneFile::read(&scene, &overrides)?;
     let folder = tempfile::TempDir::new()?;
-    let mut load = None;
+    let mut said = 0.0;
     run(
         &file.scene,
         build(&file)?,
@@ -36,8 +36,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         false,
         &|| false,
         &mut |progress| {
-            if load.replace(progress.load) != Some(progress.load) {
-                eprintln!("{progress}");
+            if progress.fraction >= said {
+                eprintln!("{:3.0} %, {}", 100.0 * progress.fraction, progress.message);
+                said = progress.fraction + 0.05;
             }
         },
     )?;

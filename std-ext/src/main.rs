@@ -405,8 +405,8 @@ fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
         arguments.resume,
         &|| stop.load(Ordering::Relaxed),
         &mut |progress| {
-            bar.set_position((1000.0 * progress.fraction()) as u64);
-            bar.set_message(progress.to_string());
+            bar.set_position((1000.0 * progress.fraction) as u64);
+            bar.set_message(progress.message.clone());
         },
     );
     bar.finish_and_clear();
@@ -419,7 +419,7 @@ fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
     })?;
     print(|out| report::run_table(&summary, &folder, out))?;
     match summary.end {
-        End::Converged => Ok(()),
+        End::Converged | End::Completed => Ok(()),
         End::Interrupted => Err(Failure::Unfinished(130)),
         _ => {
             say(format_args!("error: {}", summary.message));

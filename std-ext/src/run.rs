@@ -11,21 +11,25 @@
 //! again cuts the series back to the checkpoint. Whenever a run is killed, nothing is lost but
 //! what came after its last checkpoint.
 
+mod deformed;
+mod drive;
+mod flowing;
 mod measure;
+mod relaxing;
 
 use crate::checkpoint::{self, CheckpointError, Fingerprint};
-use crate::dynamics::{Outcome, Relaxation, Settings, SetupError, State};
+use crate::dynamics::{SetupError, integrate};
 use crate::io::{
     Collection, CollectionEntry, PointField, PointValues, UNFINISHED, VtpError, replace_file,
     write_vtp,
 };
 use crate::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
-use crate::scene::{Driver, Every, Relax, Scene, Units};
+use crate::scene::{Scene, Units};
 use crate::series::{Series, SeriesError, SeriesTable};
 use crate::simulation::{Acting, Cost, Simulation};
+use drive::{Drive, DriveState, Mark, drive};
 use measure::Measures;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -43,12 +47,12 @@ pub enum RunError {
     /// The surfaces resist nothing.
     #[error("{0}: give a surface `bending`, `elasticity`, `tension` or a penalty on its `area`")]
     Setup(#[from] SetupError),
-    /// A driver that cannot be run.
-    #[error("scenes of the driver \"{name}\" can be read, and not run yet")]
-    Driver {
-        /// The driver.
-        name: &'static str,
-    },
+    /// The integration in time cannot begin.
+    #[error(transparent)]
+    Integration(#[from] integrate::SetupError),
+    /// The scene's outputs, or what was stored, are those of another driver.
+    #[error("the outputs, or the checkpoint, are not those of the scene's driver")]
+    Mismatch,
     /// There is a run in the folder already.
     #[error(
         "{}: there is a run here already: `--resume` goes on with it, `--out` names another folder",
@@ -90,6 +94,8 @@ impl RunError {
 pub enum End {
     /// Every load came to its equilibrium.
     Converged,
+    /// It went on to the end of its duration.
+    Completed,
     /// The last load did not: the limit of iterations was reached.
     IterationLimit,
     /// The last load did not: nothing improves any more.
@@ -109,8 +115,12 @@ pub struct Summary {
     pub end: End,
     /// The same in words.
     pub message: String,
-    /// Iterations in all.
+    /// Iterations, or steps in time, in all.
     pub iterations: u64,
+    /// Evaluations of the velocities in all, those for the spectral radius included; of drivers in
+    /// time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub right_hand_sides: Option<u64>,
     /// Seconds in all, resumed runs included.
     pub seconds: f64,
     /// The names of the last row's numbers, and these; a number that is not finite is null.
@@ -128,67 +138,28 @@ pub struct Summary {
 /// How far a run is.
 #[derive(Clone, Debug)]
 pub struct Progress {
-    /// The load of a sequence, from 0, and how many there are.
-    pub load: [usize; 2],
-    /// Iterations of this load.
-    pub iteration: u64,
-    /// The residual, that at which the load began, and that at which it is in equilibrium.
-    pub residual: [f64; 3],
-    /// The energy.
-    pub energy: f64,
-}
-
-impl Progress {
-    /// From 0 to 1, by the digits that the residual has lost of those it has to lose.
-    pub fn fraction(&self) -> f64 {
-        let [load, loads] = self.load.map(|count| count as f64);
-        let [residual, first, last] = self.residual;
-        let done = (first / residual).ln() / (first / last).ln();
-        // Not a number before the first step, and where there is nothing to do.
-        let done = if done.is_finite() {
-            done.clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        (load + done) / loads
-    }
-}
-
-impl fmt::Display for Progress {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [residual, ..] = self.residual;
-        let [load, loads] = self.load;
-        if loads > 1 {
-            write!(formatter, "load {} of {loads}, ", load + 1)?;
-        }
-        let Self {
-            iteration, energy, ..
-        } = self;
-        write!(
-            formatter,
-            "iteration {iteration}, energy {energy:.6e}, residual {residual:.1e}"
-        )
-    }
+    /// From 0 to 1.
+    pub fraction: f64,
+    /// The same in words.
+    pub message: String,
 }
 
 /// All that a checkpoint holds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Stored {
-    load: usize,
-    /// Iterations of the loads before.
-    before: u64,
-    relaxation: State,
+    drive: DriveState,
+    outputs: Outputs,
+}
+
+/// Where outputs stand.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Outputs {
     rows: u64,
     files: Collection,
-    /// The time at which files were written last.
+    /// The number with which files were written last.
     written: Option<u64>,
-    /// The residual with which the load began.
-    first_residual: Option<f64>,
     costs: Vec<(u64, f64)>,
     seconds: f64,
-    /// How the first load ended that did not come to its equilibrium, and all of these in words.
-    unfinished: Option<End>,
-    notes: Vec<String>,
 }
 
 /// Runs a scene that was made ready by [`build`](crate::simulation::build) in a folder, which is made
@@ -209,49 +180,36 @@ pub fn run(
 ) -> Result<Summary, RunError> {
     let start = Instant::now();
     let fingerprint = fingerprint(scene, &simulation, &positions);
-    let measures = Measures::new(scene, &simulation, &positions);
-    let (Driver::Relax(relax), Every::Iterations(every)) = (scene.driver, scene.output.every)
-    else {
-        let name = scene.driver.name();
-        return Err(RunError::Driver { name });
-    };
-    let settings = settings(relax);
-    let columns = measures.columns();
     let [path, series_path] = [CHECKPOINT, "series.csv"].map(|name| folder.join(name));
-    let (relaxation, series, stored, last) = if resume {
-        let stored: Stored = checkpoint::read(&path, fingerprint).map_err(RunError::Checkpoint)?;
+    let stored = if resume {
+        let stored = checkpoint::read(&path, fingerprint).map_err(RunError::Checkpoint)?;
         remove_unfinished(folder);
-        simulation.set_load(stored.load);
-        let state = stored.relaxation.clone();
-        let relaxation = Relaxation::resume(simulation.membranes(), state, settings)?;
-        let series = Series::resume(&series_path, &columns, stored.rows);
-        let series = series.map_err(RunError::Series)?;
-        let table = SeriesTable::read(&series_path).map_err(RunError::Series)?;
-        let last = table.rows.last().cloned();
-        (relaxation, series, stored, last.unwrap_or_default())
+        Some(stored)
+    } else if path.exists() || series_path.exists() {
+        let folder = folder.to_owned();
+        return Err(RunError::Occupied { folder });
     } else {
-        if path.exists() || series_path.exists() {
-            let folder = folder.to_owned();
-            return Err(RunError::Occupied { folder });
+        None
+    };
+    let (state, outputs) = stored.map(|Stored { drive, outputs }| (drive, outputs)).unzip();
+    let measures = Measures::new(scene, &simulation, &positions);
+    let drive = drive(scene, &mut simulation, positions, state)?;
+    let columns = measures.columns(&*drive, &simulation);
+    let columns = Vec::from_iter(columns.iter().map(String::as_str));
+    let (series, outputs, last) = match outputs {
+        Some(outputs) => {
+            let series = Series::resume(&series_path, &columns, outputs.rows);
+            let series = series.map_err(RunError::Series)?;
+            let table = SeriesTable::read(&series_path).map_err(RunError::Series)?;
+            let last = table.rows.last().cloned();
+            (series, outputs, last.unwrap_or_default())
         }
-        let relaxation = Relaxation::new(simulation.membranes(), positions, settings)?;
-        make_folder(folder)?;
-        let series = Series::create(&series_path, &columns)
-            .map_err(|error| RunError::Output(Box::new(error)))?;
-        let stored = Stored {
-            load: 0,
-            before: 0,
-            relaxation: relaxation.state().clone(),
-            rows: 0,
-            files: Collection::default(),
-            written: None,
-            first_residual: None,
-            costs: Vec::new(),
-            seconds: 0.0,
-            unfinished: None,
-            notes: Vec::new(),
-        };
-        (relaxation, series, stored, Vec::new())
+        None => {
+            make_folder(folder)?;
+            let series = Series::create(&series_path, &columns)
+                .map_err(|error| RunError::Output(Box::new(error)))?;
+            (series, Outputs::default(), Vec::new())
+        }
     };
     let mut run = Run {
         scene,
@@ -259,25 +217,14 @@ pub fn run(
         fingerprint,
         simulation,
         measures,
-        settings,
-        relaxation,
+        drive,
         series,
-        stored,
+        outputs,
         start,
-        time: 0,
         last,
     };
-    let (end, message) = run.drive(relax, every, interrupted, progress)?;
+    let (end, message) = run.drive(interrupted, progress)?;
     run.finish(end, message)
-}
-
-fn settings(relax: Relax) -> Settings {
-    Settings {
-        tolerance: relax.residual,
-        iteration_limit: usize::try_from(relax.iterations).unwrap_or(usize::MAX),
-        redistribution: relax.redistribution,
-        ..Settings::default()
-    }
 }
 
 /// Of the scene as read and of the meshes that it names, to the last bit.
@@ -317,124 +264,70 @@ struct Run<'a> {
     fingerprint: Fingerprint,
     simulation: Simulation,
     measures: Measures,
-    settings: Settings,
-    relaxation: Relaxation,
+    drive: Box<dyn Drive + 'a>,
     series: Series,
-    /// As it was at the last checkpoint, but for what says where outputs stand.
-    stored: Stored,
+    /// Costs and seconds are those of the runs that this one goes on with.
+    outputs: Outputs,
     start: Instant,
-    /// Iterations so far.
-    time: u64,
     /// The last row.
     last: Vec<f64>,
 }
 
 impl Run<'_> {
-    /// Load after load, step after step.
+    /// Step after step.
     fn drive(
         &mut self,
-        relax: Relax,
-        every: u64,
         interrupted: &dyn Fn() -> bool,
         progress: &mut dyn FnMut(&Progress),
     ) -> Result<(End, String), RunError> {
-        let checkpoint_every = self.scene.output.checkpoint_every;
-        let loads = self.simulation.load_count();
-        if self.stored.written.is_none() {
-            self.write(0, f64::NAN)?;
+        if self.outputs.written.is_none() {
+            self.write()?;
             self.checkpoint()?;
         }
         loop {
-            let report = self.relaxation.step(&mut self.simulation);
-            let iteration = report.iteration as u64;
-            let first = *self.stored.first_residual.get_or_insert(report.residual);
-            progress(&Progress {
-                load: [self.stored.load, loads],
-                iteration,
-                residual: [report.residual, first, relax.residual],
-                energy: report.energy,
-            });
-            let time = self.stored.before + iteration;
-            self.time = time;
-            if report.outcome.is_some() || iteration.is_multiple_of(every) {
-                self.write(time, report.residual)?;
+            let step = self.drive.step(&mut self.simulation)?;
+            progress(&self.drive.progress());
+            if step.output {
+                self.write()?;
             }
-            if let Some(outcome) = report.outcome {
-                let mut message = self.message(outcome, report.residual);
-                let load = self.stored.load + 1;
-                if loads > 1 && outcome != Outcome::Converged {
-                    message = format!("load {load} of {loads}: {message}");
-                    self.stored.notes.push(message.clone());
-                    self.stored.unfinished.get_or_insert(end(outcome));
-                }
-                let failed = matches!(outcome, Outcome::Failed(_));
-                if load == loads || failed {
-                    self.checkpoint()?;
-                    let first = self.stored.unfinished.filter(|_| !failed);
-                    if !self.stored.notes.is_empty() {
-                        message = self.stored.notes.join("; ");
-                    }
-                    return Ok((first.unwrap_or(end(outcome)), message));
-                }
-                self.stored.load = load;
-                self.stored.before = time;
-                self.stored.first_residual = None;
-                self.simulation.set_load(self.stored.load);
-                let positions = self.relaxation.positions().to_vec();
-                self.relaxation =
-                    Relaxation::new(self.simulation.membranes(), positions, self.settings)?;
+            if step.checkpoint {
                 self.checkpoint()?;
-            } else if interrupted() {
+            }
+            if let Some(end) = step.end {
+                return Ok(end);
+            }
+            if interrupted() {
                 self.checkpoint()?;
-                let message = format!("interrupted after {time} iterations: `--resume` goes on");
+                let message = format!("interrupted at {}: `--resume` goes on", self.drive.caption());
                 return Ok((End::Interrupted, message));
-            } else if iteration.is_multiple_of(checkpoint_every) {
-                self.checkpoint()?;
             }
         }
     }
 
-    /// An outcome in words, with what is worth knowing of it.
-    fn message(&self, outcome: Outcome, residual: f64) -> String {
-        let mut message = outcome.to_string();
-        if let Outcome::Failed(failure) = outcome
-            && let Some(membrane) = failure.membrane()
-        {
-            let name = self.simulation.bodies()[membrane].name();
-            message.push_str(&format!("; membrane {membrane} is the surface \"{name}\""));
-        }
-        if outcome != Outcome::Converged && residual.is_finite() {
-            message.push_str(&format!("; the residual is {residual:.1e}"));
-        }
-        message
-    }
-
-    /// A row of the series and a set of files, unless that was done at this time already.
-    fn write(&mut self, time: u64, residual: f64) -> Result<(), RunError> {
-        if self.stored.written == Some(time) {
+    /// A row of the series and a set of files, unless that was done here already.
+    fn write(&mut self) -> Result<(), RunError> {
+        let mark = self.drive.mark();
+        if self.outputs.written == Some(mark.number) {
             return Ok(());
         }
-        let positions = self.relaxation.positions();
-        let acting = self.simulation.resolve(positions);
-        let row = self
-            .measures
-            .row(&self.simulation, positions, &acting, time, residual);
+        let acting = self.simulation.resolve(self.drive.positions());
+        let row = self.measures.row(&*self.drive, &self.simulation, &acting);
         let output = |error: SeriesError| RunError::Output(Box::new(error));
         self.series.append(&row).map_err(output)?;
         self.last = row;
         if self.scene.output.surfaces {
-            self.write_surfaces(time, &acting)?;
+            self.write_surfaces(mark, &acting)?;
         }
         if self.scene.output.pictures {
-            self.draw(time, &acting)?;
+            self.draw(mark, &acting)?;
         }
-        self.stored.written = Some(time);
+        self.outputs.written = Some(mark.number);
         Ok(())
     }
 
-    fn write_surfaces(&mut self, time: u64, acting: &[Acting]) -> Result<(), RunError> {
+    fn write_surfaces(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
         make_folder(&self.folder.join("surfaces"))?;
-        let positions = self.relaxation.positions();
+        let positions = self.drive.positions();
         for (part, body) in self.simulation.bodies().iter().enumerate() {
             let fields = measure::fields(&self.simulation, body, positions, acting);
             let fields = Vec::from_iter(fields.iter().map(|(name, values)| PointField {
@@ -444,31 +337,31 @@ impl Run<'_> {
                     measure::Values::Vectors(values) => PointValues::Vectors(values),
                 },
             }));
-            let name = format!("surfaces/{}-{time:08}.vtp", body.name());
+            let name = format!("surfaces/{}-{:08}.vtp", body.name(), mark.number);
             write_vtp(
                 &self.folder.join(&name),
                 body.mesh(),
                 &positions[body.vertices()],
-                Some(time as f64),
+                Some(mark.time),
                 &fields,
             )
             .map_err(|error: VtpError| RunError::Output(Box::new(error)))?;
-            self.stored.files.entries.push(CollectionEntry {
-                time: time as f64,
+            self.outputs.files.entries.push(CollectionEntry {
+                time: mark.time,
                 part,
                 file: name,
             });
         }
         let path = self.folder.join("surfaces.pvd");
-        let written = self.stored.files.write(&path);
+        let written = self.outputs.files.write(&path);
         written.map_err(|source| RunError::Unwritable { path, source })
     }
 
     /// All surfaces in one picture, coloured by the scene's field.
-    fn draw(&mut self, time: u64, acting: &[Acting]) -> Result<(), RunError> {
+    fn draw(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
         let folder = self.folder.join("pictures");
         make_folder(&folder)?;
-        let positions = self.relaxation.positions();
+        let positions = self.drive.positions();
         let scene = self.scene;
         let field = scene.output.picture_field;
         let bodies = self.simulation.bodies();
@@ -488,8 +381,8 @@ impl Run<'_> {
         let signed = fields.iter().flatten().flatten().any(|&value| value < 0.0);
         let label = measure::picture_label(field, scene.units);
         let title = match scene.title.as_str() {
-            "" => format!("iteration {time}"),
-            title => format!("{title}, iteration {time}"),
+            "" => self.drive.caption(),
+            title => format!("{title}, {}", self.drive.caption()),
         };
         let picture = Picture {
             size: PICTURE_SIZE,
@@ -513,7 +406,7 @@ impl Run<'_> {
                 Units::None => None,
             },
         };
-        let path = folder.join(format!("{time:08}.png"));
+        let path = folder.join(format!("{:08}.png", mark.number));
         let canvas = picture
             .draw()
             .map_err(|error| RunError::Output(Box::new(error)))?;
@@ -523,24 +416,29 @@ impl Run<'_> {
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
         let rows = self.series.mark();
-        self.stored.rows = rows.map_err(|error| RunError::Output(Box::new(error)))?;
-        let mut stored = self.stored.clone();
-        stored.relaxation = self.relaxation.state().clone();
+        self.outputs.rows = rows.map_err(|error| RunError::Output(Box::new(error)))?;
         let costs = self.costs();
-        stored.costs = costs.iter().map(|c| (c.evaluations, c.seconds)).collect();
-        stored.seconds = self.seconds();
+        let stored = Stored {
+            drive: self.drive.state(),
+            outputs: Outputs {
+                costs: costs.iter().map(|c| (c.evaluations, c.seconds)).collect(),
+                seconds: self.seconds(),
+                ..self.outputs.clone()
+            },
+        };
         checkpoint::write(&self.folder.join(CHECKPOINT), self.fingerprint, &stored)
             .map_err(|error| RunError::Output(Box::new(error)))
     }
 
     fn seconds(&self) -> f64 {
-        self.stored.seconds + self.start.elapsed().as_secs_f64()
+        self.outputs.seconds + self.start.elapsed().as_secs_f64()
     }
 
     /// Of this run and those that it goes on with.
     fn costs(&self) -> Vec<Cost> {
         let mut costs = self.simulation.costs();
-        for (cost, &(evaluations, seconds)) in costs.iter_mut().zip(&self.stored.costs) {
+        costs.extend(self.drive.costs());
+        for (cost, &(evaluations, seconds)) in costs.iter_mut().zip(&self.outputs.costs) {
             cost.evaluations += evaluations;
             cost.seconds += seconds;
         }
@@ -548,19 +446,18 @@ impl Run<'_> {
     }
 
     fn finish(&mut self, end: End, message: String) -> Result<Summary, RunError> {
-        let columns = self.measures.columns();
-        let last = columns
-            .into_iter()
-            .map(str::to_owned)
-            .zip(self.last.clone());
+        let columns = self.measures.columns(&*self.drive, &self.simulation);
+        let last = columns.into_iter().zip(self.last.clone());
+        let work = self.drive.work();
         let warnings = self.simulation.warnings().iter();
         let mut warnings = Vec::from_iter(warnings.map(ToString::to_string));
-        warnings.extend(self.stored.notes.iter().cloned());
+        warnings.extend(self.drive.notes().iter().cloned());
         let summary = Summary {
             title: self.scene.title.clone(),
             end,
             message,
-            iterations: self.time,
+            iterations: work.iterations,
+            right_hand_sides: work.right_hand_sides,
             seconds: self.seconds(),
             last: last.collect(),
             effects: self.costs(),
@@ -575,14 +472,5 @@ impl Run<'_> {
         })
         .map_err(|source| RunError::Unwritable { path, source })?;
         Ok(summary)
-    }
-}
-
-fn end(outcome: Outcome) -> End {
-    match outcome {
-        Outcome::Converged => End::Converged,
-        Outcome::IterationLimit => End::IterationLimit,
-        Outcome::Stagnated => End::Stagnated,
-        _ => End::Failed,
     }
 }

@@ -91,6 +91,11 @@ impl Body {
         &self.mesh
     }
 
+    /// The same, to be shared.
+    pub fn shared_mesh(&self) -> &Arc<TriangleMesh> {
+        &self.mesh
+    }
+
     /// Its vertices among those of all surfaces.
     pub fn vertices(&self) -> Range<usize> {
         self.vertices.clone()

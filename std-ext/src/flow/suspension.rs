@@ -1,6 +1,6 @@
 //! Membranes that move with the flow that they make.
 
-use super::{Ambient, SingleLayer};
+use super::{Ambient, DoubleLayer, Gmres, SingleLayer};
 use crate::dynamics::Held;
 use crate::dynamics::integrate::RightHandSide;
 use glam::DVec3;
@@ -9,6 +9,9 @@ use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// The residual of solutions, relative: what derivatives by differences can stand.
+pub const SOLUTION_TOLERANCE: f64 = 1e-8;
 
 /// What membranes exert on the fluid, over the positions of all of them, one after the other.
 pub trait Membranes {
@@ -37,13 +40,23 @@ pub trait Membranes {
 
 /// Membranes suspended in unbounded fluid: their velocities are that of the ambient flow and those
 /// that their forces make by the boundary integrals of Stokes flow.
+///
+/// Where viscosities differ inside and outside, or membranes are viscous themselves, forces depend on
+/// the velocities, which are then the solution of a linear system: `u = b + K u`.
 #[derive(Debug)]
 pub struct Suspension {
     ambient: Option<Ambient>,
-    layer: SingleLayer,
+    single: SingleLayer,
+    /// Only where viscosities differ.
+    double: Option<DoubleLayer>,
     volumes: Vec<KeptVolume>,
     forces: Vec<[f64; 3]>,
-    layers: Effort,
+    solver: Gmres,
+    /// The last solution, with which the next begins.
+    guess: Vec<[f64; 3]>,
+    products: u64,
+    single_layers: Effort,
+    double_layers: Effort,
 }
 
 /// The enclosed volume of one surface's components.
@@ -72,23 +85,32 @@ impl Effort {
 }
 
 impl Suspension {
-    /// Membranes of these meshes in fluid of one viscosity μ.
+    /// Membranes of these meshes in fluid of viscosity μ, with fluid of μ times the mesh's viscosity
+    /// ratio in each. Only ratios other than 1 take time; their meshes are closed.
     ///
     /// # Panics
-    /// If there are 2³² vertices or more.
+    /// If there is not one viscosity ratio a mesh, or 2³² vertices or more.
     pub fn new(
         meshes: &[Arc<TriangleMesh>],
         viscosity: f64,
+        viscosity_ratios: &[f64],
         ambient: Option<Ambient>,
         threads: NonZeroUsize,
     ) -> Self {
-        let layer = SingleLayer::new(meshes.iter().map(|mesh| &**mesh), viscosity, threads);
+        let borrowed = || meshes.iter().map(|mesh| &**mesh);
+        let single = SingleLayer::new(borrowed(), viscosity, threads);
+        let contrast = viscosity_ratios.iter().any(|&ratio| ratio != 1.0);
         Self {
             ambient,
-            forces: vec![[0.0; 3]; layer.vertex_count()],
-            layer,
+            double: contrast.then(|| DoubleLayer::new(borrowed(), viscosity_ratios, threads)),
+            forces: vec![[0.0; 3]; single.vertex_count()],
+            single,
             volumes: Vec::new(),
-            layers: Effort::default(),
+            solver: Gmres::new(SOLUTION_TOLERANCE),
+            guess: Vec::new(),
+            products: 0,
+            single_layers: Effort::default(),
+            double_layers: Effort::default(),
         }
     }
 
@@ -147,13 +169,75 @@ impl Suspension {
             ambient.add_velocity(positions, velocities);
         }
         let start = Instant::now();
-        self.layer.set_forces(positions, &self.forces);
-        self.layer.add_at_vertices(velocities);
-        self.layers.add(start);
+        self.single.set_forces(positions, &self.forces);
+        self.single.add_at_vertices(velocities);
+        self.single_layers.add(start);
+        if self.double.is_some() || membranes.are_viscous() {
+            self.solve(membranes, positions, velocities)?;
+        }
         for volume in &mut self.volumes {
             volume.correct(positions, velocities);
         }
         Ok(())
+    }
+
+    /// Makes u of b, with `u = b + K u`.
+    fn solve(
+        &mut self,
+        membranes: &mut impl Membranes,
+        positions: &[[f64; 3]],
+        velocities: &mut [[f64; 3]],
+    ) -> Result<(), String> {
+        let Self {
+            single,
+            double,
+            forces,
+            solver,
+            guess,
+            products,
+            single_layers,
+            double_layers,
+            ..
+        } = self;
+        if guess.len() != velocities.len() {
+            guess.clear();
+            guess.extend_from_slice(velocities);
+        }
+        if let Some(double) = double {
+            double.set_positions(positions);
+        }
+        let mut apply = |u: &[[f64; 3]], product: &mut [[f64; 3]]| {
+            product.fill([0.0; 3]);
+            if let Some(double) = double {
+                let start = Instant::now();
+                double.set_velocities(u);
+                double.add_at_vertices(product);
+                double_layers.add(start);
+            }
+            if membranes.are_viscous() {
+                forces.fill([0.0; 3]);
+                membranes.add_viscous_forces(positions, u, forces);
+                let start = Instant::now();
+                single.set_forces(positions, forces);
+                single.add_at_vertices(product);
+                single_layers.add(start);
+            }
+            let entries = product.as_flattened_mut().iter_mut();
+            for (product, u) in entries.zip(u.as_flattened()) {
+                *product = u - *product;
+            }
+        };
+        let solved = solver.solve(&mut apply, velocities, guess);
+        *products += solved.products as u64;
+        velocities.copy_from_slice(guess);
+        if solved.converged {
+            return Ok(());
+        }
+        Err(format!(
+            "after {} products the velocities that viscosity makes depend on themselves are still \
+             wrong by {:.1e} of their size, and {:.0e} is needed",
+            solved.products, solved.residual, solver.tolerance
+        ))
     }
 
     /// Moves positions to where volumes are what they were.
@@ -164,9 +248,34 @@ impl Suspension {
         }
     }
 
-    /// What boundary integrals took so far.
-    pub fn effort(&self) -> Effort {
-        self.layers
+    /// What boundary integrals took so far: those that are used.
+    pub fn efforts(&self) -> Vec<(&'static str, Effort)> {
+        let mut efforts = vec![("single_layer", self.single_layers)];
+        if self.double.is_some() {
+            efforts.push(("double_layer", self.double_layers));
+        }
+        efforts
+    }
+
+    /// Products that solutions took so far.
+    pub fn products(&self) -> u64 {
+        self.products
+    }
+
+    /// The last solution, with which the next begins; empty before the first. To be stored for a
+    /// run to continue bit for bit.
+    pub fn guess(&self) -> &[[f64; 3]] {
+        &self.guess
+    }
+
+    /// Takes up a stored solution.
+    pub fn set_guess(&mut self, guess: Vec<[f64; 3]>) {
+        self.guess = guess;
+    }
+
+    /// Whether fluids of several viscosities meet.
+    pub fn has_contrast(&self) -> bool {
+        self.double.is_some()
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a run says of its surfaces.
 
+use super::drive::Drive;
 use crate::effect::{Effect, EffectKind};
 use crate::picture::Frame;
 use crate::scene::{PictureField, Scene, Units};
@@ -8,7 +9,7 @@ use helfrich::laplacian::CotangentMemory;
 use helfrich::{Cotangent, Curvature, DualArea, LaplaceBeltrami, Method, Serial, Surface};
 use std::f64::consts::PI;
 
-/// The columns of the series.
+/// The columns of the series that every driver has.
 #[derive(Debug)]
 pub(super) struct Measures {
     columns: Vec<String>,
@@ -20,11 +21,7 @@ pub(super) struct Measures {
 
 impl Measures {
     pub(super) fn new(scene: &Scene, simulation: &Simulation, positions: &[[f64; 3]]) -> Self {
-        let mut columns = vec![
-            "time".to_owned(),
-            "residual".to_owned(),
-            "energy".to_owned(),
-        ];
+        let mut columns = vec!["energy".to_owned()];
         let effects = simulation.effect_names().into_iter();
         columns.extend(effects.map(|effect| format!("energy_{effect}")));
         let mut directions = Vec::new();
@@ -56,21 +53,24 @@ impl Measures {
         }
     }
 
-    pub(super) fn columns(&self) -> Vec<&str> {
-        self.columns.iter().map(String::as_str).collect()
+    /// The columns of the series: the driver's own are first.
+    pub(super) fn columns(&self, drive: &dyn Drive, simulation: &Simulation) -> Vec<String> {
+        let mut columns = drive.columns(simulation);
+        columns.extend(self.columns.iter().cloned());
+        columns
     }
 
     /// A number for each column; NaN for what is not defined.
     pub(super) fn row(
         &self,
+        drive: &dyn Drive,
         simulation: &Simulation,
-        positions: &[[f64; 3]],
         acting: &[Acting],
-        time: u64,
-        residual: f64,
     ) -> Vec<f64> {
+        let positions = drive.positions();
         let energies = acting.iter().map(|acting| acting.energy);
-        let mut row = vec![time as f64, residual, energies.clone().sum()];
+        let mut row = drive.numbers(simulation);
+        row.push(energies.clone().sum());
         row.extend(energies);
         for (body, directions) in simulation.bodies().iter().zip(&self.directions) {
             let [area, volume, angle] = body.surface(positions).map_or([f64::NAN; 3], measured);

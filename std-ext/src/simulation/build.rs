@@ -7,7 +7,7 @@ use crate::generate::{GenerateError, GeneratedMesh, generate};
 use crate::info::MeshInfo;
 use crate::io::{ReadError, read};
 use crate::scene::{
-    self, AreaDifferenceTarget, Hold, InPlaneLaw, MeshSource, Orientation, Reference,
+    self, AreaDifferenceTarget, Driver, Hold, InPlaneLaw, MeshSource, Orientation, Reference,
     ReferenceSource, SceneError, SceneErrors, SceneFile, SurfaceScene, Target, VolumeTarget,
 };
 use helfrich::interaction::RepulsionMemory;
@@ -251,7 +251,10 @@ impl Start {
                 method,
                 modulus,
                 spontaneous_curvature,
-                Lumping::Own,
+                match file.scene.driver {
+                    Driver::Relax(_) => Lumping::Own,
+                    Driver::BoundaryIntegral(_) => Lumping::Thirds,
+                },
                 surface,
             ));
         }

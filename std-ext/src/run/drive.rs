@@ -1,0 +1,108 @@
+//! What moves a scene's surfaces, as a run sees it.
+
+use super::flowing::{Flowing, FlowingState};
+use super::relaxing::{Relaxing, RelaxingState};
+use super::{End, Progress, RunError};
+use crate::scene::{Driver, Every, Scene};
+use crate::simulation::{Cost, Simulation};
+use serde::{Deserialize, Serialize};
+
+/// A driver on its way.
+pub(super) trait Drive {
+    /// The names of the first numbers of a row.
+    fn columns(&self, simulation: &Simulation) -> Vec<String>;
+
+    /// These numbers.
+    fn numbers(&self, simulation: &Simulation) -> Vec<f64>;
+
+    /// How far it is, as a time in files and as a number in their names.
+    fn mark(&self) -> Mark;
+
+    /// The same in words, under a picture.
+    fn caption(&self) -> String;
+
+    /// Where the vertices are.
+    fn positions(&self) -> &[[f64; 3]];
+
+    /// Moves them on.
+    fn step(&mut self, simulation: &mut Simulation) -> Result<Step, RunError>;
+
+    /// How far it is, for people.
+    fn progress(&self) -> Progress;
+
+    /// What it has done.
+    fn work(&self) -> Work;
+
+    /// What else has cost time besides effects.
+    fn costs(&self) -> Vec<Cost> {
+        Vec::new()
+    }
+
+    /// What is worth knowing besides.
+    fn notes(&self) -> &[String];
+
+    /// All that it takes to go on bit for bit.
+    fn state(&self) -> DriveState;
+}
+
+/// A place on the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mark {
+    pub(super) time: f64,
+    pub(super) number: u64,
+}
+
+/// What is due after a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Step {
+    /// A row and files.
+    pub(super) output: bool,
+    /// A checkpoint.
+    pub(super) checkpoint: bool,
+    /// The end, and the same in words.
+    pub(super) end: Option<(End, String)>,
+}
+
+/// What a driver has done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Work {
+    /// Iterations, or steps in time.
+    pub(super) iterations: u64,
+    /// Evaluations of velocities, of drivers in time.
+    pub(super) right_hand_sides: Option<u64>,
+}
+
+/// The state of some driver.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) enum DriveState {
+    Relaxing(RelaxingState),
+    Flowing(FlowingState),
+}
+
+/// The scene's driver where the surfaces start, or where it was stored.
+pub(super) fn drive<'a>(
+    scene: &'a Scene,
+    simulation: &mut Simulation,
+    positions: Vec<[f64; 3]>,
+    stored: Option<DriveState>,
+) -> Result<Box<dyn Drive + 'a>, RunError> {
+    let checkpoint_every = scene.output.checkpoint_every;
+    Ok(match (scene.driver, scene.output.every, stored) {
+        (Driver::Relax(relax), Every::Iterations(every), None) => {
+            let every = [every, checkpoint_every];
+            Box::new(Relaxing::new(relax, every, simulation, positions)?)
+        }
+        (Driver::Relax(relax), Every::Iterations(every), Some(DriveState::Relaxing(state))) => {
+            let every = [every, checkpoint_every];
+            Box::new(Relaxing::resume(relax, every, simulation, state)?)
+        }
+        (Driver::BoundaryIntegral(driver), Every::Time(_), None) => {
+            Box::new(Flowing::new(scene, driver, simulation, positions)?)
+        }
+        (Driver::BoundaryIntegral(driver), Every::Time(_), Some(DriveState::Flowing(state))) => {
+            Box::new(Flowing::resume(scene, driver, simulation, positions, state)?)
+        }
+        // The scene's reader sees to the first, the checkpoint's fingerprint to the second.
+        _ => return Err(RunError::Mismatch),
+    })
+}

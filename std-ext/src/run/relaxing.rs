@@ -1,0 +1,260 @@
+//! Runs to equilibrium, load after load.
+
+use super::drive::{Drive, DriveState, Mark, Step, Work};
+use super::{End, Progress, RunError};
+use crate::dynamics::{Outcome, Relaxation, Settings, State};
+use crate::scene::Relax;
+use crate::simulation::Simulation;
+use serde::{Deserialize, Serialize};
+
+/// A relaxation under each load of a sequence.
+pub(super) struct Relaxing {
+    relax: Relax,
+    /// Iterations from one row, and from one checkpoint, to the next.
+    every: [u64; 2],
+    loads: usize,
+    names: Vec<String>,
+    relaxation: Relaxation,
+    progress: RelaxingProgress,
+    residual: f64,
+    energy: f64,
+}
+
+/// What a checkpoint holds of it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct RelaxingState {
+    relaxation: State,
+    progress: RelaxingProgress,
+}
+
+/// Where in the sequence of loads it is.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct RelaxingProgress {
+    load: usize,
+    /// Iterations of the loads before, and of this one.
+    before: u64,
+    iteration: u64,
+    /// The residual with which the load began.
+    first_residual: Option<f64>,
+    /// How the first load ended that did not come to its equilibrium, and all of these in words.
+    unfinished: Option<End>,
+    notes: Vec<String>,
+}
+
+impl Relaxing {
+    pub(super) fn new(
+        relax: Relax,
+        every: [u64; 2],
+        simulation: &mut Simulation,
+        positions: Vec<[f64; 3]>,
+    ) -> Result<Self, RunError> {
+        let relaxation = Relaxation::new(simulation.membranes(), positions, settings(relax))?;
+        let progress = RelaxingProgress::default();
+        Ok(Self::at(relax, every, simulation, relaxation, progress))
+    }
+
+    pub(super) fn resume(
+        relax: Relax,
+        every: [u64; 2],
+        simulation: &mut Simulation,
+        state: RelaxingState,
+    ) -> Result<Self, RunError> {
+        simulation.set_load(state.progress.load);
+        let membranes = simulation.membranes();
+        let relaxation = Relaxation::resume(membranes, state.relaxation, settings(relax))?;
+        let progress = state.progress;
+        Ok(Self::at(relax, every, simulation, relaxation, progress))
+    }
+
+    fn at(
+        relax: Relax,
+        every: [u64; 2],
+        simulation: &Simulation,
+        relaxation: Relaxation,
+        progress: RelaxingProgress,
+    ) -> Self {
+        let names = simulation.bodies().iter().map(|body| body.name().to_owned());
+        Self {
+            relax,
+            every,
+            loads: simulation.load_count(),
+            names: names.collect(),
+            relaxation,
+            progress,
+            residual: f64::NAN,
+            energy: f64::NAN,
+        }
+    }
+
+    /// Goes on to the next load from where the last one ended.
+    fn next_load(&mut self, simulation: &mut Simulation) -> Result<(), RunError> {
+        self.progress.load += 1;
+        self.progress.before += self.progress.iteration;
+        self.progress.iteration = 0;
+        self.progress.first_residual = None;
+        simulation.set_load(self.progress.load);
+        let positions = self.relaxation.positions().to_vec();
+        self.relaxation =
+            Relaxation::new(simulation.membranes(), positions, settings(self.relax))?;
+        Ok(())
+    }
+
+    /// What the end of a load means for the run.
+    fn load_ended(&mut self, outcome: Outcome) -> Step {
+        let mut message = self.message(outcome);
+        let load = self.progress.load + 1;
+        if self.loads > 1 && outcome != Outcome::Converged {
+            message = format!("load {load} of {}: {message}", self.loads);
+            if !self.progress.notes.contains(&message) {
+                self.progress.notes.push(message.clone());
+            }
+            self.progress.unfinished.get_or_insert(end(outcome));
+        }
+        let failed = matches!(outcome, Outcome::Failed(_));
+        let last = load == self.loads || failed;
+        let first = self.progress.unfinished.filter(|_| !failed);
+        if last && !self.progress.notes.is_empty() {
+            message = self.progress.notes.join("; ");
+        }
+        Step {
+            output: true,
+            checkpoint: true,
+            end: last.then(|| (first.unwrap_or(end(outcome)), message)),
+        }
+    }
+
+    /// An outcome in words, with what is worth knowing of it.
+    fn message(&self, outcome: Outcome) -> String {
+        let mut message = outcome.to_string();
+        if let Outcome::Failed(failure) = outcome
+            && let Some(membrane) = failure.membrane()
+        {
+            let name = &self.names[membrane];
+            message.push_str(&format!("; membrane {membrane} is the surface \"{name}\""));
+        }
+        if outcome != Outcome::Converged && self.residual.is_finite() {
+            message.push_str(&format!("; the residual is {:.1e}", self.residual));
+        }
+        message
+    }
+
+    /// Iterations of all loads.
+    fn iterations(&self) -> u64 {
+        self.progress.before + self.progress.iteration
+    }
+}
+
+impl Drive for Relaxing {
+    fn columns(&self, _simulation: &Simulation) -> Vec<String> {
+        ["time", "residual"].map(str::to_owned).to_vec()
+    }
+
+    fn numbers(&self, _simulation: &Simulation) -> Vec<f64> {
+        vec![self.iterations() as f64, self.residual]
+    }
+
+    fn mark(&self) -> Mark {
+        Mark {
+            time: self.iterations() as f64,
+            number: self.iterations(),
+        }
+    }
+
+    fn caption(&self) -> String {
+        format!("iteration {}", self.iterations())
+    }
+
+    fn positions(&self) -> &[[f64; 3]] {
+        self.relaxation.positions()
+    }
+
+    fn step(&mut self, simulation: &mut Simulation) -> Result<Step, RunError> {
+        let ended = self.relaxation.outcome();
+        let failed = matches!(ended, Some(Outcome::Failed(_)));
+        if ended.is_some() && !failed && self.progress.load + 1 < self.loads {
+            self.next_load(simulation)?;
+        }
+        let report = self.relaxation.step(simulation);
+        self.progress.iteration = report.iteration as u64;
+        self.residual = report.residual;
+        self.energy = report.energy;
+        self.progress.first_residual.get_or_insert(report.residual);
+        if let Some(outcome) = report.outcome {
+            return Ok(self.load_ended(outcome));
+        }
+        let [output, checkpoint] = self
+            .every
+            .map(|every| self.progress.iteration.is_multiple_of(every));
+        Ok(Step {
+            output,
+            checkpoint,
+            end: None,
+        })
+    }
+
+    /// By the digits that the residual has lost of those it has to lose.
+    fn progress(&self) -> Progress {
+        let first = self.progress.first_residual.unwrap_or(f64::NAN);
+        let done = (first / self.residual).ln() / (first / self.relax.residual).ln();
+        // Not a number before the first step, and where there is nothing to do.
+        let done = if done.is_finite() {
+            done.clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let Self {
+            loads,
+            residual,
+            energy,
+            ..
+        } = self;
+        let load = if *loads > 1 {
+            format!("load {} of {loads}, ", self.progress.load + 1)
+        } else {
+            String::new()
+        };
+        Progress {
+            fraction: (self.progress.load as f64 + done) / *loads as f64,
+            message: format!(
+                "{load}iteration {}, energy {energy:.6e}, residual {residual:.1e}",
+                self.progress.iteration
+            ),
+        }
+    }
+
+    fn work(&self) -> Work {
+        Work {
+            iterations: self.iterations(),
+            right_hand_sides: None,
+        }
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.progress.notes
+    }
+
+    fn state(&self) -> DriveState {
+        DriveState::Relaxing(RelaxingState {
+            relaxation: self.relaxation.state().clone(),
+            progress: self.progress.clone(),
+        })
+    }
+}
+
+fn settings(relax: Relax) -> Settings {
+    Settings {
+        tolerance: relax.residual,
+        iteration_limit: usize::try_from(relax.iterations).unwrap_or(usize::MAX),
+        redistribution: relax.redistribution,
+        ..Settings::default()
+    }
+}
+
+fn end(outcome: Outcome) -> End {
+    match outcome {
+        Outcome::Converged => End::Converged,
+        Outcome::IterationLimit => End::IterationLimit,
+        Outcome::Stagnated => End::Stagnated,
+        _ => End::Failed,
+    }
+}
