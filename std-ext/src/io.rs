@@ -5,7 +5,8 @@
 //! (a, c, d), …; that is right for convex polygons. Normals, colours, textures and whatever else a
 //! file says beside positions and faces are skipped.
 //!
-//! Surfaces with fields on them are written for VTK and ParaView: [`write_vtp`], [`Collection`].
+//! Surfaces with fields on them, and fields on grids, are written for VTK and ParaView: [`write_vtp`],
+//! [`write_vti`], [`Collection`].
 //!
 //! A file is read whole and parsed from memory. Whatever its bytes are, the parsers return a mesh
 //! or an error, in time and memory proportional to the file's length.
@@ -17,11 +18,15 @@ mod ply;
 mod replace;
 mod stl;
 mod text;
+mod vti;
+mod vtk;
 mod vtp;
 mod write;
 
 pub use replace::{UNFINISHED, check_replaceable, replace_file};
-pub use vtp::{Collection, CollectionEntry, PointField, PointValues, VtpError, write_vtp};
+pub use vti::{Grid, write_vti};
+pub use vtk::{PointField, PointValues, VtkError};
+pub use vtp::{Collection, CollectionEntry, write_vtp};
 pub use write::{WriteError, write, write_to};
 
 use std::fmt;

@@ -20,7 +20,7 @@ mod relaxing;
 use crate::checkpoint::{self, CheckpointError, Fingerprint};
 use crate::dynamics::{SetupError, integrate};
 use crate::io::{
-    Collection, CollectionEntry, PointField, PointValues, UNFINISHED, VtpError, replace_file,
+    Collection, CollectionEntry, PointField, PointValues, UNFINISHED, VtkError, replace_file,
     write_vtp,
 };
 use crate::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
@@ -345,7 +345,7 @@ impl Run<'_> {
                 Some(mark.time),
                 &fields,
             )
-            .map_err(|error: VtpError| RunError::Output(Box::new(error)))?;
+            .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
             self.outputs.files.entries.push(CollectionEntry {
                 time: mark.time,
                 part,

@@ -721,3 +721,8 @@ pub const LATTICE_IMAGES: Tolerance = Tolerance::new(
     1e-2,
     "second order: on the lattice, k² is off by some of its square, which is (2π/14)² for the first",
 );
+/// Where VTK says a grid's point is, absolute.
+pub const GRID_POINT: Tolerance = Tolerance::new(
+    1e-14,
+    "VTK multiplies in another order, at places of order one",
+);

@@ -5,14 +5,16 @@
 )]
 
 use helfrich_std::checkpoint::{self, CheckpointProblem, Fingerprint};
-use helfrich_std::io::{Collection, CollectionEntry, PointField, PointValues, VtpError, write_vtp};
+use helfrich_std::io::{
+    Collection, CollectionEntry, Grid, PointField, PointValues, VtkError, write_vti, write_vtp,
+};
 use helfrich_std::picture::{
     Axis, Canvas, ColourMap, Colouring, Curve, Frame, Marks, PaintedSurface, Picture, PictureError,
     Plot, Scale, Shading, View,
 };
 use helfrich_std::series::{Series, SeriesProblem, SeriesTable};
 use helfrich_tests::meshes::{Mesh, bent, cases, icosphere};
-use helfrich_tests::tolerance::PICTURE_RADIUS;
+use helfrich_tests::tolerance::{GRID_POINT, PICTURE_RADIUS};
 use proptest::prelude::*;
 use roxmltree::{Document, Node};
 use serde::de::DeserializeOwned;
@@ -217,39 +219,30 @@ fn python_with_vtk() -> Option<PathBuf> {
     import.status().ok()?.success().then(|| python.into())
 }
 
-#[test]
-fn vtk_reads_a_surface_back() {
+/// What VTK reads from a file; none, said aloud, where there is no VTK.
+fn read_by_vtk(path: &Path) -> Option<Value> {
     let Some(python) = python_with_vtk() else {
         // Past the harness, which keeps what passing tests print to itself.
-        let message = "vtk_reads_a_surface_back: SKIPPED, there is no Python with the package vtk \
+        let message = "files read by VTK: SKIPPED, there is no Python with the package vtk \
                        (HELFRICH_PYTHON names one)\n";
         io::stderr().write_all(message.as_bytes()).unwrap();
-        return;
+        return None;
     };
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("surface.vtp");
-    let example = Example::new();
-    example.write(&path);
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/data/read_vtp.py");
-    let output = Command::new(python)
-        .arg(script)
-        .arg(&path)
-        .output()
-        .unwrap();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/data/read_vtk.py");
+    let mut read = Command::new(python);
+    let output = read.arg(script).arg(path).output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && errors.is_empty(), "{errors}");
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(found["complaints"], serde_json::json!([]));
-    assert_eq!(found["other_cells"], 0);
-    assert_eq!(
-        found["triangles"],
-        serde_json::json!(example.mesh.triangles())
-    );
-    let positions = bits(example.positions.as_flattened());
-    assert_eq!(found["positions"], serde_json::json!(positions));
+    Some(found)
+}
+
+/// Fields as VTK has read them.
+fn assert_same_fields(found: &Value, expected: &[PointField<'_>]) {
     let arrays = found["point_data"].as_object().unwrap();
-    assert_eq!(arrays.len(), example.fields().len());
-    for field in example.fields() {
+    assert_eq!(arrays.len(), expected.len());
+    for field in expected {
         let (kind, components, values) = flat(field.values);
         let array = &arrays[field.name];
         let kind = if kind == "Float64" { "double" } else { "float" };
@@ -259,6 +252,103 @@ fn vtk_reads_a_surface_back() {
     }
     let time = &found["field_data"]["TimeValue"]["values"];
     assert_eq!(time, &serde_json::json!([TIME.to_bits()]));
+}
+
+#[test]
+fn vtk_reads_a_surface_back() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("surface.vtp");
+    let example = Example::new();
+    example.write(&path);
+    let Some(found) = read_by_vtk(&path) else {
+        return;
+    };
+    assert_eq!(found["other_cells"], 0);
+    assert_eq!(
+        found["triangles"],
+        serde_json::json!(example.mesh.triangles())
+    );
+    let positions = bits(example.positions.as_flattened());
+    assert_eq!(found["positions"], serde_json::json!(positions));
+    assert_same_fields(&found, &example.fields());
+}
+
+/// Axes that are no rows of a symmetric matrix: rows and columns must not be confused.
+fn oblique_grid() -> Grid {
+    let [first, second, third] = [[0.6, 0.8, 0.0], [0.0, 0.0, 1.0], [0.8, -0.6, 0.0]];
+    Grid {
+        origin: [0.1, -2.0, 1.0 / 3.0],
+        axes: [first, second, third],
+        spacings: [0.5, 0.25, 0.1],
+        counts: [4, 3, 2],
+    }
+}
+
+#[test]
+fn vtk_reads_a_grid_back() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("slice.vti");
+    let grid = oblique_grid();
+    let points = Vec::from_iter(grid.points());
+    assert_eq!(points.len(), grid.point_count());
+    let pressure = Vec::from_iter(points.iter().map(|point| point[0] / 7.0));
+    let single = Vec::from_iter(pressure.iter().map(|&x| x as f32));
+    let fields = [
+        ("velocity", PointValues::Vectors(&points)),
+        ("pressure", PointValues::Scalars(&pressure)),
+        ("density", PointValues::Scalars32(&single)),
+    ]
+    .map(|(name, values)| PointField { name, values });
+    write_vti(&path, &grid, Some(TIME), &fields).unwrap();
+    let text = fs::read_to_string(&path).unwrap();
+    let document = Document::parse(&text).unwrap();
+    let data = only_child(document.root_element(), "ImageData");
+    assert_eq!(data.attribute("WholeExtent"), Some("0 3 0 2 0 1"));
+    let piece = only_child(data, "Piece");
+    assert_eq!(piece.attribute("Extent"), Some("0 3 0 2 0 1"));
+    let array = children(only_child(piece, "PointData"), "DataArray")[1];
+    assert_eq!(bits(&stored(array, "Float64")), bits(&pressure));
+    let Some(found) = read_by_vtk(&path) else {
+        return;
+    };
+    assert_same_fields(&found, &fields);
+    assert_eq!(found["counts"], serde_json::json!(grid.counts));
+    assert_eq!(found["origin"], serde_json::json!(bits(&grid.origin)));
+    assert_eq!(found["spacings"], serde_json::json!(bits(&grid.spacings)));
+    for (found, point) in found["points"].as_array().unwrap().iter().zip(points) {
+        for (found, expected) in found.as_array().unwrap().iter().zip(point) {
+            GRID_POINT.assert(found.as_f64().unwrap(), expected, 1.0, "where a point is");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_grid_is_refused_and_leaves_no_file() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("slice.vti");
+    let write = |change: fn(&mut Grid)| {
+        let mut grid = oblique_grid();
+        change(&mut grid);
+        let error = write_vti(&path, &grid, None, &[]).unwrap_err();
+        assert!(!path.exists());
+        error
+    };
+    for error in [
+        write(|grid| grid.counts[1] = 0),
+        write(|grid| grid.spacings[2] = 0.0),
+        write(|grid| grid.spacings[0] = f64::NAN),
+        write(|grid| grid.axes[1][2] = f64::INFINITY),
+    ] {
+        assert!(matches!(error, VtkError::Grid { .. }), "{error}");
+        assert!(error.to_string().contains("above 0"), "{error}");
+    }
+    let short = [PointField {
+        name: "p",
+        values: PointValues::Scalars(&[1.0]),
+    }];
+    let error = write_vti(&path, &oblique_grid(), None, &short).unwrap_err();
+    let expected = "field `p` has 1 entries: there are 24 points";
+    assert!(error.to_string().ends_with(expected), "{error}");
 }
 
 #[test]
@@ -282,16 +372,16 @@ fn what_is_no_field_is_refused_and_leaves_no_file() {
         error
     };
     let error = write(&positions[1..], &[]);
-    assert!(matches!(error, VtpError::CountMismatch { .. }), "{error}");
+    assert!(matches!(error, VtkError::CountMismatch { .. }), "{error}");
     let error = write(&positions, &[field("H", &mean[1..])]);
-    let expected = "field `H` has 41 entries: the mesh has 42 vertices";
+    let expected = "field `H` has 41 entries: there are 42 vertices";
     assert!(error.to_string().ends_with(expected), "{error}");
     for name in ["", " ", "a\nb", "\u{0}", "\u{ffff}"] {
         let error = write(&positions, &[field(name, &mean)]);
-        assert!(matches!(error, VtpError::Name { .. }), "{error}");
+        assert!(matches!(error, VtkError::Name { .. }), "{error}");
     }
     let error = write(&positions, &[field("H", &mean), field("H", &mean)]);
-    assert!(matches!(error, VtpError::RepeatedName { .. }), "{error}");
+    assert!(matches!(error, VtkError::RepeatedName { .. }), "{error}");
 }
 
 #[test]
