@@ -26,6 +26,7 @@ pub mod info;
 pub mod io;
 pub mod method;
 pub mod picture;
+pub mod plots;
 pub mod report;
 pub mod run;
 pub mod scalar;

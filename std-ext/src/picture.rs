@@ -1,4 +1,4 @@
-//! Pictures as PNG files: surfaces coloured by a field, and plots of curves.
+//! Pictures as PNG files: surfaces coloured by a field, flow on a plane, and plots of curves.
 //!
 //! Everything is drawn here, in a fixed order, without a graphics card, a font file or a thread:
 //! the same input gives the same bytes.
@@ -8,11 +8,13 @@ mod colour;
 mod font;
 mod plot;
 mod render;
+mod slice;
 mod ticks;
 
 pub use canvas::Canvas;
 pub use colour::{Colour, ColourMap};
 pub use plot::{Axis, Curve, Marks, Plot, Scale};
+pub use slice::FlowSlice;
 
 use canvas::{Anchor, Area, text_width};
 use colour::{INK, Table};
@@ -44,6 +46,23 @@ pub enum PictureError {
         found: usize,
         /// How many there should be.
         vertices: usize,
+    },
+    /// A grid that is no rectangle of points.
+    #[error(
+        "a slice of {} × {} × {} points: two or more, two or more and one are needed, at finite \
+         places with spacings above 0", counts[0], counts[1], counts[2]
+    )]
+    Grid {
+        /// The numbers of points along the axes.
+        counts: [usize; 3],
+    },
+    /// A field on a slice has not one value a point.
+    #[error("a field of the slice has {found} values, its grid {points} points")]
+    PointMismatch {
+        /// How many values there are.
+        found: usize,
+        /// How many there should be.
+        points: usize,
     },
     /// The direction of view is 0, not finite, or along the upward direction.
     #[error(
@@ -178,7 +197,7 @@ impl Picture<'_> {
                 });
             }
         }
-        let range = self.range()?;
+        let range = range_of(self.colours, self.values())?;
         let mut canvas = Canvas::new(self.size);
         let [width, height] = self.size.map(f64::from);
         let letters = capitals(self.size);
@@ -191,7 +210,17 @@ impl Picture<'_> {
         title(&mut canvas, self.title, letters, &mut area);
         let table = Table::new(self.colours.map);
         if self.surfaces.iter().any(|painted| painted.field.is_some()) {
-            self.colour_bar(&mut canvas, letters, &table, range, &mut area);
+            let values = Vec::from_iter(self.values());
+            let label = self.colours.label;
+            colour_bar(
+                &mut canvas,
+                letters,
+                &table,
+                label,
+                range,
+                &values,
+                &mut area,
+            );
         }
         let below = self.length_unit.map_or(0.0, |_| 3.6 * letters);
         let scene = Area {
@@ -212,111 +241,115 @@ impl Picture<'_> {
         Ok(canvas)
     }
 
-    /// What the ends of the colour map stand for.
-    fn range(&self) -> Result<[f64; 2], PictureError> {
-        if let Some(range) = self.colours.range {
-            return if is_shown(range) {
-                Ok(range)
-            } else {
-                let of = self.colours.label.to_owned();
-                Err(PictureError::Range { of, range })
-            };
-        }
-        let [low, high] = without_outliers(self.values().collect());
-        Ok(widened(match self.colours.map {
-            ColourMap::Sequential => [low, high],
-            ColourMap::Diverging => {
-                let largest = low.abs().max(high.abs());
-                [-largest, largest]
-            }
-        }))
-    }
-
     /// All finite values of all fields.
     fn values(&self) -> impl Iterator<Item = f64> {
         let fields = self.surfaces.iter().filter_map(|painted| painted.field);
         fields.flatten().copied().filter(|value| value.is_finite())
     }
+}
 
-    /// Draws the colour bar at the right of an area, and takes its place from it.
-    fn colour_bar(
-        &self,
-        canvas: &mut Canvas,
-        letters: f64,
-        table: &Table,
-        [low, high]: [f64; 2],
-        area: &mut Area,
-    ) {
-        let ticks = Ticks::linear(low, high, 6.0);
-        let label = ticks.labelled(self.colours.label);
-        let numbers = ticks
-            .marks
-            .iter()
-            .map(|(_, number)| text_width(number, letters))
-            .fold(0.0, f64::max);
-        let thick = 1.6 * letters;
-        let beside = thick + 1.2 * letters + numbers;
-        // A long name may reach to the left over a part of the picture's head, no further.
-        let size = fitted(&label, letters, 0.6 * area.width());
-        let name = text_width(&label, size);
-        let bar_right = area.right - beside + thick;
-        let bar = Area {
-            left: bar_right - thick,
-            top: (area.top + 4.0 * letters).round(),
-            right: bar_right,
-            bottom: (area.bottom - 2.0 * letters).round(),
+/// What the ends of the colour map stand for, for finite values.
+fn range_of(
+    colours: Colouring<'_>,
+    values: impl Iterator<Item = f64>,
+) -> Result<[f64; 2], PictureError> {
+    if let Some(range) = colours.range {
+        return if is_shown(range) {
+            Ok(range)
+        } else {
+            let of = colours.label.to_owned();
+            Err(PictureError::Range { of, range })
         };
-        let centre = (0.5 * (bar.left + area.right)).min(area.right - 0.5 * name);
-        let baseline = [centre, area.top + 1.1 * letters];
-        canvas.text(&label, baseline, size, Anchor::Centre, true);
-        let rows = bar.top as usize..bar.bottom as usize;
-        for y in rows {
-            let place = (bar.bottom - 0.5 - y as f64) / bar.height();
-            let colour = table.at(place as f32).map(colour::encoded);
-            let row = Area {
-                top: y as f64,
-                bottom: y as f64 + 1.0,
-                ..bar
-            };
-            canvas.fill(row, colour);
-        }
-        let line = (0.1 * letters).max(1.0);
-        let middle = 0.5 * (bar.left + bar.right);
-        let ends = self.values().fold([false; 2], |[below, above], value| {
-            [below || value < low, above || value > high]
-        });
-        let [bottom, top] = [(0, bar.bottom, 1.0), (1, bar.top, -1.0)].map(|(end, y, outwards)| {
-            let tip = [middle, y + outwards * thick];
-            if ends[end] {
-                // Clockwise: from the left at the top, from the right at the bottom.
-                let corners = match end {
-                    0 => [[bar.right, y], tip, [bar.left, y]],
-                    _ => [[bar.left, y], tip, [bar.right, y]],
-                };
-                let colour = table.at(end as f32).map(colour::encoded);
-                canvas.polygon(&corners, colour);
-            }
-            ends[end].then_some(tip)
-        });
-        let corners = [
-            Some([bar.left, bar.top]),
-            top,
-            Some([bar.right, bar.top]),
-            Some([bar.right, bar.bottom]),
-            bottom,
-            Some([bar.left, bar.bottom]),
-            Some([bar.left, bar.top]),
-        ];
-        canvas.stroke(&[corners.into_iter().flatten().collect()], line, INK);
-        for (value, number) in &ticks.marks {
-            let y = bar.bottom - (value - low) / (high - low) * bar.height();
-            let end = bar.right + 0.45 * letters;
-            canvas.line([bar.right, y], [end, y], line, INK);
-            let at = [end + 0.5 * letters, y + 0.5 * letters];
-            canvas.text(number, at, letters, Anchor::Left, true);
-        }
-        area.right = bar.left - 1.5 * letters;
     }
+    let [low, high] = without_outliers(values.collect());
+    Ok(widened(match colours.map {
+        ColourMap::Sequential => [low, high],
+        ColourMap::Diverging => {
+            let largest = low.abs().max(high.abs());
+            [-largest, largest]
+        }
+    }))
+}
+
+/// Draws the colour bar at the right of an area, and takes its place from it.
+fn colour_bar(
+    canvas: &mut Canvas,
+    letters: f64,
+    table: &Table,
+    label: &str,
+    [low, high]: [f64; 2],
+    values: &[f64],
+    area: &mut Area,
+) {
+    let ticks = Ticks::linear(low, high, 6.0);
+    let label = ticks.labelled(label);
+    let numbers = ticks
+        .marks
+        .iter()
+        .map(|(_, number)| text_width(number, letters))
+        .fold(0.0, f64::max);
+    let thick = 1.6 * letters;
+    let beside = thick + 1.2 * letters + numbers;
+    // A long name may reach to the left over a part of the picture's head, no further.
+    let size = fitted(&label, letters, 0.6 * area.width());
+    let name = text_width(&label, size);
+    let bar_right = area.right - beside + thick;
+    let bar = Area {
+        left: bar_right - thick,
+        top: (area.top + 4.0 * letters).round(),
+        right: bar_right,
+        bottom: (area.bottom - 2.0 * letters).round(),
+    };
+    let centre = (0.5 * (bar.left + area.right)).min(area.right - 0.5 * name);
+    let baseline = [centre, area.top + 1.1 * letters];
+    canvas.text(&label, baseline, size, Anchor::Centre, true);
+    let rows = bar.top as usize..bar.bottom as usize;
+    for y in rows {
+        let place = (bar.bottom - 0.5 - y as f64) / bar.height();
+        let colour = table.at(place as f32).map(colour::encoded);
+        let row = Area {
+            top: y as f64,
+            bottom: y as f64 + 1.0,
+            ..bar
+        };
+        canvas.fill(row, colour);
+    }
+    let line = (0.1 * letters).max(1.0);
+    let middle = 0.5 * (bar.left + bar.right);
+    let ends = values.iter().fold([false; 2], |[below, above], &value| {
+        [below || value < low, above || value > high]
+    });
+    let [bottom, top] = [(0, bar.bottom, 1.0), (1, bar.top, -1.0)].map(|(end, y, outwards)| {
+        let tip = [middle, y + outwards * thick];
+        if ends[end] {
+            // Clockwise: from the left at the top, from the right at the bottom.
+            let corners = match end {
+                0 => [[bar.right, y], tip, [bar.left, y]],
+                _ => [[bar.left, y], tip, [bar.right, y]],
+            };
+            let colour = table.at(end as f32).map(colour::encoded);
+            canvas.polygon(&corners, colour);
+        }
+        ends[end].then_some(tip)
+    });
+    let corners = [
+        Some([bar.left, bar.top]),
+        top,
+        Some([bar.right, bar.top]),
+        Some([bar.right, bar.bottom]),
+        bottom,
+        Some([bar.left, bar.bottom]),
+        Some([bar.left, bar.top]),
+    ];
+    canvas.stroke(&[corners.into_iter().flatten().collect()], line, INK);
+    for (value, number) in &ticks.marks {
+        let y = bar.bottom - (value - low) / (high - low) * bar.height();
+        let end = bar.right + 0.45 * letters;
+        canvas.line([bar.right, y], [end, y], line, INK);
+        let at = [end + 0.5 * letters, y + 0.5 * letters];
+        canvas.text(number, at, letters, Anchor::Left, true);
+    }
+    area.right = bar.left - 1.5 * letters;
 }
 
 /// Height of the capitals of ordinary text in a picture of this size.

@@ -70,6 +70,8 @@ pub enum Marks {
     Points,
     /// Both a line and marks.
     LineAndPoints,
+    /// Both a broken line and marks.
+    DashesAndPoints,
 }
 
 impl Marks {
@@ -78,7 +80,10 @@ impl Marks {
     }
 
     fn has_points(self) -> bool {
-        matches!(self, Self::Points | Self::LineAndPoints)
+        matches!(
+            self,
+            Self::Points | Self::LineAndPoints | Self::DashesAndPoints
+        )
     }
 }
 
@@ -385,7 +390,7 @@ impl Curve<'_> {
 
     fn stroke(&self, canvas: &mut Canvas, lines: &[Vec<[f64; 2]>], letters: f64, colour: Colour) {
         let width = (0.17 * letters).max(1.2);
-        if self.marks == Marks::Dashes {
+        if matches!(self.marks, Marks::Dashes | Marks::DashesAndPoints) {
             let dashes: Vec<_> = lines
                 .iter()
                 .flat_map(|line| dashed(line, 0.9 * letters, 0.65 * letters))

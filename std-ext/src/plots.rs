@@ -1,0 +1,328 @@
+//! Columns of series drawn over each other, beside published curves.
+//!
+//! Published curves are read from CSV files with the head `curve,x,y` and a line a point. Lines that
+//! begin with `#` and empty ones are passed over; a name with commas stands in quotation marks,
+//! doubled inside; the points of a name are one curve wherever they stand.
+
+use crate::picture::{Axis, Canvas, Curve, Marks, PictureError, Plot};
+use crate::series::SeriesTable;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// The head of a file of published curves.
+pub const CURVES_HEAD: &str = "curve,x,y";
+
+/// The longest file of published curves, in bytes.
+const LONGEST: u64 = 1 << 24;
+
+/// A curve that somebody has published.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PublishedCurve {
+    /// Whose it is.
+    pub name: String,
+    /// Its points, in the order of the file; all of them finite.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Why a file of published curves cannot be read. The message is one line that starts with the
+/// file's name.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {problem}", path.display())]
+pub struct CurvesError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub problem: CurvesProblem,
+}
+
+/// What can be wrong with a file of published curves.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CurvesProblem {
+    /// The operating system refused to read the file.
+    #[error("cannot be read: {0}")]
+    Unreadable(io::Error),
+    /// It is longer than any such file should be.
+    #[error("is longer than {LONGEST} bytes: published curves have some hundred points")]
+    TooLong,
+    /// The bytes are no text.
+    #[error("line {line}: is no UTF-8 text")]
+    NoText {
+        /// The line, from 1.
+        line: usize,
+    },
+    /// The first line is not the head.
+    #[error("line {line}: the head is `{found}`: it has to be `{CURVES_HEAD}`")]
+    Head {
+        /// The line, from 1.
+        line: usize,
+        /// What it says.
+        found: String,
+    },
+    /// There is no point.
+    #[error("there is no curve: a head `{CURVES_HEAD}` and at least one point are needed")]
+    Empty,
+    /// A line has more or fewer than three fields.
+    #[error(
+        "line {line}: {found} fields: three are needed, `{CURVES_HEAD}`, a name with commas in \
+         quotation marks"
+    )]
+    Fields {
+        /// The line, from 1.
+        line: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A quotation mark is not closed, or something follows it.
+    #[error(
+        "line {line}: a name begins with a quotation mark that does not end it before the comma"
+    )]
+    Quotation {
+        /// The line, from 1.
+        line: usize,
+    },
+    /// A curve has no name.
+    #[error("line {line}: the curve has no name")]
+    NoName {
+        /// The line, from 1.
+        line: usize,
+    },
+    /// A coordinate is no number that can be drawn.
+    #[error("line {line}, {axis}: expected a finite number, found `{found}`")]
+    NotANumber {
+        /// The line, from 1.
+        line: usize,
+        /// `x` or `y`.
+        axis: &'static str,
+        /// What is there.
+        found: String,
+    },
+}
+
+/// Reads a file of published curves, in the order in which their names first appear.
+///
+/// # Errors
+/// If the file cannot be read or holds no curves; see [`CurvesProblem`].
+pub fn read_curves(path: &Path) -> Result<Vec<PublishedCurve>, CurvesError> {
+    let read = || {
+        let mut bytes = Vec::new();
+        let file = File::open(path).map_err(CurvesProblem::Unreadable)?;
+        let read = file.take(LONGEST + 1).read_to_end(&mut bytes);
+        if read.map_err(CurvesProblem::Unreadable)? as u64 > LONGEST {
+            return Err(CurvesProblem::TooLong);
+        }
+        parsed(&bytes)
+    };
+    read().map_err(|problem| CurvesError {
+        path: path.to_owned(),
+        problem,
+    })
+}
+
+fn parsed(bytes: &[u8]) -> Result<Vec<PublishedCurve>, CurvesProblem> {
+    // What spreadsheets put before the first line.
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut curves: Vec<PublishedCurve> = Vec::new();
+    let mut has_head = false;
+    for (number, bytes) in bytes.split(|&byte| byte == b'\n').enumerate() {
+        let line = number + 1;
+        let text = str::from_utf8(bytes).map_err(|_| CurvesProblem::NoText { line })?;
+        let text = text.trim();
+        if text.is_empty() || text.starts_with('#') {
+            continue;
+        }
+        if !has_head {
+            let fields = Vec::from_iter(text.split(',').map(str::trim));
+            if fields.join(",") != CURVES_HEAD {
+                let found = text.to_owned();
+                return Err(CurvesProblem::Head { line, found });
+            }
+            has_head = true;
+            continue;
+        }
+        let (name, point) = point(text, line)?;
+        match curves.iter_mut().find(|curve| curve.name == name) {
+            Some(curve) => curve.points.push(point),
+            None => curves.push(PublishedCurve {
+                name,
+                points: vec![point],
+            }),
+        }
+    }
+    if curves.is_empty() {
+        return Err(CurvesProblem::Empty);
+    }
+    Ok(curves)
+}
+
+/// The name and the point of a line.
+fn point(text: &str, line: usize) -> Result<(String, [f64; 2]), CurvesProblem> {
+    let (name, rest) = match text.strip_prefix('"') {
+        Some(quoted) => {
+            let quotation = || CurvesProblem::Quotation { line };
+            let mut name = String::new();
+            let mut left = quoted;
+            loop {
+                let (part, after) = left.split_once('"').ok_or_else(quotation)?;
+                name.push_str(part);
+                left = after;
+                match after.strip_prefix('"') {
+                    Some(after) => {
+                        name.push('"');
+                        left = after;
+                    }
+                    None => break,
+                }
+            }
+            let after = left.trim_start();
+            let rest = after.strip_prefix(',');
+            if rest.is_none() && !after.is_empty() {
+                return Err(quotation());
+            }
+            (name, rest)
+        }
+        None => match text.split_once(',') {
+            Some((name, rest)) => (name.to_owned(), Some(rest)),
+            None => (text.to_owned(), None),
+        },
+    };
+    let numbers = rest.map_or(Vec::new(), |rest| rest.split(',').collect());
+    let &[x, y] = numbers.as_slice() else {
+        let found = 1 + numbers.len();
+        return Err(CurvesProblem::Fields { line, found });
+    };
+    let name = name.trim().to_owned();
+    if name.is_empty() {
+        return Err(CurvesProblem::NoName { line });
+    }
+    let number = |axis, text: &str| match text.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(CurvesProblem::NotANumber {
+            line,
+            axis,
+            found: text.trim().to_owned(),
+        }),
+    };
+    Ok((name, [number("x", x)?, number("y", y)?]))
+}
+
+/// Columns of series over other columns, beside published curves.
+#[derive(Clone, Debug)]
+pub struct SeriesPlot<'a> {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The line at the top; none if it is empty.
+    pub title: &'a str,
+    /// Name and unit of what goes to the right, and of what goes upwards.
+    pub labels: [&'a str; 2],
+    /// What was computed: lines.
+    pub curves: &'a [SeriesCurve<'a>],
+    /// What was published: marks joined by broken lines; one point is a mark.
+    pub published: &'a [PublishedCurve],
+}
+
+/// A curve of a [`SeriesPlot`].
+#[derive(Clone, Copy, Debug)]
+pub struct SeriesCurve<'a> {
+    /// What it is called in the legend; if empty, it is not there.
+    pub name: &'a str,
+    /// The numbers.
+    pub table: &'a SeriesTable,
+    /// The column that goes to the right.
+    pub against: &'a str,
+    /// The column that goes upwards.
+    pub column: &'a str,
+}
+
+/// Why series cannot be plotted. The message is one line.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlotError {
+    /// A series has no such column.
+    #[error("there is no column `{column}`: there are {}", known.join(", "))]
+    NoColumn {
+        /// The column.
+        column: String,
+        /// Those that there are.
+        known: Vec<String>,
+    },
+    /// There is no picture.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+}
+
+impl SeriesPlot<'_> {
+    /// Draws it. Rows in which a number is not finite interrupt the line.
+    ///
+    /// # Errors
+    /// If a column is missing, or the size impossible; see [`PlotError`].
+    pub fn draw(&self) -> Result<Canvas, PlotError> {
+        let points = self.curves.iter().map(SeriesCurve::points);
+        let points = points.collect::<Result<Vec<_>, _>>()?;
+        // The same colours with and without what was published.
+        let curve = |name, points, line, colour| Curve {
+            name,
+            points,
+            bounds: &[],
+            // A run of one row is to be seen, too.
+            marks: match points {
+                [_] => Marks::Points,
+                _ => line,
+            },
+            colour: Some(colour),
+        };
+        let computed = self.curves.iter().zip(&points).enumerate();
+        let computed = computed
+            .map(|(colour, (own, points))| curve(own.name, points.as_slice(), Marks::Line, colour));
+        let published = self.published.iter().zip(self.curves.len()..);
+        let published = published.map(|(own, colour)| {
+            let name = own.name.as_str();
+            curve(name, own.points.as_slice(), Marks::DashesAndPoints, colour)
+        });
+        // Lines last, over the marks.
+        let curves = Vec::from_iter(published.chain(computed));
+        let [right, up] = self.labels.map(|label| Axis {
+            label,
+            ..Axis::default()
+        });
+        let plot = Plot {
+            size: self.size,
+            title: self.title,
+            x: right,
+            y: up,
+            curves: &curves,
+        };
+        Ok(plot.draw()?)
+    }
+}
+
+impl SeriesCurve<'_> {
+    fn points(&self) -> Result<Vec<[f64; 2]>, PlotError> {
+        let column = |name: &str| {
+            self.table.column(name).ok_or_else(|| PlotError::NoColumn {
+                column: name.to_owned(),
+                known: self.table.columns.clone(),
+            })
+        };
+        let rows = column(self.against)?.into_iter().zip(column(self.column)?);
+        Ok(rows.map(|(x, y)| [x, y]).collect())
+    }
+}
+
+/// Which columns of a series a name stands for, each with what a legend calls it: the column of that
+/// name, or else those of all surfaces, `NAME_SURFACE`. None if there are none.
+pub fn columns_of<'a>(
+    table: &SeriesTable,
+    name: &str,
+    surfaces: impl IntoIterator<Item = &'a str>,
+) -> Vec<(String, String)> {
+    let has = |column: &str| table.columns.iter().any(|known| known == column);
+    if has(name) {
+        return vec![(name.to_owned(), name.to_owned())];
+    }
+    let own = surfaces
+        .into_iter()
+        .map(|surface| (surface.to_owned(), format!("{name}_{surface}")));
+    own.filter(|(_, column)| has(column)).collect()
+}
