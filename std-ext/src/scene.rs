@@ -16,6 +16,7 @@ mod keys;
 mod mesh_check;
 mod output;
 mod problem;
+mod reader;
 mod schema;
 mod surface;
 mod units;

@@ -3,9 +3,10 @@
 mod driver;
 mod surface;
 
-use super::check::{Problems, Reader, check_table};
+use super::check::{Problems, check_table};
 use super::keys::SCENE;
 use super::problem::{Problem, SceneErrors, Source};
+use super::reader::Reader;
 use super::value::{Origin, Origins, Overrides, Table, Value};
 use super::{Interaction, Scene, SceneFile, SurfaceScene, Units};
 use std::path::{Path, PathBuf};

@@ -1,12 +1,16 @@
 //! What effects ask of a mesh: seen once the mesh is known.
 
 use super::build::reduced_volume;
+use super::explain::{capillary_number, enclosed_radius};
 use super::problem::{Problem, SceneErrors};
 use super::{
-    Held, Hold, Interaction, Reference, ReferenceSource, SceneError, SceneFile, SurfaceScene,
-    Target, VolumeTarget,
+    BoundaryIntegral, Driver, Flow, Held, Hold, InPlaneLaw, Interaction, MeshSource, Reference,
+    ReferenceSource, SceneError, SceneFile, SurfaceScene, Target, VolumeTarget,
 };
+use crate::generate::Family;
 use crate::info::MeshInfo;
+use crate::method::BendingMethod;
+use glam::DVec3;
 use helfrich::TriangleMesh;
 
 pub(super) fn check_mesh(
@@ -81,25 +85,129 @@ pub(super) fn check_mesh(
 }
 
 pub(super) fn mesh_warnings(file: &SceneFile, surface: usize, mesh: &MeshInfo) -> Vec<SceneError> {
-    let interactions = file.scene.interactions.iter().enumerate();
-    let warning = |(index, interaction): (usize, &Interaction)| {
+    let mut warnings = Vec::new();
+    let mut warn = |path: &str, message: String| {
+        let origin = file.origins.of(path);
+        warnings.push(file.source.error(&origin, Problem::Doubtful { message }));
+    };
+    for (index, interaction) in file.scene.interactions.iter().enumerate() {
         let Interaction::Repulsion {
             cutoff, between, ..
         } = interaction;
         let concerned = between.is_none_or(|pair| pair.contains(&surface));
         let longest = mesh.edge_lengths[1];
-        (concerned && longest > 0.5 * cutoff).then(|| {
+        if concerned && longest > 0.5 * cutoff {
             let message = format!(
                 "the repulsion reaches {cutoff}, and edges of \"{}\" are up to {longest} long: a \
                  surface can slip between the vertices of another: choose a longer `cutoff` or more \
                  vertices, such that edges are half of it or less",
                 file.scene.surfaces[surface].name
             );
-            let origin = file.origins.of(&format!("interaction.{index}.cutoff"));
-            file.source.error(&origin, Problem::Doubtful { message })
-        })
+            warn(&format!("interaction.{index}.cutoff"), message);
+        }
+    }
+    if let (Driver::BoundaryIntegral(integral), Some(scene)) =
+        (&file.scene.driver, file.scene.surfaces.get(surface))
+    {
+        for (key, message) in in_flow(scene, mesh, integral) {
+            warn(&format!("surface.{surface}.{key}"), message);
+        }
+        if let Some(message) = beyond_the_tube(scene, mesh, &integral.flow) {
+            warn("driver.flow.radius", message);
+        }
+    }
+    warnings
+}
+
+/// What is doubtful about a membrane in flow, each with its key.
+fn in_flow(
+    scene: &SurfaceScene,
+    mesh: &MeshInfo,
+    integral: &BoundaryIntegral,
+) -> Vec<(&'static str, String)> {
+    let mut found = Vec::new();
+    let name = &scene.name;
+    let law = scene.elasticity.as_ref().map(|elasticity| elasticity.law);
+    if let (Some(InPlaneLaw::NeoHookean { .. }), None) = (law, scene.bending)
+        && let Some(capillary) = capillary_number(scene, mesh, integral)
+        && capillary < WRINKLING
+    {
+        found.push((
+            "elasticity",
+            format!(
+                "\"{name}\" is neo-Hookean and has no bending, and with Ca_G = {capillary:.3}, below \
+                 about {WRINKLING}, the flow compresses it: it wrinkles at the scale of its mesh, more \
+                 so on a finer one: add [surface.bending]"
+            ),
+        ));
+    }
+    let uneven = match scene.source {
+        MeshSource::Shape {
+            family: Family::Irregular | Family::Hard,
+            ..
+        } => true,
+        _ => {
+            let [fewest, most] = mesh.valences;
+            fewest <= 3 || most >= 9 || mesh.angles[0] < 10.0
+        }
     };
-    interactions.filter_map(warning).collect()
+    let consequence = match scene.bending.map(|bending| bending.method) {
+        Some(BendingMethod::GompperKroll) => {
+            "with method gompper-kroll (B) steps were 100 times shorter on irregular meshes, and came \
+             to nothing on slivers"
+        }
+        Some(BendingMethod::Meyer) => {
+            "with method meyer (C) steps were 200 times shorter on irregular meshes, and shorter still \
+             on slivers"
+        }
+        Some(BendingMethod::Farutin) => {
+            "with method farutin (E) deformations of the scale of the mesh grow without end on such \
+             meshes"
+        }
+        _ => return found,
+    };
+    if uneven {
+        let [fewest, most] = mesh.valences;
+        let angle = mesh.angles[0];
+        found.push((
+            "bending.method",
+            format!(
+                "the mesh of \"{name}\" is uneven, with {fewest} to {most} neighbours of a vertex and \
+                 angles from {angle:.1}°: {consequence}: choose j4, or an even mesh"
+            ),
+        ));
+    }
+    found
+}
+
+/// Below this Ca_G neo-Hookean capsules without bending wrinkle at the scale of their mesh:
+/// E. Lac, D. Barthès-Biesel, N. A. Pelekasis, J. Tsamopoulos, J. Fluid Mech. 516 (2004) 303.
+const WRINKLING: f64 = 0.45;
+
+/// A surface that reaches where a Poiseuille flow turns round, as a sphere about its position.
+fn beyond_the_tube(scene: &SurfaceScene, mesh: &MeshInfo, flow: &Flow) -> Option<String> {
+    let Flow::Poiseuille {
+        radius,
+        direction,
+        through,
+        ..
+    } = *flow
+    else {
+        return None;
+    };
+    let away = DVec3::from(scene.position) - DVec3::from(through);
+    let distance = away
+        .reject_from_normalized(DVec3::from(direction).normalize_or_zero())
+        .length();
+    let reach = distance + enclosed_radius(mesh);
+    (reach > radius).then(|| {
+        format!(
+            "\"{}\" reaches {reach:.4} from the axis, and this Poiseuille flow, which has no walls, \
+             turns round at `radius` {radius}: choose a larger one, or a smaller surface nearer to \
+             the axis",
+            scene.name
+        )
+    })
 }
 
 fn needing_a_volume(scene: &SurfaceScene) -> Vec<&'static str> {
@@ -108,6 +216,10 @@ fn needing_a_volume(scene: &SurfaceScene) -> Vec<&'static str> {
         ("area_difference", scene.area_difference.is_some()),
         ("pressure", scene.pressure.is_some()),
         ("gravity", scene.gravity.is_some()),
+        (
+            "viscosity_ratio",
+            scene.viscosity_ratio.is_some_and(|ratio| ratio != 1.0),
+        ),
     ];
     let named = effects.into_iter().filter(|(_, named)| *named);
     named.map(|(key, _)| key).collect()

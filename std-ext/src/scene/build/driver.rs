@@ -1,6 +1,6 @@
 //! The driver and the outputs from their values.
 
-use super::super::check::Reader;
+use super::super::reader::Reader;
 use super::super::value::default_name;
 use super::super::{
     BoundaryIntegral, Driver, Every, Flow, Hold, Integrator, Output, PictureField, Plot, Relax,

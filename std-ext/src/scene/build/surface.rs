@@ -1,7 +1,7 @@
 //! Surfaces and their effects from their values.
 
-use super::super::check::Reader;
 use super::super::problem::Problem;
+use super::super::reader::Reader;
 use super::super::value::{Origin, default_name};
 use super::super::{
     AreaDifferenceTarget, Bending, Driver, Elasticity, Gravity, Held, Hold, InPlaneLaw, LocalArea,
@@ -344,10 +344,11 @@ impl Builder<'_> {
         if let (Some(bending), Some(table)) = (surface.bending, reader.table("bending"))
             && bending.method == BendingMethod::KantorNelson
         {
-            let message = "method kantor-nelson (A) is no discretisation of 2κ ∫ H² dS: with its \
-                           k̃ = 2κ/√3 a capsule's deformation in shear came out 37 to 43 % too large; \
-                           choose gompper-kroll (B) or j4"
-                .to_owned();
+            let message =
+                "method kantor-nelson (A) bends with k̃ = 2κ/√3, by which capsules in shear \
+                           are deformed 37 to 43 % too much (Ca_G = 0.15, b = 0.1125): choose \
+                           gompper-kroll (B) or j4"
+                    .to_owned();
             self.doubt(&table.origin_of("method"), message);
         }
     }

@@ -1,0 +1,109 @@
+//! An explanation as text.
+
+use super::{Active, Explanation, Group, Parameter, SurfaceExplanation};
+use crate::scene::Units;
+use std::fmt;
+
+impl fmt::Display for Explanation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.title.is_empty() {
+            writeln!(f, "{}", self.title)?;
+        }
+        let units = match self.units {
+            Units::Micro => "µm, pN, s",
+            Units::None => "none",
+        };
+        writeln!(f, "units: {units}")?;
+        for surface in &self.surfaces {
+            write!(f, "{surface}")?;
+        }
+        if !self.interactions.is_empty() {
+            writeln!(f, "\ninteractions")?;
+            for interaction in &self.interactions {
+                writeln!(f, "  {interaction}")?;
+            }
+        }
+        writeln!(f, "\ndriver\n  {}", self.driver)?;
+        for part in self.flow.iter().chain(&self.integrator) {
+            writeln!(f, "  {part}")?;
+        }
+        writeln!(f, "  step limit          {}", self.step_limit)?;
+        // In what the numbers are good for.
+        let megabytes = self.memory.div_ceil(1_000_000);
+        writeln!(f, "  memory              about {megabytes} MB")
+    }
+}
+
+impl fmt::Display for SurfaceExplanation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "\nsurface {}: {}, {} vertices",
+            self.name, self.mesh, self.vertices
+        )?;
+        let measures = Vec::from_iter(self.measures.iter().map(Parameter::to_string));
+        writeln!(f, "  {}", measures.join(", "))?;
+        for effect in &self.on {
+            writeln!(f, "  {effect}")?;
+        }
+        if self.on.is_empty() {
+            writeln!(f, "  nothing acts on it")?;
+        }
+        if !self.off.is_empty() {
+            writeln!(f, "  off: {}", self.off.join(", "))?;
+        }
+        if !self.groups.is_empty() {
+            writeln!(f, "  dimensionless groups")?;
+        }
+        for Group {
+            name,
+            formula,
+            value,
+        } in &self.groups
+        {
+            writeln!(f, "    {name:38} {:>10}  {formula}", digits(*value))?;
+        }
+        for note in &self.notes {
+            writeln!(f, "    {note}")?;
+        }
+        match self.bending_cost {
+            Some(1.0) => writeln!(f, "  cost: bending by method B, the fastest"),
+            Some(cost) => writeln!(
+                f,
+                "  cost: bending takes about {cost} times as long as by method B"
+            ),
+            None => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for Active {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:19} {}", self.name, self.choice)?;
+        let parameters = Vec::from_iter(self.parameters.iter().map(Parameter::to_string));
+        let separator = if self.choice.is_empty() || parameters.is_empty() {
+            ""
+        } else {
+            "; "
+        };
+        write!(f, "{separator}{}", parameters.join(", "))
+    }
+}
+
+impl fmt::Display for Parameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, value, unit } = self;
+        let space = if unit.is_empty() { "" } else { " " };
+        write!(f, "{name} = {}{space}{unit}", digits(*value))
+    }
+}
+
+/// Five digits, with a power of ten where zeros would hide them.
+fn digits(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
+        let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+        rounded.to_string()
+    } else {
+        format!("{value:.4e}")
+    }
+}

@@ -1,0 +1,193 @@
+//! The driver, the flow, and what limits the step.
+
+use super::super::units::Dimension;
+use super::super::{Driver, Every, Flow, Integrator, Scene, Scheme};
+use super::{Active, Parameter, Parameters};
+use crate::generate::Family;
+use crate::info::MeshInfo;
+use crate::method::BendingMethod;
+use crate::scene::{MeshSource, SurfaceScene};
+
+pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
+    let (choice, parameters) = match driver {
+        Driver::Relax(relax) => {
+            let scheme = match relax.scheme {
+                Scheme::Minimise => "minimise: the energy of all effects, under the constraints",
+                Scheme::Overdamped => {
+                    "overdamped: forces that have no energy, stopped on what is left of them"
+                }
+            };
+            let parameters = vec![
+                number.plain("residual", relax.residual),
+                number.plain("iterations", relax.iterations as f64),
+            ];
+            (scheme.to_owned(), parameters)
+        }
+        Driver::BoundaryIntegral(integral) => {
+            let volume = match integral.volume_correction {
+                true => "volumes kept to rounding",
+                false => "volumes not corrected",
+            };
+            let mut parameters = vec![
+                number.of("viscosity", integral.viscosity, Dimension::VISCOSITY),
+                number.of("duration", integral.duration, Dimension::TIME),
+            ];
+            if let Some(rate) = integral.flow.rate() {
+                parameters.push(number.plain("strain", rate * integral.duration));
+            }
+            let choice = format!("Stokes flow without walls, Reynolds number 0, {volume}");
+            (choice, parameters)
+        }
+    };
+    Active {
+        name: driver.name(),
+        choice,
+        parameters,
+    }
+}
+
+/// The ambient flow, if there is a fluid.
+pub(super) fn flow(driver: &Driver, number: &Parameters) -> Option<Active> {
+    let flow = driver.flow()?;
+    let rate = |value: f64| vec![number.of("rate", value, Dimension::RATE)];
+    let (formula, parameters) = match *flow {
+        Flow::Quiescent => ("", Vec::new()),
+        Flow::Shear { rate: value } => (", u = (γ̇ y, 0, 0)", rate(value)),
+        Flow::Extension { rate: value } => (", u = ε̇ (x, −y/2, −z/2)", rate(value)),
+        Flow::PlaneExtension { rate: value } => (", u = ε̇ (x, −y, 0)", rate(value)),
+        Flow::Linear { .. } => (
+            ", u = L·x, rate √(2 E:E)",
+            flow.rate().map(rate).unwrap_or_default(),
+        ),
+        Flow::Poiseuille {
+            centre_velocity,
+            radius,
+            ..
+        } => {
+            let mut parameters = vec![
+                number.of("centre_velocity", centre_velocity, Dimension::VELOCITY),
+                number.of("radius", radius, Dimension::LENGTH),
+            ];
+            parameters.extend(flow.rate().into_iter().flat_map(rate));
+            (", u = U (1 − ρ²/R²), rate 2U/R", parameters)
+        }
+    };
+    Some(Active {
+        name: "flow",
+        choice: format!("{}{formula}", flow.name()),
+        parameters,
+    })
+}
+
+/// The integrator and why it is this one, and the times of outputs.
+pub(super) fn integrator(scene: &Scene, number: &Parameters) -> Option<Active> {
+    let Driver::BoundaryIntegral(integral) = &scene.driver else {
+        return None;
+    };
+    let bends = |surface: &&SurfaceScene| surface.bending.is_some();
+    let bends = scene.surfaces.iter().find(bends);
+    let mut parameters = Vec::new();
+    let tolerance = number.plain("tolerance", integral.tolerance);
+    let (name, why) = match integral.integrator {
+        Integrator::Rkc2 => {
+            parameters.push(tolerance);
+            let why = match bends {
+                Some(surface) => format!(
+                    "\"{}\" bends, which limits other explicit steps by the cube of an edge",
+                    surface.name
+                ),
+                None => "as asked for: nothing bends, and bs23 would do".to_owned(),
+            };
+            ("rkc2", why)
+        }
+        Integrator::Bs23 => {
+            parameters.push(tolerance);
+            let why = match bends {
+                Some(_) => "as asked for: where a surface bends rkc2 takes fewer evaluations",
+                None => "nothing bends, and elasticity limits explicit steps by an edge alone",
+            };
+            ("bs23", why.to_owned())
+        }
+        Integrator::Rk4 { step } => {
+            parameters.push(number.of("step", step, Dimension::TIME));
+            (
+                "rk4",
+                "as asked for: fixed steps, without error control".to_owned(),
+            )
+        }
+    };
+    parameters.extend(interval(scene, number));
+    Some(Active {
+        name: "integrator",
+        choice: format!("{name}: {why}"),
+        parameters,
+    })
+}
+
+fn interval(scene: &Scene, number: &Parameters) -> Option<Parameter> {
+    match scene.output.every {
+        Every::Iterations(_) => None,
+        Every::Time(interval) => Some(number.of("output interval", interval, Dimension::TIME)),
+    }
+}
+
+/// What limits the step, in words.
+pub(super) fn step_limit(scene: &Scene, meshes: &[MeshInfo]) -> String {
+    let Driver::BoundaryIntegral(integral) = &scene.driver else {
+        return "none: relax has no time, and chooses its steps itself; without a flow there is no \
+                capillary number either"
+            .to_owned();
+    };
+    let surfaces = scene.surfaces.iter().zip(meshes);
+    let radii = surfaces.map(|(surface, mesh)| spectral_radius(surface, mesh, integral.viscosity));
+    let largest = radii.reduce(|largest, radius| Some(largest?.max(radius?)));
+    // Repulsion is as stiff as it is near, which nobody knows beforehand.
+    let largest = largest.flatten().filter(|_| scene.interactions.is_empty());
+    match largest {
+        Some(radius) => {
+            let number = Parameters(scene.units);
+            let step = number.of("Δt", 2.5 / radius, Dimension::TIME);
+            let radius = number.of("ρ", radius, Dimension::RATE);
+            format!(
+                "estimate {step} of bs23 and rk4, 2.5/ρ with the spectral radius {radius}; rkc2 takes \
+                 √(1 + 1.54 Δt ρ) stages for any Δt (ρ = max{{0.355 (K_s + G)/(μ h), 2.65 κ/(μ h³)}} \
+                 of method B on icospheres with edges h, λ = 1; the run estimates it anew)"
+            )
+        }
+        None => {
+            "estimated by power iteration as the run begins: there is a formula for method B on \
+                 icospheres alone"
+                .to_owned()
+        }
+    }
+}
+
+/// Estimate of the spectral radius ρ of ∂v/∂x, 1/time; none where there is no formula.
+///
+/// `ρ/γ̇ = (1/Ca) max{0.355 (K_s/G + 1)(a/h), 2.65 b (a/h)³}` as measured for method B on icospheres,
+/// with `Ca = μγ̇a/G` and `b = κ/(a²G)`: flow and size drop out of it.
+fn spectral_radius(surface: &SurfaceScene, mesh: &MeshInfo, viscosity: f64) -> Option<f64> {
+    let MeshSource::Shape { family, .. } = surface.source else {
+        return None;
+    };
+    let even = matches!(family, Family::Regular | Family::Smooth | Family::Relaxed);
+    let method = surface.bending.map(|bending| bending.method);
+    let known = method.is_none_or(|method| method == BendingMethod::GompperKroll);
+    if !even || !known || surface.tension.is_some() {
+        return None;
+    }
+    let in_plane = surface.elasticity.as_ref();
+    let in_plane = in_plane.map_or(0.0, |elasticity| {
+        elasticity.law.area_modulus() + elasticity.law.shear_modulus()
+    });
+    let local_area = surface
+        .local_area
+        .as_ref()
+        .map_or(0.0, |local| local.modulus);
+    let bending = surface.bending.map_or(0.0, |bending| bending.modulus);
+    // The edge of an equilateral triangle of mean area.
+    let edge = (4.0 * mesh.area / (3_f64.sqrt() * mesh.triangles as f64)).sqrt();
+    let stretch = 0.355 * (in_plane + local_area) / edge;
+    let radius = stretch.max(2.65 * bending / edge.powi(3)) / viscosity;
+    (radius > 0.0 && radius.is_finite()).then_some(radius)
+}

@@ -1,0 +1,186 @@
+//! Keys of the driver and of its flow.
+
+use super::super::units::Dimension;
+use super::{Form, Keys, Kind, NUMBER, Range, any, kinds, optional, positive, required};
+
+/// The drivers there will be, none of which a scene can have yet.
+pub(in crate::scene) const LATER_DRIVERS: [&str; 1] = ["lattice-boltzmann"];
+
+/// The drivers there are.
+pub(in crate::scene) fn drivers() -> Vec<&'static str> {
+    kinds(&DRIVER)
+}
+
+pub(super) static DRIVER: Keys = Keys {
+    keys: &[
+        required(
+            "kind",
+            Form::Choice(drivers),
+            "The driver: \"relax\" goes to an equilibrium, and knows no time; \"boundary-integral\" \
+             moves membranes in Stokes flow without walls.",
+        ),
+        optional(
+            "scheme",
+            Form::Choice(|| vec!["auto", "minimise", "overdamped"]),
+            "\"minimise\" for methods with an energy, \"overdamped\" for all; \"auto\", the \
+             default, minimises where it can.",
+        ),
+        optional(
+            "residual",
+            NUMBER,
+            "The run ends when the root mean square of the force per area that is left, in units \
+             of κ/R³ + K/R with K the largest modulus in the plane and 4πR² = A, is smaller; by \
+             default 1e-5.",
+        ),
+        optional(
+            "iterations",
+            Form::Count(1),
+            "The run ends after as many iterations in any case; by default 10000.",
+        ),
+        optional(
+            "redistribution",
+            Form::Either(&[Form::Switch, Form::Choice(|| vec!["auto"])]),
+            "Whether vertices of fluid surfaces are moved along the surface to keep the mesh even; \
+             by default \"auto\": wherever a surface is fluid.",
+        ),
+        optional(
+            "viscosity",
+            positive(Dimension::VISCOSITY),
+            "Viscosity μ of the fluid outside the surfaces.",
+        ),
+        optional(
+            "flow",
+            Form::Table(&FLOW),
+            "The flow that there would be without surfaces; by default the fluid is at rest.",
+        ),
+        optional(
+            "duration",
+            positive(Dimension::TIME),
+            "Time at which the run ends.",
+        ),
+        optional(
+            "strain",
+            NUMBER,
+            "Strain at which the run ends, the flow's rate times the time, instead of duration. \
+             Rates: γ̇ of a shear, ε̇ of an extension, √(2 E:E) of a linear flow with E the symmetric \
+             part of its gradient, 2U/R of a Poiseuille flow.",
+        ),
+        optional(
+            "integrator",
+            Form::Choice(|| vec!["auto", "rkc2", "bs23", "rk4"]),
+            "\"rkc2\" where bending limits the step, \"bs23\" where it does not, \"rk4\" for fixed \
+             steps; \"auto\", the default, is rkc2 if a surface bends and else bs23.",
+        ),
+        optional(
+            "step",
+            positive(Dimension::TIME),
+            "Step of rk4, which needs it; the others choose theirs by the tolerance.",
+        ),
+        optional(
+            "tolerance",
+            NUMBER,
+            "Error allowed in a step, relative to the size of the surfaces; by default 1e-4.",
+        ),
+        optional(
+            "volume_correction",
+            Form::Switch,
+            "Whether the volume of each closed surface is kept to rounding, instead of to the error \
+             of the mesh and the steps; by default true.",
+        ),
+    ],
+    exactly_one: &[],
+    at_most_one: &[],
+    needs: &[],
+    kinds: &[
+        Kind {
+            name: "relax",
+            required: &[],
+            optional: &["scheme", "residual", "iterations", "redistribution"],
+            exactly_one: &[],
+        },
+        Kind {
+            name: "boundary-integral",
+            required: &["viscosity"],
+            optional: &[
+                "flow",
+                "duration",
+                "strain",
+                "integrator",
+                "step",
+                "tolerance",
+                "volume_correction",
+            ],
+            exactly_one: &[&["duration", "strain"]],
+        },
+    ],
+};
+
+const RATE: Form = Form::Number(Dimension::RATE, Range::NotZero);
+
+static FLOW: Keys = Keys {
+    keys: &[
+        required(
+            "kind",
+            Form::Choice(|| kinds(&FLOW)),
+            "\"quiescent\"; \"shear\", u = (γ̇ y, 0, 0); \"extension\", u = ε̇ (x, −y/2, −z/2); \
+             \"plane-extension\", u = ε̇ (x, −y, 0); \"linear\", u = L·x; \"poiseuille\", \
+             u = U (1 − ρ²/R²) along an axis, ρ the distance from it.",
+        ),
+        optional("rate", RATE, "Shear rate γ̇ or rate of extension ε̇."),
+        optional(
+            "gradient",
+            Form::Exactly(3, &Form::Exactly(3, &any(Dimension::RATE))),
+            "Velocity gradient L, row by row: [[∂u/∂x, ∂u/∂y, ∂u/∂z], [∂v/∂x, …], …]; its trace is 0.",
+        ),
+        optional(
+            "centre_velocity",
+            Form::Number(Dimension::VELOCITY, Range::NotZero),
+            "Velocity U on the axis.",
+        ),
+        optional(
+            "radius",
+            positive(Dimension::LENGTH),
+            "Radius R of the tube of this flow. There are no walls: the flow turns round beyond it.",
+        ),
+        optional("direction", Form::Direction, "Direction of axis and flow."),
+        optional(
+            "through",
+            Form::Vector(Dimension::LENGTH),
+            "A point of the axis; by default [0, 0, 0].",
+        ),
+    ],
+    exactly_one: &[],
+    at_most_one: &[],
+    needs: &[],
+    kinds: &[
+        no_keys("quiescent"),
+        with_rate("shear"),
+        with_rate("extension"),
+        with_rate("plane-extension"),
+        Kind {
+            required: &["gradient"],
+            ..no_keys("linear")
+        },
+        Kind {
+            required: &["centre_velocity", "radius", "direction"],
+            optional: &["through"],
+            ..no_keys("poiseuille")
+        },
+    ],
+};
+
+const fn no_keys(name: &'static str) -> Kind {
+    Kind {
+        name,
+        required: &[],
+        optional: &[],
+        exactly_one: &[],
+    }
+}
+
+const fn with_rate(name: &'static str) -> Kind {
+    Kind {
+        required: &["rate"],
+        ..no_keys(name)
+    }
+}

@@ -1,0 +1,106 @@
+//! Keys of the outputs.
+
+use super::super::units::Dimension;
+use super::{Form, Keys, NUMBER, optional, plain, positive, required};
+
+pub(super) static OUTPUT: Keys = Keys {
+    keys: &[
+        optional(
+            "every",
+            Form::Count(1),
+            "Iterations from one row of the series to the next, and from one set of files to the \
+             next, of drivers without time; by default 100.",
+        ),
+        optional(
+            "interval",
+            positive(Dimension::TIME),
+            "The same as a time, of drivers with time; by default a hundredth of the duration.",
+        ),
+        optional(
+            "strain_interval",
+            NUMBER,
+            "The same as a strain, the flow's rate times the time.",
+        ),
+        optional(
+            "surfaces",
+            Form::Switch,
+            "Whether surfaces are written as VTP files; by default true.",
+        ),
+        optional(
+            "pictures",
+            Form::Switch,
+            "Whether pictures are written as PNG files; by default true.",
+        ),
+        optional(
+            "picture_field",
+            Form::Choice(|| vec!["mean-curvature", "gaussian-curvature", "bending-force"]),
+            "What the pictures' colours show; by default mean-curvature.",
+        ),
+        optional(
+            "checkpoint_every",
+            Form::Count(1),
+            "Iterations, or steps in time, from one checkpoint to the next; by default 1000 \
+             iterations or 50 steps.",
+        ),
+        optional(
+            "plot",
+            Form::Tables(&PLOT),
+            "A column of the series, drawn as a PNG file.",
+        ),
+        optional(
+            "slice",
+            Form::Tables(&SLICE),
+            "A rectangle on which the fluid's velocity and pressure are written as VTI and PNG files \
+             at every output.",
+        ),
+    ],
+    exactly_one: &[],
+    at_most_one: &[&["every", "interval", "strain_interval"]],
+    needs: &[],
+    kinds: &[],
+};
+
+static PLOT: Keys = plain(&[
+    required(
+        "column",
+        Form::Text,
+        "The column of series.csv. Of several surfaces each has its own, NAME_SURFACE: NAME alone is \
+         all of them.",
+    ),
+    optional(
+        "against",
+        Form::Text,
+        "The column of the horizontal axis; by default strain if the flow has a rate, else time.",
+    ),
+    optional(
+        "published",
+        Form::File,
+        "CSV file of curves to draw beside it, relative to the scene's folder: a head curve,x,y, \
+         then points.",
+    ),
+]);
+
+static SLICE: Keys = plain(&[
+    optional(
+        "name",
+        Form::Name,
+        "The slice's name, and that of its files; by default slice-1, slice-2 and so on.",
+    ),
+    optional(
+        "centre",
+        Form::Vector(Dimension::LENGTH),
+        "Its centre; by default [0, 0, 0].",
+    ),
+    required("normal", Form::Direction, "The normal of its plane."),
+    required(
+        "size",
+        Form::Exactly(2, &positive(Dimension::LENGTH)),
+        "Lengths of its edges. The first is along x, or along y where the normal is nearer to x than \
+         45°, turned into the plane; the second along the normal times the first.",
+    ),
+    required(
+        "points",
+        Form::Exactly(2, &Form::Count(2)),
+        "Number of points along each edge.",
+    ),
+]);
