@@ -726,3 +726,19 @@ pub const GRID_POINT: Tolerance = Tolerance::new(
     1e-14,
     "VTK multiplies in another order, at places of order one",
 );
+/// The volume of smooth meshes of 10000 vertices.
+pub const FINE_MESH_VOLUME: Tolerance = Tolerance::new(
+    3e-3,
+    "second order in edges of 0.04 of the size, and of 0.12 of a torus's tube",
+);
+/// The spectral radius by the edge of the mean triangle, for that by the mean edge of an icosphere.
+pub const MEAN_EDGE: Tolerance = Tolerance::new(
+    4e-2,
+    "edges differ by up to 16 %: their mean square exceeds the square of their mean by a hundredth, \
+     and the cube of the edge is wanted",
+);
+/// Numbers that follow from a scene's by a short formula, or by that of a mesh of its volume.
+pub const SCENE_NUMBER: Tolerance = Tolerance::new(
+    1e-12,
+    "a few roundings, or the sum over a thousand triangles",
+);

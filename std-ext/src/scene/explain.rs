@@ -32,6 +32,9 @@ pub struct Explanation {
     pub flow: Option<Active>,
     /// How positions follow velocities and why so, of drivers with time.
     pub integrator: Option<Active>,
+    /// Estimate of the spectral radius ρ of the velocities' derivative by positions, 1/time, where
+    /// there is a formula: explicit steps are stable up to about 2.5/ρ.
+    pub spectral_radius: Option<f64>,
     /// What limits the step.
     pub step_limit: String,
     /// Estimate of the memory that the run needs, in bytes.
@@ -147,6 +150,7 @@ impl Scene {
                 ],
             }
         };
+        let spectral_radius = driver::spectral_radius(self, meshes);
         Explanation {
             title: self.title.clone(),
             units: self.units,
@@ -157,7 +161,8 @@ impl Scene {
             driver: driver::explain(&self.driver, &number),
             flow: driver::flow(&self.driver, &number),
             integrator: driver::integrator(self, &number),
-            step_limit: driver::step_limit(self, meshes),
+            spectral_radius,
+            step_limit: driver::step_limit(self, spectral_radius),
             memory: memory.sum(),
         }
     }
@@ -232,7 +237,15 @@ fn explain_surface(surface: &SurfaceScene, mesh: &MeshInfo, scene: &Scene) -> Su
         measures.insert(1, number.of("volume", volume, Dimension::VOLUME));
     }
     let source = match &surface.source {
-        MeshSource::Shape { shape, family, .. } => format!("{shape}, {family}"),
+        MeshSource::Shape {
+            shape,
+            family,
+            match_volume,
+            ..
+        } => {
+            let volume = if *match_volume { ", of its volume" } else { "" };
+            format!("{shape}, {family}{volume}")
+        }
         MeshSource::File(path) => path.display().to_string(),
     };
     let (on, off) = effects::effects(surface, &number);

@@ -202,7 +202,7 @@ fn beyond_the_tube(scene: &SurfaceScene, mesh: &MeshInfo, flow: &Flow) -> Option
     let reach = distance + enclosed_radius(mesh);
     (reach > radius).then(|| {
         format!(
-            "\"{}\" reaches {reach:.4} from the axis, and this Poiseuille flow, which has no walls, \
+            "\"{}\" reaches {reach:.3} from the axis, and this Poiseuille flow, which has no walls, \
              turns round at `radius` {radius}: choose a larger one, or a smaller surface nearer to \
              the axis",
             scene.name

@@ -132,18 +132,13 @@ fn interval(scene: &Scene, number: &Parameters) -> Option<Parameter> {
 }
 
 /// What limits the step, in words.
-pub(super) fn step_limit(scene: &Scene, meshes: &[MeshInfo]) -> String {
-    let Driver::BoundaryIntegral(integral) = &scene.driver else {
+pub(super) fn step_limit(scene: &Scene, spectral_radius: Option<f64>) -> String {
+    let Driver::BoundaryIntegral(_) = &scene.driver else {
         return "none: relax has no time, and chooses its steps itself; without a flow there is no \
                 capillary number either"
             .to_owned();
     };
-    let surfaces = scene.surfaces.iter().zip(meshes);
-    let radii = surfaces.map(|(surface, mesh)| spectral_radius(surface, mesh, integral.viscosity));
-    let largest = radii.reduce(|largest, radius| Some(largest?.max(radius?)));
-    // Repulsion is as stiff as it is near, which nobody knows beforehand.
-    let largest = largest.flatten().filter(|_| scene.interactions.is_empty());
-    match largest {
+    match spectral_radius {
         Some(radius) => {
             let number = Parameters(scene.units);
             let step = number.of("Δt", 2.5 / radius, Dimension::TIME);
@@ -162,11 +157,25 @@ pub(super) fn step_limit(scene: &Scene, meshes: &[MeshInfo]) -> String {
     }
 }
 
-/// Estimate of the spectral radius ρ of ∂v/∂x, 1/time; none where there is no formula.
+/// Estimate of the spectral radius of all surfaces; none if one of them has none.
+pub(super) fn spectral_radius(scene: &Scene, meshes: &[MeshInfo]) -> Option<f64> {
+    let Driver::BoundaryIntegral(integral) = &scene.driver else {
+        return None;
+    };
+    // Repulsion is as stiff as it is near, which nobody knows beforehand.
+    if !scene.interactions.is_empty() {
+        return None;
+    }
+    let surfaces = scene.surfaces.iter().zip(meshes);
+    let mut radii = surfaces.map(|(surface, mesh)| of_one(surface, mesh, integral.viscosity));
+    radii.try_fold(0.0, |largest, radius| Some(radius?.max(largest)))
+}
+
+/// Of one surface; none where there is no formula.
 ///
 /// `ρ/γ̇ = (1/Ca) max{0.355 (K_s/G + 1)(a/h), 2.65 b (a/h)³}` as measured for method B on icospheres,
 /// with `Ca = μγ̇a/G` and `b = κ/(a²G)`: flow and size drop out of it.
-fn spectral_radius(surface: &SurfaceScene, mesh: &MeshInfo, viscosity: f64) -> Option<f64> {
+fn of_one(surface: &SurfaceScene, mesh: &MeshInfo, viscosity: f64) -> Option<f64> {
     let MeshSource::Shape { family, .. } = surface.source else {
         return None;
     };

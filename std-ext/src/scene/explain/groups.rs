@@ -2,10 +2,11 @@
 
 use super::super::build::reduced_volume;
 use super::super::{
-    AreaDifferenceTarget, Bending, BoundaryIntegral, Driver, Flow, Hold, InPlaneLaw,
+    AreaDifferenceTarget, Bending, BoundaryIntegral, Driver, Flow, Hold, InPlaneLaw, MeshSource,
     ReferenceSource, Stretching, SurfaceScene, Target, VolumeTarget,
 };
 use super::Group;
+use crate::generate::AnyShape;
 use crate::info::MeshInfo;
 use std::f64::consts::PI;
 
@@ -238,7 +239,13 @@ fn small_deformation(
         && surface.membrane_viscosity.is_none()
         && surface.stretching.is_none()
         && surface.bending.is_none_or(flat);
-    let sphere = reduced_volume(mesh.volume?, mesh.area) > NEARLY_A_SPHERE;
+    let sphere = matches!(
+        surface.source,
+        MeshSource::Shape {
+            shape: AnyShape::Sphere(_),
+            ..
+        }
+    );
     let shear = matches!(integral.flow, Flow::Shear { .. });
     if !(unstressed && alone && sphere && shear) {
         return None;
@@ -257,9 +264,6 @@ fn small_deformation(
         ),
     })
 }
-
-/// The least reduced volume of the mesh of a sphere: that of 42 vertices has 0.95.
-const NEARLY_A_SPHERE: f64 = 0.94;
 
 /// What to know of the groups of a surface.
 pub(super) fn notes(surface: &SurfaceScene, mesh: &MeshInfo, driver: &Driver) -> Vec<&'static str> {

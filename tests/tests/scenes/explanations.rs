@@ -1,0 +1,55 @@
+//! What scenes amount to.
+
+use super::{generated, valid, with};
+use helfrich_std::info::MeshInfo;
+
+#[test]
+fn explanations_name_effects_and_groups() {
+    let file = valid(&with(
+        "[surface.bending]\nmethod = \"B\"\nmodulus = 0.5\nspontaneous_curvature = 0.25\n\
+         [surface.elasticity]\nlaw = \"neo-hookean\"\nshear_modulus = 2\n\
+         [surface.volume]\nconstraint = \"exact\"\nreduced = 0.9\n\
+         [surface.area]\nmodulus = 3\n",
+    ));
+    // A sphere of radius 3, exactly.
+    let pi = std::f64::consts::PI;
+    let mesh = MeshInfo {
+        area: 36.0 * pi,
+        volume: Some(36.0 * pi),
+        ..generated(&file, 0)
+    };
+    let explanation = file.scene.explain(&[mesh]);
+    let surface = &explanation.surfaces[0];
+    let on = Vec::from_iter(surface.on.iter().map(|effect| effect.name));
+    assert_eq!(on, ["bending", "elasticity", "area", "volume"]);
+    assert_eq!(surface.off.len(), 7);
+    let group = |formula: &str| {
+        let found = surface.groups.iter().find(|group| group.formula == formula);
+        found.unwrap_or_else(|| panic!("{formula}")).value
+    };
+    let close = |formula: &str, expected: f64| {
+        let found = group(formula);
+        assert!(
+            (found / expected - 1.0).abs() < 1e-12,
+            "{formula}: {found} for {expected}"
+        );
+    };
+    close("6√π V/A^(3/2)", 1.0);
+    close("6√π V0/A^(3/2)", 0.9);
+    close("c0 R = 2 H0 R", 1.5);
+    close("b = κ/(R² G)", 0.5 / 18.0);
+    close("κ/(R² 3 G)", 0.5 / 54.0);
+    close("K_s/G", 3.0);
+    // Y = 3 G of an incompressible sheet.
+    close("γ = Y R²/κ, Y = 4 K_s G/(K_s + G)", 6.0 * 9.0 / 0.5);
+    close("k R²/κ", 54.0);
+    let text = explanation.to_string();
+    for part in [
+        "off: local_area, area_difference",
+        "step limit          none",
+        "modulus = 0.5 pN·µm",
+        "memory",
+    ] {
+        assert!(text.contains(part), "`{part}` is not in:\n{text}");
+    }
+}

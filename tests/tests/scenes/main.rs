@@ -1,0 +1,123 @@
+//! Scene files: what is right is read, what is wrong is said.
+
+mod errors;
+mod explanations;
+mod flow;
+mod hostile;
+mod meshes;
+mod overrides;
+mod reading;
+mod schema;
+
+use helfrich::Surface;
+use helfrich_std::generate::generate;
+use helfrich_std::info::MeshInfo;
+use helfrich_std::scene::{MeshSource, Overrides, Place, SceneErrors, SceneFile};
+use std::path::{Path, PathBuf};
+
+/// Where the shipped scenes are.
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../std-ext/scenes")
+}
+
+/// The shipped scenes' names and texts.
+fn shipped() -> Vec<(String, String)> {
+    let files = std::fs::read_dir(folder()).unwrap();
+    let paths = files.map(|entry| entry.unwrap().path());
+    let scenes = paths.filter(|path| path.extension().is_some_and(|end| end == "toml"));
+    let name = |path: &PathBuf| path.file_stem().unwrap().to_string_lossy().into_owned();
+    let mut all =
+        Vec::from_iter(scenes.map(|path| (name(&path), std::fs::read_to_string(path).unwrap())));
+    all.sort();
+    all
+}
+
+fn parse(text: &str) -> Result<SceneFile, SceneErrors> {
+    parse_with::<&str>(text, &[])
+}
+
+fn parse_with<S: Into<String> + Clone>(
+    text: &str,
+    overrides: &[S],
+) -> Result<SceneFile, SceneErrors> {
+    let overrides = Overrides::new(overrides.iter().cloned()).unwrap();
+    SceneFile::parse(text, Path::new("folder/cell.toml"), &overrides)
+}
+
+#[track_caller]
+fn valid(text: &str) -> SceneFile {
+    parse(text).unwrap_or_else(|errors| panic!("{errors}\n\n{text}"))
+}
+
+/// A scene with `effects` on its one surface, from line 8 on.
+fn with(effects: &str) -> String {
+    format!(
+        "units = \"micro\"\n[driver]\nkind = \"relax\"\n[[surface]]\nname = \"cell\"\nshape = \
+         \"sphere:3\"\nvertices = 642\n{effects}"
+    )
+}
+
+/// The one error of a text.
+#[track_caller]
+fn the_error(text: &str) -> (Place, String) {
+    let errors = parse(text).expect_err(text);
+    assert_eq!(errors.errors().len(), 1, "{errors}");
+    (errors.errors()[0].place.clone(), errors.to_string())
+}
+
+/// A text has one error, at `line` and `column`, whose message has `parts`.
+#[track_caller]
+fn refused(text: &str, at: [usize; 2], parts: &[&str]) {
+    let (place, message) = the_error(text);
+    let Place::Text {
+        line,
+        column,
+        text: shown,
+        ..
+    } = place
+    else {
+        panic!("no place: {message}");
+    };
+    assert_eq!([line, column], at, "{message}");
+    assert_eq!(
+        Some(shown.as_str()),
+        text.lines().nth(line - 1),
+        "{message}"
+    );
+    let start = format!("folder/cell.toml:{line}:{column}: ");
+    assert!(message.starts_with(&start), "{message}");
+    assert!(message.contains(shown.trim_end()), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "`{part}` is not in: {message}");
+    }
+}
+
+/// The same for an effect that the scene of [`with`] is given.
+#[track_caller]
+fn refused_effect(effects: &str, at: [usize; 2], parts: &[&str]) {
+    refused(&with(effects), at, parts);
+}
+
+/// What the generated mesh of a surface is like, scaled.
+fn generated(file: &SceneFile, surface: usize) -> MeshInfo {
+    let surface = &file.scene.surfaces[surface];
+    let MeshSource::Shape {
+        shape,
+        family,
+        vertices,
+        seed,
+        match_volume,
+    } = &surface.source
+    else {
+        panic!("no shape");
+    };
+    let made = generate(shape, *family, *vertices, *seed).unwrap();
+    let enclosed = Surface::new(&made.mesh, &made.positions).unwrap().volume();
+    let matched = match match_volume {
+        true => (shape.volume() / enclosed.unwrap()).cbrt(),
+        false => 1.0,
+    };
+    let scaled = |point: &[f64; 3]| point.map(|x| x * surface.scale * matched);
+    let positions = Vec::from_iter(made.positions.iter().map(scaled));
+    MeshInfo::new(Surface::new(&made.mesh, &positions).unwrap())
+}
