@@ -393,24 +393,35 @@ fn viscosities_may_differ_from_node_to_node() {
     };
     let viscosities = [0.1, 0.3];
     let of_layer = |y: usize| viscosities[usize::from(y >= 8)];
-    let mut lattice = lattice::<f64>(between(1, walls, periodic([2, 16, 1], 0.2)));
-    let bytes = lattice.bytes();
-    lattice.set_viscosities(|[_, y, _]| of_layer(y)).unwrap();
-    assert_eq!(lattice.bytes(), bytes + 2 * 16 * size_of::<f64>());
-    lattice.advance(20_000);
+    let mut layers = lattice::<f64>(between(1, walls, periodic([2, 16, 1], 0.2)));
+    let bytes = layers.bytes();
+    layers.set_viscosities(|[_, y, _]| of_layer(y)).unwrap();
+    assert_eq!(layers.bytes(), bytes + 2 * 16 * size_of::<f64>());
+    layers.advance(20_000);
     let stress = 0.03 / (8.0 / viscosities[0] + 8.0 / viscosities[1]);
     let mut velocity = 0.0;
     for y in 0..16 {
         let step = 0.5 * stress / of_layer(y);
         velocity += step;
-        let found = lattice.node([0, y, 0]).velocity[0];
+        let found = layers.node([0, y, 0]).velocity[0];
         tolerance::LATTICE_STEADY.assert(found, velocity, 0.03, "u");
         velocity += step;
     }
     assert!(matches!(
-        lattice.set_viscosities(|_| -1.0),
+        layers.set_viscosities(|_| -1.0),
         Err(LatticeError::Viscosity { .. })
     ));
+
+    // The same from an indicator.
+    let setup = periodic([2, 16, 1], viscosities[0]);
+    let mut other = lattice::<f64>(between(1, walls, setup));
+    let inside = Vec::from_iter(cells([2, 16, 1]).map(|[_, y, _]| y >= 8));
+    assert!(other.set_inner_viscosity(&inside, 0.0).is_err());
+    other.set_inner_viscosity(&inside, viscosities[1]).unwrap();
+    other.restore(layers.state().clone()).unwrap();
+    other.advance(1);
+    layers.advance(1);
+    assert!(other.state() == layers.state());
 }
 
 #[test]
@@ -446,7 +457,8 @@ fn without_inertia_velocities_add_up() {
 #[test]
 fn nodes_are_inside_of_meshes_or_not() {
     let lattice = lattice::<f32>(periodic([20, 17, 15], 0.1));
-    for centre in [[9.3, 8.1, 7.7], [0.2, 16.8, -0.1]] {
+    // In the middle, through all sides, and periods away.
+    for centre in [[9.3, 8.1, 7.7], [0.2, 16.8, -0.1], [-991.0, 34.5, 1510.4]] {
         let ball = sphere(4.9, centre);
         let inside = lattice.inside(&ball.connectivity, &ball.positions).unwrap();
         for (number, [x, y, z]) in cells([20, 17, 15]).enumerate() {
@@ -542,8 +554,8 @@ fn impossible_lattices_are_refused() {
     assert!(obstacle(&ball.positions[1..]).contains("positions"));
     let small = ball.map(|x| x.map(|x| 2.0 + 0.1 * (x - 2.0)));
     assert!(obstacle(&small.positions).contains("no node"));
-    let far = ball.map(|[x, y, z]| [x, y, z + 1e9]);
-    assert!(obstacle(&far.positions).contains("along z"));
+    let large = ball.map(|[x, y, z]| [x, y, 100.0 * z]);
+    assert!(obstacle(&large.positions).contains("along z"));
     let open = helfrich_tests::meshes::disc(2);
     let message = lattice
         .add_obstacle(&open.connectivity, &open.positions)

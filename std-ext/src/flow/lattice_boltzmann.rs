@@ -154,13 +154,13 @@ pub enum LatticeError {
     },
     /// Positions that are not in lattice units.
     #[error(
-        "the mesh reaches to {coordinate} along {}, more than a box away from the box of {cells} \
-         nodes: positions are in lattice units, and in the box", axis_name(*axis)
+        "the mesh reaches to {coordinate} along {}, far beyond the box of {cells} nodes: positions \
+         are in lattice units, and in the box", axis_name(*axis)
     )]
     FarAway {
         /// 0, 1 or 2.
         axis: usize,
-        /// The coordinate.
+        /// The coordinate, less whole periods.
         coordinate: f64,
         /// Number of nodes along the axis.
         cells: usize,
@@ -260,6 +260,13 @@ impl Node {
     pub fn pressure(&self) -> f64 {
         (self.density - 1.0) / 3.0
     }
+}
+
+/// Nodes along x, from one on.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    start: [usize; 3],
+    count: usize,
 }
 
 /// δρ, and momentum with half of the force.
@@ -372,7 +379,7 @@ impl<T: Precision> Lattice<T> {
         &self.state
     }
 
-    /// Goes on from a stored state.
+    /// Goes on from a stored state. Forces on walls and obstacles are 0 until the next step.
     ///
     /// # Errors
     /// If it is that of a lattice of another size.
@@ -388,6 +395,7 @@ impl<T: Precision> Lattice<T> {
             });
         }
         self.state = state;
+        self.links.forget();
         Ok(())
     }
 
@@ -422,7 +430,11 @@ impl<T: Precision> Lattice<T> {
     pub fn node(&self, cell: [usize; 3]) -> Node {
         self.assert_inside(cell);
         let mut moments = [Moments::default()];
-        self.read_row(cell, &mut moments);
+        let row = Row {
+            start: cell,
+            count: 1,
+        };
+        self.read(row, &mut moments);
         let [moments] = moments;
         Node {
             density: 1.0 + moments.excess,
@@ -439,31 +451,29 @@ impl<T: Precision> Lattice<T> {
         moments.momentum.map(|momentum| momentum / mass)
     }
 
-    /// The moments of the nodes that start here, in the direction of x.
-    fn read_row(&self, [x, y, z]: [usize; 3], moments: &mut [Moments]) {
+    /// The moments of a row of nodes. Node by node, so that the processor waits for the memory of
+    /// all directions at once.
+    fn read(&self, row: Row, moments: &mut [Moments]) {
         let layout = &self.layout;
-        let [length, rows, planes] = layout.cells;
-        for (number, moments) in moments.iter_mut().enumerate() {
-            let force = self.force_at(layout.node([x + number, y, z]));
-            *moments = Moments {
-                excess: 0.0,
-                momentum: force.map(|force| 0.5 * force),
-            };
-        }
-        for (direction, velocity) in VELOCITIES.iter().enumerate() {
-            let (stored, step) = Layout::source(self.odd(), direction);
-            let row = [0, wrapped(y, step[1], rows), wrapped(z, step[2], planes)];
-            let row = &self.state.populations[layout.slot(stored, row)..][..length];
-            let velocity = velocity.map(f64::from);
-            let first = wrapped(x, step[0], length);
-            let populations = row[first..].iter().chain(&row[..first]);
-            for (moments, &population) in moments.iter_mut().zip(populations) {
-                let population = number(population);
-                moments.excess += population;
-                for (sum, velocity) in moments.momentum.iter_mut().zip(velocity) {
-                    *sum += velocity * population;
+        let slots: [_; Q] =
+            array::from_fn(|direction| layout.row(self.odd(), direction, row.start));
+        let first = layout.node(row.start);
+        for (along, moments) in moments[..row.count].iter_mut().enumerate() {
+            let mut excess = 0.0;
+            let mut momentum = self.force_at(first + along).map(|force| 0.5 * force);
+            for (velocity, [before, after]) in VELOCITIES.iter().zip(&slots) {
+                let slot = if along < before.len() {
+                    before.start + along
+                } else {
+                    after.start + along - before.len()
+                };
+                let population = number(self.state.populations[slot]);
+                excess += population;
+                for (sum, &velocity) in momentum.iter_mut().zip(velocity) {
+                    *sum += f64::from(velocity) * population;
                 }
             }
+            *moments = Moments { excess, momentum };
         }
     }
 
@@ -486,15 +496,19 @@ impl<T: Precision> Lattice<T> {
         let mut total = Moments::default();
         let mut moments = vec![Moments::default(); length];
         for (z, y) in (0..planes).flat_map(|z| (0..rows).map(move |y| (z, y))) {
-            self.read_row([0, y, z], &mut moments);
-            let mut row = Moments::default();
+            let row = Row {
+                start: [0, y, z],
+                count: length,
+            };
+            self.read(row, &mut moments);
+            let mut sum = Moments::default();
             for (x, moments) in moments.iter().enumerate() {
                 if !self.is_labelled(self.layout.node([x, y, z])) {
                     nodes += 1;
-                    row.add(moments);
+                    sum.add(moments);
                 }
             }
-            total.add(&row);
+            total.add(&sum);
         }
         (nodes, total)
     }
@@ -564,12 +578,38 @@ impl<T: Precision> Lattice<T> {
         Ok(())
     }
 
-    /// Which nodes lie inside a closed surface, by their number: x runs fastest, then y. What
-    /// reaches beyond periodic sides goes on at the opposite ones.
+    /// Gives the nodes inside of something a viscosity of their own, and those outside the one of
+    /// the setup. Memory is kept from call to call.
     ///
     /// # Errors
-    /// If the positions do not fit the mesh, are not finite or are more than a box away, or the mesh
-    /// is open.
+    /// If the viscosity is not above 0; then nothing changes.
+    ///
+    /// # Panics
+    /// If `inside` is not as long as there are nodes; see [`Self::inside`].
+    pub fn set_inner_viscosity(
+        &mut self,
+        inside: &[bool],
+        viscosity: f64,
+    ) -> Result<(), LatticeError> {
+        assert_eq!(inside.len(), self.layout.nodes(), "one entry a node");
+        let inner = checked_viscosity(viscosity)?;
+        let [outer, inner] = [self.setup.viscosity, inner].map(|nu| T::constant(3.0 * nu));
+        let tripled = self.tripled_viscosities.get_or_insert_default();
+        tripled.clear();
+        tripled.extend(
+            inside
+                .iter()
+                .map(|&inside| if inside { inner } else { outer }),
+        );
+        Ok(())
+    }
+
+    /// Which nodes lie inside a closed surface, by their number: x runs fastest, then y. On periodic
+    /// axes it may lie anywhere, and what reaches beyond one side goes on at the other.
+    ///
+    /// # Errors
+    /// If the positions do not fit the mesh or are not finite, if they reach more than a box beyond
+    /// walls, or over more than two periods, or if the mesh is open.
     pub fn inside(
         &self,
         mesh: &TriangleMesh,
@@ -582,15 +622,20 @@ impl<T: Precision> Lattice<T> {
             });
         }
         let cells = self.layout.cells;
-        for position in positions {
-            for axis in 0..3 {
-                let (coordinate, cells) = (position[axis], cells[axis]);
-                let box_length = cells as f64;
-                if !(-box_length..=2.0 * box_length).contains(&coordinate) {
+        let mut positions = positions.to_vec();
+        for axis in 0..3 {
+            let length = cells[axis] as f64;
+            if self.is_periodic(axis) {
+                let low = (positions.iter().map(|x| x[axis])).fold(f64::INFINITY, f64::min);
+                let periods = (low / length).floor() * length;
+                positions.iter_mut().for_each(|x| x[axis] -= periods);
+            }
+            for position in &positions {
+                if !(-length..=2.0 * length).contains(&position[axis]) {
                     return Err(LatticeError::FarAway {
                         axis,
-                        coordinate,
-                        cells,
+                        coordinate: position[axis],
+                        cells: cells[axis],
                     });
                 }
             }
@@ -601,7 +646,7 @@ impl<T: Precision> Lattice<T> {
                 .then(|| index.rem_euclid(count) as usize)
         };
         let mut inside = vec![false; self.layout.nodes()];
-        voxel::for_each_row_inside(mesh.triangles(), positions, |row, j, k| {
+        voxel::for_each_row_inside(mesh.triangles(), &positions, |row, j, k| {
             if let (Some(y), Some(z)) = (in_box(1, j), in_box(2, k)) {
                 for x in row.filter_map(|i| in_box(0, i)) {
                     inside[self.layout.node([x, y, z])] = true;

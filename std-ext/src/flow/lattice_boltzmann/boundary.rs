@@ -105,7 +105,7 @@ impl<T: Precision> Links<T> {
 
     /// Sends back what the last step, even or odd, has sent through surfaces.
     pub(super) fn bounce_back(&mut self, populations: &mut [T], odd: bool) {
-        self.forces.fill([0.0; 3]);
+        self.forget();
         for link in &self.links {
             let [mut first, mut second] = link.slots;
             if odd {
@@ -125,6 +125,11 @@ impl<T: Precision> Links<T> {
                 self.forces[met[1]][axis] -= f64::from(step) * given[1];
             }
         }
+    }
+
+    /// Sets forces to 0.
+    pub(super) fn forget(&mut self) {
+        self.forces.fill([0.0; 3]);
     }
 
     /// The force on a surface in the last step.

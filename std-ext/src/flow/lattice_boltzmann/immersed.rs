@@ -4,9 +4,11 @@
 //! M. J. Berger, J. Comput. Phys. 153 (1999) 509.
 
 use crate::flow::lattice_boltzmann::force::ForceSlab;
-use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Moments, Precision, checked_force};
+use crate::flow::lattice_boltzmann::{
+    Lattice, LatticeError, Moments, Precision, Row, checked_force,
+};
 use serde::{Deserialize, Serialize};
-use std::{array, mem};
+use std::array;
 
 /// How a point is spread over the nodes around it: a product φ(x) φ(y) φ(z) of the distances.
 ///
@@ -94,8 +96,8 @@ struct Stencil {
 struct Rows {
     /// For each row of the lattice, counted along y, then z, its part.
     parts: Vec<Part>,
-    /// The rows that are not empty, in their order.
-    touched: Vec<usize>,
+    /// The parts that are not empty, in their order.
+    runs: Vec<Row>,
     /// Number of nodes in all parts.
     nodes: usize,
 }
@@ -106,12 +108,6 @@ struct Part {
     end: usize,
     /// Where its velocities start among those of all parts.
     offset: usize,
-}
-
-impl Part {
-    fn len(self) -> usize {
-        self.end - self.start
-    }
 }
 
 impl Immersed {
@@ -257,15 +253,14 @@ impl Immersed {
         self.assert_size(lattice);
         let threads = lattice.setup.threads.get();
         self.velocities.resize(self.rows.nodes, [0.0; 3]);
-        let share = self.rows.touched.len().div_ceil(threads).max(1);
+        let share = self.rows.runs.len().div_ceil(threads).max(1);
         std::thread::scope(|scope| {
             let mut left = self.velocities.as_mut_slice();
-            for touched in self.rows.touched.chunks(share) {
-                let parts = &self.rows.parts;
-                let nodes = touched.iter().map(|&row| parts[row].len()).sum();
+            for runs in self.rows.runs.chunks(share) {
+                let nodes = runs.iter().map(|run| run.count).sum();
                 let (own, rest) = left.split_at_mut(nodes);
                 left = rest;
-                let mut run = move || read_rows(lattice, parts, touched, own);
+                let mut run = move || read_velocities(lattice, runs, own);
                 // The last share is this thread's own.
                 if left.is_empty() {
                     run();
@@ -327,7 +322,16 @@ impl Immersed {
 impl Stencil {
     /// The nodes along each axis; of more than the kernel has, the last do not count.
     fn nodes(&self, cells: [usize; 3]) -> [[usize; 4]; 3] {
-        array::from_fn(|axis| array::from_fn(|k| (self.first[axis] + k) % cells[axis]))
+        array::from_fn(|axis| {
+            array::from_fn(|k| {
+                let mut node = self.first[axis] + k;
+                // Once at most, but on an axis with fewer nodes than the kernel; no division.
+                while node >= cells[axis] {
+                    node -= cells[axis];
+                }
+                node
+            })
+        })
     }
 }
 
@@ -357,35 +361,31 @@ impl Rows {
                 }
             }
         }
-        self.touched.clear();
+        self.runs.clear();
         self.nodes = 0;
         for (row, part) in self.parts.iter_mut().enumerate() {
             if part.end > 0 {
-                self.touched.push(row);
                 part.offset = self.nodes;
-                self.nodes += part.len();
+                let count = part.end - part.start;
+                self.nodes += count;
+                self.runs.push(Row {
+                    start: [part.start, row % rows, row / rows],
+                    count,
+                });
             }
         }
     }
 }
 
-/// The velocities of the parts of some rows, one after the other.
-fn read_rows<T: Precision>(
-    lattice: &Lattice<T>,
-    parts: &[Part],
-    touched: &[usize],
-    mut velocities: &mut [[f64; 3]],
-) {
-    let rows = lattice.cells()[1];
-    let mut moments = Vec::new();
-    for &row in touched {
-        let part = parts[row];
-        moments.resize(part.len(), Moments::default());
-        lattice.read_row([part.start, row % rows, row / rows], &mut moments);
-        let (own, rest) = mem::take(&mut velocities).split_at_mut(part.len());
-        velocities = rest;
-        for (velocity, moments) in own.iter_mut().zip(&moments) {
-            *velocity = lattice.velocity(moments);
-        }
+/// The velocities of some rows, one after the other.
+fn read_velocities<T: Precision>(lattice: &Lattice<T>, runs: &[Row], velocities: &mut [[f64; 3]]) {
+    let mut moments = vec![Moments::default(); velocities.len()];
+    let mut left = moments.as_mut_slice();
+    for &run in runs {
+        let own = left.split_off_mut(..run.count).unwrap_or_default();
+        lattice.read(run, own);
+    }
+    for (velocity, moments) in velocities.iter_mut().zip(&moments) {
+        *velocity = lattice.velocity(moments);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::flow::lattice_boltzmann::LatticeError;
 use std::array;
+use std::ops::Range;
 
 /// Number of velocities.
 pub(super) const Q: usize = 19;
@@ -52,11 +53,13 @@ pub(super) fn along(direction: usize, vector: [f64; 3]) -> f64 {
     c[0] * vector[0] + c[1] * vector[1] + c[2] * vector[2]
 }
 
-/// `index + step` on a circle of `count`; `step` is −1, 0 or 1.
+/// `index + step` on a circle of `count`; `step` is −1, 0 or 1. Rows ask for it often: no division.
 pub(super) fn wrapped(index: usize, step: i8, count: usize) -> usize {
     match step {
-        1 => (index + 1) % count,
-        -1 => (index + count - 1) % count,
+        1 if index + 1 == count => 0,
+        1 => index + 1,
+        -1 if index == 0 => count - 1,
+        -1 => index - 1,
         _ => index,
     }
 }
@@ -149,6 +152,15 @@ impl Layout {
     pub(super) fn place(&self, odd: bool, direction: usize, cell: [usize; 3]) -> usize {
         let (stored, step) = Self::source(odd, direction);
         self.slot(stored, self.moved(cell, step))
+    }
+
+    /// The slots of [`Self::source`] for a node and those that follow along x: up to the end of the
+    /// row, and what follows when x goes round.
+    pub(super) fn row(&self, odd: bool, direction: usize, cell: [usize; 3]) -> [Range<usize>; 2] {
+        let (stored, step) = Self::source(odd, direction);
+        let [x, y, z] = self.moved(cell, step);
+        let start = self.slot(stored, [0, y, z]);
+        [start + x..start + self.cells[0], start..start + x]
     }
 
     /// The neighbour of a node in a direction, on the torus.
