@@ -191,9 +191,7 @@ pub fn run(
     } else {
         None
     };
-    let (state, outputs) = stored
-        .map(|Stored { drive, outputs }| (drive, outputs))
-        .unzip();
+    let (state, outputs) = stored.map(|Stored { drive, outputs }| (drive, outputs)).unzip();
     let measures = Measures::new(scene, &simulation, &positions);
     let drive = drive(scene, &mut simulation, positions, state)?;
     let columns = measures.columns(&*drive, &simulation);
@@ -300,10 +298,7 @@ impl Run<'_> {
             }
             if interrupted() {
                 self.checkpoint()?;
-                let message = format!(
-                    "interrupted at {}: `--resume` goes on",
-                    self.drive.caption()
-                );
+                let message = format!("interrupted at {}: `--resume` goes on", self.drive.caption());
                 return Ok((End::Interrupted, message));
             }
         }

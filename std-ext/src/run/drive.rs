@@ -100,9 +100,7 @@ pub(super) fn drive<'a>(
             Box::new(Flowing::new(scene, driver, simulation, positions)?)
         }
         (Driver::BoundaryIntegral(driver), Every::Time(_), Some(DriveState::Flowing(state))) => {
-            Box::new(Flowing::resume(
-                scene, driver, simulation, positions, state,
-            )?)
+            Box::new(Flowing::resume(scene, driver, simulation, positions, state)?)
         }
         // The scene's reader sees to the first, the checkpoint's fingerprint to the second.
         _ => return Err(RunError::Mismatch),

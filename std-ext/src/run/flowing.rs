@@ -138,10 +138,7 @@ impl<'a> Flowing<'a> {
         if !self.progress.notes.iter().any(|note| note.contains(&place)) {
             let times = match rate {
                 0.0 => String::new(),
-                rate => format!(
-                    ", {:.0} times as fast as the flow deforms",
-                    growing.rate / rate
-                ),
+                rate => format!(", {:.0} times as fast as the flow deforms", growing.rate / rate),
             };
             let note = format!(
                 "from {}: the stiffest mode of the velocities grows instead of decaying, at a rate of \
@@ -338,16 +335,10 @@ fn settings(
     };
     // The radius of the sphere of the same area, of the smallest surface.
     let radius = |body: &crate::simulation::Body| {
-        let area = body
-            .surface(positions)
-            .map_or(f64::NAN, |surface| surface.area());
+        let area = body.surface(positions).map_or(f64::NAN, |surface| surface.area());
         (area / (4.0 * PI)).sqrt()
     };
-    let length = simulation
-        .bodies()
-        .iter()
-        .map(radius)
-        .fold(f64::INFINITY, f64::min);
+    let length = simulation.bodies().iter().map(radius).fold(f64::INFINITY, f64::min);
     Settings {
         tolerance: driver.tolerance,
         longest_step: driver.flow.rate().map(|rate| LONGEST_STEP / rate),
