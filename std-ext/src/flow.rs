@@ -12,7 +12,7 @@ mod suspension;
 
 pub use boundary_integral::{DoubleLayer, SingleLayer};
 pub use gmres::{Gmres, Product, Solved};
-pub use suspension::{Effort, Membranes, Moving, SOLUTION_TOLERANCE, Suspension};
+pub use suspension::{Effort, Fluid, Membranes, Moving, SOLUTION_TOLERANCE, Suspension};
 
 use glam::{DMat3, DVec3};
 

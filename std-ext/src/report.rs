@@ -255,6 +255,7 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
         title,
         message,
         iterations,
+        right_hand_sides,
         seconds,
         last,
         effects,
@@ -263,10 +264,11 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
     if !title.is_empty() {
         writeln!(out, "{title}")?;
     }
-    writeln!(
-        out,
-        "{message}: {iterations} iterations in {seconds:.1} s\n"
-    )?;
+    let work = match right_hand_sides {
+        Some(count) => format!("{iterations} steps, {count} evaluations of the velocities"),
+        None => format!("{iterations} iterations"),
+    };
+    writeln!(out, "{message}: {work} in {seconds:.1} s\n")?;
     let width = last.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     for (name, value) in last.iter().filter(|(name, _)| name != TIME) {
         writeln!(out, "{name:width$}  {value:>14.7}", value = Short(*value))?;

@@ -1,9 +1,12 @@
 //! A run of a scene in a folder: what is driven, written, stored, and taken up again.
 //!
 //! A folder holds
-//! * `series.csv`: a row of numbers every so many iterations, and one at the end of each load;
+//! * `series.csv`: a row of numbers every so many iterations or so much time, and one at the end of each
+//!   load;
 //! * `surfaces/NAME-TIME.vtp` with `surfaces.pvd`, their index;
 //! * `pictures/TIME.png`;
+//! * `slices/NAME-TIME.vti` and `.png` with `slices.pvd`: the fluid on the scene's slices;
+//! * `plots/COLUMN.png`: columns of the series, drawn when the run ends;
 //! * `checkpoint`: all that is needed to go on, bit for bit;
 //! * `summary.json`: how it ended, the last row, what each effect has cost, the scene as run.
 //!
@@ -13,21 +16,20 @@
 
 mod deformed;
 mod drive;
+mod files;
 mod flowing;
 mod measure;
 mod relaxing;
 
 use crate::checkpoint::{self, CheckpointError, Fingerprint};
 use crate::dynamics::{SetupError, integrate};
-use crate::io::{
-    Collection, CollectionEntry, PointField, PointValues, UNFINISHED, VtkError, replace_file,
-    write_vtp,
-};
-use crate::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
-use crate::scene::{Scene, Units};
+use crate::io::{Collection, UNFINISHED, replace_file};
+use crate::plots::CurvesError;
+use crate::scene::Scene;
 use crate::series::{Series, SeriesError, SeriesTable};
 use crate::simulation::{Acting, Cost, Simulation};
 use drive::{Drive, DriveState, Mark, drive};
+use files::PlannedPlot;
 use measure::Measures;
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -36,9 +38,6 @@ use std::time::Instant;
 
 /// The checkpoint's name in its folder.
 pub const CHECKPOINT: &str = "checkpoint";
-
-/// Width and height of the pictures, in pixels.
-const PICTURE_SIZE: [u32; 2] = [900, 700];
 
 /// Why a run cannot begin or go on. The message is one line.
 #[derive(Debug, thiserror::Error)]
@@ -62,6 +61,17 @@ pub enum RunError {
         /// The folder.
         folder: PathBuf,
     },
+    /// A plot shows what the series does not have.
+    #[error("plots: there is no column `{column}` in this run: there are {}", known.join(", "))]
+    NoColumn {
+        /// The column.
+        column: String,
+        /// Those that there are.
+        known: Vec<String>,
+    },
+    /// What was published cannot be drawn.
+    #[error(transparent)]
+    Curves(#[from] CurvesError),
     /// There is no run to go on with, or not of this scene.
     #[error(transparent)]
     Checkpoint(CheckpointError),
@@ -156,8 +166,11 @@ struct Stored {
 struct Outputs {
     rows: u64,
     files: Collection,
-    /// The number with which files were written last.
+    slices: Collection,
+    /// The number of the last row, as files have it.
     written: Option<u64>,
+    /// How many rows there were.
+    sets: u64,
     costs: Vec<(u64, f64)>,
     seconds: f64,
 }
@@ -191,10 +204,15 @@ pub fn run(
     } else {
         None
     };
-    let (state, outputs) = stored.map(|Stored { drive, outputs }| (drive, outputs)).unzip();
+    let (state, outputs) = stored
+        .map(|Stored { drive, outputs }| (drive, outputs))
+        .unzip();
     let measures = Measures::new(scene, &simulation, &positions);
     let drive = drive(scene, &mut simulation, positions, state)?;
     let columns = measures.columns(&*drive, &simulation);
+    let plots = scene.output.plots.iter();
+    let plots = plots.map(|plot| PlannedPlot::new(plot, &columns, &simulation));
+    let plots = plots.collect::<Result<_, _>>()?;
     let columns = Vec::from_iter(columns.iter().map(String::as_str));
     let (series, outputs, last) = match outputs {
         Some(outputs) => {
@@ -218,6 +236,7 @@ pub fn run(
         simulation,
         measures,
         drive,
+        plots,
         series,
         outputs,
         start,
@@ -248,7 +267,8 @@ fn make_folder(path: &Path) -> Result<(), RunError> {
 
 /// Takes away the files that a run was writing when it was killed. That one stays is no harm.
 fn remove_unfinished(folder: &Path) {
-    for folder in [folder, &folder.join("surfaces"), &folder.join("pictures")] {
+    let folders = ["", "surfaces", "pictures", "slices", "plots"];
+    for folder in folders.map(|name| folder.join(name)) {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
             if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
                 let _ = std::fs::remove_file(entry.path());
@@ -265,6 +285,7 @@ struct Run<'a> {
     simulation: Simulation,
     measures: Measures,
     drive: Box<dyn Drive + 'a>,
+    plots: Vec<PlannedPlot<'a>>,
     series: Series,
     /// Costs and seconds are those of the runs that this one goes on with.
     outputs: Outputs,
@@ -281,14 +302,14 @@ impl Run<'_> {
         progress: &mut dyn FnMut(&Progress),
     ) -> Result<(End, String), RunError> {
         if self.outputs.written.is_none() {
-            self.write()?;
+            self.write(false)?;
             self.checkpoint()?;
         }
         loop {
             let step = self.drive.step(&mut self.simulation)?;
             progress(&self.drive.progress());
             if step.output {
-                self.write()?;
+                self.write(step.end.is_some())?;
             }
             if step.checkpoint {
                 self.checkpoint()?;
@@ -298,14 +319,18 @@ impl Run<'_> {
             }
             if interrupted() {
                 self.checkpoint()?;
-                let message = format!("interrupted at {}: `--resume` goes on", self.drive.caption());
+                let message = format!(
+                    "interrupted at {}: `--resume` goes on",
+                    self.drive.caption()
+                );
                 return Ok((End::Interrupted, message));
             }
         }
     }
 
-    /// A row of the series and a set of files, unless that was done here already.
-    fn write(&mut self) -> Result<(), RunError> {
+    /// A row of the series and, if it is due or the last, a set of files, unless that was done here
+    /// already.
+    fn write(&mut self, last: bool) -> Result<(), RunError> {
         let mark = self.drive.mark();
         if self.outputs.written == Some(mark.number) {
             return Ok(());
@@ -315,103 +340,27 @@ impl Run<'_> {
         let output = |error: SeriesError| RunError::Output(Box::new(error));
         self.series.append(&row).map_err(output)?;
         self.last = row;
-        if self.scene.output.surfaces {
-            self.write_surfaces(mark, &acting)?;
-        }
-        if self.scene.output.pictures {
-            self.draw(mark, &acting)?;
+        let due = self
+            .outputs
+            .sets
+            .is_multiple_of(self.scene.output.files_every);
+        self.outputs.sets += 1;
+        if due || last {
+            self.write_files(mark, &acting)?;
         }
         self.outputs.written = Some(mark.number);
         Ok(())
     }
 
-    fn write_surfaces(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
-        make_folder(&self.folder.join("surfaces"))?;
-        let positions = self.drive.positions();
-        for (part, body) in self.simulation.bodies().iter().enumerate() {
-            let fields = measure::fields(&self.simulation, body, positions, acting);
-            let fields = Vec::from_iter(fields.iter().map(|(name, values)| PointField {
-                name,
-                values: match values {
-                    measure::Values::Scalars(values) => PointValues::Scalars(values),
-                    measure::Values::Vectors(values) => PointValues::Vectors(values),
-                },
-            }));
-            let name = format!("surfaces/{}-{:08}.vtp", body.name(), mark.number);
-            write_vtp(
-                &self.folder.join(&name),
-                body.mesh(),
-                &positions[body.vertices()],
-                Some(mark.time),
-                &fields,
-            )
-            .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
-            self.outputs.files.entries.push(CollectionEntry {
-                time: mark.time,
-                part,
-                file: name,
-            });
+    /// A set of files.
+    fn write_files(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
+        if self.scene.output.surfaces {
+            self.write_surfaces(mark, acting)?;
         }
-        let path = self.folder.join("surfaces.pvd");
-        let written = self.outputs.files.write(&path);
-        written.map_err(|source| RunError::Unwritable { path, source })
-    }
-
-    /// All surfaces in one picture, coloured by the scene's field.
-    fn draw(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
-        let folder = self.folder.join("pictures");
-        make_folder(&folder)?;
-        let positions = self.drive.positions();
-        let scene = self.scene;
-        let field = scene.output.picture_field;
-        let bodies = self.simulation.bodies();
-        let fields =
-            Vec::from_iter(bodies.iter().map(|body| {
-                measure::picture_field(&self.simulation, body, positions, acting, field)
-            }));
-        let surfaces = bodies.iter().zip(&fields).filter_map(|(body, field)| {
-            Some(PaintedSurface {
-                surface: body.surface(positions)?,
-                field: field.as_deref(),
-                shading: Shading::Smooth,
-                edges: false,
-            })
-        });
-        let surfaces = Vec::from_iter(surfaces);
-        let signed = fields.iter().flatten().flatten().any(|&value| value < 0.0);
-        let label = measure::picture_label(field, scene.units);
-        let title = match scene.title.as_str() {
-            "" => self.drive.caption(),
-            title => format!("{title}, {}", self.drive.caption()),
-        };
-        let picture = Picture {
-            size: PICTURE_SIZE,
-            title: &title,
-            surfaces: &surfaces,
-            colours: Colouring {
-                label: &label,
-                range: None,
-                map: if signed {
-                    ColourMap::Diverging
-                } else {
-                    ColourMap::Sequential
-                },
-            },
-            view: View {
-                frame: Some(self.measures.frame(positions)),
-                ..View::default()
-            },
-            length_unit: match scene.units {
-                Units::Micro => Some("µm"),
-                Units::None => None,
-            },
-        };
-        let path = folder.join(format!("{:08}.png", mark.number));
-        let canvas = picture
-            .draw()
-            .map_err(|error| RunError::Output(Box::new(error)))?;
-        let written = canvas.write_png(&path);
-        written.map_err(|source| RunError::Unwritable { path, source })
+        if self.scene.output.pictures {
+            self.draw(mark, acting)?;
+        }
+        self.write_slices(mark)
     }
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
@@ -446,6 +395,7 @@ impl Run<'_> {
     }
 
     fn finish(&mut self, end: End, message: String) -> Result<Summary, RunError> {
+        self.draw_plots()?;
         let columns = self.measures.columns(&*self.drive, &self.simulation);
         let last = columns.into_iter().zip(self.last.clone());
         let work = self.drive.work();

@@ -77,6 +77,15 @@ pub struct Effort {
     pub time: Duration,
 }
 
+/// The fluid at some points.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fluid {
+    /// u at each.
+    pub velocity: Vec<[f64; 3]>,
+    /// p at each; 0 far away, if the ambient flow is linear.
+    pub pressure: Vec<f64>,
+}
+
 impl Effort {
     fn add(&mut self, start: Instant) {
         self.evaluations += 1;
@@ -99,6 +108,9 @@ impl Suspension {
     ) -> Self {
         let borrowed = || meshes.iter().map(|mesh| &**mesh);
         let single = SingleLayer::new(borrowed(), viscosity, threads);
+        // Viscous membranes are stiff; contrasts of viscosity take a tenth of it.
+        let mut solver = Gmres::new(SOLUTION_TOLERANCE);
+        (solver.restart, solver.products) = (100, 500);
         let contrast = viscosity_ratios.iter().any(|&ratio| ratio != 1.0);
         Self {
             ambient,
@@ -106,7 +118,7 @@ impl Suspension {
             forces: vec![[0.0; 3]; single.vertex_count()],
             single,
             volumes: Vec::new(),
-            solver: Gmres::new(SOLUTION_TOLERANCE),
+            solver,
             guess: Vec::new(),
             products: 0,
             single_layers: Effort::default(),
@@ -114,7 +126,8 @@ impl Suspension {
         }
     }
 
-    /// Keeps the volume of each component of closed meshes at what it is at these positions.
+    /// Keeps the volume of each component of those closed meshes that are to be `kept` at what it is
+    /// at these positions.
     ///
     /// The flow keeps volumes but for errors of discretisation. Velocities are corrected along the
     /// normals n of the vertices, so that the volume V of the polyhedron has no rate of change,
@@ -124,16 +137,21 @@ impl Suspension {
     ///
     /// # Panics
     /// If there are fewer positions than vertices.
-    pub fn keep_volumes(&mut self, meshes: &[Arc<TriangleMesh>], positions: &[[f64; 3]]) {
+    pub fn keep_volumes(
+        &mut self,
+        meshes: &[Arc<TriangleMesh>],
+        kept: impl Fn(usize) -> bool,
+        positions: &[[f64; 3]],
+    ) {
         self.volumes.clear();
         let mut first = 0;
-        for mesh in meshes {
+        for (number, mesh) in meshes.iter().enumerate() {
             let vertices = first..first + mesh.vertex_count();
             first = vertices.end;
             let Ok(surface) = Surface::new(mesh, &positions[vertices.clone()]) else {
                 continue;
             };
-            if !mesh.is_closed() {
+            if !(kept(number) && mesh.is_closed()) {
                 continue;
             }
             let constraints = vec![Constraint {
@@ -238,6 +256,60 @@ impl Suspension {
              wrong by {:.1e} of their size, and {:.0e} is needed",
             solved.products, solved.residual, solver.tolerance
         ))
+    }
+
+    /// Velocity and pressure at points of the fluid, on either side of the membranes.
+    ///
+    /// Pressure is the one that the membranes' forces make, and that which drives the ambient flow;
+    /// inside, it is above the one outside by what the membranes hold.
+    ///
+    /// # Errors
+    /// The reason why there is no flow.
+    ///
+    /// # Panics
+    /// If there is not one position a vertex.
+    pub fn fluid_at(
+        &mut self,
+        membranes: &mut impl Membranes,
+        positions: &[[f64; 3]],
+        points: &[[f64; 3]],
+    ) -> Result<Fluid, String> {
+        // What is looked at in between changes nothing.
+        let guess = self.guess.clone();
+        let mut moving = vec![[0.0; 3]; positions.len()];
+        let evaluated = self.set_velocities(membranes, positions, &mut moving);
+        let solution = std::mem::replace(&mut self.guess, guess);
+        evaluated?;
+        let mut fluid = Fluid {
+            velocity: vec![[0.0; 3]; points.len()],
+            pressure: vec![0.0; points.len()],
+        };
+        if let Some(ambient) = &self.ambient {
+            ambient.add_velocity(points, &mut fluid.velocity);
+            for (pressure, &point) in fluid.pressure.iter_mut().zip(points) {
+                *pressure += ambient.pressure(point, self.single.viscosity);
+            }
+        }
+        membranes.set_forces(positions, &mut self.forces)?;
+        if membranes.are_viscous() {
+            membranes.add_viscous_forces(positions, &solution, &mut self.forces);
+        }
+        self.single.set_forces(positions, &self.forces);
+        self.single.add_at_points(points, &mut fluid.velocity);
+        self.single
+            .add_pressure_at_points(points, &mut fluid.pressure);
+        if let Some(double) = &mut self.double {
+            double.set_positions(positions);
+            double.set_velocities(&solution);
+            double.add_at_points(points, &mut fluid.velocity);
+            double.add_pressure_at_points(self.single.viscosity, points, &mut fluid.pressure);
+            let mut ratios = vec![1.0; points.len()];
+            double.viscosity_ratios(points, &mut ratios);
+            for (velocity, ratio) in fluid.velocity.iter_mut().zip(ratios) {
+                *velocity = velocity.map(|component| component / ratio);
+            }
+        }
+        Ok(fluid)
     }
 
     /// Moves positions to where volumes are what they were.

@@ -3,6 +3,7 @@
 use super::flowing::{Flowing, FlowingState};
 use super::relaxing::{Relaxing, RelaxingState};
 use super::{End, Progress, RunError};
+use crate::flow::Fluid;
 use crate::scene::{Driver, Every, Scene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
@@ -36,6 +37,11 @@ pub(super) trait Drive {
     /// What else has cost time besides effects.
     fn costs(&self) -> Vec<Cost> {
         Vec::new()
+    }
+
+    /// The fluid at some points, of drivers with a fluid.
+    fn fluid_at(&mut self, _simulation: &mut Simulation, _points: &[[f64; 3]]) -> Option<Fluid> {
+        None
     }
 
     /// What is worth knowing besides.
@@ -100,7 +106,9 @@ pub(super) fn drive<'a>(
             Box::new(Flowing::new(scene, driver, simulation, positions)?)
         }
         (Driver::BoundaryIntegral(driver), Every::Time(_), Some(DriveState::Flowing(state))) => {
-            Box::new(Flowing::resume(scene, driver, simulation, positions, state)?)
+            Box::new(Flowing::resume(
+                scene, driver, simulation, positions, state,
+            )?)
         }
         // The scene's reader sees to the first, the checkpoint's fingerprint to the second.
         _ => return Err(RunError::Mismatch),

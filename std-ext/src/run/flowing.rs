@@ -3,9 +3,10 @@
 use super::deformed::Deformed;
 use super::drive::{Drive, DriveState, Mark, Step, Work};
 use super::{End, Progress, RunError};
+use crate::dynamics::Problem;
 use crate::dynamics::integrate::{Integrator, Scheme, Settings, Spectrum, State, StepReport};
-use crate::flow::{Effort, Membranes, Moving, SOLUTION_TOLERANCE, Suspension};
-use crate::scene::{self, BoundaryIntegral, Every, Scene};
+use crate::flow::{Effort, Fluid, Membranes, Moving, SOLUTION_TOLERANCE, Suspension};
+use crate::scene::{self, BoundaryIntegral, Every, Hold, Scene, SurfaceScene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -55,9 +56,10 @@ impl<'a> Flowing<'a> {
     pub(super) fn new(
         scene: &'a Scene,
         driver: BoundaryIntegral,
-        simulation: &Simulation,
+        simulation: &mut Simulation,
         positions: Vec<[f64; 3]>,
     ) -> Result<Self, RunError> {
+        let positions = start(simulation, positions);
         let suspension = suspension(scene, driver, simulation, &positions);
         let solves = suspension.has_contrast() || simulation.are_viscous();
         let settings = settings(driver, simulation, &positions, solves);
@@ -84,10 +86,11 @@ impl<'a> Flowing<'a> {
     pub(super) fn resume(
         scene: &'a Scene,
         driver: BoundaryIntegral,
-        simulation: &Simulation,
+        simulation: &mut Simulation,
         positions: Vec<[f64; 3]>,
         state: FlowingState,
     ) -> Result<Self, RunError> {
+        let positions = start(simulation, positions);
         let mut suspension = suspension(scene, driver, simulation, &positions);
         let solves = suspension.has_contrast() || simulation.are_viscous();
         let settings = settings(driver, simulation, &positions, solves);
@@ -138,7 +141,10 @@ impl<'a> Flowing<'a> {
         if !self.progress.notes.iter().any(|note| note.contains(&place)) {
             let times = match rate {
                 0.0 => String::new(),
-                rate => format!(", {:.0} times as fast as the flow deforms", growing.rate / rate),
+                rate => format!(
+                    ", {:.0} times as fast as the flow deforms",
+                    growing.rate / rate
+                ),
             };
             let note = format!(
                 "from {}: the stiffest mode of the velocities grows instead of decaying, at a rate of \
@@ -235,7 +241,7 @@ impl Drive for Flowing<'_> {
         Ok(Step {
             output,
             checkpoint: done || self.progress.steps.is_multiple_of(every),
-            end: done.then(|| (End::Completed, "the end of its duration".to_owned())),
+            end: done.then(|| (End::Completed, "the end is reached".to_owned())),
         })
     }
 
@@ -278,6 +284,12 @@ impl Drive for Flowing<'_> {
         self.suspension.efforts().into_iter().map(cost).collect()
     }
 
+    fn fluid_at(&mut self, simulation: &mut Simulation, points: &[[f64; 3]]) -> Option<Fluid> {
+        let positions = self.integrator.positions();
+        let fluid = self.suspension.fluid_at(simulation, positions, points);
+        fluid.ok()
+    }
+
     fn notes(&self) -> &[String] {
         &self.progress.notes
     }
@@ -289,6 +301,20 @@ impl Drive for Flowing<'_> {
             progress: self.progress.clone(),
         })
     }
+}
+
+/// Whether a surface's volume is held exactly.
+fn is_held(surface: &SurfaceScene) -> bool {
+    surface
+        .volume
+        .is_some_and(|volume| volume.hold == Hold::Exact)
+}
+
+/// The positions with which a run begins: volumes that are held exactly are at their targets.
+fn start(simulation: &mut Simulation, mut positions: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+    // That they can be reached was found out when the simulation was made.
+    simulation.restore(&mut positions);
+    positions
 }
 
 fn interval(scene: &Scene, driver: BoundaryIntegral) -> f64 {
@@ -316,9 +342,8 @@ fn suspension(
         driver.flow.ambient(),
         threads,
     );
-    if driver.volume_correction {
-        suspension.keep_volumes(&meshes, positions);
-    }
+    let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
+    suspension.keep_volumes(&meshes, kept, positions);
     suspension
 }
 
@@ -335,10 +360,16 @@ fn settings(
     };
     // The radius of the sphere of the same area, of the smallest surface.
     let radius = |body: &crate::simulation::Body| {
-        let area = body.surface(positions).map_or(f64::NAN, |surface| surface.area());
+        let area = body
+            .surface(positions)
+            .map_or(f64::NAN, |surface| surface.area());
         (area / (4.0 * PI)).sqrt()
     };
-    let length = simulation.bodies().iter().map(radius).fold(f64::INFINITY, f64::min);
+    let length = simulation
+        .bodies()
+        .iter()
+        .map(radius)
+        .fold(f64::INFINITY, f64::min);
     Settings {
         tolerance: driver.tolerance,
         longest_step: driver.flow.rate().map(|rate| LONGEST_STEP / rate),

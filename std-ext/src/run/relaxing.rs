@@ -73,7 +73,10 @@ impl Relaxing {
         relaxation: Relaxation,
         progress: RelaxingProgress,
     ) -> Self {
-        let names = simulation.bodies().iter().map(|body| body.name().to_owned());
+        let names = simulation
+            .bodies()
+            .iter()
+            .map(|body| body.name().to_owned());
         Self {
             relax,
             every,
@@ -94,8 +97,7 @@ impl Relaxing {
         self.progress.first_residual = None;
         simulation.set_load(self.progress.load);
         let positions = self.relaxation.positions().to_vec();
-        self.relaxation =
-            Relaxation::new(simulation.membranes(), positions, settings(self.relax))?;
+        self.relaxation = Relaxation::new(simulation.membranes(), positions, settings(self.relax))?;
         Ok(())
     }
 

@@ -8,8 +8,10 @@ use std::path::PathBuf;
 /// What is written, and how often.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Output {
-    /// From one row of the series to the next, and from one set of files to the next.
+    /// From one row of the series to the next.
     pub every: Every,
+    /// Rows from one set of files to the next: surfaces, pictures and slices.
+    pub files_every: u64,
     /// Whether surfaces are written.
     pub surfaces: bool,
     /// Whether pictures are written.
@@ -60,7 +62,7 @@ pub struct Plot {
     pub published: Option<PathBuf>,
 }
 
-/// A rectangle in the fluid, on which velocity and pressure are written at every output.
+/// A rectangle in the fluid, on which velocity and pressure are written with every set of files.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Slice {
     /// Its name, and that of its files; `slice-1` and so on for those without one.

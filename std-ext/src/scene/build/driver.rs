@@ -245,6 +245,9 @@ impl Builder<'_> {
                 Some(Driver::BoundaryIntegral(_)) => 50,
                 _ => 1000,
             }),
+            files_every: output
+                .and_then(|output| output.count("files_every"))
+                .unwrap_or(1),
             plots,
             slices: self.slices(&tables("slice"), driver),
         }

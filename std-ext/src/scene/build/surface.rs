@@ -322,6 +322,26 @@ impl Builder<'_> {
                 ),
             );
         }
+        let held = [
+            ("area", surface.area.map(|held| held.hold)),
+            (
+                "area_difference",
+                surface.area_difference.map(|held| held.hold),
+            ),
+        ];
+        for (key, hold) in held {
+            if hold == Some(Hold::Exact)
+                && let Some(table) = reader.table(key)
+            {
+                self.contradiction(
+                    &table.origin_of("constraint"),
+                    format!(
+                        "in a flow the `{key}` of \"{name}\" cannot be held exactly: only forces \
+                         move membranes there; give a `modulus`, as large as needed"
+                    ),
+                );
+            }
+        }
         let loads = surface.stretching.as_ref();
         if loads.is_some_and(|stretching| stretching.forces.len() > 1)
             && let Some(table) = reader.table("stretching")

@@ -8,8 +8,8 @@ pub(super) static OUTPUT: Keys = Keys {
         optional(
             "every",
             Form::Count(1),
-            "Iterations from one row of the series to the next, and from one set of files to the \
-             next, of drivers without time; by default 100.",
+            "Iterations from one row of the series to the next, of drivers without time; by default \
+             100.",
         ),
         optional(
             "interval",
@@ -20,6 +20,11 @@ pub(super) static OUTPUT: Keys = Keys {
             "strain_interval",
             NUMBER,
             "The same as a strain, the flow's rate times the time.",
+        ),
+        optional(
+            "files_every",
+            Form::Count(1),
+            "Rows from one set of files to the next: surfaces, pictures and slices; by default 1.",
         ),
         optional(
             "surfaces",
@@ -51,7 +56,7 @@ pub(super) static OUTPUT: Keys = Keys {
             "slice",
             Form::Tables(&SLICE),
             "A rectangle on which the fluid's velocity and pressure are written as VTI and PNG files \
-             at every output.",
+             with every set of files.",
         ),
     ],
     exactly_one: &[],

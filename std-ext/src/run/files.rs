@@ -1,0 +1,281 @@
+//! The files of a run that people open: surfaces, pictures, slices of the fluid, plots.
+
+use super::drive::Mark;
+use super::{Run, RunError, make_folder, measure};
+use crate::io::{
+    Collection, CollectionEntry, Grid, PointField, PointValues, VtkError, write_vti, write_vtp,
+};
+use crate::picture::{ColourMap, Colouring, FlowSlice, PaintedSurface, Picture, Shading, View};
+use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, columns_of, read_curves};
+use crate::scene::{Plot, Slice, Units};
+use crate::series::SeriesTable;
+use crate::simulation::{Acting, Simulation};
+use glam::DVec3;
+
+/// Width and height of the pictures, in pixels.
+const PICTURE_SIZE: [u32; 2] = [900, 700];
+
+/// A plot that is drawn when the run ends, with what was published.
+#[derive(Debug)]
+pub(super) struct PlannedPlot<'a> {
+    plot: &'a Plot,
+    published: Vec<PublishedCurve>,
+}
+
+impl<'a> PlannedPlot<'a> {
+    /// Before anything is computed: what is published has to be readable, and the columns be there.
+    pub(super) fn new(
+        plot: &'a Plot,
+        columns: &[String],
+        simulation: &Simulation,
+    ) -> Result<Self, RunError> {
+        let table = SeriesTable {
+            columns: columns.to_vec(),
+            rows: Vec::new(),
+        };
+        let names = simulation.bodies().iter().map(|body| body.name());
+        for column in [&plot.column, &plot.against] {
+            if columns_of(&table, column, names.clone()).is_empty() {
+                return Err(RunError::NoColumn {
+                    column: column.clone(),
+                    known: columns.to_vec(),
+                });
+            }
+        }
+        let published = match &plot.published {
+            Some(path) => read_curves(path)?,
+            None => Vec::new(),
+        };
+        Ok(Self { plot, published })
+    }
+}
+
+impl Run<'_> {
+    pub(super) fn write_surfaces(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
+        make_folder(&self.folder.join("surfaces"))?;
+        let positions = self.drive.positions();
+        for (part, body) in self.simulation.bodies().iter().enumerate() {
+            let fields = measure::fields(&self.simulation, body, positions, acting);
+            let fields = Vec::from_iter(fields.iter().map(|(name, values)| PointField {
+                name,
+                values: match values {
+                    measure::Values::Scalars(values) => PointValues::Scalars(values),
+                    measure::Values::Vectors(values) => PointValues::Vectors(values),
+                },
+            }));
+            let name = format!("surfaces/{}-{:08}.vtp", body.name(), mark.number);
+            write_vtp(
+                &self.folder.join(&name),
+                body.mesh(),
+                &positions[body.vertices()],
+                Some(mark.time),
+                &fields,
+            )
+            .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
+            self.outputs.files.entries.push(CollectionEntry {
+                time: mark.time,
+                part,
+                file: name,
+            });
+        }
+        self.write_index("surfaces.pvd", &self.outputs.files)
+    }
+
+    /// All surfaces in one picture, coloured by the scene's field.
+    pub(super) fn draw(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
+        let folder = self.folder.join("pictures");
+        make_folder(&folder)?;
+        let positions = self.drive.positions();
+        let scene = self.scene;
+        let field = scene.output.picture_field;
+        let bodies = self.simulation.bodies();
+        let fields =
+            Vec::from_iter(bodies.iter().map(|body| {
+                measure::picture_field(&self.simulation, body, positions, acting, field)
+            }));
+        let surfaces = bodies.iter().zip(&fields).filter_map(|(body, field)| {
+            Some(PaintedSurface {
+                surface: body.surface(positions)?,
+                field: field.as_deref(),
+                shading: Shading::Smooth,
+                edges: false,
+            })
+        });
+        let surfaces = Vec::from_iter(surfaces);
+        let signed = fields.iter().flatten().flatten().any(|&value| value < 0.0);
+        let label = measure::picture_label(field, scene.units);
+        let picture = Picture {
+            size: PICTURE_SIZE,
+            title: &self.caption(),
+            surfaces: &surfaces,
+            colours: Colouring {
+                label: &label,
+                range: None,
+                map: if signed {
+                    ColourMap::Diverging
+                } else {
+                    ColourMap::Sequential
+                },
+            },
+            view: View {
+                frame: Some(self.measures.frame(positions)),
+                ..View::default()
+            },
+            length_unit: match scene.units {
+                Units::Micro => Some("µm"),
+                Units::None => None,
+            },
+        };
+        let path = folder.join(format!("{:08}.png", mark.number));
+        let canvas = picture
+            .draw()
+            .map_err(|error| RunError::Output(Box::new(error)))?;
+        let written = canvas.write_png(&path);
+        written.map_err(|source| RunError::Unwritable { path, source })
+    }
+
+    /// Velocity and pressure on the scene's slices, as files and pictures.
+    pub(super) fn write_slices(&mut self, mark: Mark) -> Result<(), RunError> {
+        let scene = self.scene;
+        for (part, slice) in scene.output.slices.iter().enumerate() {
+            let grid = grid(slice);
+            let points = Vec::from_iter(grid.points());
+            let Some(fluid) = self.drive.fluid_at(&mut self.simulation, &points) else {
+                continue;
+            };
+            make_folder(&self.folder.join("slices"))?;
+            let name = format!("slices/{}-{:08}.vti", slice.name, mark.number);
+            let fields = [
+                PointField {
+                    name: "velocity",
+                    values: PointValues::Vectors(&fluid.velocity),
+                },
+                PointField {
+                    name: "pressure",
+                    values: PointValues::Scalars(&fluid.pressure),
+                },
+            ];
+            write_vti(&self.folder.join(&name), &grid, Some(mark.time), &fields)
+                .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
+            let bodies = self.simulation.bodies().iter();
+            let positions = self.drive.positions();
+            let surfaces = Vec::from_iter(bodies.filter_map(|body| body.surface(positions)));
+            let (length, speed) = match scene.units {
+                Units::Micro => (Some("µm"), "|u| (µm/s)"),
+                Units::None => (None, "|u|"),
+            };
+            let picture = FlowSlice {
+                size: PICTURE_SIZE,
+                title: &self.caption(),
+                grid,
+                velocity: &fluid.velocity,
+                field: None,
+                colours: Colouring {
+                    label: speed,
+                    range: None,
+                    map: ColourMap::Sequential,
+                },
+                surfaces: &surfaces,
+                length_unit: length,
+            };
+            let canvas = picture
+                .draw()
+                .map_err(|error| RunError::Output(Box::new(error)))?;
+            let path = self
+                .folder
+                .join(format!("slices/{}-{:08}.png", slice.name, mark.number));
+            let written = canvas.write_png(&path);
+            written.map_err(|source| RunError::Unwritable { path, source })?;
+            self.outputs.slices.entries.push(CollectionEntry {
+                time: mark.time,
+                part,
+                file: name,
+            });
+        }
+        if scene.output.slices.is_empty() {
+            return Ok(());
+        }
+        self.write_index("slices.pvd", &self.outputs.slices)
+    }
+
+    /// The series so far, as the scene's plots.
+    pub(super) fn draw_plots(&self) -> Result<(), RunError> {
+        if self.plots.is_empty() {
+            return Ok(());
+        }
+        let table = SeriesTable::read(&self.folder.join("series.csv")).map_err(RunError::Series)?;
+        make_folder(&self.folder.join("plots"))?;
+        let names = || self.simulation.bodies().iter().map(|body| body.name());
+        for PlannedPlot { plot, published } in &self.plots {
+            let columns = columns_of(&table, &plot.column, names());
+            // Over one column, or each surface's over its own.
+            let against = columns_of(&table, &plot.against, names());
+            let curves = columns.iter().enumerate().map(|(index, (name, column))| {
+                let (_, against) = &against[index.min(against.len() - 1)];
+                SeriesCurve {
+                    name: if columns.len() == 1 { "this run" } else { name },
+                    table: &table,
+                    against,
+                    column,
+                }
+            });
+            let curves = Vec::from_iter(curves);
+            let picture = SeriesPlot {
+                size: PICTURE_SIZE,
+                title: &self.scene.title,
+                labels: [label(&plot.against), label(&plot.column)],
+                curves: &curves,
+                published,
+            };
+            let canvas = picture
+                .draw()
+                .map_err(|error| RunError::Output(Box::new(error)))?;
+            let path = self.folder.join(format!("plots/{}.png", plot.column));
+            let written = canvas.write_png(&path);
+            written.map_err(|source| RunError::Unwritable { path, source })?;
+        }
+        Ok(())
+    }
+
+    /// The title of a picture: the scene's, and how far it is.
+    fn caption(&self) -> String {
+        match self.scene.title.as_str() {
+            "" => self.drive.caption(),
+            title => format!("{title}, {}", self.drive.caption()),
+        }
+    }
+
+    fn write_index(&self, name: &str, files: &Collection) -> Result<(), RunError> {
+        let path = self.folder.join(name);
+        let written = files.write(&path);
+        written.map_err(|source| RunError::Unwritable { path, source })
+    }
+}
+
+/// A column as a plot calls it.
+fn label(column: &str) -> &str {
+    match column {
+        "strain" => "γ̇t",
+        "deformation" => "D",
+        "inclination" => "inclination (degrees)",
+        column => column,
+    }
+}
+
+/// The points of a slice.
+fn grid(slice: &Slice) -> Grid {
+    let [first, second] = slice.axes();
+    let normal = DVec3::from(first).cross(second.into());
+    let [width, height] = slice.size;
+    let [columns, rows] = slice.points;
+    let corner = DVec3::from(slice.centre)
+        - 0.5 * (width * DVec3::from(first) + height * DVec3::from(second));
+    let spacing = |length: f64, count: usize| length / (count.max(2) - 1) as f64;
+    let spacings = [spacing(width, columns), spacing(height, rows), 1.0];
+    Grid {
+        origin: corner.to_array(),
+        axes: [first, second, normal.to_array()],
+        spacings,
+        counts: [columns, rows, 1],
+    }
+}
