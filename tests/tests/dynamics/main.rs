@@ -1,4 +1,5 @@
-//! Drivers: relaxation and integration in time.
+//! Drivers: relaxation, integration in time, and capsules in flow.
 
+mod capsules;
 mod integrators;
 mod relaxation;

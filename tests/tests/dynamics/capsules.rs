@@ -1,0 +1,201 @@
+//! Capsules in shear flow: scenes, run as users run them, against small-deformation theory, published
+//! curves and the independent computation that the data name.
+
+use helfrich_std::deformation::first_plateau;
+use helfrich_std::run::{End, Summary, run};
+use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::series::SeriesTable;
+use helfrich_std::simulation::build;
+use helfrich_tests::tolerance::{
+    CAPSULE_INCLINATION, CAPSULE_MEMBRANE, CAPSULE_PAIR, CAPSULE_REFERENCE, CAPSULE_SLOPE,
+    CAPSULE_SUBDIVISION, CAPSULE_TRANSIENT, CAPSULE_VISCOUS, CAPSULE_VOLUME,
+};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+fn scenes() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../std-ext/scenes")
+}
+
+/// Runs a shipped scene without its pictures.
+fn run_scene(name: &str, overrides: &[&str]) -> (Summary, SeriesTable) {
+    let quiet = ["output.pictures=false", "output.surfaces=false"];
+    let overrides = Overrides::new(quiet.iter().chain(overrides).copied()).expect("overrides");
+    let file = SceneFile::read(&scenes().join(name), &overrides);
+    let file = file.unwrap_or_else(|errors| panic!("{errors}"));
+    let folder = TempDir::new().expect("a folder");
+    let out = folder.path().join("out");
+    let built = build(&file).expect("a simulation");
+    let summary = run(&file.scene, built, &out, false, &|| false, &mut |_| {});
+    let summary = summary.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(summary.end, End::Completed, "{}", summary.message);
+    let series = SeriesTable::read(&out.join("series.csv")).expect("a series");
+    (summary, series)
+}
+
+fn column(series: &SeriesTable, name: &str) -> Vec<f64> {
+    let found = series.column(name);
+    found.unwrap_or_else(|| panic!("no column {name} among {:?}", series.columns))
+}
+
+/// The last number of a column.
+fn last(series: &SeriesTable, name: &str) -> f64 {
+    *column(series, name).last().expect("a row")
+}
+
+/// Between two rows in proportion.
+fn at(series: &SeriesTable, strain: f64) -> f64 {
+    let (strains, values) = (column(series, "strain"), column(series, "deformation"));
+    let after = strains.partition_point(|&found| found < strain).max(1);
+    let share = (strain - strains[after - 1]) / (strains[after] - strains[after - 1]);
+    values[after - 1] + share * (values[after] - values[after - 1])
+}
+
+/// Numbers of a comma-separated file with comments and a head.
+fn data(name: &str) -> Vec<Vec<String>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("data")
+        .join(name);
+    let text = std::fs::read_to_string(path).expect("data");
+    let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    let fields = |line: &str| line.rsplitn(4, ',').map(str::to_owned).collect::<Vec<_>>();
+    lines.map(fields).collect()
+}
+
+/// The paper's own case: D(t) as its methods C and S have it, and the steady state of the prototype
+/// on as many triangles; volume kept, and the numbers that go with it.
+#[test]
+fn the_capsule_of_the_paper_deforms_as_published() {
+    let (summary, series) = run_scene("capsule-shear.toml", &[]);
+    for row in data("guckenberger2016-transient.csv") {
+        let [value, strain] = [&row[0], &row[1]].map(|text| text.parse::<f64>().expect("a number"));
+        if strain > 4.0 {
+            continue;
+        }
+        let found = at(&series, strain);
+        let allowed = (0.02 * value).max(CAPSULE_TRANSIENT.value) / CAPSULE_TRANSIENT.value;
+        CAPSULE_TRANSIENT.assert(found, value, allowed, &format!("D at γ̇t = {strain}"));
+    }
+    let deformation = last(&series, "deformation");
+    CAPSULE_REFERENCE.assert(deformation, 0.1352, 1.0, "D of B on 1280 triangles");
+    let inclination = last(&series, "inclination");
+    CAPSULE_INCLINATION.assert(inclination, 37.6, 37.6, "inclination");
+    let volumes = column(&series, "volume");
+    for &volume in &volumes {
+        CAPSULE_VOLUME.assert(volume, volumes[0], volumes[0], "volume");
+    }
+    assert!(summary.right_hand_sides.is_some_and(|count| count > 100));
+    // The material goes round once in some 14 γ̇t.
+    let turns = last(&series, "tank_treading_turns");
+    assert!((0.2..0.4).contains(&turns), "{turns} turns");
+}
+
+/// Loop subdivision on a fourth of the triangles.
+#[test]
+fn loop_subdivision_needs_few_triangles() {
+    let overrides = [
+        "surface.capsule.bending.method=loop",
+        "surface.capsule.family=smooth",
+        "surface.capsule.vertices=162",
+        "output.strain_interval=1",
+    ];
+    let (_, series) = run_scene("capsule-shear.toml", &overrides);
+    let deformation = last(&series, "deformation");
+    CAPSULE_SUBDIVISION.assert(deformation, 0.1334, 1.0, "D of S on 320 triangles");
+}
+
+/// D at its first plateau, for both laws and viscosity ratios 1 and 5, which the limit does not
+/// depend on: Barthès-Biesel and Rallison, J. Fluid Mech. 113 (1981) 251, with bending as Barthès-Biesel,
+/// Diaz and Dhenin, J. Fluid Mech. 460 (2002) 211 have the laws.
+#[test]
+fn small_deformations_follow_theory() {
+    let capillary = 0.005;
+    for (law, bending, ratio, strain) in [
+        ("neo-hookean", 0.0375, 1.0, 0.2),
+        ("skalak", 0.0375, 1.0, 0.2),
+        ("neo-hookean", 0.0375, 5.0, 0.45),
+    ] {
+        let area_ratio = 1.0;
+        let theory = match law {
+            "skalak" => {
+                1.25 * (2.0 + 3.0 * area_ratio) * capillary
+                    / (1.0 + 2.0 * area_ratio + (15.0 + 18.0 * area_ratio) * bending)
+            }
+            _ => 25.0 / 12.0 * capillary / (1.0 + 11.0 * bending),
+        };
+        // The viscous case is on a coarser mesh, for it takes ten times as long.
+        let vertices = if ratio == 1.0 { 642 } else { 162 };
+        let mut overrides = vec![
+            format!("driver.flow.rate={capillary}"),
+            format!("driver.strain={strain}"),
+            format!("output.strain_interval={}", strain / 50.0),
+            format!("surface.capsule.elasticity.law={law}"),
+            format!("surface.capsule.bending.modulus={bending}"),
+            format!("surface.capsule.viscosity_ratio={ratio}"),
+            format!("surface.capsule.vertices={vertices}"),
+        ];
+        if law == "skalak" {
+            overrides.push(format!(
+                "surface.capsule.elasticity.area_ratio={area_ratio}"
+            ));
+        }
+        let overrides = Vec::from_iter(overrides.iter().map(String::as_str));
+        let (_, series) = run_scene("capsule-shear.toml", &overrides);
+        let (strains, values) = (column(&series, "strain"), column(&series, "deformation"));
+        let plateau = first_plateau(&strains, &values, 1e-2).map_or(f64::NAN, |at| at.value);
+        let tolerance = if ratio == 1.0 {
+            CAPSULE_SLOPE
+        } else {
+            CAPSULE_VISCOUS
+        };
+        let what = format!("D of {law}, viscosity ratio {ratio}");
+        tolerance.assert(plateau, theory, theory, &what);
+    }
+}
+
+/// Two capsules, each the other's image under a half turn: so they stay.
+#[test]
+fn a_pair_stays_symmetric_and_apart() {
+    let overrides = [
+        "surface.left.vertices=162",
+        "surface.right.vertices=162",
+        "surface.left.position=[-1.5, 0.25, 0]",
+        "surface.right.position=[1.5, -0.25, 0]",
+        "driver.strain=6",
+        "output.strain_interval=1",
+    ];
+    let (_, series) = run_scene("capsule-pair.toml", &overrides);
+    for axis in ["x", "y", "z"] {
+        let [left, right] =
+            ["left", "right"].map(|name| column(&series, &format!("centroid_{axis}_{name}")));
+        for (left, right) in left.iter().zip(&right) {
+            CAPSULE_PAIR.assert(left + right, 0.0, 1.0, &format!("centre along {axis}"));
+        }
+    }
+    let heights = column(&series, "centroid_y_left");
+    let highest = heights.iter().fold(0.0, |a: f64, &b| a.max(b));
+    assert!(highest > 0.6, "they pass over each other: {highest}");
+}
+
+/// Fluid and membrane resist side by side: what holds a small deformation up, 1/D after a short time,
+/// grows in proportion to the membrane's viscosity.
+#[test]
+fn a_viscous_membrane_deforms_more_slowly() {
+    let deformation = |viscosity: f64| {
+        let viscosity = format!(
+            "surface.capsule.membrane_viscosity={{ shear = {viscosity}, dilational = {viscosity} }}"
+        );
+        let overrides = [
+            "surface.capsule.vertices=42",
+            "driver.strain=0.1",
+            "output.strain_interval=0.1",
+            &viscosity,
+        ];
+        let (_, series) = run_scene("capsule-shear.toml", &overrides);
+        assert!(last(&series, "products") > 0.0, "velocities are solved for");
+        last(&series, "deformation")
+    };
+    let [low, middle, high] = [20.0, 40.0, 80.0].map(|viscosity| deformation(viscosity).recip());
+    let growth = (high - middle) / (middle - low);
+    CAPSULE_MEMBRANE.assert(growth, 2.0, 2.0, "growth of 1/D");
+}
