@@ -11,7 +11,7 @@
 //!   written. [`dynamics`]: membranes relax to equilibrium, whatever acts on them. [`flow`]: what
 //!   their forces do to viscous fluid. [`deformation`]: how bodies in flow are deformed and turned;
 //!   [`section`]: where a plane cuts them.
-//! * [`run`]: a scene driven in a folder. [`checkpoint`] and [`series`]: what a run leaves to go on
+//! * [`run`]: a scene driven in a folder; [`sweep`]: one with every combination of some values. [`checkpoint`] and [`series`]: what a run leaves to go on
 //!   from, and its numbers over time. [`picture`]: surfaces coloured by a field, and plots, as PNG
 //!   files.
 //! * [`report`]: how all of this is shown.
@@ -36,4 +36,5 @@ pub mod series;
 pub mod simulation;
 pub mod study;
 pub mod subdivide;
+pub mod sweep;
 pub mod verdict;

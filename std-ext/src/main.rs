@@ -13,6 +13,7 @@ use helfrich_std::scene::{Overrides, Scene, SceneFile};
 use helfrich_std::simulation::{Simulation, build};
 use helfrich_std::study::{Progress, Study};
 use helfrich_std::subdivide::{Target, subdivide};
+use helfrich_std::sweep::{Outcome, Sweep, Vary};
 use helfrich_std::verdict::verdicts;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -49,6 +50,8 @@ enum Command {
     Subdivide(SubdivideArguments),
     /// Run a scene: surfaces, the effects that act on each, and what drives them.
     Run(RunArguments),
+    /// Run a scene with every combination of some values, and compare.
+    Sweep(SweepArguments),
     /// What a scene asks for: effects, dimensionless groups, memory, step limits. Runs nothing.
     Explain(SceneArguments),
 }
@@ -75,6 +78,25 @@ struct RunArguments {
     /// Only say what is wrong with the scene, if anything is.
     #[arg(long, conflicts_with_all = ["resume", "out"])]
     check: bool,
+}
+
+#[derive(clap::Args)]
+struct SweepArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// The folder that everything is written to, a folder a run in it.
+    #[arg(long)]
+    out: PathBuf,
+    /// A key and its values, as in `surface.0.bending.method=meyer,juelicher`; as often as needed, the
+    /// last varies fastest. Commas inside brackets, braces and quotation marks belong to a value.
+    #[arg(long, value_name = "PATH=VALUE,VALUE", required = true)]
+    vary: Vec<Vary>,
+    /// Columns of the series to show and to plot; those of the scene's plots if there are none.
+    #[arg(long, value_delimiter = ',')]
+    columns: Vec<String>,
+    /// Go on with the runs that are in the folder; those that have ended are left as they are.
+    #[arg(long)]
+    resume: bool,
 }
 
 #[derive(clap::Args)]
@@ -192,6 +214,7 @@ fn main() -> ExitCode {
         Command::Info { mesh } => info(&mesh),
         Command::Subdivide(arguments) => subdivide_file(&arguments),
         Command::Run(arguments) => run_scene(&arguments),
+        Command::Sweep(arguments) => sweep(&arguments),
         Command::Explain(arguments) => explain_scene(&arguments),
     };
     match result {
@@ -392,10 +415,7 @@ fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
         Some(folder) => folder.clone(),
         None => PathBuf::from(path.file_stem().unwrap_or_default()),
     };
-    let stop = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&stop);
-    // Without a handler an interrupt ends the run at once: the last checkpoint remains.
-    let _ = ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed));
+    let stop = interruption();
     let bar = progress_bar();
     bar.set_length(1000);
     let outcome = run(
@@ -423,6 +443,72 @@ fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
         End::Interrupted => Err(Failure::Unfinished(130)),
         _ => {
             say(format_args!("error: {}", summary.message));
+            Err(Failure::Unfinished(4))
+        }
+    }
+}
+
+/// Becomes true when the program is asked to stop.
+fn interruption() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&stop);
+    // Without a handler an interrupt ends the run at once: the last checkpoint remains.
+    let _ = ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed));
+    stop
+}
+
+fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
+    let sweep = Sweep {
+        scene: arguments.scene.scene.clone(),
+        set: arguments.scene.set.clone(),
+        vary: arguments.vary.clone(),
+        columns: arguments.columns.clone(),
+    };
+    let stop = interruption();
+    let bar = progress_bar();
+    bar.set_length(1000);
+    let swept = sweep.run(
+        &arguments.out,
+        arguments.resume,
+        &|| stop.load(Ordering::Relaxed),
+        &mut |progress| {
+            let [case, cases] = progress.case;
+            bar.set_position((1000.0 * progress.fraction()) as u64);
+            let (number, message) = (case + 1, &progress.run.message);
+            bar.set_message(format!("{number} of {cases}, {}: {message}", progress.name));
+        },
+    );
+    bar.finish_and_clear();
+    let swept = swept.map_err(|error| {
+        if error.is_output() {
+            Failure::Output(error.to_string())
+        } else {
+            Failure::input(error)
+        }
+    })?;
+    for warning in &swept.warnings {
+        say(format_args!("warning: {warning}"));
+    }
+    for (warning, runs) in swept.shared_warnings() {
+        let all = swept.cases.len();
+        say(format_args!("warning: {runs} of {all} runs: {warning}"));
+    }
+    print(|out| report::sweep_table(&swept, &arguments.out, out))?;
+    let ends = swept.cases.iter().map(|(_, outcome)| match outcome {
+        Outcome::Ended(ended) => Some(ended.end),
+        _ => None,
+    });
+    if stop.load(Ordering::Relaxed) {
+        return Err(Failure::Unfinished(130));
+    }
+    let failed = |end: &Option<End>| !matches!(end, Some(End::Converged | End::Completed));
+    match ends.filter(failed).count() {
+        0 => Ok(()),
+        count => {
+            let all = swept.cases.len();
+            say(format_args!(
+                "error: {count} of {all} runs did not come to their end"
+            ));
             Err(Failure::Unfinished(4))
         }
     }

@@ -2,9 +2,10 @@
 
 use crate::info::MeshInfo;
 use crate::method::Fields;
-use crate::run::Summary;
+use crate::run::{End, Summary};
 use crate::series::TIME;
 use crate::study::{Quantity, Row};
+use crate::sweep::{Case, Outcome, Swept};
 use crate::verdict::Verdict;
 use helfrich::{Finding, Real};
 use std::fmt;
@@ -289,6 +290,89 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
         )?;
     }
     writeln!(out, "\nwritten to {}", folder.display())
+}
+
+/// Writes what has become of the runs of a sweep: a line each, with its values, the last numbers of
+/// the chosen columns, evaluations of the velocities (or iterations), seconds, microseconds that an
+/// evaluation of bending takes, and how it ended; below, why runs failed.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn sweep_table(swept: &Swept, folder: &Path, out: &mut dyn Write) -> io::Result<()> {
+    let costs = ["evaluations", "seconds", "bending [µs]", "end"];
+    let keys = swept.keys.iter().chain(&swept.columns).cloned();
+    let mut rows = vec![Vec::from_iter(keys.chain(costs.map(str::to_owned)))];
+    for (case, outcome) in &swept.cases {
+        let mut row = case.values.clone();
+        match outcome {
+            Outcome::Ended(ended) => {
+                let last = |column: &String| match ended.last(column) {
+                    value if value.is_nan() => "–".to_owned(),
+                    value => format!("{:.7}", Short(value)),
+                };
+                row.extend(swept.columns.iter().map(last));
+                let evaluations = ended.right_hand_sides.unwrap_or(ended.iterations);
+                let bending = ended.bending.map(|seconds| format!("{:.1}", 1e6 * seconds));
+                row.extend([
+                    evaluations.to_string(),
+                    format!("{:.1}", ended.seconds),
+                    bending.unwrap_or_else(|| "–".to_owned()),
+                    ended.end.name().to_owned(),
+                ]);
+            }
+            Outcome::Refused(_) | Outcome::Waiting => {
+                let end = match outcome {
+                    Outcome::Waiting => "waiting",
+                    _ => "refused",
+                };
+                row.extend(vec!["–".to_owned(); swept.columns.len() + 3]);
+                row.push(end.to_owned());
+            }
+        }
+        rows.push(row);
+    }
+    let columns = rows[0].len();
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
+    let widths = Vec::from_iter((0..columns).map(|column| width(column).unwrap_or(0)));
+    for (number, row) in rows.iter().enumerate() {
+        let cells = row.iter().zip(&widths).enumerate();
+        // Texts to the left, numbers to the right.
+        let cells = cells.map(|(column, (cell, &width))| {
+            if column < swept.keys.len() || column + 1 == columns {
+                format!("{cell:width$}")
+            } else {
+                format!("{cell:>width$}")
+            }
+        });
+        writeln!(out, "{}", Vec::from_iter(cells).join("  ").trim_end())?;
+        if number == 0 {
+            let line = widths.iter().sum::<usize>() + 2 * (columns - 1);
+            writeln!(out, "{}", "─".repeat(line))?;
+        }
+    }
+    let mut reasons = swept.cases.iter().filter_map(reason).peekable();
+    if reasons.peek().is_some() {
+        writeln!(out)?;
+    }
+    for (name, reason) in reasons {
+        writeln!(out, "{name}: {reason}")?;
+    }
+    for column in &swept.unknown {
+        let known = swept.known.join(", ");
+        writeln!(out, "\nno run has the column `{column}`: there are {known}")?;
+    }
+    writeln!(out, "\nwritten to {}", folder.display())
+}
+
+/// Why a run did not come to its end.
+fn reason((case, outcome): &(Case, Outcome)) -> Option<(&str, &str)> {
+    let reason = match outcome {
+        Outcome::Ended(ended) if matches!(ended.end, End::Converged | End::Completed) => None,
+        Outcome::Ended(ended) => Some(ended.message.as_str()),
+        Outcome::Refused(reason) => Some(reason.as_str()),
+        Outcome::Waiting => None,
+    };
+    Some((case.name.as_str(), reason?))
 }
 
 /// A number as people write it: in powers of ten only where it is very large or small.

@@ -116,6 +116,20 @@ pub enum End {
     Interrupted,
 }
 
+impl End {
+    /// What it is called in tables and in `summary.json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::Completed => "completed",
+            Self::IterationLimit => "iteration-limit",
+            Self::Stagnated => "stagnated",
+            Self::Failed => "failed",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
 /// What a run leaves in `summary.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {

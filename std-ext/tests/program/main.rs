@@ -16,6 +16,7 @@ mod info;
 mod run;
 mod streams;
 mod study;
+mod sweep;
 
 /// What a run left.
 #[derive(Debug)]

@@ -1,0 +1,634 @@
+//! One scene run with every combination of some values, side by side.
+//!
+//! A folder holds
+//! * a folder a run, named by its values, such as `method=meyer,vertices=642`: see
+//!   [`run`](crate::run);
+//! * `sweep.csv`: a line a run, with its values, its last numbers, what it has cost, how it ended;
+//! * `COLUMN.png` for each chosen column: the series of all runs over each other, beside what was
+//!   published.
+//!
+//! What goes wrong in one run is noted, and the next one begins.
+
+mod vary;
+
+pub use vary::{Vary, VarySyntaxError};
+
+use crate::io::replace_file;
+use crate::plots::{PlotError, PublishedCurve, SeriesCurve, SeriesPlot, columns_of, read_curves};
+use crate::run::{CHECKPOINT, End, Progress, RunError, run};
+use crate::scene::{OverrideSyntaxError, Overrides, Scene, SceneErrors, SceneFile};
+use crate::series::{SeriesTable, TIME};
+use crate::simulation::build;
+use serde::Deserialize;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The table's name in its folder.
+pub const TABLE: &str = "sweep.csv";
+
+/// Width and height of the plots, in pixels.
+const PLOT_SIZE: [u32; 2] = [900, 700];
+
+/// The most runs of a sweep.
+const MOST_CASES: usize = 10_000;
+
+/// A scene and the values of which every combination is run.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// Values that all runs share, as [`Overrides`] has them.
+    pub set: Vec<String>,
+    /// Those that vary; the last varies fastest.
+    pub vary: Vec<Vary>,
+    /// Columns of the series to show, `NAME` for all `NAME_SURFACE`; if there are none, those of the
+    /// scene's plots, or else the first few.
+    pub columns: Vec<String>,
+}
+
+/// One combination.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Case {
+    /// The name of its folder.
+    pub name: String,
+    /// Its values, one a key.
+    pub values: Vec<String>,
+}
+
+/// Why a sweep cannot begin or go on. The message is one line, or that of a scene's errors.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SweepError {
+    /// A value that all runs share has no path.
+    #[error(transparent)]
+    Override(#[from] OverrideSyntaxError),
+    /// No combination is a valid scene.
+    #[error(transparent)]
+    Scene(SceneErrors),
+    /// Two keys are the same.
+    #[error("`{key}` varies twice: give all its values at once, as in `{key}=1,2,3`")]
+    RepeatedKey {
+        /// The key.
+        key: String,
+    },
+    /// There are more combinations than anybody can run.
+    #[error("{cases} combinations: at most {MOST_CASES} can be run")]
+    TooMany {
+        /// How many there are.
+        cases: usize,
+    },
+    /// There are runs in the folder already.
+    #[error(
+        "{}: there are runs here already: `--resume` goes on with them, `--out` names another folder",
+        folder.display()
+    )]
+    Occupied {
+        /// The folder of one.
+        folder: PathBuf,
+    },
+    /// A run's output cannot be written.
+    #[error(transparent)]
+    Run(RunError),
+    /// A plot cannot be drawn.
+    #[error("{}: {error}", path.display())]
+    Plot {
+        /// The picture.
+        path: PathBuf,
+        /// Why.
+        error: PlotError,
+    },
+    /// Something cannot be written.
+    #[error("{}: {source}", path.display())]
+    Unwritable {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+}
+
+impl SweepError {
+    /// Whether an output is at fault, and not the arguments or an input.
+    pub fn is_output(&self) -> bool {
+        matches!(
+            self,
+            Self::Run(_) | Self::Plot { .. } | Self::Unwritable { .. }
+        )
+    }
+}
+
+/// How far a sweep is.
+#[derive(Clone, Debug)]
+pub struct SweepProgress<'a> {
+    /// The run under way, from 0, and how many there are.
+    pub case: [usize; 2],
+    /// Its name.
+    pub name: &'a str,
+    /// How far it is.
+    pub run: &'a Progress,
+}
+
+impl SweepProgress<'_> {
+    /// From 0 to 1, each run as long as any other.
+    pub fn fraction(&self) -> f64 {
+        let [case, cases] = self.case.map(|count| count as f64);
+        (case + self.run.fraction) / cases
+    }
+}
+
+/// What has become of all combinations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Swept {
+    /// What varied, as short as tells the keys apart.
+    pub keys: Vec<String>,
+    /// The chosen columns that some run has.
+    pub columns: Vec<String>,
+    /// Those that none has, and all that there are: empty as long as no run has ended.
+    pub unknown: Vec<String>,
+    /// All columns of all runs.
+    pub known: Vec<String>,
+    /// In the order of [`Sweep::cases`].
+    pub cases: Vec<(Case, Outcome)>,
+    /// What is worth knowing besides, of published curves that cannot be read for one.
+    pub warnings: Vec<String>,
+}
+
+/// What has become of a combination.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// It was run, now or before.
+    Ended(Ended),
+    /// It could not be run, and why.
+    Refused(String),
+    /// The sweep was interrupted before.
+    Waiting,
+}
+
+/// What a run has come to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ended {
+    /// How it ended.
+    pub end: End,
+    /// The same in words.
+    pub message: String,
+    /// Iterations, or steps in time.
+    pub iterations: u64,
+    /// Evaluations of the velocities, of drivers in time.
+    pub right_hand_sides: Option<u64>,
+    /// Seconds in all.
+    pub seconds: f64,
+    /// Seconds that an evaluation of bending takes, on all surfaces together; none if nothing bends.
+    pub bending: Option<f64>,
+    /// The series.
+    pub series: SeriesTable,
+    /// What is worth knowing besides.
+    pub warnings: Vec<String>,
+}
+
+impl Ended {
+    /// The last number of a column, NaN if there is none.
+    pub fn last(&self, column: &str) -> f64 {
+        let column = self.series.columns.iter().position(|name| name == column);
+        let row = self.series.rows.last();
+        column
+            .zip(row)
+            .map_or(f64::NAN, |(column, row)| row[column])
+    }
+}
+
+/// What is read of a `summary.json`.
+#[derive(Deserialize)]
+struct Summary {
+    end: End,
+    message: String,
+    iterations: u64,
+    right_hand_sides: Option<u64>,
+    seconds: f64,
+    effects: Vec<Cost>,
+    warnings: Vec<String>,
+    scene: serde_json::Value,
+}
+
+#[derive(Deserialize)]
+struct Cost {
+    effect: String,
+    evaluations: u64,
+    seconds: f64,
+}
+
+impl Sweep {
+    /// All combinations.
+    ///
+    /// # Errors
+    /// If a key varies twice, or there are too many.
+    pub fn cases(&self) -> Result<Vec<Case>, SweepError> {
+        for (at, vary) in self.vary.iter().enumerate() {
+            if self.vary[..at].iter().any(|other| other.key == vary.key) {
+                let key = vary.key.clone();
+                return Err(SweepError::RepeatedKey { key });
+            }
+        }
+        let counts = self.vary.iter().map(|vary| vary.values.len());
+        let count = counts.fold(1, usize::saturating_mul);
+        if count > MOST_CASES {
+            return Err(SweepError::TooMany { cases: count });
+        }
+        let mut combinations = vec![Vec::new()];
+        for Vary { values, .. } in &self.vary {
+            let with = |before: &Vec<String>, value: &String| {
+                let mut longer = before.clone();
+                longer.push(value.clone());
+                longer
+            };
+            let longer = combinations
+                .iter()
+                .flat_map(|before| values.iter().map(move |value| with(before, value)));
+            combinations = longer.collect();
+        }
+        let keys = vary::short_keys(&self.vary);
+        let mut cases: Vec<Case> = Vec::with_capacity(combinations.len());
+        for values in combinations {
+            let mut name = vary::file_name(&keys, &values);
+            if cases.iter().any(|case| case.name == name) {
+                name.push_str(&format!("-{}", cases.len() + 1));
+            }
+            cases.push(Case { name, values });
+        }
+        Ok(cases)
+    }
+
+    /// The scene of a combination.
+    fn read(&self, case: &Case) -> Result<Result<SceneFile, SceneErrors>, OverrideSyntaxError> {
+        let varied = self.vary.iter().zip(&case.values);
+        let varied = varied.map(|(vary, value)| format!("{}={value}", vary.key));
+        let overrides = Overrides::new(self.set.iter().cloned().chain(varied))?;
+        Ok(SceneFile::read(&self.scene, &overrides))
+    }
+
+    /// Runs all combinations in a folder, one after the other; with `resume` goes on with those that
+    /// are there, and leaves alone those that have ended. The table and the plots are written after
+    /// every run.
+    ///
+    /// After every step `progress` is told how far it is, and `interrupted` asked whether to stop.
+    ///
+    /// # Errors
+    /// If no combination is a valid scene, there are runs in the folder without `resume`, or
+    /// something cannot be written. What else goes wrong with a run is its [`Outcome`].
+    pub fn run(
+        &self,
+        folder: &Path,
+        resume: bool,
+        interrupted: &dyn Fn() -> bool,
+        progress: &mut dyn FnMut(&SweepProgress<'_>),
+    ) -> Result<Swept, SweepError> {
+        let cases = self.cases()?;
+        let mut scene = None;
+        let mut refused = None;
+        for case in &cases {
+            match self.read(case)? {
+                Ok(file) => scene = scene.or(Some(file.scene)),
+                Err(errors) => refused = refused.or(Some(errors)),
+            }
+            let own = folder.join(&case.name);
+            if !resume
+                && [CHECKPOINT, "series.csv"]
+                    .iter()
+                    .any(|file| own.join(file).exists())
+            {
+                return Err(SweepError::Occupied { folder: own });
+            }
+        }
+        // A mistyped key is one mistake, not that of every run.
+        let scene = match (scene, refused) {
+            (Some(scene), _) => scene,
+            (None, Some(errors)) => return Err(SweepError::Scene(errors)),
+            (None, None) => return Ok(Swept::new(self, Vec::new())),
+        };
+        fs::create_dir_all(folder).map_err(|source| SweepError::Unwritable {
+            path: folder.to_owned(),
+            source,
+        })?;
+        let count = cases.len();
+        let waiting = cases.into_iter().map(|case| (case, Outcome::Waiting));
+        let mut swept = Swept::new(self, waiting.collect());
+        let mut published = Vec::new();
+        for plot in &scene.output.plots {
+            let curves = plot.published.as_deref().map(read_curves).transpose();
+            let curves = curves.unwrap_or_else(|error| {
+                swept.warnings.push(error.to_string());
+                None
+            });
+            published.push(curves.unwrap_or_default());
+        }
+        for at in 0..count {
+            if interrupted() {
+                break;
+            }
+            let case = swept.cases[at].0.clone();
+            let mut tell = |run: &Progress| {
+                progress(&SweepProgress {
+                    case: [at, count],
+                    name: &case.name,
+                    run,
+                });
+            };
+            let own = folder.join(&case.name);
+            swept.cases[at].1 = match self.run_case(&case, &own, resume, interrupted, &mut tell) {
+                Ok(ended) => Outcome::Ended(ended),
+                Err(Trouble::Case(reason)) => Outcome::Refused(reason),
+                Err(Trouble::Sweep(error)) => return Err(error),
+            };
+            swept.choose(&self.columns, &scene);
+            swept.write_table(&folder.join(TABLE))?;
+            swept.plot(folder, &scene, &published)?;
+        }
+        Ok(swept)
+    }
+
+    /// Runs a combination, unless it has ended.
+    fn run_case(
+        &self,
+        case: &Case,
+        folder: &Path,
+        resume: bool,
+        interrupted: &dyn Fn() -> bool,
+        progress: &mut dyn FnMut(&Progress),
+    ) -> Result<Ended, Trouble> {
+        let of_case = |error: &dyn ToString| Trouble::Case(error.to_string());
+        let file = self.read(case).map_err(|error| of_case(&error))?;
+        let file = file.map_err(|error| of_case(&error))?;
+        let summary = folder.join("summary.json");
+        if resume && summary.exists() {
+            let (ended, scene) = read_ended(folder).map_err(Trouble::Case)?;
+            if ended.end != End::Interrupted {
+                return if scene == as_read_back(&file.scene) {
+                    Ok(ended)
+                } else {
+                    let message = "the run that is there is of another scene";
+                    Err(Trouble::Case(message.to_owned()))
+                };
+            }
+        }
+        let ready = build(&file).map_err(|error| of_case(&error))?;
+        let goes_on = resume && folder.join(CHECKPOINT).exists();
+        if resume && !goes_on {
+            remove_beginning(&folder.join("series.csv"));
+        }
+        match run(&file.scene, ready, folder, goes_on, interrupted, progress) {
+            Ok(_) => Ok(read_ended(folder).map_err(Trouble::Case)?.0),
+            Err(error) if error.is_output() => Err(Trouble::Sweep(SweepError::Run(error))),
+            Err(error) => Err(of_case(&error)),
+        }
+    }
+}
+
+/// What ends a run, or the sweep with it.
+enum Trouble {
+    Case(String),
+    Sweep(SweepError),
+}
+
+/// Takes away the series of a run that was killed before its first checkpoint: one row, which will be
+/// there again.
+fn remove_beginning(series: &Path) {
+    if SeriesTable::read(series).is_ok_and(|table| table.rows.len() <= 1) {
+        let _ = fs::remove_file(series);
+    }
+}
+
+/// What a run has left, and the scene that it was run with.
+fn read_ended(folder: &Path) -> Result<(Ended, serde_json::Value), String> {
+    let path = folder.join("summary.json");
+    let unreadable = |error: &dyn ToString| format!("{}: {}", path.display(), error.to_string());
+    let text = fs::read_to_string(&path).map_err(|error| unreadable(&error))?;
+    let summary: Summary = serde_json::from_str(&text).map_err(|error| unreadable(&error))?;
+    let series = SeriesTable::read(&folder.join("series.csv")).map_err(|e| e.to_string())?;
+    let bending = summary.effects.iter().filter(|cost| {
+        // Of several surfaces each has its own, `bending_NAME`.
+        let rest = cost.effect.strip_prefix("bending");
+        cost.evaluations > 0 && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+    });
+    let each = bending.map(|cost| cost.seconds / cost.evaluations as f64);
+    let ended = Ended {
+        end: summary.end,
+        message: summary.message,
+        iterations: summary.iterations,
+        right_hand_sides: summary.right_hand_sides,
+        seconds: summary.seconds,
+        bending: each.reduce(|a, b| a + b),
+        series,
+        warnings: summary.warnings,
+    };
+    Ok((ended, summary.scene))
+}
+
+/// A scene as a summary gives it back, numbers through the same parser.
+fn as_read_back(scene: &Scene) -> serde_json::Value {
+    let text = serde_json::to_string(scene).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+impl Swept {
+    fn new(sweep: &Sweep, cases: Vec<(Case, Outcome)>) -> Self {
+        Self {
+            keys: vary::short_keys(&sweep.vary),
+            columns: Vec::new(),
+            unknown: Vec::new(),
+            known: Vec::new(),
+            cases,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The runs that have left numbers.
+    pub fn ended(&self) -> impl Iterator<Item = (&Case, &Ended)> {
+        self.cases
+            .iter()
+            .filter_map(|(case, outcome)| match outcome {
+                Outcome::Ended(ended) => Some((case, ended)),
+                _ => None,
+            })
+    }
+
+    /// What is worth knowing of the runs, and of how many of them each.
+    pub fn shared_warnings(&self) -> Vec<(&str, usize)> {
+        let mut shared: Vec<(&str, usize)> = Vec::new();
+        for warning in self.ended().flat_map(|(_, ended)| &ended.warnings) {
+            match shared.iter_mut().find(|(known, _)| known == warning) {
+                Some((_, count)) => *count += 1,
+                None => shared.push((warning, 1)),
+            }
+        }
+        shared
+    }
+
+    /// Which columns are shown.
+    fn choose(&mut self, chosen: &[String], scene: &Scene) {
+        let mut known: Vec<String> = Vec::new();
+        for column in self.ended().flat_map(|(_, ended)| &ended.series.columns) {
+            if !known.contains(column) {
+                known.push(column.clone());
+            }
+        }
+        let all = SeriesTable {
+            columns: known.clone(),
+            rows: Vec::new(),
+        };
+        let plots = scene.output.plots.iter();
+        let names = match chosen {
+            [] => Vec::from_iter(plots.map(|plot| plot.column.clone())),
+            chosen => chosen.to_vec(),
+        };
+        (self.columns, self.unknown) = (Vec::new(), Vec::new());
+        for name in names {
+            let surfaces = scene.surfaces.iter().map(|surface| surface.name.as_str());
+            let found = columns_of(&all, &name, surfaces);
+            if found.is_empty() && !known.is_empty() {
+                self.unknown.push(name);
+            }
+            for (_, column) in found {
+                if !self.columns.contains(&column) {
+                    self.columns.push(column);
+                }
+            }
+        }
+        if chosen.is_empty() && self.columns.is_empty() {
+            let some = known.iter().filter(|name| *name != TIME).take(4);
+            self.columns = some.cloned().collect();
+        }
+        self.known = known;
+    }
+
+    /// All runs with all their last numbers, as CSV.
+    fn write_table(&self, path: &Path) -> Result<(), SweepError> {
+        replace_file(path, |out| {
+            let costs = [
+                "iterations",
+                "evaluations",
+                "seconds",
+                "bending_seconds",
+                "end",
+                "message",
+            ];
+            let keys = self.keys.iter().map(String::as_str);
+            let names = self.known.iter().map(String::as_str);
+            let head = keys.chain(names).chain(costs).map(quoted);
+            writeln!(out, "{}", Vec::from_iter(head).join(","))?;
+            for (case, outcome) in &self.cases {
+                let mut cells = Vec::from_iter(case.values.iter().map(|value| quoted(value)));
+                match outcome {
+                    Outcome::Ended(ended) => {
+                        let last = |column: &String| match ended.last(column) {
+                            value if value.is_nan() => String::new(),
+                            value => format!("{value:?}"),
+                        };
+                        cells.extend(self.known.iter().map(last));
+                        let count = ended.right_hand_sides.map(|count| count.to_string());
+                        let bending = ended.bending.map(|seconds| format!("{seconds:e}"));
+                        cells.extend([
+                            ended.iterations.to_string(),
+                            count.unwrap_or_default(),
+                            format!("{:?}", ended.seconds),
+                            bending.unwrap_or_default(),
+                            ended.end.name().to_owned(),
+                            quoted(&ended.message),
+                        ]);
+                    }
+                    Outcome::Refused(reason) => {
+                        cells.extend(vec![String::new(); self.known.len() + 4]);
+                        cells.extend(["refused".to_owned(), quoted(reason)]);
+                    }
+                    Outcome::Waiting => {
+                        cells.extend(vec![String::new(); self.known.len() + 4]);
+                        cells.extend(["waiting".to_owned(), String::new()]);
+                    }
+                }
+                writeln!(out, "{}", cells.join(","))?;
+            }
+            Ok(())
+        })
+        .map_err(|source| SweepError::Unwritable {
+            path: path.to_owned(),
+            source,
+        })
+    }
+
+    /// The values of a run that are not those of all.
+    fn legend(&self, case: &Case) -> String {
+        let values = case.values.iter().enumerate();
+        let varies = |&(at, value): &(usize, &String)| {
+            let mut cases = self.cases.iter();
+            self.cases.len() == 1 || cases.any(|(other, _)| other.values[at] != *value)
+        };
+        let told = values.filter(varies).map(|(_, value)| value.as_str());
+        Vec::from_iter(told).join(", ")
+    }
+
+    /// The series of all runs, a picture for each chosen column.
+    fn plot(
+        &self,
+        folder: &Path,
+        scene: &Scene,
+        published: &[Vec<PublishedCurve>],
+    ) -> Result<(), SweepError> {
+        for column in &self.columns {
+            // Of several surfaces, each column has the curves of its name.
+            let planned = scene.output.plots.iter().zip(published).find(|(plot, _)| {
+                let rest = column.strip_prefix(plot.column.as_str());
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+            });
+            let has = |name: &str| self.known.iter().any(|known| known == name);
+            let against = match planned {
+                Some((plot, _)) if has(&plot.against) => plot.against.as_str(),
+                _ if has("strain") => "strain",
+                _ => TIME,
+            };
+            if against == column {
+                continue;
+            }
+            let has_both = |ended: &Ended| {
+                let names = &ended.series.columns;
+                [against, column]
+                    .iter()
+                    .all(|name| names.iter().any(|n| n == name))
+            };
+            let drawn = Vec::from_iter(self.ended().filter(|(_, ended)| has_both(ended)));
+            let names = Vec::from_iter(drawn.iter().map(|(case, _)| self.legend(case)));
+            let curves = drawn
+                .iter()
+                .zip(&names)
+                .map(|((_, ended), name)| SeriesCurve {
+                    name,
+                    table: &ended.series,
+                    against,
+                    column,
+                });
+            let plot = SeriesPlot {
+                size: PLOT_SIZE,
+                title: &scene.title,
+                labels: [against, column],
+                curves: &Vec::from_iter(curves),
+                published: planned.map_or(&[], |(_, curves)| curves),
+            };
+            let path = folder.join(format!("{column}.png"));
+            let canvas = plot.draw().map_err(|error| SweepError::Plot {
+                path: path.clone(),
+                error,
+            })?;
+            let written = canvas.write_png(&path);
+            written.map_err(|source| SweepError::Unwritable { path, source })?;
+        }
+        Ok(())
+    }
+}
+
+/// A cell of a CSV file, on one line.
+fn quoted(text: &str) -> String {
+    let line = text.replace(['\n', '\r'], " ");
+    if line.contains([',', '"']) {
+        format!("\"{}\"", line.replace('"', "\"\""))
+    } else {
+        line
+    }
+}
