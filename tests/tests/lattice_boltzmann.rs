@@ -480,29 +480,36 @@ fn nodes_are_inside_of_meshes_or_not() {
     }
 }
 
-/// Lines through vertices and along edges: a cube whose faces and diagonals lie on nodes, shared
-/// out half-open.
+/// Lines through vertices and along edges: of six tetrahedra that fill a cube, all with corners on
+/// nodes, one has each node, and together they have as many as the volume says.
 #[test]
 fn lines_through_edges_are_counted_once() {
     let lattice = lattice::<f64>(periodic([12; 3], 0.1));
-    let corners = cells([2; 3]).map(|cell| cell.map(|end| 2.5 + 6.0 * end as f64));
-    let triangles = vec![
+    let mut owners = vec![0; 12 * 12 * 12];
+    for path in [
+        [0, 1, 2],
+        [1, 2, 0],
+        [2, 0, 1],
         [0, 2, 1],
-        [1, 2, 3],
-        [4, 5, 6],
-        [5, 7, 6],
-        [0, 1, 4],
-        [1, 5, 4],
-        [2, 6, 3],
-        [3, 6, 7],
-        [0, 4, 2],
-        [2, 4, 6],
-        [1, 3, 5],
-        [3, 7, 5],
-    ];
-    let cube = Mesh::new(corners.collect(), triangles);
-    let inside = lattice.inside(&cube.connectivity, &cube.positions).unwrap();
-    assert_eq!(inside.iter().filter(|&&inside| inside).count(), 6 * 6 * 6);
+        [2, 1, 0],
+        [1, 0, 2],
+    ] {
+        // Along three edges of the cube from one corner to the opposite one.
+        let mut corner = [2.5; 3];
+        let mut corners = vec![corner];
+        for axis in path {
+            corner[axis] += 6.0;
+            corners.push(corner);
+        }
+        let faces = vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+        let part = Mesh::new(corners, faces);
+        let inside = lattice.inside(&part.connectivity, &part.positions).unwrap();
+        for (owners, inside) in owners.iter_mut().zip(inside) {
+            *owners += usize::from(inside);
+        }
+    }
+    assert!(owners.iter().all(|&owners| owners <= 1));
+    assert_eq!(owners.iter().sum::<usize>(), 6 * 6 * 6);
 }
 
 #[test]
@@ -759,9 +766,9 @@ fn points_and_forces_do_not_depend_on_the_number_of_threads() {
     let run = |threads| {
         let mut lattice = everything::<f64>(threads);
         let mut points = Vec::from_iter(
-            scattered(50, [11, 4, 9])
+            scattered(1500, [11, 4, 9])
                 .iter()
-                .map(|&[x, y, z]| [x, y.min(3.9) + 1.5, z]),
+                .map(|&[x, y, z]| [x, y.min(3.0) + 2.0, z]),
         );
         let mut immersed = Immersed::new(Kernel::Four);
         let mut velocities = vec![[0.0; 3]; points.len()];
@@ -771,7 +778,7 @@ fn points_and_forces_do_not_depend_on_the_number_of_threads() {
             let forces = Vec::from_iter(
                 points
                     .iter()
-                    .map(|&[x, y, z]| [1e-3 * y, 2e-4 * z, -1e-4 * x]),
+                    .map(|&[x, y, z]| [3e-5 * y, 6e-6 * z, -3e-6 * x]),
             );
             immersed.spread(&mut lattice, &forces).unwrap();
             immersed.interpolate(&lattice, &mut velocities);

@@ -746,7 +746,7 @@ impl<T: Precision> Lattice<T> {
             },
         };
         let layout = self.layout;
-        let share = self.planes_a_thread();
+        let share = layout.cells[2].div_ceil(self.setup.threads.get());
         let mut planes = planes(&layout, odd, &mut self.state.populations);
         std::thread::scope(|scope| {
             let slab = |(number, planes)| Slab {
@@ -767,11 +767,6 @@ impl<T: Precision> Lattice<T> {
         });
         self.links.bounce_back(&mut self.state.populations, odd);
         self.state.steps += 1;
-    }
-
-    /// How many planes each thread works on; the last one may have fewer.
-    fn planes_a_thread(&self) -> usize {
-        self.layout.cells[2].div_ceil(self.setup.threads.get())
     }
 
     fn is_periodic(&self, axis: usize) -> bool {

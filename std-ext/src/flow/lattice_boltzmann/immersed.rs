@@ -10,6 +10,9 @@ use crate::flow::lattice_boltzmann::{
 use serde::{Deserialize, Serialize};
 use std::array;
 
+/// Fewer points than this take less time than to start a thread.
+const POINTS_A_THREAD: usize = 256;
+
 /// How a point is spread over the nodes around it: a product φ(x) φ(y) φ(z) of the distances.
 ///
 /// Of each, Σ φ = 1 and Σ r φ = 0 over the nodes wherever the point lies: forces and torques are
@@ -205,7 +208,7 @@ impl Immersed {
         for &force in forces {
             checked_force(force)?;
         }
-        let share = lattice.planes_a_thread();
+        let share = lattice.cells()[2].div_ceil(self.threads(lattice));
         let slabs = lattice.nodal_forces().slabs(share);
         // Each thread takes from all points, in their order, what falls into its planes: sums do not
         // depend on the number of threads.
@@ -251,7 +254,7 @@ impl Immersed {
     pub fn interpolate<T: Precision>(&mut self, lattice: &Lattice<T>, velocities: &mut [[f64; 3]]) {
         assert_eq!(velocities.len(), self.count(), "one velocity a point");
         self.assert_size(lattice);
-        let threads = lattice.setup.threads.get();
+        let threads = self.threads(lattice);
         self.velocities.resize(self.rows.nodes, [0.0; 3]);
         let share = self.rows.runs.len().div_ceil(threads).max(1);
         std::thread::scope(|scope| {
@@ -306,6 +309,12 @@ impl Immersed {
             }
             *velocity = sum;
         }
+    }
+
+    /// As many threads as are worth starting.
+    fn threads<T: Precision>(&self, lattice: &Lattice<T>) -> usize {
+        let most = self.count() / POINTS_A_THREAD;
+        most.clamp(1, lattice.setup.threads.get())
     }
 
     fn assert_size<T: Precision>(&self, lattice: &Lattice<T>) {
