@@ -128,7 +128,12 @@ fn collide_row<T: Precision, S: Simd>(
         tripled_viscosities: viscosities.map(|(vectors, _)| vectors),
         forces: forces.map(|axes| axes.map(|(vectors, _)| vectors)),
     };
-    collide_vectors(simd, vectors, fluid, whole);
+    // Most rows have neither, and a loop of their own: `Option`s would be asked at every vector.
+    if let (None, None) = (viscosities, forces) {
+        collide_vectors(simd, vectors, fluid, Vectors::NONE);
+    } else {
+        collide_vectors(simd, vectors, fluid, whole);
+    }
 
     if ends[0].is_empty() {
         return;
@@ -161,6 +166,13 @@ fn collide_row<T: Precision, S: Simd>(
 struct Vectors<'a, V> {
     tripled_viscosities: Option<&'a [V]>,
     forces: Option<[&'a [V]; 3]>,
+}
+
+impl<V> Vectors<'_, V> {
+    const NONE: Self = Self {
+        tripled_viscosities: None,
+        forces: None,
+    };
 }
 
 #[inline(always)]
@@ -218,39 +230,32 @@ fn collide_vectors<T: Precision, S: Simd>(
 /// Numbers in every entry of a vector.
 #[derive(Clone, Copy)]
 struct Constants<V> {
-    half: V,
     one: V,
-    nine: V,
+    half: V,
     minus_third: V,
     quarter: V,
+    eighth: V,
+    twelve: V,
+    twelfth: V,
+    thirty_sixth: V,
     magic: V,
     inertia: V,
-    /// Weights w at rest, along axes and along diagonals, and 3 w.
-    weights: [V; 3],
-    tripled_weights: [V; 3],
 }
 
 impl<T: Precision, S: Simd> Constants<Vector<T, S>> {
     #[inline(always)]
     fn new(simd: S, fluid: &Fluid<'_, T>) -> Self {
         Self {
-            half: Vector::constant(simd, 0.5),
             one: Vector::constant(simd, 1.0),
-            nine: Vector::constant(simd, 9.0),
+            half: Vector::constant(simd, 0.5),
             minus_third: Vector::constant(simd, -1.0 / 3.0),
             quarter: Vector::constant(simd, 0.25),
+            eighth: Vector::constant(simd, 0.125),
+            twelve: Vector::constant(simd, 12.0),
+            twelfth: Vector::constant(simd, 1.0 / 12.0),
+            thirty_sixth: Vector::constant(simd, 1.0 / 36.0),
             magic: Vector::constant(simd, MAGIC),
             inertia: Vector::splat(simd, fluid.inertia),
-            weights: [
-                Vector::constant(simd, 1.0 / 3.0),
-                Vector::constant(simd, 1.0 / 18.0),
-                Vector::constant(simd, 1.0 / 36.0),
-            ],
-            tripled_weights: [
-                Vector::constant(simd, 1.0),
-                Vector::constant(simd, 1.0 / 6.0),
-                Vector::constant(simd, 1.0 / 12.0),
-            ],
         }
     }
 }
@@ -258,25 +263,25 @@ impl<T: Precision, S: Simd> Constants<Vector<T, S>> {
 /// What follows from the viscosity.
 #[derive(Clone, Copy)]
 struct Rates<V> {
-    /// ω₊ = 1/(3ν + ½), for what is the same in opposite directions.
-    even: V,
+    /// (1 − ω)/2 of ω₊ = 1/(3ν + ½), for what is the same in opposite directions, and of
     /// ω₋ = 1/(Λ/3ν + ½), for what has opposite signs.
-    odd: V,
-    /// (1 − ω₊)/2 and (1 − ω₋)/2.
     even_left: V,
     odd_left: V,
-    /// What momentum and force give to the quadratic part: 9 ω₊/2 and 9 (1 − ω₊/4).
-    of_momentum: V,
-    of_force: V,
+    /// 1 − ω₊, for rest.
+    rest_left: V,
+    /// ω₊/36, ω₋/12, ω₊/8 and (1 − ω₊/4)/4: see [`Collision`].
+    isotropic: V,
+    a: V,
+    b: V,
+    b_force: V,
 }
 
 impl<T: Precision, S: Simd> Rates<Vector<T, S>> {
     #[inline(always)]
     fn new(constants: &Constants<Vector<T, S>>, tripled_viscosity: Vector<T, S>) -> Self {
         let &Constants {
-            half,
             one,
-            nine,
+            half,
             quarter,
             magic,
             ..
@@ -284,12 +289,13 @@ impl<T: Precision, S: Simd> Rates<Vector<T, S>> {
         let even = one / (tripled_viscosity + half);
         let odd = tripled_viscosity / tripled_viscosity.times_plus(half, magic);
         Self {
-            even,
-            odd,
             even_left: half * (one - even),
             odd_left: half * (one - odd),
-            of_momentum: nine * half * even,
-            of_force: nine * (one - quarter * even),
+            rest_left: one - even,
+            isotropic: constants.thirty_sixth * even,
+            a: constants.twelfth * odd,
+            b: constants.eighth * even,
+            b_force: quarter * (one - quarter * even),
         }
     }
 }
@@ -334,18 +340,18 @@ impl<T: Precision, S: Simd> Moments<Vector<T, S>> {
 /// With δρ = Σ f, j = Σ c f and F the force, momentum is j + F/2, velocity u = (j + F/2)/ρ, and in
 /// opposite directions, sum and difference halved,
 ///
-/// `f₊ → (1 − ω₊) f₊ + w [ω₊ δρ + (c·b)(c·u) − b·u/3]`, b = 9/2 ω₊ j + 9 (1 − ω₊/4) F,
-/// `f₋ → (1 − ω₋) f₋ + 3 w c·a`, a = ω₋ j + F,
+/// `f₊ → (1 − ω₊) f₊ + W [s + (c·b)(c·u)]`, s = ω₊ δρ/36 − b·u/3, b = ω₊ j/8 + (1 − ω₊/4) F/4,
+/// `f₋ → (1 − ω₋) f₋ + W c·a`, a = (ω₋ j + F)/12,
 ///
-/// which is relaxation to `f = w [δρ + ρ (3 c·u + 9/2 (c·u)² − 3/2 u²)]` with Guo's force.
+/// where W = 36 w is 1 along diagonals, 2 along axes and 12 at rest. That is relaxation to
+/// `f = w [δρ + ρ (3 c·u + 9/2 (c·u)² − 3/2 u²)]` with Guo's force.
 struct Collision<'a, V> {
     constants: &'a Constants<V>,
     rates: &'a Rates<V>,
     u: [V; 3],
     a: [V; 3],
     b: [V; 3],
-    /// ω₊ δρ − b·u/3.
-    isotropic: V,
+    s: V,
 }
 
 impl<'a, T: Precision, S: Simd> Collision<'a, Vector<T, S>> {
@@ -357,9 +363,10 @@ impl<'a, T: Precision, S: Simd> Collision<'a, Vector<T, S>> {
         moments: Moments<Vector<T, S>>,
     ) -> Self {
         let &Constants {
-            half,
             one,
+            half,
             minus_third,
+            twelfth,
             inertia,
             ..
         } = constants;
@@ -371,40 +378,39 @@ impl<'a, T: Precision, S: Simd> Collision<'a, Vector<T, S>> {
         let ux = over * half.times_plus(fx, jx);
         let uy = over * half.times_plus(fy, jy);
         let uz = over * half.times_plus(fz, jz);
-        let bx = rates.of_momentum.times_plus(jx, rates.of_force * fx);
-        let by = rates.of_momentum.times_plus(jy, rates.of_force * fy);
-        let bz = rates.of_momentum.times_plus(jz, rates.of_force * fz);
+        let bx = rates.b.times_plus(jx, rates.b_force * fx);
+        let by = rates.b.times_plus(jy, rates.b_force * fy);
+        let bz = rates.b.times_plus(jz, rates.b_force * fz);
         let bu = bx.times_plus(ux, by.times_plus(uy, bz * uz));
         Self {
             constants,
             rates,
             u: [ux, uy, uz],
             a: [
-                rates.odd.times_plus(jx, fx),
-                rates.odd.times_plus(jy, fy),
-                rates.odd.times_plus(jz, fz),
+                rates.a.times_plus(jx, twelfth * fx),
+                rates.a.times_plus(jy, twelfth * fy),
+                rates.a.times_plus(jz, twelfth * fz),
             ],
             b: [bx, by, bz],
-            isotropic: minus_third.times_plus(bu, rates.even * excess),
+            s: minus_third.times_plus(bu, rates.isotropic * excess),
         }
     }
 
     #[inline(always)]
     fn of_rest(&self, found: Vector<T, S>) -> Vector<T, S> {
-        let [weight, ..] = self.constants.weights;
-        (self.constants.one - self.rates.even).times_plus(found, weight * self.isotropic)
+        (self.rates.rest_left).times_plus(found, self.constants.twelve * self.s)
     }
 
     /// What is left of two opposite populations: each in the place where the other was found.
     #[inline(always)]
     fn of_pair(&self, pair: usize, there: Vector<T, S>, back: Vector<T, S>) -> [Vector<T, S>; 2] {
-        let kind = if pair < 3 { 1 } else { 2 };
-        let quadratic =
-            along_pair(pair, self.b).times_plus(along_pair(pair, self.u), self.isotropic);
-        let gain = self.constants.weights[kind] * quadratic;
-        let even = self.rates.even_left.times_plus(there + back, gain);
-        let gain = self.constants.tripled_weights[kind] * along_pair(pair, self.a);
-        let odd = self.rates.odd_left.times_plus(there - back, gain);
+        let mut even = along_pair(pair, self.b).times_plus(along_pair(pair, self.u), self.s);
+        let mut odd = along_pair(pair, self.a);
+        if pair < 3 {
+            (even, odd) = (even + even, odd + odd);
+        }
+        let even = self.rates.even_left.times_plus(there + back, even);
+        let odd = self.rates.odd_left.times_plus(there - back, odd);
         [even - odd, even + odd]
     }
 }
