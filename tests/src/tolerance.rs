@@ -598,7 +598,7 @@ pub const FLOW_SPHERE: Tolerance = Tolerance::new(
 /// edge, relative.
 pub const FLOW_NEAR: Tolerance = Tolerance::new(
     5e-4,
-    "three points on a triangle at twice its edge are good to 1e-3 of what it gives",
+    "middles of edges on a triangle at twice its edge are good to 1e-3 of what it gives",
 );
 /// Velocity near a single triangle against Gauss rules of 96 points, relative.
 pub const FLOW_SEVEN_POINTS: Tolerance = Tolerance::new(
@@ -661,6 +661,12 @@ pub const FLOW_PRESSURE: Tolerance = Tolerance::new(
     2e-2,
     "flat triangles bend at edges, near which the pressure has the logarithm of the distance",
 );
+/// Pressures next to a coarse surface by halved triangles against the same on triangles of a 16th of
+/// the edge, relative to a pressure two edges off.
+pub const FLOW_NEAR_PRESSURE: Tolerance = Tolerance::new(
+    1e-3,
+    "middles of edges on a triangle at four times its edge, for the third power of 1/r",
+);
 /// Solutions of the equation of both layers in another order, relative.
 pub const FLOW_SOLVED: Tolerance = Tolerance::new(
     1e-10,
@@ -670,7 +676,7 @@ pub const FLOW_SOLVED: Tolerance = Tolerance::new(
 /// relative.
 pub const FLOW_FACING: Tolerance = Tolerance::new(
     5e-3,
-    "three points on the neighbours of the triangles around a vertex, as everywhere",
+    "seven points on the neighbours of the triangles around a vertex, middles of edges beyond",
 );
 /// Steady flows on a lattice between plates, for which its walls are exact, relative to the fastest.
 pub const LATTICE_STEADY: Tolerance = Tolerance::new(

@@ -302,8 +302,8 @@ fn triangles_are_exact_about_their_corners() {
     }
 }
 
-/// Far from a surface the sum is that of three points a triangle, the middles between corners and
-/// centre, whatever the processor's way of adding them.
+/// Far from a surface the sum is that of the middles of edges, three a triangle, whatever the
+/// processor's way of adding them.
 #[test]
 fn far_points_see_three_stokeslets_a_triangle() {
     let sphere = icosphere(2);
@@ -325,7 +325,7 @@ fn far_points_see_three_stokeslets_a_triangle() {
             for own in 0..3 {
                 let mean = |values: [[f64; 3]; 3]| -> [f64; 3] {
                     std::array::from_fn(|k| {
-                        (values[0][k] + values[1][k] + values[2][k]) / 6.0 + 0.5 * values[own][k]
+                        0.5 * (values[0][k] + values[1][k] + values[2][k] - values[own][k])
                     })
                 };
                 let (r, q) = (difference(mean(corners), point), mean(tractions));
@@ -749,7 +749,7 @@ fn close_points_see_the_double_layer_in_parts() {
         let error = largest_error(&velocity, &expected);
         tolerance::FLOW_NEAR.assert(error, 0.0, 1.0, "velocity");
         for (p, expected) in pressure.iter().zip(&expected_pressure) {
-            tolerance::FLOW_NEAR.assert(*p, *expected, 10.0, "pressure");
+            tolerance::FLOW_NEAR_PRESSURE.assert(*p, *expected, 10.0, "pressure");
         }
     }
 }

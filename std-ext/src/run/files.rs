@@ -7,7 +7,7 @@ use crate::io::{
 };
 use crate::picture::{ColourMap, Colouring, FlowSlice, PaintedSurface, Picture, Shading, View};
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, columns_of, read_curves};
-use crate::scene::{Plot, Slice, Units};
+use crate::scene::{Flow, Plot, Scene, Slice, Units};
 use crate::series::SeriesTable;
 use crate::simulation::{Acting, Simulation};
 use glam::DVec3;
@@ -119,7 +119,7 @@ impl Run<'_> {
             },
             view: View {
                 frame: Some(self.measures.frame(positions)),
-                ..View::default()
+                ..view(scene)
             },
             length_unit: match scene.units {
                 Units::Micro => Some("µm"),
@@ -249,6 +249,18 @@ impl Run<'_> {
         let path = self.folder.join(name);
         let written = files.write(&path);
         written.map_err(|source| RunError::Unwritable { path, source })
+    }
+}
+
+/// The plane of a shear flow as it is, everything else from above and to the side.
+fn view(scene: &Scene) -> View {
+    match scene.driver.flow().and_then(Flow::plane) {
+        Some([flow, gradient]) => View {
+            direction: DVec3::from(flow).cross(gradient.into()).to_array(),
+            up: gradient,
+            frame: None,
+        },
+        None => View::default(),
     }
 }
 

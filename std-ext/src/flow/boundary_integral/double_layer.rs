@@ -1,6 +1,6 @@
 //! The double layer: what surfaces between fluids of different viscosities add.
 
-use super::geometry::Geometry;
+use super::geometry::{Geometry, Near};
 use super::kernel::{Kernel, SolidAngle, Stresslet, StressletPressure, source};
 use super::panel::Panel;
 use super::sums;
@@ -37,10 +37,10 @@ const FACTOR: f64 = -0.75 / PI;
 /// and leaves less to integrate where surfaces are near.
 ///
 /// # Quadrature
-/// Triangles are flat, u is linear on them. As for the single layer, near triangles apart: what u is
-/// at their nearest point is integrated exactly, the rest in halved parts. Triangles around x₀ lie
-/// in planes through it and give nothing. The error is of second order in the edge length whatever
-/// the distance of surfaces; that of the pressure is as for the single layer.
+/// Triangles are flat, u is linear on them, and points are those of the single layer. Of triangles
+/// that it halves, what u is at their nearest point is integrated exactly here, and the rest in
+/// parts. Triangles around x₀ lie in planes through it and give nothing. The error is of second order
+/// in the edge length whatever the distance of surfaces; that of the pressure is as there.
 ///
 /// Results do not depend on the number of threads.
 #[derive(Clone, Debug)]
@@ -50,7 +50,8 @@ pub struct DoubleLayer {
     viscosity_ratios: Vec<f64>,
     geometry: Geometry,
     velocities: Vec<DVec3>,
-    /// Places, normals times (1 − λ) and a third of the area, and velocities.
+    /// Of each edge the middle, a third of the triangles' normals times area and 1 − λ, and the
+    /// velocity.
     sources: Vec<[f64; 9]>,
 }
 
@@ -94,9 +95,11 @@ impl DoubleLayer {
         self.velocities.clear();
         self.velocities.resize(positions.len(), DVec3::ZERO);
         self.sources.clear();
-        for (number, drop) in panels(&self.geometry, &self.viscosity_ratios) {
-            let panel = self.geometry.panel(number);
-            self.sources.extend(sources(panel, drop, [DVec3::ZERO; 3]));
+        for (edge, drop) in edges(&self.geometry, &self.viscosity_ratios) {
+            let [one, other] = self.geometry.normals(edge);
+            let normal = drop / 6.0 * (one + other);
+            let middle = self.geometry.middle(edge);
+            self.sources.push(source(&[middle, normal, DVec3::ZERO]));
         }
     }
 
@@ -110,13 +113,10 @@ impl DoubleLayer {
         let rows = velocity.iter().copied().map(DVec3::from);
         self.velocities.clear();
         self.velocities.extend(rows);
-        let panels = panels(&self.geometry, &self.viscosity_ratios);
-        for ((number, _), sources) in panels.zip(self.sources.as_chunks_mut::<3>().0) {
-            let panel = self.geometry.panel(number);
-            let values = panel.points(panel.of(&self.velocities));
-            for (source, (_, value)) in sources.iter_mut().zip(values) {
-                source[6..].copy_from_slice(&value.to_array());
-            }
+        let edges = edges(&self.geometry, &self.viscosity_ratios);
+        for ((edge, _), source) in edges.zip(&mut self.sources) {
+            let velocity = self.geometry.mean(edge, &self.velocities);
+            source[6..].copy_from_slice(&velocity.to_array());
         }
     }
 
@@ -161,7 +161,9 @@ impl DoubleLayer {
             target,
             |point| {
                 let at = points[point].into();
-                self.lacking(self.geometry.near_point(at), at, DVec3::ZERO)
+                let near = self.geometry.near_point(at, 1);
+                let near = near.map(|number| (number, Near::Across));
+                self.lacking(near, at, DVec3::ZERO)
             },
         );
     }
@@ -194,10 +196,10 @@ impl DoubleLayer {
                     let values = panel.of(&self.velocities);
                     let [near] = panel.stresslet_pressures(at, values);
                     let sources = sources(panel, drop, values);
-                    let [far] = three_points(StressletPressure, points[point], &sources);
+                    let [far] = by_middles(StressletPressure, points[point], &sources);
                     drop * near - far
                 };
-                [self.geometry.near_point(at).map(lacking).sum()]
+                [self.geometry.near_point(at, 2).map(lacking).sum()]
             },
         );
     }
@@ -214,11 +216,11 @@ impl DoubleLayer {
         ratios.fill(1.0);
         let mut turns = vec![[0.0]; points.len()];
         let mut first = 0;
-        for (range, &ratio) in self.geometry.surfaces.iter().zip(&self.viscosity_ratios) {
+        for (part, &ratio) in self.geometry.surfaces.iter().zip(&self.viscosity_ratios) {
             if ratio == 1.0 {
                 continue;
             }
-            let sources = &self.sources[first..first + 3 * range.len()];
+            let sources = &self.sources[first..first + part.edges.len()];
             first += sources.len();
             turns.fill([0.0]);
             sums::add(
@@ -228,7 +230,7 @@ impl DoubleLayer {
                 (4.0 * PI * (1.0 - ratio)).recip(),
                 &mut turns,
                 |point| points[point],
-                |point| self.lacking_angle(range, points[point].into()),
+                |point| self.lacking_angle(&part.triangles, points[point].into()),
             );
             for (entry, [turns]) in ratios.iter_mut().zip(&turns) {
                 if *turns > 0.5 {
@@ -277,36 +279,45 @@ impl DoubleLayer {
         let surface = self
             .geometry
             .surfaces
-            .partition_point(|range| range.end <= number);
+            .partition_point(|part| part.triangles.end <= number);
         1.0 - self.viscosity_ratios[surface]
     }
 
     /// What near triangles lack at a place with this velocity.
-    fn lacking(&self, near: impl Iterator<Item = usize>, at: DVec3, velocity: DVec3) -> [f64; 3] {
+    fn lacking(
+        &self,
+        near: impl Iterator<Item = (usize, Near)>,
+        at: DVec3,
+        velocity: DVec3,
+    ) -> [f64; 3] {
         let target = source(&[at, velocity]);
         let mut sum = DVec3::ZERO;
-        for number in near {
+        for (number, near) in near {
             let drop = self.drop(number);
             if drop == 0.0 {
                 continue;
             }
             let panel = self.geometry.panel(number);
             let values = panel.of(&self.velocities);
-            let near = panel.stresslets(at, values.map(|value| value - velocity));
-            let far = three_points(Stresslet, target, &sources(panel, drop, values));
-            sum += drop * DVec3::from(near) - DVec3::from(far);
+            let relative = values.map(|value| value - velocity);
+            let better = match near {
+                Near::Beside => panel.stresslets_beside(at, relative),
+                Near::Across => panel.stresslets(at, relative),
+            };
+            let far = by_middles(Stresslet, target, &sources(panel, drop, values));
+            sum += drop * DVec3::from(better) - DVec3::from(far);
         }
         sum.to_array()
     }
 
     /// What near triangles of a surface lack of its solid angle times 1 − λ.
     fn lacking_angle(&self, range: &Range<usize>, at: DVec3) -> [f64; 1] {
-        let near = self.geometry.near_point(at);
+        let near = self.geometry.near_point(at, 1);
         let lacking = |number| {
             let panel = self.geometry.panel(number);
             let drop = self.drop(number);
             let sources = sources(panel, drop, [DVec3::ZERO; 3]);
-            let [far] = three_points(SolidAngle, at.to_array(), &sources);
+            let [far] = by_middles(SolidAngle, at.to_array(), &sources);
             drop * panel.solid_angle(at) - far
         };
         [near
@@ -316,15 +327,15 @@ impl DoubleLayer {
     }
 }
 
-/// The triangles with sources, and 1 − λ of each.
-fn panels(geometry: &Geometry, viscosity_ratios: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+/// The edges with sources, and 1 − λ of each.
+fn edges(geometry: &Geometry, viscosity_ratios: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     let surfaces = geometry.surfaces.iter().zip(viscosity_ratios);
     surfaces
         .filter(|&(_, &ratio)| ratio != 1.0)
-        .flat_map(|(range, &ratio)| range.clone().map(move |number| (number, 1.0 - ratio)))
+        .flat_map(|(part, &ratio)| part.edges.clone().map(move |edge| (edge, 1.0 - ratio)))
 }
 
-/// A triangle's three points.
+/// A triangle's share of the middles of its edges.
 fn sources(panel: Panel<'_>, drop: f64, velocities: [DVec3; 3]) -> [[f64; 9]; 3] {
     let normal = drop / 6.0 * panel.doubled_normal();
     panel
@@ -333,7 +344,7 @@ fn sources(panel: Panel<'_>, drop: f64, velocities: [DVec3; 3]) -> [[f64; 9]; 3]
 }
 
 /// What the sum over all sources has of one triangle.
-fn three_points<K: Kernel<T, 9, N>, const T: usize, const N: usize>(
+fn by_middles<K: Kernel<T, 9, N>, const T: usize, const N: usize>(
     kernel: K,
     target: [f64; T],
     sources: &[[f64; 9]; 3],

@@ -14,9 +14,9 @@ const MARGIN: f64 = 1.0 / 64.0;
 /// Surfaces, one after the other, and which of their triangles are near a point.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Geometry {
-    /// Where each surface's triangles are among those of all.
-    pub(super) surfaces: Vec<Range<usize>>,
+    pub(super) surfaces: Vec<Part>,
     triangles: Vec<[u32; 3]>,
+    edges: Vec<Edge>,
     /// The surface of each vertex.
     owners: Vec<u32>,
     /// `ring_triangles[ring_offsets[i]..ring_offsets[i + 1]]` are the triangles around vertex i.
@@ -29,6 +29,20 @@ pub(super) struct Geometry {
     cells: Cells,
 }
 
+/// Where a surface's triangles and edges are among those of all.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    pub(super) triangles: Range<usize>,
+    pub(super) edges: Range<usize>,
+}
+
+/// The ends of an edge, and the triangles on its sides.
+#[derive(Clone, Copy, Debug)]
+struct Edge {
+    ends: [u32; 2],
+    triangles: (u32, Option<u32>),
+}
+
 /// Where a triangle is, its normal as long as twice its area, and the square of the distance within
 /// which it is near.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +50,17 @@ struct Centre {
     position: DVec3,
     normal: DVec3,
     squared_reach: f64,
+}
+
+/// How a near triangle lies to a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Near {
+    /// Of its own surface, and next to it.
+    Beside,
+    /// Of another surface; or of its own, and facing it, be it through the fluid outside or inside.
+    /// Normals are opposite where such a gap is least, and those of neighbours along a smooth
+    /// surface are not. Gaps may be much smaller than edges.
+    Across,
 }
 
 /// Triangles by the cube their centre lies in, cubes being as wide as the longest reach.
@@ -58,6 +83,7 @@ impl Geometry {
         let Self {
             surfaces,
             triangles,
+            edges,
             owners,
             ring_offsets,
             ring_triangles,
@@ -65,6 +91,7 @@ impl Geometry {
         } = &mut geometry;
         for (surface, mesh) in meshes.into_iter().enumerate() {
             let (first, first_triangle) = (owners.len(), triangles.len());
+            let first_edge = edges.len();
             let count = first + mesh.vertex_count();
             assert!(
                 u32::try_from(count).is_ok(),
@@ -73,7 +100,18 @@ impl Geometry {
             owners.resize(count, surface as u32);
             let moved = |triangle: &[u32; 3]| triangle.map(|vertex| vertex + first as u32);
             triangles.extend(mesh.triangles().iter().map(moved));
-            surfaces.push(first_triangle..triangles.len());
+            edges.extend(mesh.edges().iter().enumerate().map(|(number, edge)| {
+                let (one, other) = mesh.edge_triangles(number);
+                let moved = |triangle: u32| triangle + first_triangle as u32;
+                Edge {
+                    ends: edge.map(|vertex| vertex + first as u32),
+                    triangles: (moved(one), other.map(moved)),
+                }
+            }));
+            surfaces.push(Part {
+                triangles: first_triangle..triangles.len(),
+                edges: first_edge..edges.len(),
+            });
         }
         let count = owners.len();
         ring_offsets.resize(count + 1, 0);
@@ -100,9 +138,27 @@ impl Geometry {
         self.owners.len()
     }
 
-    /// Number of triangles of all surfaces.
-    pub(super) fn triangle_count(&self) -> usize {
-        self.triangles.len()
+    /// Number of edges of all surfaces.
+    pub(super) fn edge_count(&self) -> usize {
+        self.edges.len()
+    }
+
+    /// The normals of the triangles on the sides of an edge, each as long as twice the area.
+    pub(super) fn normals(&self, edge: usize) -> [DVec3; 2] {
+        let (one, other) = self.edges[edge].triangles;
+        let normal = |triangle: u32| self.centres[triangle as usize].normal;
+        [normal(one), other.map_or(DVec3::ZERO, normal)]
+    }
+
+    /// Where the middle of an edge is.
+    pub(super) fn middle(&self, edge: usize) -> DVec3 {
+        self.mean(edge, &self.positions)
+    }
+
+    /// What a linear field is in the middle of an edge.
+    pub(super) fn mean(&self, edge: usize, field: &[DVec3]) -> DVec3 {
+        let [a, b] = self.edges[edge].ends.map(|vertex| field[vertex as usize]);
+        0.5 * (a + b)
     }
 
     pub(super) fn position(&self, vertex: usize) -> DVec3 {
@@ -150,29 +206,32 @@ impl Geometry {
         self.cells.fill(&self.centres);
     }
 
-    /// The near triangles of a vertex that are integrated apart, but for those around it: all that
-    /// are near of other surfaces, and of its own those that face it, be it through the fluid
-    /// outside or inside. Their normals are opposite where the gap is least, and those of its
-    /// neighbours along a smooth surface are not.
-    pub(super) fn near_vertex(&self, vertex: usize) -> impl Iterator<Item = usize> + '_ {
-        let normal = self.normals[vertex];
-        self.near_point(self.positions[vertex])
-            .filter(move |&number| {
+    /// The near triangles of a vertex but for those around it, and how they lie.
+    pub(super) fn near_vertex(&self, vertex: usize) -> impl Iterator<Item = (usize, Near)> + '_ {
+        let (owner, normal) = (self.owners[vertex], self.normals[vertex]);
+        self.near_point(self.positions[vertex], 1)
+            .filter_map(move |number| {
                 let triangle = self.triangles[number];
-                self.owners[triangle[0] as usize] != self.owners[vertex]
+                let near = if self.owners[triangle[0] as usize] != owner
                     || self.centres[number].normal.dot(normal) < 0.0
-                        && !triangle.contains(&(vertex as u32))
+                {
+                    Near::Across
+                } else {
+                    Near::Beside
+                };
+                (!triangle.contains(&(vertex as u32))).then_some((number, near))
             })
     }
 
-    /// The triangles whose centre is near a point.
-    pub(super) fn near_point(&self, at: DVec3) -> impl Iterator<Item = usize> + '_ {
+    /// The triangles whose centre is nearer to a point than so many reaches.
+    pub(super) fn near_point(&self, at: DVec3, reaches: u32) -> impl Iterator<Item = usize> + '_ {
+        let squared = f64::from(reaches * reaches);
         self.cells
-            .around(at)
+            .around(at, reaches)
             .map(|&number| number as usize)
             .filter(move |&number| {
                 let centre = self.centres[number];
-                at.distance_squared(centre.position) < centre.squared_reach
+                at.distance_squared(centre.position) < squared * centre.squared_reach
             })
     }
 }
@@ -230,13 +289,14 @@ impl Cells {
         self.number([0, 1, 2].map(clamped))
     }
 
-    /// The triangles in the cell of any point and in those around it.
-    fn around(&self, at: DVec3) -> impl Iterator<Item = &u32> {
+    /// The triangles in the cell of any point and in those up to so many cells off.
+    fn around(&self, at: DVec3, cells: u32) -> impl Iterator<Item = &u32> {
         let place = (self.over_width * (at - self.low)).to_array();
+        let cells = f64::from(cells);
         let [x, y, z] = [0, 1, 2].map(|axis| {
             let (cell, count) = (place[axis].floor(), self.counts[axis]);
             // Conversion stays within usize, and makes 0 of what is no number.
-            let (first, end) = ((cell - 1.0) as usize, (cell + 2.0) as usize);
+            let (first, end) = ((cell - cells) as usize, (cell + cells + 1.0) as usize);
             if first < count {
                 first..end.min(count)
             } else if count < CELLS {

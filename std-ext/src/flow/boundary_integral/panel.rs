@@ -70,14 +70,11 @@ impl<'a> Panel<'a> {
         REACH * REACH * squared_longest(self.corners())
     }
 
-    /// Three interior points and the field there, each a third of the triangle, exact to degree 2.
+    /// The middles of the edges and the field there, each a third of the triangle, exact to degree 2.
     pub(super) fn points(&self, values: [DVec3; 3]) -> [(DVec3, DVec3); 3] {
-        let corners = self.corners();
-        let shares = [[4.0, 1.0, 1.0], [1.0, 4.0, 1.0], [1.0, 1.0, 4.0]];
-        shares.map(|share| {
-            let share = share.map(|part| part / 6.0);
-            (mean(corners, share), mean(values, share))
-        })
+        let middles = |[a, b, c]: [DVec3; 3]| [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
+        let (at, of) = (middles(self.corners()), middles(values));
+        [0, 1, 2].map(|k| (at[k], of[k]))
     }
 
     /// `∫ G(x − x₀)·q dS`, x₀ the first corner, without error but rounding.
@@ -134,6 +131,13 @@ impl<'a> Panel<'a> {
         })
     }
 
+    /// The same for a triangle that is near but not across a gap.
+    pub(super) fn stokeslets_beside(&self, at: DVec3, tractions: [DVec3; 3]) -> [f64; 3] {
+        in_parts(self.corners_from(at), tractions, 0, &|x, q| {
+            Stokeslet.one([0.0; 3], &source(&[x, q]))
+        })
+    }
+
     /// `∫ r·q/r³ dS`, r = x − at, for a point near the triangle.
     ///
     /// What q is at the nearest point is integrated without error, and only the rest, whose
@@ -157,6 +161,14 @@ impl<'a> Panel<'a> {
             Stresslet.one([0.0; 6], &source(&[x, flat.normal, u]))
         });
         sum(exact, rest)
+    }
+
+    /// The same for a triangle that is near but not across a gap.
+    pub(super) fn stresslets_beside(&self, at: DVec3, values: [DVec3; 3]) -> [f64; 3] {
+        let flat = Flat::new(self.corners_from(at));
+        in_parts(flat.corners, values, 0, &|x, u| {
+            Stresslet.one([0.0; 6], &source(&[x, flat.normal, u]))
+        })
     }
 
     /// `∫ [3 (r·n)(r·u)/r⁵ − n·u/r³] dS` for a point near the triangle.

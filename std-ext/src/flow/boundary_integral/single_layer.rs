@@ -1,6 +1,6 @@
 //! The single layer: what forces on membranes do to fluid of one viscosity.
 
-use super::geometry::Geometry;
+use super::geometry::{Geometry, Near};
 use super::kernel::{Gradient, Kernel, Stokeslet, source};
 use super::panel::Panel;
 use super::sums;
@@ -20,25 +20,27 @@ use std::num::NonZeroUsize;
 /// Positions, forces and velocities are those of all surfaces, one after the other.
 ///
 /// # Quadrature
-/// Three interior points on every triangle, of degree 2, but:
+/// The middles of the three edges of every triangle, of degree 2, which triangles share; but:
 /// * triangles around the vertex x₀ are integrated exactly, in polar coordinates about it;
-/// * triangles of *other* surfaces, those of its own that *face* x₀, and all of them for points of
-///   the fluid, whose centre is nearer to x₀ than twice their longest edge, are halved in all edges
-///   until the parts are farther off than that by their own measure, at most eight times, and take
-///   seven points a part, of degree 5. For the pressure only what is left of q without its value at
-///   the nearest point is; that value is integrated exactly.
+/// * others whose centre is nearer to x₀ than twice their longest edge take seven points, of degree
+///   5. What the middles of edges leave there would be of first order in the edge length h;
+/// * of those, triangles of *other* surfaces, those of its own that *face* x₀, and all of them for
+///   points of the fluid are halved in all edges until the parts are farther off than that by their
+///   own measure, at most eight times, and take seven points a part. For the pressure only what is
+///   left of q without its value at the nearest point is; that value is integrated exactly. There
+///   triangles up to twice as far off take seven points.
 ///
 /// A triangle faces a vertex where their normals are more than a right angle apart, as in dimples
-/// and folds. The error of the velocity is of second order in the edge length h whatever the
-/// distance of surfaces; that of the pressure is of first order on a surface, and grows with the
-/// logarithm of the distance from an edge that is nearer than h/100.
+/// and folds. The error of the velocity is of second order in h whatever the distance of surfaces;
+/// that of the pressure is of first order on a surface, and grows with the logarithm of the distance
+/// from an edge that is nearer than h/100.
 ///
 /// # Reproducibility
 /// Each point sums its sources in one order: results do not depend on the number of threads. They
 /// do depend, in the last bits, on whether the processor fuses multiplications and additions.
 ///
 /// # Cost
-/// Three sources a triangle for each point, and no memory that grows with their product; nothing is
+/// A source an edge for each point, half as many as three a triangle, and no memory that grows with their product; nothing is
 /// allocated after the first evaluation but what threads need.
 #[derive(Clone, Debug)]
 pub struct SingleLayer {
@@ -130,11 +132,11 @@ impl SingleLayer {
                     let panel = geometry.panel(number as usize);
                     let turned = panel.turned_to(vertex as u32);
                     let exact = turned.stokeslets_about_corner(turned.of(&self.tractions));
-                    exact - DVec3::from(self.by_three_points(Stokeslet, panel, at))
+                    exact - DVec3::from(self.by_middles(Stokeslet, panel, at))
                 };
                 let own: DVec3 = geometry.ring(vertex).iter().map(around).sum();
                 let near = geometry.near_vertex(vertex);
-                (own + near.map(|number| self.lacking(number, at)).sum::<DVec3>()).to_array()
+                (own + near.map(|near| self.lacking(near, at)).sum::<DVec3>()).to_array()
             },
         );
     }
@@ -153,8 +155,8 @@ impl SingleLayer {
             |point| points[point].into(),
             |point| {
                 let at = points[point].into();
-                let near = self.geometry.near_point(at);
-                near.map(|number| self.lacking(number, at))
+                let near = self.geometry.near_point(at, 1);
+                near.map(|number| self.lacking((number, Near::Across), at))
                     .sum::<DVec3>()
                     .to_array()
             },
@@ -177,10 +179,10 @@ impl SingleLayer {
                 let lacking = |number| {
                     let panel = self.geometry.panel(number);
                     let [near] = panel.gradients(at, panel.of(&self.tractions));
-                    let [far] = self.by_three_points(Gradient, panel, at);
+                    let [far] = self.by_middles(Gradient, panel, at);
                     near - far
                 };
-                [self.geometry.near_point(at).map(lacking).sum()]
+                [self.geometry.near_point(at, 2).map(lacking).sum()]
             },
         );
     }
@@ -188,14 +190,17 @@ impl SingleLayer {
     /// Sets the sources.
     fn emit(&mut self) {
         self.sources.clear();
-        for number in 0..self.geometry.triangle_count() {
-            let panel = self.geometry.panel(number);
-            self.sources.extend(sources(panel, &self.tractions));
+        let geometry = &self.geometry;
+        for edge in 0..geometry.edge_count() {
+            let [one, other] = geometry.normals(edge);
+            let weight = (one.length() + other.length()) / 6.0;
+            let force = weight * geometry.mean(edge, &self.tractions);
+            self.sources.push(source(&[geometry.middle(edge), force]));
         }
     }
 
     /// What the sum over all sources has of one triangle.
-    fn by_three_points<K: Kernel<3, 6, N>, const N: usize>(
+    fn by_middles<K: Kernel<3, 6, N>, const N: usize>(
         &self,
         kernel: K,
         panel: Panel<'_>,
@@ -209,10 +214,14 @@ impl SingleLayer {
     }
 
     /// What the velocity of a near triangle lacks.
-    fn lacking(&self, number: usize, at: DVec3) -> DVec3 {
+    fn lacking(&self, (number, near): (usize, Near), at: DVec3) -> DVec3 {
         let panel = self.geometry.panel(number);
-        let near = panel.stokeslets(at, panel.of(&self.tractions));
-        DVec3::from(near) - DVec3::from(self.by_three_points(Stokeslet, panel, at))
+        let tractions = panel.of(&self.tractions);
+        let better = match near {
+            Near::Beside => panel.stokeslets_beside(at, tractions),
+            Near::Across => panel.stokeslets(at, tractions),
+        };
+        DVec3::from(better) - DVec3::from(self.by_middles(Stokeslet, panel, at))
     }
 
     /// Adds to each entry the sum over all sources at `place(entry)`, and `correction(entry)`.
@@ -226,7 +235,7 @@ impl SingleLayer {
     ) {
         assert_eq!(
             self.sources.len(),
-            3 * self.geometry.triangle_count(),
+            self.geometry.edge_count(),
             "forces are set before velocities are asked for"
         );
         let (threads, sources) = (self.threads, &self.sources);
@@ -237,7 +246,7 @@ impl SingleLayer {
     }
 }
 
-/// A triangle's three points.
+/// A triangle's share of the middles of its edges.
 fn sources(panel: Panel<'_>, tractions: &[DVec3]) -> [[f64; 6]; 3] {
     let weight = panel.doubled_area() / 6.0;
     panel
