@@ -209,6 +209,8 @@ fn planes_are_those_in_which_a_flow_shears() {
     let found = ShearPlane::at(&tube, beside).unwrap();
     same(found.flow(), along, "flow in a tube");
     same(found.gradient(), normal, "gradient in a tube");
+    let sign = dot(found.flow(), along) * dot(found.gradient(), normal);
+    assert_close(sign, -1.0, 1.0, "slower towards the wall");
     for (flow, point) in [
         (Ambient::extension(1.0), [0.0; 3]),
         (Ambient::plane_extension(1.0), [0.0; 3]),
