@@ -326,3 +326,13 @@ pub fn columns_of<'a>(
         .map(|surface| (surface.to_owned(), format!("{name}_{surface}")));
     own.filter(|(_, column)| has(column)).collect()
 }
+
+/// What an axis calls a column: its symbol, where it has one that everybody knows.
+pub fn axis_label(column: &str) -> &str {
+    match column {
+        "strain" => "γ̇t",
+        "deformation" => "D",
+        "inclination" => "inclination (degrees)",
+        column => column,
+    }
+}

@@ -14,7 +14,9 @@ mod vary;
 pub use vary::{Vary, VarySyntaxError};
 
 use crate::io::replace_file;
-use crate::plots::{PlotError, PublishedCurve, SeriesCurve, SeriesPlot, columns_of, read_curves};
+use crate::plots::{
+    PlotError, PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of, read_curves,
+};
 use crate::run::{CHECKPOINT, End, Progress, RunError, run};
 use crate::scene::{OverrideSyntaxError, Overrides, Scene, SceneErrors, SceneFile};
 use crate::series::{SeriesTable, TIME};
@@ -607,7 +609,7 @@ impl Swept {
             let plot = SeriesPlot {
                 size: PLOT_SIZE,
                 title: &scene.title,
-                labels: [against, column],
+                labels: [axis_label(against), axis_label(column)],
                 curves: &Vec::from_iter(curves),
                 published: planned.map_or(&[], |(_, curves)| curves),
             };

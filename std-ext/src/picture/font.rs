@@ -15,6 +15,11 @@ const SCRIPT: f64 = 0.64;
 /// A glyph: its width, and its path.
 type Glyph = (f64, &'static str);
 
+/// A dot above the character before it, as in γ̇: a rate.
+const DOT_ABOVE: char = '\u{307}';
+/// From the top of that to the dot.
+const DOT_RISE: f64 = 3.0;
+
 /// What stands for a character that the font lacks: a box.
 const MISSING: Glyph = (8.0, "M 0 0 L 8 0 L 8 14 L 0 14 L 0 0");
 
@@ -192,6 +197,9 @@ fn placed(character: char) -> (Glyph, f64, f64) {
 /// Width of a text on the grid.
 pub(super) fn width(text: &str) -> f64 {
     let advance = |character| {
+        if character == DOT_ABOVE {
+            return 0.0;
+        }
         let ((width, _), size, _) = placed(character);
         (width + SPACING) * size
     };
@@ -200,10 +208,20 @@ pub(super) fn width(text: &str) -> f64 {
 
 /// The strokes of a text on the grid, its left end at x = 0.
 pub(super) fn strokes(text: &str) -> Vec<Vec<[f64; 2]>> {
-    let mut strokes = Vec::new();
+    let mut strokes: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut left = 0.0;
+    // The strokes of the character before, and where its middle is.
+    let mut before = (0, 0.0);
     for character in text.chars() {
+        if character == DOT_ABOVE {
+            let (first, middle) = before;
+            let heights = strokes[first..].iter().flatten().map(|point| point[1]);
+            let y = heights.fold(0.0, f64::max) + DOT_RISE;
+            strokes.push(vec![[middle, y]; 2]);
+            continue;
+        }
         let ((width, path), size, raised) = placed(character);
+        before = (strokes.len(), left + 0.5 * size * width);
         let place = |[x, y]: [f64; 2]| [left + size * x, raised + size * y];
         strokes.extend(
             outline(path)
@@ -303,5 +321,21 @@ mod tests {
             }
         }
         assert_eq!(strokes("\u{1f40d}").len(), 1);
+    }
+
+    #[test]
+    fn a_dot_stands_above_the_letter_before_it() {
+        assert_eq!(width("aγ\u{307}t"), width("aγt"));
+        let [plain, dotted] = ["aγt", "aγ\u{307}t"].map(strokes);
+        let count = |text| strokes(text).len();
+        let (dot, letter) = (count("aγ"), count("a")..count("aγ"));
+        let top = plain[letter].iter().flatten().map(|point| point[1]);
+        let top = top.fold(0.0, f64::max);
+        let [x, y] = dotted[dot][0];
+        assert_eq!(x, width("aγ") - 0.5 * width("γ"));
+        assert!(y > top + 1.0 && y < CAPITALS);
+        // All the rest is where it was; with nothing before it, it is a dot.
+        assert_eq!([&dotted[..dot], &dotted[dot + 1..]].concat(), plain);
+        assert_eq!(strokes("\u{307}").len(), 1);
     }
 }

@@ -6,7 +6,7 @@ use crate::io::{
     Collection, CollectionEntry, Grid, PointField, PointValues, VtkError, write_vti, write_vtp,
 };
 use crate::picture::{ColourMap, Colouring, FlowSlice, PaintedSurface, Picture, Shading, View};
-use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, columns_of, read_curves};
+use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of, read_curves};
 use crate::scene::{Flow, Plot, Scene, Slice, Units};
 use crate::series::SeriesTable;
 use crate::simulation::{Acting, Simulation};
@@ -223,7 +223,7 @@ impl Run<'_> {
             let picture = SeriesPlot {
                 size: PICTURE_SIZE,
                 title: &self.scene.title,
-                labels: [label(&plot.against), label(&plot.column)],
+                labels: [axis_label(&plot.against), axis_label(&plot.column)],
                 curves: &curves,
                 published,
             };
@@ -261,16 +261,6 @@ fn view(scene: &Scene) -> View {
             frame: None,
         },
         None => View::default(),
-    }
-}
-
-/// A column as a plot calls it.
-fn label(column: &str) -> &str {
-    match column {
-        "strain" => "γ̇t",
-        "deformation" => "D",
-        "inclination" => "inclination (degrees)",
-        column => column,
     }
 }
 
