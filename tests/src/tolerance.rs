@@ -624,6 +624,11 @@ pub const DEFORMATION_EXTREMES: Tolerance = Tolerance::new(
     2e-3,
     "chords are short of the curve by an eighth of the squared edge, 7e-4",
 );
+/// The nearest of 400 points on every line of a section, relative.
+pub const DEFORMATION_SAMPLED: Tolerance = Tolerance::new(
+    1e-4,
+    "half a part of a line of a third of a radius is 4e-4, squared",
+);
 /// Areas of sections of a sphere of 642 vertices, relative.
 pub const SECTION_AREA: Tolerance = Tolerance::new(
     2e-2,

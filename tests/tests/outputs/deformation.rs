@@ -13,7 +13,8 @@ use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::section::section;
 use helfrich_tests::accuracy::surface;
 use helfrich_tests::meshes::{
-    GENERIC, Mesh, SplitMix64, bent, cross, dot, hemisphere, icosphere, norm, rotation, turned,
+    GENERIC, Mesh, SplitMix64, bent, cross, dot, hemisphere, icosphere, norm, octahedron, rotation,
+    turned, unit,
 };
 use helfrich_tests::tolerance;
 use std::f64::consts::{PI, TAU};
@@ -211,7 +212,14 @@ fn planes_are_those_in_which_a_flow_shears() {
     same(found.gradient(), normal, "gradient in a tube");
     let sign = dot(found.flow(), along) * dot(found.gradient(), normal);
     assert_close(sign, -1.0, 1.0, "slower towards the wall");
+    let compression = [[-1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
     for (flow, point) in [
+        (
+            Ambient::Linear {
+                gradient: compression,
+            },
+            [0.0; 3],
+        ),
         (Ambient::extension(1.0), [0.0; 3]),
         (Ambient::plane_extension(1.0), [0.0; 3]),
         (Ambient::shear(0.0), [0.0; 3]),
@@ -240,6 +248,29 @@ fn extremes_are_those_of_the_cut() {
     assert!(errors[2] < 0.3 * errors[0], "{errors:?}");
     tolerance::DEFORMATION_EXTREMES.assert(errors[2], 0.0, 1.0, "D");
     assert_eq!(extremes(cube.surface(), [0.0; 3], plane()), None);
+}
+
+/// Where lines of the cut would come nearer beyond their ends, as between spikes, they do not count.
+#[test]
+fn extremes_are_points_of_the_surface() {
+    let spiky = icosphere(2).map(|x| {
+        let [a, b, c] = x.map(|x| (9.0 * x).sin());
+        let factor = 1.0 + 0.5 * a * b + 0.2 * c;
+        x.map(|x| factor * x)
+    });
+    let found = extremes(spiky.surface(), [0.0; 3], plane()).unwrap();
+    let lines = section(spiky.surface(), [0.0; 3], [0.0, 0.0, 1.0]);
+    let places = lines.iter().flat_map(|&[a, b]| {
+        (0..=400).map(move |part| {
+            let share = f64::from(part) / 400.0;
+            norm(std::array::from_fn(|k| a[k] + share * (b[k] - a[k])))
+        })
+    });
+    let [low, high] = places.fold([f64::INFINITY, 0.0], |[low, high], distance| {
+        [low.min(distance), high.max(distance)]
+    });
+    assert_close(found[0], high, 1.0, "farthest");
+    tolerance::DEFORMATION_SAMPLED.assert(found[1], low, low, "nearest");
 }
 
 /// What a plane cuts off a sphere is closed, lies in the plane, and encloses what it should.
@@ -316,6 +347,32 @@ fn a_sphere_that_rotates_takes_its_period() {
     assert_close(back.period(), TAU / omega, 5.0, "period backwards");
 }
 
+/// A body with dimples that lies in the shear plane: the bottoms of the dimples are near the plane and
+/// on the axis, where nothing turns; the rims' outer parts are far from the plane.
+#[test]
+fn what_is_on_the_axis_or_far_from_the_plane_does_not_count() {
+    let omega = 1.1;
+    // With vertices at the poles.
+    let ball = octahedron().divided().divided().divided().map(unit);
+    let disc = ball.map(|[x, y, z]| [x, y, 0.4 * z * (x * x + y * y + 0.05)]);
+    let spun = |time: f64| {
+        disc.map(|[x, y, z]| match z.abs() {
+            // Far from the plane the material stays.
+            0.05.. => [x, y, z],
+            _ => inclined((-omega * time).to_degrees())([x, y, z]),
+        })
+    };
+    let pole = disc.positions.iter().map(|&[x, y, _]| x.hypot(y));
+    assert_eq!(pole.fold(1.0, f64::min), 0.0);
+    let state = followed(30, 0.1, spun);
+    assert_close(
+        state.turns() + state.axis_turns(),
+        omega * 3.0 / TAU,
+        1.0,
+        "turns",
+    );
+}
+
 /// Keller and Skalak's membrane: an ellipsoid that stays, whose points run around it.
 #[test]
 fn a_membrane_that_treads_takes_its_period() {
@@ -373,6 +430,13 @@ fn the_axis_counts_from_when_there_is_one() {
     let state = followed(9, 0.2, growing);
     // From 34° at 0.6 to 22° at 1.8.
     assert_close(state.axis_turns(), 12.0 / 360.0, 1.0, "turns of the axis");
+    // Round in between, it goes on from where it was.
+    let waning = |time: f64| {
+        let stretch = if (0.5..1.1).contains(&time) { 1.0 } else { 1.5 };
+        ball.map(|[x, y, z]| inclined(40.0 - 10.0 * time)([stretch * x, y, z]))
+    };
+    let state = followed(9, 0.2, waning);
+    assert_close(state.axis_turns(), 18.0 / 360.0, 1.0, "turns in all");
 }
 
 #[test]
@@ -431,6 +495,17 @@ fn plateaus_are_found_before_curves_creep_on() {
         let peak = 0.5 * (PI - (1.25_f64).atan());
         tolerance::PLATEAU.assert(first(&overshoot).value, overshoot(peak), limit, what);
     }
+}
+
+/// Five points tell the slope of a parabola at their middle exactly: between samples the slope and
+/// the curve are straight.
+#[test]
+fn plateaus_are_between_samples() {
+    let (times, values) = sampled(0.1, 1.5, |time| time - 0.5 * time * time);
+    // The steepest slope is that of the first three points, 0.9; a quarter of it is at 0.775.
+    let found = first_plateau(&times, &values, 0.25).unwrap();
+    assert_close(found.time, 0.775, 1.0, "time");
+    assert_close(found.value, 0.455 + 0.75 * 0.025, 1.0, "value");
 }
 
 #[test]
