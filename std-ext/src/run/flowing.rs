@@ -210,6 +210,13 @@ impl Drive for Flowing<'_> {
     }
 
     fn step(&mut self, simulation: &mut Simulation) -> Result<Step, RunError> {
+        let completed = Some((End::Completed, "the end is reached".to_owned()));
+        if self.integrator.time() >= self.driver.duration {
+            return Ok(Step {
+                end: completed,
+                ..Step::default()
+            });
+        }
         let due = self.next_output();
         let mut moving = Moving {
             suspension: &mut self.suspension,
@@ -241,7 +248,7 @@ impl Drive for Flowing<'_> {
         Ok(Step {
             output,
             checkpoint: done || self.progress.steps.is_multiple_of(every),
-            end: done.then(|| (End::Completed, "the end is reached".to_owned())),
+            end: completed.filter(|_| done),
         })
     }
 

@@ -39,6 +39,43 @@ every = 4
 checkpoint_every = 3
 "#;
 
+/// A capsule whose velocities are solutions of linear systems, with all that is drawn.
+const FLOW: &str = r#"
+title = "Small capsule"
+units = "none"
+
+[[surface]]
+name = "capsule"
+shape = "sphere:1"
+family = "regular"
+vertices = 42
+viscosity_ratio = 3
+membrane_viscosity = { shear = 0.5 }
+elasticity = { law = "neo-hookean", shear_modulus = 1 }
+bending = { method = "meyer", modulus = 0.05 }
+
+[driver]
+kind = "boundary-integral"
+viscosity = 1
+flow = { kind = "shear", rate = 0.3 }
+strain = 6
+
+[output]
+strain_interval = 0.1
+files_every = 10
+checkpoint_every = 3
+
+[[output.plot]]
+column = "deformation"
+
+[[output.slice]]
+name = "middle"
+centre = [0, 0, 0]
+normal = [0, 0, 1]
+size = [4, 3]
+points = [9, 7]
+"#;
+
 /// A folder with the scene, and `extra` at its end.
 fn scene(extra: &str) -> (TempDir, PathBuf) {
     let folder = TempDir::new().unwrap();
@@ -158,10 +195,18 @@ fn a_run_leaves_its_series_surfaces_and_summary() {
     }
 }
 
-/// Two runs, and what is left of one of them that is killed again and again.
 #[test]
 fn killed_at_any_moment_and_resumed_nothing_is_different() {
-    let (folder, scene) = scene("");
+    for text in [SCENE, FLOW] {
+        check_killed(text);
+    }
+}
+
+/// Two runs, and what is left of one of them that is killed again and again.
+fn check_killed(text: &str) {
+    let folder = TempDir::new().unwrap();
+    let scene = folder.path().join("scene.toml");
+    fs::write(&scene, text).unwrap();
     let [whole, killed] = ["whole", "killed"].map(|name| folder.path().join(name));
     succeed(&scene, &whole, &[]);
     let mut kills = 0;
@@ -345,4 +390,71 @@ fn constraints_out_of_reach_are_refused_before_anything_is_written() {
         assert!(message.contains(hint), "{message}");
     }
     assert!(!out.exists());
+}
+
+#[test]
+fn a_run_in_flow_leaves_numbers_plots_and_slices() {
+    let folder = TempDir::new().unwrap();
+    let scene = folder.path().join("scene.toml");
+    fs::write(&scene, FLOW).unwrap();
+    let out = folder.path().join("out");
+    let printed = succeed(&scene, &out, &[]);
+    for said in [
+        "the end is reached",
+        "evaluations of the velocities",
+        "double_layer",
+        "membrane_viscosity",
+    ] {
+        assert!(printed.contains(said), "no {said} in {printed}");
+    }
+    let before = files(&out);
+    for name in [
+        "plots/deformation.png",
+        "slices.pvd",
+        "slices/middle-00000000.vti",
+        "slices/middle-00000060.png",
+        "surfaces/capsule-00000050.vtp",
+        "pictures/00000060.png",
+    ] {
+        assert!(before.contains_key(Path::new(name)), "no {name}");
+    }
+    assert!(!before.contains_key(Path::new("surfaces/capsule-00000055.vtp")));
+    let series = SeriesTable::read(&out.join("series.csv")).unwrap();
+    let column = |name: &str| series.column(name).unwrap();
+    assert_eq!(series.rows.len(), 61);
+    assert!((column("strain")[7] - 0.7).abs() < 1e-12);
+    assert!(column("deformation")[60] > 0.1);
+    assert!(
+        column("step")[1..]
+            .iter()
+            .zip(&column("step_limit")[1..])
+            .all(|(step, limit)| step <= limit)
+    );
+    assert_eq!(summary(&out)["end"], "completed");
+    assert!(summary(&out)["right_hand_sides"].as_u64().unwrap() > 60);
+    // A finished run is finished.
+    succeed(&scene, &out, &["--resume"]);
+    assert!(files(&out) == before);
+}
+
+/// What a plot needs is looked for before anything is computed.
+#[test]
+fn plots_that_cannot_be_drawn_are_refused_at_first() {
+    let folder = TempDir::new().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let out = folder.path().join("out");
+    for (plot, hint) in [
+        ("column = \"inclinaton\"", "inclination"),
+        (
+            "column = \"deformation\"\npublished = \"none.csv\"",
+            "none.csv",
+        ),
+    ] {
+        fs::write(&scene, format!("{FLOW}\n[[output.plot]]\n{plot}\n")).unwrap();
+        let output = run(&scene, &out, &[]);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(hint), "{message}");
+        assert!(!out.exists());
+    }
 }
