@@ -212,7 +212,7 @@ fn planes_are_those_in_which_a_flow_shears() {
     same(found.gradient(), normal, "gradient in a tube");
     let sign = dot(found.flow(), along) * dot(found.gradient(), normal);
     assert_close(sign, -1.0, 1.0, "slower towards the wall");
-    let compression = [[-1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+    let compression = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]];
     for (flow, point) in [
         (
             Ambient::Linear {
