@@ -1,9 +1,12 @@
 //! Membranes in flow: the ambient flow, and what the membranes' forces add to it.
 //!
-//! Everything is Stokes flow: no inertia, velocities linear in the forces. Nothing here knows of
-//! files, scenes or effects. [`SingleLayer`] is the velocity that membranes give to unbounded fluid
-//! of one viscosity, inside and outside; [`DoubleLayer`] is what another viscosity inside adds, and
-//! [`Gmres`] solves the equation that it leads to.
+//! Two ways lead from forces to velocities, and neither knows of files, scenes or effects:
+//!
+//! * boundary integrals, for Stokes flow in unbounded fluid: no inertia, velocities linear in the
+//!   forces. [`SingleLayer`] is the velocity that membranes give to fluid of one viscosity, inside
+//!   and outside; [`DoubleLayer`] is what another viscosity inside adds, and [`Gmres`] solves the
+//!   equation that it leads to. [`Suspension`] puts them together.
+//! * [`lattice_boltzmann`], fluid with walls and inertia on a lattice, with points immersed in it.
 
 mod boundary_integral;
 mod gmres;

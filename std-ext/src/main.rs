@@ -415,6 +415,7 @@ fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
         Some(folder) => folder.clone(),
         None => PathBuf::from(path.file_stem().unwrap_or_default()),
     };
+    let known = simulation.warnings().len();
     let stop = interruption();
     let bar = progress_bar();
     bar.set_length(1000);
@@ -438,6 +439,12 @@ fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
         }
     })?;
     print(|out| report::run_table(&summary, &folder, out))?;
+    // Those of the scene have been said, and so has what is the reason of the end.
+    for warning in summary.warnings.iter().skip(known) {
+        if !summary.message.contains(warning) {
+            say(format_args!("warning: {warning}"));
+        }
+    }
     match summary.end {
         End::Converged | End::Completed => Ok(()),
         End::Interrupted => Err(Failure::Unfinished(130)),
