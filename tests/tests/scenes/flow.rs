@@ -82,7 +82,7 @@ viscosity_ratio = 5
 membrane_viscosity = { shear = "0.5 µN·s/m" }
 stretching = { axis = [1, 0, 0], force = "3 pN" }
 elasticity = { law = "skalak", shear_modulus = 5.3, area_ratio = 1 }
-area.constraint = "exact"
+area.modulus = "100 µN/m"
 volume.constraint = "exact"
 [driver]
 kind = "boundary-integral"
@@ -495,7 +495,6 @@ fn membranes_resist_the_flow() {
     for (instead, resists) in [
         ("", false),
         ("volume.modulus = 1\n", false),
-        ("area.constraint = \"exact\"\n", false),
         ("area.modulus = 1\n", true),
         ("tension.value = 1\n", true),
         ("local_area.modulus = 1\n", true),
@@ -519,6 +518,25 @@ fn membranes_resist_the_flow() {
         [10, 42],
         &["a sequence of forces", "give one force"],
     );
+}
+
+/// Only forces move membranes in a flow; volumes, which the flow itself keeps, are the exception.
+#[test]
+fn areas_are_not_held_exactly_in_a_flow() {
+    for key in ["area", "area_difference"] {
+        let held = format!("{key}.constraint = \"exact\"\n[driver]");
+        let column = key.len() + 15;
+        let said = format!("the `{key}` of \"capsule\" cannot be held exactly");
+        refused(
+            &capsule(&[("[driver]", &held)]),
+            [10, column],
+            &[&said, "give a `modulus`"],
+        );
+    }
+    valid(&capsule(&[(
+        "[driver]",
+        "volume.constraint = \"exact\"\n[driver]",
+    )]));
 }
 
 #[test]
