@@ -73,7 +73,7 @@ pub struct BoundaryIntegral {
     pub volume_correction: bool,
 }
 
-/// How positions follow velocities. [`crate::dynamics::Integrator`] says what each is.
+/// How positions follow velocities. [`crate::dynamics::integrate::Scheme`] says what each is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "name")]
 pub enum Integrator {
