@@ -40,8 +40,8 @@ use std::num::NonZeroUsize;
 /// do depend, in the last bits, on whether the processor fuses multiplications and additions.
 ///
 /// # Cost
-/// A source an edge for each point, half as many as three a triangle, and no memory that grows with their product; nothing is
-/// allocated after the first evaluation but what threads need.
+/// A source an edge for each point, half as many as three a triangle, and no memory that grows with
+/// their product; nothing is allocated after the first evaluation but what threads need.
 #[derive(Clone, Debug)]
 pub struct SingleLayer {
     /// Viscosity μ of the fluid, pressure times time.
