@@ -60,7 +60,8 @@ enum Command {
 struct SceneArguments {
     /// TOML file; `scenes/scene.schema.json` describes it.
     scene: PathBuf,
-    /// Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`; as often as needed.
+    /// Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or takes it away, as in
+    /// `surface.vesicle.bending=`; as often as needed.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
 }

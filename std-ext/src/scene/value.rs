@@ -99,6 +99,9 @@ pub(super) struct Entry {
     pub(super) node: Node,
 }
 
+/// What stands where there is no value.
+const NOTHING: &str = "nothing";
+
 impl Table {
     pub(super) fn get(&self, key: &str) -> Option<&Node> {
         let found = self.entries.iter().find(|entry| entry.key == key);
@@ -113,7 +116,7 @@ impl Table {
                 key: key.to_owned(),
                 key_origin: origin.clone(),
                 node: Node {
-                    value: Value::Other("nothing"),
+                    value: Value::Other(NOTHING),
                     origin: origin.clone(),
                 },
             });
@@ -185,7 +188,8 @@ impl Table {
 ///
 /// A path names keys from the outside to the inside; of several surfaces or interactions one is
 /// chosen by its number, counted from 0, or its name: `surface.0.bending.modulus` or
-/// `surface.vesicle.bending.modulus`. A value is read as TOML, or else is the text itself.
+/// `surface.vesicle.bending.modulus`. A value is read as TOML, or else is the text itself; without a
+/// value, as in `surface.0.bending=`, the key is taken away.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct Overrides {
@@ -234,6 +238,7 @@ impl Overrides {
                 origin: origin.clone(),
             };
             let value = match DeValue::parse(value) {
+                _ if value.is_empty() => Value::Other(NOTHING),
                 Ok(value) => Value::new(value.get_ref(), &|_| origin.clone()),
                 Err(_) => Value::Text(value.to_owned()),
             };
@@ -267,6 +272,15 @@ fn set(
     let Some(Key { name, form, .. }) = keys.find(segment) else {
         return Err(keys.unknown(around, segment));
     };
+    if matches!(node.value, Value::Other(NOTHING)) {
+        if rest.is_empty() {
+            table.entries.retain(|entry| entry.key != *name);
+        }
+        // Nothing is made on the way to what is to be taken away.
+        if table.get(name).is_none() {
+            return Ok(());
+        }
+    }
     let origin = node.origin.clone();
     let here = table.get_or_insert(name, &origin);
     let path = if around.is_empty() {

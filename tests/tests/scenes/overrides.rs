@@ -4,6 +4,31 @@ use super::{parse_with, with};
 use helfrich_std::method::BendingMethod;
 use helfrich_std::scene::{Every, Overrides};
 
+/// Without a value a key is taken away; what is not there is no mistake, unless it is needed.
+#[test]
+fn overrides_take_away() {
+    let text = with("bending = { method = \"B\", modulus = 1 }\ntension = { value = 2 }");
+    let surface = |sets: &[&str]| {
+        let file = parse_with(&text, sets).unwrap_or_else(|errors| panic!("{errors}"));
+        file.scene.surfaces[0].clone()
+    };
+    let without = surface(&["surface.0.bending="]);
+    assert_eq!((without.bending, without.tension), (None, Some(2.0)));
+    let same = surface(&[]);
+    assert_eq!(
+        surface(&["surface.cell.elasticity.reference.scale = "]),
+        same
+    );
+    assert_eq!(surface(&["surface.0.bending.spontaneous_curvature="]), same);
+    let again = surface(&[
+        "surface.0.bending=",
+        "surface.0.bending={ method = \"B\", modulus = 1 }",
+    ]);
+    assert_eq!(again, same);
+    let errors = parse_with(&text, &["surface.0.bending.modulus="]).unwrap_err();
+    assert!(errors.to_string().contains("modulus"), "{errors}");
+}
+
 #[test]
 fn overrides_replace_and_add() {
     let text = with("bending = { method = \"B\", modulus = 1 }");
