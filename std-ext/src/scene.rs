@@ -13,6 +13,7 @@ mod check;
 mod driver;
 mod explain;
 mod keys;
+mod lattice;
 mod mesh_check;
 mod output;
 mod problem;
@@ -24,12 +25,13 @@ mod value;
 
 pub use driver::{BoundaryIntegral, Driver, Flow, Integrator, Relax, Scheme};
 pub use explain::{Active, Explanation, Group, Parameter, SurfaceExplanation};
-pub use output::{Every, Output, PictureField, Plot, Slice};
+pub use lattice::{LatticeBoltzmann, StepLimit};
+pub use output::{Every, Output, PictureField, Plot, Probe, Slice, Volume};
 pub use problem::{Place, Problem, SceneError, SceneErrors};
 pub use schema::json_schema;
 pub use surface::{
     AreaDifferenceTarget, Bending, Elasticity, Gravity, Held, Hold, InPlaneLaw, LocalArea,
-    MembraneViscosity, MeshSource, Orientation, Reference, ReferenceSource, Stretching,
+    MembraneViscosity, MeshSource, Obstacle, Orientation, Reference, ReferenceSource, Stretching,
     SurfaceScene, Target, VolumeTarget,
 };
 pub use value::{OverrideSyntaxError, Overrides};
@@ -50,6 +52,9 @@ pub struct Scene {
     pub surfaces: Vec<SurfaceScene>,
     /// What acts between surfaces.
     pub interactions: Vec<Interaction>,
+    /// Bodies at rest in the fluid, with different names.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<Obstacle>,
     /// What moves the surfaces.
     pub driver: Driver,
     /// What is written, and how often.
@@ -119,6 +124,14 @@ impl SceneFile {
     /// Everything that the mesh does not allow.
     pub fn check_mesh(&self, surface: usize, mesh: &MeshInfo) -> Result<(), SceneErrors> {
         mesh_check::check_mesh(self, surface, mesh)
+    }
+
+    /// Whether an obstacle's mesh, scaled as the scene says, is one that fluid can flow around.
+    ///
+    /// # Errors
+    /// If it has no inside.
+    pub fn check_obstacle(&self, obstacle: usize, mesh: &MeshInfo) -> Result<(), SceneErrors> {
+        mesh_check::check_obstacle(self, obstacle, mesh)
     }
 
     /// What is probably not meant about a surface and its mesh, scaled as the scene says.

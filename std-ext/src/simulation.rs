@@ -23,6 +23,7 @@ use std::time::{Duration, Instant};
 pub struct Simulation {
     bodies: Vec<Body>,
     between: Vec<Between>,
+    obstacles: Vec<Obstacle>,
     /// The connected component of each vertex, among those of all bodies.
     groups: Vec<u32>,
     /// What is held exactly in some body; each has its own field of constraint gradients.
@@ -43,6 +44,17 @@ pub struct Body {
     /// The place of each of its constraints among those of the simulation.
     places: Vec<usize>,
     stretch: Option<Stretch>,
+}
+
+/// A closed body at rest in the fluid.
+#[derive(Clone, Debug)]
+pub struct Obstacle {
+    /// The obstacle's name.
+    pub name: String,
+    /// Its mesh.
+    pub mesh: TriangleMesh,
+    /// Where its vertices are.
+    pub positions: Vec<[f64; 3]>,
 }
 
 /// Repulsion between some surfaces.
@@ -122,6 +134,11 @@ impl Simulation {
     /// The surfaces.
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
+    }
+
+    /// The bodies at rest.
+    pub fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
     }
 
     /// What is probably not meant: the scene's warnings, and those that its meshes give reason for.

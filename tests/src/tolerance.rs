@@ -794,3 +794,8 @@ pub const CAPSULE_FALL: Tolerance = Tolerance::new(
     1e-2,
     "the drag of 1280 triangles is off by 0.4 %; the membrane gives way by a hundredth",
 );
+/// Velocities in the middle of ducts, relative.
+pub const DUCT: Tolerance = Tolerance::new(
+    5e-4,
+    "differences over a thirtieth of the half width; a book's four digits",
+);

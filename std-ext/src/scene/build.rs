@@ -1,6 +1,7 @@
 //! A scene from the values of its file, and what contradicts what in it.
 
 mod driver;
+mod lattice;
 mod surface;
 
 use super::check::{Problems, check_table};
@@ -99,17 +100,22 @@ impl Builder<'_> {
             .into_iter()
             .map(|reader| self.interaction(reader, &surfaces))
             .collect();
-        let driver = scene.table("driver");
-        let driver = driver.and_then(|driver| self.driver(driver, &surfaces));
+        let table = scene.table("driver");
+        let mut driver = table.and_then(|table| self.driver(table, &surfaces, &readers));
+        let obstacles = self.obstacles(&scene.tables("obstacle"), driver.as_ref());
         for (surface, reader) in surfaces.iter().zip(&readers) {
             self.effects(surface, *reader, driver.as_ref());
         }
         let output = self.output(scene.table("output"), driver.as_ref());
+        if let Some(table) = table {
+            self.fit_step(table, driver.as_mut(), &output);
+        }
         Scene {
             title: scene.text("title").unwrap_or_default().to_owned(),
             units,
             surfaces,
             interactions,
+            obstacles,
             driver: driver.unwrap_or(driver::PLACEHOLDER),
             output,
         }

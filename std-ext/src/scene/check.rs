@@ -365,11 +365,6 @@ fn expected(form: &Form, units: Units) -> String {
 }
 
 fn unknown_name(key: &str, name: &str, known: &[&str]) -> Problem {
-    if key == "kind" && super::keys::LATER_DRIVERS.contains(&name) {
-        return Problem::LaterDriver {
-            name: name.to_owned(),
-        };
-    }
     Problem::UnknownName {
         key: key.to_owned(),
         name: name.to_owned(),

@@ -1,8 +1,10 @@
 //! What moves the surfaces.
 
+use super::LatticeBoltzmann;
 use crate::flow::Ambient;
 use glam::DVec3;
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// What moves the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -12,6 +14,8 @@ pub enum Driver {
     Relax(Relax),
     /// Membranes in Stokes flow without walls.
     BoundaryIntegral(BoundaryIntegral),
+    /// Membranes in a box of fluid on a lattice.
+    LatticeBoltzmann(LatticeBoltzmann),
 }
 
 impl Driver {
@@ -20,6 +24,7 @@ impl Driver {
         match self {
             Self::Relax(_) => "relax",
             Self::BoundaryIntegral(_) => "boundary-integral",
+            Self::LatticeBoltzmann(_) => "lattice-boltzmann",
         }
     }
 
@@ -28,6 +33,16 @@ impl Driver {
         match self {
             Self::Relax(_) => None,
             Self::BoundaryIntegral(driver) => Some(&driver.flow),
+            Self::LatticeBoltzmann(driver) => Some(&driver.flow),
+        }
+    }
+
+    /// Viscosity μ of the fluid outside the surfaces, of drivers with a fluid.
+    pub fn viscosity(&self) -> Option<f64> {
+        match self {
+            Self::Relax(_) => None,
+            Self::BoundaryIntegral(driver) => Some(driver.viscosity),
+            Self::LatticeBoltzmann(driver) => Some(driver.viscosity),
         }
     }
 }
@@ -88,7 +103,7 @@ pub enum Integrator {
     },
 }
 
-/// A flow without membranes, over all space.
+/// A flow without membranes, over all space or in a box.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Flow {
@@ -126,6 +141,15 @@ pub enum Flow {
         /// A point of the axis.
         through: [f64; 3],
     },
+    /// Along x between walls at rest, driven by a force on all fluid; of lattices only.
+    Channel {
+        /// U, the velocity in the middle of a channel without surfaces and obstacles; not 0.
+        centre_velocity: f64,
+        /// H, the distance of the walls at the ends of y.
+        width: f64,
+        /// The distance of those at the ends of z; none if z is periodic.
+        depth: Option<f64>,
+    },
 }
 
 impl Flow {
@@ -133,7 +157,7 @@ impl Flow {
     ///
     /// γ̇ of a shear and ε̇ of an extension, without sign; `√(2 E:E)` of a linear flow, with
     /// `E = (L + Lᵀ)/2`, which is γ̇ if the flow is a shear; `2U/R` of a Poiseuille flow, the shear
-    /// rate at its wall. None of fluid that is at rest or turns as a whole.
+    /// rate at its wall; `4U/H` of a channel, that at its walls if it has no others. None of fluid that is at rest or turns as a whole.
     pub fn rate(&self) -> Option<f64> {
         let rate = match *self {
             Self::Quiescent => 0.0,
@@ -150,14 +174,45 @@ impl Flow {
                 radius,
                 ..
             } => 2.0 * centre_velocity.abs() / radius,
+            Self::Channel {
+                centre_velocity,
+                width,
+                ..
+            } => 4.0 * centre_velocity.abs() / width,
         };
         (rate > 0.0).then_some(rate)
     }
 
-    /// The flow as a function of the point; none if there is none.
+    /// Force per volume along x that drives a channel's flow in fluid of this viscosity; none of other
+    /// flows.
+    ///
+    /// Between plates `8μU/H²`. In a duct of sides h ≤ d it follows from the velocity in the middle,
+    /// `U = G h²/(8μ) [1 − (32/π³) Σ (−1)^((n−1)/2)/(n³ cosh(nπd/(2h)))]` over odd n:
+    /// J. Boussinesq, J. Math. Pures Appl. 13 (1868) 377.
+    pub fn driving_force(&self, viscosity: f64) -> Option<f64> {
+        let Self::Channel {
+            centre_velocity,
+            width,
+            depth,
+        } = *self
+        else {
+            return None;
+        };
+        let depth = depth.unwrap_or(f64::INFINITY);
+        let [narrow, wide] = [width.min(depth), width.max(depth)];
+        let plates = 8.0 * viscosity * centre_velocity / (narrow * narrow);
+        let slowed = (0..TERMS).map(|term| {
+            let n = f64::from(2 * term + 1);
+            let sign = if term % 2 == 0 { 1.0 } else { -1.0 };
+            sign / (n.powi(3) * (0.5 * n * PI * wide / narrow).cosh())
+        });
+        Some(plates / (1.0 - 32.0 / PI.powi(3) * slowed.sum::<f64>()))
+    }
+
+    /// The flow as a function of the point; none if there is none, or if it is that of a box.
     pub fn ambient(&self) -> Option<Ambient> {
         Some(match *self {
-            Self::Quiescent => return None,
+            Self::Quiescent | Self::Channel { .. } => return None,
             Self::Shear { rate } => Ambient::shear(rate),
             Self::Extension { rate } => Ambient::extension(rate),
             Self::PlaneExtension { rate } => Ambient::plane_extension(rate),
@@ -185,7 +240,10 @@ impl Flow {
                 Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
             }
             Self::Linear { gradient } => shear_plane(gradient),
-            Self::Quiescent | Self::Extension { .. } | Self::Poiseuille { .. } => None,
+            Self::Quiescent
+            | Self::Extension { .. }
+            | Self::Poiseuille { .. }
+            | Self::Channel { .. } => None,
         }
     }
 
@@ -198,9 +256,13 @@ impl Flow {
             Self::PlaneExtension { .. } => "plane-extension",
             Self::Linear { .. } => "linear",
             Self::Poiseuille { .. } => "poiseuille",
+            Self::Channel { .. } => "channel",
         }
     }
 }
+
+/// Terms of the series of a duct, of which the last is 10⁻¹⁷ in a square one.
+const TERMS: i32 = 12;
 
 /// Rounding of a matrix's entries, relative to the largest.
 const ROUNDING: f64 = 1e-12;

@@ -120,7 +120,7 @@ impl Scene {
             let minimises = |relax: &Relax| relax.scheme == Scheme::Minimise;
             let driver = match &self.driver {
                 Driver::Relax(relax) if minimises(relax) => MINIMISE_BYTES,
-                Driver::Relax(_) => 0,
+                Driver::Relax(_) | Driver::LatticeBoltzmann(_) => 0,
                 Driver::BoundaryIntegral(_) => BOUNDARY_INTEGRAL_BYTES,
             };
             let bending = surface

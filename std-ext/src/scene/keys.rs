@@ -4,13 +4,11 @@ mod driver;
 mod output;
 mod surface;
 
-pub(super) use driver::{LATER_DRIVERS, drivers};
-
 use super::problem::Problem;
 use super::units::Dimension;
 use driver::DRIVER;
 use output::OUTPUT;
-use surface::SURFACE;
+use surface::{OBSTACLE, SURFACE};
 
 /// The keys of a table.
 #[derive(Debug)]
@@ -248,6 +246,11 @@ pub(super) static SCENE: Keys = plain(&[
         "interaction",
         Form::Tables(&INTERACTION),
         "What acts between surfaces.",
+    ),
+    optional(
+        "obstacle",
+        Form::Tables(&OBSTACLE),
+        "A closed body at rest in the fluid; for the driver \"lattice-boltzmann\".",
     ),
     required(
         "driver",

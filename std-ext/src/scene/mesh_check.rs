@@ -4,8 +4,8 @@ use super::build::reduced_volume;
 use super::explain::{capillary_number, enclosed_radius};
 use super::problem::{Problem, SceneErrors};
 use super::{
-    BoundaryIntegral, Driver, Flow, Held, Hold, InPlaneLaw, Interaction, MeshSource, Reference,
-    ReferenceSource, SceneError, SceneFile, SurfaceScene, Target, VolumeTarget,
+    Driver, Flow, Held, Hold, InPlaneLaw, Interaction, MeshSource, Reference, ReferenceSource,
+    SceneError, SceneFile, SurfaceScene, Target, VolumeTarget,
 };
 use crate::generate::Family;
 use crate::info::MeshInfo;
@@ -84,6 +84,34 @@ pub(super) fn check_mesh(
     SceneErrors::new(errors.collect()).map_or(Ok(()), Err)
 }
 
+pub(super) fn check_obstacle(
+    file: &SceneFile,
+    obstacle: usize,
+    mesh: &MeshInfo,
+) -> Result<(), SceneErrors> {
+    let Some(scene) = file.scene.obstacles.get(obstacle) else {
+        return Ok(());
+    };
+    let name = &scene.name;
+    let message = match mesh.volume {
+        None => format!(
+            "the mesh of the obstacle \"{name}\" has {} boundary edges, and fluid flows around closed \
+             bodies: close the mesh",
+            mesh.boundary_edges
+        ),
+        Some(volume) if volume <= 0.0 => format!(
+            "the mesh of the obstacle \"{name}\" encloses {volume}: its triangles run clockwise seen \
+             from outside: turn them over"
+        ),
+        Some(_) => return Ok(()),
+    };
+    let origin = file.origins.of(&format!("obstacle.{obstacle}"));
+    let error = file
+        .source
+        .error(&origin, Problem::Contradiction { message });
+    Err(error.into())
+}
+
 pub(super) fn mesh_warnings(file: &SceneFile, surface: usize, mesh: &MeshInfo) -> Vec<SceneError> {
     let mut warnings = Vec::new();
     let mut warn = |path: &str, message: String| {
@@ -106,13 +134,12 @@ pub(super) fn mesh_warnings(file: &SceneFile, surface: usize, mesh: &MeshInfo) -
             warn(&format!("interaction.{index}.cutoff"), message);
         }
     }
-    if let (Driver::BoundaryIntegral(integral), Some(scene)) =
-        (&file.scene.driver, file.scene.surfaces.get(surface))
-    {
-        for (key, message) in in_flow(scene, mesh, integral) {
+    let driver = &file.scene.driver;
+    if let (Some(flow), Some(scene)) = (driver.flow(), file.scene.surfaces.get(surface)) {
+        for (key, message) in in_flow(scene, mesh, driver) {
             warn(&format!("surface.{surface}.{key}"), message);
         }
-        if let Some(message) = beyond_the_tube(scene, mesh, &integral.flow) {
+        if let Some(message) = beyond_the_tube(scene, mesh, flow) {
             warn("driver.flow.radius", message);
         }
     }
@@ -120,16 +147,12 @@ pub(super) fn mesh_warnings(file: &SceneFile, surface: usize, mesh: &MeshInfo) -
 }
 
 /// What is doubtful about a membrane in flow, each with its key.
-fn in_flow(
-    scene: &SurfaceScene,
-    mesh: &MeshInfo,
-    integral: &BoundaryIntegral,
-) -> Vec<(&'static str, String)> {
+fn in_flow(scene: &SurfaceScene, mesh: &MeshInfo, driver: &Driver) -> Vec<(&'static str, String)> {
     let mut found = Vec::new();
     let name = &scene.name;
     let law = scene.elasticity.as_ref().map(|elasticity| elasticity.law);
     if let (Some(InPlaneLaw::NeoHookean { .. }), None) = (law, scene.bending)
-        && let Some(capillary) = capillary_number(scene, mesh, integral)
+        && let Some(capillary) = capillary_number(scene, mesh, driver)
         && capillary < WRINKLING
     {
         found.push((

@@ -26,6 +26,12 @@ pub struct Output {
     /// Planes on which the fluid's velocity and pressure are written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub slices: Vec<Slice>,
+    /// How the whole box of a lattice is written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub volumes: Vec<Volume>,
+    /// Points at which the fluid's velocity is written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<Probe>,
 }
 
 /// How far it is from one output to the next.
@@ -87,4 +93,24 @@ impl Slice {
         let first = axis.reject_from_normalized(normal).normalize_or_zero();
         [first, normal.cross(first)].map(|axis| axis.to_array())
     }
+}
+
+/// The fluid in the whole box of a lattice, of which velocity and pressure are written with every set
+/// of files.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Volume {
+    /// Its name, and that of its files; `volume-1` and so on for those without one.
+    pub name: String,
+    /// Of so many nodes along each axis one is written.
+    pub stride: usize,
+}
+
+/// A point at which the fluid's velocity is written into the series.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Probe {
+    /// Its name, and that of its columns: `NAME_x`, `NAME_y`, `NAME_z`; `probe-1` and so on for those
+    /// without one.
+    pub name: String,
+    /// Where it is.
+    pub point: [f64; 3],
 }

@@ -278,13 +278,7 @@ pub enum Problem {
     /// A mesh that cannot be generated.
     #[error(transparent)]
     Generate(GenerateError),
-    /// A driver that is not there yet.
-    #[error("there is no driver \"{name}\" yet: the drivers are {}", super::keys::drivers().join(", "))]
-    LaterDriver {
-        /// The driver.
-        name: String,
-    },
-    /// Two surfaces or slices of one name.
+    /// Two surfaces, obstacles or outputs of one name.
     #[error("{what} {second} has the name \"{name}\" of {what} {first}: names have to differ")]
     RepeatedName {
         /// What they are.

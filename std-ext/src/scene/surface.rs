@@ -86,6 +86,22 @@ impl SurfaceScene {
     }
 }
 
+/// A closed body at rest in the fluid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Obstacle {
+    /// The obstacle's name; `obstacle-1` and so on for those without one.
+    pub name: String,
+    /// Where its mesh comes from.
+    pub source: MeshSource,
+    /// Factor by which the mesh is scaled, before it is turned and moved.
+    pub scale: f64,
+    /// Where the mesh's origin is put.
+    pub position: [f64; 3],
+    /// How the mesh is turned about its origin.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<Orientation>,
+}
+
 /// Where a mesh comes from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]

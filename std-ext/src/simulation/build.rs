@@ -1,6 +1,6 @@
 //! From a scene to surfaces and effects.
 
-use super::{Between, Body, Simulation};
+use super::{Between, Body, Obstacle, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::{Effect, EffectKind, Lumping, Viscosity};
 use crate::generate::{GenerateError, GeneratedMesh, generate};
@@ -112,7 +112,13 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
     let mut held = Vec::new();
     let mut warnings = file.warnings.clone();
     for (index, surface) in scene.surfaces.iter().enumerate() {
-        let start = Start::new(surface)?;
+        let start = Placed::new(
+            &surface.name,
+            &surface.source,
+            surface.scale,
+            surface.orientation,
+            surface.position,
+        )?;
         let vertices = positions.len()..positions.len() + start.positions.len();
         let body = start.body(file, index, surface, vertices, &mut held, &mut warnings)?;
         let (components, count) = body.mesh.components();
@@ -120,6 +126,28 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
         group_count += count as u32;
         positions.extend(start.positions);
         bodies.push(body);
+    }
+    let mut obstacles = Vec::with_capacity(scene.obstacles.len());
+    for (index, obstacle) in scene.obstacles.iter().enumerate() {
+        let Placed {
+            mesh, positions, ..
+        } = Placed::new(
+            &obstacle.name,
+            &obstacle.source,
+            obstacle.scale,
+            obstacle.orientation,
+            obstacle.position,
+        )?;
+        let surface = Surface::new(&mesh, &positions).map_err(|source| BuildError::Positions {
+            surface: obstacle.name.clone(),
+            source,
+        })?;
+        file.check_obstacle(index, &MeshInfo::new(surface))?;
+        obstacles.push(Obstacle {
+            name: obstacle.name.clone(),
+            mesh,
+            positions,
+        });
     }
     let between = scene.interactions.iter().map(|interaction| {
         let scene::Interaction::Repulsion {
@@ -145,6 +173,7 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
     let mut simulation = Simulation {
         bodies,
         between,
+        obstacles,
         groups,
         held,
         warnings,
@@ -166,8 +195,8 @@ fn scale_to_volume(mesh: &TriangleMesh, positions: &mut [[f64; 3]], volume: f64)
     }
 }
 
-/// A surface as the scene starts it.
-struct Start {
+/// A surface or an obstacle where the scene puts it.
+struct Placed {
     mesh: TriangleMesh,
     /// As the mesh comes, scaled.
     unplaced: Vec<[f64; 3]>,
@@ -176,9 +205,15 @@ struct Start {
     preimages: Option<Vec<[f64; 3]>>,
 }
 
-impl Start {
-    fn new(surface: &SurfaceScene) -> Result<Self, BuildError> {
-        let (mesh, mut unplaced, preimages) = match &surface.source {
+impl Placed {
+    fn new(
+        name: &str,
+        source: &MeshSource,
+        scale: f64,
+        orientation: Option<Orientation>,
+        position: [f64; 3],
+    ) -> Result<Self, BuildError> {
+        let (mesh, mut unplaced, preimages) = match source {
             MeshSource::Shape {
                 shape,
                 family,
@@ -193,7 +228,7 @@ impl Start {
                     preimages,
                     ..
                 } = made.map_err(|source| BuildError::Generate {
-                    surface: surface.name.clone(),
+                    surface: name.to_owned(),
                     source,
                 })?;
                 if *match_volume {
@@ -206,12 +241,12 @@ impl Start {
                 (file.mesh, file.positions, None)
             }
         };
-        for position in &mut unplaced {
-            *position = position.map(|x| surface.scale * x);
+        for vertex in &mut unplaced {
+            *vertex = vertex.map(|x| scale * x);
         }
-        let place = |position: &[f64; 3]| {
-            let turned = turn(surface.orientation, *position);
-            core::array::from_fn(|axis| surface.position[axis] + turned[axis])
+        let place = |vertex: &[f64; 3]| {
+            let turned = turn(orientation, *vertex);
+            core::array::from_fn(|axis| position[axis] + turned[axis])
         };
         let positions = unplaced.iter().map(place).collect();
         Ok(Self {
@@ -253,7 +288,7 @@ impl Start {
                 spontaneous_curvature,
                 match file.scene.driver {
                     Driver::Relax(_) => Lumping::Own,
-                    Driver::BoundaryIntegral(_) => Lumping::Thirds,
+                    Driver::BoundaryIntegral(_) | Driver::LatticeBoltzmann(_) => Lumping::Thirds,
                 },
                 surface,
             ));

@@ -425,11 +425,6 @@ fn contradictions_are_refused() {
         [9, 1],
         &["the scene has only one: add a [[surface]]"],
     );
-    refused(
-        &with("tension.value = 1").replace("relax", "lattice-boltzmann"),
-        [3, 8],
-        &["no driver \"lattice-boltzmann\" yet: the drivers are relax, boundary-integral"],
-    );
 }
 
 #[test]

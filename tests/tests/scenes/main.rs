@@ -4,6 +4,7 @@ mod errors;
 mod explanations;
 mod flow;
 mod hostile;
+mod lattice;
 mod meshes;
 mod overrides;
 mod reading;

@@ -3,8 +3,8 @@
 use super::super::reader::Reader;
 use super::super::value::default_name;
 use super::super::{
-    BoundaryIntegral, Driver, Every, Flow, Hold, Integrator, Output, PictureField, Plot, Relax,
-    Scheme, Slice, SurfaceScene,
+    BoundaryIntegral, Driver, Every, Flow, Hold, Integrator, LatticeBoltzmann, Output,
+    PictureField, Plot, Probe, Relax, Scheme, Slice, SurfaceScene, Volume,
 };
 use super::Builder;
 use crate::method::BendingMethod;
@@ -15,11 +15,15 @@ impl Builder<'_> {
         &mut self,
         driver: Reader<'_>,
         surfaces: &[SurfaceScene],
+        readers: &[Reader<'_>],
     ) -> Option<Driver> {
         match driver.text("kind")? {
             "relax" => Some(Driver::Relax(self.relax(driver, surfaces))),
             "boundary-integral" => Some(Driver::BoundaryIntegral(
                 self.boundary_integral(driver, surfaces),
+            )),
+            "lattice-boltzmann" => Some(Driver::LatticeBoltzmann(
+                self.lattice_boltzmann(driver, surfaces, readers),
             )),
             _ => None,
         }
@@ -70,12 +74,32 @@ impl Builder<'_> {
         surfaces: &[SurfaceScene],
     ) -> BoundaryIntegral {
         let flow = self.flow(driver.table("flow"));
-        let volume_correction = driver.switch("volume_correction").unwrap_or(true);
+        if let (Flow::Channel { .. }, Some(table)) = (flow, driver.table("flow")) {
+            self.contradiction(
+                &table.origin_of("kind"),
+                "a channel has walls, and the driver \"boundary-integral\" none: choose \"poiseuille\", \
+                 or the driver \"lattice-boltzmann\""
+                    .to_owned(),
+            );
+        }
+        self.volumes_kept(driver, surfaces);
+        BoundaryIntegral {
+            viscosity: driver.needed("viscosity"),
+            flow,
+            duration: self.duration(driver, flow),
+            integrator: self.integrator(driver, surfaces),
+            tolerance: driver.number("tolerance").unwrap_or(1e-4),
+            volume_correction: driver.switch("volume_correction").unwrap_or(true),
+        }
+    }
+
+    /// Volumes that nothing keeps.
+    pub(super) fn volumes_kept(&mut self, driver: Reader<'_>, surfaces: &[SurfaceScene]) {
         let exact = |surface: &SurfaceScene| {
             let hold = surface.volume.map(|volume| volume.hold);
             hold == Some(Hold::Exact)
         };
-        if !volume_correction && !surfaces.iter().all(exact) {
+        if driver.switch("volume_correction") == Some(false) && !surfaces.iter().all(exact) {
             let message =
                 "without `volume_correction` the surfaces' volumes drift with the errors of \
                            mesh and steps, and their deformation with them: leave it on, or hold \
@@ -83,18 +107,10 @@ impl Builder<'_> {
                     .to_owned();
             self.doubt(&driver.origin_of("volume_correction"), message);
         }
-        BoundaryIntegral {
-            viscosity: driver.needed("viscosity"),
-            flow,
-            duration: self.duration(driver, flow),
-            integrator: self.integrator(driver, surfaces),
-            tolerance: driver.number("tolerance").unwrap_or(1e-4),
-            volume_correction,
-        }
     }
 
     /// The time at which the run ends.
-    fn duration(&mut self, driver: Reader<'_>, flow: Flow) -> f64 {
+    pub(super) fn duration(&mut self, driver: Reader<'_>, flow: Flow) -> f64 {
         let strain = driver.number("strain");
         let key = if strain.is_some() {
             "strain"
@@ -145,7 +161,8 @@ impl Builder<'_> {
         f64::NAN
     }
 
-    fn flow(&mut self, flow: Option<Reader<'_>>) -> Flow {
+    /// The flow. How wide a channel is, its box says.
+    pub(super) fn flow(&mut self, flow: Option<Reader<'_>>) -> Flow {
         let Some(flow) = flow else {
             return Flow::Quiescent;
         };
@@ -160,6 +177,11 @@ impl Builder<'_> {
                 radius: flow.needed("radius"),
                 direction: flow.vector("direction").unwrap_or_default(),
                 through: flow.vector("through").unwrap_or_default(),
+            },
+            Some("channel") => Flow::Channel {
+                centre_velocity: flow.needed("centre_velocity"),
+                width: f64::NAN,
+                depth: (flow.text("section") == Some("duct")).then_some(f64::NAN),
             },
             _ => Flow::Shear { rate },
         }
@@ -250,6 +272,8 @@ impl Builder<'_> {
                 .unwrap_or(1),
             plots,
             slices: self.slices(&tables("slice"), driver),
+            volumes: self.volumes(&tables("volume"), driver),
+            probes: self.probes(&tables("probe"), driver),
         }
     }
 
@@ -272,22 +296,26 @@ impl Builder<'_> {
                 let every = output.and_then(|output| output.count("every"));
                 Every::Iterations(every.unwrap_or(100))
             }
-            Some(Driver::BoundaryIntegral(integral)) => {
-                if let Some(output) = given("every") {
+            Some(
+                Driver::BoundaryIntegral(BoundaryIntegral { flow, duration, .. })
+                | Driver::LatticeBoltzmann(LatticeBoltzmann { flow, duration, .. }),
+            ) => {
+                if let (Some(output), Some(driver)) = (given("every"), driver) {
                     self.contradiction(
                         &output.origin_of("every"),
-                        "the driver \"boundary-integral\" goes by time, and `every` counts \
-                         iterations: give `interval`, a time, or `strain_interval`"
-                            .to_owned(),
+                        format!(
+                            "the driver \"{}\" goes by time, and `every` counts iterations: give \
+                             `interval`, a time, or `strain_interval`",
+                            driver.name()
+                        ),
                     );
                 }
                 let interval = output.and_then(|output| output.number("interval"));
                 let strain = output.and_then(|output| {
                     let strain = output.number("strain_interval")?;
-                    let flow = integral.flow;
-                    Some(self.time_of(strain, output, "strain_interval", flow, "interval"))
+                    Some(self.time_of(strain, output, "strain_interval", *flow, "interval"))
                 });
-                let hundredth = 0.01 * integral.duration;
+                let hundredth = 0.01 * duration;
                 Every::Time(interval.or(strain).unwrap_or(hundredth))
             }
         }
@@ -326,6 +354,67 @@ impl Builder<'_> {
             }
         }
         slices
+    }
+
+    fn volumes(&mut self, readers: &[Reader<'_>], driver: Option<&Driver>) -> Vec<Volume> {
+        let volume = |(index, reader): (usize, &Reader<'_>)| Volume {
+            name: match reader.text("name") {
+                Some(name) => name.to_owned(),
+                None => default_name("volume", index),
+            },
+            stride: usize::try_from(reader.count("stride").unwrap_or(1)).unwrap_or(usize::MAX),
+        };
+        let volumes = Vec::from_iter(readers.iter().enumerate().map(volume));
+        let names = volumes.iter().map(|volume| volume.name.as_str());
+        self.different("volume", &Vec::from_iter(names), readers);
+        if let (Some(driver), [first, ..]) = (driver, readers)
+            && !matches!(driver, Driver::LatticeBoltzmann(_))
+        {
+            self.contradiction(
+                first.origin(),
+                format!(
+                    "a volume shows the nodes of a lattice, and the driver \"{}\" has none: choose \
+                     [[output.slice]] with \"boundary-integral\", or the driver \
+                     \"lattice-boltzmann\"",
+                    driver.name()
+                ),
+            );
+        }
+        volumes
+    }
+
+    fn probes(&mut self, readers: &[Reader<'_>], driver: Option<&Driver>) -> Vec<Probe> {
+        let probe = |(index, reader): (usize, &Reader<'_>)| Probe {
+            name: match reader.text("name") {
+                Some(name) => name.to_owned(),
+                None => default_name("probe", index),
+            },
+            point: reader.vector("point").unwrap_or_default(),
+        };
+        let probes = Vec::from_iter(readers.iter().enumerate().map(probe));
+        let names = probes.iter().map(|probe| probe.name.as_str());
+        self.different("probe", &Vec::from_iter(names), readers);
+        if let (Some(Driver::Relax(_)), [first, ..]) = (driver, readers) {
+            self.contradiction(
+                first.origin(),
+                "a probe measures the fluid, and the driver \"relax\" has none: leave \
+                 [[output.probe]] out, or choose the driver \"boundary-integral\" or \
+                 \"lattice-boltzmann\""
+                    .to_owned(),
+            );
+        }
+        // The centre of a surface has these columns.
+        for (probe, reader) in probes.iter().zip(readers) {
+            if probe.name == "centroid" {
+                self.contradiction(
+                    &reader.origin_of("name"),
+                    "the columns centroid_x, centroid_y and centroid_z are the surfaces': choose \
+                     another name"
+                        .to_owned(),
+                );
+            }
+        }
+        probes
     }
 }
 

@@ -52,10 +52,7 @@ impl Builder<'_> {
             name,
             scale: surface.number("scale").unwrap_or(1.0),
             position: surface.vector("position").unwrap_or_default(),
-            orientation: surface.table("orientation").map(|reader| Orientation {
-                axis: reader.vector("axis").unwrap_or_default(),
-                angle: reader.needed("angle"),
-            }),
+            orientation: orientation(surface),
             viscosity_ratio: surface.number("viscosity_ratio"),
             bending: surface.table("bending").map(bending),
             elasticity: surface.table("elasticity").map(|reader| Elasticity {
@@ -94,7 +91,8 @@ impl Builder<'_> {
         }
     }
 
-    fn source(&mut self, surface: Reader<'_>) -> MeshSource {
+    /// Where the mesh of a surface or an obstacle comes from.
+    pub(super) fn source(&mut self, surface: Reader<'_>) -> MeshSource {
         if let Some(name) = surface.text("mesh") {
             return MeshSource::File(self.file(name));
         }
@@ -259,7 +257,7 @@ impl Builder<'_> {
         match driver {
             None => {}
             Some(Driver::Relax(_)) => self.without_fluid(surface, reader),
-            Some(Driver::BoundaryIntegral(_)) => self.in_fluid(surface, reader),
+            Some(driver) => self.in_fluid(surface, reader, driver),
         }
     }
 
@@ -304,7 +302,7 @@ impl Builder<'_> {
     }
 
     /// What is wrong or doubtful in a fluid.
-    fn in_fluid(&mut self, surface: &SurfaceScene, reader: Reader<'_>) {
+    fn in_fluid(&mut self, surface: &SurfaceScene, reader: Reader<'_>, driver: &Driver) {
         let SurfaceScene { name, .. } = surface;
         let penalty = |area: Held<Target>| area.hold != Hold::Exact;
         let resists = surface.bending.is_some()
@@ -348,10 +346,12 @@ impl Builder<'_> {
         {
             self.contradiction(
                 &table.origin_of("force"),
-                "a sequence of forces goes from equilibrium to equilibrium, and the driver \
-                 \"boundary-integral\" goes by time: give one force, which acts throughout, or choose \
-                 the driver \"relax\""
-                    .to_owned(),
+                format!(
+                    "a sequence of forces goes from equilibrium to equilibrium, and the driver \"{}\" \
+                     goes by time: give one force, which acts throughout, or choose the driver \
+                     \"relax\"",
+                    driver.name()
+                ),
             );
         }
         if surface.pressure.is_some() {
@@ -375,6 +375,14 @@ impl Builder<'_> {
 }
 
 const UNIT_SPHERE: AnyShape = AnyShape::Sphere(Sphere { radius: 1.0 });
+
+pub(super) fn orientation(around: Reader<'_>) -> Option<Orientation> {
+    let reader = around.table("orientation")?;
+    Some(Orientation {
+        axis: reader.vector("axis").unwrap_or_default(),
+        angle: reader.needed("angle"),
+    })
+}
 
 fn hold(reader: Reader<'_>) -> Hold {
     reader.number("modulus").map_or(Hold::Exact, Hold::Penalty)

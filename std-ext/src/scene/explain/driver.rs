@@ -38,6 +38,27 @@ pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
             let choice = format!("Stokes flow without walls, Reynolds number 0, {volume}");
             (choice, parameters)
         }
+        Driver::LatticeBoltzmann(lattice) => {
+            let volume = match lattice.volume_correction {
+                true => "volumes kept to rounding",
+                false => "volumes not corrected",
+            };
+            let mut parameters = vec![
+                number.of("viscosity", lattice.viscosity, Dimension::VISCOSITY),
+                number.of("duration", lattice.duration, Dimension::TIME),
+            ];
+            if let Some(rate) = lattice.flow.rate() {
+                parameters.push(number.plain("strain", rate * lattice.duration));
+            }
+            let inertia = match lattice.density {
+                Some(density) => {
+                    parameters.push(number.of("density", density, Dimension::DENSITY));
+                    "fluid with inertia"
+                }
+                None => "Stokes flow",
+            };
+            (format!("{inertia} in a box, {volume}"), parameters)
+        }
     };
     Active {
         name: driver.name(),
@@ -70,6 +91,19 @@ pub(super) fn flow(driver: &Driver, number: &Parameters) -> Option<Active> {
             ];
             parameters.extend(flow.rate().into_iter().flat_map(rate));
             (", u = U (1 − ρ²/R²), rate 2U/R", parameters)
+        }
+        Flow::Channel {
+            centre_velocity,
+            width,
+            depth,
+        } => {
+            let mut parameters = vec![
+                number.of("centre_velocity", centre_velocity, Dimension::VELOCITY),
+                number.of("H", width, Dimension::LENGTH),
+            ];
+            parameters.extend(depth.map(|depth| number.of("depth", depth, Dimension::LENGTH)));
+            parameters.extend(flow.rate().into_iter().flat_map(rate));
+            (", along x between walls, rate 4U/H", parameters)
         }
     };
     Some(Active {

@@ -2,8 +2,8 @@
 
 use super::super::build::reduced_volume;
 use super::super::{
-    AreaDifferenceTarget, Bending, BoundaryIntegral, Driver, Flow, Hold, InPlaneLaw, MeshSource,
-    ReferenceSource, Stretching, SurfaceScene, Target, VolumeTarget,
+    AreaDifferenceTarget, Bending, Driver, Flow, Hold, InPlaneLaw, MeshSource, ReferenceSource,
+    Stretching, SurfaceScene, Target, VolumeTarget,
 };
 use super::Group;
 use crate::generate::AnyShape;
@@ -14,7 +14,7 @@ pub(super) fn groups(surface: &SurfaceScene, mesh: &MeshInfo, driver: &Driver) -
     let radius = (mesh.area / (4.0 * PI)).sqrt();
     let mut groups = match driver {
         Driver::Relax(_) => Vec::new(),
-        Driver::BoundaryIntegral(integral) => in_flow(surface, mesh, integral),
+        driver => in_flow(surface, mesh, driver),
     };
     let mut group = |name, formula, value: f64| {
         groups.push(Group {
@@ -163,15 +163,15 @@ pub(in crate::scene) fn enclosed_radius(mesh: &MeshInfo) -> f64 {
 pub(in crate::scene) fn capillary_number(
     surface: &SurfaceScene,
     mesh: &MeshInfo,
-    integral: &BoundaryIntegral,
+    driver: &Driver,
 ) -> Option<f64> {
     let elasticity = surface.elasticity.as_ref()?;
-    let viscous = integral.viscosity * integral.flow.rate()? * enclosed_radius(mesh);
+    let viscous = driver.viscosity()? * driver.flow()?.rate()? * enclosed_radius(mesh);
     Some(viscous / elasticity.law.shear_modulus())
 }
 
 /// The groups of a surface in viscous fluid.
-fn in_flow(surface: &SurfaceScene, mesh: &MeshInfo, integral: &BoundaryIntegral) -> Vec<Group> {
+fn in_flow(surface: &SurfaceScene, mesh: &MeshInfo, driver: &Driver) -> Vec<Group> {
     let mut groups = Vec::new();
     let mut group = |name, formula, value: f64| {
         groups.push(Group {
@@ -181,7 +181,7 @@ fn in_flow(surface: &SurfaceScene, mesh: &MeshInfo, integral: &BoundaryIntegral)
         });
     };
     let radius = enclosed_radius(mesh);
-    if let Some(capillary) = capillary_number(surface, mesh, integral) {
+    if let Some(capillary) = capillary_number(surface, mesh, driver) {
         group("capillary number by G", "Ca_G = μγ̇a/G", capillary);
         group(
             "capillary number by E_s = 3 G",
@@ -197,20 +197,29 @@ fn in_flow(surface: &SurfaceScene, mesh: &MeshInfo, integral: &BoundaryIntegral)
         group("bending number by G", "b = κ/(a² G)", b);
         group("bending number by E_s = 3 G", "κ/(a² E_s)", b / 3.0);
     }
-    if let (Some(modulus), Some(rate)) = (modulus, integral.flow.rate()) {
-        let viscous = integral.viscosity * rate * radius.powi(3);
+    let rate = driver.flow().and_then(Flow::rate);
+    if let (Some(modulus), Some(rate), Some(viscosity)) = (modulus, rate, driver.viscosity()) {
+        let viscous = viscosity * rate * radius.powi(3);
         group("capillary number by κ", "Ca_κ = μγ̇a³/κ", viscous / modulus);
     }
     let ratio = surface.viscosity_ratio.unwrap_or(1.0);
     group("viscosity inside over outside", "λ", ratio);
-    if let Flow::Poiseuille { radius: tube, .. } = integral.flow {
-        group(
+    match driver.flow() {
+        Some(Flow::Poiseuille { radius: tube, .. }) => group(
             "size over that of the Poiseuille flow",
             "a/R",
             radius / tube,
-        );
+        ),
+        Some(Flow::Channel { width, .. }) => {
+            group(
+                "diameter over width of the channel",
+                "2a/H",
+                2.0 * radius / width,
+            );
+        }
+        _ => {}
     }
-    if let Some(deformation) = small_deformation(surface, mesh, integral) {
+    if let Some(deformation) = small_deformation(surface, mesh, driver) {
         let (formula, value) = deformation;
         group("expected D, theory for Ca_G → 0", formula, value);
     }
@@ -224,10 +233,10 @@ fn in_flow(surface: &SurfaceScene, mesh: &MeshInfo, integral: &BoundaryIntegral)
 fn small_deformation(
     surface: &SurfaceScene,
     mesh: &MeshInfo,
-    integral: &BoundaryIntegral,
+    driver: &Driver,
 ) -> Option<(&'static str, f64)> {
     let elasticity = surface.elasticity.as_ref()?;
-    let capillary = capillary_number(surface, mesh, integral)?;
+    let capillary = capillary_number(surface, mesh, driver)?;
     let reference = &elasticity.reference;
     let unstressed = reference.source == ReferenceSource::Initial && reference.scale == 1.0;
     let flat = |bending: Bending| bending.spontaneous_curvature == 0.0;
@@ -246,7 +255,7 @@ fn small_deformation(
             ..
         }
     );
-    let shear = matches!(integral.flow, Flow::Shear { .. });
+    let shear = matches!(driver.flow(), Some(Flow::Shear { .. }));
     if !(unstressed && alone && sphere && shear) {
         return None;
     }
@@ -267,17 +276,14 @@ fn small_deformation(
 
 /// What to know of the groups of a surface.
 pub(super) fn notes(surface: &SurfaceScene, mesh: &MeshInfo, driver: &Driver) -> Vec<&'static str> {
-    let Driver::BoundaryIntegral(integral) = driver else {
-        return Vec::new();
-    };
     let mut notes = Vec::new();
-    if capillary_number(surface, mesh, integral).is_some() {
+    if capillary_number(surface, mesh, driver).is_some() {
         notes.push(
             "articles divide by G (Ca_G: Lac et al. 2004) or by E_s = 3 G (Ca_E: Ramanujan and \
              Pozrikidis 1998, Pozrikidis 2001): a factor of 3, in Ca and in κ/(a² …) alike",
         );
     }
-    if small_deformation(surface, mesh, integral).is_some() {
+    if small_deformation(surface, mesh, driver).is_some() {
         notes.push(
             "the theory gives more than is reached at finite Ca_G: 0.140 for 0.133 with the \
              neo-Hookean law at Ca_G = 0.15, b = 0.1125",

@@ -3,21 +3,14 @@
 use super::super::units::Dimension;
 use super::{Form, Keys, Kind, NUMBER, Range, any, kinds, optional, positive, required};
 
-/// The drivers there will be, none of which a scene can have yet.
-pub(in crate::scene) const LATER_DRIVERS: [&str; 1] = ["lattice-boltzmann"];
-
-/// The drivers there are.
-pub(in crate::scene) fn drivers() -> Vec<&'static str> {
-    kinds(&DRIVER)
-}
-
 pub(super) static DRIVER: Keys = Keys {
     keys: &[
         required(
             "kind",
-            Form::Choice(drivers),
+            Form::Choice(|| kinds(&DRIVER)),
             "The driver: \"relax\" goes to an equilibrium, and knows no time; \"boundary-integral\" \
-             moves membranes in Stokes flow without walls.",
+             moves membranes in Stokes flow without walls; \"lattice-boltzmann\" in a box of fluid, \
+             with or without inertia, walls and obstacles.",
         ),
         optional(
             "scheme",
@@ -63,7 +56,7 @@ pub(super) static DRIVER: Keys = Keys {
             NUMBER,
             "Strain at which the run ends, the flow's rate times the time, instead of duration. \
              Rates: γ̇ of a shear, ε̇ of an extension, √(2 E:E) of a linear flow with E the symmetric \
-             part of its gradient, 2U/R of a Poiseuille flow.",
+             part of its gradient, 2U/R of a Poiseuille flow, 4U/H of a channel.",
         ),
         optional(
             "integrator",
@@ -74,7 +67,8 @@ pub(super) static DRIVER: Keys = Keys {
         optional(
             "step",
             positive(Dimension::TIME),
-            "Step of rk4, which needs it; the others choose theirs by the tolerance.",
+            "Step of rk4, which needs it; the other integrators choose theirs by the tolerance. Of a \
+             lattice: by default the longest that compressibility, inertia and membranes allow.",
         ),
         optional(
             "tolerance",
@@ -86,6 +80,50 @@ pub(super) static DRIVER: Keys = Keys {
             Form::Switch,
             "Whether the volume of each closed surface is kept to rounding, instead of to the error \
              of the mesh and the steps; by default true.",
+        ),
+        optional(
+            "spacing",
+            positive(Dimension::LENGTH),
+            "Distance of the nodes of the lattice.",
+        ),
+        optional(
+            "resolution",
+            NUMBER,
+            "Number of nodes in the radius a of the sphere with the volume of the first surface, \
+             instead of spacing.",
+        ),
+        optional(
+            "box",
+            Form::Exactly(3, &positive(Dimension::LENGTH)),
+            "Lengths of the box of fluid, rounded to whole nodes; by default 7 a along each axis, of \
+             scenes with one surface.",
+        ),
+        optional(
+            "centre",
+            Form::Vector(Dimension::LENGTH),
+            "Centre of the box; by default [0, 0, 0].",
+        ),
+        optional(
+            "density",
+            positive(Dimension::DENSITY),
+            "Mass density ρ of the fluid, inside and outside; by default there is no inertia, and what \
+             is left of it by the lattice is kept small.",
+        ),
+        optional(
+            "lattice_viscosity",
+            NUMBER,
+            "Kinematic viscosity on the lattice, ν in units of spacing²/step, best from 0.02 to 1; by \
+             default 1/6, or what density and step make it.",
+        ),
+        optional(
+            "kernel",
+            Form::Choice(|| vec!["two", "three", "four"]),
+            "How many nodes along each axis a vertex is spread over; by default \"two\".",
+        ),
+        optional(
+            "precision",
+            Form::Choice(|| vec!["f32", "f64"]),
+            "Number type of the lattice; membranes are always f64; by default \"f64\".",
         ),
     ],
     exactly_one: &[],
@@ -112,6 +150,26 @@ pub(super) static DRIVER: Keys = Keys {
             ],
             exactly_one: &[&["duration", "strain"]],
         },
+        Kind {
+            name: "lattice-boltzmann",
+            required: &["viscosity"],
+            optional: &[
+                "flow",
+                "duration",
+                "strain",
+                "spacing",
+                "resolution",
+                "box",
+                "centre",
+                "density",
+                "lattice_viscosity",
+                "step",
+                "kernel",
+                "precision",
+                "volume_correction",
+            ],
+            exactly_one: &[&["duration", "strain"], &["spacing", "resolution"]],
+        },
     ],
 };
 
@@ -124,7 +182,9 @@ static FLOW: Keys = Keys {
             Form::Choice(|| kinds(&FLOW)),
             "\"quiescent\"; \"shear\", u = (γ̇ y, 0, 0); \"extension\", u = ε̇ (x, −y/2, −z/2); \
              \"plane-extension\", u = ε̇ (x, −y, 0); \"linear\", u = L·x; \"poiseuille\", \
-             u = U (1 − ρ²/R²) along an axis, ρ the distance from it.",
+             u = U (1 − ρ²/R²) along an axis, ρ the distance from it; \"channel\", along x between the \
+             walls of a lattice's box, driven by a force on all fluid. On a lattice a shear is that of \
+             two walls at the ends of y.",
         ),
         optional("rate", RATE, "Shear rate γ̇ or rate of extension ε̇."),
         optional(
@@ -135,7 +195,7 @@ static FLOW: Keys = Keys {
         optional(
             "centre_velocity",
             Form::Number(Dimension::VELOCITY, Range::NotZero),
-            "Velocity U on the axis.",
+            "Velocity U on the axis, or in the middle of a channel without surfaces and obstacles.",
         ),
         optional(
             "radius",
@@ -147,6 +207,11 @@ static FLOW: Keys = Keys {
             "through",
             Form::Vector(Dimension::LENGTH),
             "A point of the axis; by default [0, 0, 0].",
+        ),
+        optional(
+            "section",
+            Form::Choice(|| vec!["plates", "duct"]),
+            "\"plates\", walls at the ends of y; \"duct\", of z too; by default plates.",
         ),
     ],
     exactly_one: &[],
@@ -165,6 +230,11 @@ static FLOW: Keys = Keys {
             required: &["centre_velocity", "radius", "direction"],
             optional: &["through"],
             ..no_keys("poiseuille")
+        },
+        Kind {
+            required: &["centre_velocity"],
+            optional: &["section"],
+            ..no_keys("channel")
         },
     ],
 };

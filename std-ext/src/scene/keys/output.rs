@@ -44,8 +44,8 @@ pub(super) static OUTPUT: Keys = Keys {
         optional(
             "checkpoint_every",
             Form::Count(1),
-            "Iterations, or steps in time, from one checkpoint to the next; by default 1000 \
-             iterations or 50 steps.",
+            "Iterations, or steps in time, from one checkpoint to the next; by default 1000, or 50 of \
+             boundary-integral.",
         ),
         optional(
             "plot",
@@ -57,6 +57,17 @@ pub(super) static OUTPUT: Keys = Keys {
             Form::Tables(&SLICE),
             "A rectangle on which the fluid's velocity and pressure are written as VTI and PNG files \
              with every set of files.",
+        ),
+        optional(
+            "volume",
+            Form::Tables(&VOLUME),
+            "Velocity and pressure in the whole box of a lattice, written as a VTI file with every set \
+             of files.",
+        ),
+        optional(
+            "probe",
+            Form::Tables(&PROBE),
+            "A point at which the fluid's velocity is written into the series.",
         ),
     ],
     exactly_one: &[],
@@ -108,4 +119,27 @@ static SLICE: Keys = plain(&[
         Form::Exactly(2, &Form::Count(2)),
         "Number of points along each edge.",
     ),
+]);
+
+static VOLUME: Keys = plain(&[
+    optional(
+        "name",
+        Form::Name,
+        "The volume's name, and that of its files; by default volume-1, volume-2 and so on.",
+    ),
+    optional(
+        "stride",
+        Form::Count(1),
+        "Of how many nodes along each axis one is written; by default 1.",
+    ),
+]);
+
+static PROBE: Keys = plain(&[
+    optional(
+        "name",
+        Form::Name,
+        "The probe's name; its columns are NAME_x, NAME_y and NAME_z; by default probe-1, probe-2 \
+         and so on.",
+    ),
+    required("point", Form::Vector(Dimension::LENGTH), "Where it is."),
 ]);

@@ -11,58 +11,15 @@ pub(super) static SURFACE: Keys = Keys {
             Form::Name,
             "The surface's name; by default surface-1, surface-2 and so on.",
         ),
-        optional(
-            "shape",
-            Form::Shape,
-            "Exact shape on which a mesh is generated, with its lengths: sphere:R, ellipsoid:a,b,c, \
-             torus:R,r or discocyte:R.",
-        ),
-        optional(
-            "family",
-            Form::Choice(|| {
-                crate::generate::Family::ALL
-                    .map(|family| family.name())
-                    .to_vec()
-            }),
-            "How vertices are spread over the shape; by default smooth.",
-        ),
-        optional(
-            "vertices",
-            Form::Count(1),
-            "How many vertices are generated: 10·4^k + 2, but for irregular meshes and the torus.",
-        ),
-        optional(
-            "seed",
-            Form::Count(0),
-            "Seed of the families irregular and hard; by default 1.",
-        ),
-        optional(
-            "match_volume",
-            Form::Switch,
-            "Whether the mesh is scaled so that it encloses the shape's volume, and not that of a \
-             polyhedron inscribed in it; by default false.",
-        ),
-        optional(
-            "mesh",
-            Form::File,
-            "OBJ, OFF, STL or PLY file, relative to the scene's folder; its coordinates are in the \
-             scene's unit of length.",
-        ),
-        optional(
-            "scale",
-            NUMBER,
-            "Factor by which the mesh is scaled; by default 1.",
-        ),
-        optional(
-            "position",
-            Form::Vector(Dimension::LENGTH),
-            "Where the mesh's origin is put; by default [0, 0, 0].",
-        ),
-        optional(
-            "orientation",
-            Form::Table(&ORIENTATION),
-            "How the mesh is turned about its origin, before it is moved.",
-        ),
+        SHAPE,
+        FAMILY,
+        VERTICES,
+        SEED,
+        MATCH_VOLUME,
+        MESH,
+        SCALE,
+        POSITION,
+        ORIENTATION,
         optional(
             "viscosity_ratio",
             NUMBER,
@@ -126,6 +83,12 @@ pub(super) static SURFACE: Keys = Keys {
              tweezers (Mills et al. 2004).",
         ),
     ],
+    ..PLACED
+};
+
+/// What holds of the keys of a mesh.
+const PLACED: Keys = Keys {
+    keys: &[],
     exactly_one: &[&["shape", "mesh"]],
     at_most_one: &[],
     needs: &[
@@ -138,7 +101,89 @@ pub(super) static SURFACE: Keys = Keys {
     kinds: &[],
 };
 
-static ORIENTATION: Keys = plain(&[
+/// A body at rest: its mesh and where that is put, as surfaces have them.
+pub(super) static OBSTACLE: Keys = Keys {
+    keys: &[
+        optional(
+            "name",
+            Form::Name,
+            "The obstacle's name; by default obstacle-1, obstacle-2 and so on.",
+        ),
+        SHAPE,
+        FAMILY,
+        VERTICES,
+        SEED,
+        MATCH_VOLUME,
+        MESH,
+        SCALE,
+        POSITION,
+        ORIENTATION,
+    ],
+    ..PLACED
+};
+
+const SHAPE: Key = optional(
+    "shape",
+    Form::Shape,
+    "Exact shape on which a mesh is generated, with its lengths: sphere:R, ellipsoid:a,b,c, \
+     torus:R,r or discocyte:R.",
+);
+
+const FAMILY: Key = optional(
+    "family",
+    Form::Choice(|| {
+        crate::generate::Family::ALL
+            .map(|family| family.name())
+            .to_vec()
+    }),
+    "How vertices are spread over the shape; by default smooth.",
+);
+
+const VERTICES: Key = optional(
+    "vertices",
+    Form::Count(1),
+    "How many vertices are generated: 10·4^k + 2, but for irregular meshes and the torus.",
+);
+
+const SEED: Key = optional(
+    "seed",
+    Form::Count(0),
+    "Seed of the families irregular and hard; by default 1.",
+);
+
+const MATCH_VOLUME: Key = optional(
+    "match_volume",
+    Form::Switch,
+    "Whether the mesh is scaled so that it encloses the shape's volume, and not that of a \
+     polyhedron inscribed in it; by default false.",
+);
+
+const MESH: Key = optional(
+    "mesh",
+    Form::File,
+    "OBJ, OFF, STL or PLY file, relative to the scene's folder; its coordinates are in the \
+     scene's unit of length.",
+);
+
+const SCALE: Key = optional(
+    "scale",
+    NUMBER,
+    "Factor by which the mesh is scaled; by default 1.",
+);
+
+const POSITION: Key = optional(
+    "position",
+    Form::Vector(Dimension::LENGTH),
+    "Where the mesh's origin is put; by default [0, 0, 0].",
+);
+
+const ORIENTATION: Key = optional(
+    "orientation",
+    Form::Table(&ROTATION),
+    "How the mesh is turned about its origin, before it is moved.",
+);
+
+static ROTATION: Keys = plain(&[
     required("axis", Form::Direction, "Axis of the rotation."),
     required(
         "angle",

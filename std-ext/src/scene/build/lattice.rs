@@ -1,0 +1,348 @@
+//! The driver lattice-boltzmann from its values.
+
+use super::super::lattice::Membrane;
+use super::super::reader::Reader;
+use super::super::value::default_name;
+use super::super::{
+    Driver, Every, Flow, LatticeBoltzmann, MeshSource, Obstacle, Output, SurfaceScene,
+};
+use super::Builder;
+use crate::flow::lattice_boltzmann::Kernel;
+use crate::generate::{self, AnyShape};
+use crate::io::read;
+use crate::scalar::Scalar;
+use helfrich::Surface;
+use helfrich::shapes::Shape;
+use std::f64::consts::PI;
+
+/// The kinematic viscosity on the lattice of those who do not care: τ = 1.
+const LATTICE_VISCOSITY: f64 = 1.0 / 6.0;
+
+/// Lengths of a box by default, in radii of the surface in it.
+const BOX: f64 = 7.0;
+
+/// More nodes than this are in no machine's memory.
+const NODES: f64 = 1e10;
+
+/// Of the longest step that all limits allow the one that is taken.
+const MARGIN: f64 = 0.9;
+
+impl Builder<'_> {
+    pub(super) fn lattice_boltzmann(
+        &mut self,
+        driver: Reader<'_>,
+        surfaces: &[SurfaceScene],
+        readers: &[Reader<'_>],
+    ) -> LatticeBoltzmann {
+        let flow = self.flow(driver.table("flow"));
+        self.flow_in_a_box(driver, flow);
+        let fixed = |key| driver.has(key);
+        // Mesh files are read here only if a number is to follow from them.
+        let asks = fixed("resolution") || !fixed("box") || !fixed("step");
+        let membranes = match asks {
+            true => self.membranes(surfaces, readers),
+            false => Vec::new(),
+        };
+        let spacing = match driver.number("resolution") {
+            Some(resolution) => membranes
+                .first()
+                .map_or(f64::NAN, |membrane| membrane.radius / resolution),
+            None => driver.needed("spacing"),
+        };
+        let lengths = self.lengths(driver, &membranes, surfaces.len());
+        let cells = self.cells(driver, spacing, lengths);
+        let side = |axis: usize| cells[axis] as f64 * spacing;
+        let flow = match flow {
+            Flow::Channel {
+                centre_velocity,
+                depth,
+                ..
+            } => Flow::Channel {
+                centre_velocity,
+                width: side(1),
+                depth: depth.map(|_| side(2)),
+            },
+            flow => flow,
+        };
+        self.volumes_kept(driver, surfaces);
+        let mut lattice = LatticeBoltzmann {
+            viscosity: driver.needed("viscosity"),
+            density: driver.number("density"),
+            flow,
+            duration: self.duration(driver, flow),
+            spacing,
+            cells,
+            centre: driver.vector("centre").unwrap_or_default(),
+            lattice_viscosity: driver
+                .number("lattice_viscosity")
+                .unwrap_or(LATTICE_VISCOSITY),
+            step: driver.needed("step"),
+            kernel: match driver.text("kernel") {
+                Some("three") => Kernel::Three,
+                Some("four") => Kernel::Four,
+                _ => Kernel::Two,
+            },
+            precision: match driver.text("precision") {
+                Some("f32") => Scalar::F32,
+                _ => Scalar::F64,
+            },
+            volume_correction: driver.switch("volume_correction").unwrap_or(true),
+        };
+        self.step(driver, &mut lattice, &membranes);
+        lattice
+    }
+
+    /// Flows that have no place in a box.
+    fn flow_in_a_box(&mut self, driver: Reader<'_>, flow: Flow) {
+        let instead = match flow {
+            Flow::Quiescent | Flow::Shear { .. } | Flow::Channel { .. } => return,
+            Flow::Poiseuille { .. } => "\"channel\"",
+            _ => "\"quiescent\", \"shear\" or \"channel\"",
+        };
+        if let Some(table) = driver.table("flow") {
+            self.contradiction(
+                &table.origin_of("kind"),
+                format!(
+                    "the flow \"{}\" is one of unbounded fluid, and the driver \"lattice-boltzmann\" \
+                     has a box: choose {instead}, or the driver \"boundary-integral\"",
+                    flow.name()
+                ),
+            );
+        }
+    }
+
+    /// What the surfaces are like as far as that can be known; none if it cannot of one of them.
+    fn membranes(&mut self, surfaces: &[SurfaceScene], readers: &[Reader<'_>]) -> Vec<Membrane> {
+        let mut membranes = Vec::with_capacity(surfaces.len());
+        for (surface, reader) in surfaces.iter().zip(readers) {
+            let measured = match &surface.source {
+                MeshSource::Shape {
+                    shape,
+                    family,
+                    vertices,
+                    ..
+                } => {
+                    // Wrong counts have their error already.
+                    if generate::check(shape, *family, *vertices).is_err() {
+                        return Vec::new();
+                    }
+                    let characteristic = shape.euler_characteristic().unsigned_abs() as usize;
+                    Ok((shape.volume(), area(shape), 2 * (vertices - characteristic)))
+                }
+                MeshSource::File(path) => measure(path),
+            };
+            match measured {
+                Ok((volume, area, triangles)) => {
+                    let radius = surface.scale * (0.75 * volume / PI).cbrt();
+                    let area = surface.scale.powi(2) * area;
+                    membranes.push(Membrane::new(surface, radius, area, triangles));
+                }
+                Err(why) => {
+                    self.contradiction(
+                        &reader.origin_of("mesh"),
+                        format!(
+                            "the size of \"{}\" is not known, from which the lattice would follow: \
+                             {why}: repair the file, or give the driver `spacing`, `box` and `step`",
+                            surface.name
+                        ),
+                    );
+                    return Vec::new();
+                }
+            }
+        }
+        membranes
+    }
+
+    /// The lengths of the box; not numbers if they are not known.
+    fn lengths(&mut self, driver: Reader<'_>, membranes: &[Membrane], surfaces: usize) -> [f64; 3] {
+        if let Some(lengths) = driver.vector("box") {
+            return lengths;
+        }
+        if !driver.has("box") && surfaces > 1 {
+            self.contradiction(
+                driver.origin(),
+                format!(
+                    "`driver` lacks `box`, the three lengths of the box of fluid: of one surface they \
+                     would be {BOX} of its radii, and there are {surfaces} surfaces"
+                ),
+            );
+        }
+        match membranes {
+            [membrane] => [BOX * membrane.radius; 3],
+            _ => [f64::NAN; 3],
+        }
+    }
+
+    /// The number of nodes along each axis.
+    fn cells(&mut self, driver: Reader<'_>, spacing: f64, lengths: [f64; 3]) -> [usize; 3] {
+        let counts = lengths.map(|length| (length / spacing).round());
+        // What is not a number has its error already.
+        if counts.iter().any(|count| count.is_nan()) {
+            return [0; 3];
+        }
+        let key = if driver.has("resolution") {
+            "resolution"
+        } else {
+            "spacing"
+        };
+        let origin = driver.origin_of(key);
+        if let Some(axis) = (0..3).find(|&axis| counts[axis] < 1.0) {
+            self.contradiction(
+                &origin,
+                format!(
+                    "nodes are {spacing} apart, and the box is {} long along {}: choose a smaller \
+                     spacing, or a longer `box`",
+                    lengths[axis],
+                    ["x", "y", "z"][axis]
+                ),
+            );
+            return [0; 3];
+        }
+        let nodes: f64 = counts.iter().product();
+        if nodes > NODES {
+            self.contradiction(
+                &origin,
+                format!(
+                    "the box would have {nodes:.1e} nodes, of which {NODES:.0e} are beyond any \
+                     machine: choose a larger spacing, {} say, or a smaller `box`",
+                    rounded(spacing * (nodes / 1e6).cbrt())
+                ),
+            );
+            return [0; 3];
+        }
+        counts.map(|count| count as usize)
+    }
+
+    /// Step and viscosity on the lattice, as far as they are not given.
+    fn step(&mut self, driver: Reader<'_>, lattice: &mut LatticeBoltzmann, membranes: &[Membrane]) {
+        let given = driver.has("step");
+        // spacing² ρ/μ, the step at which ν is 1.
+        let unit = lattice
+            .density
+            .map(|density| density * lattice.spacing.powi(2) / lattice.viscosity);
+        let Some(unit) = unit else {
+            if !given {
+                lattice.step = MARGIN * shortest(lattice, membranes);
+            }
+            return;
+        };
+        match (given, driver.has("lattice_viscosity")) {
+            (true, true) => self.contradiction(
+                &driver.origin_of("step"),
+                format!(
+                    "with a `density`, `step` and `lattice_viscosity` follow from each other, step = \
+                     ν spacing² ρ/μ: leave one of them out; with this step ν is {}",
+                    rounded(lattice.step / unit)
+                ),
+            ),
+            (true, false) => lattice.lattice_viscosity = lattice.step / unit,
+            (false, true) => lattice.step = lattice.lattice_viscosity * unit,
+            (false, false) => {
+                let longest = MARGIN * shortest(lattice, membranes);
+                lattice.step = longest.min(LATTICE_VISCOSITY * unit);
+                lattice.lattice_viscosity = lattice.step / unit;
+            }
+        }
+    }
+
+    /// A step of our own choice is shortened so that outputs come after whole steps.
+    pub(super) fn fit_step(
+        &self,
+        reader: Reader<'_>,
+        driver: Option<&mut Driver>,
+        output: &Output,
+    ) {
+        let (Some(Driver::LatticeBoltzmann(lattice)), Every::Time(interval)) =
+            (driver, output.every)
+        else {
+            return;
+        };
+        let inertia = lattice.density.is_some();
+        if reader.has("step") || (inertia && reader.has("lattice_viscosity")) {
+            return;
+        }
+        let step = interval / (interval / lattice.step).ceil();
+        if step > 0.0 && step.is_finite() {
+            if inertia {
+                lattice.lattice_viscosity *= step / lattice.step;
+            }
+            lattice.step = step;
+        }
+    }
+
+    /// Bodies at rest, which only a box of fluid can have.
+    pub(super) fn obstacles(
+        &mut self,
+        readers: &[Reader<'_>],
+        driver: Option<&Driver>,
+    ) -> Vec<Obstacle> {
+        if let (Some(driver), [first, ..]) = (driver, readers)
+            && !matches!(driver, Driver::LatticeBoltzmann(_))
+        {
+            self.contradiction(
+                first.origin(),
+                format!(
+                    "an obstacle stands in a box of fluid, and the driver \"{}\" has none: leave \
+                     [[obstacle]] out, or choose the driver \"lattice-boltzmann\"",
+                    driver.name()
+                ),
+            );
+        }
+        let mut obstacles = Vec::with_capacity(readers.len());
+        for (index, reader) in readers.iter().enumerate() {
+            obstacles.push(Obstacle {
+                name: match reader.text("name") {
+                    Some(name) => name.to_owned(),
+                    None => default_name("obstacle", index),
+                },
+                source: self.source(*reader),
+                scale: reader.number("scale").unwrap_or(1.0),
+                position: reader.vector("position").unwrap_or_default(),
+                orientation: super::surface::orientation(*reader),
+            });
+        }
+        let names = obstacles.iter().map(|obstacle| obstacle.name.as_str());
+        self.different("obstacle", &Vec::from_iter(names), readers);
+        obstacles
+    }
+}
+
+/// The shortest of the steps that something limits.
+fn shortest(lattice: &LatticeBoltzmann, membranes: &[Membrane]) -> f64 {
+    let limits = lattice.step_limits(membranes);
+    limits
+        .iter()
+        .map(|limit| limit.step)
+        .fold(f64::NAN, f64::min)
+}
+
+/// Three digits, for advice.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
+/// Area of a shape, by the midpoint rule over its pre-image.
+fn area(shape: &AnyShape) -> f64 {
+    if let AnyShape::Torus(torus) = shape {
+        return 4.0 * PI * PI * torus.radius * torus.tube_radius;
+    }
+    let count = 64;
+    let middle = |index: i32| (f64::from(index) + 0.5) / f64::from(count);
+    let points = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+    let elements = points.map(|(i, j)| {
+        let z = 2.0 * middle(i) - 1.0;
+        let (sine, cosine) = (2.0 * PI * middle(j)).sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        shape.area_element([across * cosine, across * sine, z])
+    });
+    4.0 * PI * elements.sum::<f64>() / f64::from(count * count)
+}
+
+/// Volume, area and number of triangles of a mesh file; why not, if they are not to be had.
+fn measure(path: &std::path::Path) -> Result<(f64, f64, usize), String> {
+    let file = read(path).map_err(|error| error.to_string())?;
+    let surface = Surface::new(&file.mesh, &file.positions).map_err(|error| error.to_string())?;
+    let volume = surface.volume().filter(|&volume| volume > 0.0);
+    let volume = volume.ok_or_else(|| format!("{} encloses no volume", path.display()))?;
+    Ok((volume, surface.area(), file.mesh.triangles().len()))
+}

@@ -1,0 +1,204 @@
+//! Membranes in a box of fluid on a lattice, and what limits its steps.
+
+use super::{Flow, SurfaceScene};
+use crate::flow::lattice_boltzmann::{Kernel, Units};
+use crate::scalar::Scalar;
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// Membranes in a box of fluid, moved by the lattice Boltzmann method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LatticeBoltzmann {
+    /// Viscosity μ of the fluid outside, pressure times time.
+    pub viscosity: f64,
+    /// Mass density ρ of all fluid. None: no inertia, and the flow follows from forces that are
+    /// linear in it, but for what time it takes to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// At rest, in a box that is periodic; a shear, between walls at the ends of y that move with
+    /// ±γ̇ L_y/2 along x; or a channel. Axes without walls are periodic.
+    pub flow: Flow,
+    /// The time at which the run ends; it begins at 0.
+    pub duration: f64,
+    /// Distance of nodes, a length.
+    pub spacing: f64,
+    /// Number of nodes along each axis.
+    pub cells: [usize; 3],
+    /// Centre of the box.
+    pub centre: [f64; 3],
+    /// Kinematic viscosity ν on the lattice, in units of spacing²/step.
+    pub lattice_viscosity: f64,
+    /// Time of a step, already chosen.
+    pub step: f64,
+    /// How vertices are spread over nodes.
+    pub kernel: Kernel,
+    /// Number type of the lattice, f32 or f64; membranes are always f64.
+    pub precision: Scalar,
+    /// Whether the discrete volume of each closed surface is kept to rounding.
+    pub volume_correction: bool,
+}
+
+impl LatticeBoltzmann {
+    /// The lengths of the box: a node more is a spacing more.
+    pub fn size(&self) -> [f64; 3] {
+        self.cells.map(|count| count as f64 * self.spacing)
+    }
+
+    /// The lowest and the highest coordinates of the box.
+    pub fn corners(&self) -> [[f64; 3]; 2] {
+        let size = self.size();
+        [-0.5, 0.5].map(|side| std::array::from_fn(|axis| self.centre[axis] + side * size[axis]))
+    }
+
+    /// Which axes end in walls; the others are periodic.
+    pub fn walls(&self) -> [bool; 3] {
+        match self.flow {
+            Flow::Shear { .. } => [false, true, false],
+            Flow::Channel { depth, .. } => [false, true, depth.is_some()],
+            _ => [false; 3],
+        }
+    }
+
+    /// The largest speed of the fluid, or of a wall, that there would be without membranes.
+    pub fn largest_speed(&self) -> f64 {
+        match self.flow {
+            Flow::Shear { rate } => 0.5 * rate.abs() * self.size()[1],
+            Flow::Channel {
+                centre_velocity, ..
+            } => centre_velocity.abs(),
+            _ => 0.0,
+        }
+    }
+
+    /// What lattice units are in the scene's. The density is the fluid's or, without inertia, what
+    /// viscosity and step make of it: `μ step/(ν spacing²)`.
+    pub fn units(&self) -> Units {
+        Units {
+            spacing: self.spacing,
+            step: self.step,
+            density: self.viscosity * self.step / (self.lattice_viscosity * self.spacing.powi(2)),
+        }
+    }
+
+    /// What limits the step, each by itself.
+    pub(super) fn step_limits(&self, membranes: &[Membrane]) -> Vec<StepLimit> {
+        let Self {
+            viscosity, spacing, ..
+        } = *self;
+        let largest = |of: &dyn Fn(&Membrane) -> f64| membranes.iter().map(of).fold(0.0, f64::max);
+        let pressure = self.pressure(membranes);
+        let compressibility = match self.density {
+            None => COMPRESSION * viscosity / (3.0 * self.lattice_viscosity * pressure),
+            Some(density) => spacing * (COMPRESSION * density / (3.0 * pressure)).sqrt(),
+        };
+        let speed = self.largest_speed();
+        let mut limits = vec![
+            StepLimit {
+                name: "compressibility",
+                formula: "3 P step²/(ρ spacing²) ≤ 0.01, P the largest of μγ̇, G/a, κ/a³ and σ/a",
+                step: compressibility,
+            },
+            StepLimit {
+                name: "Mach number",
+                formula: "√3 U step/spacing ≤ 0.1",
+                step: MACH * spacing / (3.0_f64.sqrt() * speed),
+            },
+        ];
+        if self.density.is_none() {
+            let radius = largest(&|membrane| membrane.radius);
+            let rate = self.flow.rate().unwrap_or(pressure / viscosity);
+            limits.push(StepLimit {
+                name: "inertia of the lattice",
+                formula: "γ̇ a² step/(ν spacing²) ≤ 0.2",
+                step: INERTIA * self.lattice_viscosity * spacing.powi(2) / (rate * radius.powi(2)),
+            });
+        }
+        limits.push(StepLimit {
+            name: "membranes",
+            formula: "step max{κ k³/(4μ), G k/(2μ), (K_s + G) k/(4μ)} ≤ 0.5, k = π/edge",
+            step: MEMBRANES * viscosity / largest(&Membrane::stiffness),
+        });
+        // What does not exist limits nothing.
+        limits.retain(|limit| limit.step.is_finite());
+        limits
+    }
+
+    /// P, the pressure by which membranes and flow move the density.
+    pub(super) fn pressure(&self, membranes: &[Membrane]) -> f64 {
+        let viscous = self.viscosity * self.flow.rate().unwrap_or(0.0);
+        membranes
+            .iter()
+            .map(Membrane::pressure)
+            .fold(viscous, f64::max)
+    }
+}
+
+/// 3 P in lattice units, which is the density's change: of 0.01 the volume of a capsule is off by as
+/// much, and its deformation by 2 %.
+pub(super) const COMPRESSION: f64 = 0.01;
+/// Errors by compressibility go with its square.
+pub(super) const MACH: f64 = 0.1;
+/// Reynolds number by the density that only the lattice has.
+pub(super) const INERTIA: f64 = 0.2;
+/// Steps in the time in which the stiffest mode of a membrane of this mesh decays.
+pub(super) const MEMBRANES: f64 = 0.5;
+
+/// The longest step that something allows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StepLimit {
+    /// What allows no more.
+    pub name: &'static str,
+    /// What has to hold.
+    pub formula: &'static str,
+    /// The step at which it just holds, a time.
+    pub step: f64,
+}
+
+/// What a lattice has to know of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Membrane {
+    /// a, that of the sphere of the same volume.
+    pub(super) radius: f64,
+    /// The edge of an equilateral triangle of the mean area.
+    pub(super) edge: f64,
+    /// κ.
+    bending: f64,
+    /// G.
+    shear: f64,
+    /// K_s, that of a local area law with it.
+    dilation: f64,
+    /// σ, without sign.
+    tension: f64,
+}
+
+impl Membrane {
+    /// A surface whose mesh has this radius, area and number of triangles.
+    pub(super) fn new(surface: &SurfaceScene, radius: f64, area: f64, triangles: usize) -> Self {
+        let law = surface.elasticity.as_ref().map(|elasticity| elasticity.law);
+        let local = surface.local_area.as_ref();
+        Self {
+            radius,
+            edge: (4.0 * area / (3_f64.sqrt() * triangles as f64)).sqrt(),
+            bending: surface.bending.map_or(0.0, |bending| bending.modulus),
+            shear: law.map_or(0.0, |law| law.shear_modulus()),
+            dilation: law.map_or(0.0, |law| law.area_modulus())
+                + local.map_or(0.0, |local| local.modulus),
+            tension: surface.tension.map_or(0.0, f64::abs),
+        }
+    }
+
+    /// The pressure that it resists by.
+    fn pressure(&self) -> f64 {
+        let plane = self.shear.max(self.tension) / self.radius;
+        plane.max(self.bending / self.radius.powi(3))
+    }
+
+    /// Decay rate times viscosity of the shortest waves of its mesh, on a flat membrane in fluid: by
+    /// bending, by shear in the plane, by dilation.
+    pub(super) fn stiffness(&self) -> f64 {
+        let wave = PI / self.edge;
+        let dilation = 0.25 * (self.dilation + self.shear + self.tension) * wave;
+        let bending = 0.25 * self.bending * wave.powi(3);
+        bending.max(0.5 * self.shear * wave).max(dilation)
+    }
+}

@@ -1,0 +1,238 @@
+//! Membranes in a box of fluid: the driver lattice-boltzmann.
+
+use super::valid;
+use helfrich_std::flow::lattice_boltzmann::Kernel;
+use helfrich_std::scalar::Scalar;
+use helfrich_std::scene::{
+    Driver, Every, Flow, LatticeBoltzmann, MeshSource, Obstacle, Orientation, Probe, Scene, Volume,
+};
+use helfrich_tests::tolerance;
+
+/// The capsule of Guckenberger et al. 2016 in a box: effects from line 8 on, the driver from 11 on.
+const CAPSULE: &str = r#"units = "none"
+[[surface]]
+name = "capsule"
+shape = "sphere:1"
+family = "regular"
+vertices = 642
+match_volume = true
+bending = { method = "B", modulus = 0.1125 }
+elasticity = { law = "neo-hookean", shear_modulus = 1 }
+[driver]
+kind = "lattice-boltzmann"
+viscosity = 1
+flow = { kind = "shear", rate = 0.15 }
+strain = 4
+resolution = 6
+"#;
+
+#[track_caller]
+fn driver(scene: &Scene) -> LatticeBoltzmann {
+    match scene.driver {
+        Driver::LatticeBoltzmann(driver) => driver,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn every_key_is_read() {
+    let file = valid(
+        r#"
+units = "micro"
+[[surface]]
+shape = "sphere:3"
+vertices = 2562
+elasticity = { law = "skalak", shear_modulus = 5.3, area_ratio = 1 }
+bending = { method = "j4", modulus = "2e-19 J" }
+[[obstacle]]
+name = "bump"
+shape = "sphere:1"
+vertices = 642
+position = ["2 µm", -9, 0]
+scale = 4
+orientation = { axis = [0, 0, 1], angle = 30 }
+[[obstacle]]
+mesh = "bump.ply"
+[driver]
+kind = "lattice-boltzmann"
+viscosity = "1.2 mPa s"
+density = "1000 kg/m³"
+flow = { kind = "channel", centre_velocity = "1 mm/s", section = "duct" }
+duration = "20 ms"
+spacing = "500 nm"
+box = ["24 µm", 16.1, 12]
+centre = [1, "2 µm", 3]
+step = "20 ns"
+kernel = "four"
+precision = "f32"
+volume_correction = false
+[output]
+interval = "1 ms"
+[[output.probe]]
+name = "ahead"
+point = ["10 µm", 0, 0]
+[[output.probe]]
+point = [1, 2, 3]
+[[output.volume]]
+name = "all"
+stride = 2
+[[output.volume]]
+"#,
+    );
+    let scene = &file.scene;
+    let expected = LatticeBoltzmann {
+        viscosity: 1.2e-3,
+        density: Some(1e-9),
+        flow: Flow::Channel {
+            centre_velocity: 1000.0,
+            width: 16.0,
+            depth: Some(12.0),
+        },
+        duration: 0.02,
+        spacing: 0.5,
+        cells: [48, 32, 24],
+        centre: [1.0, 2.0, 3.0],
+        lattice_viscosity: driver(scene).lattice_viscosity,
+        step: 2e-8,
+        kernel: Kernel::Four,
+        precision: Scalar::F32,
+        volume_correction: false,
+    };
+    assert_eq!(driver(scene), expected);
+    // μ step/(ρ spacing²), 1.2e6 µm²/s of kinematic viscosity.
+    let viscosity = driver(scene).lattice_viscosity;
+    tolerance::SCENE_NUMBER.assert(viscosity, 0.096, 0.096, "lattice viscosity");
+    assert_eq!(driver(scene).walls(), [false, true, true]);
+    assert_eq!(driver(scene).size(), [24.0, 16.0, 12.0]);
+    let corners = [[-11.0, -6.0, -3.0], [13.0, 10.0, 9.0]];
+    assert_eq!(driver(scene).corners(), corners);
+    let [bump, other] = scene.obstacles.as_slice() else {
+        panic!("{:?}", scene.obstacles);
+    };
+    assert!(matches!(
+        bump.source,
+        MeshSource::Shape { vertices: 642, .. }
+    ));
+    let placed = Obstacle {
+        name: "bump".to_owned(),
+        source: bump.source.clone(),
+        scale: 4.0,
+        position: [2.0, -9.0, 0.0],
+        orientation: Some(Orientation {
+            axis: [0.0, 0.0, 1.0],
+            angle: 30.0,
+        }),
+    };
+    assert_eq!(bump, &placed);
+    let file = Obstacle {
+        name: "obstacle-2".to_owned(),
+        source: MeshSource::File("folder/bump.ply".into()),
+        scale: 1.0,
+        position: [0.0; 3],
+        orientation: None,
+    };
+    assert_eq!(other, &file);
+    let probe = |name: &str, point| Probe {
+        name: name.to_owned(),
+        point,
+    };
+    let probes = [
+        probe("ahead", [10.0, 0.0, 0.0]),
+        probe("probe-2", [1.0, 2.0, 3.0]),
+    ];
+    assert_eq!(scene.output.probes, probes);
+    let volume = |name: &str, stride| Volume {
+        name: name.to_owned(),
+        stride,
+    };
+    let volumes = [volume("all", 2), volume("volume-2", 1)];
+    assert_eq!(scene.output.volumes, volumes);
+}
+
+#[test]
+fn what_is_left_out_has_its_default() {
+    let scene = valid(CAPSULE).scene;
+    let found = driver(&scene);
+    let expected = LatticeBoltzmann {
+        viscosity: 1.0,
+        density: None,
+        flow: Flow::Shear { rate: 0.15 },
+        duration: 4.0 / 0.15,
+        spacing: found.spacing,
+        cells: [42; 3],
+        centre: [0.0; 3],
+        lattice_viscosity: 1.0 / 6.0,
+        step: found.step,
+        kernel: Kernel::Two,
+        precision: Scalar::F64,
+        volume_correction: true,
+    };
+    assert_eq!(found, expected);
+    // a = 1 whatever the polyhedron encloses.
+    tolerance::SCENE_NUMBER.assert(found.spacing, 1.0 / 6.0, 1.0, "spacing");
+    assert_eq!(found.walls(), [false, true, false]);
+    // Outputs come after whole steps.
+    let Every::Time(interval) = scene.output.every else {
+        panic!("{:?}", scene.output.every);
+    };
+    let steps = interval / found.step;
+    tolerance::SCENE_NUMBER.assert(steps, steps.round(), steps, "steps an interval");
+    assert_eq!(scene.obstacles, []);
+}
+
+/// μU/(G H²) in the middle of a duct H wide and `ratio` H deep: ∇²u = −1 by differences of second
+/// order on a quarter of it, relaxed with the factor that is best for a square.
+fn velocity_in_the_middle(ratio: usize) -> f64 {
+    const HALF: usize = 30;
+    let [rows, columns] = [HALF, HALF * ratio];
+    // From the middle to the walls; what lies beyond the middle is mirrored.
+    let mut u = vec![vec![0.0; columns + 1]; rows + 1];
+    let spacing = 0.5 / HALF as f64;
+    let factor = 2.0 / (1.0 + std::f64::consts::PI / (2 * columns) as f64);
+    for _ in 0..40 * columns {
+        for i in 0..rows {
+            for j in 0..columns {
+                let across = u[i + 1][j] + u[i.abs_diff(1)][j];
+                let along = u[i][j + 1] + u[i][j.abs_diff(1)];
+                let relaxed = 0.25 * (across + along + spacing * spacing);
+                u[i][j] += factor * (relaxed - u[i][j]);
+            }
+        }
+    }
+    u[0][0]
+}
+
+/// Books give 0.07367 for a square duct; plates have 1/8.
+#[test]
+fn channels_are_driven_by_the_force_that_their_velocity_takes() {
+    let force = |centre_velocity: f64, width: f64, depth: Option<f64>, viscosity: f64| {
+        let flow = Flow::Channel {
+            centre_velocity,
+            width,
+            depth,
+        };
+        flow.driving_force(viscosity).unwrap()
+    };
+    let [velocity, width, viscosity] = [3.0, 2.0, 5.0];
+    for (depth, share) in [
+        (None, 0.125),
+        (Some(2.0), 0.07367),
+        (Some(2.0), velocity_in_the_middle(1)),
+        (Some(4.0), velocity_in_the_middle(2)),
+        (Some(1e6), 0.125),
+    ] {
+        let force = force(velocity, width, depth, viscosity);
+        let found = viscosity * velocity / (force * width * width);
+        tolerance::DUCT.assert(found, share, share, &format!("{depth:?}"));
+    }
+    // It does not matter which side is which.
+    let [high, wide] = [(1.0, 2.0), (2.0, 1.0)].map(|(h, d)| force(1.0, h, Some(d), 1.0));
+    tolerance::SCENE_NUMBER.assert(high, wide, wide, "turned");
+    assert_eq!(Flow::Shear { rate: 1.0 }.driving_force(1.0), None);
+    let channel = Flow::Channel {
+        centre_velocity: -3.0,
+        width: 2.0,
+        depth: None,
+    };
+    assert_eq!(channel.rate(), Some(6.0));
+}
