@@ -8,6 +8,7 @@ use crate::flow::lattice_boltzmann::Precision;
 use crate::flow::lattice_boltzmann::force::NodalForces;
 use crate::flow::lattice_boltzmann::stencil::{Layout, Q, VELOCITIES, opposite, wrapped};
 use crate::flow::lattice_boltzmann::vectors::Vector;
+use crate::flow::lattice_boltzmann::viscosity::NodalViscosities;
 use pulp::{Simd, WithSimd};
 use std::{array, mem};
 
@@ -35,8 +36,8 @@ pub(super) struct Slab<'a, 'b, T> {
 pub(super) struct Fluid<'a, T> {
     /// 3ν, without regard to nodes.
     pub(super) tripled_viscosity: T,
-    /// 3ν of each node.
-    pub(super) tripled_viscosities: Option<&'a [T]>,
+    /// Others on some nodes.
+    pub(super) viscosities: Option<&'a NodalViscosities<T>>,
     /// Force on every node.
     pub(super) force: [T; 3],
     /// Further forces on some.
@@ -80,17 +81,15 @@ impl<T: Precision> WithSimd for Slab<'_, '_, T> {
                         }
                     };
                 }
-                let nodes = length * (y + rows * z)..length * (y + rows * z + 1);
-                let forces = self
-                    .fluid
-                    .forces
-                    .and_then(|forces| forces.row(y + rows * z));
-                let row = Row {
-                    tripled_viscosities: self
-                        .fluid
-                        .tripled_viscosities
-                        .map(|all| &all[nodes.clone()]),
+                let number = y + rows * z;
+                let Fluid {
+                    viscosities,
                     forces,
+                    ..
+                } = self.fluid;
+                let row = Row {
+                    tripled_viscosities: viscosities.and_then(|all| all.row(number)),
+                    forces: forces.and_then(|forces| forces.row(number)),
                 };
                 collide_row(simd, slots, &self.fluid, &row);
                 if self.odd {
@@ -475,7 +474,7 @@ mod tests {
     fn populations_are_those_of_the_formulas() {
         let fluid = Fluid {
             tripled_viscosity: 0.6,
-            tripled_viscosities: None,
+            viscosities: None,
             force: [3e-3, -1e-3, 2e-3],
             forces: None,
             inertia: 1.0,

@@ -1,7 +1,8 @@
 //! Forces on nodes.
 
-use crate::flow::lattice_boltzmann::Precision;
 use crate::flow::lattice_boltzmann::stencil::Layout;
+use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
+use std::array;
 use std::ops::Range;
 
 /// Forces on some nodes. Rows along x without any are not read.
@@ -103,5 +104,62 @@ impl<T: Precision> ForceRow<'_, T> {
         for (axis, force) in self.axes.iter_mut().zip(force) {
             axis[x] += force;
         }
+    }
+}
+
+impl<T: Precision> Lattice<T> {
+    /// Sets a force on every node: a pressure gradient, or gravity.
+    ///
+    /// # Errors
+    /// If it is not finite.
+    pub fn set_force(&mut self, force: [f64; 3]) -> Result<(), LatticeError> {
+        self.force = checked_force(force)?;
+        Ok(())
+    }
+
+    /// Adds to the forces on single nodes, which exist from then on. They act in every step until
+    /// they are cleared.
+    ///
+    /// # Errors
+    /// If the force is not finite.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    pub fn add_force(&mut self, cell: [usize; 3], force: [f64; 3]) -> Result<(), LatticeError> {
+        self.assert_inside(cell);
+        let force = checked_force(force)?.map(T::constant);
+        let node = self.layout.node(cell);
+        self.nodal_forces().add(node, force);
+        Ok(())
+    }
+
+    pub(super) fn nodal_forces(&mut self) -> &mut NodalForces<T> {
+        (self.forces).get_or_insert_with(|| NodalForces::new(&self.layout))
+    }
+
+    /// Takes away all forces on single nodes.
+    pub fn clear_forces(&mut self) {
+        if let Some(forces) = &mut self.forces {
+            forces.clear();
+        }
+    }
+
+    /// The force on a node.
+    pub(super) fn force_at(&self, node: usize) -> [f64; 3] {
+        match &self.forces {
+            None => self.force,
+            Some(forces) => {
+                let own = forces.at(node);
+                array::from_fn(|axis| self.force[axis] + number(own[axis]))
+            }
+        }
+    }
+}
+
+pub(super) fn checked_force(force: [f64; 3]) -> Result<[f64; 3], LatticeError> {
+    if force.iter().all(|component| component.is_finite()) {
+        Ok(force)
+    } else {
+        Err(LatticeError::Force { force })
     }
 }

@@ -3,10 +3,9 @@
 //! C. S. Peskin, Acta Numerica 11 (2002) 479; the kernel of three points: A. M. Roma, C. S. Peskin,
 //! M. J. Berger, J. Comput. Phys. 153 (1999) 509.
 
-use crate::flow::lattice_boltzmann::force::ForceSlab;
-use crate::flow::lattice_boltzmann::{
-    Lattice, LatticeError, Moments, Precision, Row, checked_force,
-};
+use crate::flow::lattice_boltzmann::force::{ForceSlab, checked_force};
+use crate::flow::lattice_boltzmann::reading::{Moments, Row};
+use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision};
 use serde::{Deserialize, Serialize};
 use std::array;
 

@@ -42,10 +42,11 @@ pub(super) fn for_each_row_inside(
     }
 }
 
-/// The numbers n with n + ½ among or between the values; one more on either side does no harm.
+/// The numbers n with n + ½ among or between the values. Rounding may add one, which does no harm,
+/// and takes none.
 fn centres([a, b, c]: [f64; 3]) -> Range<i64> {
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-    (low - 0.5).floor() as i64..(high + 0.5).ceil() as i64
+    (low - 0.5).ceil() as i64..(high - 0.5).floor() as i64 + 1
 }
 
 /// 1 or −1 if a triangle's side crosses the half-line from `line` towards larger z, up or down y.

@@ -1,0 +1,196 @@
+//! Flows against exact ones.
+
+use crate::{between, cells, lattice, periodic, seen, stirred, turned, unit};
+use helfrich_std::flow::lattice_boltzmann::{LatticeError, Node, Setup, Sides};
+use helfrich_tests::tolerance;
+use std::f64::consts::TAU;
+
+#[test]
+fn flow_between_plates_is_the_exact_parabola() {
+    // Along each axis and across each: every direction's walls are tried, at any viscosity.
+    for (viscosity, axis, inertia) in [(0.1, 0, true), (1.0, 1, true), (0.4, 2, false)] {
+        let across = (axis + 1) % 3;
+        let (width, force) = (9, 1e-5);
+        let setup = Setup {
+            inertia,
+            ..periodic(turned([3, width, 2], axis), viscosity)
+        };
+        let mut lattice = lattice::<f64>(between(across, Sides::RESTING, setup));
+        lattice.set_force(unit(axis, force)).unwrap();
+        lattice.advance((20.0 * (width * width) as f64 / viscosity) as u64 / 2);
+        let width = width as f64;
+        let top = force * width * width / (8.0 * viscosity);
+        for cell in cells(lattice.cells()) {
+            let height = cell[across] as f64 + 0.5;
+            let expected = unit(axis, force / (2.0 * viscosity) * height * (width - height));
+            let found = lattice.node(cell);
+            for (found, expected) in found.velocity.into_iter().zip(expected) {
+                tolerance::LATTICE_STEADY.assert(found, expected, top, "u");
+            }
+            tolerance::LATTICE_STEADY.assert(found.density, 1.0, 1.0, "density");
+        }
+        // Each wall carries half of the force on the fluid.
+        let on_fluid = force * cells(lattice.cells()).count() as f64;
+        for found in lattice.wall_forces(across) {
+            tolerance::LATTICE_STEADY.assert(found[axis], 0.5 * on_fluid, on_fluid, "force");
+        }
+    }
+}
+
+#[test]
+fn flow_between_moving_plates_is_exactly_linear() {
+    for (viscosity, axis) in [(0.05, 0), (0.7, 1), (0.2, 2)] {
+        let across = (axis + 2) % 3;
+        let speeds = [-0.02, 0.05];
+        let walls = Sides::Walls {
+            low: unit(axis, speeds[0]),
+            high: unit(axis, speeds[1]),
+        };
+        let setup = periodic(turned([2, 3, 8], axis), viscosity);
+        let mut lattice = lattice::<f64>(between(across, walls, setup));
+        lattice.advance((10.0 * 64.0 / viscosity) as u64);
+        let rate = (speeds[1] - speeds[0]) / 8.0;
+        for cell in cells(lattice.cells()) {
+            let expected = unit(axis, speeds[0] + rate * (cell[across] as f64 + 0.5));
+            for (found, expected) in lattice.node(cell).velocity.into_iter().zip(expected) {
+                tolerance::LATTICE_STEADY.assert(found, expected, 0.05, "u");
+            }
+        }
+        let [low, high] = lattice.wall_forces(across);
+        let shear = 6.0 * viscosity * rate;
+        tolerance::LATTICE_STEADY.assert(low[axis], shear, shear, "force on the low wall");
+        tolerance::LATTICE_STEADY.assert(high[axis], -shear, shear, "force on the high wall");
+    }
+}
+
+/// A vortex of Taylor and Green in the plane across an axis, in a stream: the velocity at a time.
+struct Vortex {
+    edge: usize,
+    speed: f64,
+    stream: [f64; 2],
+    viscosity: f64,
+}
+
+impl Vortex {
+    fn node(&self, cell: [usize; 3], time: f64) -> Node {
+        let k = TAU / self.edge as f64;
+        let phase = |axis: usize| k * (cell[axis] as f64 + 0.5 - self.stream[axis] * time);
+        let (x, y) = (phase(0), phase(1));
+        let speed = self.speed * (-2.0 * self.viscosity * k * k * time).exp();
+        let [u, v] = self.stream;
+        Node {
+            density: 1.0 - 0.75 * speed * speed * ((2.0 * x).cos() + (2.0 * y).cos()),
+            velocity: [
+                u - speed * x.cos() * y.sin(),
+                v + speed * x.sin() * y.cos(),
+                0.0,
+            ],
+        }
+    }
+
+    /// The largest error of the velocity, relative, after the vortex has lost half of its speed.
+    fn error(&self) -> f64 {
+        let mut lattice = lattice::<f64>(periodic([self.edge, self.edge, 1], self.viscosity));
+        lattice.fill(|cell| self.node(cell, 0.0));
+        let k = TAU / self.edge as f64;
+        let steps = (2.0_f64.ln() / (2.0 * self.viscosity * k * k)).round();
+        lattice.advance(steps as u64);
+        let mut largest: f64 = 0.0;
+        for cell in cells(lattice.cells()) {
+            let (found, expected) = (lattice.node(cell), self.node(cell, steps));
+            for axis in 0..3 {
+                largest = largest.max((found.velocity[axis] - expected.velocity[axis]).abs());
+            }
+        }
+        largest / self.speed
+    }
+}
+
+#[test]
+fn vortices_decay_at_second_order() {
+    let errors = [12, 24, 48].map(|edge| {
+        Vortex {
+            edge,
+            // The Mach number falls with the distance of nodes, the Reynolds number stays.
+            speed: 0.6 / edge as f64,
+            stream: [0.0; 2],
+            viscosity: 0.1,
+        }
+        .error()
+    });
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((1.8..2.4).contains(&order), "order {order} in {errors:?}");
+    }
+    tolerance::LATTICE_VORTEX.assert(errors[2], 0.0, 1.0, "velocity");
+}
+
+#[test]
+fn vortices_decay_alike_in_a_stream() {
+    let error = Vortex {
+        edge: 48,
+        speed: 0.6 / 48.0,
+        stream: [0.04, -0.03],
+        viscosity: 0.1,
+    }
+    .error();
+    tolerance::LATTICE_STREAM.assert(error, 0.0, 1.0, "velocity");
+}
+
+/// Two layers of fluids between moving plates: the stress is the same in both.
+#[test]
+fn viscosities_may_differ_from_node_to_node() {
+    let walls = Sides::Walls {
+        low: [0.0; 3],
+        high: [0.03, 0.0, 0.0],
+    };
+    let viscosities = [0.1, 0.3];
+    let of_layer = |y: usize| viscosities[usize::from(y >= 8)];
+    let mut layers = lattice::<f64>(between(1, walls, periodic([2, 16, 1], 0.2)));
+    let bytes = layers.bytes();
+    layers.set_viscosities(|[_, y, _]| of_layer(y)).unwrap();
+    assert_eq!(layers.bytes(), bytes + 2 * 16 * size_of::<f64>());
+    layers.advance(20_000);
+    let stress = 0.03 / (8.0 / viscosities[0] + 8.0 / viscosities[1]);
+    let mut velocity = 0.0;
+    for y in 0..16 {
+        let step = 0.5 * stress / of_layer(y);
+        velocity += step;
+        let found = layers.node([0, y, 0]).velocity[0];
+        tolerance::LATTICE_STEADY.assert(found, velocity, 0.03, "u");
+        velocity += step;
+    }
+    assert!(matches!(
+        layers.set_viscosities(|_| -1.0),
+        Err(LatticeError::Viscosity { .. })
+    ));
+}
+
+#[test]
+fn without_inertia_velocities_add_up() {
+    let size = [9, 6, 7];
+    let setup = Setup {
+        inertia: false,
+        ..periodic(size, 0.1)
+    };
+    let velocity = |factor: f64| {
+        let mut lattice = lattice::<f64>(setup.clone());
+        let flow = stirred(size);
+        lattice.fill(|cell| {
+            let Node { density, velocity } = flow(cell);
+            Node {
+                density: 1.0 + factor * (density - 1.0),
+                velocity: velocity.map(|u| factor * u),
+            }
+        });
+        lattice.set_force([factor * 1e-3, 0.0, 0.0]).unwrap();
+        lattice.advance(9);
+        seen(&lattice)
+    };
+    for (once, tenfold) in velocity(1.0).iter().zip(velocity(10.0)) {
+        for axis in 0..3 {
+            let (once, tenfold) = (once.velocity[axis], tenfold.velocity[axis]);
+            tolerance::LATTICE_ROUNDING.assert(tenfold, 10.0 * once, 0.5, "velocity");
+        }
+    }
+}

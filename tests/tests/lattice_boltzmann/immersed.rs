@@ -1,0 +1,257 @@
+//! Points in the fluid.
+
+use crate::{cells, everything, lattice, periodic, scattered, seen, stirred};
+use helfrich_std::flow::lattice_boltzmann::{Immersed, Kernel, Node, Setup, Sides};
+use helfrich_tests::meshes::SplitMix64;
+use helfrich_tests::tolerance;
+use std::f64::consts::PI;
+
+const KERNELS: [Kernel; 3] = [Kernel::Two, Kernel::Three, Kernel::Four];
+
+#[test]
+fn kernels_keep_sums_and_first_moments() {
+    for kernel in KERNELS {
+        for step in 0..=40 {
+            let place = -0.5 + 0.025 * f64::from(step);
+            let nodes = Vec::from_iter((-4..=4).map(|node| f64::from(node) - place));
+            let sum = |value: &dyn Fn(f64) -> f64| -> f64 {
+                nodes.iter().map(|&r| value(r) * kernel.weight(r)).sum()
+            };
+            let used = nodes.iter().filter(|&&r| kernel.weight(r) != 0.0).count();
+            assert!(used <= kernel.points(), "{kernel:?} at {place}: {used}");
+            let assert = |found, expected, what: &str| {
+                let what = format!("{what} of {kernel:?} at {place}");
+                tolerance::LATTICE_KERNEL.assert(found, expected, 1.0, &what);
+            };
+            assert(sum(&|_| 1.0), 1.0, "sum");
+            assert(sum(&|r| r), 0.0, "first moment");
+            let squares = sum(&|r| kernel.weight(r));
+            match kernel {
+                Kernel::Two => {}
+                Kernel::Three => assert(squares, 0.5, "squares"),
+                Kernel::Four => {
+                    assert(squares, 0.375, "squares");
+                    let even: f64 = (nodes.iter().step_by(2)).map(|&r| kernel.weight(r)).sum();
+                    assert(even, 0.5, "even nodes");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn spread_forces_add_up() {
+    let size = [9, 7, 8];
+    let points = scattered(40, size);
+    let mut random = SplitMix64::new(3);
+    let forces = Vec::from_iter(
+        points
+            .iter()
+            .map(|_| [(); 3].map(|()| 1e-3 * random.symmetric())),
+    );
+    for kernel in KERNELS {
+        let mut lattice = lattice::<f64>(periodic(size, 0.1));
+        let mut immersed = Immersed::new(kernel);
+        // Periods away is the same place.
+        let away = points.iter().map(|&[x, y, z]| [x - 9.0, y + 14.0, z]);
+        immersed.place(&lattice, &Vec::from_iter(away)).unwrap();
+        immersed.spread(&mut lattice, &forces).unwrap();
+        lattice.advance(5);
+        for axis in 0..3 {
+            let total: f64 = forces.iter().map(|force| force[axis]).sum();
+            // Half of the force of the next step counts as there.
+            let found = lattice.momentum()[axis];
+            tolerance::LATTICE_ROUNDING.assert(found, 5.5 * total, 0.05 * 504.0, "momentum");
+        }
+        lattice.clear_forces();
+        let before = lattice.momentum();
+        lattice.advance(1);
+        for (found, expected) in lattice.momentum().into_iter().zip(before) {
+            tolerance::LATTICE_ROUNDING.assert(found, expected, 0.05 * 504.0, "without forces");
+        }
+    }
+}
+
+#[test]
+fn forces_act_where_they_are_and_keep_their_torque() {
+    for kernel in KERNELS {
+        // Without a step, fluid at rest has the velocity F/2.
+        let mut lattice = lattice::<f64>(periodic([9, 8, 10], 0.1));
+        let point = [4.3, 3.9, 5.62];
+        let force = [1e-3, -2e-3, 5e-4];
+        let mut immersed = Immersed::new(kernel);
+        immersed.place(&lattice, &[point]).unwrap();
+        immersed.spread(&mut lattice, &[force]).unwrap();
+        let mut first = [[0.0; 3]; 3];
+        for cell in cells([9, 8, 10]) {
+            let velocity = lattice.node(cell).velocity;
+            for (axis, first) in first.iter_mut().enumerate() {
+                let away = cell[axis] as f64 + 0.5 - point[axis];
+                for (first, velocity) in first.iter_mut().zip(velocity) {
+                    *first += away * 2.0 * velocity;
+                }
+            }
+        }
+        for moment in first.into_iter().flatten() {
+            tolerance::LATTICE_KERNEL.assert(moment, 0.0, 1e-3, "first moment of the force");
+        }
+    }
+}
+
+#[test]
+fn linear_flows_are_interpolated_exactly() {
+    // Between walls, so that the flow may be linear: the wall at 0 is 1 or 2 nodes away.
+    let size = [10, 9, 11];
+    let setup = Setup {
+        sides: [Sides::RESTING; 3],
+        ..periodic(size, 0.1)
+    };
+    let flow = |[x, y, z]: [f64; 3]| {
+        [
+            0.01 + 0.002 * x - 0.003 * y,
+            0.004 * z - 0.02,
+            0.001 * (x + y + z),
+        ]
+    };
+    let points = Vec::from_iter(scattered(60, [7, 6, 8]).iter().map(|x| x.map(|x| x + 1.5)));
+    // Before even steps and before odd ones.
+    for inertia in [true, false] {
+        let setup = Setup {
+            inertia,
+            ..setup.clone()
+        };
+        let mut lattice = lattice::<f64>(setup);
+        // Filling takes half of the force into account, as reading does.
+        lattice.set_force([2e-3, -1e-3, 3e-3]).unwrap();
+        for _ in 0..2 {
+            lattice.fill(|cell| Node {
+                density: 1.02,
+                velocity: flow(cell.map(|k| k as f64 + 0.5)),
+            });
+            for kernel in KERNELS {
+                let mut immersed = Immersed::new(kernel);
+                let mut velocities = vec![[f64::NAN; 3]; points.len()];
+                immersed.place(&lattice, &points).unwrap();
+                immersed.interpolate(&lattice, &mut velocities);
+                for (found, &point) in velocities.iter().zip(&points) {
+                    for (&found, expected) in found.iter().zip(flow(point)) {
+                        tolerance::LATTICE_KERNEL.assert(found, expected, 0.05, "velocity");
+                    }
+                }
+            }
+            lattice.advance(1);
+        }
+    }
+}
+
+/// What is interpolated is the transpose of what is spread: forces do the work that the fluid gets.
+#[test]
+fn work_on_points_is_work_on_nodes() {
+    let size = [9, 7, 8];
+    let points = scattered(30, size);
+    let mut random = SplitMix64::new(5);
+    let forces = Vec::from_iter(
+        points
+            .iter()
+            .map(|_| [(); 3].map(|()| 1e-3 * random.symmetric())),
+    );
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    for kernel in KERNELS {
+        let mut lattice = lattice::<f64>(periodic(size, 0.1));
+        lattice.fill(stirred(size));
+        lattice.advance(1);
+        let before = seen(&lattice);
+        let mut immersed = Immersed::new(kernel);
+        immersed.place(&lattice, &points).unwrap();
+        let mut velocities = vec![[0.0; 3]; points.len()];
+        immersed.interpolate(&lattice, &mut velocities);
+        let at_points: f64 = velocities
+            .iter()
+            .zip(&forces)
+            .map(|(&u, &f)| dot(u, f))
+            .sum();
+        immersed.spread(&mut lattice, &forces).unwrap();
+        let at_nodes: f64 = (before.iter().zip(seen(&lattice)))
+            .map(|(before, after)| {
+                let force = [0, 1, 2].map(|axis| {
+                    2.0 * after.density * (after.velocity[axis] - before.velocity[axis])
+                });
+                dot(before.velocity, force)
+            })
+            .sum();
+        tolerance::LATTICE_WORK.assert(at_nodes, at_points, 1e-3, "work");
+    }
+}
+
+#[test]
+fn points_and_forces_do_not_depend_on_the_number_of_threads() {
+    let run = |threads| {
+        let mut lattice = everything::<f64>(threads);
+        let mut points = Vec::from_iter(
+            scattered(1500, [11, 4, 9])
+                .iter()
+                .map(|&[x, y, z]| [x, y.min(3.0) + 2.0, z]),
+        );
+        let mut immersed = Immersed::new(Kernel::Four);
+        let mut velocities = vec![[0.0; 3]; points.len()];
+        for _ in 0..5 {
+            immersed.place(&lattice, &points).unwrap();
+            lattice.clear_forces();
+            let forces = Vec::from_iter(
+                points
+                    .iter()
+                    .map(|&[x, y, z]| [3e-5 * y, 6e-6 * z, -3e-6 * x]),
+            );
+            immersed.spread(&mut lattice, &forces).unwrap();
+            immersed.interpolate(&lattice, &mut velocities);
+            lattice.advance(1);
+            for (point, velocity) in points.iter_mut().zip(&velocities) {
+                for (x, u) in point.iter_mut().zip(velocity) {
+                    *x += u;
+                }
+            }
+        }
+        (lattice.state().clone(), points)
+    };
+    let alone = run(1);
+    for threads in [2, 3, 20] {
+        assert!(alone == run(threads), "{threads} threads");
+    }
+}
+
+/// H. Hasimoto, J. Fluid Mech. 5 (1959) 317: in a cubic box a force F moves by 2.8373 F/(6πμL) less than in open fluid.
+/// The velocity by the images has the Laplacian 2F/(3μL³) there, of which a force that is spread by
+/// σ² along each axis sees σ². The difference of two boxes does not know the fluid near the point.
+#[test]
+fn point_forces_feel_their_images() {
+    let (viscosity, force, offset) = (0.5, 1e-4, 0.2);
+    for kernel in KERNELS {
+        let mobility = |edge: usize| {
+            let mut lattice = lattice::<f64>(Setup {
+                inertia: false,
+                ..periodic([edge; 3], viscosity)
+            });
+            // What the point gives to the fluid, all of it takes away.
+            let volume = (edge * edge * edge) as f64;
+            lattice.set_force([-force / volume, 0.0, 0.0]).unwrap();
+            let mut immersed = Immersed::new(kernel);
+            immersed.place(&lattice, &[[3.5 + offset; 3]]).unwrap();
+            immersed.spread(&mut lattice, &[[force, 0.0, 0.0]]).unwrap();
+            lattice.advance((edge * edge) as u64);
+            let mut velocity = [[0.0; 3]];
+            immersed.interpolate(&lattice, &mut velocity);
+            velocity[0][0] / force
+        };
+        let spread: f64 = (-3..=3)
+            .map(|node| f64::from(node) - offset)
+            .map(|r| r * r * kernel.weight(r))
+            .sum();
+        let slower = |edge: f64| {
+            let volume = edge * edge * edge;
+            2.8373 / (6.0 * PI * viscosity * edge) - 2.0 * spread / (3.0 * viscosity * volume)
+        };
+        let expected = slower(14.0) - slower(28.0);
+        let found = mobility(28) - mobility(14);
+        tolerance::LATTICE_IMAGES.assert(found, expected, expected, "difference");
+    }
+}
