@@ -6,16 +6,25 @@
 //!   forces. [`SingleLayer`] is the velocity that membranes give to fluid of one viscosity, inside
 //!   and outside; [`DoubleLayer`] is what another viscosity inside adds, and [`Gmres`] solves the
 //!   equation that it leads to. [`Suspension`] puts them together.
-//! * [`lattice_boltzmann`], fluid with walls and inertia on a lattice, with points immersed in it.
+//! * [`lattice_boltzmann`], fluid with walls and inertia on a lattice. [`Immersion`] puts membranes
+//!   into it.
+//!
+//! Both ask [`Membranes`] for their forces, and keep their volumes by [`KeptVolumes`].
 
 mod boundary_integral;
 mod gmres;
+mod immersion;
 pub mod lattice_boltzmann;
+mod membranes;
 mod suspension;
+mod volume;
 
 pub use boundary_integral::{DoubleLayer, SingleLayer};
 pub use gmres::{Gmres, Product, Solved};
-pub use suspension::{Effort, Fluid, Membranes, Moving, SOLUTION_TOLERANCE, Suspension};
+pub use immersion::{Immersion, ImmersionError, ImmersionState};
+pub use membranes::{Effort, Fluid, Membranes};
+pub use suspension::{Moving, SOLUTION_TOLERANCE, Suspension};
+pub use volume::KeptVolumes;
 
 use glam::{DMat3, DVec3};
 

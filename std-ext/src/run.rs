@@ -14,6 +14,7 @@
 //! again cuts the series back to the checkpoint. Whenever a run is killed, nothing is lost but
 //! what came after its last checkpoint.
 
+mod clock;
 mod deformed;
 mod drive;
 mod files;
@@ -23,6 +24,7 @@ mod relaxing;
 
 use crate::checkpoint::{self, CheckpointError, Fingerprint};
 use crate::dynamics::{SetupError, integrate};
+use crate::flow::lattice_boltzmann::LatticeError;
 use crate::io::{Collection, UNFINISHED, replace_file};
 use crate::plots::CurvesError;
 use crate::scene::Scene;
@@ -52,6 +54,9 @@ pub enum RunError {
     /// The scene's outputs, or what was stored, are those of another driver.
     #[error("the outputs, or the checkpoint, are not those of the scene's driver")]
     Mismatch,
+    /// There is no such box of fluid.
+    #[error("driver: {0}")]
+    Lattice(#[from] LatticeError),
     /// There is a run in the folder already.
     #[error(
         "{}: there is a run here already: `--resume` goes on with it, `--out` names another folder",

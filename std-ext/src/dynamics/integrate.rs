@@ -12,7 +12,7 @@ mod rk4;
 mod rkc2;
 mod spectral_radius;
 
-pub use spectral_radius::{GrowingMode, Spectrum};
+pub use spectral_radius::Spectrum;
 
 use super::vector::{Vector, dot};
 use serde::{Deserialize, Serialize};

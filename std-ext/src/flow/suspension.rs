@@ -1,42 +1,14 @@
 //! Membranes that move with the flow that they make.
 
-use super::{Ambient, DoubleLayer, Gmres, SingleLayer};
-use crate::dynamics::Held;
+use super::{Ambient, DoubleLayer, Effort, Fluid, Gmres, KeptVolumes, Membranes, SingleLayer};
 use crate::dynamics::integrate::RightHandSide;
-use glam::DVec3;
-use helfrich::{Constraint, Constraints, Quantity, Surface, Targets, TriangleMesh};
+use helfrich::TriangleMesh;
 use std::num::NonZeroUsize;
-use std::ops::Range;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// The residual of solutions, relative: what derivatives by differences can stand.
 pub const SOLUTION_TOLERANCE: f64 = 1e-8;
-
-/// What membranes exert on the fluid, over the positions of all of them, one after the other.
-pub trait Membranes {
-    /// Sets `forces` to the nodal forces F_i. F_i over a third of the area of the triangles around
-    /// is the force per area that acts on the fluid.
-    ///
-    /// # Errors
-    /// The reason why there are none.
-    fn set_forces(&mut self, positions: &[[f64; 3]], forces: &mut [[f64; 3]])
-    -> Result<(), String>;
-
-    /// Whether there are forces that depend on velocities.
-    fn are_viscous(&self) -> bool {
-        false
-    }
-
-    /// Adds those, linear in the velocities.
-    fn add_viscous_forces(
-        &mut self,
-        _positions: &[[f64; 3]],
-        _velocities: &[[f64; 3]],
-        _forces: &mut [[f64; 3]],
-    ) {
-    }
-}
 
 /// Membranes suspended in unbounded fluid: their velocities are that of the ambient flow and those
 /// that their forces make by the boundary integrals of Stokes flow.
@@ -49,7 +21,7 @@ pub struct Suspension {
     single: SingleLayer,
     /// Only where viscosities differ.
     double: Option<DoubleLayer>,
-    volumes: Vec<KeptVolume>,
+    volumes: KeptVolumes,
     forces: Vec<[f64; 3]>,
     solver: Gmres,
     /// The last solution, with which the next begins.
@@ -57,40 +29,6 @@ pub struct Suspension {
     products: u64,
     single_layers: Effort,
     double_layers: Effort,
-}
-
-/// The enclosed volume of one surface's components.
-#[derive(Debug)]
-struct KeptVolume {
-    vertices: Range<usize>,
-    held: Held,
-    components: usize,
-    gradient: Vec<[f64; 3]>,
-}
-
-/// What something took so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Effort {
-    /// How often it was done.
-    pub evaluations: u64,
-    /// The time that this took.
-    pub time: Duration,
-}
-
-/// The fluid at some points.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Fluid {
-    /// u at each.
-    pub velocity: Vec<[f64; 3]>,
-    /// p at each; 0 far away, if the ambient flow is linear.
-    pub pressure: Vec<f64>,
-}
-
-impl Effort {
-    fn add(&mut self, start: Instant) {
-        self.evaluations += 1;
-        self.time += start.elapsed();
-    }
 }
 
 impl Suspension {
@@ -117,7 +55,7 @@ impl Suspension {
             double: contrast.then(|| DoubleLayer::new(borrowed(), viscosity_ratios, threads)),
             forces: vec![[0.0; 3]; single.vertex_count()],
             single,
-            volumes: Vec::new(),
+            volumes: KeptVolumes::default(),
             solver,
             guess: Vec::new(),
             products: 0,
@@ -126,46 +64,10 @@ impl Suspension {
         }
     }
 
-    /// Keeps the volume of each component of those closed meshes that are to be `kept` at what it is
-    /// at these positions.
-    ///
-    /// The flow keeps volumes but for errors of discretisation. Velocities are corrected along the
-    /// normals n of the vertices, so that the volume V of the polyhedron has no rate of change,
-    /// `u_i −= n_i (Σ_j ∂V/∂x_j·u_j)/(Σ_j ∂V/∂x_j·n_j)`; after each step positions are corrected
-    /// for the rest, which is of the order of the step's error. Positions that are not finite keep
-    /// nothing.
-    ///
-    /// # Panics
-    /// If there are fewer positions than vertices.
-    pub fn keep_volumes(
-        &mut self,
-        meshes: &[Arc<TriangleMesh>],
-        kept: impl Fn(usize) -> bool,
-        positions: &[[f64; 3]],
-    ) {
-        self.volumes.clear();
-        let mut first = 0;
-        for (number, mesh) in meshes.iter().enumerate() {
-            let vertices = first..first + mesh.vertex_count();
-            first = vertices.end;
-            let Ok(surface) = Surface::new(mesh, &positions[vertices.clone()]) else {
-                continue;
-            };
-            if !(kept(number) && mesh.is_closed()) {
-                continue;
-            }
-            let constraints = vec![Constraint {
-                functional: Quantity::Volume,
-                targets: Targets::measured(&Quantity::Volume, surface),
-            }];
-            let (_, components) = mesh.components();
-            self.volumes.push(KeptVolume {
-                held: Held::new(Arc::clone(mesh), Constraints { constraints }),
-                components,
-                gradient: vec![[0.0; 3]; vertices.len()],
-                vertices,
-            });
-        }
+    /// Keeps these volumes: velocities do not change them, and [`Self::restore_volumes`] takes away
+    /// what is left of a step's error.
+    pub fn keep_volumes(&mut self, volumes: KeptVolumes) {
+        self.volumes = volumes;
     }
 
     /// Sets the velocities of all vertices.
@@ -193,9 +95,7 @@ impl Suspension {
         if self.double.is_some() || membranes.are_viscous() {
             self.solve(membranes, positions, velocities)?;
         }
-        for volume in &mut self.volumes {
-            volume.correct(positions, velocities);
-        }
+        self.volumes.correct(positions, velocities);
         Ok(())
     }
 
@@ -314,10 +214,7 @@ impl Suspension {
 
     /// Moves positions to where volumes are what they were.
     pub fn restore_volumes(&mut self, positions: &mut [[f64; 3]]) {
-        for volume in &mut self.volumes {
-            // Where it fails positions stay, and the volume's column shows what is missing.
-            let _ = volume.held.restore(&mut positions[volume.vertices.clone()]);
-        }
+        self.volumes.restore(positions);
     }
 
     /// What boundary integrals took so far: those that are used.
@@ -348,29 +245,6 @@ impl Suspension {
     /// Whether fluids of several viscosities meet.
     pub fn has_contrast(&self) -> bool {
         self.double.is_some()
-    }
-}
-
-impl KeptVolume {
-    fn correct(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]]) {
-        let gradient = &mut self.gradient;
-        let positions = &positions[self.vertices.clone()];
-        let velocities = &mut velocities[self.vertices.clone()];
-        self.held.gradient(0, positions, gradient);
-        let mut sums = vec![[0.0; 2]; self.components];
-        let groups = self.held.groups();
-        for ((&group, &gradient), &velocity) in groups.iter().zip(&*gradient).zip(&*velocities) {
-            let gradient = DVec3::from(gradient);
-            let [rate, area] = &mut sums[group as usize];
-            *rate += gradient.dot(velocity.into());
-            *area += gradient.length();
-        }
-        for ((&group, &gradient), velocity) in groups.iter().zip(&*gradient).zip(velocities) {
-            let [rate, area] = sums[group as usize];
-            let normal = DVec3::from(gradient).normalize_or_zero();
-            let speed = if area > 0.0 { rate / area } else { 0.0 };
-            *velocity = (DVec3::from(*velocity) - speed * normal).to_array();
-        }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::flowing::{Flowing, FlowingState};
 use super::relaxing::{Relaxing, RelaxingState};
 use super::{End, Progress, RunError};
-use crate::flow::Fluid;
+use crate::flow::{Effort, Fluid};
 use crate::scene::{Driver, Every, Scene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
@@ -76,6 +76,15 @@ pub(super) struct Work {
     pub(super) iterations: u64,
     /// Evaluations of velocities, of drivers in time.
     pub(super) right_hand_sides: Option<u64>,
+}
+
+/// What something besides effects has cost.
+pub(super) fn cost(name: &str, effort: Effort) -> Cost {
+    Cost {
+        effect: name.to_owned(),
+        evaluations: effort.evaluations,
+        seconds: effort.time.as_secs_f64(),
+    }
 }
 
 /// The state of some driver.

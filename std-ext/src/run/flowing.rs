@@ -1,12 +1,13 @@
 //! Runs in a flow, through time.
 
+use super::clock::Clock;
 use super::deformed::Deformed;
-use super::drive::{Drive, DriveState, Mark, Step, Work};
+use super::drive::{Drive, DriveState, Mark, Step, Work, cost};
 use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
 use crate::dynamics::integrate::{Integrator, Scheme, Settings, Spectrum, State, StepReport};
-use crate::flow::{Effort, Fluid, Membranes, Moving, SOLUTION_TOLERANCE, Suspension};
-use crate::scene::{self, BoundaryIntegral, Every, Hold, Scene, SurfaceScene};
+use crate::flow::{Fluid, KeptVolumes, Membranes, Moving, SOLUTION_TOLERANCE, Suspension};
+use crate::scene::{self, BoundaryIntegral, Hold, Scene, SurfaceScene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -16,6 +17,13 @@ use std::sync::Arc;
 /// The longest step in units of the flow's own time: tank-treading is followed from step to step.
 const LONGEST_STEP: f64 = 0.5;
 
+/// Steps in units of the flow's own time of which a run is not worth going on: a unit of strain would
+/// take more than a hundred thousand.
+const SHORTEST_STEP: f64 = 1e-5;
+
+/// How many steps in a row may be that short: some are, after a disturbance.
+const SHORT_STEPS: u64 = 50;
+
 /// A mode is reported that grows faster than this many times the flow deforms.
 const GROWTH: f64 = 3.0;
 
@@ -23,8 +31,7 @@ const GROWTH: f64 = 3.0;
 pub(super) struct Flowing<'a> {
     scene: &'a Scene,
     driver: BoundaryIntegral,
-    /// Time between outputs.
-    interval: f64,
+    clock: Clock,
     suspension: Suspension,
     /// Whether velocities are solutions of linear systems.
     solves: bool,
@@ -49,6 +56,8 @@ struct FlowingProgress {
     outputs: u64,
     steps: u64,
     right_hand_sides: u64,
+    /// How many of the last steps were too short to get anywhere.
+    short_steps: u64,
     notes: Vec<String>,
 }
 
@@ -68,12 +77,13 @@ impl<'a> Flowing<'a> {
             outputs: 0,
             steps: 0,
             right_hand_sides: 0,
+            short_steps: 0,
             notes: Vec::new(),
         };
         Ok(Self {
             scene,
             driver,
-            interval: interval(scene, driver),
+            clock: Clock::new(scene, &driver.flow, driver.duration),
             suspension,
             solves,
             integrator: Integrator::new(positions, 0.0, settings)?,
@@ -98,7 +108,7 @@ impl<'a> Flowing<'a> {
         Ok(Self {
             scene,
             driver,
-            interval: interval(scene, driver),
+            clock: Clock::new(scene, &driver.flow, driver.duration),
             suspension,
             solves,
             integrator: Integrator::resume(state.integrator, settings)?,
@@ -107,51 +117,60 @@ impl<'a> Flowing<'a> {
         })
     }
 
-    /// When the next output is due; the end is the last one.
-    fn next_output(&self) -> f64 {
-        let next = (self.progress.outputs + 1) as f64 * self.interval;
-        // An interval that ends within a rounding of the end ends there.
-        if next >= self.driver.duration * (1.0 - 1e-9) {
-            self.driver.duration
-        } else {
-            next
+    /// Why the run is not worth going on, if steps stay too short; one that an output has cut short
+    /// does not count.
+    fn stagnation(
+        &mut self,
+        report: &StepReport,
+        output: bool,
+        simulation: &Simulation,
+    ) -> Option<String> {
+        let rate = self.driver.flow.rate()?;
+        if !output {
+            let short = rate * report.step < SHORTEST_STEP;
+            let before = self.progress.short_steps;
+            self.progress.short_steps = if short { before + 1 } else { 0 };
         }
-    }
-
-    /// The time in units of the flow's own, or as it is.
-    fn strain(&self) -> Option<f64> {
-        Some(self.driver.flow.rate()? * self.integrator.time())
+        if self.progress.short_steps < SHORT_STEPS {
+            return None;
+        }
+        let steps = (rate * report.step).recip();
+        let mut message = format!(
+            "at {} steps have come down to {:.1e}, of which a unit of strain takes {steps:.0e}",
+            self.caption(),
+            report.step
+        );
+        if let Some(spectrum) = report.spectrum {
+            let place = place(simulation, spectrum.vertex);
+            message.push_str(&format!(
+                ": the fastest mode, at a rate of {:.1e}, is largest at {place}; a better mesh there,                  a method that is stable on it (j4) or less bending would help",
+                spectrum.radius
+            ));
+        }
+        Some(message)
     }
 
     fn note_growth(&mut self, spectrum: Option<Spectrum>, simulation: &Simulation) {
         let rate = self.driver.flow.rate().unwrap_or(0.0);
-        let Some(growing) = spectrum.and_then(|spectrum| spectrum.growing) else {
+        let Some((spectrum, growth)) = spectrum.and_then(|it| Some((it, it.growth?))) else {
             return;
         };
-        if growing.rate <= GROWTH * rate {
+        if growth <= GROWTH * rate {
             return;
         }
-        let mut bodies = simulation.bodies().iter();
-        let Some(body) = bodies.find(|body| body.vertices().contains(&growing.vertex)) else {
-            return;
-        };
-        let vertex = growing.vertex - body.vertices().start;
-        let place = format!("surface \"{}\", vertex {vertex}", body.name());
+        let place = place(simulation, spectrum.vertex);
         // Once for each place.
         if !self.progress.notes.iter().any(|note| note.contains(&place)) {
             let times = match rate {
                 0.0 => String::new(),
-                rate => format!(
-                    ", {:.0} times as fast as the flow deforms",
-                    growing.rate / rate
-                ),
+                rate => format!(", {:.0} times as fast as the flow deforms", growth / rate),
             };
             let note = format!(
                 "from {}: the stiffest mode of the velocities grows instead of decaying, at a rate of \
                  {:.3e}{times}; it is largest at {place}: the mesh or the bending method is unstable \
                  there",
                 self.caption(),
-                growing.rate
+                growth
             );
             self.progress.notes.push(note);
         }
@@ -160,11 +179,7 @@ impl<'a> Flowing<'a> {
 
 impl Drive for Flowing<'_> {
     fn columns(&self, simulation: &Simulation) -> Vec<String> {
-        let mut columns = vec!["time"];
-        if self.driver.flow.rate().is_some() {
-            columns.push("strain");
-        }
-        let mut columns = Vec::from_iter(columns.into_iter().map(str::to_owned));
+        let mut columns = self.clock.columns();
         columns.extend(self.progress.deformed.columns(simulation));
         columns.extend(["step", "step_limit", "right_hand_sides"].map(str::to_owned));
         if self.solves {
@@ -174,8 +189,7 @@ impl Drive for Flowing<'_> {
     }
 
     fn numbers(&self, simulation: &Simulation) -> Vec<f64> {
-        let mut numbers = vec![self.integrator.time()];
-        numbers.extend(self.strain());
+        let mut numbers = self.clock.numbers(self.integrator.time());
         let deformed = &self.progress.deformed;
         numbers.extend(deformed.numbers(simulation, self.integrator.positions()));
         let report = self.report.as_ref();
@@ -199,10 +213,7 @@ impl Drive for Flowing<'_> {
     }
 
     fn caption(&self) -> String {
-        match self.strain() {
-            Some(strain) => format!("γ̇t = {strain:.3}"),
-            None => format!("t = {:.4}", self.integrator.time()),
-        }
+        self.clock.caption(self.integrator.time())
     }
 
     fn positions(&self) -> &[[f64; 3]] {
@@ -211,13 +222,13 @@ impl Drive for Flowing<'_> {
 
     fn step(&mut self, simulation: &mut Simulation) -> Result<Step, RunError> {
         let completed = Some((End::Completed, "the end is reached".to_owned()));
-        if self.integrator.time() >= self.driver.duration {
+        if self.integrator.time() >= self.clock.duration {
             return Ok(Step {
                 end: completed,
                 ..Step::default()
             });
         }
-        let due = self.next_output();
+        let due = self.clock.next_output(self.progress.outputs);
         let mut moving = Moving {
             suspension: &mut self.suspension,
             membranes: simulation,
@@ -243,8 +254,15 @@ impl Drive for Flowing<'_> {
         if output {
             self.progress.outputs += 1;
         }
+        if let Some(message) = self.stagnation(&report, output, simulation) {
+            return Ok(Step {
+                output: true,
+                checkpoint: true,
+                end: Some((End::Stagnated, message)),
+            });
+        }
         let every = self.scene.output.checkpoint_every;
-        let done = report.time >= self.driver.duration;
+        let done = report.time >= self.clock.duration;
         Ok(Step {
             output,
             checkpoint: done || self.progress.steps.is_multiple_of(every),
@@ -256,21 +274,10 @@ impl Drive for Flowing<'_> {
         let (step, stages) = self
             .report
             .map_or((f64::NAN, 0), |report| (report.step, report.stages));
-        let message = match self.driver.flow.rate() {
-            Some(rate) => format!(
-                "{} of {:.3}, step {:.4}, {stages} velocities a step",
-                self.caption(),
-                rate * self.driver.duration,
-                rate * step
-            ),
-            None => format!(
-                "{} of {:.4}, step {step:.3e}, {stages} velocities a step",
-                self.caption(),
-                self.driver.duration
-            ),
-        };
+        let progress = self.clock.progress(self.integrator.time(), step);
+        let message = format!("{progress}, {stages} velocities a step");
         Progress {
-            fraction: self.integrator.time() / self.driver.duration,
+            fraction: self.integrator.time() / self.clock.duration,
             message,
         }
     }
@@ -283,12 +290,8 @@ impl Drive for Flowing<'_> {
     }
 
     fn costs(&self) -> Vec<Cost> {
-        let cost = |(effect, effort): (&str, Effort)| Cost {
-            effect: effect.to_owned(),
-            evaluations: effort.evaluations,
-            seconds: effort.time.as_secs_f64(),
-        };
-        self.suspension.efforts().into_iter().map(cost).collect()
+        let efforts = self.suspension.efforts().into_iter();
+        efforts.map(|(name, effort)| cost(name, effort)).collect()
     }
 
     fn fluid_at(&mut self, simulation: &mut Simulation, points: &[[f64; 3]]) -> Option<Fluid> {
@@ -310,8 +313,20 @@ impl Drive for Flowing<'_> {
     }
 }
 
+/// A vertex of all surfaces, by its surface's name and its number there.
+fn place(simulation: &Simulation, vertex: usize) -> String {
+    let mut bodies = simulation.bodies().iter();
+    match bodies.find(|body| body.vertices().contains(&vertex)) {
+        Some(body) => {
+            let own = vertex - body.vertices().start;
+            format!("surface \"{}\", vertex {own}", body.name())
+        }
+        None => format!("vertex {vertex}"),
+    }
+}
+
 /// Whether a surface's volume is held exactly.
-fn is_held(surface: &SurfaceScene) -> bool {
+pub(super) fn is_held(surface: &SurfaceScene) -> bool {
     surface
         .volume
         .is_some_and(|volume| volume.hold == Hold::Exact)
@@ -322,13 +337,6 @@ fn start(simulation: &mut Simulation, mut positions: Vec<[f64; 3]>) -> Vec<[f64;
     // That they can be reached was found out when the simulation was made.
     simulation.restore(&mut positions);
     positions
-}
-
-fn interval(scene: &Scene, driver: BoundaryIntegral) -> f64 {
-    match scene.output.every {
-        Every::Time(interval) => interval,
-        Every::Iterations(_) => driver.duration,
-    }
 }
 
 fn suspension(
@@ -350,7 +358,7 @@ fn suspension(
         threads,
     );
     let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
-    suspension.keep_volumes(&meshes, kept, positions);
+    suspension.keep_volumes(KeptVolumes::new(&meshes, kept, positions));
     suspension
 }
 

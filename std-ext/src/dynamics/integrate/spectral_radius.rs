@@ -37,16 +37,10 @@ pub struct Spectrum {
     pub iterations: usize,
     /// Whether the estimate had settled when the iteration ended.
     pub converged: bool,
-    /// The mode of the largest eigenvalue, if it grows.
-    pub growing: Option<GrowingMode>,
-}
-
-/// A mode that grows instead of decaying.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct GrowingMode {
-    /// Its rate, the real part of the eigenvalue, per time.
-    pub rate: f64,
-    /// The vertex where the mode is largest.
+    /// Rate at which the mode of the largest eigenvalue grows, per time, if it does not decay: the
+    /// real part of the eigenvalue.
+    pub growth: Option<f64>,
+    /// Where that mode is largest.
     pub vertex: usize,
 }
 
@@ -112,15 +106,12 @@ pub(super) fn estimate(
         }
     };
     let grows = ritz.real > GROWTH * ritz.modulus && ritz.residual <= RESIDUAL;
-    let growing = grows.then(|| GrowingMode {
-        rate: ritz.real,
-        vertex: largest(mode),
-    });
     Ok(Spectrum {
         radius: MARGIN * ritz.modulus,
         iterations,
         converged,
-        growing,
+        growth: grows.then_some(ritz.real),
+        vertex: largest(mode),
     })
 }
 

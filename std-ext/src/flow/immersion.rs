@@ -1,0 +1,186 @@
+//! Membranes that move with the fluid of a lattice.
+
+use super::lattice_boltzmann::{Immersed, Kernel, Lattice, LatticeError, Precision, State, Units};
+use super::{Effort, KeptVolumes, Membranes};
+use serde::{Deserialize, Serialize};
+use std::array;
+use std::time::Instant;
+
+/// Membranes immersed in the fluid of a lattice: their vertices spread their forces over the nodes
+/// around, and move as the fluid does there.
+///
+/// Positions, velocities and forces are in units of the membranes'; [`Units`] converts.
+#[derive(Debug)]
+pub struct Immersion<T> {
+    lattice: Lattice<T>,
+    units: Units,
+    /// Where the lattice has its origin.
+    origin: [f64; 3],
+    immersed: Immersed,
+    volumes: KeptVolumes,
+    /// Velocities in the last step.
+    velocities: Vec<[f64; 3]>,
+    forces: Vec<[f64; 3]>,
+    /// Positions in lattice units.
+    placed: Vec<[f64; 3]>,
+    fluid: Effort,
+    coupling: Effort,
+}
+
+/// What changes from step to step, besides positions.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ImmersionState<T> {
+    lattice: State<T>,
+    velocities: Vec<[f64; 3]>,
+}
+
+/// Why membranes do not move on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImmersionError {
+    /// The membranes give no forces.
+    #[error("{0}")]
+    Membranes(String),
+    /// The lattice does not take them.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// A velocity at which the lattice means nothing any more.
+    #[error(
+        "vertex {vertex} moves with {speed:.3} nodes a step, and sound with 0.577: the forces are too \
+         stiff for the step, a shorter one is needed"
+    )]
+    TooFast {
+        /// The vertex.
+        vertex: usize,
+        /// Its speed in lattice units.
+        speed: f64,
+    },
+}
+
+/// Of a vertex, in lattice units: half the speed of sound.
+const FASTEST: f64 = 0.289;
+
+impl<T: Precision> Immersion<T> {
+    /// So many vertices in this fluid, whose first corner is at `origin`.
+    pub fn new(
+        lattice: Lattice<T>,
+        units: Units,
+        origin: [f64; 3],
+        kernel: Kernel,
+        vertices: usize,
+    ) -> Self {
+        Self {
+            lattice,
+            units,
+            origin,
+            immersed: Immersed::new(kernel),
+            volumes: KeptVolumes::default(),
+            velocities: vec![[0.0; 3]; vertices],
+            forces: vec![[0.0; 3]; vertices],
+            placed: vec![[0.0; 3]; vertices],
+            fluid: Effort::default(),
+            coupling: Effort::default(),
+        }
+    }
+
+    /// Keeps these volumes.
+    pub fn keep_volumes(&mut self, volumes: KeptVolumes) {
+        self.volumes = volumes;
+    }
+
+    /// The fluid.
+    pub fn lattice(&self) -> &Lattice<T> {
+        &self.lattice
+    }
+
+    /// The time: that of all steps so far.
+    pub fn time(&self) -> f64 {
+        self.lattice.steps() as f64 * self.units.step
+    }
+
+    /// Moves fluid and membranes on by one step.
+    ///
+    /// Forces that depend on velocities are those of the last step.
+    ///
+    /// # Errors
+    /// If the membranes give no forces, are too near to a wall, or move too fast. Nothing has moved
+    /// then.
+    ///
+    /// # Panics
+    /// If there is not one position a vertex.
+    pub fn advance(
+        &mut self,
+        membranes: &mut impl Membranes,
+        positions: &mut [[f64; 3]],
+    ) -> Result<(), ImmersionError> {
+        (membranes.set_forces(positions, &mut self.forces)).map_err(ImmersionError::Membranes)?;
+        if membranes.are_viscous() {
+            membranes.add_viscous_forces(positions, &self.velocities, &mut self.forces);
+        }
+        let start = Instant::now();
+        self.couple(positions)?;
+        self.coupling.add(start);
+        let start = Instant::now();
+        self.lattice.advance(1);
+        self.fluid.add(start);
+        self.volumes.correct(positions, &mut self.velocities);
+        for (position, velocity) in positions.iter_mut().zip(&self.velocities) {
+            for (coordinate, velocity) in position.iter_mut().zip(velocity) {
+                *coordinate += self.units.step * velocity;
+            }
+        }
+        self.volumes.restore(positions);
+        Ok(())
+    }
+
+    /// Gives the forces to the fluid, and takes the velocities from it.
+    fn couple(&mut self, positions: &[[f64; 3]]) -> Result<(), ImmersionError> {
+        let (origin, spacing) = (self.origin, self.units.spacing);
+        for (placed, position) in self.placed.iter_mut().zip(positions) {
+            *placed = array::from_fn(|axis| (position[axis] - origin[axis]) / spacing);
+        }
+        self.immersed.place(&self.lattice, &self.placed)?;
+        let unit = self.units.force();
+        for force in &mut self.forces {
+            *force = force.map(|component| component / unit);
+        }
+        self.lattice.clear_forces();
+        self.immersed.spread(&mut self.lattice, &self.forces)?;
+        self.immersed
+            .interpolate(&self.lattice, &mut self.velocities);
+        let speed = |velocity: &[f64; 3]| velocity.iter().map(|u| u * u).sum::<f64>().sqrt();
+        let mut speeds = self.velocities.iter().map(speed).enumerate();
+        let too_fast = speeds.find(|(_, speed)| !(*speed < FASTEST));
+        let unit = self.units.velocity();
+        for velocity in &mut self.velocities {
+            *velocity = velocity.map(|component| component * unit);
+        }
+        match too_fast {
+            Some((vertex, speed)) => Err(ImmersionError::TooFast { vertex, speed }),
+            None => Ok(()),
+        }
+    }
+
+    /// What fluid and coupling took so far.
+    pub fn efforts(&self) -> Vec<(&'static str, Effort)> {
+        vec![("lattice", self.fluid), ("immersed", self.coupling)]
+    }
+
+    /// What to store, beside positions, in order to go on bit for bit.
+    pub fn state(&self) -> ImmersionState<T> {
+        ImmersionState {
+            lattice: self.lattice.state().clone(),
+            velocities: self.velocities.clone(),
+        }
+    }
+
+    /// Goes on from a stored state.
+    ///
+    /// # Errors
+    /// If it is that of a lattice of another size.
+    pub fn restore(&mut self, state: ImmersionState<T>) -> Result<(), LatticeError> {
+        self.lattice.restore(state.lattice)?;
+        self.velocities = state.velocities;
+        Ok(())
+    }
+}
