@@ -12,6 +12,7 @@
 //! Both ask [`Membranes`] for their forces, and keep their volumes by [`KeptVolumes`].
 
 mod boundary_integral;
+mod channel;
 mod gmres;
 mod immersion;
 pub mod lattice_boltzmann;
@@ -20,6 +21,7 @@ mod suspension;
 mod volume;
 
 pub use boundary_integral::{DoubleLayer, SingleLayer};
+pub use channel::Channel;
 pub use gmres::{Gmres, Product, Solved};
 pub use immersion::{Immersion, ImmersionError, ImmersionState};
 pub use membranes::{Effort, Fluid, Membranes};

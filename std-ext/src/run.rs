@@ -19,6 +19,7 @@ mod deformed;
 mod drive;
 mod files;
 mod flowing;
+mod immersing;
 mod measure;
 mod relaxing;
 

@@ -1,9 +1,11 @@
 //! What moves a scene's surfaces, as a run sees it.
 
 use super::flowing::{Flowing, FlowingState};
+use super::immersing::{Immersing, ImmersingState, Stored};
 use super::relaxing::{Relaxing, RelaxingState};
 use super::{End, Progress, RunError};
 use crate::flow::{Effort, Fluid};
+use crate::scalar::Scalar;
 use crate::scene::{Driver, Every, Scene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
@@ -92,6 +94,8 @@ pub(super) fn cost(name: &str, effort: Effort) -> Cost {
 pub(super) enum DriveState {
     Relaxing(RelaxingState),
     Flowing(FlowingState),
+    ImmersingF32(ImmersingState<f32>),
+    ImmersingF64(ImmersingState<f64>),
 }
 
 /// The scene's driver where the surfaces start, or where it was stored.
@@ -119,6 +123,20 @@ pub(super) fn drive<'a>(
                 scene, driver, simulation, positions, state,
             )?)
         }
+        (Driver::LatticeBoltzmann(driver), Every::Time(_), stored) => match driver.precision {
+            Scalar::F32 | Scalar::F32Pair => {
+                let stored = f32::taken(stored)?;
+                Box::new(Immersing::new(
+                    scene, driver, simulation, positions, stored,
+                )?)
+            }
+            Scalar::F64 => {
+                let stored = f64::taken(stored)?;
+                Box::new(Immersing::new(
+                    scene, driver, simulation, positions, stored,
+                )?)
+            }
+        },
         // The scene's reader sees to the first, the checkpoint's fingerprint to the second.
         _ => return Err(RunError::Mismatch),
     })

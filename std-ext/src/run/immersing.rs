@@ -1,0 +1,331 @@
+//! Runs on a lattice of fluid, through time.
+
+use super::clock::Clock;
+use super::deformed::Deformed;
+use super::drive::{Drive, DriveState, Mark, Step, Work, cost};
+use super::flowing::is_held;
+use super::{End, Progress, RunError};
+use crate::dynamics::Problem;
+use crate::flow::lattice_boltzmann::{Lattice, Node, Precision, Setup, Sides};
+use crate::flow::{Channel, Immersion, ImmersionState, KeptVolumes};
+use crate::scene::{Flow, LatticeBoltzmann, Scene};
+use crate::simulation::{Cost, Simulation};
+use serde::{Deserialize, Serialize};
+use std::array;
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+
+/// D(L) − D(∞) over (a/L)³ of a capsule between walls at a distance L: A. Guckenberger et al.,
+/// Comput. Phys. Commun. 207 (2016) 1. In cubes that are periodic too, 1.3 to 1.8 were found here.
+const BOX_TERM: f64 = 2.4;
+
+/// Membranes in a box of fluid.
+pub(super) struct Immersing<'a, T> {
+    scene: &'a Scene,
+    driver: LatticeBoltzmann,
+    clock: Clock,
+    immersion: Immersion<T>,
+    positions: Vec<[f64; 3]>,
+    progress: ImmersingProgress,
+}
+
+/// What a checkpoint holds of it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct ImmersingState<T> {
+    immersion: ImmersionState<T>,
+    positions: Vec<[f64; 3]>,
+    progress: ImmersingProgress,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct ImmersingProgress {
+    deformed: Deformed,
+    steps: u64,
+    /// The number of outputs so far, but for the first.
+    outputs: u64,
+    notes: Vec<String>,
+}
+
+/// A number type of lattices, whose states a checkpoint holds.
+pub(super) trait Stored: Precision {
+    fn stored(state: ImmersingState<Self>) -> DriveState;
+
+    /// What a checkpoint holds, if there is one.
+    fn taken(stored: Option<DriveState>) -> Result<Option<ImmersingState<Self>>, RunError>;
+}
+
+impl Stored for f32 {
+    fn stored(state: ImmersingState<Self>) -> DriveState {
+        DriveState::ImmersingF32(state)
+    }
+
+    fn taken(stored: Option<DriveState>) -> Result<Option<ImmersingState<Self>>, RunError> {
+        match stored {
+            None => Ok(None),
+            Some(DriveState::ImmersingF32(state)) => Ok(Some(state)),
+            Some(_) => Err(RunError::Mismatch),
+        }
+    }
+}
+
+impl Stored for f64 {
+    fn stored(state: ImmersingState<Self>) -> DriveState {
+        DriveState::ImmersingF64(state)
+    }
+
+    fn taken(stored: Option<DriveState>) -> Result<Option<ImmersingState<Self>>, RunError> {
+        match stored {
+            None => Ok(None),
+            Some(DriveState::ImmersingF64(state)) => Ok(Some(state)),
+            Some(_) => Err(RunError::Mismatch),
+        }
+    }
+}
+
+impl<'a, T: Stored> Immersing<'a, T> {
+    /// `positions` are those at the start, of which volumes are kept; with a stored state the run
+    /// goes on from there.
+    pub(super) fn new(
+        scene: &'a Scene,
+        driver: LatticeBoltzmann,
+        simulation: &mut Simulation,
+        mut positions: Vec<[f64; 3]>,
+        stored: Option<ImmersingState<T>>,
+    ) -> Result<Self, RunError> {
+        simulation.restore(&mut positions);
+        let mut immersion = immersion(scene, driver, simulation, &positions)?;
+        let (positions, progress) = match stored {
+            Some(state) => {
+                immersion.restore(state.immersion)?;
+                (state.positions, state.progress)
+            }
+            None => {
+                let deformed = Deformed::new(driver.flow.plane(), simulation, &positions);
+                let progress = ImmersingProgress {
+                    deformed,
+                    steps: 0,
+                    outputs: 0,
+                    notes: notes(driver, simulation, &positions),
+                };
+                (positions, progress)
+            }
+        };
+        Ok(Self {
+            scene,
+            driver,
+            clock: Clock::new(scene, &driver.flow, driver.duration),
+            immersion,
+            positions,
+            progress,
+        })
+    }
+
+    fn time(&self) -> f64 {
+        self.progress.steps as f64 * self.driver.step
+    }
+
+    /// The number of the step that ends nearest to a time.
+    fn nearest(&self, time: f64) -> u64 {
+        ((time / self.driver.step).round() as u64).max(1)
+    }
+}
+
+impl<T: Stored> Drive for Immersing<'_, T> {
+    fn columns(&self, simulation: &Simulation) -> Vec<String> {
+        let mut columns = self.clock.columns();
+        columns.extend(self.progress.deformed.columns(simulation));
+        columns.push("steps".to_owned());
+        columns
+    }
+
+    fn numbers(&self, simulation: &Simulation) -> Vec<f64> {
+        let mut numbers = self.clock.numbers(self.time());
+        let deformed = &self.progress.deformed;
+        numbers.extend(deformed.numbers(simulation, &self.positions));
+        numbers.push(self.progress.steps as f64);
+        numbers
+    }
+
+    fn mark(&self) -> Mark {
+        Mark {
+            time: self.time(),
+            number: self.progress.outputs,
+        }
+    }
+
+    fn caption(&self) -> String {
+        self.clock.caption(self.time())
+    }
+
+    fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    fn step(&mut self, simulation: &mut Simulation) -> Result<Step, RunError> {
+        let completed = Some((End::Completed, "the end is reached".to_owned()));
+        let total = self.nearest(self.clock.duration);
+        if self.progress.steps >= total {
+            return Ok(Step {
+                end: completed,
+                ..Step::default()
+            });
+        }
+        if let Err(error) = self.immersion.advance(simulation, &mut self.positions) {
+            return Ok(Step {
+                output: true,
+                checkpoint: true,
+                end: Some((End::Failed, error.to_string())),
+            });
+        }
+        self.progress.steps += 1;
+        let (steps, time) = (self.progress.steps, self.time());
+        let deformed = &mut self.progress.deformed;
+        deformed.follow(time, simulation, &self.positions);
+        let output = steps >= self.nearest(self.clock.next_output(self.progress.outputs));
+        if output {
+            self.progress.outputs += 1;
+        }
+        let every = self.scene.output.checkpoint_every;
+        let done = steps >= total;
+        Ok(Step {
+            output,
+            checkpoint: done || steps.is_multiple_of(every),
+            end: completed.filter(|_| done),
+        })
+    }
+
+    fn progress(&self) -> Progress {
+        let total = self.nearest(self.clock.duration);
+        let progress = self.clock.progress(self.time(), self.driver.step);
+        Progress {
+            fraction: self.progress.steps as f64 / total as f64,
+            message: format!("{progress}, {} of {total} steps", self.progress.steps),
+        }
+    }
+
+    fn work(&self) -> Work {
+        Work {
+            iterations: self.progress.steps,
+            right_hand_sides: None,
+        }
+    }
+
+    fn costs(&self) -> Vec<Cost> {
+        let efforts = self.immersion.efforts().into_iter();
+        efforts.map(|(name, effort)| cost(name, effort)).collect()
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.progress.notes
+    }
+
+    fn state(&self) -> DriveState {
+        T::stored(ImmersingState {
+            immersion: self.immersion.state(),
+            positions: self.positions.clone(),
+            progress: self.progress.clone(),
+        })
+    }
+}
+
+/// The box with its fluid, which moves as it would without membranes and obstacles.
+fn immersion<T: Precision>(
+    scene: &Scene,
+    driver: LatticeBoltzmann,
+    simulation: &Simulation,
+    positions: &[[f64; 3]],
+) -> Result<Immersion<T>, RunError> {
+    let units = driver.units();
+    let [origin, _] = driver.corners();
+    let on_lattice = |velocity: [f64; 3]| velocity.map(|component| component / units.velocity());
+    let mut lattice = Lattice::new(Setup {
+        cells: driver.cells,
+        sides: sides(driver),
+        viscosity: driver.lattice_viscosity,
+        inertia: driver.density.is_some(),
+        threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
+    })?;
+    if let Some(force) = driver.flow.driving_force(driver.viscosity) {
+        lattice.set_force([force / units.force_density(), 0.0, 0.0])?;
+    }
+    lattice.fill(|cell| {
+        let point =
+            array::from_fn(|axis| origin[axis] + (cell[axis] as f64 + 0.5) * driver.spacing);
+        Node {
+            density: 1.0,
+            velocity: on_lattice(undisturbed(driver, point)),
+        }
+    });
+    for obstacle in simulation.obstacles() {
+        let positions = obstacle.positions.iter().map(|position| {
+            array::from_fn(|axis| (position[axis] - origin[axis]) / driver.spacing)
+        });
+        lattice.add_obstacle(&obstacle.mesh, &Vec::from_iter(positions))?;
+    }
+    let mut immersion = Immersion::new(lattice, units, origin, driver.kernel, positions.len());
+    let meshes = simulation.bodies().iter();
+    let meshes = Vec::from_iter(meshes.map(|body| Arc::clone(body.shared_mesh())));
+    let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
+    immersion.keep_volumes(KeptVolumes::new(&meshes, kept, positions));
+    Ok(immersion)
+}
+
+/// The flow that there would be without membranes and obstacles.
+fn undisturbed(driver: LatticeBoltzmann, point: [f64; 3]) -> [f64; 3] {
+    if let Flow::Channel {
+        centre_velocity,
+        width,
+        depth,
+    } = driver.flow
+    {
+        let [_, y, z] = array::from_fn(|axis| point[axis] - driver.centre[axis]);
+        let channel = Channel { width, depth };
+        let share = channel.response(y, z) / channel.response(0.0, 0.0);
+        return [centre_velocity * share, 0.0, 0.0];
+    }
+    let ambient = driver.flow.ambient();
+    ambient.map_or([0.0; 3], |ambient| ambient.velocity(point))
+}
+
+/// Walls move as the flow does there.
+fn sides(driver: LatticeBoltzmann) -> [Sides; 3] {
+    let corners = driver.corners();
+    let unit = driver.units().velocity();
+    let walls = driver.walls();
+    array::from_fn(|axis| {
+        if !walls[axis] {
+            return Sides::Periodic;
+        }
+        let [low, high] = corners.map(|corner| {
+            let mut point = driver.centre;
+            point[axis] = corner[axis];
+            undisturbed(driver, point).map(|component| component / unit)
+        });
+        Sides::Walls { low, high }
+    })
+}
+
+/// What is worth knowing of a box from the start.
+fn notes(driver: LatticeBoltzmann, simulation: &Simulation, positions: &[[f64; 3]]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let Flow::Shear { .. } = driver.flow else {
+        return notes;
+    };
+    for body in simulation.bodies() {
+        let volume = body.surface(positions).and_then(|surface| surface.volume());
+        let Some(radius) = volume.map(|volume| (0.75 * volume / PI).cbrt()) else {
+            continue;
+        };
+        let ratio = radius / driver.size()[1];
+        notes.push(format!(
+            "surface \"{}\" is in a box {:.3} radii a wide, L: in unbounded fluid its deformation is \
+             smaller by {BOX_TERM} (a/L)³ = {:.4} or somewhat less, by Guckenberger et al. 2016; nothing \
+             is corrected",
+            body.name(),
+            ratio.recip(),
+            BOX_TERM * ratio.powi(3)
+        ));
+    }
+    notes
+}
