@@ -161,7 +161,7 @@ fn what_is_left_out_has_its_default() {
         spacing: found.spacing,
         cells: [42; 3],
         centre: [0.0; 3],
-        lattice_viscosity: 1.0 / 6.0,
+        lattice_viscosity: 1.0 / 3.0,
         step: found.step,
         kernel: Kernel::Two,
         precision: Scalar::F64,

@@ -15,8 +15,9 @@ use helfrich::Surface;
 use helfrich::shapes::Shape;
 use std::f64::consts::PI;
 
-/// The kinematic viscosity on the lattice of those who do not care: τ = 1.
-const LATTICE_VISCOSITY: f64 = 1.0 / 6.0;
+/// The kinematic viscosity on the lattice of those who do not care: about where compressibility and the
+/// time that the flow takes to follow ask for equally short steps.
+const LATTICE_VISCOSITY: f64 = 1.0 / 3.0;
 
 /// Lengths of a box by default, in radii of the surface in it.
 const BOX: f64 = 7.0;

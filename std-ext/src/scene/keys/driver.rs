@@ -113,7 +113,7 @@ pub(super) static DRIVER: Keys = Keys {
             "lattice_viscosity",
             NUMBER,
             "Kinematic viscosity on the lattice, ν in units of spacing²/step, best from 0.02 to 1; by \
-             default 1/6, or what density and step make it.",
+             default 1/3, or what density and step make it.",
         ),
         optional(
             "kernel",
