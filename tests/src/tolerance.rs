@@ -705,10 +705,10 @@ pub const LATTICE_STREAM: Tolerance = Tolerance::new(
     "the viscosity is short of 3 · 0.05² = 0.75 %, which after a half-life is 0.26 % of the speed, \
      and the rest as without a stream",
 );
-/// Force on an obstacle in steady flow, relative.
+/// Force on an obstacle in steady flow against that some time before, relative.
 pub const LATTICE_DRAG_BALANCE: Tolerance = Tolerance::new(
     1e-4,
-    "the slowest mode decays with ν k² or faster: e⁻⁴⁰ and less in open fluid, more between spheres",
+    "e⁻¹³ is left of the longest wave by then; boxes with obstacles have somewhat slower ones",
 );
 /// Drag of a sphere of six nodes' radius, relative.
 pub const LATTICE_DRAG: Tolerance = Tolerance::new(
@@ -798,4 +798,19 @@ pub const CAPSULE_FALL: Tolerance = Tolerance::new(
 pub const DUCT: Tolerance = Tolerance::new(
     5e-4,
     "differences over a thirtieth of the half width; a book's four digits",
+);
+/// What streams take from the viscosity of waves along them, relative to 3u², and their speed.
+pub const LATTICE_GALILEAN: Tolerance = Tolerance::new(5e-2, "k² = (2π/32)² = 0.04 of it");
+/// Velocities in a duct of 32 nodes' width, relative to the one in its middle.
+pub const LATTICE_DUCT: Tolerance = Tolerance::new(1e-3, "second order: 1/32²");
+/// What periodic sides take from the mobility of a sphere, from three boxes.
+pub const LATTICE_BOX: Tolerance = Tolerance::new(
+    2e-2,
+    "the next term, of sixth order, is 27 (4/24)⁶ = 6e-4 of the mobility",
+);
+/// Drag of a sphere of points, by its radius, relative.
+pub const LATTICE_SMEARED: Tolerance = Tolerance::new(
+    1.5e-2,
+    "kernels are no Gaussians: a tenth of what they add to the radius, which is 0.5 of 4 for the \
+     widest",
 );

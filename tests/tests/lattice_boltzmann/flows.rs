@@ -1,9 +1,9 @@
 //! Flows against exact ones.
 
 use crate::{between, cells, lattice, periodic, seen, stirred, turned, unit};
-use helfrich_std::flow::lattice_boltzmann::{LatticeError, Node, Setup, Sides};
+use helfrich_std::flow::lattice_boltzmann::{Lattice, LatticeError, Node, Setup, Sides};
 use helfrich_tests::tolerance;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 #[test]
 fn flow_between_plates_is_the_exact_parabola() {
@@ -135,6 +135,127 @@ fn vortices_decay_alike_in_a_stream() {
     }
     .error();
     tolerance::LATTICE_STREAM.assert(error, 0.0, 1.0, "velocity");
+}
+
+/// A wave of shear in a stream along it: Galilean invariance is broken by the third power of the
+/// velocity, by which the viscosity is short of 3u² of itself (Y. H. Qian, S. A. Orszag, Europhys.
+/// Lett. 21 (1993) 255), and by nothing of a lower one.
+#[test]
+fn streams_change_waves_by_the_mach_number_squared() {
+    let (edge, viscosity) = (32, 0.1);
+    let k = TAU / edge as f64;
+    let decay = |stream: f64| {
+        let mut lattice = lattice::<f64>(periodic([edge, 1, 1], viscosity));
+        lattice.fill(|[x, _, _]| Node {
+            density: 1.0,
+            velocity: [stream, 1e-3 * (k * (x as f64 + 0.5)).cos(), 0.0],
+        });
+        // Amplitude and phase, after the moments that equilibrium leaves out have come up.
+        let wave = |lattice: &Lattice<f64>| {
+            let mut sums = [0.0; 2];
+            for x in 0..edge {
+                let phase = k * (x as f64 + 0.5);
+                let velocity = lattice.node([x, 0, 0]).velocity[1];
+                sums[0] += velocity * phase.cos();
+                sums[1] += velocity * phase.sin();
+            }
+            let [a, b] = sums;
+            [a.hypot(b), b.atan2(a)]
+        };
+        lattice.advance(50);
+        let before = wave(&lattice);
+        lattice.advance(100);
+        let after = wave(&lattice);
+        let rate = (before[0] / after[0]).ln() / (100.0 * k * k);
+        let speed = (after[1] - before[1]).rem_euclid(TAU) / (100.0 * k);
+        [rate, speed]
+    };
+    let [still, rest] = decay(0.0);
+    tolerance::LATTICE_ROUNDING.assert(rest, 0.0, 1.0, "speed without a stream");
+    for stream in [0.05, 0.1] {
+        let [rate, speed] = decay(stream);
+        let short = 3.0 * stream * stream;
+        tolerance::LATTICE_GALILEAN.assert((still - rate) / still, short, short, "viscosity");
+        tolerance::LATTICE_GALILEAN.assert(speed, stream, stream, "speed of the wave");
+    }
+}
+
+/// Without inertia a stream carries nothing along, and changes nothing.
+#[test]
+fn streams_without_inertia_are_added() {
+    let size = [9, 6, 7];
+    let stream = [0.05, -0.03, 0.02];
+    let flow = |stream: [f64; 3]| {
+        let mut lattice = lattice::<f64>(Setup {
+            inertia: false,
+            ..periodic(size, 0.1)
+        });
+        let stirred = stirred(size);
+        lattice.fill(|cell| {
+            let Node { density, velocity } = stirred(cell);
+            Node {
+                density,
+                velocity: std::array::from_fn(|axis| velocity[axis] + stream[axis]),
+            }
+        });
+        lattice.add_force([4, 5, 0], [2e-3, 1e-3, -5e-3]).unwrap();
+        lattice.advance(9);
+        seen(&lattice)
+    };
+    for (still, streaming) in flow([0.0; 3]).iter().zip(flow(stream)) {
+        tolerance::LATTICE_KERNEL.assert(streaming.density, still.density, 1.0, "density");
+        let sums = still
+            .velocity
+            .iter()
+            .zip(stream)
+            .map(|(u, stream)| u + stream);
+        for (found, expected) in streaming.velocity.into_iter().zip(sums) {
+            tolerance::LATTICE_KERNEL.assert(found, expected, 1.0, "velocity");
+        }
+    }
+}
+
+/// Along a duct with square sides, in units of G w²/μ: the parabola between two of the sides, less
+/// what the other two take (F. M. White, Viscous Fluid Flow, section 3-3).
+fn duct(y: f64, z: f64) -> f64 {
+    let series = (0..40).map(|term| {
+        let k = f64::from(2 * term + 1) * PI;
+        // cosh(k(z − ½))/cosh(k/2), without overflow.
+        let cosh = ((k * (z - 1.0)).exp() + (-k * z).exp()) / (1.0 + (-k).exp());
+        4.0 * (k * y).sin() * cosh / (k * k * k)
+    });
+    0.5 * y * (1.0 - y) - series.sum::<f64>()
+}
+
+#[test]
+fn flow_in_a_duct_is_that_of_the_series_to_second_order() {
+    let (viscosity, force) = (0.5, 1e-5);
+    for axis in 0..3 {
+        let errors = [8, 16, 32].map(|width| {
+            let [across, other] = [(axis + 1) % 3, (axis + 2) % 3];
+            let setup = periodic(turned([1, width, width], axis), viscosity);
+            let setup = between(
+                across,
+                Sides::RESTING,
+                between(other, Sides::RESTING, setup),
+            );
+            let mut lattice = lattice::<f64>(setup);
+            lattice.set_force(unit(axis, force)).unwrap();
+            let width = width as f64;
+            lattice.advance((30.0 * width * width / (2.0 * PI * PI * viscosity)) as u64);
+            let scale = force * width * width / viscosity;
+            let error = |cell: [usize; 3]| {
+                let [y, z] = [across, other].map(|axis| (cell[axis] as f64 + 0.5) / width);
+                (lattice.node(cell).velocity[axis] / scale - duct(y, z)).abs()
+            };
+            cells(lattice.cells()).map(error).fold(0.0, f64::max) / duct(0.5, 0.5)
+        });
+        for pair in errors.windows(2) {
+            let order = (pair[0] / pair[1]).log2();
+            assert!((1.8..2.4).contains(&order), "order {order} in {errors:?}");
+        }
+        tolerance::LATTICE_DUCT.assert(errors[2], 0.0, 1.0, "velocity");
+    }
 }
 
 /// Two layers of fluids between moving plates: the stress is the same in both.
