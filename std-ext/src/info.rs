@@ -29,6 +29,8 @@ pub struct MeshInfo {
     pub valences: [usize; 2],
     /// Smallest and largest edge length.
     pub edge_lengths: [f64; 2],
+    /// The lowest and the highest coordinates.
+    pub corners: [[f64; 3]; 2],
     /// Triangles without area to the rounding of f64, lowest first.
     pub degenerate_triangles: Vec<usize>,
 }
@@ -68,6 +70,7 @@ impl MeshInfo {
                 valences.max().unwrap_or(0),
             ],
             edge_lengths,
+            corners: corners(surface.positions()),
             degenerate_triangles: all
                 .filter(|&triangle| is_degenerate(surface, triangle))
                 .collect(),
@@ -79,6 +82,11 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(value), high.max(value)]
     })
+}
+
+fn corners(positions: &[[f64; 3]]) -> [[f64; 3]; 2] {
+    let ranges: [_; 3] = std::array::from_fn(|axis| range(positions.iter().map(|x| x[axis])));
+    [0, 1].map(|end| ranges.map(|range| range[end]))
 }
 
 /// Whether an area is nothing but the rounding error of the cross product that gave it.

@@ -24,7 +24,7 @@ mod units;
 mod value;
 
 pub use driver::{BoundaryIntegral, Driver, Flow, Integrator, Relax, Scheme};
-pub use explain::{Active, Explanation, Group, Parameter, SurfaceExplanation};
+pub use explain::{Active, Explanation, Group, LatticeExplanation, Parameter, SurfaceExplanation};
 pub use lattice::{LatticeBoltzmann, StepLimit};
 pub use output::{Every, Output, PictureField, Plot, Probe, Slice, Volume};
 pub use problem::{Place, Problem, SceneError, SceneErrors};

@@ -4,6 +4,8 @@ mod driver;
 mod lattice;
 mod surface;
 
+pub(super) use lattice::{BOX, rounded};
+
 use super::check::{Problems, check_table};
 use super::keys::SCENE;
 use super::problem::{Problem, SceneErrors, Source};
@@ -103,14 +105,14 @@ impl Builder<'_> {
         let table = scene.table("driver");
         let mut driver = table.and_then(|table| self.driver(table, &surfaces, &readers));
         let obstacles = self.obstacles(&scene.tables("obstacle"), driver.as_ref());
-        for (surface, reader) in surfaces.iter().zip(&readers) {
-            self.effects(surface, *reader, driver.as_ref());
-        }
         let output = self.output(scene.table("output"), driver.as_ref());
         if let Some(table) = table {
             self.fit_step(table, driver.as_mut(), &output);
         }
-        Scene {
+        for (surface, reader) in surfaces.iter().zip(&readers) {
+            self.effects(surface, *reader, driver.as_ref());
+        }
+        let scene = Scene {
             title: scene.text("title").unwrap_or_default().to_owned(),
             units,
             surfaces,
@@ -118,7 +120,11 @@ impl Builder<'_> {
             obstacles,
             driver: driver.unwrap_or(driver::PLACEHOLDER),
             output,
+        };
+        if let Some(table) = table {
+            self.lattice_doubts(table, &scene);
         }
+        scene
     }
 
     /// Names have to differ. `what` they name is read from `readers`.

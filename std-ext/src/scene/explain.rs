@@ -5,8 +5,10 @@ mod display;
 mod driver;
 mod effects;
 mod groups;
+mod lattice;
 
 pub(super) use groups::{capillary_number, enclosed_radius};
+pub use lattice::LatticeExplanation;
 
 use super::units::Dimension;
 use super::{Driver, Interaction, MeshSource, Relax, Scene, Scheme, SurfaceScene, Units};
@@ -32,6 +34,8 @@ pub struct Explanation {
     pub flow: Option<Active>,
     /// How positions follow velocities and why so, of drivers with time.
     pub integrator: Option<Active>,
+    /// The lattice, of the driver that has one.
+    pub lattice: Option<LatticeExplanation>,
     /// Estimate of the spectral radius ρ of the velocities' derivative by positions, 1/time, where
     /// there is a formula: explicit steps are stable up to about 2.5/ρ.
     pub spectral_radius: Option<f64>,
@@ -151,6 +155,11 @@ impl Scene {
             }
         };
         let spectral_radius = driver::spectral_radius(self, meshes);
+        let lattice = lattice::explain(self, meshes, &number);
+        let nodes = match &self.driver {
+            Driver::LatticeBoltzmann(lattice) => lattice.memory(self),
+            _ => 0,
+        };
         Explanation {
             title: self.title.clone(),
             units: self.units,
@@ -162,8 +171,12 @@ impl Scene {
             flow: driver::flow(&self.driver, &number),
             integrator: driver::integrator(self, &number),
             spectral_radius,
-            step_limit: driver::step_limit(self, spectral_radius),
-            memory: memory.sum(),
+            step_limit: match &lattice {
+                Some(lattice) => lattice::step_limit(lattice, &number),
+                None => driver::step_limit(self, spectral_radius),
+            },
+            lattice,
+            memory: memory.sum::<u64>() + nodes,
         }
     }
 }

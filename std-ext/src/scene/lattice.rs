@@ -1,7 +1,9 @@
 //! Membranes in a box of fluid on a lattice, and what limits its steps.
 
-use super::{Flow, SurfaceScene};
-use crate::flow::lattice_boltzmann::{Kernel, Units};
+use super::explain::enclosed_radius;
+use super::{Flow, Scene, SurfaceScene};
+use crate::flow::lattice_boltzmann::{Kernel, Units, mach, memory};
+use crate::info::MeshInfo;
 use crate::scalar::Scalar;
 use serde::Serialize;
 
@@ -79,6 +81,39 @@ impl LatticeBoltzmann {
         }
     }
 
+    /// Mach number of the flow, or of the walls.
+    pub(super) fn mach(&self) -> f64 {
+        mach(self.largest_speed() * self.step / self.spacing)
+    }
+
+    /// 3 P in lattice units, by which the density changes where P is a pressure.
+    pub(super) fn compression(&self, pressure: f64) -> f64 {
+        3.0 * pressure / self.units().pressure()
+    }
+
+    /// Reynolds number `γ̇ a²/ν` of surfaces of this radius: that of the fluid or, without a density,
+    /// the one by which a step of the lattice takes time; rates are those of the flow or, if there is
+    /// none, of membranes that press with this pressure.
+    pub(super) fn reynolds(&self, radius: f64, pressure: f64) -> f64 {
+        let rate = self.flow.rate().unwrap_or(pressure / self.viscosity);
+        let nodes = radius / self.spacing;
+        rate * self.step * nodes * nodes / self.lattice_viscosity
+    }
+
+    /// Memory in bytes: populations and forces, and what obstacles and viscosities add.
+    pub(super) fn memory(&self, scene: &Scene) -> u64 {
+        let nodes = self.cells.map(|count| count as u64).iter().product::<u64>();
+        let (populations, number) = match self.precision {
+            Scalar::F32 => (memory::<f32>(self.cells), 4),
+            _ => (memory::<f64>(self.cells), 8),
+        };
+        let ratio =
+            |surface: &SurfaceScene| surface.viscosity_ratio.is_some_and(|ratio| ratio != 1.0);
+        let contrast = u64::from(scene.surfaces.iter().any(ratio));
+        let labels = u64::from(!scene.obstacles.is_empty());
+        populations.unwrap_or(0) as u64 + nodes * (number * (3 + contrast) + 2 * labels)
+    }
+
     /// What limits the step, each by itself.
     pub(super) fn step_limits(&self, membranes: &[Membrane]) -> Vec<StepLimit> {
         let Self {
@@ -112,24 +147,32 @@ impl LatticeBoltzmann {
                 step: INERTIA * self.lattice_viscosity * spacing.powi(2) / (rate * radius.powi(2)),
             });
         }
-        // Forces a step that the fluid's viscosity, or its mass, can take up.
-        let stiff = |of: fn(&Membrane) -> f64, most: f64| {
-            let share = MEMBRANES.min(most / self.lattice_viscosity);
-            share * viscosity * spacing / largest(&of)
-        };
-        limits.push(StepLimit {
-            name: "elasticity",
-            formula: "(K_s + G + σ) step/(μ spacing) ≤ 0.5 and 0.25/ν",
-            step: stiff(Membrane::plane_stiffness, PLANE),
-        });
-        limits.push(StepLimit {
-            name: "bending",
-            formula: "κ step/(μ spacing edge²) ≤ 0.5 and 0.09/ν",
-            step: stiff(Membrane::bending_stiffness, BENDING),
-        });
+        limits.extend(self.membrane_limits(membranes));
         // What does not exist limits nothing.
         limits.retain(|limit| limit.step.is_finite());
         limits
+    }
+
+    /// What of it membranes limit, whose forces are those at the start of a step.
+    pub(super) fn membrane_limits(&self, membranes: &[Membrane]) -> [StepLimit; 2] {
+        // Forces a step that the fluid's viscosity, or its mass, can take up.
+        let stiff = |of: fn(&Membrane) -> f64, most: f64| {
+            let share = MEMBRANES.min(most / self.lattice_viscosity);
+            let stiffest = membranes.iter().map(of).fold(0.0, f64::max);
+            share * self.viscosity * self.spacing / stiffest
+        };
+        [
+            StepLimit {
+                name: "elasticity",
+                formula: "(K_s + G + σ) step/(μ spacing) ≤ 0.5 and 0.25/ν",
+                step: stiff(Membrane::plane_stiffness, PLANE),
+            },
+            StepLimit {
+                name: "bending",
+                formula: "κ step/(μ spacing edge²) ≤ 0.5 and 0.09/ν",
+                step: stiff(Membrane::bending_stiffness, BENDING),
+            },
+        ]
     }
 
     /// P, the pressure by which membranes and flow move the density.
@@ -157,6 +200,11 @@ pub(super) const MEMBRANES: f64 = 0.5;
 const PLANE: f64 = 0.25;
 /// and across it.
 const BENDING: f64 = 0.09;
+
+/// Membranes tremble in steps of this many times what their limits allow.
+pub(super) const TREMBLING: f64 = 2.0;
+/// D(L) − D(∞) of a capsule in shear between walls at a distance of L radii, times L³.
+pub(super) const FINITE_BOX: f64 = 2.4;
 
 /// The longest step that something allows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -200,6 +248,11 @@ impl Membrane {
                 + local.map_or(0.0, |local| local.modulus),
             tension: surface.tension.map_or(0.0, f64::abs),
         }
+    }
+
+    /// A surface and its mesh.
+    pub(super) fn of(surface: &SurfaceScene, mesh: &MeshInfo) -> Self {
+        Self::new(surface, enclosed_radius(mesh), mesh.area, mesh.triangles)
     }
 
     /// The pressure that it resists by.

@@ -1,5 +1,7 @@
 //! What effects ask of a mesh: seen once the mesh is known.
 
+mod lattice;
+
 use super::build::reduced_volume;
 use super::explain::{capillary_number, enclosed_radius};
 use super::problem::{Problem, SceneErrors};
@@ -72,6 +74,9 @@ pub(super) fn check_mesh(
         }
     }
     targets(scene, mesh, &mut problem);
+    if let Driver::LatticeBoltzmann(lattice) = &file.scene.driver {
+        lattice::in_the_box(scene, mesh, lattice, &mut problem);
+    }
     let errors = found.into_iter().map(|(key, message)| {
         let path = match key.as_str() {
             "" => format!("surface.{surface}"),
@@ -93,6 +98,10 @@ pub(super) fn check_obstacle(
         return Ok(());
     };
     let name = &scene.name;
+    let outside = match &file.scene.driver {
+        Driver::LatticeBoltzmann(lattice) => lattice::off_the_nodes(name, mesh, lattice),
+        _ => None,
+    };
     let message = match mesh.volume {
         None => format!(
             "the mesh of the obstacle \"{name}\" has {} boundary edges, and fluid flows around closed \
@@ -103,7 +112,10 @@ pub(super) fn check_obstacle(
             "the mesh of the obstacle \"{name}\" encloses {volume}: its triangles run clockwise seen \
              from outside: turn them over"
         ),
-        Some(_) => return Ok(()),
+        Some(_) => match outside {
+            Some(message) => message,
+            None => return Ok(()),
+        },
     };
     let origin = file.origins.of(&format!("obstacle.{obstacle}"));
     let error = file
@@ -141,6 +153,13 @@ pub(super) fn mesh_warnings(file: &SceneFile, surface: usize, mesh: &MeshInfo) -
         }
         if let Some(message) = beyond_the_tube(scene, mesh, flow) {
             warn("driver.flow.radius", message);
+        }
+    }
+    if let (Driver::LatticeBoltzmann(lattice), Some(scene)) =
+        (driver, file.scene.surfaces.get(surface))
+    {
+        for (path, message) in lattice::doubts(file, surface, scene, mesh, lattice) {
+            warn(&path, message);
         }
     }
     warnings

@@ -93,6 +93,15 @@ impl Slice {
         let first = axis.reject_from_normalized(normal).normalize_or_zero();
         [first, normal.cross(first)].map(|axis| axis.to_array())
     }
+
+    /// Its four corners.
+    pub(super) fn corners(&self) -> [[f64; 3]; 4] {
+        let [first, second] = self.axes().map(DVec3::from);
+        [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]].map(|[a, b]| {
+            let away = a * self.size[0] * first + b * self.size[1] * second;
+            (DVec3::from(self.centre) + away).to_array()
+        })
+    }
 }
 
 /// The fluid in the whole box of a lattice, of which velocity and pressure are written with every set

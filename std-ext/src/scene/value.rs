@@ -39,6 +39,11 @@ impl Origins {
         }
     }
 
+    /// Whether a path was written.
+    pub(super) fn has(&self, path: &str) -> bool {
+        self.0.contains_key(path)
+    }
+
     pub(super) fn new(table: &Table) -> Self {
         let mut origins = Self::default();
         origins.collect("", table);

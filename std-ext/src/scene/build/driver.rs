@@ -352,6 +352,8 @@ impl Builder<'_> {
                     format!("{points} points are too many for a slice: {POINTS} at most"),
                 );
             }
+            let what = format!("the slice \"{}\"", slice.name);
+            self.in_the_fluid(reader.origin(), &what, &slice.corners(), driver);
         }
         slices
     }
@@ -403,8 +405,11 @@ impl Builder<'_> {
                     .to_owned(),
             );
         }
-        // The centre of a surface has these columns.
         for (probe, reader) in probes.iter().zip(readers) {
+            let what = format!("the probe \"{}\"", probe.name);
+            let origin = reader.origin_of("point");
+            self.in_the_fluid(&origin, &what, &[probe.point], driver);
+            // The centre of a surface has these columns.
             if probe.name == "centroid" {
                 self.contradiction(
                     &reader.origin_of("name"),

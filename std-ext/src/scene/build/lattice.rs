@@ -1,10 +1,10 @@
 //! The driver lattice-boltzmann from its values.
 
-use super::super::lattice::Membrane;
+use super::super::lattice::{MACH, Membrane};
 use super::super::reader::Reader;
-use super::super::value::default_name;
+use super::super::value::{Origin, default_name};
 use super::super::{
-    Driver, Every, Flow, LatticeBoltzmann, MeshSource, Obstacle, Output, SurfaceScene,
+    Driver, Every, Flow, LatticeBoltzmann, MeshSource, Obstacle, Output, Scene, SurfaceScene,
 };
 use super::Builder;
 use crate::flow::lattice_boltzmann::Kernel;
@@ -14,13 +14,17 @@ use crate::scalar::Scalar;
 use helfrich::Surface;
 use helfrich::shapes::Shape;
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 /// The kinematic viscosity on the lattice of those who do not care: about where compressibility and the
 /// time that the flow takes to follow ask for equally short steps.
 const LATTICE_VISCOSITY: f64 = 1.0 / 3.0;
 
 /// Lengths of a box by default, in radii of the surface in it.
-const BOX: f64 = 7.0;
+pub(in crate::scene) const BOX: f64 = 7.0;
+
+/// Viscosities on the lattice with which it is stable and accurate.
+const VISCOSITIES: RangeInclusive<f64> = 0.02..=1.0;
 
 /// More nodes than this are in no machine's memory.
 const NODES: f64 = 1e10;
@@ -76,7 +80,7 @@ impl Builder<'_> {
             centre: driver.vector("centre").unwrap_or_default(),
             lattice_viscosity: driver
                 .number("lattice_viscosity")
-                .unwrap_or(LATTICE_VISCOSITY),
+                .unwrap_or_else(|| default_viscosity(surfaces)),
             step: driver.needed("step"),
             kernel: match driver.text("kernel") {
                 Some("three") => Kernel::Three,
@@ -91,6 +95,114 @@ impl Builder<'_> {
         };
         self.step(driver, &mut lattice, &membranes);
         lattice
+    }
+
+    /// What is doubtful about the lattice, whatever the meshes: once its step is known.
+    pub(super) fn lattice_doubts(&mut self, driver: Reader<'_>, scene: &Scene) {
+        let Driver::LatticeBoltzmann(lattice) = scene.driver else {
+            return;
+        };
+        let place = |key: &str, or: &str| match driver.has(key) {
+            true => driver.origin_of(key),
+            false => driver.origin_of(or),
+        };
+        let viscosity = lattice.lattice_viscosity;
+        if !VISCOSITIES.contains(&viscosity) && viscosity.is_finite() {
+            let nearest = viscosity.clamp(*VISCOSITIES.start(), *VISCOSITIES.end());
+            let change = match lattice.density {
+                None => format!("choose a `lattice_viscosity` of {nearest}"),
+                Some(_) => format!(
+                    "choose a `step` of {}, or another `spacing`",
+                    rounded(lattice.step * nearest / viscosity)
+                ),
+            };
+            let message = format!(
+                "the viscosity on the lattice is {}, and best lies between 0.02 and 1: below, it comes \
+                 near to instability, above, walls and membranes are felt at some distance: {change}",
+                rounded(viscosity)
+            );
+            self.doubt(&place("lattice_viscosity", "step"), message);
+        }
+        let mach = lattice.mach();
+        if mach > MACH {
+            let what = match lattice.flow {
+                Flow::Shear { .. } => "the walls move",
+                _ => "the fluid moves",
+            };
+            let message = format!(
+                "{what} with a Mach number of {} on the lattice, above {MACH}, and errors by \
+                 compressibility go with its square: choose a `step` of {}",
+                rounded(mach),
+                rounded(lattice.step * MACH / mach)
+            );
+            self.doubt(&place("step", "lattice_viscosity"), message);
+        }
+        let needed = lattice.memory(scene);
+        if let Some(free) = free_memory()
+            && needed > free
+        {
+            let gigabytes = |bytes: u64| rounded(bytes as f64 / 1e9);
+            let precision = match lattice.precision {
+                Scalar::F64 => "`precision` = \"f32\", which takes half of it, ",
+                _ => "",
+            };
+            let enough = lattice.spacing * (needed as f64 / free as f64).cbrt();
+            let message = format!(
+                "the lattice takes {} GB of memory, and {} are free: choose {precision}a `spacing` of \
+                 {}, or a smaller `box`",
+                gigabytes(needed),
+                gigabytes(free),
+                rounded(enough)
+            );
+            self.doubt(&place("spacing", "resolution"), message);
+        }
+    }
+
+    /// What is doubtful about a surface in a box.
+    pub(super) fn in_a_box(
+        &mut self,
+        surface: &SurfaceScene,
+        reader: Reader<'_>,
+        lattice: &LatticeBoltzmann,
+    ) {
+        let SurfaceScene { name, .. } = surface;
+        let ratio = surface.viscosity_ratio.unwrap_or(1.0);
+        let inside = ratio * lattice.lattice_viscosity;
+        let [least, most] = [*VISCOSITIES.start(), *VISCOSITIES.end()];
+        if VISCOSITIES.contains(&lattice.lattice_viscosity)
+            && !VISCOSITIES.contains(&inside)
+            && inside.is_finite()
+        {
+            let outside = if ratio > 1.0 {
+                most / ratio
+            } else {
+                least / ratio
+            };
+            let change = if !VISCOSITIES.contains(&outside) {
+                "no viscosity outside is right for both: choose a ratio between 1/50 and 50, or the \
+                 driver \"boundary-integral\""
+                    .to_owned()
+            } else if lattice.density.is_some() {
+                let step = lattice.step * outside / lattice.lattice_viscosity;
+                format!("choose a `step` of {}", rounded(step))
+            } else {
+                format!("choose a `lattice_viscosity` of {}", rounded(outside))
+            };
+            let message = format!(
+                "the viscosity on the lattice is {} inside of \"{name}\", and best lies between {least} \
+                 and {most}: {change}",
+                rounded(inside)
+            );
+            self.doubt(&reader.origin_of("viscosity_ratio"), message);
+        }
+        if surface.gravity.is_some() && lattice.walls() == [false; 3] {
+            let message = format!(
+                "\"{name}\" has a weight, and in a box without walls nothing carries it: fluid and \
+                 surface fall faster and faster; choose the flow \"channel\", or the driver \
+                 \"boundary-integral\""
+            );
+            self.doubt(&reader.origin_of("gravity"), message);
+        }
     }
 
     /// Flows that have no place in a box.
@@ -240,7 +352,7 @@ impl Builder<'_> {
             (false, true) => lattice.step = lattice.lattice_viscosity * unit,
             (false, false) => {
                 let longest = MARGIN * shortest(lattice, membranes);
-                lattice.step = longest.min(LATTICE_VISCOSITY * unit);
+                lattice.step = longest.min(lattice.lattice_viscosity * unit);
                 lattice.lattice_viscosity = lattice.step / unit;
             }
         }
@@ -268,6 +380,42 @@ impl Builder<'_> {
                 lattice.lattice_viscosity *= step / lattice.step;
             }
             lattice.step = step;
+        }
+    }
+
+    /// Points of an output, called `what`, that lie beyond a wall, where there is no fluid.
+    pub(super) fn in_the_fluid(
+        &mut self,
+        origin: &Origin,
+        what: &str,
+        points: &[[f64; 3]],
+        driver: Option<&Driver>,
+    ) {
+        let Some(Driver::LatticeBoltzmann(lattice)) = driver else {
+            return;
+        };
+        let [low, high] = lattice.corners();
+        let walls = lattice.walls();
+        for axis in (0..3).filter(|&axis| walls[axis]) {
+            // Where it ends exactly at a wall, roundings do not count.
+            let slack = 1e-9 * (high[axis] - low[axis]);
+            let beyond = |point: &&[f64; 3]| {
+                point[axis] < low[axis] - slack || point[axis] > high[axis] + slack
+            };
+            if let Some(point) = points.iter().find(beyond) {
+                self.contradiction(
+                    origin,
+                    format!(
+                        "{what} reaches to {} along {}, and the fluid is between walls at {} and {}: \
+                         choose it within, or a longer `box`",
+                        point[axis],
+                        ["x", "y", "z"][axis],
+                        low[axis],
+                        high[axis]
+                    ),
+                );
+                return;
+            }
         }
     }
 
@@ -308,6 +456,27 @@ impl Builder<'_> {
     }
 }
 
+/// The kinematic viscosity on the lattice of those who do not care, such that the fluid inside has a
+/// good one as well, if there is such a one.
+fn default_viscosity(surfaces: &[SurfaceScene]) -> f64 {
+    let ratios = surfaces
+        .iter()
+        .filter_map(|surface| surface.viscosity_ratio);
+    let [least, most] = [*VISCOSITIES.start(), *VISCOSITIES.end()];
+    let inside = |viscosity: f64, ratio: f64| (viscosity * ratio).clamp(least, most) / ratio;
+    ratios.fold(LATTICE_VISCOSITY, inside).clamp(least, most)
+}
+
+/// Memory that is free, in bytes, where the system says so.
+fn free_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text
+        .lines()
+        .find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
+    Some(1024 * kilobytes)
+}
+
 /// The shortest of the steps that something limits.
 fn shortest(lattice: &LatticeBoltzmann, membranes: &[Membrane]) -> f64 {
     let limits = lattice.step_limits(membranes);
@@ -318,7 +487,7 @@ fn shortest(lattice: &LatticeBoltzmann, membranes: &[Membrane]) -> f64 {
 }
 
 /// Three digits, for advice.
-fn rounded(value: f64) -> f64 {
+pub(in crate::scene) fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
 

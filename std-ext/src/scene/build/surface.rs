@@ -354,6 +354,9 @@ impl Builder<'_> {
                 ),
             );
         }
+        if let Driver::LatticeBoltzmann(lattice) = driver {
+            self.in_a_box(surface, reader, lattice);
+        }
         if surface.pressure.is_some() {
             let message = format!(
                 "`pressure` does nothing to \"{name}\", whose volume the fluid inside keeps: leave it \

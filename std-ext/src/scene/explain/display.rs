@@ -1,6 +1,6 @@
 //! An explanation as text.
 
-use super::{Active, Explanation, Group, Parameter, SurfaceExplanation};
+use super::{Active, Explanation, Group, LatticeExplanation, Parameter, SurfaceExplanation};
 use crate::scene::Units;
 use std::fmt;
 
@@ -27,10 +27,49 @@ impl fmt::Display for Explanation {
         for part in self.flow.iter().chain(&self.integrator) {
             writeln!(f, "  {part}")?;
         }
+        if let Some(LatticeExplanation {
+            lattice, groups, ..
+        }) = &self.lattice
+        {
+            writeln!(f, "  {lattice}")?;
+            for group in groups {
+                writeln!(f, "    {group}")?;
+            }
+        }
         writeln!(f, "  step limit          {}", self.step_limit)?;
         // In what the numbers are good for.
         let megabytes = self.memory.div_ceil(1_000_000);
-        writeln!(f, "  memory              about {megabytes} MB")
+        writeln!(f, "  memory              about {megabytes} MB")?;
+        if let Some(LatticeExplanation {
+            steps,
+            throughput,
+            minutes,
+            ..
+        }) = &self.lattice
+        {
+            let minutes = match minutes.ceil() {
+                1.0 => "a minute".to_owned(),
+                minutes => format!("{minutes} minutes"),
+            };
+            let updates = digits((throughput / 1e5).round() / 10.0);
+            writeln!(
+                f,
+                "  time                about {minutes}: {steps} steps, with {updates} million nodes a \
+                 second as on a small lattice just now"
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Group {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            name,
+            formula,
+            value,
+        } = self;
+        write!(f, "{name:38} {:>10}  {formula}", digits(*value))
     }
 }
 
@@ -55,13 +94,8 @@ impl fmt::Display for SurfaceExplanation {
         if !self.groups.is_empty() {
             writeln!(f, "  dimensionless groups")?;
         }
-        for Group {
-            name,
-            formula,
-            value,
-        } in &self.groups
-        {
-            writeln!(f, "    {name:38} {:>10}  {formula}", digits(*value))?;
+        for group in &self.groups {
+            writeln!(f, "    {group}")?;
         }
         for note in &self.notes {
             writeln!(f, "    {note}")?;

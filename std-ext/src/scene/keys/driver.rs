@@ -113,7 +113,8 @@ pub(super) static DRIVER: Keys = Keys {
             "lattice_viscosity",
             NUMBER,
             "Kinematic viscosity on the lattice, ν in units of spacing²/step, best from 0.02 to 1; by \
-             default 1/3, or what density and step make it.",
+             default 1/3, less if a surface's viscosity ratio asks for it, or what density and step make \
+             it.",
         ),
         optional(
             "kernel",

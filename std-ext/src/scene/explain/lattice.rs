@@ -1,0 +1,184 @@
+//! What a lattice amounts to: its numbers, the limits of its step, the time it takes.
+
+use super::super::lattice::{FINITE_BOX, Membrane};
+use super::super::units::Dimension;
+use super::super::{Driver, Flow, LatticeBoltzmann, Scene, StepLimit};
+use super::{Active, Group, Parameters, cost};
+use crate::flow::lattice_boltzmann::{Lattice, Precision, Setup, Sides};
+use crate::info::MeshInfo;
+use crate::scalar::Scalar;
+use serde::Serialize;
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
+/// What a lattice amounts to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LatticeExplanation {
+    /// The lattice: nodes, walls, kernel, number type, lengths.
+    pub lattice: Active,
+    /// Its numbers, with a the largest radius of a surface, h the longest mean edge.
+    pub groups: Vec<Group>,
+    /// What allows no longer step, each by itself.
+    pub limits: Vec<StepLimit>,
+    /// Number of steps until the run ends.
+    pub steps: u64,
+    /// Nodes that this machine updates in a second, as measured on a small lattice just now.
+    pub throughput: f64,
+    /// Estimate of the time that the run takes. Membranes are assumed to take a ten millionth of a
+    /// second a vertex and step for bending by method B, others in proportion, and five times that for
+    /// all the rest.
+    pub minutes: f64,
+}
+
+/// Seconds a vertex of an evaluation of method B.
+const BENDING_SECONDS: f64 = 1e-7;
+/// Seconds a vertex of elasticity, and of spreading and interpolating.
+const VERTEX_SECONDS: f64 = 5e-7;
+/// How long throughput is measured.
+const TRIAL: Duration = Duration::from_millis(100);
+/// Nodes along an axis of the lattice that it is measured on, too many for a processor's cache.
+const TRIAL_NODES: usize = 48;
+
+pub(super) fn explain(
+    scene: &Scene,
+    meshes: &[MeshInfo],
+    number: &Parameters,
+) -> Option<LatticeExplanation> {
+    let Driver::LatticeBoltzmann(lattice) = &scene.driver else {
+        return None;
+    };
+    let surfaces = scene.surfaces.iter().zip(meshes);
+    let membranes = surfaces
+        .clone()
+        .map(|(surface, mesh)| Membrane::of(surface, mesh));
+    let membranes = Vec::from_iter(membranes);
+    let steps = (lattice.duration / lattice.step).ceil();
+    let nodes: f64 = lattice.cells.iter().map(|&count| count as f64).product();
+    let throughput = match lattice.precision {
+        Scalar::F32 => throughput::<f32>(lattice),
+        _ => throughput::<f64>(lattice),
+    };
+    let vertex_time = surfaces.map(|(surface, mesh)| {
+        let bending = surface.bending.map_or(0.0, |bending| cost(bending.method));
+        mesh.vertices as f64 * (VERTEX_SECONDS + BENDING_SECONDS * bending)
+    });
+    let step_time = nodes / throughput + vertex_time.sum::<f64>();
+    Some(LatticeExplanation {
+        lattice: describe(lattice, number),
+        groups: groups(lattice, &membranes),
+        limits: lattice.step_limits(&membranes),
+        steps: steps as u64,
+        throughput,
+        minutes: steps * step_time / 60.0,
+    })
+}
+
+fn describe(lattice: &LatticeBoltzmann, number: &Parameters) -> Active {
+    let [x, y, z] = lattice.cells;
+    let walls = match lattice.walls() {
+        [_, true, true] => "walls at the ends of y and z",
+        [_, true, _] => "walls at the ends of y",
+        _ => "periodic",
+    };
+    let mut parameters = vec![number.of("spacing", lattice.spacing, Dimension::LENGTH)];
+    let names = ["box x", "y", "z"];
+    parameters.extend(number.vector(names, lattice.size(), Dimension::LENGTH));
+    parameters.push(number.of("step", lattice.step, Dimension::TIME));
+    Active {
+        name: "lattice",
+        choice: format!(
+            "{x} × {y} × {z} nodes in {}, {walls}, kernel of {} nodes an axis",
+            lattice.precision,
+            lattice.kernel.points()
+        ),
+        parameters,
+    }
+}
+
+fn groups(lattice: &LatticeBoltzmann, membranes: &[Membrane]) -> Vec<Group> {
+    let mut groups = Vec::new();
+    let mut group = |name, formula, value: f64| {
+        groups.push(Group {
+            name,
+            formula,
+            value,
+        });
+    };
+    let largest = |of: fn(&Membrane) -> f64| membranes.iter().map(of).fold(0.0, f64::max);
+    let radius = largest(|membrane| membrane.radius);
+    let edge = largest(|membrane| membrane.edge);
+    group("radius in nodes", "a/spacing", radius / lattice.spacing);
+    group("mean edge in nodes", "h/spacing", edge / lattice.spacing);
+    let size = lattice.size();
+    group("box in radii, along x", "L_x/a", size[0] / radius);
+    group("along y", "L_y/a", size[1] / radius);
+    group("along z", "L_z/a", size[2] / radius);
+    let viscosity = lattice.lattice_viscosity;
+    group("viscosity on the lattice", "ν", viscosity);
+    group("relaxation time", "τ = 3 ν + 1/2", 3.0 * viscosity + 0.5);
+    if let Some(rate) = lattice.flow.rate() {
+        group("shear rate on the lattice", "γ̇ step", rate * lattice.step);
+    }
+    group("Mach number", "√3 U step/spacing", lattice.mach());
+    let pressure = lattice.pressure(membranes);
+    let compression = lattice.compression(pressure);
+    group(
+        "change of the density",
+        "3 P step²/(ρ spacing²)",
+        compression,
+    );
+    let reynolds = lattice.reynolds(radius, pressure);
+    match lattice.density {
+        Some(_) => group("Reynolds number", "Re = ρ γ̇ a²/μ", reynolds),
+        None => group(
+            "Reynolds number of the lattice alone",
+            "γ̇ a² step/(ν spacing²)",
+            reynolds,
+        ),
+    }
+    if let Flow::Shear { .. } = lattice.flow {
+        group(
+            "finite box, not corrected for",
+            "D(L_y) − D(∞) = 2.4 (a/L_y)³",
+            FINITE_BOX * (radius / size[1]).powi(3),
+        );
+    }
+    groups
+}
+
+/// What limits the step, in words.
+pub(super) fn step_limit(lattice: &LatticeExplanation, number: &Parameters) -> String {
+    let limits = lattice.limits.iter().map(|limit| {
+        let step = number.of(limit.name, limit.step, Dimension::TIME);
+        format!("{step} ({})", limit.formula)
+    });
+    let shortest = |a: &&StepLimit, b: &&StepLimit| a.step.total_cmp(&b.step);
+    let first = lattice.limits.iter().min_by(shortest);
+    let first = first.map_or("nothing", |limit| limit.name);
+    format!("{first}; {}", Vec::from_iter(limits).join(", "))
+}
+
+/// Nodes updated in a second.
+fn throughput<T: Precision>(lattice: &LatticeBoltzmann) -> f64 {
+    let cells = lattice.cells.map(|count| count.clamp(1, TRIAL_NODES));
+    let trial = Lattice::<T>::new(Setup {
+        cells,
+        sides: [Sides::Periodic; 3],
+        viscosity: 1.0 / 6.0,
+        inertia: lattice.density.is_some(),
+        threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
+    });
+    let Ok(mut trial) = trial else {
+        return f64::NAN;
+    };
+    trial.advance(2);
+    let start = Instant::now();
+    let mut steps = 0;
+    while start.elapsed() < TRIAL {
+        // One even and one odd.
+        trial.advance(2);
+        steps += 2;
+    }
+    let updates = cells.iter().product::<usize>() as f64 * f64::from(steps);
+    updates / start.elapsed().as_secs_f64()
+}

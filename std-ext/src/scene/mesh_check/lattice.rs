@@ -1,0 +1,281 @@
+//! Meshes in a box of fluid on a lattice: what is impossible, what leaves the range in which the
+//! method is right.
+
+use super::super::build::{BOX, rounded};
+use super::super::explain::enclosed_radius;
+use super::super::lattice::{COMPRESSION, FINITE_BOX, INERTIA, Membrane, TREMBLING};
+use super::super::{Flow, LatticeBoltzmann, SceneFile, SurfaceScene};
+use crate::info::MeshInfo;
+
+/// Mean edges in nodes. Longer ones leave gaps through which fluid leaks, shorter ones only make the
+/// membrane stiff.
+const EDGES: [f64; 2] = [0.3, 1.5];
+
+/// Reynolds numbers beyond which inertia is seen in D.
+const REYNOLDS: f64 = 0.1;
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// A surface that the lattice does not see, or that does not fit between its walls.
+pub(super) fn in_the_box(
+    scene: &SurfaceScene,
+    mesh: &MeshInfo,
+    lattice: &LatticeBoltzmann,
+    problem: &mut impl FnMut(&str, String),
+) {
+    let name = &scene.name;
+    let radius = enclosed_radius(mesh);
+    if radius < lattice.spacing {
+        problem(
+            "",
+            format!(
+                "the radius of \"{name}\" is {}, less than the distance of two nodes, {}: choose a \
+                 `spacing` of {} or less",
+                rounded(radius),
+                rounded(lattice.spacing),
+                rounded(radius / 6.0)
+            ),
+        );
+        return;
+    }
+    let walls = lattice.walls();
+    let corners = lattice.corners();
+    // What the kernel of a vertex needs between it and a wall.
+    let distance = 0.5 * (lattice.kernel.points() - 1) as f64 * lattice.spacing;
+    for axis in 0..3 {
+        let [lowest, highest] = mesh.corners.map(|corner| corner[axis]);
+        let [low, high] = corners.map(|corner| corner[axis]);
+        let along = AXES[axis];
+        if walls[axis] && (lowest < low + distance || highest > high - distance) {
+            let needed =
+                2.0 * f64::max(
+                    highest - lattice.centre[axis],
+                    lattice.centre[axis] - lowest,
+                ) + 2.0 * distance;
+            problem(
+                "position",
+                format!(
+                    "\"{name}\" reaches from {} to {} along {along}, and the walls are at {} and {}: \
+                     its vertices need a distance of {} to them: move it, or choose a `box` of {} \
+                     along {along}",
+                    rounded(lowest),
+                    rounded(highest),
+                    rounded(low),
+                    rounded(high),
+                    rounded(distance),
+                    rounded(needed + lattice.spacing)
+                ),
+            );
+            return;
+        }
+        if !walls[axis] && highest - lowest > high - low {
+            problem(
+                "",
+                format!(
+                    "\"{name}\" is {} long along {along}, and the box, which is periodic there, {}: it \
+                     would meet itself: choose a longer `box`",
+                    rounded(highest - lowest),
+                    rounded(high - low)
+                ),
+            );
+            return;
+        }
+    }
+}
+
+/// An obstacle that no node is in; why.
+pub(super) fn off_the_nodes(
+    name: &str,
+    mesh: &MeshInfo,
+    lattice: &LatticeBoltzmann,
+) -> Option<String> {
+    let walls = lattice.walls();
+    let [low, high] = lattice.corners();
+    let [lowest, highest] = mesh.corners;
+    let outside =
+        |&axis: &usize| walls[axis] && (highest[axis] <= low[axis] || lowest[axis] >= high[axis]);
+    if let Some(axis) = (0..3).find(outside) {
+        return Some(format!(
+            "the obstacle \"{name}\" reaches from {} to {} along {}, and the fluid is between walls at \
+             {} and {}: move it, or leave it out",
+            rounded(lowest[axis]),
+            rounded(highest[axis]),
+            AXES[axis],
+            rounded(low[axis]),
+            rounded(high[axis])
+        ));
+    }
+    let thin = |&axis: &usize| highest[axis] - lowest[axis] < lattice.spacing;
+    (0..3).find(thin).map(|axis| {
+        format!(
+            "the obstacle \"{name}\" is {} thick along {}, less than the distance of two nodes, {}: \
+             choose a thicker one, or a smaller `spacing`",
+            rounded(highest[axis] - lowest[axis]),
+            AXES[axis],
+            rounded(lattice.spacing)
+        )
+    })
+}
+
+/// What is doubtful about a membrane on a lattice, each with the path of the key that is concerned.
+pub(super) fn doubts(
+    file: &SceneFile,
+    index: usize,
+    surface: &SurfaceScene,
+    mesh: &MeshInfo,
+    lattice: &LatticeBoltzmann,
+) -> Vec<(String, String)> {
+    let membrane = Membrane::of(surface, mesh);
+    let name = &surface.name;
+    let of_the_step = first_written(file, ["driver.step", "driver.lattice_viscosity"]);
+    let of_the_nodes = first_written(file, ["driver.spacing", "driver.resolution"]);
+    // As scenes call it.
+    let spacing = |spacing: f64| match file.origins.has("driver.resolution") {
+        true => format!("a `resolution` of {}", rounded(membrane.radius / spacing)),
+        false => format!("a `spacing` of {}", rounded(spacing)),
+    };
+    let mut found = Vec::new();
+
+    let pressure = lattice.pressure(&[membrane]);
+    let compression = lattice.compression(pressure);
+    if compression > COMPRESSION {
+        let excess = compression / COMPRESSION;
+        // Without a density, that of the lattice goes with the step.
+        let change = match lattice.density {
+            None => format!(
+                "choose a `step` of {}, or a `lattice_viscosity` of {}",
+                rounded(lattice.step / excess),
+                rounded(lattice.lattice_viscosity / excess)
+            ),
+            Some(_) => format!(
+                "choose a `step` of {}, which is a viscosity of {} on the lattice",
+                rounded(lattice.step / excess.sqrt()),
+                rounded(lattice.lattice_viscosity / excess.sqrt())
+            ),
+        };
+        found.push((
+            of_the_step.to_owned(),
+            format!(
+                "\"{name}\" changes the density of the fluid by 3 P = {}, 3 μγ̇/Ca of an elastic one, on \
+                 the lattice, above {COMPRESSION}: its volume is lost to that, and 1 % of it raises D by \
+                 2 %: {change}",
+                rounded(compression)
+            ),
+        ));
+    }
+
+    let edge = membrane.edge / lattice.spacing;
+    let [shortest, longest] = EDGES;
+    let vertices = match file.origins.has(&format!("surface.{index}.vertices")) {
+        true => format!("surface.{index}.vertices"),
+        false => format!("surface.{index}.mesh"),
+    };
+    if edge > longest {
+        found.push((
+            vertices,
+            format!(
+                "edges of \"{name}\" are {} nodes long in the mean, above {longest}: fluid leaks between \
+                 its vertices: choose more `vertices`, {} say, or {}",
+                rounded(edge),
+                4 * mesh.vertices - 6,
+                spacing(membrane.edge / longest)
+            ),
+        ));
+    } else if edge < shortest {
+        found.push((
+            vertices,
+            format!(
+                "edges of \"{name}\" are {} nodes long in the mean, below {shortest}: no node sees them, \
+                 and the stiffer membrane needs shorter steps: choose fewer `vertices`, or {}",
+                rounded(edge),
+                spacing(membrane.edge / (2.0 * shortest))
+            ),
+        ));
+    }
+
+    let size = lattice.size();
+    let needed = BOX * membrane.radius;
+    // Walls of channels are there to be felt; what was rounded to whole nodes is long enough.
+    let free = |&axis: &usize| {
+        let wall = matches!(lattice.flow, Flow::Channel { .. }) && lattice.walls()[axis];
+        !wall && size[axis] < needed - lattice.spacing
+    };
+    if let Some(axis) = (0..3)
+        .filter(free)
+        .min_by(|&a, &b| size[a].total_cmp(&size[b]))
+    {
+        let ratio = size[axis] / membrane.radius;
+        let what = match lattice.walls()[axis] {
+            true => "walls",
+            false => "images",
+        };
+        let path = first_written(file, ["driver.box", "driver"]);
+        found.push((
+            path.to_owned(),
+            format!(
+                "the box is {} radii of \"{name}\" long along {}, below {BOX}: it feels its {what}, D by \
+                 about {FINITE_BOX} (a/L)³ = {}: choose {} or more",
+                rounded(ratio),
+                AXES[axis],
+                rounded(FINITE_BOX / ratio.powi(3)),
+                rounded(needed)
+            ),
+        ));
+    }
+
+    let reynolds = lattice.reynolds(membrane.radius, pressure);
+    if lattice.density.is_some() && reynolds > REYNOLDS {
+        found.push((
+            "driver.density".to_owned(),
+            format!(
+                "the Reynolds number ργ̇a²/μ of \"{name}\" is {}, above {REYNOLDS}: inertia raises D; for \
+                 Stokes flow leave `density` out",
+                rounded(reynolds)
+            ),
+        ));
+    }
+    if lattice.density.is_none() && reynolds > INERTIA {
+        let excess = reynolds / INERTIA;
+        found.push((
+            of_the_step.to_owned(),
+            format!(
+                "the lattice gives the flow about \"{name}\" a Reynolds number γ̇a²/ν of {}, above \
+                 {INERTIA}, and it lags behind the forces: choose a `step` of {}, a `lattice_viscosity` of \
+                 {}, or {}",
+                rounded(reynolds),
+                rounded(lattice.step / excess),
+                rounded(lattice.lattice_viscosity * excess),
+                spacing(lattice.spacing * excess.sqrt())
+            ),
+        ));
+    }
+
+    let stiff = lattice.membrane_limits(&[membrane]);
+    for limit in stiff {
+        let most = TREMBLING * limit.step;
+        if lattice.step > most {
+            let path = first_written(file, ["driver.step", of_the_nodes]);
+            found.push((
+                path.to_owned(),
+                format!(
+                    "steps of {} are more than twice {}, which the {} of \"{name}\" allows: the membrane \
+                     trembles at the scale of its mesh: choose a `step` of {}, or fewer `vertices`",
+                    rounded(lattice.step),
+                    rounded(limit.step),
+                    limit.name,
+                    rounded(limit.step)
+                ),
+            ));
+        }
+    }
+    found
+}
+
+/// The first of two keys, if it was written, else the second.
+fn first_written<'a>(file: &SceneFile, [first, second]: [&'a str; 2]) -> &'a str {
+    if file.origins.has(first) {
+        first
+    } else {
+        second
+    }
+}
