@@ -1,10 +1,9 @@
 //! What moves the surfaces.
 
 use super::LatticeBoltzmann;
-use crate::flow::Ambient;
+use crate::flow::{Ambient, Channel};
 use glam::DVec3;
 use serde::Serialize;
-use std::f64::consts::PI;
 
 /// What moves the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -185,10 +184,6 @@ impl Flow {
 
     /// Force per volume along x that drives a channel's flow in fluid of this viscosity; none of other
     /// flows.
-    ///
-    /// Between plates `8μU/H²`. In a duct of sides h ≤ d it follows from the velocity in the middle,
-    /// `U = G h²/(8μ) [1 − (32/π³) Σ (−1)^((n−1)/2)/(n³ cosh(nπd/(2h)))]` over odd n:
-    /// J. Boussinesq, J. Math. Pures Appl. 13 (1868) 377.
     pub fn driving_force(&self, viscosity: f64) -> Option<f64> {
         let Self::Channel {
             centre_velocity,
@@ -198,15 +193,8 @@ impl Flow {
         else {
             return None;
         };
-        let depth = depth.unwrap_or(f64::INFINITY);
-        let [narrow, wide] = [width.min(depth), width.max(depth)];
-        let plates = 8.0 * viscosity * centre_velocity / (narrow * narrow);
-        let slowed = (0..TERMS).map(|term| {
-            let n = f64::from(2 * term + 1);
-            let sign = if term % 2 == 0 { 1.0 } else { -1.0 };
-            sign / (n.powi(3) * (0.5 * n * PI * wide / narrow).cosh())
-        });
-        Some(plates / (1.0 - 32.0 / PI.powi(3) * slowed.sum::<f64>()))
+        let channel = Channel { width, depth };
+        Some(viscosity * centre_velocity / channel.response(0.0, 0.0))
     }
 
     /// The flow as a function of the point; none if there is none, or if it is that of a box.
@@ -260,9 +248,6 @@ impl Flow {
         }
     }
 }
-
-/// Terms of the series of a duct, of which the last is 10⁻¹⁷ in a square one.
-const TERMS: i32 = 12;
 
 /// Rounding of a matrix's entries, relative to the largest.
 const ROUNDING: f64 = 1e-12;

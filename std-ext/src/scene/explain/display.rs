@@ -43,6 +43,7 @@ impl fmt::Display for Explanation {
         if let Some(LatticeExplanation {
             steps,
             throughput,
+            coupling,
             minutes,
             ..
         }) = &self.lattice
@@ -55,7 +56,8 @@ impl fmt::Display for Explanation {
             writeln!(
                 f,
                 "  time                about {minutes}: {steps} steps, with {updates} million nodes a \
-                 second as on a small lattice just now"
+                 second and {} ms a step for all vertices, as on a small lattice just now",
+                digits((1e5 * coupling).round() / 100.0)
             )?;
         }
         Ok(())

@@ -4,10 +4,11 @@ use super::super::lattice::{FINITE_BOX, Membrane};
 use super::super::units::Dimension;
 use super::super::{Driver, Flow, LatticeBoltzmann, Scene, StepLimit};
 use super::{Active, Group, Parameters, cost};
-use crate::flow::lattice_boltzmann::{Lattice, Precision, Setup, Sides};
+use crate::flow::lattice_boltzmann::{Immersed, Lattice, LatticeError, Precision, Setup, Sides};
 use crate::info::MeshInfo;
 use crate::scalar::Scalar;
 use serde::Serialize;
+use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
@@ -24,17 +25,17 @@ pub struct LatticeExplanation {
     pub steps: u64,
     /// Nodes that this machine updates in a second, as measured on a small lattice just now.
     pub throughput: f64,
-    /// Estimate of the time that the run takes. Membranes are assumed to take a ten millionth of a
-    /// second a vertex and step for bending by method B, others in proportion, and five times that for
-    /// all the rest.
+    /// Seconds a step in which as many points as there are vertices are coupled to that lattice.
+    pub coupling: f64,
+    /// Estimate of the time that the run takes by these two, and by forces of membranes for which a
+    /// ten millionth of a second a vertex is assumed for elasticity, as much for bending by method B,
+    /// and for other methods what they take beside that.
     pub minutes: f64,
 }
 
-/// Seconds a vertex of an evaluation of method B.
-const BENDING_SECONDS: f64 = 1e-7;
-/// Seconds a vertex of elasticity, and of spreading and interpolating.
-const VERTEX_SECONDS: f64 = 5e-7;
-/// How long throughput is measured.
+/// Seconds a vertex of an evaluation of elasticity, or of method B.
+const VERTEX_SECONDS: f64 = 1e-7;
+/// How long each of fluid and coupling is measured.
 const TRIAL: Duration = Duration::from_millis(100);
 /// Nodes along an axis of the lattice that it is measured on, too many for a processor's cache.
 const TRIAL_NODES: usize = 48;
@@ -54,21 +55,24 @@ pub(super) fn explain(
     let membranes = Vec::from_iter(membranes);
     let steps = (lattice.duration / lattice.step).ceil();
     let nodes: f64 = lattice.cells.iter().map(|&count| count as f64).product();
-    let throughput = match lattice.precision {
-        Scalar::F32 => throughput::<f32>(lattice),
-        _ => throughput::<f64>(lattice),
-    };
-    let vertex_time = surfaces.map(|(surface, mesh)| {
+    let vertices = surfaces.clone().map(|(_, mesh)| mesh.vertices).sum();
+    let [throughput, coupling] = match lattice.precision {
+        Scalar::F32 => trial::<f32>(lattice, vertices),
+        _ => trial::<f64>(lattice, vertices),
+    }
+    .unwrap_or([f64::NAN; 2]);
+    let forces = surfaces.map(|(surface, mesh)| {
         let bending = surface.bending.map_or(0.0, |bending| cost(bending.method));
-        mesh.vertices as f64 * (VERTEX_SECONDS + BENDING_SECONDS * bending)
+        mesh.vertices as f64 * VERTEX_SECONDS * (1.0 + bending)
     });
-    let step_time = nodes / throughput + vertex_time.sum::<f64>();
+    let step_time = nodes / throughput + coupling + forces.sum::<f64>();
     Some(LatticeExplanation {
         lattice: describe(lattice, number),
         groups: groups(lattice, &membranes),
         limits: lattice.step_limits(&membranes),
         steps: steps as u64,
         throughput,
+        coupling,
         minutes: steps * step_time / 60.0,
     })
 }
@@ -158,27 +162,50 @@ pub(super) fn step_limit(lattice: &LatticeExplanation, number: &Parameters) -> S
     format!("{first}; {}", Vec::from_iter(limits).join(", "))
 }
 
-/// Nodes updated in a second.
-fn throughput<T: Precision>(lattice: &LatticeBoltzmann) -> f64 {
+/// Nodes updated in a second, and seconds in which so many points are placed, spread and interpolated
+/// once.
+fn trial<T: Precision>(
+    lattice: &LatticeBoltzmann,
+    vertices: usize,
+) -> Result<[f64; 2], LatticeError> {
     let cells = lattice.cells.map(|count| count.clamp(1, TRIAL_NODES));
-    let trial = Lattice::<T>::new(Setup {
+    let mut fluid = Lattice::<T>::new(Setup {
         cells,
         sides: [Sides::Periodic; 3],
         viscosity: 1.0 / 6.0,
         inertia: lattice.density.is_some(),
         threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
-    });
-    let Ok(mut trial) = trial else {
-        return f64::NAN;
+    })?;
+    // Half as wide as the box, spread evenly over a sphere: on a spiral by the golden angle.
+    let spiral = |index: usize| {
+        let z = 1.0 - (2 * index + 1) as f64 / vertices as f64;
+        let turn = index as f64 * PI * (3.0 - 5.0_f64.sqrt());
+        let across = (1.0 - z * z).sqrt();
+        let point = [across * turn.cos(), across * turn.sin(), z];
+        std::array::from_fn(|axis| cells[axis] as f64 * (0.5 + 0.25 * point[axis]))
     };
-    trial.advance(2);
+    let points = Vec::from_iter((0..vertices).map(spiral));
+    let forces = vec![[0.0; 3]; vertices];
+    let mut velocities = vec![[0.0; 3]; vertices];
+    let mut immersed = Immersed::new(lattice.kernel);
+    let mut rounds = 0;
+    let start = Instant::now();
+    while start.elapsed() < TRIAL {
+        immersed.place(&fluid, &points)?;
+        fluid.clear_forces();
+        immersed.spread(&mut fluid, &forces)?;
+        immersed.interpolate(&fluid, &mut velocities);
+        rounds += 1;
+    }
+    let coupling = start.elapsed().as_secs_f64() / f64::from(rounds);
+    fluid.advance(2);
     let start = Instant::now();
     let mut steps = 0;
     while start.elapsed() < TRIAL {
         // One even and one odd.
-        trial.advance(2);
+        fluid.advance(2);
         steps += 2;
     }
     let updates = cells.iter().product::<usize>() as f64 * f64::from(steps);
-    updates / start.elapsed().as_secs_f64()
+    Ok([updates / start.elapsed().as_secs_f64(), coupling])
 }
