@@ -1,7 +1,7 @@
 //! Membranes in a box of fluid on a lattice, and what limits its steps.
 
 use super::explain::enclosed_radius;
-use super::{Flow, Scene, SurfaceScene};
+use super::{Flow, Hold, Scene, SurfaceScene};
 use crate::flow::lattice_boltzmann::{Kernel, Units, mach, memory};
 use crate::info::MeshInfo;
 use crate::scalar::Scalar;
@@ -228,7 +228,7 @@ pub(super) struct Membrane {
     bending: f64,
     /// G.
     shear: f64,
-    /// K_s, that of a local area law with it.
+    /// K_s, with the moduli of local and total area.
     dilation: f64,
     /// σ, without sign.
     tension: f64,
@@ -239,13 +239,18 @@ impl Membrane {
     pub(super) fn new(surface: &SurfaceScene, radius: f64, area: f64, triangles: usize) -> Self {
         let law = surface.elasticity.as_ref().map(|elasticity| elasticity.law);
         let local = surface.local_area.as_ref();
+        let penalty = match surface.area.map(|area| area.hold) {
+            Some(Hold::Penalty(modulus)) => modulus,
+            _ => 0.0,
+        };
         Self {
             radius,
             edge: (4.0 * area / (3_f64.sqrt() * triangles as f64)).sqrt(),
             bending: surface.bending.map_or(0.0, |bending| bending.modulus),
             shear: law.map_or(0.0, |law| law.shear_modulus()),
             dilation: law.map_or(0.0, |law| law.area_modulus())
-                + local.map_or(0.0, |local| local.modulus),
+                + local.map_or(0.0, |local| local.modulus)
+                + penalty,
             tension: surface.tension.map_or(0.0, f64::abs),
         }
     }

@@ -46,7 +46,8 @@ fn capsule(replacements: &[(&str, &str)]) -> String {
 fn unbuildable(text: &str) -> String {
     match build(&valid(text)) {
         Err(BuildError::Scene(errors)) => errors.to_string(),
-        other => panic!("{other:?}"),
+        Err(other) => panic!("{other}"),
+        Ok(_) => panic!("it can be built: {text}"),
     }
 }
 
@@ -231,6 +232,16 @@ fn what_is_left_out_has_its_default() {
     // a = 1 whatever the polyhedron encloses.
     tolerance::SCENE_NUMBER.assert(found.spacing, 1.0 / 6.0, 1.0, "spacing");
     assert_eq!(found.walls(), [false, true, false]);
+    // What resists by its total area alone has a step as well.
+    let effects = "bending = { method = \"B\", modulus = 0.1125 }\nelasticity = { law = \"neo-hookean\", shear_modulus = 1 }";
+    let held = valid(&capsule(&[
+        (effects, "area.modulus = 4"),
+        ("kind = \"shear\", rate = 0.15", "kind = \"quiescent\""),
+        ("strain = 4", "duration = 100"),
+    ]));
+    // (K_s + G) step/(μ spacing) ≤ 0.5, less a tenth and a little.
+    let step = driver(&held.scene).step * 6.0 * 4.0;
+    assert!((0.4..=0.45).contains(&step), "{step}");
     // Outputs come after whole steps.
     let Every::Time(interval) = scene.output.every else {
         panic!("{:?}", scene.output.every);
@@ -465,6 +476,12 @@ fn wrong_lattices_say_what_is_needed() {
         "kind = \"quiescent\"",
         [14, 10],
         &["strains nothing: give `duration`"],
+    );
+    refused(
+        "viscosity = 1",
+        "viscosity = 1e-320",
+        [10, 1],
+        &["steps would take ", "choose other units"],
     );
     refused(
         lines,
@@ -965,6 +982,7 @@ fn explanations_have_the_numbers_of_the_lattice() {
         "viscosity on the lattice                      0.2  ν",
         "step limit          inertia of the lattice; compressibility = 0.016667 (",
         "13334 steps",
+        "step = 0.002, output interval = 0.26667",
         "Ca_G = μγ̇a/G",
     ] {
         assert!(shown.contains(part), "`{part}` is not in:\n{shown}");

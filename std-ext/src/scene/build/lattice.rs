@@ -358,9 +358,10 @@ impl Builder<'_> {
         }
     }
 
-    /// A step of our own choice is shortened so that outputs come after whole steps.
+    /// A step of our own choice is shortened so that outputs come after whole steps. Then all of them
+    /// are numbers to compute with.
     pub(super) fn fit_step(
-        &self,
+        &mut self,
         reader: Reader<'_>,
         driver: Option<&mut Driver>,
         output: &Output,
@@ -371,15 +372,29 @@ impl Builder<'_> {
             return;
         };
         let inertia = lattice.density.is_some();
-        if reader.has("step") || (inertia && reader.has("lattice_viscosity")) {
-            return;
-        }
+        let given = reader.has("step") || (inertia && reader.has("lattice_viscosity"));
         let step = interval / (interval / lattice.step).ceil();
-        if step > 0.0 && step.is_finite() {
+        if !given && step > 0.0 && step.is_finite() {
             if inertia {
                 lattice.lattice_viscosity *= step / lattice.step;
             }
             lattice.step = step;
+        }
+        // What is not a number has its error already.
+        let LatticeBoltzmann {
+            step,
+            lattice_viscosity,
+            ..
+        } = *lattice;
+        let beyond = |value: f64| !value.is_nan() && !value.is_normal();
+        if beyond(step) || beyond(lattice_viscosity) {
+            self.contradiction(
+                reader.origin(),
+                format!(
+                    "steps would take {step:e}, with a viscosity of {lattice_viscosity:e} on the lattice: \
+                     numbers of such sizes cannot be computed with; choose other units, or a `step`"
+                ),
+            );
         }
     }
 

@@ -158,7 +158,8 @@ pub(super) fn integrator(scene: &Scene, number: &Parameters) -> Option<Active> {
     })
 }
 
-fn interval(scene: &Scene, number: &Parameters) -> Option<Parameter> {
+/// Time from one output to the next.
+pub(super) fn interval(scene: &Scene, number: &Parameters) -> Option<Parameter> {
     match scene.output.every {
         Every::Iterations(_) => None,
         Every::Time(interval) => Some(number.of("output interval", interval, Dimension::TIME)),

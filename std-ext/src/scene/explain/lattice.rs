@@ -3,6 +3,7 @@
 use super::super::lattice::{FINITE_BOX, Membrane};
 use super::super::units::Dimension;
 use super::super::{Driver, Flow, LatticeBoltzmann, Scene, StepLimit};
+use super::driver::interval;
 use super::{Active, Group, Parameters, cost};
 use crate::flow::lattice_boltzmann::{Immersed, Lattice, LatticeError, Precision, Setup, Sides};
 use crate::info::MeshInfo;
@@ -67,7 +68,7 @@ pub(super) fn explain(
     });
     let step_time = nodes / throughput + coupling + forces.sum::<f64>();
     Some(LatticeExplanation {
-        lattice: describe(lattice, number),
+        lattice: describe(scene, lattice, number),
         groups: groups(lattice, &membranes),
         limits: lattice.step_limits(&membranes),
         steps: steps as u64,
@@ -77,7 +78,7 @@ pub(super) fn explain(
     })
 }
 
-fn describe(lattice: &LatticeBoltzmann, number: &Parameters) -> Active {
+fn describe(scene: &Scene, lattice: &LatticeBoltzmann, number: &Parameters) -> Active {
     let [x, y, z] = lattice.cells;
     let walls = match lattice.walls() {
         [_, true, true] => "walls at the ends of y and z",
@@ -88,6 +89,7 @@ fn describe(lattice: &LatticeBoltzmann, number: &Parameters) -> Active {
     let names = ["box x", "y", "z"];
     parameters.extend(number.vector(names, lattice.size(), Dimension::LENGTH));
     parameters.push(number.of("step", lattice.step, Dimension::TIME));
+    parameters.extend(interval(scene, number));
     Active {
         name: "lattice",
         choice: format!(
