@@ -12,7 +12,7 @@ pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
 pub(crate) use hinge::Hinge;
 pub use hinge::Hinges;
 pub use juelicher::{Juelicher, JuelicherMemory};
-pub use kantor_nelson::KantorNelson;
+pub use kantor_nelson::{KantorNelson, KantorNelsonMemory};
 pub use loop_subdivision::{
     ConsistentMemory, ControlPoints, LoopSubdivision, LoopSubdivisionMemory, LoopSubdivisionPlan,
 };

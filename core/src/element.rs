@@ -6,14 +6,13 @@
 //! [`Serial`]; other loops (wider lanes, several threads) implement [`Execution`] and change no
 //! formula.
 
-use crate::lane::{Lane, Pack};
+use crate::lane::Lane;
 use crate::real::Real;
 use crate::reduction;
 use crate::surface::Surface;
 use crate::triangle::Triangle;
 use crate::vec3;
 use alloc::vec::Vec;
-use core::ops::Range;
 
 /// The corners of an element, or of [`Lane::WIDTH`] consecutive ones: only differences of their
 /// positions can be had.
@@ -23,38 +22,6 @@ pub struct Corners<L, const CORNERS: usize> {
 }
 
 impl<L: Lane, const CORNERS: usize> Corners<L, CORNERS> {
-    /// The corners of the elements `elements[0]`, `elements[1]`, … of a surface without remainders,
-    /// one a lane entry.
-    ///
-    /// # Panics
-    /// If there are fewer elements than the lane has entries, or a vertex does not exist.
-    #[inline(always)]
-    pub fn gather(surface: Surface<'_, L::Scalar>, elements: &[[u32; CORNERS]]) -> Self {
-        let positions = surface.positions();
-        Self {
-            positions: core::array::from_fn(|corner| {
-                core::array::from_fn(|axis| {
-                    L::from_fn(|k| positions[elements[k][corner] as usize][axis])
-                })
-            }),
-        }
-    }
-
-    /// The same of a surface with or without remainders.
-    ///
-    /// # Panics
-    /// As [`Self::gather`].
-    #[inline(always)]
-    pub fn gather_near(surface: Surface<'_, L::Scalar>, elements: &[[u32; CORNERS]]) -> Self {
-        Self {
-            positions: core::array::from_fn(|corner| {
-                core::array::from_fn(|axis| {
-                    L::from_fn(|k| surface.position_near(elements[k][corner], elements[k][0])[axis])
-                })
-            }),
-        }
-    }
-
     /// The corners of one element.
     ///
     /// # Panics
@@ -109,6 +76,8 @@ pub trait ElementKernel<T: Real, const CORNERS: usize, const IN: usize, const OU
 pub trait Slots: Sized + Send {
     /// One vertex's part.
     type Slot;
+    /// How many slots there are; of a tuple, those of the shortest of its parts.
+    fn count(&self) -> usize;
     /// The slots 0 … `middle` − 1, and those from `middle` on.
     ///
     /// # Panics
@@ -120,6 +89,10 @@ pub trait Slots: Sized + Send {
 
 impl<'a, O: Send> Slots for &'a mut [O] {
     type Slot = &'a mut O;
+    #[inline]
+    fn count(&self) -> usize {
+        self.len()
+    }
     #[inline]
     fn split_at(self, middle: usize) -> (Self, Self) {
         self.split_at_mut(middle)
@@ -150,6 +123,10 @@ impl<'a, O> Strided<'a, O> {
 
 impl<'a, O: Send> Slots for Strided<'a, O> {
     type Slot = &'a mut [O];
+    #[inline]
+    fn count(&self) -> usize {
+        self.entries.len() / self.stride
+    }
     #[inline]
     fn split_at(self, middle: usize) -> (Self, Self) {
         let (low, high) = self.entries.split_at_mut(middle * self.stride);
@@ -195,6 +172,10 @@ impl<'a, O> Ragged<'a, O> {
 impl<'a, O: Send> Slots for Ragged<'a, O> {
     type Slot = &'a mut [O];
     #[inline]
+    fn count(&self) -> usize {
+        self.offsets.len() - 1
+    }
+    #[inline]
     fn split_at(self, middle: usize) -> (Self, Self) {
         let (low, high) = (&self.offsets[..=middle], &self.offsets[middle..]);
         let (before, after) = self.entries.split_at_mut(low[middle] - low[0]);
@@ -223,6 +204,10 @@ impl<'a, O: Send> Slots for Ragged<'a, O> {
 impl<A: Slots, B: Slots> Slots for (A, B) {
     type Slot = (A::Slot, B::Slot);
     #[inline]
+    fn count(&self) -> usize {
+        self.0.count().min(self.1.count())
+    }
+    #[inline]
     fn split_at(self, middle: usize) -> (Self, Self) {
         let (low, high) = (self.0.split_at(middle), self.1.split_at(middle));
         ((low.0, high.0), (low.1, high.1))
@@ -242,7 +227,8 @@ pub trait Execution {
     /// order of the elements. `input` has an entry for each vertex, or none if `IN` is 0.
     ///
     /// # Panics
-    /// If an element names a vertex without position, input or output.
+    /// If an element names a vertex without position or input, or `output` has fewer entries than
+    /// the surface has vertices.
     fn scatter<T, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
         &self,
         kernel: &K,
@@ -272,68 +258,91 @@ pub trait Execution {
     fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T;
 }
 
-/// [`Execution::scatter`] over the elements of a range that the lane's width divides.
-#[inline]
-fn scatter_range<L: Lane, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
-    range: Range<usize>,
-    gather: impl Fn(Surface<'_, L::Scalar>, &[[u32; CORNERS]]) -> Corners<L, CORNERS>,
+/// Elements that are gathered before their formula is run: enough for compilers to make vectors of
+/// the loop in between, and few enough for the first cache.
+const BATCH: usize = 32;
+
+/// What every [`Execution::scatter`] has to make sure of.
+///
+/// # Panics
+/// If `output` has fewer entries than the surface has vertices.
+pub fn check_output<T: Real, O>(surface: Surface<'_, T>, output: &[O]) {
+    let vertices = surface.positions().len();
+    assert!(
+        output.len() >= vertices,
+        "the output has {} entries, the surface {vertices} vertices",
+        output.len()
+    );
+}
+
+/// Those of `elements` around the vertices `start`, `start + 1`, …, one an entry of `output`: adds to
+/// them as [`Execution::scatter`] does, and leaves all others alone. What loops are made of.
+///
+/// The formula runs over a batch of elements in one loop without branches. Compilers use vectors
+/// for it, of whatever width the function allows into which this is inlined.
+///
+/// # Panics
+/// If an element around them names a vertex without position or input.
+#[inline(always)]
+pub fn scatter_onto<T, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
     kernel: &K,
-    surface: Surface<'_, L::Scalar>,
+    surface: Surface<'_, T>,
     elements: &[[u32; CORNERS]],
-    input: &[[L::Scalar; IN]],
-    output: &mut [[L::Scalar; OUT]],
+    input: &[[T; IN]],
+    start: usize,
+    output: &mut [[T; OUT]],
 ) where
-    K: ElementKernel<L::Scalar, CORNERS, IN, OUT>,
+    T: Real,
+    K: ElementKernel<T, CORNERS, IN, OUT>,
 {
-    for first in range.step_by(L::WIDTH) {
-        let elements = &elements[first..first + L::WIDTH];
-        let corners = gather(surface, elements);
-        let values = core::array::from_fn(|corner| {
-            core::array::from_fn(|k| L::from_fn(|e| input[elements[e][corner] as usize][k]))
-        });
-        let gifts = kernel.evaluate::<L>(first, &corners, &values);
-        for (entry, element) in elements.iter().enumerate() {
-            for (&vertex, gift) in element.iter().zip(&gifts) {
-                let sum = &mut output[vertex as usize];
-                for k in 0..OUT {
-                    sum[k] += gift[k].entry(entry);
+    let all = start == 0 && output.len() >= surface.positions().len();
+    let place = |vertex: u32| (vertex as usize).wrapping_sub(start);
+    let mut positions = [[[T::zero(); BATCH]; 3]; CORNERS];
+    let mut values = [[[T::zero(); IN]; BATCH]; CORNERS];
+    let mut gifts = [[[T::zero(); OUT]; BATCH]; CORNERS];
+    for (number, batch) in elements.chunks(BATCH).enumerate() {
+        let near = |element: &[u32; CORNERS]| element.iter().any(|&v| place(v) < output.len());
+        if !all && !batch.iter().any(near) {
+            continue;
+        }
+        let count = batch.len().min(BATCH);
+        for e in 0..count {
+            for corner in 0..CORNERS {
+                let vertex = batch[e][corner];
+                let position = surface.position_near(vertex, batch[e][0]);
+                for axis in 0..3 {
+                    positions[corner][axis][e] = position[axis];
+                }
+                if IN > 0 {
+                    values[corner][e] = input[vertex as usize];
+                }
+            }
+        }
+        for e in 0..count {
+            let mut corners = [[T::zero(); 3]; CORNERS];
+            let mut known = [[T::zero(); IN]; CORNERS];
+            for corner in 0..CORNERS {
+                for axis in 0..3 {
+                    corners[corner][axis] = positions[corner][axis][e];
+                }
+                known[corner] = values[corner][e];
+            }
+            let corners = Corners { positions: corners };
+            let given = kernel.evaluate::<T>(number * BATCH + e, &corners, &known);
+            for corner in 0..CORNERS {
+                gifts[corner][e] = given[corner];
+            }
+        }
+        for e in 0..count {
+            for corner in 0..CORNERS {
+                if let Some(sum) = output.get_mut(place(batch[e][corner])) {
+                    for k in 0..OUT {
+                        sum[k] += gifts[corner][e][k];
+                    }
                 }
             }
         }
     }
-}
-
-/// [`Execution::scatter`] in lanes of type `L`, and what is left over one by one.
-#[inline]
-fn scatter_in<L: Lane, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
-    kernel: &K,
-    surface: Surface<'_, L::Scalar>,
-    elements: &[[u32; CORNERS]],
-    input: &[[L::Scalar; IN]],
-    output: &mut [[L::Scalar; OUT]],
-) where
-    K: ElementKernel<L::Scalar, CORNERS, IN, OUT>,
-{
-    let whole = elements.len() / L::WIDTH * L::WIDTH;
-    scatter_range::<L, _, _, _, _>(
-        0..whole,
-        Corners::gather,
-        kernel,
-        surface,
-        elements,
-        input,
-        output,
-    );
-    let rest = whole..elements.len();
-    scatter_range::<L::Scalar, _, _, _, _>(
-        rest,
-        Corners::gather,
-        kernel,
-        surface,
-        elements,
-        input,
-        output,
-    );
 }
 
 /// One element after the other, on one thread.
@@ -353,19 +362,8 @@ impl Execution for Serial {
         T: Real,
         K: ElementKernel<T, CORNERS, IN, OUT>,
     {
-        if surface.remainders().is_some() {
-            let all = 0..elements.len();
-            let gather = Corners::gather_near;
-            return scatter_range::<T, _, _, _, _>(
-                all, gather, kernel, surface, elements, input, output,
-            );
-        }
-        // Vector registers of 16 bytes are there on every machine that has any.
-        match size_of::<T>() {
-            4 => scatter_in::<Pack<T, 4>, _, _, _, _>(kernel, surface, elements, input, output),
-            8 => scatter_in::<Pack<T, 2>, _, _, _, _>(kernel, surface, elements, input, output),
-            _ => scatter_in::<T, _, _, _, _>(kernel, surface, elements, input, output),
-        }
+        check_output(surface, output);
+        scatter_onto(kernel, surface, elements, input, 0, output);
     }
 
     #[inline]

@@ -1,5 +1,7 @@
 //! One or several reals computed at once.
 
+mod arctangent;
+
 use crate::real::Real;
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
@@ -34,7 +36,7 @@ pub trait Lane:
     fn entry(self, index: usize) -> Self::Scalar;
     /// Square root.
     fn sqrt(self) -> Self;
-    /// The angle of the point (`x`, `self`), in (-π, π].
+    /// The angle of the point (`x`, `self`), in (-π, π]; 0 for the origin.
     fn atan2(self, x: Self) -> Self;
     /// `self < other`.
     fn less(self, other: Self) -> Self::Mask;
@@ -79,7 +81,7 @@ impl<T: Real> Lane for T {
     }
     #[inline(always)]
     fn atan2(self, x: T) -> T {
-        num_traits::Float::atan2(self, x)
+        arctangent::of_point(self, x)
     }
     #[inline(always)]
     fn less(self, other: T) -> bool {
@@ -96,90 +98,5 @@ impl<T: Real> Lane for T {
         } else {
             T::zero()
         }
-    }
-}
-
-/// `W` reals in a row: a lane in plain Rust, which compilers keep in vector registers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(align(16))]
-pub struct Pack<T, const W: usize>([T; W]);
-
-impl<T: Real, const W: usize> Pack<T, W> {
-    #[inline(always)]
-    fn zip(self, other: Self, operation: impl Fn(T, T) -> T) -> Self {
-        Self(core::array::from_fn(|k| operation(self.0[k], other.0[k])))
-    }
-}
-
-impl<T: Real, const W: usize> Add for Pack<T, W> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-}
-
-impl<T: Real, const W: usize> Sub for Pack<T, W> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-}
-
-impl<T: Real, const W: usize> Mul for Pack<T, W> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
-}
-
-impl<T: Real, const W: usize> Neg for Pack<T, W> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(self.0.map(|a| -a))
-    }
-}
-
-impl<T: Real, const W: usize> Lane for Pack<T, W> {
-    type Scalar = T;
-    type Mask = [bool; W];
-    const WIDTH: usize = W;
-
-    #[inline(always)]
-    fn splat(value: T) -> Self {
-        Self([value; W])
-    }
-    #[inline(always)]
-    fn from_fn(entry: impl FnMut(usize) -> T) -> Self {
-        Self(core::array::from_fn(entry))
-    }
-    #[inline(always)]
-    fn entry(self, index: usize) -> T {
-        self.0[index]
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(self.0.map(num_traits::Float::sqrt))
-    }
-    #[inline(always)]
-    fn atan2(self, x: Self) -> Self {
-        self.zip(x, num_traits::Float::atan2)
-    }
-    #[inline(always)]
-    fn less(self, other: Self) -> [bool; W] {
-        core::array::from_fn(|k| self.0[k] < other.0[k])
-    }
-    #[inline(always)]
-    fn select(mask: [bool; W], yes: Self, no: Self) -> Self {
-        Self(core::array::from_fn(|k| {
-            if mask[k] { yes.0[k] } else { no.0[k] }
-        }))
-    }
-    #[inline(always)]
-    fn reciprocal_or_zero(self) -> Self {
-        Self(self.0.map(Lane::reciprocal_or_zero))
     }
 }

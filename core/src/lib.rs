@@ -97,7 +97,7 @@ pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Pre
 pub use functional::{EnclosedVolume, Functional, Quantity, TotalArea, TotalMeanCurvature};
 pub use gravity::{Gravity, GravityMemory};
 pub use interaction::{Interaction, Repulsion};
-pub use lane::{Lane, Pack};
+pub use lane::Lane;
 pub use laplacian::{
     Bandwidth, Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows,
 };

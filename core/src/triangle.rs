@@ -17,6 +17,36 @@ pub enum DualArea {
     Barycentric,
 }
 
+/// A [`DualArea`] that is known at compile time: a choice inside of a loop over elements would keep
+/// compilers from using vectors.
+pub(crate) trait Kind: Copy + Sync {
+    const AREA: DualArea;
+}
+
+/// [`DualArea::Mixed`].
+#[derive(Clone, Copy)]
+pub(crate) struct Mixed;
+
+/// [`DualArea::Voronoi`].
+#[derive(Clone, Copy)]
+pub(crate) struct Voronoi;
+
+/// [`DualArea::Barycentric`].
+#[derive(Clone, Copy)]
+pub(crate) struct Barycentric;
+
+impl Kind for Mixed {
+    const AREA: DualArea = DualArea::Mixed;
+}
+
+impl Kind for Voronoi {
+    const AREA: DualArea = DualArea::Voronoi;
+}
+
+impl Kind for Barycentric {
+    const AREA: DualArea = DualArea::Barycentric;
+}
+
 /// A triangle with the quantities that cotangent formulas share, computed once.
 ///
 /// Corner k lies opposite `edges[k]`; the edges run around the triangle and sum to zero.
@@ -83,7 +113,10 @@ impl<L: Lane> Triangle<L> {
 
     #[inline(always)]
     pub(crate) fn angles(&self) -> [L; 3] {
-        self.dots.map(|dot| self.doubled_area.atan2(dot))
+        // Not by `map`, which would leave the arctangents behind a call.
+        let [a, b, c] = self.dots;
+        let height = self.doubled_area;
+        [height.atan2(a), height.atan2(b), height.atan2(c)]
     }
 
     /// What each corner gets of the area.
@@ -91,13 +124,13 @@ impl<L: Lane> Triangle<L> {
     /// With S twice the area and d the scalar products, `S² = d0 d1 + d1 d2 + d2 d0` turns the
     /// Voronoi part `⅛ Σ cot l²` into `⅛ (S + d1 d2/S)`: squared lengths are not needed.
     #[inline(always)]
-    pub(crate) fn dual_areas(&self, kind: DualArea) -> [L; 3] {
+    pub(crate) fn dual_areas<K: Kind>(&self, _kind: K) -> [L; 3] {
         let voronoi = || {
             let eighth = L::literal(0.125);
             self.dot_products()
                 .map(|m| eighth * (self.doubled_area + self.reciprocal * m))
         };
-        match kind {
+        match K::AREA {
             DualArea::Voronoi => voronoi(),
             DualArea::Barycentric => [self.doubled_area * L::literal(1.0 / 6.0); 3],
             DualArea::Mixed => {

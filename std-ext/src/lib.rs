@@ -5,6 +5,7 @@
 //!   [`subdivide`]: refined meshes.
 //! * [`method`] and [`scalar`]: the bending methods and number types, chosen at run time.
 //!   [`info`]: what a mesh is like.
+//! * [`execute`]: threads and wide vectors for the core's loops.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge.
 //! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
 //! * [`effect`] and [`simulation`]: exactly what a scene names, made ready; nothing moves or is
@@ -20,6 +21,7 @@ pub mod checkpoint;
 pub mod deformation;
 pub mod dynamics;
 pub mod effect;
+pub mod execute;
 pub mod flow;
 pub mod generate;
 pub mod info;

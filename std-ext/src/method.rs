@@ -1,7 +1,9 @@
 //! The closed set of bending methods, chosen at run time.
 //!
-//! The choice is made once a surface; from there on everything is resolved at compile time.
+//! The choice is made once a surface; from there on everything is resolved at compile time. Methods
+//! run on all threads.
 
+use crate::execute::Parallel;
 use helfrich::bending::StrongFormMemory;
 use helfrich::laplacian::CotangentMemory;
 use helfrich::{
@@ -224,9 +226,9 @@ impl<T: Real> Evaluator<T> {
 fn prepare<T: Real, M>(method: M, mesh: &TriangleMesh) -> Box<dyn Evaluate<T>>
 where
     M: Method<T>,
-    Prepared<T, M>: Evaluate<T> + 'static,
+    Prepared<T, M, Parallel>: Evaluate<T> + 'static,
 {
-    Box::new(Prepared::new(method, mesh))
+    Box::new(Prepared::with_execution(method, mesh, Parallel::new()))
 }
 
 /// What a prepared method can be asked for, whichever it is.
@@ -241,7 +243,7 @@ trait Evaluate<T: Real>: fmt::Debug {
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding));
 }
 
-impl<T: Real> Evaluate<T> for Prepared<T, KantorNelson<T>> {
+impl<T: Real> Evaluate<T> for Prepared<T, KantorNelson<T>, Parallel> {
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
         self.add_force_and_energy(surface, force);
     }
@@ -255,7 +257,7 @@ impl<T: Real> Evaluate<T> for Prepared<T, KantorNelson<T>> {
     }
 }
 
-impl<T: Real> Evaluate<T> for Prepared<T, GompperKroll<T>> {
+impl<T: Real> Evaluate<T> for Prepared<T, GompperKroll<T>, Parallel> {
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
         self.add_force_and_energy(surface, force);
     }
@@ -274,7 +276,7 @@ impl<T: Real> Evaluate<T> for Prepared<T, GompperKroll<T>> {
     }
 }
 
-impl<T: Real> Evaluate<T> for Prepared<T, Juelicher<T>> {
+impl<T: Real> Evaluate<T> for Prepared<T, Juelicher<T>, Parallel> {
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
         self.add_force_and_energy(surface, force);
     }
@@ -293,7 +295,7 @@ impl<T: Real> Evaluate<T> for Prepared<T, Juelicher<T>> {
     }
 }
 
-impl<T: Real> Evaluate<T> for Prepared<T, LoopSubdivision<T>> {
+impl<T: Real> Evaluate<T> for Prepared<T, LoopSubdivision<T>, Parallel> {
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
         self.add_force_and_energy(surface, force);
     }
@@ -312,7 +314,7 @@ impl<T: Real> Evaluate<T> for Prepared<T, LoopSubdivision<T>> {
     }
 }
 
-impl<T, L> Evaluate<T> for Prepared<T, StrongForm<T, L>>
+impl<T, L> Evaluate<T> for Prepared<T, StrongForm<T, L>, Parallel>
 where
     T: Real,
     L: LaplaceBeltrami<T, Plan: fmt::Debug, Memory: fmt::Debug> + fmt::Debug + Sync,

@@ -10,7 +10,7 @@ use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::triangle::{DualArea, Triangle};
+use crate::triangle::{Barycentric, DualArea, Kind, Mixed, Triangle, Voronoi};
 use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub};
 use alloc::vec::Vec;
 
@@ -87,14 +87,18 @@ impl<T: Real> GompperKroll<T> {
         let mesh = surface.mesh();
         memory.curvature.clear();
         memory.curvature.resize(mesh.vertex_count(), [T::zero(); 4]);
-        let kernel = AreaGradient { area: self.area };
-        execution.scatter(
-            &kernel,
-            surface,
-            mesh.triangles(),
-            &[],
-            &mut memory.curvature,
-        );
+        let (triangles, sums) = (mesh.triangles(), &mut memory.curvature[..]);
+        match self.area {
+            DualArea::Mixed => {
+                execution.scatter(&AreaGradient(Mixed), surface, triangles, &[], sums);
+            }
+            DualArea::Voronoi => {
+                execution.scatter(&AreaGradient(Voronoi), surface, triangles, &[], sums);
+            }
+            DualArea::Barycentric => {
+                execution.scatter(&AreaGradient(Barycentric), surface, triangles, &[], sums);
+            }
+        }
         execution.map(&mut memory.curvature[..], |vertex, sum| {
             let [x, y, z, area] = *sum;
             let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
@@ -182,9 +186,19 @@ impl<T: Real> GompperKroll<T> {
         if !self.spontaneous_curvature.is_zero() {
             self.add_spontaneous(execution, surface, memory, force);
         }
-        let kernel = EnergyGradient { area: self.area };
-        let triangles = surface.mesh().triangles();
-        execution.scatter(&kernel, surface, triangles, &memory.weights, force);
+        let (triangles, weights) = (surface.mesh().triangles(), &memory.weights[..]);
+        match self.area {
+            DualArea::Mixed => {
+                execution.scatter(&EnergyGradient(Mixed), surface, triangles, weights, force);
+            }
+            DualArea::Voronoi => {
+                execution.scatter(&EnergyGradient(Voronoi), surface, triangles, weights, force);
+            }
+            DualArea::Barycentric => {
+                let kernel = EnergyGradient(Barycentric);
+                execution.scatter(&kernel, surface, triangles, weights, force);
+            }
+        }
     }
 
     /// What the terms `−2κ Σ H0 L·n + 2κ Σ H0² A` add: to w and s, and through the change of the
@@ -270,11 +284,9 @@ impl<T: Real> ElementKernel<T, 3, 3, 3> for NormalForce {
     }
 }
 
-struct AreaGradient {
-    area: DualArea,
-}
+struct AreaGradient<K>(K);
 
-impl<T: Real> ElementKernel<T, 3, 0, 4> for AreaGradient {
+impl<T: Real, K: Kind> ElementKernel<T, 3, 0, 4> for AreaGradient<K> {
     #[inline(always)]
     fn evaluate<L: Lane<Scalar = T>>(
         &self,
@@ -283,18 +295,16 @@ impl<T: Real> ElementKernel<T, 3, 0, 4> for AreaGradient {
         _input: &[[L; 0]; 3],
     ) -> [[L; 4]; 3] {
         let triangle = corners.triangle();
-        let areas = triangle.dual_areas(self.area);
+        let areas = triangle.dual_areas(self.0);
         // In cotangent form: on a sphere L·x/R = 2A/R then holds to rounding on any mesh.
         let gradient = triangle.area_gradient();
         core::array::from_fn(|k| [gradient[k][0], gradient[k][1], gradient[k][2], areas[k]])
     }
 }
 
-struct EnergyGradient {
-    area: DualArea,
-}
+struct EnergyGradient<K>(K);
 
-impl<T: Real> ElementKernel<T, 3, 4, 3> for EnergyGradient {
+impl<T: Real, K: Kind> ElementKernel<T, 3, 4, 3> for EnergyGradient<K> {
     /// One triangle's part of `−Σ_i w_i·∂L_i + Σ_i s_i ∂A_i`.
     ///
     /// With edges e_k from vertex i to j, `Δw_k = w_j − w_i`, d_k the scalar product at the opposite
@@ -326,11 +336,8 @@ impl<T: Real> ElementKernel<T, 3, 4, 3> for EnergyGradient {
         let w = |k: usize| [half * input[k][0], half * input[k][1], half * input[k][2]];
         let (w0, w1, w2) = (w(0), w(1), w(2));
         let steps = [sub(w2, w1), sub(w0, w2), sub(w1, w0)];
-        let (v, shares) = area_weights(
-            self.area,
-            &triangle,
-            [input[0][3], input[1][3], input[2][3]],
-        );
+        let s = [input[0][3], input[1][3], input[2][3]];
+        let (v, shares) = area_weights(self.0, &triangle, s);
 
         let turn: [L; 3] = core::array::from_fn(|k| dot(steps[k], edges[k]));
         let products = triangle.dot_products();
@@ -355,10 +362,10 @@ impl<T: Real> ElementKernel<T, 3, 4, 3> for EnergyGradient {
 
 /// v_k of the Voronoi part and σ of the whole triangle's in `Σ s A = Σ v_k d_i d_j/S + σ S`.
 #[inline(always)]
-fn area_weights<L: Lane>(kind: DualArea, triangle: &Triangle<L>, s: [L; 3]) -> ([L; 3], L) {
+fn area_weights<L: Lane, K: Kind>(_kind: K, triangle: &Triangle<L>, s: [L; 3]) -> ([L; 3], L) {
     let eighth = L::literal(0.125);
     let sum = s[0] + s[1] + s[2];
-    match kind {
+    match K::AREA {
         DualArea::Voronoi => (s.map(|s| eighth * s), eighth * sum),
         DualArea::Barycentric => ([L::zero(); 3], sum * L::literal(1.0 / 6.0)),
         DualArea::Mixed => {

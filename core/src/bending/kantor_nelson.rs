@@ -12,6 +12,7 @@ use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
 use crate::real::Real;
 use crate::surface::Surface;
+use crate::vec3::add;
 use alloc::vec::Vec;
 
 /// `E = k̃ Σ_edges (1 − cos(θ − θ0))`, θ the angle between the normals of the two triangles at an edge,
@@ -136,9 +137,54 @@ impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 3> for HingeForce<T, R> {
     }
 }
 
+/// [`HingeForce`] and [`HingeEnergy`] at once.
+struct HingeForceAndEnergy<T, R>(HingeForce<T, R>);
+
+impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 4> for HingeForceAndEnergy<T, R> {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        first: usize,
+        corners: &Corners<L, 4>,
+        input: &[[L; 0]; 4],
+    ) -> [[L; 4]; 4] {
+        let force: [[L; 3]; 4] = self.0.evaluate(first, corners, input);
+        let reference = self.0.reference;
+        let energy: [[L; 1]; 4] = HingeEnergy { reference }.evaluate(first, corners, input);
+        core::array::from_fn(|k| [force[k][0], force[k][1], force[k][2], energy[k][0]])
+    }
+}
+
+/// Half of a hinge's energy, in units of k̃, for each end of its edge.
+struct HingeEnergy<R> {
+    reference: R,
+}
+
+impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 1> for HingeEnergy<R> {
+    #[inline(always)]
+    fn evaluate<L: Lane<Scalar = T>>(
+        &self,
+        first: usize,
+        corners: &Corners<L, 4>,
+        _input: &[[L; 0]; 4],
+    ) -> [[L; 1]; 4] {
+        let half = L::literal(0.5) * energy(&Hinge::new(corners), self.reference.angle(first));
+        [[half], [half], [L::zero()], [L::zero()]]
+    }
+}
+
+/// Memory of [`KantorNelson`].
+#[derive(Clone, Debug, Default)]
+pub struct KantorNelsonMemory<T> {
+    /// Half of the energies of the edges at each vertex, in units of k̃.
+    energies: Vec<[T; 1]>,
+    /// The force at each vertex, and the same energy.
+    nodal: Vec<[T; 4]>,
+}
+
 impl<T: Real> Method<T> for KantorNelson<T> {
     type Plan = Hinges;
-    type Memory = ();
+    type Memory = KantorNelsonMemory<T>;
 
     fn plan(&self, mesh: &TriangleMesh) -> Hinges {
         let hinges = Hinges::new(mesh);
@@ -155,10 +201,51 @@ impl<T: Real> Method<T> for KantorNelson<T> {
         &self,
         _plan: &Hinges,
         surface: Surface<'_, T>,
-        _memory: &(),
+        _memory: &KantorNelsonMemory<T>,
         report: &mut dyn FnMut(Finding),
     ) {
         surface.report_degenerate_triangles(report);
+    }
+}
+
+impl<T: Real> KantorNelson<T> {
+    fn sum_energies(
+        &self,
+        execution: &impl Execution,
+        hinges: &[[u32; 4]],
+        surface: Surface<'_, T>,
+        energies: &mut Vec<[T; 1]>,
+        reference: impl Reference<T>,
+    ) -> T {
+        energies.clear();
+        energies.resize(surface.mesh().vertex_count(), [T::zero()]);
+        execution.scatter(&HingeEnergy { reference }, surface, hinges, &[], energies);
+        self.edge_modulus * execution.sum(energies.len(), |vertex| energies[vertex][0])
+    }
+
+    fn add_both(
+        &self,
+        execution: &impl Execution,
+        hinges: &[[u32; 4]],
+        surface: Surface<'_, T>,
+        nodal: &mut Vec<[T; 4]>,
+        force: &mut [[T; 3]],
+        reference: impl Reference<T>,
+    ) -> T {
+        nodal.clear();
+        nodal.resize(surface.mesh().vertex_count(), [T::zero(); 4]);
+        let edge_modulus = self.edge_modulus;
+        let kernel = HingeForceAndEnergy(HingeForce {
+            edge_modulus,
+            reference,
+        });
+        execution.scatter(&kernel, surface, hinges, &[], nodal);
+        let nodal = &*nodal;
+        execution.map(&mut force[..nodal.len()], |vertex, force| {
+            let [x, y, z, _] = nodal[vertex];
+            *force = add(*force, [x, y, z]);
+        });
+        edge_modulus * execution.sum(nodal.len(), |vertex| nodal[vertex][3])
     }
 }
 
@@ -168,27 +255,16 @@ impl<T: Real> Energy<T> for KantorNelson<T> {
         execution: &impl Execution,
         plan: &Hinges,
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        memory: &mut KantorNelsonMemory<T>,
     ) -> T {
-        let sum = if self.reference.is_empty() {
-            sum_energies(execution, plan, surface, Flat)
+        let (hinges, energies) = (&plan.vertices[..], &mut memory.energies);
+        if self.reference.is_empty() {
+            self.sum_energies(execution, hinges, surface, energies, Flat)
         } else {
-            sum_energies(execution, plan, surface, self.reference.as_slice())
-        };
-        self.edge_modulus * sum
+            let reference = self.reference.as_slice();
+            self.sum_energies(execution, hinges, surface, energies, reference)
+        }
     }
-}
-
-fn sum_energies<T: Real>(
-    execution: &impl Execution,
-    plan: &Hinges,
-    surface: Surface<'_, T>,
-    reference: impl Reference<T>,
-) -> T {
-    execution.sum(plan.vertices.len(), |hinge| {
-        let corners = Corners::of(surface, plan.vertices[hinge]);
-        energy(&Hinge::<T>::new(&corners), reference.angle(hinge))
-    })
 }
 
 impl<T: Real> Force<T> for KantorNelson<T> {
@@ -197,7 +273,7 @@ impl<T: Real> Force<T> for KantorNelson<T> {
         execution: &impl Execution,
         plan: &Hinges,
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        _memory: &mut KantorNelsonMemory<T>,
         force: &mut [[T; 3]],
     ) {
         let edge_modulus = self.edge_modulus;
@@ -218,4 +294,21 @@ impl<T: Real> Force<T> for KantorNelson<T> {
     }
 }
 
-impl<T: Real> Conservative<T> for KantorNelson<T> {}
+impl<T: Real> Conservative<T> for KantorNelson<T> {
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        plan: &Hinges,
+        surface: Surface<'_, T>,
+        memory: &mut KantorNelsonMemory<T>,
+        force: &mut [[T; 3]],
+    ) -> T {
+        let (hinges, nodal) = (&plan.vertices[..], &mut memory.nodal);
+        if self.reference.is_empty() {
+            self.add_both(execution, hinges, surface, nodal, force, Flat)
+        } else {
+            let reference = self.reference.as_slice();
+            self.add_both(execution, hinges, surface, nodal, force, reference)
+        }
+    }
+}

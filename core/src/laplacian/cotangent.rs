@@ -11,7 +11,7 @@ use crate::laplacian::{Curvature, LaplaceBeltrami, Rows};
 use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::triangle::DualArea;
+use crate::triangle::{Barycentric, DualArea, Kind, Mixed, Voronoi};
 use crate::vec3::{dot, neg, normalise};
 use alloc::vec::Vec;
 
@@ -47,8 +47,18 @@ impl Cotangent {
         let mesh = surface.mesh();
         memory.sums.clear();
         memory.sums.resize(mesh.vertex_count(), [T::zero(); 8]);
-        let kernel = Measures(self.area);
-        execution.scatter(&kernel, surface, mesh.triangles(), &[], &mut memory.sums);
+        let (triangles, sums) = (mesh.triangles(), &mut memory.sums[..]);
+        match self.area {
+            DualArea::Mixed => {
+                execution.scatter(&Measures(Mixed), surface, triangles, &[], sums);
+            }
+            DualArea::Voronoi => {
+                execution.scatter(&Measures(Voronoi), surface, triangles, &[], sums);
+            }
+            DualArea::Barycentric => {
+                execution.scatter(&Measures(Barycentric), surface, triangles, &[], sums);
+            }
+        }
         let half = T::constant(0.5);
         let memory = &*memory;
         execution.map(
@@ -84,13 +94,14 @@ impl Cotangent {
     ) {
         let areas: &mut [[T; 1]] = areas.as_chunks_mut().0;
         areas.fill([T::zero()]);
-        execution.scatter(
-            &Areas(self.area),
-            surface,
-            surface.mesh().triangles(),
-            &[],
-            areas,
-        );
+        let triangles = surface.mesh().triangles();
+        match self.area {
+            DualArea::Mixed => execution.scatter(&Areas(Mixed), surface, triangles, &[], areas),
+            DualArea::Voronoi => execution.scatter(&Areas(Voronoi), surface, triangles, &[], areas),
+            DualArea::Barycentric => {
+                execution.scatter(&Areas(Barycentric), surface, triangles, &[], areas);
+            }
+        }
     }
 
     /// Fills `rows` with the symmetric, integrated form `½ (cot α + cot β)`: dimensionless;
@@ -149,9 +160,9 @@ impl<T: Real> CotangentMemory<T> {
     }
 }
 
-struct Areas(DualArea);
+struct Areas<K>(K);
 
-impl<T: Real> ElementKernel<T, 3, 0, 1> for Areas {
+impl<T: Real, K: Kind> ElementKernel<T, 3, 0, 1> for Areas<K> {
     #[inline(always)]
     fn evaluate<L: Lane<Scalar = T>>(
         &self,
@@ -164,9 +175,9 @@ impl<T: Real> ElementKernel<T, 3, 0, 1> for Areas {
 }
 
 /// Integrated Laplacian of the positions, area vector, angle and area, at each corner.
-struct Measures(DualArea);
+struct Measures<K>(K);
 
-impl<T: Real> ElementKernel<T, 3, 0, 8> for Measures {
+impl<T: Real, K: Kind> ElementKernel<T, 3, 0, 8> for Measures<K> {
     #[inline(always)]
     fn evaluate<L: Lane<Scalar = T>>(
         &self,

@@ -3,6 +3,7 @@
 use helfrich_tests::allocation::Counting;
 
 mod allocation;
+mod execution;
 mod heat_kernel;
 mod juelicher;
 mod laplacian;

@@ -1,0 +1,210 @@
+//! Loops over elements and vertices on several threads, in the widest vectors the processor has.
+//!
+//! The formulas and the loops are the core's. Here they are compiled a second time, for processors
+//! with AVX2, and the choice is made at run time. Nothing is contracted into fused operations:
+//! results have the bits of [`Serial`], whatever the processor and the number of threads.
+
+use helfrich::element::{ElementKernel, Slots, check_output, scatter_onto};
+use helfrich::{Execution, Real, Serial, Surface};
+use pulp::{Arch, NullaryFnOnce};
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
+/// Loops on several threads, in the widest vectors the processor has.
+///
+/// Threads are started for each loop that is long enough to be worth it, which no result depends on.
+///
+/// * Sums over elements: each thread has a range of vertices, and computes the elements around
+///   them. Those around vertices of several threads are computed by each: few, where vertices near
+///   each other have numbers near each other.
+/// * Loops over vertices are cut into ranges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parallel {
+    /// Number of threads.
+    pub threads: NonZeroUsize,
+}
+
+impl Parallel {
+    /// As many threads as the process may run at once.
+    pub fn new() -> Self {
+        Self {
+            threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
+        }
+    }
+
+    /// One thread.
+    pub fn single() -> Self {
+        Self {
+            threads: NonZeroUsize::MIN,
+        }
+    }
+}
+
+impl Default for Parallel {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A loop over fewer elements takes less time than it takes to start a thread.
+const FEWEST_ELEMENTS: usize = 6000;
+
+/// Slots of a loop that are done before it is decided whether the others are worth a thread.
+const FIRST_SLOTS: usize = 64;
+
+/// Work that is worth starting a thread for.
+const WORTH_A_THREAD: Duration = Duration::from_micros(150);
+
+/// A function to be compiled for several processors.
+struct Task<F>(F);
+
+impl<F: FnOnce()> NullaryFnOnce for Task<F> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        (self.0)();
+    }
+}
+
+/// Runs `work` for each part, the first on this thread; `parts` are made of what is left.
+fn share<P: Send>(parts: Vec<P>, work: impl Fn(P) + Sync) {
+    std::thread::scope(|scope| {
+        let mut parts = parts.into_iter();
+        let own = parts.next();
+        for part in parts {
+            let work = &work;
+            scope.spawn(move || work(part));
+        }
+        if let Some(part) = own {
+            work(part);
+        }
+    });
+}
+
+/// [`scatter_onto`] as a task: a closure would not be inlined for certain.
+struct Scatter<'a, T, K, const CORNERS: usize, const IN: usize, const OUT: usize> {
+    kernel: &'a K,
+    surface: Surface<'a, T>,
+    elements: &'a [[u32; CORNERS]],
+    input: &'a [[T; IN]],
+    start: usize,
+    output: &'a mut [[T; OUT]],
+}
+
+impl<T, K, const CORNERS: usize, const IN: usize, const OUT: usize> NullaryFnOnce
+    for Scatter<'_, T, K, CORNERS, IN, OUT>
+where
+    T: Real,
+    K: ElementKernel<T, CORNERS, IN, OUT>,
+{
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self {
+            kernel,
+            surface,
+            elements,
+            input,
+            start,
+            output,
+        } = self;
+        scatter_onto(kernel, surface, elements, input, start, output);
+    }
+}
+
+impl Execution for Parallel {
+    fn scatter<T, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
+        &self,
+        kernel: &K,
+        surface: Surface<'_, T>,
+        elements: &[[u32; CORNERS]],
+        input: &[[T; IN]],
+        output: &mut [[T; OUT]],
+    ) where
+        T: Real,
+        K: ElementKernel<T, CORNERS, IN, OUT>,
+    {
+        check_output(surface, output);
+        let arch = Arch::new();
+        let onto = |start, output: &mut [[T; OUT]]| {
+            arch.dispatch(Scatter {
+                kernel,
+                surface,
+                elements,
+                input,
+                start,
+                output,
+            });
+        };
+        let vertices = surface.positions().len();
+        let threads = self.threads.get().min(elements.len() / FEWEST_ELEMENTS);
+        if threads <= 1 {
+            return onto(0, output);
+        }
+        let size = vertices.div_ceil(threads);
+        let parts = output[..vertices].chunks_mut(size).enumerate().collect();
+        share(parts, |(number, part)| onto(number * size, part));
+    }
+
+    fn map<O: Slots>(&self, output: O, set: impl Fn(usize, O::Slot) + Sync) {
+        // No scratch memory: `()` takes no room, and growing a list of it allocates nothing.
+        self.map_with(&mut Vec::new(), output, |(), k, slot| set(k, slot));
+    }
+
+    fn map_with<S: Default + Send, O: Slots>(
+        &self,
+        scratches: &mut Vec<S>,
+        output: O,
+        set: impl Fn(&mut S, usize, O::Slot) + Sync,
+    ) {
+        if scratches.is_empty() {
+            scratches.push(S::default());
+        }
+        let arch = Arch::new();
+        let run = |scratch: &mut S, start: usize, part: O| {
+            arch.dispatch(Task(|| {
+                for (k, slot) in part.into_slots().enumerate() {
+                    set(scratch, start + k, slot);
+                }
+            }));
+        };
+        let count = output.count();
+        if self.threads.get() == 1 || count <= FIRST_SLOTS {
+            return run(&mut scratches[0], 0, output);
+        }
+        let (first, rest) = output.split_at(FIRST_SLOTS);
+        let start = Instant::now();
+        run(&mut scratches[0], 0, first);
+        let left = count - FIRST_SLOTS;
+        let expected = start.elapsed().as_secs_f64() * (left as f64 / FIRST_SLOTS as f64);
+        let worth = (expected / WORTH_A_THREAD.as_secs_f64()) as usize;
+        let threads = self.threads.get().min(worth);
+        if threads <= 1 {
+            return run(&mut scratches[0], FIRST_SLOTS, rest);
+        }
+        if scratches.len() < threads {
+            scratches.resize_with(threads, S::default);
+        }
+        let size = left.div_ceil(threads);
+        let mut parts = Vec::with_capacity(threads);
+        let (mut start, mut rest) = (FIRST_SLOTS, Some(rest));
+        for scratch in scratches.iter_mut() {
+            let Some(slots) = rest.take() else {
+                break;
+            };
+            if count - start <= size {
+                parts.push((scratch, start, slots));
+            } else {
+                let (part, others) = slots.split_at(size);
+                parts.push((scratch, start, part));
+                (start, rest) = (start + size, Some(others));
+            }
+        }
+        share(parts, |(scratch, start, part)| run(scratch, start, part));
+    }
+
+    fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T {
+        // What is added up here is known at each vertex: it takes less time than a thread.
+        Serial.sum(count, term)
+    }
+}

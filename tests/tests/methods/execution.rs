@@ -1,0 +1,223 @@
+//! Loops on several threads and in wide vectors: the bits of the loop in the core.
+
+use helfrich::element::{Execution, Slots, Strided};
+use helfrich::{
+    Conservative, Energy, Force, InPlane, Lane, Prepared, Real, Serial, Skalak, Surface,
+};
+use helfrich_std::execute::Parallel;
+use helfrich_tests::laws::for_each_conservative;
+use helfrich_tests::laws::{Candidate, ConservativeCandidate, ConservativeLaw, Law, for_each};
+use helfrich_tests::meshes::{Mesh, bent, icosphere, sheet, small};
+use helfrich_tests::potentials::for_each_potential;
+use std::fmt::Debug;
+use std::num::NonZeroUsize;
+
+fn threads() -> impl Iterator<Item = Parallel> {
+    (1..=3).map(|threads| Parallel {
+        threads: NonZeroUsize::new(threads).expect("from 1 on"),
+    })
+}
+
+/// Large enough that threads are used, in an order that is no order.
+fn large() -> Mesh {
+    icosphere(5).map(bent).relabelled(7).0
+}
+
+/// The same numbers, with NaN like itself.
+fn assert_same<V: Debug>(found: &V, expected: &V, what: &str) {
+    let (found, expected) = (format!("{found:?}"), format!("{expected:?}"));
+    assert!(found == expected, "{what}: not the bits of the serial loop");
+}
+
+struct SameBits<'a>(&'a str, &'a Mesh);
+
+impl SameBits<'_> {
+    fn check_in<T: Real, M: Energy<T> + Force<T>>(&self, name: &str, method: impl Fn() -> M) {
+        let Self(place, mesh) = self;
+        let positions = mesh.positions_in::<T>();
+        let surface = Surface::new(&mesh.connectivity, &positions).expect("finite");
+        let start = vec![[T::constant(0.25); 3]; positions.len()];
+        let mut expected = start.clone();
+        let mut serial = Prepared::new(method(), &mesh.connectivity);
+        serial.add_force(surface, &mut expected);
+        let energy = serial.energy(surface);
+        for execution in threads() {
+            let what = format!("{name}, {place}, {execution:?}");
+            let mut found = start.clone();
+            let connectivity = &mesh.connectivity;
+            let mut prepared = Prepared::with_execution(method(), connectivity, execution);
+            prepared.add_force(surface, &mut found);
+            assert_same(&found, &expected, &what);
+            assert_same(&prepared.energy(surface), &energy, &what);
+        }
+    }
+
+    fn check_both<T: Real, M: Conservative<T>>(&self, name: &str, method: impl Fn() -> M) {
+        let Self(place, mesh) = self;
+        let positions = mesh.positions_in::<T>();
+        let surface = Surface::new(&mesh.connectivity, &positions).expect("finite");
+        let mut expected = vec![[T::zero(); 3]; positions.len()];
+        let mut serial = Prepared::new(method(), &mesh.connectivity);
+        let energy = serial.add_force_and_energy(surface, &mut expected);
+        for execution in threads() {
+            let what = format!("{name}, {place}, {execution:?}, at once");
+            let mut found = vec![[T::zero(); 3]; positions.len()];
+            let connectivity = &mesh.connectivity;
+            let mut prepared = Prepared::with_execution(method(), connectivity, execution);
+            let both = prepared.add_force_and_energy(surface, &mut found);
+            assert_same(&found, &expected, &what);
+            assert_same(&both, &energy, &what);
+        }
+    }
+}
+
+impl Law for SameBits<'_> {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        let name = candidate.name();
+        self.check_in(name, || candidate.method(1.0_f64));
+        // Slow methods take long over many vertices, and do nothing else in single precision.
+        if self.1.positions.len() < 1000 {
+            self.check_in(name, || candidate.method(1.0_f32));
+        }
+    }
+}
+
+impl ConservativeLaw for SameBits<'_> {
+    fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+        let name = ConservativeCandidate::name(candidate);
+        self.check_both(name, || ConservativeCandidate::method(candidate, 1.0_f64));
+        self.check_both(name, || ConservativeCandidate::method(candidate, 1.0_f32));
+    }
+}
+
+#[test]
+fn every_method_has_the_bits_of_the_serial_loop() {
+    let sheet = sheet(6).map(bent);
+    let large = large();
+    let mut meshes: Vec<(&str, &Mesh)> = vec![("sheet", &sheet), ("many vertices", &large)];
+    let small = small();
+    meshes.extend(small.iter().map(|(name, mesh)| (*name, mesh)));
+    for (name, mesh) in meshes {
+        let mut law = SameBits(name, mesh);
+        for_each(&mut law);
+        for_each_conservative(&mut law);
+        if mesh.connectivity.is_closed() {
+            for_each_potential(&mut law);
+        }
+        let rest = mesh.map(|[x, y, z]| [1.1 * x, y, 0.9 * z + 0.1 * y]);
+        let skalak = Skalak {
+            shear_modulus: 5.3,
+            area_ratio: 10.0,
+        };
+        let connectivity = &mesh.connectivity;
+        law.check_both("Skalak", || {
+            InPlane::new(skalak, connectivity, rest.surface()).expect("a reference with areas")
+        });
+    }
+}
+
+#[test]
+fn positions_in_pairs_have_the_bits_of_the_serial_loop() {
+    let mesh = large();
+    let high = mesh.positions_in::<f32>();
+    let low: Vec<[f32; 3]> = (0..high.len())
+        .map(|v| [0, 1, 2].map(|k| (mesh.positions[v][k] - f64::from(high[v][k])) as f32))
+        .collect();
+    let surface = Surface::with_remainders(&mesh.connectivity, &high, &low).expect("finite");
+    let method = || helfrich::GompperKroll::new(1.0_f32);
+    let mut expected = vec![[0.0; 3]; high.len()];
+    Prepared::new(method(), &mesh.connectivity).add_force(surface, &mut expected);
+    for execution in threads() {
+        let mut found = vec![[0.0; 3]; high.len()];
+        Prepared::with_execution(method(), &mesh.connectivity, execution)
+            .add_force(surface, &mut found);
+        assert_same(&found, &expected, &format!("{execution:?}"));
+    }
+}
+
+#[test]
+fn each_slot_is_set_once_and_by_its_number() {
+    for execution in threads() {
+        for count in [0, 1, 63, 64, 65, 66, 5000] {
+            let mut single = vec![0; count];
+            let mut triple = vec![0; 3 * count];
+            let output = (&mut single[..], Strided::new(&mut triple, 3));
+            assert_eq!(output.count(), count);
+            // Slow enough for threads.
+            execution.map(output, |k, (single, triple)| {
+                let mut sum = 0.0_f64;
+                for step in 0..2000 {
+                    sum += std::hint::black_box(f64::from(step)).sqrt();
+                }
+                std::hint::black_box(sum);
+                *single += k;
+                triple[2] += 2 * k;
+            });
+            for k in 0..count {
+                assert_eq!((single[k], triple[3 * k], triple[3 * k + 2]), (k, 0, 2 * k));
+            }
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "the output has 3 entries")]
+fn an_output_that_is_too_short_panics() {
+    let (_, mesh) = &small()[0];
+    let method = helfrich::GompperKroll::new(1.0);
+    Prepared::with_execution(method, &mesh.connectivity, Parallel::new())
+        .add_force(mesh.surface(), &mut [[0.0; 3]; 3]);
+}
+
+#[test]
+fn sums_do_not_depend_on_the_execution() {
+    let term = |k: usize| (1.0 + k as f64).recip();
+    for execution in threads() {
+        assert_eq!(execution.sum(100_000, term), Serial.sum(100_000, term));
+    }
+}
+
+/// Points all around, at small and at large distances.
+fn points() -> impl Iterator<Item = (f64, f64)> {
+    let angles = (0..=20_000).map(|k| f64::from(k) * 3.2e-4 - 3.2);
+    angles.flat_map(|angle: f64| {
+        let (y, x) = angle.sin_cos();
+        [1e-150, 1.0, 3e7].map(|radius| (radius * y, radius * x))
+    })
+}
+
+#[test]
+fn arctangents_agree_with_the_library() {
+    for (y, x) in points() {
+        let (found, known) = (Lane::atan2(y, x), f64::atan2(y, x));
+        let bound = 2.0 * f64::EPSILON * known.abs();
+        assert!((found - known).abs() <= bound, "{y} {x}");
+        if x.hypot(y) < 1e-30 {
+            continue;
+        }
+        let (y, x) = (y as f32, x as f32);
+        let known = f64::from(y).atan2(f64::from(x));
+        let found = f64::from(Lane::atan2(y, x));
+        let bound = 2.0 * f64::from(f32::EPSILON) * known.abs();
+        assert!((found - known).abs() <= bound, "{y} {x}, in f32");
+    }
+}
+
+#[test]
+fn arctangents_on_the_axes_and_at_the_origin() {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let known = [
+        (0.0, 0.0, 0.0),
+        (0.0, 1.0, 0.0),
+        (0.0, -1.0, PI),
+        (-0.0, -1.0, PI),
+        (1.0, 0.0, FRAC_PI_2),
+        (-2.0, 0.0, -FRAC_PI_2),
+        (f64::MIN_POSITIVE, 1.0, f64::MIN_POSITIVE),
+    ];
+    for (y, x, angle) in known {
+        assert_eq!(Lane::atan2(y, x), angle, "{y} {x}");
+    }
+    assert!(Lane::atan2(f64::NAN, 1.0).is_nan());
+    assert!(Lane::atan2(1.0, f64::NAN).is_nan());
+}
