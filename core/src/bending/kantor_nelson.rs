@@ -182,6 +182,14 @@ pub struct KantorNelsonMemory<T> {
     nodal: Vec<[T; 4]>,
 }
 
+impl<T: Real> KantorNelsonMemory<T> {
+    /// Room for so many vertices, whatever will be asked for.
+    fn resize(&mut self, vertices: usize) {
+        self.energies.resize(vertices, [T::zero()]);
+        self.nodal.resize(vertices, [T::zero(); 4]);
+    }
+}
+
 impl<T: Real> Method<T> for KantorNelson<T> {
     type Plan = Hinges;
     type Memory = KantorNelsonMemory<T>;
@@ -214,11 +222,10 @@ impl<T: Real> KantorNelson<T> {
         execution: &impl Execution,
         hinges: &[[u32; 4]],
         surface: Surface<'_, T>,
-        energies: &mut Vec<[T; 1]>,
+        energies: &mut [[T; 1]],
         reference: impl Reference<T>,
     ) -> T {
-        energies.clear();
-        energies.resize(surface.mesh().vertex_count(), [T::zero()]);
+        energies.fill([T::zero()]);
         execution.scatter(&HingeEnergy { reference }, surface, hinges, &[], energies);
         self.edge_modulus * execution.sum(energies.len(), |vertex| energies[vertex][0])
     }
@@ -228,12 +235,11 @@ impl<T: Real> KantorNelson<T> {
         execution: &impl Execution,
         hinges: &[[u32; 4]],
         surface: Surface<'_, T>,
-        nodal: &mut Vec<[T; 4]>,
+        nodal: &mut [[T; 4]],
         force: &mut [[T; 3]],
         reference: impl Reference<T>,
     ) -> T {
-        nodal.clear();
-        nodal.resize(surface.mesh().vertex_count(), [T::zero(); 4]);
+        nodal.fill([T::zero(); 4]);
         let edge_modulus = self.edge_modulus;
         let kernel = HingeForceAndEnergy(HingeForce {
             edge_modulus,
@@ -257,7 +263,8 @@ impl<T: Real> Energy<T> for KantorNelson<T> {
         surface: Surface<'_, T>,
         memory: &mut KantorNelsonMemory<T>,
     ) -> T {
-        let (hinges, energies) = (&plan.vertices[..], &mut memory.energies);
+        memory.resize(surface.mesh().vertex_count());
+        let (hinges, energies) = (&plan.vertices[..], &mut memory.energies[..]);
         if self.reference.is_empty() {
             self.sum_energies(execution, hinges, surface, energies, Flat)
         } else {
@@ -273,9 +280,10 @@ impl<T: Real> Force<T> for KantorNelson<T> {
         execution: &impl Execution,
         plan: &Hinges,
         surface: Surface<'_, T>,
-        _memory: &mut KantorNelsonMemory<T>,
+        memory: &mut KantorNelsonMemory<T>,
         force: &mut [[T; 3]],
     ) {
+        memory.resize(surface.mesh().vertex_count());
         let edge_modulus = self.edge_modulus;
         if self.reference.is_empty() {
             let kernel = HingeForce {
@@ -303,7 +311,8 @@ impl<T: Real> Conservative<T> for KantorNelson<T> {
         memory: &mut KantorNelsonMemory<T>,
         force: &mut [[T; 3]],
     ) -> T {
-        let (hinges, nodal) = (&plan.vertices[..], &mut memory.nodal);
+        memory.resize(surface.mesh().vertex_count());
+        let (hinges, nodal) = (&plan.vertices[..], &mut memory.nodal[..]);
         if self.reference.is_empty() {
             self.add_both(execution, hinges, surface, nodal, force, Flat)
         } else {
