@@ -218,6 +218,22 @@ impl<A: Slots, B: Slots> Slots for (A, B) {
     }
 }
 
+/// What is done at one slot.
+pub trait SlotKernel<S, O: Slots>: Sync {
+    /// Sets slot `k`; what `scratch` holds before must not matter.
+    fn set(&self, scratch: &mut S, k: usize, slot: O::Slot);
+}
+
+/// A closure as a kernel.
+struct Closure<F>(F);
+
+impl<S, O: Slots, F: Fn(&mut S, usize, O::Slot) + Sync> SlotKernel<S, O> for Closure<F> {
+    #[inline(always)]
+    fn set(&self, scratch: &mut S, k: usize, slot: O::Slot) {
+        (self.0)(scratch, k, slot);
+    }
+}
+
 /// Loops over elements and vertices.
 ///
 /// Laws: every loop does what its documentation says, whatever the order in which it does it; sums
@@ -252,6 +268,16 @@ pub trait Execution {
         scratches: &mut Vec<S>,
         output: O,
         set: impl Fn(&mut S, usize, O::Slot) + Sync,
+    ) {
+        self.run(scratches, output, &Closure(set));
+    }
+
+    /// [`Self::map_with`] for a kernel, which unlike a closure can be compiled as part of the loop.
+    fn run<S: Default + Send, O: Slots>(
+        &self,
+        scratches: &mut Vec<S>,
+        output: O,
+        kernel: &impl SlotKernel<S, O>,
     );
 
     /// Σ `term(k)` for k in 0 … `count` − 1.
@@ -374,17 +400,17 @@ impl Execution for Serial {
     }
 
     #[inline]
-    fn map_with<S: Default + Send, O: Slots>(
+    fn run<S: Default + Send, O: Slots>(
         &self,
         scratches: &mut Vec<S>,
         output: O,
-        set: impl Fn(&mut S, usize, O::Slot) + Sync,
+        kernel: &impl SlotKernel<S, O>,
     ) {
         if scratches.is_empty() {
             scratches.push(S::default());
         }
         for (k, slot) in output.into_slots().enumerate() {
-            set(&mut scratches[0], k, slot);
+            kernel.set(&mut scratches[0], k, slot);
         }
     }
 

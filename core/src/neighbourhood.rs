@@ -28,7 +28,7 @@ pub(crate) struct Neighbourhood<T> {
 impl<T: Real> Neighbourhood<T> {
     /// Finds the `most` vertices nearest to `centre` among those that a breadth-first search meets
     /// until it has at least `most · 8/5` vertices and two whole rings; all that there are, if there
-    /// are fewer. Nearest first; what is equally near in the order of its number.
+    /// are fewer. [`Self::sort`] puts them in order.
     pub(crate) fn nearest(&mut self, surface: Surface<'_, T>, centre: u32, most: usize) {
         self.start(surface.mesh(), centre);
         let enough = most + most * 3 / 5;
@@ -49,7 +49,17 @@ impl<T: Real> Neighbourhood<T> {
             self.found.select_nth_unstable_by(most, nearer);
             self.found.truncate(most);
         }
-        self.found.sort_unstable_by(nearer);
+    }
+
+    /// Brings the `count` nearest of what [`Self::nearest`] found to the front: nearest first; what
+    /// is equally near in the order of its number. `sorted` of them are there already.
+    pub(crate) fn sort(&mut self, sorted: usize, count: usize) {
+        let rest = &mut self.found[sorted..];
+        let more = count - sorted;
+        if more < rest.len() {
+            rest.select_nth_unstable_by(more, nearer);
+        }
+        rest[..more].sort_unstable_by(nearer);
     }
 
     /// Finds all vertices within `rings` edges of `centre`, ring after ring.
@@ -139,7 +149,11 @@ impl<T: Real> Neighbourhood<T> {
 
 /// Nearest first; numbers decide between equals, so that the order never depends on the search.
 fn nearer<T: Real>(a: &(T, u32), b: &(T, u32)) -> Ordering {
-    a.0.partial_cmp(&b.0)
-        .unwrap_or(Ordering::Equal)
-        .then(a.1.cmp(&b.1))
+    if a.0 < b.0 {
+        Ordering::Less
+    } else if a.0 > b.0 {
+        Ordering::Greater
+    } else {
+        a.1.cmp(&b.1)
+    }
 }

@@ -4,7 +4,7 @@
 //! with AVX2, and the choice is made at run time. Nothing is contracted into fused operations:
 //! results have the bits of [`Serial`], whatever the processor and the number of threads.
 
-use helfrich::element::{ElementKernel, Slots, check_output, scatter_onto};
+use helfrich::element::{ElementKernel, SlotKernel, Slots, check_output, scatter_onto};
 use helfrich::{Execution, Real, Serial, Surface};
 use pulp::{Arch, NullaryFnOnce};
 use std::num::NonZeroUsize;
@@ -55,17 +55,6 @@ const FIRST_SLOTS: usize = 64;
 /// Work that is worth starting a thread for.
 const WORTH_A_THREAD: Duration = Duration::from_micros(150);
 
-/// A function to be compiled for several processors.
-struct Task<F>(F);
-
-impl<F: FnOnce()> NullaryFnOnce for Task<F> {
-    type Output = ();
-    #[inline(always)]
-    fn call(self) {
-        (self.0)();
-    }
-}
-
 /// Runs `work` for each part, the first on this thread; `parts` are made of what is left.
 fn share<P: Send>(parts: Vec<P>, work: impl Fn(P) + Sync) {
     std::thread::scope(|scope| {
@@ -112,6 +101,24 @@ where
     }
 }
 
+/// Slots one after the other, as a task.
+struct Run<'a, S, O, K> {
+    kernel: &'a K,
+    scratch: &'a mut S,
+    start: usize,
+    slots: O,
+}
+
+impl<S, O: Slots, K: SlotKernel<S, O>> NullaryFnOnce for Run<'_, S, O, K> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        for (k, slot) in self.slots.into_slots().enumerate() {
+            self.kernel.set(self.scratch, self.start + k, slot);
+        }
+    }
+}
+
 impl Execution for Parallel {
     fn scatter<T, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
         &self,
@@ -146,27 +153,23 @@ impl Execution for Parallel {
         share(parts, |(number, part)| onto(number * size, part));
     }
 
-    fn map<O: Slots>(&self, output: O, set: impl Fn(usize, O::Slot) + Sync) {
-        // No scratch memory: `()` takes no room, and growing a list of it allocates nothing.
-        self.map_with(&mut Vec::new(), output, |(), k, slot| set(k, slot));
-    }
-
-    fn map_with<S: Default + Send, O: Slots>(
+    fn run<S: Default + Send, O: Slots>(
         &self,
         scratches: &mut Vec<S>,
         output: O,
-        set: impl Fn(&mut S, usize, O::Slot) + Sync,
+        kernel: &impl SlotKernel<S, O>,
     ) {
         if scratches.is_empty() {
             scratches.push(S::default());
         }
         let arch = Arch::new();
-        let run = |scratch: &mut S, start: usize, part: O| {
-            arch.dispatch(Task(|| {
-                for (k, slot) in part.into_slots().enumerate() {
-                    set(scratch, start + k, slot);
-                }
-            }));
+        let run = |scratch: &mut S, start: usize, slots: O| {
+            arch.dispatch(Run {
+                kernel,
+                scratch,
+                start,
+                slots,
+            });
         };
         let count = output.count();
         if self.threads.get() == 1 || count <= FIRST_SLOTS {

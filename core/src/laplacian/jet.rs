@@ -4,10 +4,10 @@
 //! (2005) 121; here weighted, interpolating at the vertex, with neighbours that adapt, and the
 //! same factorisation giving the row of a general Laplace–Beltrami operator.
 
-use crate::element::Execution;
+use crate::element::{Execution, SlotKernel, Slots};
 use crate::energy::{Finding, Method};
 use crate::laplacian::least_squares::LeastSquares;
-use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
+use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, RowSlots, Rows};
 use crate::mesh::TriangleMesh;
 use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
@@ -137,7 +137,14 @@ struct Polynomial<T> {
 
 impl<T: Real> Jet<T> {
     /// Fits until the neighbours carry the degree; `None` if they do not even carry a paraboloid.
-    fn fit(&self, scratch: &mut Scratch<T>, normal: [T; 3]) -> Option<Polynomial<T>> {
+    #[inline(always)]
+    fn fit(
+        &self,
+        scratch: &mut Scratch<T>,
+        surface: Surface<'_, T>,
+        centre: u32,
+        normal: [T; 3],
+    ) -> Option<Polynomial<T>> {
         let available = scratch.neighbourhood.found.len();
         let highest = self.degree.clamp(2, HIGHEST_DEGREE);
         for degree in (2..=highest).rev() {
@@ -150,7 +157,7 @@ impl<T: Real> Jet<T> {
             let last = self.most_neighbours.max(coefficients).min(available);
             let mut neighbours = first.clamp(coefficients.min(last), last);
             loop {
-                let found = self.fit_with(scratch, normal, degree, neighbours);
+                let found = self.fit_with(scratch, surface, centre, normal, degree, neighbours);
                 let least = match (neighbours == last, degree) {
                     (false, _) => self.conditioning,
                     (true, 2) => T::epsilon().sqrt(),
@@ -167,9 +174,12 @@ impl<T: Real> Jet<T> {
     }
 
     /// One fit; its reciprocal condition is returned with it.
+    #[inline(always)]
     fn fit_with(
         &self,
         scratch: &mut Scratch<T>,
+        surface: Surface<'_, T>,
+        centre: u32,
         normal: [T; 3],
         degree: usize,
         neighbours: usize,
@@ -183,6 +193,12 @@ impl<T: Real> Jet<T> {
             fit,
             ..
         } = scratch;
+        let sorted = differences.len();
+        if sorted < neighbours {
+            neighbourhood.sort(sorted, neighbours);
+            let found = &neighbourhood.found[sorted..neighbours];
+            differences.extend(found.iter().map(|&(_, j)| surface.difference(centre, j)));
+        }
         let squared_radius = neighbourhood.found[neighbours - 1].0;
         let radius = squared_radius.sqrt();
         if radius < T::min_positive_value() {
@@ -193,7 +209,7 @@ impl<T: Real> Jet<T> {
         weights.clear();
         heights.clear();
         let columns = coefficient_count(degree);
-        let ratio = fit.factorise(neighbours, columns, |matrix| {
+        let ratio = fit.factorise(neighbours, columns, |matrix, height| {
             for (row, &difference) in differences[..neighbours].iter().enumerate() {
                 let local = scale(over, difference);
                 let (x, y) = (dot(local, frame[0]), dot(local, frame[1]));
@@ -210,7 +226,7 @@ impl<T: Real> Jet<T> {
                         *monomial *= x;
                     }
                     for &monomial in &last[..=degree] {
-                        matrix[column * neighbours + row] = monomial;
+                        matrix[column * height + row] = monomial;
                         column += 1;
                     }
                 }
@@ -266,6 +282,72 @@ impl<T: Real> Polynomial<T> {
     }
 }
 
+/// The fits around all vertices.
+struct Fits<'a, T> {
+    jet: &'a Jet<T>,
+    surface: Surface<'a, T>,
+}
+
+/// What a fit sets: the curvature, whose normal is the one to start from, the degree, and a row.
+type FitSlots<'a, T> = ((&'a mut [Curvature<T>], &'a mut [u8]), RowSlots<'a, T>);
+
+impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
+    #[inline(always)]
+    fn set(
+        &self,
+        scratch: &mut Scratch<T>,
+        vertex: usize,
+        ((curvature, degree), (length, (columns, coefficients))): <FitSlots<'a, T> as Slots>::Slot,
+    ) {
+        let (surface, centre) = (self.surface, vertex as u32);
+        scratch
+            .neighbourhood
+            .nearest(surface, centre, columns.len());
+        scratch.differences.clear();
+        let mut normal = curvature.normal;
+        let mut fitted = None;
+        // Twice at most, by one call: two would be too much to be compiled as part of the loop.
+        for upright in [false, true] {
+            fitted = self.jet.fit(scratch, surface, centre, normal);
+            let Some(polynomial) = &fitted else {
+                break;
+            };
+            let [p, q] = [scratch.coefficients[0], scratch.coefficients[1]];
+            // A frame that leans little serves as well: the formulas know p and q.
+            if upright || p * p + q * q <= T::constant(LEAN * LEAN) {
+                break;
+            }
+            normal = polynomial.surface_normal(&scratch.coefficients);
+        }
+        let Some(polynomial) = fitted else {
+            (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
+            (*degree, *length) = (0, 0);
+            return;
+        };
+        let Scratch {
+            neighbourhood,
+            weights,
+            coefficients: found,
+            functional,
+            fit,
+            ..
+        } = scratch;
+        curvature.normal = polynomial.surface_normal(found);
+        (curvature.mean, curvature.gaussian) = polynomial.curvatures(found, functional);
+        *degree = polynomial.degree as u8;
+        *length = polynomial.neighbours as u32;
+        let row = &mut coefficients[..polynomial.neighbours];
+        fit.row_of(functional, row);
+        let over = polynomial.radius.recip();
+        for (entry, &weight) in row.iter_mut().zip(weights.iter()) {
+            *entry *= weight * over * over;
+        }
+        for (column, &(_, neighbour)) in columns.iter_mut().zip(&neighbourhood.found) {
+            *column = neighbour;
+        }
+    }
+}
+
 impl<T: Real> Method<T> for Jet<T> {
     type Plan = ();
     type Memory = JetMemory<T>;
@@ -312,60 +394,7 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
         degrees.resize(vertices, 0);
         let slots = rows.slots(vertices, self.most_neighbours.max(coefficient_count(2)));
         let output = ((curvature, &mut degrees[..]), slots);
-        execution.map_with(
-            scratches,
-            output,
-            |scratch, vertex, ((curvature, degree), row)| {
-                let (length, (columns, coefficients)) = row;
-                scratch
-                    .neighbourhood
-                    .nearest(surface, vertex as u32, columns.len());
-                scratch.differences.clear();
-                scratch.differences.extend(
-                    scratch
-                        .neighbourhood
-                        .found
-                        .iter()
-                        .map(|&(_, j)| surface.difference(vertex as u32, j)),
-                );
-                let first = self.fit(scratch, curvature.normal);
-                let second = first.and_then(|first| {
-                    let [p, q] = [scratch.coefficients[0], scratch.coefficients[1]];
-                    // A frame that leans little serves as well: the formulas know p and q.
-                    if p * p + q * q <= T::constant(LEAN * LEAN) {
-                        return Some(first);
-                    }
-                    let normal = first.surface_normal(&scratch.coefficients);
-                    self.fit(scratch, normal)
-                });
-                let Some(polynomial) = second else {
-                    (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
-                    (*degree, *length) = (0, 0);
-                    return;
-                };
-                let Scratch {
-                    neighbourhood,
-                    weights,
-                    coefficients: found,
-                    functional,
-                    fit,
-                    ..
-                } = scratch;
-                curvature.normal = polynomial.surface_normal(found);
-                (curvature.mean, curvature.gaussian) = polynomial.curvatures(found, functional);
-                *degree = polynomial.degree as u8;
-                *length = polynomial.neighbours as u32;
-                let row = &mut coefficients[..polynomial.neighbours];
-                fit.row_of(functional, row);
-                let over = polynomial.radius.recip();
-                for (entry, &weight) in row.iter_mut().zip(weights.iter()) {
-                    *entry *= weight * over * over;
-                }
-                for (column, &(_, neighbour)) in columns.iter_mut().zip(&neighbourhood.found) {
-                    *column = neighbour;
-                }
-            },
-        );
+        execution.run(scratches, output, &Fits { jet: self, surface });
     }
 
     fn apply<const D: usize>(

@@ -5,14 +5,22 @@
 use crate::real::Real;
 use alloc::vec::Vec;
 
+/// Numbers that are computed at once: columns are padded with zeros to a multiple of it, and what is
+/// done to them starts at a multiple, so that nothing is left over to be done one by one.
+const BLOCK: usize = 8;
+
 /// The factorisation `A D P = Q R` of a matrix with unit columns after scaling by D, kept so that
 /// both the solution and the rows of functionals of it can be had.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LeastSquares<T> {
     rows: usize,
     columns: usize,
-    /// Column after column: Householder vectors below the diagonal, R on and above it.
+    /// The number of rows, padded.
+    height: usize,
+    /// Column after column: Householder vectors, 0 above the diagonal and in the padding.
     matrix: Vec<T>,
+    /// Column after column: R above the diagonal.
+    upper: Vec<T>,
     /// The diagonal of R.
     diagonal: Vec<T>,
     /// 2/|v|² of each Householder vector v.
@@ -22,28 +30,35 @@ pub(crate) struct LeastSquares<T> {
     /// P: the original place of each column.
     order: Vec<usize>,
     squared_norms: Vec<T>,
+    /// A right-hand side or a row, padded.
+    vector: Vec<T>,
 }
 
 impl<T: Real> LeastSquares<T> {
-    /// Takes a matrix, column after column, through `fill`, and factorises it. Returns
-    /// |R_nn| / |R_11|, an estimate of the reciprocal condition; 0 if it has not full rank.
+    /// Takes a matrix through `fill`, which is given its entries column after column and how far
+    /// apart columns start, and factorises it. Returns |R_nn| / |R_11|, an estimate of the
+    /// reciprocal condition; 0 if it has not full rank.
+    #[inline(always)]
     pub(crate) fn factorise(
         &mut self,
         rows: usize,
         columns: usize,
-        fill: impl FnOnce(&mut [T]),
+        fill: impl FnOnce(&mut [T], usize),
     ) -> T {
         self.rows = rows;
         self.columns = columns;
-        self.matrix.resize(rows * columns, T::zero());
+        self.height = rows.next_multiple_of(BLOCK);
+        self.matrix.resize(self.height * columns, T::zero());
+        self.upper.resize(columns * columns, T::zero());
         self.diagonal.resize(columns, T::zero());
         self.factors.resize(columns, T::zero());
         self.scales.clear();
         self.squared_norms.clear();
         self.order.clear();
         self.order.extend(0..columns);
-        fill(&mut self.matrix);
-        for column in self.matrix.chunks_exact_mut(rows) {
+        fill(&mut self.matrix, self.height);
+        for column in self.matrix.chunks_exact_mut(self.height) {
+            column[rows..].fill(T::zero());
             let norm = dot(column, column).sqrt();
             if norm < T::min_positive_value() {
                 return T::zero();
@@ -65,6 +80,7 @@ impl<T: Real> LeastSquares<T> {
     }
 
     /// Brings the longest of the remaining columns forward.
+    #[inline(always)]
     fn pivot(&mut self, step: usize) {
         let mut longest = step;
         for column in step + 1..self.columns {
@@ -75,109 +91,135 @@ impl<T: Real> LeastSquares<T> {
         if longest != step {
             self.order.swap(step, longest);
             self.squared_norms.swap(step, longest);
-            let (front, back) = self.matrix.split_at_mut(longest * self.rows);
-            front[step * self.rows..][..self.rows].swap_with_slice(&mut back[..self.rows]);
+            let (front, back) = self.matrix.split_at_mut(longest * self.height);
+            front[step * self.height..][..self.height].swap_with_slice(&mut back[..self.height]);
         }
     }
 
     /// Clears a column below the diagonal and carries the others along; false if it was zero.
+    #[inline(always)]
     fn reflect(&mut self, step: usize) -> bool {
-        let rows = self.rows;
-        let (front, back) = self.matrix.split_at_mut((step + 1) * rows);
-        let vector = &mut front[step * rows + step..];
+        let height = self.height;
+        let (front, back) = self.matrix.split_at_mut((step + 1) * height);
+        let column = &mut front[step * height..];
+        self.upper[step * self.columns..][..step].copy_from_slice(&column[..step]);
+        column[..step].fill(T::zero());
+        let start = block_of(step);
+        let vector = &mut column[start..];
         let norm = dot(vector, vector).sqrt();
         if norm < T::min_positive_value() {
             return false;
         }
         // The sign that adds: v₀ = x₀ + sign(x₀)|x|.
-        let diagonal = if vector[0] > T::zero() { -norm } else { norm };
-        vector[0] -= diagonal;
-        let factor = -(diagonal * vector[0]).recip();
+        let first = &mut vector[step - start];
+        let diagonal = if *first > T::zero() { -norm } else { norm };
+        *first -= diagonal;
+        let factor = -(diagonal * *first).recip();
         self.diagonal[step] = diagonal;
         self.factors[step] = factor;
-        for (offset, column) in back.chunks_exact_mut(rows).enumerate() {
-            let tail = &mut column[step..];
+        for (offset, column) in back.chunks_exact_mut(height).enumerate() {
+            let tail = &mut column[start..];
             add_scaled(tail, -(factor * dot(vector, tail)), vector);
-            let removed = tail[0] * tail[0];
+            let removed = tail[step - start] * tail[step - start];
             let squared = &mut self.squared_norms[step + 1 + offset];
             let left = *squared - removed;
             // What a difference of nearly equal numbers leaves is measured anew.
             *squared = if left > *squared * T::constant(1e-3) {
                 left
             } else {
-                dot(&tail[1..], &tail[1..])
+                let below = &column[step + 1..];
+                below
+                    .iter()
+                    .fold(T::zero(), |sum, &entry| sum + entry * entry)
             };
         }
         true
     }
 
-    fn vector(&self, step: usize) -> &[T] {
-        &self.matrix[step * self.rows + step..(step + 1) * self.rows]
-    }
-
-    fn upper(&self, row: usize, column: usize) -> T {
-        self.matrix[column * self.rows + row]
-    }
-
-    /// The coefficients, in the original order of the columns, that minimise |A c − b|; `right`
-    /// holds b and is overwritten.
-    pub(crate) fn solve(&self, right: &mut [T], coefficients: &mut [T]) {
+    /// The coefficients, in the original order of the columns, that minimise |A c − b|.
+    #[inline(always)]
+    pub(crate) fn solve(&mut self, right: &[T], coefficients: &mut [T]) {
+        self.vector.clear();
+        self.vector.extend_from_slice(right);
+        self.vector.resize(self.height, T::zero());
+        let result = &mut self.vector[..];
         for step in 0..self.columns {
-            let vector = self.vector(step);
-            let tail = &mut right[step..];
+            let start = block_of(step);
+            let vector = &self.matrix[step * self.height..][start..self.height];
+            let tail = &mut result[start..];
             add_scaled(tail, -(self.factors[step] * dot(vector, tail)), vector);
         }
-        for row in (0..self.columns).rev() {
-            let known = right[row + 1..self.columns].iter().enumerate();
-            let sum: T = known
-                .map(|(k, &entry)| self.upper(row, row + 1 + k) * entry)
-                .sum();
-            right[row] = (right[row] - sum) / self.diagonal[row];
+        for place in (0..self.columns).rev() {
+            let found = result[place] / self.diagonal[place];
+            result[place] = found;
+            let above = &self.upper[place * self.columns..][..place];
+            for (entry, &upper) in result.iter_mut().zip(above) {
+                *entry -= upper * found;
+            }
         }
         for (place, &original) in self.order.iter().enumerate() {
-            coefficients[original] = right[place] / self.scales[original];
+            coefficients[original] = result[place] / self.scales[original];
         }
     }
 
     /// The row r with `functional · c = r · b` for the solution c of every right-hand side b.
-    pub(crate) fn row_of(&self, functional: &[T], row: &mut [T]) {
-        let original = |place: usize| self.order[place];
+    #[inline(always)]
+    pub(crate) fn row_of(&mut self, functional: &[T], row: &mut [T]) {
+        self.vector.clear();
+        self.vector.resize(self.height, T::zero());
+        let result = &mut self.vector[..];
         for place in 0..self.columns {
-            let scaled = functional[original(place)] / self.scales[original(place)];
-            let above = &self.matrix[place * self.rows..][..place];
-            row[place] = (scaled - dot(above, &row[..place])) / self.diagonal[place];
+            let original = self.order[place];
+            let scaled = functional[original] / self.scales[original];
+            let above = &self.upper[place * self.columns..][..place];
+            let known = above.iter().zip(&*result);
+            let sum = known.fold(T::zero(), |sum, (&a, &b)| sum + a * b);
+            result[place] = (scaled - sum) / self.diagonal[place];
         }
-        row[self.columns..].fill(T::zero());
         for step in (0..self.columns).rev() {
-            let vector = self.vector(step);
-            let tail = &mut row[step..];
+            let start = block_of(step);
+            let vector = &self.matrix[step * self.height..][start..self.height];
+            let tail = &mut result[start..];
             add_scaled(tail, -(self.factors[step] * dot(vector, tail)), vector);
         }
+        row.copy_from_slice(&self.vector[..self.rows]);
     }
 }
 
-/// Scalar product in eight interleaved sums, which map to vector registers.
+/// Where the block of a row starts.
+#[inline(always)]
+fn block_of(row: usize) -> usize {
+    row / BLOCK * BLOCK
+}
+
+/// Scalar product of whole blocks, in as many interleaved sums, which map to vector registers.
 #[inline(always)]
 fn dot<T: Real>(a: &[T], b: &[T]) -> T {
-    let (a_blocks, a_rest) = a.as_chunks::<8>();
-    let (b_blocks, b_rest) = b.as_chunks::<8>();
-    let mut sums = [T::zero(); 8];
-    for (a, b) in a_blocks.iter().zip(b_blocks) {
-        for k in 0..8 {
+    let mut sums = [T::zero(); BLOCK];
+    for (a, b) in a
+        .as_chunks::<BLOCK>()
+        .0
+        .iter()
+        .zip(b.as_chunks::<BLOCK>().0)
+    {
+        for k in 0..BLOCK {
             sums[k] += a[k] * b[k];
         }
     }
-    let mut rest = T::zero();
-    for (&a, &b) in a_rest.iter().zip(b_rest) {
-        rest += a * b;
-    }
     let [a, b, c, d, e, f, g, h] = sums;
-    (((a + e) + (b + f)) + ((c + g) + (d + h))) + rest
+    ((a + e) + (b + f)) + ((c + g) + (d + h))
 }
 
+/// `target += factor vector`, whole blocks.
 #[inline(always)]
 fn add_scaled<T: Real>(target: &mut [T], factor: T, vector: &[T]) {
-    for (target, &entry) in target.iter_mut().zip(vector) {
-        *target += factor * entry;
+    let blocks = target.as_chunks_mut::<BLOCK>().0.iter_mut();
+    for (target, vector) in blocks.zip(vector.as_chunks::<BLOCK>().0) {
+        // Read as a whole before anything is written: the two might overlap, for all that is known.
+        let (mut sum, vector) = (*target, *vector);
+        for k in 0..BLOCK {
+            sum[k] += factor * vector[k];
+        }
+        *target = sum;
     }
 }

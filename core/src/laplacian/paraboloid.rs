@@ -159,19 +159,21 @@ impl<T: Real> Fit<T> {
         let offsets = &self.offsets;
         // A column that is only rounding would be taken for a direction like any other.
         let mut noise = false;
-        let independence = self.problem.factorise(count, COEFFICIENTS, |matrix| {
-            for (k, &offset) in offsets.iter().enumerate() {
-                let (x, y) = (dot(offset, first), dot(offset, second));
-                let basis = [x, y, half * x * x, x * y, half * y * y];
-                for (column, entry) in basis.into_iter().enumerate() {
-                    matrix[column * count + k] = entry;
+        let independence = self
+            .problem
+            .factorise(count, COEFFICIENTS, |matrix, height| {
+                for (k, &offset) in offsets.iter().enumerate() {
+                    let (x, y) = (dot(offset, first), dot(offset, second));
+                    let basis = [x, y, half * x * x, x * y, half * y * y];
+                    for (column, entry) in basis.into_iter().enumerate() {
+                        matrix[column * height + k] = entry;
+                    }
                 }
-            }
-            let small = |entry: &T| entry.abs() <= T::epsilon();
-            noise = matrix
-                .chunks_exact(count)
-                .any(|column| column.iter().all(small));
-        });
+                let small = |entry: &T| entry.abs() <= T::epsilon();
+                noise = matrix
+                    .chunks_exact(height)
+                    .any(|column| column[..count].iter().all(small));
+            });
         if noise || independence <= T::constant(count as f64) * T::epsilon() {
             return None;
         }
@@ -179,7 +181,7 @@ impl<T: Real> Fit<T> {
         self.heights
             .extend(offsets.iter().map(|&offset| dot(offset, normal)));
         let mut coefficients = [T::zero(); COEFFICIENTS];
-        self.problem.solve(&mut self.heights, &mut coefficients);
+        self.problem.solve(&self.heights, &mut coefficients);
         let [a, b, ..] = coefficients;
         let tilt = add(scale(a, first), scale(b, second));
         Some(Fitted {
