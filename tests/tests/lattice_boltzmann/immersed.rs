@@ -144,6 +144,29 @@ fn linear_flows_are_interpolated_exactly() {
     }
 }
 
+/// One point reads its own nodes; many share rows, with parts of them left out.
+#[test]
+fn points_do_not_know_of_each_other() {
+    let size = [80, 6, 7];
+    let mut lattice = lattice::<f64>(periodic(size, 0.1));
+    lattice.fill(stirred(size));
+    lattice.advance(1);
+    let mut points = scattered(3, size);
+    points.extend([[79.9, 3.0, 3.0], [0.1, 2.0, 6.9], [30.0, 4.0, 4.0]]);
+    for kernel in KERNELS {
+        let mut immersed = Immersed::new(kernel);
+        let mut together = vec![[0.0; 3]; points.len()];
+        immersed.place(&lattice, &points).unwrap();
+        immersed.interpolate(&lattice, &mut together);
+        for (point, expected) in points.iter().zip(together) {
+            let mut alone = [[0.0; 3]];
+            immersed.place(&lattice, &[*point]).unwrap();
+            immersed.interpolate(&lattice, &mut alone);
+            assert_eq!(alone, [expected], "{kernel:?} at {point:?}");
+        }
+    }
+}
+
 /// What is interpolated is the transpose of what is spread: forces do the work that the fluid gets.
 #[test]
 fn work_on_points_is_work_on_nodes() {

@@ -12,6 +12,10 @@ use std::array;
 /// Fewer points than this take less time than to start a thread.
 const POINTS_A_THREAD: usize = 256;
 
+/// Fewer nodes than this between two parts of a row take less time than another part: they share
+/// cache lines with them.
+const NODES_LEFT_OUT: usize = 16;
+
 /// How a point is spread over the nodes around it: a product φ(x) φ(y) φ(z) of the distances.
 ///
 /// Of each, Σ φ = 1 and Σ r φ = 0 over the nodes wherever the point lies: forces and torques are
@@ -96,20 +100,62 @@ struct Stencil {
 /// Parts of rows along x that contain all nodes of all points.
 #[derive(Clone, Debug, Default)]
 struct Rows {
-    /// For each row of the lattice, counted along y, then z, its part.
-    parts: Vec<Part>,
-    /// The parts that are not empty, in their order.
+    /// For each row of the lattice, counted along y, then z, its parts: two, for where a closed
+    /// membrane goes in and out.
+    parts: Vec<[Part; 2]>,
+    /// All parts, in their order.
     runs: Vec<Row>,
     /// Number of nodes in all parts.
     nodes: usize,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Part {
     start: usize,
     end: usize,
     /// Where its velocities start among those of all parts.
     offset: usize,
+}
+
+impl Part {
+    /// Behind all others.
+    const NONE: Self = Self {
+        start: usize::MAX,
+        end: usize::MAX,
+        offset: 0,
+    };
+
+    fn extend(&mut self, start: usize, end: usize) {
+        (self.start, self.end) = (self.start.min(start), self.end.max(end));
+    }
+}
+
+/// Has nodes covered by parts in their order, with something between them.
+fn cover([first, second]: &mut [Part; 2], start: usize, end: usize) {
+    let own = Part {
+        start,
+        end,
+        offset: 0,
+    };
+    if first.start == usize::MAX {
+        *first = own;
+    } else if second.start == usize::MAX && start > first.end + NODES_LEFT_OUT {
+        *second = own;
+    } else if second.start == usize::MAX && end + NODES_LEFT_OUT < first.start {
+        (*first, *second) = (own, *first);
+    } else {
+        let before = start.saturating_sub(first.end);
+        let behind = second.start.saturating_sub(end);
+        if before <= behind {
+            first.extend(start, end);
+        } else {
+            second.extend(start, end);
+        }
+        if second.start != usize::MAX && first.end + NODES_LEFT_OUT >= second.start {
+            first.extend(second.start, second.end);
+            *second = Part::NONE;
+        }
+    }
 }
 
 impl Immersed {
@@ -296,7 +342,9 @@ impl Immersed {
             for k in 0..count {
                 for j in 0..count {
                     let weight = across_y[j] * across_z[k];
-                    let part = self.rows.parts[y[j] + self.cells[1] * z[k]];
+                    let parts = self.rows.parts[y[j] + self.cells[1] * z[k]];
+                    // All of a stencil's nodes in a row are in the same one.
+                    let part = parts[usize::from(x[0] >= parts[1].start)];
                     for i in 0..count {
                         let weight = weight * across_x[i];
                         let node = self.velocities[part.offset + x[i] - part.start];
@@ -349,7 +397,7 @@ impl Rows {
         let [length, rows, planes] = cells;
         let count = kernel.points();
         self.parts.clear();
-        self.parts.resize(rows * planes, Part::default());
+        self.parts.resize(rows * planes, [Part::NONE; 2]);
         for stencil in stencils {
             let [_, y, z] = stencil.nodes(cells);
             let first = stencil.first[0];
@@ -360,19 +408,14 @@ impl Rows {
             };
             for &z in &z[..count] {
                 for &y in &y[..count] {
-                    let part = &mut self.parts[y + rows * z];
-                    if part.end == 0 {
-                        (part.start, part.end) = (start, end);
-                    } else {
-                        (part.start, part.end) = (part.start.min(start), part.end.max(end));
-                    }
+                    cover(&mut self.parts[y + rows * z], start, end);
                 }
             }
         }
         self.runs.clear();
         self.nodes = 0;
-        for (row, part) in self.parts.iter_mut().enumerate() {
-            if part.end > 0 {
+        for (row, parts) in self.parts.iter_mut().enumerate() {
+            for part in parts.iter_mut().filter(|part| part.start != usize::MAX) {
                 part.offset = self.nodes;
                 let count = part.end - part.start;
                 self.nodes += count;
