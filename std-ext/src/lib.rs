@@ -23,6 +23,7 @@ pub mod dynamics;
 pub mod effect;
 pub mod execute;
 pub mod flow;
+pub mod flow_study;
 pub mod generate;
 pub mod info;
 pub mod io;

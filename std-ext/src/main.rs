@@ -2,6 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use helfrich::{Finding, Real, Surface};
+use helfrich_std::flow_study::{FlowStudy, FlowStudyError};
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, replace_file, write};
@@ -106,8 +107,9 @@ struct StudyArguments {
     #[arg(long, default_value = "discocyte")]
     shape: AnyShape,
     /// Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C),
-    /// belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh).
-    #[arg(long, value_delimiter = ',', default_value = "A,B,C", value_parser = methods)]
+    /// belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh). By default A,B,C; in flow all but jet, which is one of
+    /// j4 and j6.
+    #[arg(long, value_delimiter = ',', value_parser = methods)]
     method: Vec<Vec<BendingMethod>>,
     /// Mesh families: regular, smooth, relaxed, irregular, hard, or `all`.
     #[arg(long, value_delimiter = ',', default_value = "regular,irregular", value_parser = families)]
@@ -124,6 +126,10 @@ struct StudyArguments {
     /// Seed of the random mesh families.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Study a capsule in shear flow instead: every method by boundary integrals and on a lattice,
+    /// beside what was published; some minutes.
+    #[arg(long, conflicts_with_all = ["shape", "family", "vertices", "scalar", "modulus", "seed"])]
+    flow: bool,
     /// Also write the rows as JSON to this file; `-` for standard output, instead of the table.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -261,11 +267,17 @@ fn file_named(option: Option<&PathBuf>) -> Option<&Path> {
 }
 
 fn study(arguments: &StudyArguments) -> Result<(), Failure> {
+    if arguments.flow {
+        return flow_study(arguments);
+    }
     let study = Study {
         shape: arguments.shape,
         families: unique(arguments.family.concat()),
         vertices: arguments.vertices.clone(),
-        methods: unique(arguments.method.concat()),
+        methods: match arguments.method.concat() {
+            none if none.is_empty() => COMPARED.to_vec(),
+            methods => unique(methods),
+        },
         scalars: unique(arguments.scalar.clone()),
         modulus: arguments.modulus,
         seed: arguments.seed,
@@ -295,6 +307,50 @@ fn study(arguments: &StudyArguments) -> Result<(), Failure> {
         report::verdict_table(&verdicts(&rows), out)
     })?;
     json_file.map_or(Ok(()), |path| save(path, json))
+}
+
+/// The methods that a study compares by default.
+const COMPARED: [BendingMethod; 3] = [
+    BendingMethod::KantorNelson,
+    BendingMethod::GompperKroll,
+    BendingMethod::Meyer,
+];
+
+fn flow_study(arguments: &StudyArguments) -> Result<(), Failure> {
+    let mut study = FlowStudy::default();
+    if !arguments.method.is_empty() {
+        study.methods = unique(arguments.method.concat());
+    }
+    let json_file = file_named(arguments.json.as_ref());
+    if let Some(path) = json_file {
+        check_replaceable(path).map_err(|error| Failure::output(path.display(), &error))?;
+    }
+    let stop = interruption();
+    let bar = progress_bar();
+    bar.set_length(1000);
+    let rows = study.run(&|| stop.load(Ordering::Relaxed), &mut |progress| {
+        bar.set_position((1000.0 * progress.fraction) as u64);
+        bar.set_message(progress.case.to_string());
+    });
+    bar.finish_and_clear();
+    let rows = rows.map_err(|error| match error {
+        FlowStudyError::Scene { .. } => Failure::input(error),
+        _ => Failure::Output(error.to_string()),
+    })?;
+    let json = |out: &mut dyn Write| {
+        serde_json::to_writer_pretty(&mut *out, &rows)?;
+        writeln!(out)
+    };
+    if arguments.json.is_some() && json_file.is_none() {
+        print(json)?;
+    } else {
+        print(|out| report::flow_tables(&rows, out))?;
+        json_file.map_or(Ok(()), |path| save(path, json))?;
+    }
+    if stop.load(Ordering::Relaxed) {
+        return Err(Failure::Unfinished(130));
+    }
+    Ok(())
 }
 
 /// Each value once, in the order of its first mention.

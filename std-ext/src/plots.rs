@@ -120,7 +120,8 @@ pub fn read_curves(path: &Path) -> Result<Vec<PublishedCurve>, CurvesError> {
     })
 }
 
-fn parsed(bytes: &[u8]) -> Result<Vec<PublishedCurve>, CurvesProblem> {
+/// The same from a file's content.
+pub(crate) fn parsed(bytes: &[u8]) -> Result<Vec<PublishedCurve>, CurvesProblem> {
     // What spreadsheets put before the first line.
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut curves: Vec<PublishedCurve> = Vec::new();

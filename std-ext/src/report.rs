@@ -1,5 +1,9 @@
 //! How data is shown: tables and CSV. Nothing is computed here.
 
+mod flow;
+
+pub use flow::flow_tables;
+
 use crate::info::MeshInfo;
 use crate::method::Fields;
 use crate::run::{End, Summary};

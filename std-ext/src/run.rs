@@ -6,6 +6,7 @@
 //! * `surfaces/NAME-TIME.vtp` with `surfaces.pvd`, their index;
 //! * `pictures/TIME.png`;
 //! * `slices/NAME-TIME.vti` and `.png` with `slices.pvd`: the fluid on the scene's slices;
+//! * `volumes/NAME-TIME.vti` with `volumes.pvd`: all fluid of a box;
 //! * `plots/COLUMN.png`: columns of the series, drawn when the run ends;
 //! * `checkpoint`: all that is needed to go on, bit for bit;
 //! * `summary.json`: how it ended, the last row, what each effect has cost, the scene as run.
@@ -187,6 +188,7 @@ struct Outputs {
     rows: u64,
     files: Collection,
     slices: Collection,
+    volumes: Collection,
     /// The number of the last row, as files have it.
     written: Option<u64>,
     /// How many rows there were.
@@ -229,7 +231,8 @@ pub fn run(
         .unzip();
     let measures = Measures::new(scene, &simulation, &positions);
     let drive = drive(scene, &mut simulation, positions, state)?;
-    let columns = measures.columns(&*drive, &simulation);
+    let mut columns = measures.columns(&*drive, &simulation);
+    columns.extend(Run::probe_columns(scene));
     let plots = scene.output.plots.iter();
     let plots = plots.map(|plot| PlannedPlot::new(plot, &columns, &simulation));
     let plots = plots.collect::<Result<_, _>>()?;
@@ -287,7 +290,7 @@ fn make_folder(path: &Path) -> Result<(), RunError> {
 
 /// Takes away the files that a run was writing when it was killed. That one stays is no harm.
 fn remove_unfinished(folder: &Path) {
-    let folders = ["", "surfaces", "pictures", "slices", "plots"];
+    let folders = ["", "surfaces", "pictures", "slices", "volumes", "plots"];
     for folder in folders.map(|name| folder.join(name)) {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
             if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
@@ -356,7 +359,8 @@ impl Run<'_> {
             return Ok(());
         }
         let acting = self.simulation.resolve(self.drive.positions());
-        let row = self.measures.row(&*self.drive, &self.simulation, &acting);
+        let mut row = self.measures.row(&*self.drive, &self.simulation, &acting);
+        row.extend(self.probe());
         let output = |error: SeriesError| RunError::Output(Box::new(error));
         self.series.append(&row).map_err(output)?;
         self.last = row;
@@ -380,7 +384,8 @@ impl Run<'_> {
         if self.scene.output.pictures {
             self.draw(mark, acting)?;
         }
-        self.write_slices(mark)
+        self.write_slices(mark)?;
+        self.write_volumes(mark)
     }
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
@@ -416,7 +421,8 @@ impl Run<'_> {
 
     fn finish(&mut self, end: End, message: String) -> Result<Summary, RunError> {
         self.draw_plots()?;
-        let columns = self.measures.columns(&*self.drive, &self.simulation);
+        let mut columns = self.measures.columns(&*self.drive, &self.simulation);
+        columns.extend(Self::probe_columns(self.scene));
         let last = columns.into_iter().zip(self.last.clone());
         let work = self.drive.work();
         let warnings = self.simulation.warnings().iter();

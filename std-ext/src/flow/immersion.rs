@@ -1,9 +1,12 @@
 //! Membranes that move with the fluid of a lattice.
 
 use super::lattice_boltzmann::{Immersed, Kernel, Lattice, LatticeError, Precision, State, Units};
-use super::{Effort, KeptVolumes, Membranes};
+use super::{Effort, Fluid, KeptVolumes, Membranes};
+use helfrich::{Surface, TriangleMesh};
 use serde::{Deserialize, Serialize};
 use std::array;
+use std::ops::Range;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Membranes immersed in the fluid of a lattice: their vertices spread their forces over the nodes
@@ -17,6 +20,7 @@ pub struct Immersion<T> {
     /// Where the lattice has its origin.
     origin: [f64; 3],
     immersed: Immersed,
+    contrasts: Vec<Contrast>,
     volumes: KeptVolumes,
     /// Velocities in the last step.
     velocities: Vec<[f64; 3]>,
@@ -25,6 +29,14 @@ pub struct Immersion<T> {
     placed: Vec<[f64; 3]>,
     fluid: Effort,
     coupling: Effort,
+}
+
+/// A closed membrane with fluid of another viscosity inside.
+#[derive(Debug)]
+struct Contrast {
+    mesh: Arc<TriangleMesh>,
+    vertices: Range<usize>,
+    ratio: f64,
 }
 
 /// What changes from step to step, besides positions.
@@ -74,6 +86,7 @@ impl<T: Precision> Immersion<T> {
             units,
             origin,
             immersed: Immersed::new(kernel),
+            contrasts: Vec::new(),
             volumes: KeptVolumes::default(),
             velocities: vec![[0.0; 3]; vertices],
             forces: vec![[0.0; 3]; vertices],
@@ -86,6 +99,28 @@ impl<T: Precision> Immersion<T> {
     /// Keeps these volumes.
     pub fn keep_volumes(&mut self, volumes: KeptVolumes) {
         self.volumes = volumes;
+    }
+
+    /// Fills the membranes of these closed meshes, one after the other, with fluid of the outer
+    /// viscosity times their ratio. Only ratios other than 1 take time.
+    ///
+    /// # Panics
+    /// If there is not one ratio a mesh.
+    pub fn set_viscosity_ratios(&mut self, meshes: &[Arc<TriangleMesh>], ratios: &[f64]) {
+        assert_eq!(meshes.len(), ratios.len(), "one viscosity ratio a mesh");
+        let mut first = 0;
+        self.contrasts.clear();
+        for (mesh, &ratio) in meshes.iter().zip(ratios) {
+            let vertices = first..first + mesh.vertex_count();
+            first = vertices.end;
+            if ratio != 1.0 {
+                self.contrasts.push(Contrast {
+                    mesh: Arc::clone(mesh),
+                    vertices,
+                    ratio,
+                });
+            }
+        }
     }
 
     /// The fluid.
@@ -135,11 +170,11 @@ impl<T: Precision> Immersion<T> {
 
     /// Gives the forces to the fluid, and takes the velocities from it.
     fn couple(&mut self, positions: &[[f64; 3]]) -> Result<(), ImmersionError> {
-        let (origin, spacing) = (self.origin, self.units.spacing);
-        for (placed, position) in self.placed.iter_mut().zip(positions) {
-            *placed = array::from_fn(|axis| (position[axis] - origin[axis]) / spacing);
+        for (vertex, &position) in positions.iter().enumerate() {
+            self.placed[vertex] = self.on_lattice(position);
         }
         self.immersed.place(&self.lattice, &self.placed)?;
+        self.fill_membranes()?;
         let unit = self.units.force();
         for force in &mut self.forces {
             *force = force.map(|component| component / unit);
@@ -159,6 +194,40 @@ impl<T: Precision> Immersion<T> {
             Some((vertex, speed)) => Err(ImmersionError::TooFast { vertex, speed }),
             None => Ok(()),
         }
+    }
+
+    /// Gives the fluid inside membranes its viscosity.
+    fn fill_membranes(&mut self) -> Result<(), LatticeError> {
+        if self.contrasts.is_empty() {
+            return Ok(());
+        }
+        let outer = self.lattice.setup().viscosity;
+        let mut filled = Vec::with_capacity(self.contrasts.len());
+        for contrast in &self.contrasts {
+            let positions = &self.placed[contrast.vertices.clone()];
+            let surface = Surface::new(&contrast.mesh, positions)?;
+            filled.push((surface, contrast.ratio * outer));
+        }
+        self.lattice.set_inner_viscosities(&filled)
+    }
+
+    /// Velocity and pressure at points of the fluid; not numbers beyond walls and inside obstacles.
+    ///
+    /// Pressure is 0 in fluid at rest, but for the uniform part that a box has of its own.
+    pub fn fluid_at(&self, points: &[[f64; 3]]) -> Fluid {
+        let node = |&point: &[f64; 3]| {
+            let node = self.lattice.fluid_at(self.on_lattice(point));
+            node.map_or(([f64::NAN; 3], f64::NAN), |node| {
+                let velocity = node.velocity.map(|u| u * self.units.velocity());
+                (velocity, node.pressure() * self.units.pressure())
+            })
+        };
+        let (velocity, pressure) = points.iter().map(node).unzip();
+        Fluid { velocity, pressure }
+    }
+
+    fn on_lattice(&self, point: [f64; 3]) -> [f64; 3] {
+        array::from_fn(|axis| (point[axis] - self.origin[axis]) / self.units.spacing)
     }
 
     /// What fluid and coupling took so far.

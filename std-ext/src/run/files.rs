@@ -2,12 +2,13 @@
 
 use super::drive::Mark;
 use super::{Run, RunError, make_folder, measure};
+use crate::flow::Fluid;
 use crate::io::{
     Collection, CollectionEntry, Grid, PointField, PointValues, VtkError, write_vti, write_vtp,
 };
 use crate::picture::{ColourMap, Colouring, FlowSlice, PaintedSurface, Picture, Shading, View};
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of, read_curves};
-use crate::scene::{Flow, Plot, Scene, Slice, Units};
+use crate::scene::{Driver, Flow, LatticeBoltzmann, Plot, Scene, Slice, Units};
 use crate::series::SeriesTable;
 use crate::simulation::{Acting, Simulation};
 use glam::DVec3;
@@ -134,29 +135,87 @@ impl Run<'_> {
         written.map_err(|source| RunError::Unwritable { path, source })
     }
 
+    /// The names of the columns of the scene's probes.
+    pub(super) fn probe_columns(scene: &Scene) -> Vec<String> {
+        let probes = scene.output.probes.iter();
+        let columns = probes.flat_map(|probe| ["x", "y", "z"].map(|axis| (probe, axis)));
+        let columns = columns.map(|(probe, axis)| format!("{}_{axis}", probe.name));
+        columns.collect()
+    }
+
+    /// The velocity at each probe; not numbers where there is no fluid.
+    pub(super) fn probe(&mut self) -> Vec<f64> {
+        let points = self.scene.output.probes.iter().map(|probe| probe.point);
+        let points = Vec::from_iter(points);
+        if points.is_empty() {
+            return Vec::new();
+        }
+        match self.drive.fluid_at(&mut self.simulation, &points) {
+            Some(fluid) => fluid.velocity.concat(),
+            None => vec![f64::NAN; 3 * points.len()],
+        }
+    }
+
+    /// Velocity and pressure on a grid, as a file; none if there is no fluid.
+    fn write_fluid(
+        &mut self,
+        mark: Mark,
+        grid: &Grid,
+        folder: &str,
+        name: &str,
+    ) -> Result<Option<(String, Fluid)>, RunError> {
+        let points = Vec::from_iter(grid.points());
+        let Some(fluid) = self.drive.fluid_at(&mut self.simulation, &points) else {
+            return Ok(None);
+        };
+        make_folder(&self.folder.join(folder))?;
+        let name = format!("{folder}/{name}-{:08}.vti", mark.number);
+        let fields = [
+            PointField {
+                name: "velocity",
+                values: PointValues::Vectors(&fluid.velocity),
+            },
+            PointField {
+                name: "pressure",
+                values: PointValues::Scalars(&fluid.pressure),
+            },
+        ];
+        write_vti(&self.folder.join(&name), grid, Some(mark.time), &fields)
+            .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
+        Ok(Some((name, fluid)))
+    }
+
+    /// Velocity and pressure in the whole box of the scene's driver.
+    pub(super) fn write_volumes(&mut self, mark: Mark) -> Result<(), RunError> {
+        let scene = self.scene;
+        let Driver::LatticeBoltzmann(driver) = scene.driver else {
+            return Ok(());
+        };
+        for (part, volume) in scene.output.volumes.iter().enumerate() {
+            let grid = nodes(&driver, volume.stride);
+            if let Some((file, _)) = self.write_fluid(mark, &grid, "volumes", &volume.name)? {
+                self.outputs.volumes.entries.push(CollectionEntry {
+                    time: mark.time,
+                    part,
+                    file,
+                });
+            }
+        }
+        if scene.output.volumes.is_empty() {
+            return Ok(());
+        }
+        self.write_index("volumes.pvd", &self.outputs.volumes)
+    }
+
     /// Velocity and pressure on the scene's slices, as files and pictures.
     pub(super) fn write_slices(&mut self, mark: Mark) -> Result<(), RunError> {
         let scene = self.scene;
         for (part, slice) in scene.output.slices.iter().enumerate() {
             let grid = grid(slice);
-            let points = Vec::from_iter(grid.points());
-            let Some(fluid) = self.drive.fluid_at(&mut self.simulation, &points) else {
+            let written = self.write_fluid(mark, &grid, "slices", &slice.name)?;
+            let Some((name, fluid)) = written else {
                 continue;
             };
-            make_folder(&self.folder.join("slices"))?;
-            let name = format!("slices/{}-{:08}.vti", slice.name, mark.number);
-            let fields = [
-                PointField {
-                    name: "velocity",
-                    values: PointValues::Vectors(&fluid.velocity),
-                },
-                PointField {
-                    name: "pressure",
-                    values: PointValues::Scalars(&fluid.pressure),
-                },
-            ];
-            write_vti(&self.folder.join(&name), &grid, Some(mark.time), &fields)
-                .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
             let bodies = self.simulation.bodies().iter();
             let positions = self.drive.positions();
             let surfaces = Vec::from_iter(bodies.filter_map(|body| body.surface(positions)));
@@ -261,6 +320,17 @@ fn view(scene: &Scene) -> View {
             frame: None,
         },
         None => View::default(),
+    }
+}
+
+/// Every so many nodes of a lattice.
+fn nodes(driver: &LatticeBoltzmann, stride: usize) -> Grid {
+    let [corner, _] = driver.corners();
+    Grid {
+        origin: corner.map(|coordinate| coordinate + 0.5 * driver.spacing),
+        axes: Grid::AXES,
+        spacings: [stride as f64 * driver.spacing; 3],
+        counts: driver.cells.map(|count| count.div_ceil(stride)),
     }
 }
 

@@ -7,7 +7,7 @@ use super::flowing::is_held;
 use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
 use crate::flow::lattice_boltzmann::{Lattice, Node, Precision, Setup, Sides};
-use crate::flow::{Channel, Immersion, ImmersionState, KeptVolumes};
+use crate::flow::{Channel, Fluid, Immersion, ImmersionState, KeptVolumes};
 use crate::scene::{Flow, LatticeBoltzmann, Scene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
@@ -216,6 +216,10 @@ impl<T: Stored> Drive for Immersing<'_, T> {
         efforts.map(|(name, effort)| cost(name, effort)).collect()
     }
 
+    fn fluid_at(&mut self, _simulation: &mut Simulation, points: &[[f64; 3]]) -> Option<Fluid> {
+        Some(self.immersion.fluid_at(points))
+    }
+
     fn notes(&self) -> &[String] {
         &self.progress.notes
     }
@@ -266,6 +270,9 @@ fn immersion<T: Precision>(
     let mut immersion = Immersion::new(lattice, units, origin, driver.kernel, positions.len());
     let meshes = simulation.bodies().iter();
     let meshes = Vec::from_iter(meshes.map(|body| Arc::clone(body.shared_mesh())));
+    let ratios = scene.surfaces.iter();
+    let ratios = Vec::from_iter(ratios.map(|surface| surface.viscosity_ratio.unwrap_or(1.0)));
+    immersion.set_viscosity_ratios(&meshes, &ratios);
     let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
     immersion.keep_volumes(KeptVolumes::new(&meshes, kept, positions));
     Ok(immersion)

@@ -76,6 +76,56 @@ size = [4, 3]
 points = [9, 7]
 "#;
 
+const LATTICE: &str = r#"
+title = "Small capsule in a narrow channel"
+units = "none"
+
+[[surface]]
+name = "capsule"
+shape = "sphere:1"
+family = "regular"
+vertices = 42
+viscosity_ratio = 3
+membrane_viscosity = { shear = 0.05 }
+elasticity = { law = "neo-hookean", shear_modulus = 1 }
+bending = { method = "meyer", modulus = 0.05 }
+
+[[obstacle]]
+name = "bump"
+shape = "sphere:1"
+family = "regular"
+vertices = 162
+position = [2.5, -2.5, 0]
+
+[driver]
+kind = "lattice-boltzmann"
+viscosity = 1
+flow = { kind = "channel", centre_velocity = 1 }
+resolution = 3
+box = [8, 5, 5]
+precision = "f32"
+strain = 2
+
+[output]
+strain_interval = 0.1
+files_every = 10
+checkpoint_every = 7
+
+[[output.probe]]
+name = "behind"
+point = [-3, 1, 0]
+
+[[output.volume]]
+stride = 4
+
+[[output.slice]]
+name = "middle"
+centre = [0, 0, 0]
+normal = [0, 0, 1]
+size = [8, 5]
+points = [33, 21]
+"#;
+
 /// A folder with the scene, and `extra` at its end.
 fn scene(extra: &str) -> (TempDir, PathBuf) {
     let folder = TempDir::new().unwrap();
@@ -197,7 +247,7 @@ fn a_run_leaves_its_series_surfaces_and_summary() {
 
 #[test]
 fn killed_at_any_moment_and_resumed_nothing_is_different() {
-    for text in [SCENE, FLOW] {
+    for text in [SCENE, FLOW, LATTICE] {
         check_killed(text);
     }
 }

@@ -1,58 +1,14 @@
 //! Capsules in shear flow: scenes, run as users run them, against small-deformation theory, published
 //! curves and the independent computation that the data name.
 
+use crate::scenes::{at, column, last, run_file, run_scene, scenes};
 use helfrich_std::deformation::first_plateau;
-use helfrich_std::run::{End, Summary, run};
 use helfrich_std::scene::{Overrides, SceneFile};
-use helfrich_std::series::SeriesTable;
-use helfrich_std::simulation::build;
 use helfrich_tests::tolerance::{
     CAPSULE_FALL, CAPSULE_INCLINATION, CAPSULE_MEMBRANE, CAPSULE_PAIR, CAPSULE_REFERENCE,
     CAPSULE_SLOPE, CAPSULE_SUBDIVISION, CAPSULE_TRANSIENT, CAPSULE_VISCOUS, CAPSULE_VOLUME,
 };
-use std::path::{Path, PathBuf};
-use tempfile::TempDir;
-
-fn scenes() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../std-ext/scenes")
-}
-
-/// Runs a shipped scene without its pictures.
-fn run_scene(name: &str, overrides: &[&str]) -> (Summary, SeriesTable) {
-    let quiet = ["output.pictures=false", "output.surfaces=false"];
-    let overrides = Overrides::new(quiet.iter().chain(overrides).copied()).expect("overrides");
-    let file = SceneFile::read(&scenes().join(name), &overrides);
-    run_file(file.unwrap_or_else(|errors| panic!("{errors}")))
-}
-
-fn run_file(file: SceneFile) -> (Summary, SeriesTable) {
-    let folder = TempDir::new().expect("a folder");
-    let out = folder.path().join("out");
-    let built = build(&file).expect("a simulation");
-    let summary = run(&file.scene, built, &out, false, &|| false, &mut |_| {});
-    let summary = summary.unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(summary.end, End::Completed, "{}", summary.message);
-    let series = SeriesTable::read(&out.join("series.csv")).expect("a series");
-    (summary, series)
-}
-
-fn column(series: &SeriesTable, name: &str) -> Vec<f64> {
-    let found = series.column(name);
-    found.unwrap_or_else(|| panic!("no column {name} among {:?}", series.columns))
-}
-
-/// The last number of a column.
-fn last(series: &SeriesTable, name: &str) -> f64 {
-    *column(series, name).last().expect("a row")
-}
-
-/// Between two rows in proportion.
-fn at(series: &SeriesTable, strain: f64) -> f64 {
-    let (strains, values) = (column(series, "strain"), column(series, "deformation"));
-    let after = strains.partition_point(|&found| found < strain).max(1);
-    let share = (strain - strains[after - 1]) / (strains[after] - strains[after - 1]);
-    values[after - 1] + share * (values[after] - values[after - 1])
-}
+use std::path::Path;
 
 /// Numbers of a comma-separated file with comments and a head.
 fn data(name: &str) -> Vec<Vec<String>> {
