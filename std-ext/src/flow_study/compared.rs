@@ -67,11 +67,11 @@ pub struct Resolved {
 /// Every pair of boxes that runs of the same capsule in f64 have, next to each other in size.
 pub fn boxes(rows: &[FlowRow]) -> Vec<Boxes> {
     let mut found = Vec::new();
-    for (number, row) in rows.iter().enumerate() {
+    for row in rows {
         let Some((resolution, size)) = lattice(row) else {
             continue;
         };
-        let larger = rows[number + 1..].iter().filter_map(|other| {
+        let larger = rows.iter().filter_map(|other| {
             let (same, larger) = lattice(other)?;
             let alike = same == resolution
                 && other.case.bending == row.case.bending

@@ -120,7 +120,7 @@ shape = "sphere:0.4"
 family = "regular"
 vertices = 162
 position = [0, 2.5, 0]
-elasticity = { law = "skalak", shear_modulus = 10, area_dilation_ratio = 1 }
+elasticity = { law = "skalak", shear_modulus = 10, area_ratio = 1 }
 
 [driver]
 kind = "lattice-boltzmann"
@@ -176,7 +176,7 @@ volume = [{ name = "all", stride = 3 }]
 #[test]
 fn steps_that_are_too_long_end_a_run() {
     let overrides = with(&[
-        "driver.step=0.5",
+        "driver.step=0.2",
         "output.pictures=false",
         "output.surfaces=false",
     ]);
