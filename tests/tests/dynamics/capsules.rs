@@ -1,7 +1,7 @@
 //! Capsules in shear flow: scenes, run as users run them, against small-deformation theory, published
 //! curves and the independent computation that the data name.
 
-use crate::scenes::{at, column, last, run_file, run_scene, scenes};
+use crate::scenes::{at, column, last, run_file, run_scene};
 use helfrich_std::deformation::first_plateau;
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_tests::tolerance::{
