@@ -30,7 +30,7 @@ impl Channel {
         // than any power, but on the walls.
         let term = |index: u32| {
             let n = f64::from(2 * index + 1);
-            let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if index.is_multiple_of(2) { 1.0 } else { -1.0 };
             let [near, far] = [z.abs(), 0.5 * depth].map(|z| n * PI * z / height);
             let ratio =
                 (near - far).exp() * (1.0 + (-2.0 * near).exp()) / (1.0 + (-2.0 * far).exp());

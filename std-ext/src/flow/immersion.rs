@@ -185,7 +185,7 @@ impl<T: Precision> Immersion<T> {
             .interpolate(&self.lattice, &mut self.velocities);
         let speed = |velocity: &[f64; 3]| velocity.iter().map(|u| u * u).sum::<f64>().sqrt();
         let mut speeds = self.velocities.iter().map(speed).enumerate();
-        let too_fast = speeds.find(|(_, speed)| !(*speed < FASTEST));
+        let too_fast = speeds.find(|(_, speed)| !(0.0..FASTEST).contains(speed));
         let unit = self.units.velocity();
         for velocity in &mut self.velocities {
             *velocity = velocity.map(|component| component * unit);

@@ -77,14 +77,14 @@ points = [9, 7]
 "#;
 
 const LATTICE: &str = r#"
-title = "Small capsule in a narrow channel"
+title = "Small capsule in a channel"
 units = "none"
 
 [[surface]]
 name = "capsule"
 shape = "sphere:1"
 family = "regular"
-vertices = 42
+vertices = 162
 viscosity_ratio = 3
 membrane_viscosity = { shear = 0.05 }
 elasticity = { law = "neo-hookean", shear_modulus = 1 }
@@ -95,19 +95,19 @@ name = "bump"
 shape = "sphere:1"
 family = "regular"
 vertices = 162
-position = [2.5, -2.5, 0]
+position = [2.5, -3.5, 0]
 
 [driver]
 kind = "lattice-boltzmann"
 viscosity = 1
 flow = { kind = "channel", centre_velocity = 1 }
 resolution = 3
-box = [8, 5, 5]
+box = [8, 7, 7]
 precision = "f32"
-strain = 2
+strain = 1
 
 [output]
-strain_interval = 0.1
+strain_interval = 0.05
 files_every = 10
 checkpoint_every = 7
 
@@ -122,7 +122,7 @@ stride = 4
 name = "middle"
 centre = [0, 0, 0]
 normal = [0, 0, 1]
-size = [8, 5]
+size = [8, 7]
 points = [33, 21]
 "#;
 
