@@ -2,6 +2,7 @@
 
 use crate::element::{Execution, Serial};
 use crate::mesh::TriangleMesh;
+use crate::quality::Quality;
 use crate::real::Real;
 use crate::surface::Surface;
 
@@ -57,8 +58,57 @@ pub enum Finding {
         /// The vertex.
         vertex: u32,
     },
+    /// The signed area that the method gives to this vertex is less than a thirty-second of the
+    /// triangles around it: what is divided by it is amplified.
+    SmallArea {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The signed area of this vertex is zero or negative, and was replaced by a mixed one.
+    ClampedArea {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The neighbours of this vertex lie near a conic section through it and determine the fit
+    /// badly: it amplifies what the neighbours deviate from a paraboloid.
+    Amplified {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The longest edge at this vertex is more than eight times the shortest (for methods that reach
+    /// farther, at a vertex within two edges, or a triangle there is thin): formulas that take the
+    /// mesh to be even are off by powers of that.
+    Uneven {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// This vertex has fewer than four or more than nine neighbours: formulas that are exact for six
+    /// have an error there that refinement does not reduce.
+    UnusualValence {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// A triangle at this vertex faces against the others around it: the surface folds back.
+    Folded {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The position of this vertex is stored with so few digits for the distance of its neighbours
+    /// that a fourth derivative is lost in rounding: its error is of the order of 1/R³, R the radius
+    /// of the sphere with the same area. Keep positions near the origin or in pairs, see
+    /// [`Surface::with_remainders`].
+    RoundedPosition {
+        /// The vertex.
+        vertex: u32,
+    },
     /// This triangle has no area and contributes nothing.
     DegenerateTriangle {
+        /// The triangle.
+        triangle: u32,
+    },
+    /// The height of this triangle is less than a thirty-second of its longest edge (a needle below
+    /// 1.8°, a cap above 176.4°): what is divided by its area is amplified.
+    ThinTriangle {
         /// The triangle.
         triangle: u32,
     },
@@ -250,6 +300,11 @@ impl<T: Real, M: Method<T>, X: Execution> Prepared<T, M, X> {
         self.method
             .inspect(&self.plan, surface, &self.memory, report);
     }
+
+    /// What [`Self::inspect`] reports, with a flag for each vertex that it concerns.
+    pub fn quality(&self, surface: Surface<'_, T>) -> Quality {
+        Quality::gather(surface.mesh(), |report| self.inspect(surface, report))
+    }
 }
 
 /// The sum of two methods; longer sums nest: `(a, (b, c))`.
@@ -316,15 +371,5 @@ impl<T: Real, A: Conservative<T>, B: Conservative<T>> Conservative<T> for (A, B)
             + self
                 .1
                 .add_force_and_energy(execution, &plan.1, surface, &mut memory.1, force)
-    }
-}
-
-/// Reports an area that a method cannot divide by with confidence.
-pub(crate) fn report_area<T: Real>(vertex: usize, area: T, report: &mut dyn FnMut(Finding)) {
-    let vertex = vertex as u32;
-    if area.abs() < T::min_positive_value() {
-        report(Finding::ZeroArea { vertex });
-    } else if area < T::zero() {
-        report(Finding::NegativeArea { vertex });
     }
 }

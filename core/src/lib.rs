@@ -74,6 +74,7 @@ mod mesh;
 mod neighbourhood;
 mod points;
 mod projection;
+mod quality;
 mod real;
 mod reduction;
 pub mod shapes;
@@ -107,6 +108,7 @@ pub use points::{Points, PointsMut};
 pub use projection::{
     Components, Projected, ProjectedMemory, RigidBody, remove_net_force_and_torque,
 };
+pub use quality::Quality;
 pub use real::Real;
 pub use subdivision::Subdivision;
 pub use surface::{Surface, SurfaceError};

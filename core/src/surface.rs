@@ -43,6 +43,23 @@ pub enum SurfaceError {
         /// 0, 1 or 2.
         axis: usize,
     },
+    /// The surface is so large that squares of its areas overflow.
+    #[error(
+        "vertex {vertex} is farther than 2^{exponent} from vertex 0, the most that this number type \
+         computes with: choose a larger unit of length"
+    )]
+    TooLarge {
+        /// The vertex.
+        vertex: usize,
+        /// The largest distance along an axis is two to this power.
+        exponent: i32,
+    },
+}
+
+/// The largest distance along an axis between vertices whose formulas cannot overflow: the highest
+/// power is the square of a sum of areas.
+fn most_extent<T: Real>() -> T {
+    T::max_value().sqrt().sqrt() * T::constant(1.0 / 16.0)
 }
 
 /// Points that fit a mesh and are finite.
@@ -57,9 +74,15 @@ where
             vertices: mesh.vertex_count(),
         });
     }
+    let most = most_extent::<T>();
+    let first = positions.first().copied().unwrap_or_default();
     for (vertex, position) in positions.iter().enumerate() {
         if let Some(axis) = position.iter().position(|x| !x.is_finite()) {
             return Err(SurfaceError::NotFinite { vertex, axis });
+        }
+        if vec3::sub(*position, first).iter().any(|x| x.abs() > most) {
+            let exponent = most.log2().to_i32().unwrap_or(i32::MAX);
+            return Err(SurfaceError::TooLarge { vertex, exponent });
         }
     }
     Ok(positions)
@@ -69,7 +92,8 @@ impl<'a, T: Real> Surface<'a, T> {
     /// The surface with `points` at the vertices of `mesh`.
     ///
     /// # Errors
-    /// If the numbers of points and vertices differ, or a coordinate is not finite.
+    /// If the numbers of points and vertices differ, a coordinate is not finite, or the surface is so
+    /// large that squares of areas overflow (2^28 in f32, 2^252 in f64).
     pub fn new<P>(mesh: &'a TriangleMesh, points: &'a P) -> Result<Self, SurfaceError>
     where
         P: Points<Scalar = T> + ?Sized,
@@ -151,7 +175,7 @@ impl<'a, T: Real> Surface<'a, T> {
     }
 
     #[inline(always)]
-    fn triangle(&self, triangle: usize) -> Triangle<T> {
+    pub(crate) fn triangle(&self, triangle: usize) -> Triangle<T> {
         let [a, b, c] = self.mesh.triangles()[triangle];
         Triangle::new([
             self.difference(b, c),

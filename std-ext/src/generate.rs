@@ -9,7 +9,7 @@ mod hard;
 mod icosphere;
 mod irregular;
 mod lattice;
-mod random;
+pub(crate) mod random;
 mod relaxed;
 
 pub use any_shape::{AnyShape, ParseShapeError};

@@ -6,7 +6,8 @@
 //! * [`method`] and [`scalar`]: the bending methods and number types, chosen at run time.
 //!   [`info`]: what a mesh is like.
 //! * [`execute`]: threads and wide vectors for the core's loops.
-//! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge.
+//! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge;
+//!   [`stability`]: whether they stand hard cases.
 //! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
 //! * [`effect`] and [`simulation`]: exactly what a scene names, made ready; nothing moves or is
 //!   written. [`dynamics`]: membranes relax to equilibrium, whatever acts on them. [`flow`]: what
@@ -37,6 +38,7 @@ pub mod scene;
 pub mod section;
 pub mod series;
 pub mod simulation;
+pub mod stability;
 pub mod study;
 pub mod subdivide;
 pub mod sweep;

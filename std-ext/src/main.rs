@@ -12,6 +12,7 @@ use helfrich_std::run::{End, run};
 use helfrich_std::scalar::{HeldPositions, Scalar};
 use helfrich_std::scene::{Overrides, Scene, SceneFile};
 use helfrich_std::simulation::{Simulation, build};
+use helfrich_std::stability::Stability;
 use helfrich_std::study::{Progress, Study};
 use helfrich_std::subdivide::{Target, subdivide};
 use helfrich_std::sweep::{Outcome, Sweep, Vary};
@@ -133,6 +134,16 @@ struct StudyArguments {
     /// Also write the rows as JSON to this file; `-` for standard output, instead of the table.
     #[arg(long)]
     json: Option<PathBuf>,
+    /// Instead, whether every method and formula stands hard cases, in every number type: exit code
+    /// 4 if one does not.
+    #[arg(long, conflicts_with_all = ["flow", "shape", "method", "family", "vertices", "scalar", "modulus", "seed"])]
+    stability: bool,
+    /// With a mesh of a million vertices among the hard cases, which takes minutes and 4 GB.
+    #[arg(long, requires = "stability")]
+    large: bool,
+    /// Also write the table of hard cases as Markdown to this file.
+    #[arg(long, requires = "stability")]
+    markdown: Option<PathBuf>,
 }
 
 #[derive(clap::Args)]
@@ -270,6 +281,9 @@ fn study(arguments: &StudyArguments) -> Result<(), Failure> {
     if arguments.flow {
         return flow_study(arguments);
     }
+    if arguments.stability {
+        return stability(arguments);
+    }
     let study = Study {
         shape: arguments.shape,
         families: unique(arguments.family.concat()),
@@ -351,6 +365,47 @@ fn flow_study(arguments: &StudyArguments) -> Result<(), Failure> {
         return Err(Failure::Unfinished(130));
     }
     Ok(())
+}
+
+fn stability(arguments: &StudyArguments) -> Result<(), Failure> {
+    let json_file = file_named(arguments.json.as_ref());
+    for path in json_file.into_iter().chain(arguments.markdown.as_deref()) {
+        // Not after a minute's work.
+        check_replaceable(path).map_err(|error| Failure::output(path.display(), &error))?;
+    }
+    let table = Stability {
+        large: arguments.large,
+    };
+    let bar = progress_bar();
+    let rows = table.run(&mut |Progress { done, total, at }| {
+        bar.set_length(total);
+        bar.set_position(done);
+        bar.set_message(at.to_owned());
+    });
+    bar.finish_and_clear();
+    let rows = rows.map_err(Failure::input)?;
+    let json = |out: &mut dyn Write| {
+        serde_json::to_writer_pretty(&mut *out, &rows)?;
+        writeln!(out)
+    };
+    if arguments.json.is_some() && json_file.is_none() {
+        print(json)?;
+    } else {
+        print(|out| report::stability_table(&rows, out))?;
+    }
+    json_file.map_or(Ok(()), |path| save(path, json))?;
+    if let Some(path) = &arguments.markdown {
+        save(path, |out| report::stability_markdown(&rows, out))?;
+    }
+    match rows.iter().filter(|row| !row.passed).count() {
+        0 => Ok(()),
+        failed => {
+            say(format_args!(
+                "error: {failed} rows of the table did not pass"
+            ));
+            Err(Failure::Unfinished(4))
+        }
+    }
 }
 
 /// Each value once, in the order of its first mention.

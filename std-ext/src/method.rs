@@ -8,7 +8,7 @@ use helfrich::bending::StrongFormMemory;
 use helfrich::laplacian::CotangentMemory;
 use helfrich::{
     Cotangent, Curvature, DualArea, Finding, GompperKroll, Jet, Juelicher, KantorNelson,
-    LaplaceBeltrami, LoopSubdivision, Method, Prepared, Real, Serial, StrongForm, Surface,
+    LaplaceBeltrami, LoopSubdivision, Method, Prepared, Quality, Real, Serial, StrongForm, Surface,
     TriangleMesh, VertexKind,
 };
 use std::fmt;
@@ -184,6 +184,16 @@ impl<T: Real> Evaluator<T> {
         self.prepared.evaluate(surface, &mut self.force);
     }
 
+    /// What the last evaluation found: nodal forces, or force densities for methods in strong form.
+    pub fn force(&self) -> &[[T; 3]] {
+        &self.force
+    }
+
+    /// The energy of a surface.
+    pub fn energy(&mut self, surface: Surface<'_, T>) -> T {
+        self.prepared.energy(surface)
+    }
+
     /// Evaluates, and collects all that the method says.
     pub fn fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
         self.evaluate(surface);
@@ -214,6 +224,13 @@ impl<T: Real> Evaluator<T> {
         fields
     }
 
+    /// What makes the last evaluation less trustworthy than usual, with a flag for each vertex.
+    pub fn quality(&self, surface: Surface<'_, T>) -> Quality {
+        Quality::gather(surface.mesh(), |report| {
+            self.prepared.inspect(surface, report);
+        })
+    }
+
     /// What makes the last evaluation less trustworthy than usual.
     pub fn findings(&self, surface: Surface<'_, T>) -> Vec<Finding> {
         let mut findings = Vec::new();
@@ -239,6 +256,9 @@ trait Evaluate<T: Real>: fmt::Debug {
     /// Sets what the method says in `fields`, from what [`Self::evaluate`] made of `force`.
     fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>);
 
+    /// See [`helfrich::Energy::energy`].
+    fn energy(&mut self, surface: Surface<'_, T>) -> T;
+
     /// See [`Method::inspect`].
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding));
 }
@@ -250,6 +270,10 @@ impl<T: Real> Evaluate<T> for Prepared<T, KantorNelson<T>, Parallel> {
 
     fn collect(&mut self, _surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
         fields.set_density(force);
+    }
+
+    fn energy(&mut self, surface: Surface<'_, T>) -> T {
+        self.energy(surface)
     }
 
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
@@ -271,6 +295,10 @@ impl<T: Real> Evaluate<T> for Prepared<T, GompperKroll<T>, Parallel> {
         fields.set_mean(surface.mesh(), &mean);
     }
 
+    fn energy(&mut self, surface: Surface<'_, T>) -> T {
+        self.energy(surface)
+    }
+
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
         self.inspect(surface, report);
     }
@@ -288,6 +316,10 @@ impl<T: Real> Evaluate<T> for Prepared<T, Juelicher<T>, Parallel> {
             method.mean_curvature(execution, plan, surface, memory, &mut mean);
         });
         fields.set_mean(surface.mesh(), &mean);
+    }
+
+    fn energy(&mut self, surface: Surface<'_, T>) -> T {
+        self.energy(surface)
     }
 
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
@@ -309,6 +341,10 @@ impl<T: Real> Evaluate<T> for Prepared<T, LoopSubdivision<T>, Parallel> {
         fields.set_curvature(&curvature);
     }
 
+    fn energy(&mut self, surface: Surface<'_, T>) -> T {
+        self.energy(surface)
+    }
+
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
         self.inspect(surface, report);
     }
@@ -325,6 +361,10 @@ where
 
     fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
         fields.set_strong_form(surface.mesh(), self.memory(), force);
+    }
+
+    fn energy(&mut self, surface: Surface<'_, T>) -> T {
+        self.energy(surface)
     }
 
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {

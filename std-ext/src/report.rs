@@ -1,8 +1,10 @@
 //! How data is shown: tables and CSV. Nothing is computed here.
 
 mod flow;
+mod stability;
 
 pub use flow::flow_tables;
+pub use stability::{stability_markdown, stability_table};
 
 use crate::info::MeshInfo;
 use crate::method::Fields;
@@ -234,6 +236,39 @@ pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
         }
         Finding::DegenerateTriangle { triangle } => {
             format!("a triangle without area, contributing nothing (the first is {triangle})")
+        }
+        Finding::ThinTriangle { triangle } => format!(
+            "a triangle so thin that errors are amplified around it (the first is {triangle})"
+        ),
+        Finding::SmallArea { vertex } => {
+            format!("a vertex whose area all but cancels (the first is vertex {vertex})")
+        }
+        Finding::ClampedArea { vertex } => format!(
+            "a vertex whose area is not positive, replaced by a mixed one (the first is vertex {vertex})"
+        ),
+        Finding::Amplified { vertex } => {
+            format!(
+                "a vertex whose neighbours hardly determine a fit (the first is vertex {vertex})"
+            )
+        }
+        Finding::Uneven { vertex } => {
+            format!("a vertex with edges of very different lengths (the first is vertex {vertex})")
+        }
+        Finding::UnusualValence { vertex } => format!(
+            "a vertex with fewer than four or more than nine neighbours (the first is vertex {vertex})"
+        ),
+        Finding::Folded { vertex } => {
+            format!("a vertex where the surface folds back (the first is vertex {vertex})")
+        }
+        Finding::RoundedPosition { vertex } => format!(
+            "a vertex whose position is stored with too few digits for a fourth derivative \
+             (the first is vertex {vertex})"
+        ),
+        Finding::ReducedDegree { vertex, degree } => {
+            format!("a vertex with a fit of lower degree (the first is vertex {vertex}: {degree})")
+        }
+        Finding::TooFewNeighbours { vertex } => {
+            format!("a vertex with too few neighbours, left out (the first is vertex {vertex})")
         }
         other => format!("{other:?}"),
     };

@@ -5,7 +5,7 @@
 
 use crate::bending::SpontaneousCurvature;
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Conservative, Energy, Finding, Force, Method, report_area};
+use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
@@ -392,10 +392,12 @@ impl<T: Real> Method<T> for GompperKroll<T> {
         memory: &GompperKrollMemory<T>,
         report: &mut dyn FnMut(Finding),
     ) {
-        surface.report_degenerate_triangles(report);
+        surface.report_uneven_mesh(report);
+        surface.report_valences(report);
+        surface.report_rough_vertices(report);
         for (vertex, &[.., area]) in memory.curvature.iter().enumerate() {
             if surface.mesh().vertex_kind(vertex) == VertexKind::Interior {
-                report_area(vertex, area, report);
+                surface.report_area(self.area, vertex, area, report);
             }
         }
     }

@@ -5,11 +5,12 @@
 use crate::bending::SpontaneousCurvature;
 use crate::bending::hinge::{Hinge, Hinges};
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Conservative, Energy, Finding, Force, Method, report_area};
+use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
 use crate::surface::Surface;
+use crate::triangle::DualArea;
 use alloc::vec::Vec;
 
 /// `E = 2κ Σ_i (H_i − H0_i)² A_i` with `H_i = M_i/A_i`, `M_i = ¼ Σ_edges l θ` over the edges at the
@@ -222,10 +223,12 @@ impl<T: Real> Method<T> for Juelicher<T> {
         memory: &JuelicherMemory<T>,
         report: &mut dyn FnMut(Finding),
     ) {
-        surface.report_degenerate_triangles(report);
+        surface.report_uneven_mesh(report);
+        surface.report_valences(report);
+        surface.report_rough_vertices(report);
         for (vertex, &[_, area]) in memory.curvature.iter().enumerate() {
             if surface.mesh().vertex_kind(vertex) == VertexKind::Interior {
-                report_area(vertex, area, report);
+                surface.report_area(DualArea::Barycentric, vertex, area, report);
             }
         }
     }

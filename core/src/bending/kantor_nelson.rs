@@ -212,7 +212,9 @@ impl<T: Real> Method<T> for KantorNelson<T> {
         _memory: &KantorNelsonMemory<T>,
         report: &mut dyn FnMut(Finding),
     ) {
-        surface.report_degenerate_triangles(report);
+        surface.report_uneven_mesh(report);
+        surface.report_valences(report);
+        surface.report_rough_vertices(report);
     }
 }
 

@@ -350,14 +350,17 @@ impl<T: Real> Method<T> for LoopSubdivision<T> {
     }
 
     /// Reports the triangles whose limit surface has no area at a quadrature point: these points
-    /// were left out.
+    /// were left out. Besides, vertices with an uneven mesh within two edges: the limit surface
+    /// follows it.
     fn inspect(
         &self,
         plan: &LoopSubdivisionPlan<T>,
-        _surface: Surface<'_, T>,
+        surface: Surface<'_, T>,
         memory: &LoopSubdivisionMemory<T>,
         report: &mut dyn FnMut(Finding),
     ) {
+        surface.report_uneven_within(2, report);
+        surface.report_rough_vertices(report);
         let mut last = None;
         for triangle in plan.patches.without_area(&memory.blocks) {
             if last.replace(triangle) != Some(triangle) {

@@ -5,7 +5,7 @@
 //! III (2003) 35.
 
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Finding, Method, report_area};
+use crate::energy::{Finding, Method};
 use crate::lane::Lane;
 use crate::laplacian::{Curvature, LaplaceBeltrami, Rows};
 use crate::mesh::{TriangleMesh, VertexKind};
@@ -240,10 +240,12 @@ impl<T: Real> Method<T> for Cotangent {
         memory: &CotangentMemory<T>,
         report: &mut dyn FnMut(Finding),
     ) {
-        surface.report_degenerate_triangles(report);
+        surface.report_uneven_mesh(report);
+        surface.report_valences(report);
+        surface.report_rough_vertices(report);
         for (vertex, sums) in memory.sums.iter().enumerate() {
             if surface.mesh().vertex_kind(vertex) != VertexKind::Isolated {
-                report_area(vertex, sums[7], report);
+                surface.report_area(self.area, vertex, sums[7], report);
             }
         }
     }

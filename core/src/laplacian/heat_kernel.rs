@@ -271,7 +271,8 @@ impl<T: Real> Method<T> for HeatKernel<T> {
         memory: &HeatKernelMemory<T>,
         report: &mut dyn FnMut(Finding),
     ) {
-        surface.report_degenerate_triangles(report);
+        surface.report_uneven_mesh(report);
+        surface.report_rough_vertices(report);
         for (vertex, &length) in memory.gathered.lengths.iter().enumerate() {
             if length == 0 && surface.mesh().vertex_kind(vertex) != VertexKind::Isolated {
                 report(Finding::TooFewNeighbours {

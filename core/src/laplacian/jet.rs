@@ -357,10 +357,11 @@ impl<T: Real> Method<T> for Jet<T> {
     fn inspect(
         &self,
         (): &(),
-        _surface: Surface<'_, T>,
+        surface: Surface<'_, T>,
         memory: &JetMemory<T>,
         report: &mut dyn FnMut(Finding),
     ) {
+        surface.report_rough_vertices(report);
         for (vertex, &degree) in memory.degrees.iter().enumerate() {
             let vertex = vertex as u32;
             match usize::from(degree) {

@@ -282,13 +282,24 @@ impl<T: Real> Method<T> for Paraboloid {
         memory: &ParaboloidMemory<T>,
         report: &mut dyn FnMut(Finding),
     ) {
-        surface.report_degenerate_triangles(report);
+        surface.report_uneven_mesh(report);
+        surface.report_rough_vertices(report);
         for vertex in 0..memory.rows.len() {
             let isolated = surface.mesh().one_ring(vertex).is_empty();
-            if !isolated && memory.rows.row(vertex).0.is_empty() {
-                report(Finding::TooFewNeighbours {
-                    vertex: vertex as u32,
-                });
+            let (columns, coefficients) = memory.rows.row(vertex);
+            let place = vertex as u32;
+            if !isolated && columns.is_empty() {
+                report(Finding::TooFewNeighbours { vertex: place });
+            }
+            let parts = columns.iter().zip(coefficients);
+            let amplification: T = parts
+                .map(|(&column, &coefficient)| {
+                    let offset = surface.difference(place, column);
+                    coefficient.abs() * dot(offset, offset)
+                })
+                .sum();
+            if amplification > T::constant(AMPLIFIED) {
+                report(Finding::Amplified { vertex: place });
             }
         }
     }

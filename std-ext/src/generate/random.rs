@@ -5,12 +5,12 @@ use glam::{DVec2, DVec3};
 /// SplitMix64: one 64-bit state, good enough to scatter points, and short enough to be read.
 ///
 /// Source: G. Steele, D. Lea, C. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014.
-pub(super) struct Random {
+pub(crate) struct Random {
     state: u64,
 }
 
 impl Random {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self { state: seed }
     }
 
@@ -23,17 +23,17 @@ impl Random {
     }
 
     /// Uniform in [0, 1), a multiple of 2⁻⁵³.
-    pub(super) fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 
     /// Uniform in 0 … `count` − 1; 0 if `count` is 0.
-    pub(super) fn below(&mut self, count: usize) -> usize {
+    pub(crate) fn below(&mut self, count: usize) -> usize {
         ((u128::from(self.next()) * count as u128) >> 64) as usize
     }
 
     /// Uniform in the unit disc, by rejection: no sine or cosine.
-    pub(super) fn in_disc(&mut self) -> DVec2 {
+    pub(crate) fn in_disc(&mut self) -> DVec2 {
         loop {
             let point = 2.0 * DVec2::new(self.unit(), self.unit()) - DVec2::ONE;
             let square = point.length_squared();
@@ -44,12 +44,12 @@ impl Random {
     }
 
     /// Uniform on the unit circle.
-    pub(super) fn on_circle(&mut self) -> DVec2 {
+    pub(crate) fn on_circle(&mut self) -> DVec2 {
         self.in_disc().normalize()
     }
 
     /// Uniform on the unit sphere, by Marsaglia's map of the disc.
-    pub(super) fn on_sphere(&mut self) -> DVec3 {
+    pub(crate) fn on_sphere(&mut self) -> DVec3 {
         let point = self.in_disc();
         let square = point.length_squared();
         let stretch = 2.0 * (1.0 - square).sqrt();
@@ -57,7 +57,7 @@ impl Random {
     }
 
     /// 0 … `count` − 1 in a random order.
-    pub(super) fn permutation(&mut self, count: usize) -> Vec<u32> {
+    pub(crate) fn permutation(&mut self, count: usize) -> Vec<u32> {
         let mut order = Vec::from_iter(0..count as u32);
         for last in (1..count).rev() {
             order.swap(last, self.below(last + 1));

@@ -1,0 +1,300 @@
+//! What makes results less trustworthy: findings about the surface itself, and findings gathered.
+
+use crate::energy::Finding;
+use crate::lane::Lane;
+use crate::mesh::{TriangleMesh, VertexKind};
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::triangle::{DualArea, Triangle};
+use crate::vec3::{Vec3, add, dot};
+use alloc::vec::Vec;
+
+/// Height over longest edge below which a triangle is thin: needles below 1.8°, caps above 176.4°.
+const THIN: f64 = 1.0 / 32.0;
+
+/// The part of the triangles around a vertex below which a signed area has all but cancelled; a
+/// third is the rule.
+const SMALL: f64 = 1.0 / 32.0;
+
+/// Longest over shortest edge at a vertex from which on they are uneven.
+const UNEVEN: f64 = 8.0;
+
+/// The findings of one evaluation, with a flag for each vertex that they concern.
+///
+/// A vertex is flagged if it, one of its triangles or one of its neighbours is found fault with:
+/// a force reads the curvatures of the neighbours.
+///
+/// ```
+/// use helfrich::{GompperKroll, Prepared, Surface, TriangleMesh};
+///
+/// let mesh = TriangleMesh::new(4, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
+/// // Two vertices almost in one place.
+/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1e-4, 1e-4]];
+/// let surface = Surface::new(&mesh, &points)?;
+/// let mut bending = Prepared::new(GompperKroll::new(1.0), &mesh);
+/// bending.add_force_and_energy(surface, &mut [[0.0; 3]; 4]);
+///
+/// let quality = bending.quality(surface);
+/// assert!(!quality.findings().is_empty());
+/// assert!(quality.flagged()[0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Quality {
+    findings: Vec<Finding>,
+    flagged: Vec<bool>,
+}
+
+impl Quality {
+    /// Gathers what `inspect` reports of an evaluation on `mesh`.
+    ///
+    /// # Panics
+    /// If a finding names a vertex or triangle that the mesh has not.
+    pub fn gather(mesh: &TriangleMesh, inspect: impl FnOnce(&mut dyn FnMut(Finding))) -> Self {
+        let mut findings = Vec::new();
+        inspect(&mut |finding| findings.push(finding));
+        let mut flagged = alloc::vec![false; mesh.vertex_count()];
+        let mut flag = |vertex: u32| {
+            flagged[vertex as usize] = true;
+            for &neighbour in mesh.one_ring(vertex as usize) {
+                flagged[neighbour as usize] = true;
+            }
+        };
+        for finding in &findings {
+            match finding.place() {
+                Place::Vertex(vertex) => flag(vertex),
+                Place::Triangle(triangle) => {
+                    mesh.triangles()[triangle as usize]
+                        .into_iter()
+                        .for_each(&mut flag);
+                }
+            }
+        }
+        Self { findings, flagged }
+    }
+
+    /// What was found, in the order in which the method reports it.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// Whether each vertex is concerned.
+    pub fn flagged(&self) -> &[bool] {
+        &self.flagged
+    }
+}
+
+/// What a finding is about.
+enum Place {
+    Vertex(u32),
+    Triangle(u32),
+}
+
+impl Finding {
+    fn place(self) -> Place {
+        match self {
+            Self::ZeroArea { vertex }
+            | Self::NegativeArea { vertex }
+            | Self::SmallArea { vertex }
+            | Self::ClampedArea { vertex }
+            | Self::ReducedDegree { vertex, .. }
+            | Self::TooFewNeighbours { vertex }
+            | Self::Amplified { vertex }
+            | Self::Uneven { vertex }
+            | Self::UnusualValence { vertex }
+            | Self::Folded { vertex }
+            | Self::RoundedPosition { vertex } => Place::Vertex(vertex),
+            Self::DegenerateTriangle { triangle } | Self::ThinTriangle { triangle } => {
+                Place::Triangle(triangle)
+            }
+        }
+    }
+}
+
+/// What the triangles around a vertex add up to.
+struct Fan<T> {
+    /// All of them.
+    area: T,
+    /// Signed, see [`DualArea::Voronoi`].
+    voronoi: T,
+    area_vector: Vec3<T>,
+}
+
+/// The triangles around a vertex; none around an isolated one.
+fn around<T: Real>(surface: Surface<'_, T>, vertex: usize) -> impl Iterator<Item = Triangle<T>> {
+    let mesh = surface.mesh();
+    let ring = mesh.one_ring(vertex);
+    let count = match mesh.vertex_kind(vertex) {
+        VertexKind::Interior => ring.len(),
+        VertexKind::Boundary | VertexKind::Isolated => ring.len().saturating_sub(1),
+    };
+    (0..count).map(move |place| {
+        let (a, b, c) = (vertex as u32, ring[place], ring[(place + 1) % ring.len()]);
+        Triangle::new([
+            surface.difference(b, c),
+            surface.difference(c, a),
+            surface.difference(a, b),
+        ])
+    })
+}
+
+impl<T: Real> Triangle<T> {
+    /// Whether the height is a small part of the longest edge; not so for one without extent.
+    fn is_thin(&self) -> bool {
+        let squared = self.edges.map(|edge| dot(edge, edge));
+        let longest = squared.into_iter().fold(T::zero(), T::max);
+        self.doubled_area < T::constant(THIN) * longest
+    }
+}
+
+impl<T: Real> Fan<T> {
+    fn new(surface: Surface<'_, T>, vertex: usize) -> Self {
+        let mut fan = Self {
+            area: T::zero(),
+            voronoi: T::zero(),
+            area_vector: [T::zero(); 3],
+        };
+        for triangle in around(surface, vertex) {
+            fan.area += T::constant(0.5) * triangle.doubled_area;
+            fan.voronoi += triangle.dual_areas(DualArea::Voronoi)[0];
+            fan.area_vector = add(fan.area_vector, triangle.area_vector);
+        }
+        fan
+    }
+}
+
+impl<T: Real> Surface<'_, T> {
+    /// Reports triangles without area, or so thin that what is divided by their area is amplified,
+    /// and vertices with edges of very different lengths.
+    pub(crate) fn report_uneven_mesh(&self, report: &mut dyn FnMut(Finding)) {
+        for index in 0..self.mesh().triangles().len() {
+            let triangle = self.triangle(index);
+            let index = index as u32;
+            if triangle.reciprocal == T::zero() {
+                report(Finding::DegenerateTriangle { triangle: index });
+            } else if triangle.is_thin() {
+                report(Finding::ThinTriangle { triangle: index });
+            }
+        }
+        for vertex in 0..self.mesh().vertex_count() {
+            if self.is_uneven(vertex) {
+                let vertex = vertex as u32;
+                report(Finding::Uneven { vertex });
+            }
+        }
+    }
+
+    /// Reports vertices with fewer than four or more than nine neighbours.
+    pub(crate) fn report_valences(&self, report: &mut dyn FnMut(Finding)) {
+        let mesh = self.mesh();
+        for vertex in 0..mesh.vertex_count() {
+            let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
+            if interior && !(4..=9).contains(&mesh.valence(vertex)) {
+                let vertex = vertex as u32;
+                report(Finding::UnusualValence { vertex });
+            }
+        }
+    }
+
+    /// The same as [`Self::report_uneven_mesh`] and [`Self::report_valences`] in one finding, for a
+    /// method whose value at a vertex depends on everything within `rings` edges.
+    pub(crate) fn report_uneven_within(&self, rings: u32, report: &mut dyn FnMut(Finding)) {
+        for vertex in 0..self.mesh().vertex_count() {
+            if self.is_uneven_within(rings, vertex) {
+                let vertex = vertex as u32;
+                report(Finding::Uneven { vertex });
+            }
+        }
+    }
+
+    fn is_uneven_within(&self, rings: u32, vertex: usize) -> bool {
+        let mesh = self.mesh();
+        let thin = || around(*self, vertex).any(|triangle| triangle.is_thin());
+        let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
+        let unusual = interior && !(4..=9).contains(&mesh.valence(vertex));
+        let ring = || mesh.one_ring(vertex).iter();
+        let beyond = || rings > 0 && ring().any(|&v| self.is_uneven_within(rings - 1, v as usize));
+        unusual || self.is_uneven(vertex) || thin() || beyond()
+    }
+
+    /// Whether the edges at a vertex have very different lengths.
+    fn is_uneven(&self, vertex: usize) -> bool {
+        let ring = self.mesh().one_ring(vertex).iter();
+        let squared = ring.map(|&neighbour| {
+            let edge = self.difference(vertex as u32, neighbour);
+            dot(edge, edge)
+        });
+        let (least, most) = squared.fold((T::max_value(), T::zero()), |(least, most), squared| {
+            (least.min(squared), most.max(squared))
+        });
+        most > T::constant(UNEVEN * UNEVEN) * least
+    }
+
+    /// Reports vertices where the surface folds back, or where the positions as they are stored no
+    /// longer tell the fourth derivative: what every method suffers from.
+    pub(crate) fn report_rough_vertices(&self, report: &mut dyn FnMut(Finding)) {
+        // 1/R³ of the sphere with this area: the scale of a fourth derivative.
+        let squared = T::constant(4.0) * T::PI() * self.area().reciprocal_or_zero();
+        let scale = squared * squared.sqrt();
+        for vertex in 0..self.mesh().vertex_count() {
+            let fan = Fan::new(*self, vertex);
+            let against =
+                |triangle: Triangle<T>| dot(triangle.area_vector, fan.area_vector) < T::zero();
+            let place = vertex as u32;
+            if around(*self, vertex).any(against) {
+                report(Finding::Folded { vertex: place });
+            }
+            // A random error σ of the positions becomes one of about 10 σ/A² in Δ_S H, whatever the
+            // method; σ is a fifth of the last digit.
+            let over = (fan.area * T::constant(1.0 / 3.0)).reciprocal_or_zero();
+            let error = T::constant(2.0) * self.last_digit(vertex) * over * over;
+            if error >= scale && over > T::zero() {
+                report(Finding::RoundedPosition { vertex: place });
+            }
+        }
+    }
+
+    /// The largest last digit of a vertex's coordinates, as they are stored.
+    fn last_digit(&self, vertex: usize) -> T {
+        let largest = |position: [T; 3]| {
+            position
+                .into_iter()
+                .fold(T::zero(), |most, x| most.max(x.abs()))
+        };
+        let stored = match self.remainders() {
+            None => largest(self.positions()[vertex]),
+            Some(remainders) => largest(remainders[vertex]),
+        };
+        T::epsilon() * stored
+    }
+
+    /// Reports an area of a vertex that a method cannot divide by with confidence.
+    pub(crate) fn report_area(
+        &self,
+        kind: DualArea,
+        vertex: usize,
+        area: T,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        let place = vertex as u32;
+        if area.abs() < T::min_positive_value() {
+            return report(Finding::ZeroArea { vertex: place });
+        }
+        match kind {
+            DualArea::Barycentric => {}
+            DualArea::Voronoi => {
+                let all = Fan::new(*self, vertex).area;
+                if area < T::zero() {
+                    report(Finding::NegativeArea { vertex: place });
+                } else if area < T::constant(SMALL) * all {
+                    report(Finding::SmallArea { vertex: place });
+                }
+            }
+            DualArea::Mixed => {
+                if Fan::new(*self, vertex).voronoi <= T::zero() {
+                    report(Finding::ClampedArea { vertex: place });
+                }
+            }
+        }
+    }
+}

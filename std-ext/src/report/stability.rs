@@ -1,0 +1,164 @@
+//! The stability table, for the terminal and as Markdown.
+
+use crate::scalar::Scalar;
+use crate::stability::{Bound, Evaluation, Group, Outcome, Row};
+use std::io::{self, Write};
+
+/// Writes the rows as text: a block for each case, a line for each method or formula, a column for
+/// each number type.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn stability_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
+    for group in rows.chunk_by(|a, b| a.group == b.group) {
+        let (name, meaning) = group[0].group.describe();
+        writeln!(out, "\n{}: {meaning}", name.to_uppercase())?;
+        legend(group[0].group, |line| writeln!(out, "  {line}"))?;
+        for case in group.chunk_by(|a, b| a.case == b.case) {
+            writeln!(out, "\n{} · {}", case[0].case, case[0].meaning)?;
+            for subject in lines(case) {
+                write!(out, "  {:28}", subject[0].subject)?;
+                for scalar in Scalar::ALL {
+                    write!(out, "  {:30}", cell(&subject, scalar))?;
+                }
+                writeln!(out)?;
+            }
+        }
+    }
+    let failed = rows.iter().filter(|row| !row.passed).count();
+    writeln!(
+        out,
+        "\n{} of {} rows passed",
+        rows.len() - failed,
+        rows.len()
+    )
+}
+
+/// Writes the rows as Markdown, the same way.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "# Numerical stability\n")?;
+    writeln!(
+        out,
+        "Written by `helfrich study --stability --markdown docs/STABILITY.md`. Each row is a test: \
+         `tests/tests/stability.rs` makes the same table and fails where a row does not pass.\n"
+    )?;
+    for group in rows.chunk_by(|a, b| a.group == b.group) {
+        let (name, meaning) = group[0].group.describe();
+        writeln!(out, "## {}\n\n{meaning}\n", capitalised(name))?;
+        legend(group[0].group, |line| writeln!(out, "* {line}"))?;
+        for case in group.chunk_by(|a, b| a.case == b.case) {
+            let (name, meaning) = (capitalised(case[0].case), case[0].meaning);
+            writeln!(out, "\n### {name}\n\n{meaning}\n")?;
+            write!(out, "| |")?;
+            Scalar::ALL
+                .iter()
+                .try_for_each(|scalar| write!(out, " {scalar} |"))?;
+            writeln!(out, "\n|---|---|---|---|")?;
+            for subject in lines(case) {
+                write!(out, "| {} |", subject[0].subject)?;
+                for scalar in Scalar::ALL {
+                    write!(out, " {} |", cell(&subject, scalar))?;
+                }
+                writeln!(out)?;
+            }
+        }
+        writeln!(out)?;
+    }
+    let failed = rows.iter().filter(|row| !row.passed).count();
+    writeln!(out, "{} of {} rows pass.", rows.len() - failed, rows.len())
+}
+
+/// What the cells of a group say.
+fn legend(group: Group, mut line: impl FnMut(&str) -> io::Result<()>) -> io::Result<()> {
+    match group {
+        Group::Geometry => {
+            line(
+                "`×2.1`: the error of f is 2.1 times that on the clean mesh; `1e-2`: it is 1e-2, there is no clean mesh.",
+            )?;
+            line(
+                "`×3e4, else ×1.5 (90 flagged)`: the quality report flags 90 vertices; over the others the error is 1.5 times that on the clean mesh.",
+            )?;
+            line("`finite`: everything is, and there is nothing exact to compare with.")
+        }
+        Group::Input => line("The message with which it is refused."),
+        Group::Cancellation => line("`0.12 ≤ 4`: found, and allowed."),
+    }
+}
+
+/// The rows of each method or formula, in the order of their first.
+fn lines(case: &[Row]) -> Vec<Vec<&Row>> {
+    let mut lines: Vec<Vec<&Row>> = Vec::new();
+    for row in case {
+        match lines.iter_mut().find(|line| line[0].subject == row.subject) {
+            Some(line) => line.push(row),
+            None => lines.push(vec![row]),
+        }
+    }
+    lines
+}
+
+fn cell(subject: &[&Row], scalar: Scalar) -> String {
+    let Some(row) = subject.iter().find(|row| row.scalar == scalar) else {
+        return "–".to_owned();
+    };
+    let found = match &row.outcome {
+        Outcome::Evaluated(found) => evaluation(found),
+        Outcome::Refused(message) => message.clone(),
+        Outcome::Measured(value) => match row.bound {
+            Bound::AtMost(most) => format!("{value:.2} ≤ {most}"),
+            _ => format!("{value:.1e}"),
+        },
+    };
+    if row.passed {
+        found
+    } else {
+        format!("FAILED: {found}")
+    }
+}
+
+fn evaluation(found: &Evaluation) -> String {
+    if !found.finite {
+        return "not finite".to_owned();
+    }
+    let mut text = match (found.growth, found.error) {
+        (Some(growth), _) => format!("×{}", short(growth)),
+        (None, Some(error)) => format!("{error:.0e}"),
+        (None, None) => "finite".to_owned(),
+    };
+    if let Some(unflagged) = found.unflagged_growth
+        && found.growth != Some(unflagged)
+    {
+        text += &format!(", else ×{}", short(unflagged));
+    }
+    if found.flagged > 0 {
+        let all = found.growth.is_some() && found.unflagged_growth.is_none();
+        let all = if all { "all " } else { "" };
+        text += &format!(" ({all}{} flagged)", found.flagged);
+    }
+    for (defect, what) in [(found.moved, "moved"), (found.scaled, "scaled")] {
+        if let Some(defect) = defect.filter(|defect| *defect != 0.0) {
+            text += &format!(", {what}: {defect:.0e}");
+        }
+    }
+    text
+}
+
+/// Two digits.
+fn short(value: f64) -> String {
+    if (0.1..100.0).contains(&value) {
+        format!("{value:.1}")
+    } else {
+        format!("{value:.0e}")
+    }
+}
+
+fn capitalised(name: &str) -> String {
+    let mut letters = name.chars();
+    let first = letters
+        .next()
+        .map(|letter| letter.to_uppercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
+}

@@ -1,0 +1,228 @@
+//! Whether methods and formulas stand hard cases: data; [`crate::report`] shows it.
+//!
+//! A table of rows, each with what was found and the bound that it has to keep. Every row is a
+//! test: the tests call [`Stability::run`] and ask each row whether it passed.
+
+mod cancellation;
+mod double_double;
+mod geometry;
+mod input;
+mod specimen;
+
+pub use double_double::DoubleDouble;
+
+use crate::scalar::Scalar;
+use crate::study::Progress;
+use serde::Serialize;
+use std::error::Error;
+use std::fmt;
+
+/// What a row is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Group {
+    /// A bending method on a hard surface.
+    Geometry,
+    /// A mesh or surface that has to be refused.
+    Input,
+    /// The rounding error of a formula on its worst cases.
+    Cancellation,
+}
+
+impl Group {
+    /// The name, and in a sentence what is measured and allowed.
+    pub fn describe(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Geometry => (
+                "geometry",
+                "Largest error of the force density over the vertices, as a multiple of the error on \
+                 the clean mesh. A method is stable, or its quality report flags the vertices \
+                 where it is not: then the multiple over the other vertices counts. Everything is \
+                 finite; a translation and a scaling that round nothing change no bit.",
+            ),
+            Self::Input => (
+                "input",
+                "What cannot be computed with is refused, with a message that says why.",
+            ),
+            Self::Cancellation => (
+                "cancellation",
+                "Largest error of a formula against the same code in twice the precision, on the same \
+                 positions, in units of rounding: of what a last digit of the longest edge in \
+                 each coordinate, and of the result, changes. A formula that cancels more than its \
+                 condition demands has thousands.",
+            ),
+        }
+    }
+}
+
+/// One case for one method or formula in one number type.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// What the row is about.
+    pub group: Group,
+    /// The case's name.
+    pub case: &'static str,
+    /// What the case means, in a sentence.
+    pub meaning: &'static str,
+    /// The method or formula.
+    pub subject: &'static str,
+    /// The number type.
+    pub scalar: Scalar,
+    /// What was found.
+    pub outcome: Outcome,
+    /// What has to hold.
+    pub bound: Bound,
+    /// Whether it does.
+    pub passed: bool,
+}
+
+/// What a row found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// Numbers for every vertex.
+    Evaluated(Evaluation),
+    /// An error, with this message.
+    Refused(String),
+    /// One number; the row's group says of what.
+    Measured(f64),
+}
+
+/// What a method makes of a hard surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// Whether energy, forces, curvatures, normals and areas all are finite.
+    pub finite: bool,
+    /// Largest error of f over the vertices, relative to the largest |f|; `None` where f is not
+    /// known exactly.
+    pub error: Option<f64>,
+    /// The error over that on the clean mesh; `None` if there is no such mesh.
+    pub growth: Option<f64>,
+    /// The same over the vertices that the quality report does not flag; `None` if it flags all.
+    pub unflagged_growth: Option<f64>,
+    /// Largest change of f, relative to the largest |f|, by a translation that rounds nothing.
+    pub moved: Option<f64>,
+    /// The same by a scaling that rounds nothing.
+    pub scaled: Option<f64>,
+    /// How many findings there are.
+    pub findings: usize,
+    /// How many vertices are flagged.
+    pub flagged: usize,
+    /// A checksum of all bits of f: builds and numbers of threads that differ in none agree.
+    pub checksum: u64,
+}
+
+/// What a row has to keep.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bound {
+    /// Everything is finite and invariant, and the error grows by this factor at most.
+    Stable(f64),
+    /// The same over the vertices that are not flagged; where f is not known exactly, something is
+    /// reported.
+    Reported(f64),
+    /// The case is refused, with a message that contains this.
+    Refused(&'static str),
+    /// The number is this at most.
+    AtMost(f64),
+}
+
+impl Bound {
+    /// Whether an outcome keeps the bound.
+    pub fn allows(self, outcome: &Outcome) -> bool {
+        // Written so that what is not a number passes nowhere.
+        match (self, outcome) {
+            (Self::Stable(most), Outcome::Evaluated(found)) => {
+                found.is_sound() && found.growth.is_none_or(|growth| growth <= most)
+            }
+            (Self::Reported(most), Outcome::Evaluated(found)) => {
+                let told = match found.unflagged_growth {
+                    Some(growth) => growth <= most,
+                    None => found.findings > 0,
+                };
+                found.is_sound() && told
+            }
+            (Self::Refused(part), Outcome::Refused(message)) => message.contains(part),
+            (Self::AtMost(most), Outcome::Measured(value)) => *value <= most,
+            _ => false,
+        }
+    }
+}
+
+impl Evaluation {
+    /// Finite, and the same after a translation and a scaling that round nothing.
+    fn is_sound(&self) -> bool {
+        let unchanged = |defect: Option<f64>| defect.is_none_or(|defect| defect == 0.0);
+        self.finite && unchanged(self.moved) && unchanged(self.scaled)
+    }
+}
+
+impl Row {
+    /// A row, which passed if the bound allows the outcome.
+    pub fn new(
+        group: Group,
+        (case, meaning): (&'static str, &'static str),
+        (subject, scalar): (&'static str, Scalar),
+        outcome: Outcome,
+        bound: Bound,
+    ) -> Self {
+        let passed = bound.allows(&outcome);
+        Self {
+            group,
+            case,
+            meaning,
+            subject,
+            scalar,
+            outcome,
+            bound,
+            passed,
+        }
+    }
+}
+
+impl fmt::Display for Row {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            case,
+            subject,
+            scalar,
+            outcome,
+            bound,
+            ..
+        } = self;
+        write!(
+            formatter,
+            "{case}: {subject} in {scalar}: {outcome:?}, bound {bound:?}"
+        )
+    }
+}
+
+/// What the table covers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stability {
+    /// Whether the mesh of a million vertices is among the cases; it takes minutes.
+    pub large: bool,
+}
+
+/// Why the table cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[error("the mesh of the case `{case}` cannot be made: {source}")]
+pub struct StabilityError {
+    /// The case.
+    case: &'static str,
+    /// Why.
+    source: Box<dyn Error + Send + Sync>,
+}
+
+impl Stability {
+    /// Makes the table, row after row; `progress` hears of every step.
+    ///
+    /// # Errors
+    /// If a mesh cannot be made.
+    pub fn run(self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StabilityError> {
+        let mut rows = input::rows();
+        rows.extend(geometry::rows(self.large, progress)?);
+        rows.extend(cancellation::rows());
+        Ok(rows)
+    }
+}

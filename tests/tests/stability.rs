@@ -1,0 +1,354 @@
+//! The stability table: every row passes, and no row is missing. What is not in the table: that
+//! whatever is accepted gives finite numbers, and that each kind of finding is found.
+
+use helfrich::{
+    Finding, GompperKroll, Jet, KantorNelson, Prepared, Quality, Real, StrongForm, Surface,
+    TriangleMesh,
+};
+use helfrich_std::method::{BendingMethod, Evaluator};
+use helfrich_std::scalar::Scalar;
+use helfrich_std::stability::{Bound, DoubleDouble, Evaluation, Group, Outcome, Row, Stability};
+use helfrich_tests::laws::largest;
+use helfrich_tests::meshes::{
+    Inscribed, Mesh, SplitMix64, hemisphere, icosahedron, icosphere, octahedron, sheet, tetrahedron,
+};
+use helfrich_tests::tolerance;
+use num_traits::ToPrimitive;
+use std::collections::{HashMap, HashSet};
+use std::sync::LazyLock;
+
+/// The table without its largest mesh, made once for all tests.
+static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
+    let table = Stability::default().run(&mut |_| ());
+    table.expect("every mesh of the table can be made")
+});
+
+fn failures(rows: &[Row]) -> Vec<String> {
+    let failed = rows.iter().filter(|row| !row.passed);
+    failed.map(Row::to_string).collect()
+}
+
+#[test]
+fn every_row_passes() {
+    let failed = failures(&TABLE);
+    assert!(
+        failed.is_empty(),
+        "{} rows:\n{}",
+        failed.len(),
+        failed.join("\n")
+    );
+}
+
+/// It takes minutes and 4 GB: `cargo test --release --test stability -- --ignored`.
+#[test]
+#[ignore = "a mesh of a million vertices"]
+fn a_million_nodes() {
+    let rows = Stability { large: true }.run(&mut |_| ()).expect("meshes");
+    let rows = Vec::from_iter(rows.into_iter().filter(|row| row.case == "a million nodes"));
+    assert_eq!(rows.len(), BendingMethod::ALL.len() * Scalar::ALL.len());
+    assert_eq!(failures(&rows), Vec::<String>::new());
+}
+
+#[test]
+fn every_case_has_every_method_in_every_number_type() {
+    let mut cases: HashMap<&str, HashSet<(&str, Scalar)>> = HashMap::new();
+    for row in TABLE.iter().filter(|row| row.group == Group::Geometry) {
+        let new = cases
+            .entry(row.case)
+            .or_default()
+            .insert((row.subject, row.scalar));
+        assert!(new, "twice: {row}");
+    }
+    assert!(cases.len() >= 18, "{} cases", cases.len());
+    let all = BendingMethod::ALL.into_iter();
+    let all = all.flat_map(|method| Scalar::ALL.map(|scalar| (method.name(), scalar)));
+    let all = HashSet::from_iter(all);
+    for (case, found) in cases {
+        assert_eq!(found, all, "{case}");
+    }
+}
+
+/// A bound that everything keeps would be none.
+#[test]
+fn bounds_refuse_what_breaks_them() {
+    let good = Evaluation {
+        finite: true,
+        error: Some(0.1),
+        growth: Some(2.0),
+        unflagged_growth: Some(1.0),
+        moved: Some(0.0),
+        scaled: Some(0.0),
+        findings: 3,
+        flagged: 4,
+        checksum: 0,
+    };
+    let allows = |bound: Bound, found| bound.allows(&Outcome::Evaluated(found));
+    assert!(allows(Bound::Stable(2.0), good));
+    assert!(allows(Bound::Reported(1.0), good));
+    assert!(!allows(Bound::Stable(1.9), good));
+    assert!(!allows(Bound::Reported(0.9), good));
+    for bound in [Bound::Stable(10.0), Bound::Reported(10.0)] {
+        let bad = [
+            Evaluation {
+                finite: false,
+                ..good
+            },
+            Evaluation {
+                moved: Some(1e-16),
+                ..good
+            },
+            Evaluation {
+                scaled: Some(f64::NAN),
+                ..good
+            },
+            Evaluation {
+                growth: Some(f64::NAN),
+                unflagged_growth: Some(f64::NAN),
+                ..good
+            },
+        ];
+        for found in bad {
+            assert!(!allows(bound, found), "{bound:?} allows {found:?}");
+        }
+        assert!(!bound.allows(&Outcome::Refused("no".into())));
+    }
+    let silent = Evaluation {
+        findings: 0,
+        unflagged_growth: None,
+        ..good
+    };
+    assert!(!allows(Bound::Reported(10.0), silent));
+    assert!(!Bound::Refused("why").allows(&Outcome::Refused("because".into())));
+    assert!(!Bound::AtMost(1.0).allows(&Outcome::Measured(f64::NAN)));
+}
+
+/// Numbers of every size that the type has, with some coordinates alike.
+fn wild(random: &mut SplitMix64, count: usize, exponents: [i32; 2]) -> Vec<[f64; 3]> {
+    let [low, high] = exponents;
+    // A few sizes a surface: that some edges are far smaller than others is the point.
+    let sizes = [0; 3].map(|_| low + random.below((high - low) as usize) as i32);
+    let mut coordinate = || {
+        let size = sizes[random.below(3)];
+        match random.below(8) {
+            0 => 0.0,
+            1 => 2.0_f64.powi(size),
+            _ => random.symmetric() * 2.0_f64.powi(size),
+        }
+    };
+    let mut positions =
+        Vec::from_iter((0..count).map(|_| [coordinate(), coordinate(), coordinate()]));
+    for _ in 0..random.below(3) {
+        positions[random.below(count)] = positions[random.below(count)];
+    }
+    positions
+}
+
+fn assert_finite<T: Real>(mesh: &TriangleMesh, positions: &[[T; 3]], what: &str) {
+    let Ok(surface) = Surface::new(mesh, positions) else {
+        return;
+    };
+    for method in BendingMethod::ALL {
+        let mut evaluator = Evaluator::<T>::new(method, T::one(), mesh);
+        let fields = evaluator.fields(surface);
+        let numbers = fields
+            .mean
+            .iter()
+            .chain(&fields.gaussian)
+            .chain(&fields.laplacian_of_mean);
+        let vectors = fields
+            .normal
+            .iter()
+            .chain(fields.force_density.iter().flatten());
+        let vectors = vectors.chain(evaluator.force()).flatten();
+        let mut all = numbers.flatten().chain(&fields.area).chain(vectors);
+        assert!(
+            all.all(|value| value.is_finite()),
+            "{method}, {what}: {fields:?} {positions:?}"
+        );
+        evaluator.findings(surface);
+        let energy = evaluator.energy(surface);
+        assert!(
+            energy.is_finite(),
+            "{method}, {what}: energy {energy:?} {positions:?}"
+        );
+    }
+}
+
+/// No infinity and no NaN leaves the library on a surface that it accepted.
+#[test]
+fn what_is_accepted_gives_finite_numbers() {
+    let mut random = SplitMix64::new(2026);
+    let meshes = [
+        tetrahedron(),
+        octahedron(),
+        icosahedron(),
+        icosphere(1),
+        hemisphere(1),
+        sheet(3),
+    ];
+    for trial in 0..300 {
+        let mesh = &meshes[random.below(meshes.len())].connectivity;
+        let vertices = mesh.vertex_count();
+        let single = wild(&mut random, vertices, [-149, 29]);
+        let single = Vec::from_iter(single.iter().map(|x| x.map(|x| x as f32)));
+        assert_finite(mesh, &single, &format!("f32, trial {trial}"));
+        let double = wild(&mut random, vertices, [-1074, 253]);
+        assert_finite(mesh, &double, &format!("f64, trial {trial}"));
+    }
+}
+
+fn quality_of(mesh: &Mesh, method: impl helfrich::Force<f64>) -> Quality {
+    let mut prepared = Prepared::new(method, &mesh.connectivity);
+    prepared.add_force(mesh.surface(), &mut vec![[0.0; 3]; mesh.positions.len()]);
+    prepared.quality(mesh.surface())
+}
+
+/// Each kind of finding on a surface that has it, and on none that has not.
+#[test]
+fn every_kind_of_finding_is_found() {
+    let sphere = icosphere(3);
+    let replaced = |vertex: usize, position: [f64; 3]| {
+        let mut mesh = sphere.clone();
+        mesh.positions[vertex] = position;
+        mesh
+    };
+    let beside = sphere.connectivity.one_ring(100)[0];
+    let near = |part: f64| {
+        let (from, to) = (sphere.positions[100], sphere.positions[beside as usize]);
+        replaced(
+            100,
+            [0, 1, 2].map(|axis| to[axis] + part * (from[axis] - to[axis])),
+        )
+    };
+    type Kind = fn(&Finding) -> bool;
+    let vertex: [(&str, Mesh, Kind); 4] = [
+        ("uneven", near(0.1), |f| matches!(f, Finding::Uneven { .. })),
+        ("thin", near(0.01), |f| {
+            matches!(f, Finding::ThinTriangle { .. })
+        }),
+        ("degenerate", near(0.0), |f| {
+            matches!(f, Finding::DegenerateTriangle { .. })
+        }),
+        ("folded", replaced(100, [0.0; 3]), |f| {
+            matches!(f, Finding::Folded { .. })
+        }),
+    ];
+    for (name, mesh, kind) in &vertex {
+        let quality = quality_of(mesh, KantorNelson::new(1.0));
+        assert!(
+            quality.findings().iter().any(kind),
+            "{name}: {:?}",
+            quality.findings()
+        );
+        assert!(quality.flagged()[100], "{name}");
+        let far = sphere.positions.iter().position(|x| {
+            x.iter()
+                .zip(&sphere.positions[100])
+                .map(|(a, b)| a * b)
+                .sum::<f64>()
+                < -0.5
+        });
+        assert!(
+            !quality.flagged()[far.expect("a sphere has an opposite side")],
+            "{name}: far"
+        );
+    }
+    for method in BendingMethod::ALL {
+        let mut evaluator = Evaluator::new(method, 1.0, &sphere.connectivity);
+        evaluator.evaluate(sphere.surface());
+        assert_eq!(
+            evaluator.findings(sphere.surface()),
+            [],
+            "{method} on a sphere"
+        );
+    }
+
+    let (mesh, at) = (&sphere.connectivity, |offset: f32| {
+        Vec::from_iter(
+            sphere
+                .positions
+                .iter()
+                .map(|x| x.map(|x| x as f32 + offset)),
+        )
+    });
+    let rounded = |positions: &[[f32; 3]]| {
+        let mut jets = Prepared::new(StrongForm::new(1.0, Jet::j4()), mesh);
+        let surface = Surface::new(mesh, positions).expect("positions");
+        jets.add_force(surface, &mut vec![[0.0; 3]; positions.len()]);
+        jets.quality(surface).findings().len()
+    };
+    assert_eq!(rounded(&at(0.0)), 0);
+    assert_eq!(rounded(&at(1e4)), sphere.positions.len());
+
+    let count =
+        |quality: Quality, kind: Kind| quality.findings().iter().filter(|f| kind(f)).count();
+    let few = quality_of(&tetrahedron(), GompperKroll::new(1.0));
+    assert_eq!(
+        count(few, |f| matches!(f, Finding::UnusualValence { .. })),
+        4
+    );
+
+    // Of areas and fits: on points that are spread at random over a sphere, with obtuse fans.
+    let obtuse = Inscribed {
+        seed: 11,
+        amplitude: 0.9,
+        refinement: 3,
+        exponent: 0,
+    };
+    let obtuse = obtuse.mesh();
+    let clamped = |quality| count(quality, |f| matches!(f, Finding::ClampedArea { .. }));
+    let negative = |quality| count(quality, |f| matches!(f, Finding::NegativeArea { .. }));
+    let mixed = quality_of(&obtuse, GompperKroll::with_mixed_areas(1.0));
+    let voronoi = quality_of(&obtuse, GompperKroll::new(1.0));
+    assert!(clamped(mixed.clone()) > 0, "mixed areas");
+    assert_eq!(
+        clamped(mixed),
+        negative(voronoi.clone()),
+        "the same vertices"
+    );
+    assert!(count(voronoi, |f| matches!(f, Finding::SmallArea { .. })) > 0);
+    let fits = quality_of(&obtuse, StrongForm::farutin(1.0));
+    assert!(count(fits, |f| matches!(f, Finding::Amplified { .. })) > 0);
+    let small = quality_of(&tetrahedron(), StrongForm::j6(1.0));
+    assert_eq!(
+        count(small, |f| matches!(f, Finding::TooFewNeighbours { .. })),
+        4
+    );
+    let coarse = quality_of(&icosahedron(), StrongForm::j6(1.0));
+    assert_eq!(
+        count(coarse, |f| matches!(f, Finding::ReducedDegree { .. })),
+        12
+    );
+}
+
+/// The double-double arithmetic that formulas are checked with passes through every operation of
+/// a method: a force in it agrees with f64 to the digits of f64, and is not the same.
+#[test]
+fn double_double_is_more_than_double() {
+    let mesh = icosphere(1).map(|[x, y, z]| [x + 0.2 * y * z, 0.8 * y, 0.7 * z]);
+    let fine = Vec::from_iter(mesh.positions.iter().map(|x| x.map(DoubleDouble::of)));
+    for method in BendingMethod::ALL {
+        let mut double = Evaluator::<f64>::new(method, 1.0, &mesh.connectivity);
+        double.evaluate(mesh.surface());
+        let mut twice = Evaluator::new(method, DoubleDouble::of(1.0), &mesh.connectivity);
+        twice.evaluate(Surface::new(&mesh.connectivity, &fine).expect("finite"));
+        let scale = largest(double.force());
+        let pairs = double
+            .force()
+            .iter()
+            .flatten()
+            .zip(twice.force().iter().flatten());
+        let mut different = 0;
+        for (&found, &exact) in pairs {
+            let error = (DoubleDouble::of(found) - exact)
+                .to_f64()
+                .expect("a number");
+            tolerance::INVARIANCE.assert(error, 0.0, scale, method.name());
+            different += usize::from(error != 0.0);
+        }
+        assert!(
+            different > mesh.positions.len(),
+            "{method}: {different} differ"
+        );
+    }
+}
