@@ -16,7 +16,7 @@ pub use paraboloid::{NeighbourRoom, Paraboloid, ParaboloidMemory};
 use crate::element::{Execution, Ragged, Strided};
 use crate::energy::Method;
 use crate::mesh::VertexKind;
-use crate::real::Real;
+use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use alloc::vec::Vec;
 
@@ -211,7 +211,7 @@ impl<T: Real> Rows<T> {
                     sum[k] += coefficient * (field[column as usize][k] - field[row][k]);
                 }
             }
-            *result = sum;
+            *result = finite_or_zero(sum);
         });
     }
 

@@ -24,6 +24,18 @@ pub trait Real:
     }
 }
 
+/// The numbers if all of them are finite, else zeros: what has left the range of the scalar says
+/// nothing, and must not spread. It takes edges whose lengths differ by the scalar's whole range, which
+/// [`Method::inspect`](crate::Method::inspect) reports as uneven.
+#[inline(always)]
+pub(crate) fn finite_or_zero<T: Real, const N: usize>(values: [T; N]) -> [T; N] {
+    if values.iter().all(|value| value.is_finite()) {
+        values
+    } else {
+        [T::zero(); N]
+    }
+}
+
 impl<T> Real for T where
     T: Float
         + FloatConst

@@ -393,7 +393,9 @@ impl<T: Real> Fields<T> {
 
     fn set_density(&mut self, force: &[[T; 3]]) {
         let over = |force: [T; 3], area: T| {
-            (area > T::zero()).then(|| force.map(|component| component / area))
+            let density = force.map(|component| component / area);
+            let defined = area > T::zero() && density.iter().all(|component| component.is_finite());
+            defined.then_some(density)
         };
         self.force_density = force
             .iter()

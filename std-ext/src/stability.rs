@@ -220,9 +220,9 @@ impl Stability {
     /// # Errors
     /// If a mesh cannot be made.
     pub fn run(self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StabilityError> {
-        let mut rows = input::rows();
-        rows.extend(geometry::rows(self.large, progress)?);
+        let mut rows = geometry::rows(self.large, progress)?;
         rows.extend(cancellation::rows());
+        rows.extend(input::rows());
         Ok(rows)
     }
 }

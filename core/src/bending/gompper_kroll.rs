@@ -8,7 +8,7 @@ use crate::element::{Corners, ElementKernel, Execution};
 use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
-use crate::real::Real;
+use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::{Barycentric, DualArea, Kind, Mixed, Triangle, Voronoi};
 use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub};
@@ -107,7 +107,7 @@ impl<T: Real> GompperKroll<T> {
             } else {
                 T::zero()
             };
-            *sum = [x * over, y * over, z * over, area];
+            *sum = finite_or_zero([x * over, y * over, z * over, area]);
         });
         if !self.spontaneous_curvature.is_zero() {
             self.measure_normals(execution, surface, memory);
@@ -160,9 +160,11 @@ impl<T: Real> GompperKroll<T> {
                     scale(T::constant(2.0), self.wanted(memory, vertex)),
                 )
             };
-            dot(excess, excess) * area
+            let [term] = finite_or_zero([dot(excess, excess) * area]);
+            term
         });
-        T::constant(0.5) * self.modulus * sum
+        let [energy] = finite_or_zero([T::constant(0.5) * self.modulus * sum]);
+        energy
     }
 
     /// Second pass: the gradient, from the curvature vectors of the first.
@@ -181,7 +183,7 @@ impl<T: Real> GompperKroll<T> {
         execution.map(&mut weights[..], |vertex, weight| {
             let [x, y, z, _] = curvature[vertex];
             let squared = dot([x, y, z], [x, y, z]);
-            *weight = [x, y, z, half * squared].map(|entry| self.modulus * entry);
+            *weight = finite_or_zero([x, y, z, half * squared].map(|entry| self.modulus * entry));
         });
         if !self.spontaneous_curvature.is_zero() {
             self.add_spontaneous(execution, surface, memory, force);
@@ -199,6 +201,9 @@ impl<T: Real> GompperKroll<T> {
                 execution.scatter(&kernel, surface, triangles, weights, force);
             }
         }
+        execution.map(&mut force[..memory.weights.len()], |_, force| {
+            *force = finite_or_zero(*force);
+        });
     }
 
     /// What the terms `−2κ Σ H0 L·n + 2κ Σ H0² A` add: to w and s, and through the change of the

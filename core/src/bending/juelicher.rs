@@ -8,7 +8,7 @@ use crate::element::{Corners, ElementKernel, Execution};
 use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
-use crate::real::Real;
+use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::DualArea;
 use alloc::vec::Vec;
@@ -99,7 +99,7 @@ impl<T: Real> Juelicher<T> {
                 VertexKind::Interior => entry[1].reciprocal_or_zero(),
                 VertexKind::Boundary | VertexKind::Isolated => T::zero(),
             };
-            entry[0] *= over;
+            [entry[0]] = finite_or_zero([entry[0] * over]);
         });
     }
 
@@ -112,9 +112,11 @@ impl<T: Real> Juelicher<T> {
         let curvature = &memory.curvature;
         let sum = execution.sum(curvature.len(), |vertex| {
             let excess = self.excess(mesh, curvature, vertex);
-            excess * excess * curvature[vertex][1]
+            let [term] = finite_or_zero([excess * excess * curvature[vertex][1]]);
+            term
         });
-        T::constant(2.0) * self.modulus * sum
+        let [energy] = finite_or_zero([T::constant(2.0) * self.modulus * sum]);
+        energy
     }
 
     /// Second pass: `dE = Σ 4κ (H − H0) dM − 2κ (H² − H0²) dA`.
@@ -133,10 +135,13 @@ impl<T: Real> Juelicher<T> {
         execution.map(&mut weights[..], |vertex, weight| {
             let excess = doubled * self.excess(mesh, curvature, vertex);
             let sum = curvature[vertex][0] + self.spontaneous_curvature.at(vertex);
-            *weight = [-(excess + excess), excess * sum];
+            *weight = finite_or_zero([-(excess + excess), excess * sum]);
         });
         execution.scatter(&HingeForce, surface, &plan.vertices, weights, force);
         execution.scatter(&AreaForce, surface, mesh.triangles(), weights, force);
+        execution.map(&mut force[..weights.len()], |_, force| {
+            *force = finite_or_zero(*force);
+        });
     }
 }
 

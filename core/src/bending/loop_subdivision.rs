@@ -21,7 +21,7 @@ use crate::energy::{Conservative, Energy, Finding, Force, ForceDensity, Method};
 use crate::lane::Lane;
 use crate::laplacian::Curvature;
 use crate::mesh::{TriangleMesh, VertexKind};
-use crate::real::Real;
+use crate::real::{Real, finite_or_zero};
 use crate::subdivision::{Stencils, basis, limit_normal, limit_positions};
 use crate::surface::Surface;
 use crate::vec3::{add, dot, scale};
@@ -194,7 +194,8 @@ impl<T: Real> LoopSubdivision<T> {
 
     fn energy_of(execution: &impl Execution, memory: &LoopSubdivisionMemory<T>) -> T {
         let blocks = &memory.blocks;
-        execution.sum(blocks.len(), |block| blocks[block].energy)
+        let [energy] = finite_or_zero([execution.sum(blocks.len(), |block| blocks[block].energy)]);
+        energy
     }
 }
 
@@ -409,7 +410,7 @@ impl<T: Real> Conservative<T> for LoopSubdivision<T> {
         let nodal = &memory.nodal;
         execution.map(&mut force[..plan.vertices], |vertex, force| {
             let [x, y, z, _] = nodal[vertex];
-            *force = add(*force, [x, y, z]);
+            *force = add(*force, finite_or_zero([x, y, z]));
         });
         Self::energy_of(execution, memory)
     }

@@ -8,7 +8,7 @@ use crate::element::Execution;
 use crate::energy::{Energy, Finding, Force, ForceDensity, Method};
 use crate::laplacian::{Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows};
 use crate::mesh::{TriangleMesh, VertexKind};
-use crate::real::Real;
+use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::DualArea;
 use crate::vec3::{Vec3, add, dot, scale, sub};
@@ -142,9 +142,11 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
                 return T::zero();
             }
             let excess = mean - self.spontaneous_curvature.at(vertex);
-            excess * excess * area
+            let [term] = finite_or_zero([excess * excess * area]);
+            term
         });
-        T::constant(2.0) * self.modulus * sum
+        let [energy] = finite_or_zero([T::constant(2.0) * self.modulus * sum]);
+        energy
     }
 
     fn measure(
@@ -228,13 +230,13 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         let along_normal = two * (found.laplacian_of_mean[vertex] + two * cubic);
         let density = scale(defined * self.modulus * along_normal, normal);
         if !self.varies() {
-            return density;
+            return finite_or_zero(density);
         }
         let gradient = self.gradient_of_spontaneous(surface, &found.rows, vertex);
         let tangential = sub(gradient, scale(dot(gradient, normal), normal));
         let four = T::constant(4.0);
         let weight = defined * four * self.modulus * excess;
-        sub(density, scale(weight, tangential))
+        finite_or_zero(sub(density, scale(weight, tangential)))
     }
 
     /// `½ Σ_j c_ij (H0_j − H0_i)(x_j − x_i)`.
@@ -324,7 +326,8 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Force<T> for StrongForm<T, L> {
         let vertices = surface.mesh().vertex_count();
         execution.map(&mut force[..vertices], |vertex, force| {
             let density = self.density_at(surface, found, vertex);
-            *force = add(*force, scale(found.curvature[vertex].area, density));
+            let nodal = scale(found.curvature[vertex].area, density);
+            *force = add(*force, finite_or_zero(nodal));
         });
     }
 }

@@ -9,7 +9,7 @@ use crate::energy::{Finding, Method};
 use crate::lane::Lane;
 use crate::laplacian::{Curvature, LaplaceBeltrami, Rows};
 use crate::mesh::{TriangleMesh, VertexKind};
-use crate::real::Real;
+use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::{Barycentric, DualArea, Kind, Mixed, Voronoi};
 use crate::vec3::{dot, neg, normalise};
@@ -71,10 +71,13 @@ impl Cotangent {
                     VertexKind::Interior => memory.over_area(vertex),
                     VertexKind::Boundary | VertexKind::Isolated => T::zero(),
                 };
+                let mean = -half * dot([u, v, w], normal) * over_area;
+                let gaussian = (T::TAU() - angles) * over_area;
+                let [mean, gaussian] = finite_or_zero([mean, gaussian]);
                 *curvature = Curvature {
                     normal,
-                    mean: -half * dot([u, v, w], normal) * over_area,
-                    gaussian: (T::TAU() - angles) * over_area,
+                    mean,
+                    gaussian,
                     area,
                     kind,
                 };
@@ -278,7 +281,7 @@ impl<T: Real> LaplaceBeltrami<T> for Cotangent {
         execution.scatter(&Differences, surface, mesh.triangles(), field, laplacian);
         execution.map(&mut laplacian[..], |vertex, sum| {
             let over_area = memory.over_area(vertex);
-            *sum = sum.map(|entry| entry * over_area);
+            *sum = finite_or_zero(sum.map(|entry| entry * over_area));
         });
     }
 

@@ -9,7 +9,7 @@ use crate::lane::Lane;
 use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
 use crate::mesh::{TriangleMesh, VertexKind};
 use crate::neighbourhood::Neighbourhood;
-use crate::real::Real;
+use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::DualArea;
 use crate::vec3::{Vec3, add, dot, norm, scale};
@@ -94,7 +94,9 @@ impl<T: Real> Kernel<T> {
         // Factor by factor: 1/h² would leave the range of numbers where 1/h does not.
         let weight = self.weights[neighbour as usize] * over;
         let height = over * (T::constant(0.25) * T::FRAC_1_PI());
-        weight * height * (-T::constant(0.25) * squared_distance * over).exp()
+        let fall = (-T::constant(0.25) * squared_distance * over).exp();
+        let [coefficient] = finite_or_zero([weight * height * fall]);
+        coefficient
     }
 
     /// `4 h ln 1/ε`: the squared distance at which the kernel has fallen to the rounding ε.
@@ -230,7 +232,9 @@ fn gather<T: Real>(
             }
             *length = count as u32;
             curvature.mean = match curvature.kind {
-                VertexKind::Interior => -T::constant(0.5) * dot(sum, curvature.normal),
+                VertexKind::Interior => {
+                    -T::constant(0.5) * dot(finite_or_zero(sum), curvature.normal)
+                }
                 VertexKind::Boundary | VertexKind::Isolated => T::zero(),
             };
         },
@@ -328,7 +332,7 @@ impl<T: Real> LaplaceBeltrami<T> for HeatKernel<T> {
                     sum[k] += coefficient * (field[neighbour as usize][k] - field[vertex][k]);
                 }
             }
-            *laplacian = sum;
+            *laplacian = finite_or_zero(sum);
         });
     }
 

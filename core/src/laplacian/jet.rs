@@ -258,6 +258,15 @@ impl<T: Real> Polynomial<T> {
         normalise(sub(along, scale(q, self.frame[1])))
     }
 
+    /// Whether curvatures and the weights of the Laplacian stay within the range of the scalar.
+    fn is_bounded(&self, coefficients: &[T], functional: &mut Vec<T>) -> bool {
+        let (mean, gaussian) = self.curvatures(coefficients, functional);
+        let over = self.radius.recip();
+        [mean, gaussian, over * over]
+            .iter()
+            .all(|value| value.is_finite())
+    }
+
     /// H and K of the height function `p x + q y + c₂₀ x² + c₁₁ x y + c₀₂ y² + …`, and the
     /// functional that takes the coefficients of any field to its Δ_S.
     fn curvatures(&self, coefficients: &[T], functional: &mut Vec<T>) -> (T, T) {
@@ -319,7 +328,10 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
             }
             normal = polynomial.surface_normal(&scratch.coefficients);
         }
-        let Some(polynomial) = fitted else {
+        let bounded = fitted.filter(|polynomial| {
+            polynomial.is_bounded(&scratch.coefficients, &mut scratch.functional)
+        });
+        let Some(polynomial) = bounded else {
             (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
             (*degree, *length) = (0, 0);
             return;

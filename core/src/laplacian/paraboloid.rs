@@ -240,9 +240,15 @@ impl Paraboloid {
             return 0;
         };
         let over = fit.radius.recip();
+        let (mean, gaussian) = (found.mean * over, found.gaussian * over * over);
+        if ![mean, gaussian, over * over]
+            .iter()
+            .all(|value| value.is_finite())
+        {
+            return 0;
+        }
         curvature.normal = found.normal;
-        curvature.mean = found.mean * over;
-        curvature.gaussian = found.gaussian * over * over;
+        (curvature.mean, curvature.gaussian) = (mean, gaussian);
         let length = fit.neighbours.len();
         columns[..length].copy_from_slice(&fit.neighbours);
         for coefficient in &mut coefficients[..length] {

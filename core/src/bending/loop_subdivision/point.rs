@@ -1,7 +1,7 @@
 //! The surface at one quadrature point: curvature, bending energy and its derivatives.
 
 use crate::lane::Lane;
-use crate::real::Real;
+use crate::real::{Real, finite_or_zero};
 use crate::vec3::{Vec3, add, cross, dot, scale, sub};
 
 /// First and second derivatives x_v, x_w, x_vv, x_vw, x_ww and what follows from them.
@@ -31,6 +31,9 @@ impl<T: Real> Point<T> {
         let [v, w, vv, vw, ww] = derivatives.map(|[x, y, z, _]| [x, y, z]);
         let area_vector = cross(v, w);
         let area = dot(area_vector, area_vector).sqrt();
+        // Below, the directions of the tangents differ by their rounding alone.
+        let noise = T::constant(16.0) * T::epsilon() * (dot(v, v) + dot(w, w));
+        let area = Lane::select(noise.less(area), area, T::zero());
         let over = Lane::reciprocal_or_zero(area);
         let normal = scale(over, area_vector);
         let metric = [dot(v, v) * over, dot(v, w) * over, dot(w, w) * over];
@@ -68,7 +71,9 @@ impl<T: Real> Point<T> {
     #[inline(always)]
     pub(super) fn energy(&self, modulus: T, spontaneous: T) -> T {
         let excess = self.excess(spontaneous);
-        T::constant(0.5) * modulus * excess * excess * self.over
+        let energy = T::constant(0.5) * modulus * excess * excess * self.over;
+        let [energy] = finite_or_zero([energy]);
+        energy
     }
 
     /// The derivatives of the energy with respect to x_v, x_w, x_vv, x_vw and x_ww.
