@@ -5,7 +5,7 @@ use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::triangle::{DualArea, Triangle};
+use crate::triangle::{DualArea, Triangle, Voronoi};
 use crate::vec3::{Vec3, add, dot};
 use alloc::vec::Vec;
 
@@ -156,7 +156,7 @@ impl<T: Real> Fan<T> {
         };
         for triangle in around(surface, vertex) {
             fan.area += T::constant(0.5) * triangle.doubled_area;
-            fan.voronoi += triangle.dual_areas(DualArea::Voronoi)[0];
+            fan.voronoi += triangle.dual_areas(Voronoi)[0];
             fan.area_vector = add(fan.area_vector, triangle.area_vector);
         }
         fan
