@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::array;
 
 /// Fewer points than this take less time than to start a thread.
-const POINTS_A_THREAD: usize = 256;
+const POINTS_A_THREAD: usize = 1024;
 
 /// Fewer nodes than this between two parts of a row take less time than another part: they share
 /// cache lines with them.
