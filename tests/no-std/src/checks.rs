@@ -259,8 +259,10 @@ where
     let mut prepared = Prepared::new(method, mesh);
     let mut force = vec![[T::zero(); 3]; mesh.vertex_count()];
     let energy = prepared.add_force_and_energy(surface, &mut force);
-    prepared.inspect(surface, &mut |finding: Finding| {
-        panic!("nothing is wrong with this mesh, but {finding:?} was found")
+    prepared.inspect(surface, &mut |finding: Finding| match finding {
+        // Some of the solids have three edges at a corner.
+        Finding::UnusualValence { .. } => {}
+        finding => panic!("nothing is wrong with this mesh, but {finding:?} was found"),
     });
 
     let mut net = [T::zero(); 3];
