@@ -296,11 +296,7 @@ fn study(arguments: &StudyArguments) -> Result<(), Failure> {
         modulus: arguments.modulus,
         seed: arguments.seed,
     };
-    let json_file = file_named(arguments.json.as_ref());
-    if let Some(path) = json_file {
-        // Not after a minute's work.
-        check_replaceable(path).map_err(|error| Failure::output(path.display(), &error))?;
-    }
+    check_outputs(file_named(arguments.json.as_ref()))?;
     let bar = progress_bar();
     let rows = study.run(&mut |Progress { done, total, at }| {
         bar.set_length(total);
@@ -309,18 +305,39 @@ fn study(arguments: &StudyArguments) -> Result<(), Failure> {
     });
     bar.finish_and_clear();
     let rows = rows.map_err(Failure::input)?;
-    let json = |out: &mut dyn Write| {
-        serde_json::to_writer_pretty(&mut *out, &rows)?;
-        writeln!(out)
-    };
-    if arguments.json.is_some() && json_file.is_none() {
-        return print(json);
-    }
-    print(|out| {
+    show_rows(arguments, &rows, |out| {
         report::study_table(&rows, out)?;
         report::verdict_table(&verdicts(&rows), out)
-    })?;
-    json_file.map_or(Ok(()), |path| save(path, json))
+    })
+}
+
+/// Writes rows as JSON to the file that is asked for, and the table to standard output; or the JSON
+/// there.
+fn show_rows(
+    arguments: &StudyArguments,
+    rows: &impl serde::Serialize,
+    table: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    let json = |out: &mut dyn Write| {
+        serde_json::to_writer_pretty(&mut *out, rows)?;
+        writeln!(out)
+    };
+    match (&arguments.json, file_named(arguments.json.as_ref())) {
+        (Some(_), None) => print(json),
+        (_, None) => print(table),
+        (_, Some(path)) => {
+            print(table)?;
+            save(path, json)
+        }
+    }
+}
+
+/// Not after minutes of work.
+fn check_outputs<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+    for path in paths {
+        check_replaceable(path).map_err(|error| Failure::output(path.display(), &error))?;
+    }
+    Ok(())
 }
 
 /// The methods that a study compares by default.
@@ -335,10 +352,7 @@ fn flow_study(arguments: &StudyArguments) -> Result<(), Failure> {
     if !arguments.method.is_empty() {
         study.methods = unique(arguments.method.concat());
     }
-    let json_file = file_named(arguments.json.as_ref());
-    if let Some(path) = json_file {
-        check_replaceable(path).map_err(|error| Failure::output(path.display(), &error))?;
-    }
+    check_outputs(file_named(arguments.json.as_ref()))?;
     let stop = interruption();
     let bar = progress_bar();
     bar.set_length(1000);
@@ -351,16 +365,7 @@ fn flow_study(arguments: &StudyArguments) -> Result<(), Failure> {
         FlowStudyError::Scene { .. } => Failure::input(error),
         _ => Failure::Output(error.to_string()),
     })?;
-    let json = |out: &mut dyn Write| {
-        serde_json::to_writer_pretty(&mut *out, &rows)?;
-        writeln!(out)
-    };
-    if arguments.json.is_some() && json_file.is_none() {
-        print(json)?;
-    } else {
-        print(|out| report::flow_tables(&rows, out))?;
-        json_file.map_or(Ok(()), |path| save(path, json))?;
-    }
+    show_rows(arguments, &rows, |out| report::flow_tables(&rows, out))?;
     if stop.load(Ordering::Relaxed) {
         return Err(Failure::Unfinished(130));
     }
@@ -368,11 +373,8 @@ fn flow_study(arguments: &StudyArguments) -> Result<(), Failure> {
 }
 
 fn stability(arguments: &StudyArguments) -> Result<(), Failure> {
-    let json_file = file_named(arguments.json.as_ref());
-    for path in json_file.into_iter().chain(arguments.markdown.as_deref()) {
-        // Not after a minute's work.
-        check_replaceable(path).map_err(|error| Failure::output(path.display(), &error))?;
-    }
+    let json = file_named(arguments.json.as_ref());
+    check_outputs(json.into_iter().chain(arguments.markdown.as_deref()))?;
     let table = Stability {
         large: arguments.large,
     };
@@ -384,16 +386,7 @@ fn stability(arguments: &StudyArguments) -> Result<(), Failure> {
     });
     bar.finish_and_clear();
     let rows = rows.map_err(Failure::input)?;
-    let json = |out: &mut dyn Write| {
-        serde_json::to_writer_pretty(&mut *out, &rows)?;
-        writeln!(out)
-    };
-    if arguments.json.is_some() && json_file.is_none() {
-        print(json)?;
-    } else {
-        print(|out| report::stability_table(&rows, out))?;
-    }
-    json_file.map_or(Ok(()), |path| save(path, json))?;
+    show_rows(arguments, &rows, |out| report::stability_table(&rows, out))?;
     if let Some(path) = &arguments.markdown {
         save(path, |out| report::stability_markdown(&rows, out))?;
     }

@@ -25,6 +25,7 @@ mod value;
 
 pub use driver::{BoundaryIntegral, Driver, Flow, Integrator, Relax, Scheme};
 pub use explain::{Active, Explanation, Group, LatticeExplanation, Parameter, SurfaceExplanation};
+pub(crate) use lattice::FINITE_BOX;
 pub use lattice::{LatticeBoltzmann, StepLimit};
 pub use output::{Every, Output, PictureField, Plot, Probe, Slice, Volume};
 pub use problem::{Place, Problem, SceneError, SceneErrors};

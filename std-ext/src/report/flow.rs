@@ -4,10 +4,8 @@ use crate::flow_study::{BENDING, FlowRow, Solver, boxes, largest_deviation, publ
 use crate::method::BendingMethod;
 use crate::run::End;
 use crate::scalar::Scalar;
+use crate::scene::FINITE_BOX;
 use std::io::{self, Write};
-
-/// The finite box of Guckenberger et al. 2016: D(L) − D(∞) over (a/L)³.
-const PUBLISHED_BOX: f64 = 2.4;
 
 /// Writes a study of flow as tables: every method by both solvers beside what was published, then
 /// boxes, resolutions and number types of the lattice.
@@ -82,12 +80,20 @@ fn lattices(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
     }
     writeln!(
         out,
-        "\nWithout the box: D(L) = D(∞) + c (a/L)³ by two cubes; {PUBLISHED_BOX} is the paper's c. Then without the lattice: D + c h/a by two resolutions."
+        "\nWithout the box: D(L) = D(∞) + c (a/L)³ by two cubes; {FINITE_BOX} is the paper's c. Then without the lattice: D + c h/a by two resolutions."
     )?;
     writeln!(
         out,
         "\n{:>8} {:>6} {:>15} {:>17} {:>6} {:>8} {:>8} {:>18} {:>6}",
-        "κ/(a²G)", "a/h", "L/a", "D(L)", "c", "D(∞)", "by c=2.4", "boundary integral", ""
+        "κ/(a²G)",
+        "a/h",
+        "L/a",
+        "D(L)",
+        "c",
+        "D(∞)",
+        format!("by {FINITE_BOX}"),
+        "boundary integral",
+        ""
     )?;
     writeln!(out, "{}", "─".repeat(100))?;
     for found in &boxes {
@@ -103,7 +109,7 @@ fn lattices(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
             format!("{d1:.4}, {d2:.4}"),
             found.coefficient,
             found.unbounded,
-            d1 - PUBLISHED_BOX * first.powi(-3),
+            d1 - FINITE_BOX * first.powi(-3),
             exact.map_or("–".to_owned(), |exact| format!("{exact:.4}")),
             percent(found.unbounded, exact),
         )?;

@@ -8,17 +8,13 @@ use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
 use crate::flow::lattice_boltzmann::{Lattice, Node, Precision, Setup, Sides};
 use crate::flow::{Channel, Fluid, Immersion, ImmersionState, KeptVolumes};
-use crate::scene::{Flow, LatticeBoltzmann, Scene};
+use crate::scene::{FINITE_BOX, Flow, LatticeBoltzmann, Scene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
 use std::array;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
-
-/// D(L) − D(∞) over (a/L)³ of a capsule between walls at a distance L: A. Guckenberger et al.,
-/// Comput. Phys. Commun. 207 (2016) 1. In cubes that are periodic too, 1.3 to 1.8 were found here.
-const BOX_TERM: f64 = 2.4;
 
 /// Membranes in a box of fluid.
 pub(super) struct Immersing<'a, T> {
@@ -327,11 +323,11 @@ fn notes(driver: LatticeBoltzmann, simulation: &Simulation, positions: &[[f64; 3
         let ratio = radius / driver.size()[1];
         notes.push(format!(
             "surface \"{}\" is in a box {:.3} radii a wide, L: in unbounded fluid its deformation is \
-             smaller by {BOX_TERM} (a/L)³ = {:.4} or somewhat less, by Guckenberger et al. 2016; nothing \
+             smaller by {FINITE_BOX} (a/L)³ = {:.4} or somewhat less, by Guckenberger et al. 2016; nothing \
              is corrected",
             body.name(),
             ratio.recip(),
-            BOX_TERM * ratio.powi(3)
+            FINITE_BOX * ratio.powi(3)
         ));
     }
     notes
