@@ -722,6 +722,11 @@ pub const LATTICE_SINGLE: Tolerance = Tolerance::new(
 );
 /// Sums over the weights of a kernel, and what is interpolated with it.
 pub const LATTICE_KERNEL: Tolerance = Tolerance::new(1e-14, "sums of 64 terms, none above 1");
+/// Velocities that an f32 collision keeps, against the sum of its populations in f64.
+pub const LATTICE_KEPT_SINGLE: Tolerance = Tolerance::new(
+    1e-6,
+    "sums of nineteen populations and a force, each rounded at 6e-8 of the largest",
+);
 /// Work of forces on points and on nodes, relative to what one of them does.
 pub const LATTICE_WORK: Tolerance = Tolerance::new(
     1e-12,

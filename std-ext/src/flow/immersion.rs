@@ -138,8 +138,8 @@ impl<T: Precision> Immersion<T> {
     /// Forces that depend on velocities are those of the last step.
     ///
     /// # Errors
-    /// If the membranes give no forces, are too near to a wall, or move too fast. Nothing has moved
-    /// then.
+    /// If the membranes give no forces, or are too near to a wall: nothing has moved then. If one
+    /// moves too fast: the membranes have not moved then, and will not from this state on.
     ///
     /// # Panics
     /// If there is not one position a vertex.
@@ -148,16 +148,21 @@ impl<T: Precision> Immersion<T> {
         membranes: &mut impl Membranes,
         positions: &mut [[f64; 3]],
     ) -> Result<(), ImmersionError> {
+        self.check_speeds()?;
         (membranes.set_forces(positions, &mut self.forces)).map_err(ImmersionError::Membranes)?;
         if membranes.are_viscous() {
             membranes.add_viscous_forces(positions, &self.velocities, &mut self.forces);
         }
         let start = Instant::now();
-        self.couple(positions)?;
+        self.spread(positions)?;
         self.coupling.add(start);
         let start = Instant::now();
-        self.lattice.advance(1);
+        self.lattice.advance_keeping_velocities();
         self.fluid.add(start);
+        let start = Instant::now();
+        self.interpolate();
+        self.coupling.add(start);
+        self.check_speeds()?;
         self.volumes.correct(positions, &mut self.velocities);
         for (position, velocity) in positions.iter_mut().zip(&self.velocities) {
             for (coordinate, velocity) in position.iter_mut().zip(velocity) {
@@ -168,8 +173,8 @@ impl<T: Precision> Immersion<T> {
         Ok(())
     }
 
-    /// Gives the forces to the fluid, and takes the velocities from it.
-    fn couple(&mut self, positions: &[[f64; 3]]) -> Result<(), ImmersionError> {
+    /// Gives the forces to the fluid.
+    fn spread(&mut self, positions: &[[f64; 3]]) -> Result<(), ImmersionError> {
         for (vertex, &position) in positions.iter().enumerate() {
             self.placed[vertex] = self.on_lattice(position);
         }
@@ -181,16 +186,23 @@ impl<T: Precision> Immersion<T> {
         }
         self.lattice.clear_forces();
         self.immersed.spread(&mut self.lattice, &self.forces)?;
-        self.immersed
-            .interpolate(&self.lattice, &mut self.velocities);
-        let speed = |velocity: &[f64; 3]| velocity.iter().map(|u| u * u).sum::<f64>().sqrt();
-        let mut speeds = self.velocities.iter().map(speed).enumerate();
-        let too_fast = speeds.find(|(_, speed)| !(0.0..FASTEST).contains(speed));
+        Ok(())
+    }
+
+    /// Takes the velocities that the fluid had before its step.
+    fn interpolate(&mut self) {
+        (self.immersed).interpolate_kept(&self.lattice, &mut self.velocities);
         let unit = self.units.velocity();
         for velocity in &mut self.velocities {
             *velocity = velocity.map(|component| component * unit);
         }
-        match too_fast {
+    }
+
+    fn check_speeds(&self) -> Result<(), ImmersionError> {
+        let unit = self.units.velocity();
+        let speed = |velocity: &[f64; 3]| velocity.iter().map(|u| u * u).sum::<f64>().sqrt() / unit;
+        let mut speeds = self.velocities.iter().map(speed).enumerate();
+        match speeds.find(|(_, speed)| !(0.0..FASTEST).contains(speed)) {
             Some((vertex, speed)) => Err(ImmersionError::TooFast { vertex, speed }),
             None => Ok(()),
         }

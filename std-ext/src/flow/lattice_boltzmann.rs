@@ -34,7 +34,7 @@ pub use units::{Units, mach, memory, reynolds};
 
 use boundary::Links;
 use collision::{Fluid, Slab};
-use force::NodalForces;
+use force::{NodalForces, NodalVelocities};
 use pulp::Arch;
 use serde::{Deserialize, Serialize};
 use std::array;
@@ -75,6 +75,8 @@ pub struct Lattice<T> {
     state: State<T>,
     force: [f64; 3],
     forces: Option<NodalForces<T>>,
+    /// What the last step began with, if it was to keep it.
+    velocities: Option<NodalVelocities<T>>,
     viscosities: Option<NodalViscosities<T>>,
     /// For each node the surface that it lies in, 0 in the fluid.
     labels: Option<Vec<u16>>,
@@ -106,6 +108,7 @@ impl<T: Precision> Lattice<T> {
             setup,
             force: [0.0; 3],
             forces: None,
+            velocities: None,
             viscosities: None,
             labels: None,
             obstacles: 0,
@@ -130,10 +133,11 @@ impl<T: Precision> Lattice<T> {
     /// Memory in bytes that all of this takes.
     pub fn bytes(&self) -> usize {
         let forces = self.forces.as_ref().map_or(0, |_| 3 * size_of::<T>());
+        let velocities = self.velocities.as_ref().map_or(0, |_| 3 * size_of::<T>());
         let viscosities = self.viscosities.as_ref().map_or(0, |_| size_of::<T>());
         let labels = self.labels.as_ref().map_or(0, |_| size_of::<u16>());
         self.layout.slots() * size_of::<T>()
-            + self.layout.nodes() * (forces + viscosities + labels)
+            + self.layout.nodes() * (forces + velocities + viscosities + labels)
             + self.links.bytes()
     }
 
@@ -189,11 +193,24 @@ impl<T: Precision> Lattice<T> {
     /// Goes on by a number of steps.
     pub fn advance(&mut self, steps: u64) {
         for _ in 0..steps {
-            self.step();
+            self.step(None);
         }
     }
 
-    fn step(&mut self) {
+    /// Goes on by one step and keeps the velocities that it began with, with the half of all forces
+    /// that a [`Node`] has, in the rows along x that have forces on single nodes. They come from the
+    /// collisions: it takes no second look at the populations.
+    ///
+    /// They are rounded to the lattice's numbers, and there until the next such step.
+    pub fn advance_keeping_velocities(&mut self) {
+        let layout = &self.layout;
+        let mut kept = (self.velocities.take()).unwrap_or_else(|| NodalVelocities::new(layout));
+        kept.keep(self.forces.as_ref());
+        self.step(Some(&mut kept));
+        self.velocities = Some(kept);
+    }
+
+    fn step(&mut self, velocities: Option<&mut NodalVelocities<T>>) {
         let odd = self.odd();
         let fluid = Fluid {
             tripled_viscosity: T::constant(3.0 * self.setup.viscosity),
@@ -209,6 +226,7 @@ impl<T: Precision> Lattice<T> {
         let layout = self.layout;
         let share = layout.cells[2].div_ceil(self.setup.threads.get());
         let mut planes = planes(&layout, odd, &mut self.state.populations);
+        let mut velocities = velocities.map(|velocities| velocities.slabs(share));
         std::thread::scope(|scope| {
             let slab = |(number, planes)| Slab {
                 planes,
@@ -216,6 +234,7 @@ impl<T: Precision> Lattice<T> {
                 odd,
                 layout,
                 fluid,
+                velocities: velocities.as_mut().and_then(Iterator::next),
             };
             let mut slabs = planes.chunks_mut(share).enumerate().map(slab);
             let own = slabs.next();
@@ -228,6 +247,10 @@ impl<T: Precision> Lattice<T> {
         });
         self.links.bounce_back(&mut self.state.populations, odd);
         self.state.steps += 1;
+    }
+
+    fn kept_velocities(&self) -> Option<&NodalVelocities<T>> {
+        self.velocities.as_ref()
     }
 
     fn is_periodic(&self, axis: usize) -> bool {

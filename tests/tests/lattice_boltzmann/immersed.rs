@@ -1,10 +1,11 @@
 //! Points in the fluid.
 
 use crate::{cells, everything, lattice, periodic, scattered, seen, stirred};
-use helfrich_std::flow::lattice_boltzmann::{Immersed, Kernel, Node, Setup, Sides};
+use helfrich_std::flow::lattice_boltzmann::{Immersed, Kernel, Node, Precision, Setup, Sides};
 use helfrich_tests::meshes::SplitMix64;
 use helfrich_tests::tolerance;
 use std::f64::consts::PI;
+use std::num::NonZeroUsize;
 
 const KERNELS: [Kernel; 3] = [Kernel::Two, Kernel::Three, Kernel::Four];
 
@@ -167,6 +168,62 @@ fn points_do_not_know_of_each_other() {
     }
 }
 
+/// Velocities kept by collisions are those that are read before them.
+#[test]
+fn collisions_keep_velocities() {
+    // Rows that fill no vectors, points round all ends of them.
+    let size = [11, 7, 9];
+    let points = scattered(30, size);
+    let forces = vec![[2e-4, -1e-4, 3e-4]; points.len()];
+    fn compare<T: Precision>(
+        setup: Setup,
+        points: &[[f64; 3]],
+        forces: &[[f64; 3]],
+        allowed: &tolerance::Tolerance,
+    ) {
+        let mut lattice = lattice::<T>(setup.clone());
+        lattice.fill(stirred(setup.cells));
+        lattice.set_force([1e-4, 0.0, -2e-4]).unwrap();
+        // Two even steps, one odd.
+        for kernel in KERNELS {
+            let mut immersed = Immersed::new(kernel);
+            immersed.place(&lattice, points).unwrap();
+            lattice.clear_forces();
+            immersed.spread(&mut lattice, forces).unwrap();
+            let mut read = vec![[0.0; 3]; points.len()];
+            immersed.interpolate(&lattice, &mut read);
+            let mut plain = lattice.clone();
+            plain.advance(1);
+            lattice.advance_keeping_velocities();
+            assert!(lattice.state() == plain.state(), "the step is the same");
+            let mut kept = vec![[f64::NAN; 3]; points.len()];
+            immersed.interpolate_kept(&lattice, &mut kept);
+            for (kept, read) in kept.iter().flatten().zip(read.iter().flatten()) {
+                allowed.assert(*kept, *read, 0.05, &format!("velocity by {kernel:?}"));
+            }
+        }
+    }
+    for (inertia, threads) in [(true, 1), (true, 4), (false, 1)] {
+        let setup = Setup {
+            inertia,
+            threads: NonZeroUsize::new(threads).unwrap(),
+            ..periodic(size, 0.1)
+        };
+        compare::<f64>(setup.clone(), &points, &forces, &tolerance::LATTICE_KERNEL);
+        compare::<f32>(setup, &points, &forces, &tolerance::LATTICE_KEPT_SINGLE);
+    }
+}
+
+#[test]
+#[should_panic(expected = "velocities have not been kept at the points")]
+fn velocities_that_were_not_kept_are_not_made_up() {
+    let mut lattice = lattice::<f64>(periodic([8, 8, 8], 0.1));
+    let mut immersed = Immersed::new(Kernel::Two);
+    lattice.advance_keeping_velocities();
+    immersed.place(&lattice, &[[4.0; 3]]).unwrap();
+    immersed.interpolate_kept(&lattice, &mut [[0.0; 3]]);
+}
+
 /// What is interpolated is the transpose of what is spread: forces do the work that the fluid gets.
 #[test]
 fn work_on_points_is_work_on_nodes() {
@@ -217,6 +274,7 @@ fn points_and_forces_do_not_depend_on_the_number_of_threads() {
         );
         let mut immersed = Immersed::new(Kernel::Four);
         let mut velocities = vec![[0.0; 3]; points.len()];
+        let mut read = velocities.clone();
         for _ in 0..5 {
             immersed.place(&lattice, &points).unwrap();
             lattice.clear_forces();
@@ -226,15 +284,16 @@ fn points_and_forces_do_not_depend_on_the_number_of_threads() {
                     .map(|&[x, y, z]| [3e-5 * y, 6e-6 * z, -3e-6 * x]),
             );
             immersed.spread(&mut lattice, &forces).unwrap();
-            immersed.interpolate(&lattice, &mut velocities);
-            lattice.advance(1);
+            immersed.interpolate(&lattice, &mut read);
+            lattice.advance_keeping_velocities();
+            immersed.interpolate_kept(&lattice, &mut velocities);
             for (point, velocity) in points.iter_mut().zip(&velocities) {
                 for (x, u) in point.iter_mut().zip(velocity) {
                     *x += u;
                 }
             }
         }
-        (lattice.state().clone(), points)
+        (lattice.state().clone(), points, read)
     };
     let alone = run(1);
     for threads in [2, 3, 20] {

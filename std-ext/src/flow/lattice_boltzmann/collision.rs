@@ -29,6 +29,8 @@ pub(super) struct Slab<'a, 'b, T> {
     pub(super) odd: bool,
     pub(super) layout: Layout,
     pub(super) fluid: Fluid<'a, T>,
+    /// Where rows with further forces leave the velocities that are found, from the first plane on.
+    pub(super) velocities: Option<[&'b mut [T]; 3]>,
 }
 
 /// What a collision has to know of the fluid.
@@ -50,17 +52,19 @@ pub(super) struct Fluid<'a, T> {
 struct Row<'a, T> {
     tripled_viscosities: Option<&'a [T]>,
     forces: Option<[&'a [T]; 3]>,
+    /// To be set: the velocities that the collision begins with.
+    velocities: Option<[&'a mut [T]; 3]>,
 }
 
 impl<T: Precision> WithSimd for Slab<'_, '_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(mut self, simd: S) {
         let Layout { cells, pitch, .. } = self.layout;
         let [length, rows, _] = cells;
-        for (number, sheets) in self.planes.iter_mut().enumerate() {
-            let z = self.first + number;
+        for (plane, sheets) in self.planes.iter_mut().enumerate() {
+            let z = self.first + plane;
             for y in 0..rows {
                 // No closures: what they do not inline takes as long as an eighth of the collisions.
                 let mut slots: [&mut [T]; Q] = array::from_fn(|_| <&mut [T]>::default());
@@ -87,11 +91,21 @@ impl<T: Precision> WithSimd for Slab<'_, '_, T> {
                     forces,
                     ..
                 } = self.fluid;
+                let forces = forces.and_then(|forces| forces.row(number));
+                let own = (y + rows * plane) * length;
                 let row = Row {
                     tripled_viscosities: viscosities.and_then(|all| all.row(number)),
-                    forces: forces.and_then(|forces| forces.row(number)),
+                    velocities: match &mut self.velocities {
+                        Some([u, v, w]) if forces.is_some() => Some([
+                            &mut u[own..own + length],
+                            &mut v[own..own + length],
+                            &mut w[own..own + length],
+                        ]),
+                        _ => None,
+                    },
+                    forces,
                 };
-                collide_row(simd, slots, &self.fluid, &row);
+                collide_row(simd, slots, &self.fluid, row);
                 if self.odd {
                     for (direction, sheet) in sheets.iter_mut().enumerate() {
                         let step = VELOCITIES[opposite(direction)];
@@ -114,7 +128,7 @@ fn collide_row<T: Precision, S: Simd>(
     simd: S,
     slots: [&mut [T]; Q],
     fluid: &Fluid<'_, T>,
-    row: &Row<'_, T>,
+    row: Row<'_, T>,
 ) {
     let mut ends: [&mut [T]; Q] = array::from_fn(|_| <&mut [T]>::default());
     let mut vectors: [&mut [T::Of<S>]; Q] = array::from_fn(|_| <&mut [T::Of<S>]>::default());
@@ -123,14 +137,22 @@ fn collide_row<T: Precision, S: Simd>(
     }
     let viscosities = row.tripled_viscosities.map(T::rows::<S>);
     let forces = row.forces.map(|axes| axes.map(T::rows::<S>));
-    let whole = Vectors {
-        tripled_viscosities: viscosities.map(|(vectors, _)| vectors),
-        forces: forces.map(|axes| axes.map(|(vectors, _)| vectors)),
+    let (velocities, velocity_ends) = match row.velocities {
+        None => (None, None),
+        Some(axes) => {
+            let [u, v, w] = axes.map(T::rows_mut::<S>);
+            (Some([u.0, v.0, w.0]), Some([u.1, v.1, w.1]))
+        }
     };
-    // Most rows have neither, and a loop of their own: `Option`s would be asked at every vector.
+    // Most rows have none of them, and a loop of their own: `Option`s would be asked at every vector.
     if let (None, None) = (viscosities, forces) {
         collide_vectors(simd, vectors, fluid, Vectors::NONE);
     } else {
+        let whole = Vectors {
+            tripled_viscosities: viscosities.map(|(vectors, _)| vectors),
+            forces: forces.map(|axes| axes.map(|(vectors, _)| vectors)),
+            velocities,
+        };
         collide_vectors(simd, vectors, fluid, whole);
     }
 
@@ -138,7 +160,8 @@ fn collide_row<T: Precision, S: Simd>(
         return;
     }
     let zero = T::splat(simd, T::zero());
-    let (mut vectors, mut viscosity, mut force) = ([[zero]; Q], [zero], [[zero]; 3]);
+    let (mut vectors, mut viscosity) = ([[zero]; Q], [zero]);
+    let (mut force, mut velocity) = ([[zero]; 3], [[zero]; 3]);
     for (vector, end) in vectors.iter_mut().zip(&ends) {
         *vector = [T::load(simd, end)];
     }
@@ -150,13 +173,18 @@ fn collide_row<T: Precision, S: Simd>(
             *force = [T::load(simd, end)];
         }
     }
+    let lent = velocity.each_mut().map(|velocity| velocity.as_mut_slice());
     let end = Vectors {
         tripled_viscosities: viscosities.map(|_| viscosity.as_slice()),
         forces: forces.map(|_| force.each_ref().map(|force| force.as_slice())),
+        velocities: velocity_ends.as_ref().map(|_| lent),
     };
     let slots = vectors.each_mut().map(|vector| vector.as_mut_slice());
     collide_vectors(simd, slots, fluid, end);
     for (end, [vector]) in ends.into_iter().zip(vectors) {
+        T::store(simd, end, vector);
+    }
+    for (end, [vector]) in velocity_ends.into_iter().flatten().zip(velocity) {
         T::store(simd, end, vector);
     }
 }
@@ -165,12 +193,14 @@ fn collide_row<T: Precision, S: Simd>(
 struct Vectors<'a, V> {
     tripled_viscosities: Option<&'a [V]>,
     forces: Option<[&'a [V]; 3]>,
+    velocities: Option<[&'a mut [V]; 3]>,
 }
 
 impl<V> Vectors<'_, V> {
     const NONE: Self = Self {
         tripled_viscosities: None,
         forces: None,
+        velocities: None,
     };
 }
 
@@ -179,7 +209,7 @@ fn collide_vectors<T: Precision, S: Simd>(
     simd: S,
     mut slots: [&mut [T::Of<S>]; Q],
     fluid: &Fluid<'_, T>,
-    row: Vectors<'_, T::Of<S>>,
+    mut row: Vectors<'_, T::Of<S>>,
 ) {
     // No closures around vectors: they would be compiled without the features of the caller.
     let constants = Constants::new(simd, fluid);
@@ -212,6 +242,12 @@ fn collide_vectors<T: Precision, S: Simd>(
             let there = Vector::new(simd, slots[2 * pair + 1][number]);
             let back = Vector::new(simd, slots[2 * pair + 2][number]);
             moments = moments.with_pair(pair, there, back);
+        }
+        if let Some(velocities) = &mut row.velocities {
+            let found = moments.velocity(&constants, force);
+            for axis in 0..3 {
+                velocities[axis][number] = found[axis].entries();
+            }
         }
         let collision = Collision::new(&constants, &rates, force, moments);
         slots[0][number] = collision.of_rest(rest).entries();
@@ -331,6 +367,24 @@ impl<T: Precision, S: Simd> Moments<Vector<T, S>> {
             excess: self.excess + (there + back),
             momentum,
         }
+    }
+
+    /// (j + F/2)/ρ, and with 1 for ρ without inertia.
+    #[inline(always)]
+    fn velocity(
+        &self,
+        constants: &Constants<Vector<T, S>>,
+        force: [Vector<T, S>; 3],
+    ) -> [Vector<T, S>; 3] {
+        let &Constants {
+            one, half, inertia, ..
+        } = constants;
+        let over = inertia / (one + self.excess) + (one - inertia);
+        let mut velocity = self.momentum;
+        for axis in 0..3 {
+            velocity[axis] = over * half.times_plus(force[axis], velocity[axis]);
+        }
+        velocity
     }
 }
 
@@ -486,9 +540,10 @@ mod tests {
         let row = Row {
             tripled_viscosities: None,
             forces: None,
+            velocities: None,
         };
         let lent = slots.each_mut().map(|slot| slot.as_mut_slice());
-        collide_row(pulp::Scalar::new(), lent, &fluid, &row);
+        collide_row(pulp::Scalar::new(), lent, &fluid, row);
         for (i, expected) in expected.into_iter().enumerate() {
             let [left] = slots[opposite(i)];
             assert!(

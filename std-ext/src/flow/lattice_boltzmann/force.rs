@@ -1,4 +1,4 @@
-//! Forces on nodes.
+//! Forces on nodes, and velocities where they are.
 
 use crate::flow::lattice_boltzmann::stencil::Layout;
 use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
@@ -72,6 +72,50 @@ impl<T: Precision> NodalForces<T> {
     }
 }
 
+/// The velocities of nodes in rows along x.
+#[derive(Clone, Debug)]
+pub(super) struct NodalVelocities<T> {
+    /// Nodes in a row, and rows in a plane.
+    length: usize,
+    rows: usize,
+    axes: [Vec<T>; 3],
+    /// Which rows have been kept.
+    kept: Vec<bool>,
+}
+
+impl<T: Precision> NodalVelocities<T> {
+    pub(super) fn new(layout: &Layout) -> Self {
+        let [length, rows, planes] = layout.cells;
+        Self {
+            length,
+            rows,
+            axes: [(); 3].map(|()| vec![T::zero(); layout.nodes()]),
+            kept: vec![false; rows * planes],
+        }
+    }
+
+    /// Prepares for the rows that have forces.
+    pub(super) fn keep(&mut self, forces: Option<&NodalForces<T>>) {
+        match forces {
+            Some(forces) => self.kept.copy_from_slice(&forces.touched),
+            None => self.kept.fill(false),
+        }
+    }
+
+    /// Parts of this many planes, to be set at once.
+    pub(super) fn slabs(&mut self, planes: usize) -> impl Iterator<Item = [&mut [T]; 3]> {
+        let nodes = self.length * self.rows * planes;
+        let [x, y, z] = self.axes.each_mut().map(|axis| axis.chunks_mut(nodes));
+        x.zip(y).zip(z).map(|((x, y), z)| [x, y, z])
+    }
+
+    /// The velocities of a row, if they were kept; rows are counted along y, then z.
+    pub(super) fn row(&self, row: usize) -> Option<[&[T]; 3]> {
+        let nodes = row * self.length..(row + 1) * self.length;
+        self.kept[row].then(|| self.axes.each_ref().map(|axis| &axis[nodes.clone()]))
+    }
+}
+
 /// The forces in some consecutive planes.
 pub(super) struct ForceSlab<'a, T> {
     /// z of the planes; the last slab may have fewer.
@@ -84,26 +128,11 @@ pub(super) struct ForceSlab<'a, T> {
 
 impl<T: Precision> ForceSlab<'_, T> {
     /// The forces of the row at (y, z), which counts as touched.
-    pub(super) fn row(&mut self, y: usize, z: usize) -> ForceRow<'_, T> {
+    pub(super) fn row(&mut self, y: usize, z: usize) -> [&mut [T]; 3] {
         let row = y + self.rows * (z - self.planes.start);
         self.touched[row] = true;
         let nodes = row * self.length..(row + 1) * self.length;
-        ForceRow {
-            axes: self.axes.each_mut().map(|axis| &mut axis[nodes.clone()]),
-        }
-    }
-}
-
-/// The forces in a row.
-pub(super) struct ForceRow<'a, T> {
-    axes: [&'a mut [T]; 3],
-}
-
-impl<T: Precision> ForceRow<'_, T> {
-    pub(super) fn add(&mut self, x: usize, force: [T; 3]) {
-        for (axis, force) in self.axes.iter_mut().zip(force) {
-            axis[x] += force;
-        }
+        self.axes.each_mut().map(|axis| &mut axis[nodes.clone()])
     }
 }
 

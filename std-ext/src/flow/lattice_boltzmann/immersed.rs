@@ -3,9 +3,9 @@
 //! C. S. Peskin, Acta Numerica 11 (2002) 479; the kernel of three points: A. M. Roma, C. S. Peskin,
 //! M. J. Berger, J. Comput. Phys. 153 (1999) 509.
 
-use crate::flow::lattice_boltzmann::force::{ForceSlab, checked_force};
+use crate::flow::lattice_boltzmann::force::{ForceSlab, NodalVelocities, checked_force};
 use crate::flow::lattice_boltzmann::reading::{Moments, Row};
-use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision};
+use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
 use serde::{Deserialize, Serialize};
 use std::array;
 
@@ -60,12 +60,31 @@ impl Kernel {
         }
     }
 
-    /// The first node that a coordinate reaches.
-    fn first(self, coordinate: f64) -> f64 {
+    /// The first node that a coordinate reaches, and [`Self::weight`] there and at those that follow:
+    /// one square root serves all of them.
+    fn weights(self, coordinate: f64) -> (f64, [f64; 4]) {
         match self {
-            Self::Two => (coordinate - 0.5).floor(),
-            Self::Three => coordinate.floor() - 1.0,
-            Self::Four => (coordinate - 0.5).floor() - 1.0,
+            Self::Two => {
+                let first = (coordinate - 0.5).floor();
+                let r = coordinate - 0.5 - first;
+                (first, [1.0 - r, r, 0.0, 0.0])
+            }
+            Self::Three => {
+                let middle = coordinate.floor();
+                let r = coordinate - 0.5 - middle;
+                let root = (1.0 - 3.0 * r * r).sqrt();
+                let [before, after] = [-r, r].map(|r| (2.0 + 3.0 * r - root) / 6.0);
+                (middle - 1.0, [before, (1.0 + root) / 3.0, after, 0.0])
+            }
+            Self::Four => {
+                let before = (coordinate - 0.5).floor();
+                let r = coordinate - 0.5 - before;
+                let root = (1.0 + 4.0 * r * (1.0 - r)).sqrt();
+                let [far, near] = [-root, root].map(|root| (3.0 - 2.0 * r + root) / 8.0);
+                let [after_near, after_far] =
+                    [root, -root].map(|root| (1.0 + 2.0 * r + root) / 8.0);
+                (before - 1.0, [far, near, after_near, after_far])
+            }
         }
     }
 }
@@ -73,8 +92,8 @@ impl Kernel {
 /// Points in the fluid, such as the vertices of membranes.
 ///
 /// A step of membranes is: [`Self::place`] the vertices, [`Lattice::clear_forces`],
-/// [`Self::spread`] their forces, [`Self::interpolate`] velocities, [`Lattice::advance`] by one, and
-/// move the vertices.
+/// [`Self::spread`] their forces, [`Lattice::advance_keeping_velocities`],
+/// [`Self::interpolate_kept`], and move the vertices.
 ///
 /// Points may lie anywhere on periodic axes. Between walls all of their nodes must be there: half a
 /// node of distance from the wall for two points, 1 for three, 3/2 for four. Nodes inside obstacles
@@ -195,7 +214,6 @@ impl Immersed {
                 }
             }
         }
-        self.rows.cover(self.cells, self.kernel, &self.stencils);
         Ok(())
     }
 
@@ -215,14 +233,12 @@ impl Immersed {
             if !coordinate.is_finite() {
                 return Err(LatticeError::PointNotFinite { point, axis });
             }
-            let first = self.kernel.first(coordinate);
-            for (k, weight) in stencil.weights[axis][..count].iter_mut().enumerate() {
-                *weight = self.kernel.weight(coordinate - 0.5 - (first + k as f64));
-            }
-            stencil.first[axis] = if lattice.is_periodic(axis) {
-                first.rem_euclid(cells as f64) as usize % cells
-            } else if first >= 0.0 && first + count as f64 <= cells as f64 {
+            let (first, weights) = self.kernel.weights(coordinate);
+            stencil.weights[axis] = weights;
+            stencil.first[axis] = if first >= 0.0 && first + count as f64 <= cells as f64 {
                 first as usize
+            } else if lattice.is_periodic(axis) {
+                first.rem_euclid(cells as f64) as usize % cells
             } else {
                 return Err(LatticeError::NearWall {
                     point,
@@ -270,21 +286,44 @@ impl Immersed {
         Ok(())
     }
 
-    fn spread_into<T: Precision>(&self, mut slab: ForceSlab<'_, T>, forces: &[[f64; 3]]) {
-        let count = self.kernel.points();
+    fn spread_into<T: Precision>(&self, slab: ForceSlab<'_, T>, forces: &[[f64; 3]]) {
+        match self.kernel {
+            Kernel::Two => self.spread_by::<T, 2>(slab, forces),
+            Kernel::Three => self.spread_by::<T, 3>(slab, forces),
+            Kernel::Four => self.spread_by::<T, 4>(slab, forces),
+        }
+    }
+
+    fn spread_by<T: Precision, const POINTS: usize>(
+        &self,
+        mut slab: ForceSlab<'_, T>,
+        forces: &[[f64; 3]],
+    ) {
         for (stencil, force) in self.stencils.iter().zip(forces) {
-            let [x, y, z] = stencil.nodes(self.cells);
+            let [x, y, z] = stencil.nodes::<POINTS>(self.cells);
             let [across_x, across_y, across_z] = stencil.weights;
-            for k in 0..count {
-                if !slab.planes.contains(&z[k]) {
+            for (z, across_z) in z.into_iter().zip(across_z) {
+                if !slab.planes.contains(&z) {
                     continue;
                 }
-                for j in 0..count {
-                    let weight = across_y[j] * across_z[k];
-                    let mut row = slab.row(y[j], z[k]);
-                    for i in 0..count {
-                        let weight = weight * across_x[i];
-                        row.add(x[i], force.map(|force| T::constant(weight * force)));
+                for (y, across_y) in y.into_iter().zip(across_y) {
+                    let weight = across_y * across_z;
+                    for (row, force) in slab.row(y, z).into_iter().zip(force) {
+                        let share = weight * force;
+                        let add = |node: &mut T, across| *node += T::constant(share * across);
+                        match row.get_mut(x[0]..x[0] + POINTS) {
+                            Some(nodes) => {
+                                for (node, across) in nodes.iter_mut().zip(across_x) {
+                                    add(node, across);
+                                }
+                            }
+                            // Round the end of the row.
+                            None => {
+                                for (x, across) in x.into_iter().zip(across_x) {
+                                    add(&mut row[x], across);
+                                }
+                            }
+                        }
                     }
                 }
             }
@@ -292,13 +331,14 @@ impl Immersed {
     }
 
     /// Sets the velocities of the fluid at the points, with the half of all forces that a
-    /// [`Node`](super::Node) has.
+    /// [`Node`](super::Node) has: from the populations, node by node.
     ///
     /// # Panics
     /// If there is not one velocity a point, or they were placed in a lattice of another size.
     pub fn interpolate<T: Precision>(&mut self, lattice: &Lattice<T>, velocities: &mut [[f64; 3]]) {
         assert_eq!(velocities.len(), self.count(), "one velocity a point");
         self.assert_size(lattice);
+        self.rows.cover(self.cells, self.kernel, &self.stencils);
         let threads = self.threads(lattice);
         self.velocities.resize(self.rows.nodes, [0.0; 3]);
         let share = self.rows.runs.len().div_ceil(threads).max(1);
@@ -317,35 +357,35 @@ impl Immersed {
                 }
             }
         });
-        let share = velocities.len().div_ceil(threads).max(1);
-        std::thread::scope(|scope| {
-            let this = &*self;
-            let mut shares = velocities
-                .chunks_mut(share)
-                .zip(self.stencils.chunks(share));
-            let own = shares.next();
-            for (velocities, stencils) in shares {
-                scope.spawn(move || this.interpolate_at(stencils, velocities));
-            }
-            if let Some((velocities, stencils)) = own {
-                this.interpolate_at(stencils, velocities);
-            }
-        });
+        let this = &*self;
+        share_points(
+            threads,
+            velocities,
+            &self.stencils,
+            |stencils, velocities| match self.kernel {
+                Kernel::Two => this.interpolate_by::<2>(stencils, velocities),
+                Kernel::Three => this.interpolate_by::<3>(stencils, velocities),
+                Kernel::Four => this.interpolate_by::<4>(stencils, velocities),
+            },
+        );
     }
 
-    fn interpolate_at(&self, stencils: &[Stencil], velocities: &mut [[f64; 3]]) {
-        let count = self.kernel.points();
+    fn interpolate_by<const POINTS: usize>(
+        &self,
+        stencils: &[Stencil],
+        velocities: &mut [[f64; 3]],
+    ) {
         for (stencil, velocity) in stencils.iter().zip(velocities) {
-            let [x, y, z] = stencil.nodes(self.cells);
+            let [x, y, z] = stencil.nodes::<POINTS>(self.cells);
             let [across_x, across_y, across_z] = stencil.weights;
             let mut sum = [0.0; 3];
-            for k in 0..count {
-                for j in 0..count {
+            for k in 0..POINTS {
+                for j in 0..POINTS {
                     let weight = across_y[j] * across_z[k];
                     let parts = self.rows.parts[y[j] + self.cells[1] * z[k]];
                     // All of a stencil's nodes in a row are in the same one.
                     let part = parts[usize::from(x[0] >= parts[1].start)];
-                    for i in 0..count {
+                    for i in 0..POINTS {
                         let weight = weight * across_x[i];
                         let node = self.velocities[part.offset + x[i] - part.start];
                         for (sum, node) in sum.iter_mut().zip(node) {
@@ -355,6 +395,74 @@ impl Immersed {
                 }
             }
             *velocity = sum;
+        }
+    }
+
+    /// Sets the velocities at the points with which the last step began, which was
+    /// [`Lattice::advance_keeping_velocities`]: those that [`Self::interpolate`] would have found
+    /// before it, to the rounding of the lattice's numbers, in less time.
+    ///
+    /// # Panics
+    /// If there is not one velocity a point, they were placed in a lattice of another size, or their
+    /// forces were not [spread](Self::spread) before that step.
+    pub fn interpolate_kept<T: Precision>(
+        &self,
+        lattice: &Lattice<T>,
+        velocities: &mut [[f64; 3]],
+    ) {
+        assert_eq!(velocities.len(), self.count(), "one velocity a point");
+        self.assert_size(lattice);
+        let Some(kept) = lattice.kept_velocities() else {
+            assert!(self.stencils.is_empty(), "no step has kept velocities");
+            return;
+        };
+        share_points(
+            self.threads(lattice),
+            velocities,
+            &self.stencils,
+            |stencils, velocities| match self.kernel {
+                Kernel::Two => self.interpolate_kept_by::<T, 2>(kept, stencils, velocities),
+                Kernel::Three => self.interpolate_kept_by::<T, 3>(kept, stencils, velocities),
+                Kernel::Four => self.interpolate_kept_by::<T, 4>(kept, stencils, velocities),
+            },
+        );
+    }
+
+    fn interpolate_kept_by<T: Precision, const POINTS: usize>(
+        &self,
+        kept: &NodalVelocities<T>,
+        stencils: &[Stencil],
+        velocities: &mut [[f64; 3]],
+    ) {
+        for (stencil, velocity) in stencils.iter().zip(velocities) {
+            let [x, y, z] = stencil.nodes::<POINTS>(self.cells);
+            let [across_x, across_y, across_z] = stencil.weights;
+            *velocity = [0.0; 3];
+            for (z, across_z) in z.into_iter().zip(across_z) {
+                for (y, across_y) in y.into_iter().zip(across_y) {
+                    let weight = across_y * across_z;
+                    let Some(axes) = kept.row(y + self.cells[1] * z) else {
+                        panic!("velocities have not been kept at the points");
+                    };
+                    for (sum, row) in velocity.iter_mut().zip(axes) {
+                        let mut along = 0.0;
+                        match row.get(x[0]..x[0] + POINTS) {
+                            Some(nodes) => {
+                                for (&node, across) in nodes.iter().zip(across_x) {
+                                    along += across * number(node);
+                                }
+                            }
+                            // Round the end of the row.
+                            None => {
+                                for (x, across) in x.into_iter().zip(across_x) {
+                                    along += across * number(row[x]);
+                                }
+                            }
+                        }
+                        *sum += weight * along;
+                    }
+                }
+            }
         }
     }
 
@@ -375,9 +483,30 @@ impl Immersed {
     }
 }
 
+/// Sets the velocities of points, a share on each thread.
+fn share_points(
+    threads: usize,
+    velocities: &mut [[f64; 3]],
+    stencils: &[Stencil],
+    set: impl Fn(&[Stencil], &mut [[f64; 3]]) + Sync,
+) {
+    let share = velocities.len().div_ceil(threads).max(1);
+    std::thread::scope(|scope| {
+        let mut shares = velocities.chunks_mut(share).zip(stencils.chunks(share));
+        let own = shares.next();
+        let set = &set;
+        for (velocities, stencils) in shares {
+            scope.spawn(move || set(stencils, velocities));
+        }
+        if let Some((velocities, stencils)) = own {
+            set(stencils, velocities);
+        }
+    });
+}
+
 impl Stencil {
-    /// The nodes along each axis; of more than the kernel has, the last do not count.
-    fn nodes(&self, cells: [usize; 3]) -> [[usize; 4]; 3] {
+    /// The nodes along each axis.
+    fn nodes<const POINTS: usize>(&self, cells: [usize; 3]) -> [[usize; POINTS]; 3] {
         array::from_fn(|axis| {
             array::from_fn(|k| {
                 let mut node = self.first[axis] + k;
@@ -399,7 +528,7 @@ impl Rows {
         self.parts.clear();
         self.parts.resize(rows * planes, [Part::NONE; 2]);
         for stencil in stencils {
-            let [_, y, z] = stencil.nodes(cells);
+            let [_, y, z] = stencil.nodes::<4>(cells);
             let first = stencil.first[0];
             let (start, end) = if first + count <= length {
                 (first, first + count)
@@ -438,5 +567,30 @@ fn read_velocities<T: Precision>(lattice: &Lattice<T>, runs: &[Row], velocities:
     }
     for (velocity, moments) in velocities.iter_mut().zip(&moments) {
         *velocity = lattice.velocity(moments);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Kernel;
+
+    #[test]
+    fn weights_of_a_coordinate_are_those_of_distances() {
+        for kernel in [Kernel::Two, Kernel::Three, Kernel::Four] {
+            for step in -40..=40 {
+                let coordinate = 0.025 * f64::from(step);
+                let (first, weights) = kernel.weights(coordinate);
+                for (k, found) in weights.into_iter().enumerate() {
+                    let expected = match k < kernel.points() {
+                        true => kernel.weight(coordinate - 0.5 - (first + k as f64)),
+                        false => 0.0,
+                    };
+                    assert!(
+                        (found - expected).abs() < 4.0 * f64::EPSILON,
+                        "{kernel:?} at {coordinate}, node {k}: found {found}, expected {expected}"
+                    );
+                }
+            }
+        }
     }
 }
