@@ -100,7 +100,7 @@ impl LatticeBoltzmann {
         rate * self.step * nodes * nodes / self.lattice_viscosity
     }
 
-    /// Memory in bytes: populations and forces, and what obstacles and viscosities add.
+    /// Memory in bytes: populations, forces and velocities at vertices, and what obstacles and viscosities add.
     pub(super) fn memory(&self, scene: &Scene) -> u64 {
         let nodes = self.cells.map(|count| count as u64).iter().product::<u64>();
         let (populations, number) = match self.precision {
@@ -111,7 +111,7 @@ impl LatticeBoltzmann {
             |surface: &SurfaceScene| surface.viscosity_ratio.is_some_and(|ratio| ratio != 1.0);
         let contrast = u64::from(scene.surfaces.iter().any(ratio));
         let labels = u64::from(!scene.obstacles.is_empty());
-        populations.unwrap_or(0) as u64 + nodes * (number * (3 + contrast) + 2 * labels)
+        populations.unwrap_or(0) as u64 + nodes * (number * (6 + contrast) + 2 * labels)
     }
 
     /// What limits the step, each by itself.

@@ -104,8 +104,8 @@ pub fn reynolds(speed: f64, length: f64, viscosity: f64) -> f64 {
     speed * length / viscosity
 }
 
-/// Bytes that a lattice of this size takes, before nodes have forces, viscosities or obstacles of
-/// their own; these add 3 and 1 numbers and 2 bytes a node.
+/// Bytes that a lattice of this size takes, before nodes have forces, kept velocities, viscosities or
+/// obstacles of their own; these add 3, 3 and 1 numbers and 2 bytes a node.
 ///
 /// # Errors
 /// If an axis has no nodes, or there are more than can be addressed.
