@@ -50,6 +50,34 @@ fn valid(text: &str) -> SceneFile {
     parse(text).unwrap_or_else(|errors| panic!("{errors}\n\n{text}"))
 }
 
+/// The capsule of Guckenberger et al. 2016 on a coarse mesh, with other lines in places: effects from
+/// line 8 on, the driver from line 11 on, which ends with `more`.
+#[track_caller]
+fn capsule_in(driver: &str, more: &str, replacements: &[(&str, &str)]) -> String {
+    let mut text = format!(
+        r#"units = "none"
+[[surface]]
+name = "capsule"
+shape = "sphere:1"
+family = "regular"
+vertices = 642
+match_volume = true
+bending = {{ method = "B", modulus = 0.1125 }}
+elasticity = {{ law = "neo-hookean", shear_modulus = 1 }}
+[driver]
+kind = "{driver}"
+viscosity = 1
+flow = {{ kind = "shear", rate = 0.15 }}
+strain = 4
+{more}"#
+    );
+    for (old, new) in replacements {
+        assert!(text.contains(old), "{old}");
+        text = text.replace(old, new);
+    }
+    text
+}
+
 /// A scene with `effects` on its one surface, from line 8 on.
 fn with(effects: &str) -> String {
     format!(

@@ -1,0 +1,365 @@
+//! What is doubtful, steps that are chosen, and what is said of both.
+
+use super::super::valid;
+use super::{capsule, driver, placed, warned_beyond, warnings};
+use helfrich_std::info::MeshInfo;
+use helfrich_std::scene::Explanation;
+use helfrich_tests::tolerance;
+
+/// Each limit of the valid range, with a value on either side of it; by hand, with a = μ = G = 1, edges of
+/// 0.151, and nodes 1/6 apart where nothing else is said.
+#[test]
+fn what_leaves_the_valid_range_is_warned_of() {
+    assert_eq!(warnings(&capsule(&[])), [""; 0]);
+    let soft = ("modulus = 0.1125", "modulus = 1e-4");
+    let slow = ("rate = 0.15", "rate = 1e-3");
+    let with = |lines: &str| format!("resolution = 6\n{lines}");
+    // 3 G ν step/(μ a), which is 0.01 at 1/60.
+    warned_beyond(
+        &[
+            soft,
+            slow,
+            ("resolution = 6", &with("lattice_viscosity = 0.2\nstep = ?")),
+        ],
+        ["0.0166", "0.0168"],
+        17,
+        &[
+            "3 P = 0.0101",
+            "a `step` of 0.0167, or a `lattice_viscosity` of 0.198",
+        ],
+    );
+    // With a density 3 G step²/(a ρ spacing²): here at a step of √(0.01/(3·36)) = 0.009623.
+    warned_beyond(
+        &[
+            soft,
+            slow,
+            ("resolution = 6", &with("density = 1\nstep = ?")),
+        ],
+        ["0.0096", "0.0097"],
+        17,
+        &[
+            "3 P = 0.0102",
+            "a `step` of 0.00962, which is a viscosity of 0.346",
+        ],
+    );
+    // √3 γ̇ L/2 step/spacing, which is 0.1 at 0.01833.
+    warned_beyond(
+        &[
+            soft,
+            ("shear_modulus = 1", "shear_modulus = 0.01"),
+            ("resolution = 6", &with("lattice_viscosity = 1\nstep = ?")),
+        ],
+        ["0.0182", "0.0185"],
+        17,
+        &[
+            "the walls move with a Mach number of 0.101",
+            "a `step` of 0.0183",
+        ],
+    );
+    // γ̇ a² step/(ν spacing²), which is 0.2 at 0.003704.
+    warned_beyond(
+        &[
+            soft,
+            ("resolution = 6", &with("lattice_viscosity = 0.1\nstep = ?")),
+        ],
+        ["0.0036", "0.0038"],
+        17,
+        &[
+            "a Reynolds number γ̇a²/ν of 0.205",
+            "a `step` of 0.0037, a `lattice_viscosity` of 0.103, or a `resolution` of 5.92",
+        ],
+    );
+    // (K_s + G) step/(μ spacing), of which 0.5 is allowed and twice that, at a step of 1/24, too much.
+    warned_beyond(
+        &[
+            soft,
+            slow,
+            (
+                "resolution = 6",
+                &with("lattice_viscosity = 0.05\nstep = ?"),
+            ),
+        ],
+        ["0.0412", "0.0421"],
+        17,
+        &[
+            "more than twice 0.0208, which the elasticity of \"capsule\" allows",
+            "choose a `step` of 0.0208, or fewer `vertices`",
+        ],
+    );
+    // κ step/(μ spacing edge²), of which 0.09/ν is allowed.
+    let edge = mean_edge(&placed(&capsule(&[])));
+    let most = 2.0 * 0.45 * edge * edge / 6.0;
+    warned_beyond(
+        &[
+            ("modulus = 0.1125", "modulus = 1"),
+            ("resolution = 6", &with("lattice_viscosity = 0.2\nstep = ?")),
+        ],
+        [&(0.99 * most).to_string(), &(1.01 * most).to_string()],
+        17,
+        &["which the bending of \"capsule\" allows"],
+    );
+    // Edges are 0.151 long.
+    warned_beyond(
+        &[("resolution = 6", "resolution = ?")],
+        ["9.9", "10.1"],
+        6,
+        &[
+            "1.52 nodes long",
+            "fluid leaks",
+            "more `vertices`, 2562 say, or a `resolution` of 9.9",
+        ],
+    );
+    warned_beyond(
+        &[("resolution = 6", "spacing = ?")],
+        ["0.49", "0.51"],
+        6,
+        &[
+            "0.295 nodes long",
+            "fewer `vertices`, or a `spacing` of 0.251",
+        ],
+    );
+    for (axis, lengths) in [("x", "[?, 7, 7]"), ("y", "[7, ?, 7]"), ("z", "[7, 7, ?]")] {
+        let what = if axis == "y" { "walls" } else { "images" };
+        warned_beyond(
+            &[(
+                "resolution = 6",
+                &format!("resolution = 6\nbox = {lengths}"),
+            )],
+            ["6.95", "6.5"],
+            16,
+            &[
+                &format!(
+                    "6.5 radii of \"capsule\" long along {axis}, below 7: it feels its {what}"
+                ),
+                "D by about 2.4 (a/L)³ = 0.00874",
+            ],
+        );
+    }
+    for range in [["0.021", "0.019"], ["0.99", "1.01"]] {
+        warned_beyond(
+            &[("resolution = 6", "resolution = 6\nlattice_viscosity = ?")],
+            range,
+            16,
+            &[
+                "best lies between 0.02 and 1",
+                "choose a `lattice_viscosity` of ",
+            ],
+        );
+    }
+    // ρ γ̇ a²/μ.
+    warned_beyond(
+        &[("resolution = 6", "resolution = 6\ndensity = ?")],
+        ["0.66", "0.68"],
+        16,
+        &[
+            "Reynolds number ργ̇a²/μ of \"capsule\" is 0.102",
+            "leave `density` out",
+        ],
+    );
+    for (range, change) in [
+        (["4.9", "5.1"], "choose a `lattice_viscosity` of 0.196"),
+        (["0.11", "0.09"], "choose a `lattice_viscosity` of 0.222"),
+        (["1", "60"], "no viscosity outside is right for both"),
+    ] {
+        warned_beyond(
+            &[
+                (
+                    "match_volume = true",
+                    "match_volume = true\nviscosity_ratio = ?",
+                ),
+                ("resolution = 6", &with("lattice_viscosity = 0.2")),
+            ],
+            range,
+            8,
+            &["inside of \"capsule\"", change],
+        );
+    }
+    let resting = &[
+        ("kind = \"shear\", rate = 0.15", "kind = \"?\""),
+        ("strain = 4", "duration = 1"),
+        (
+            "match_volume = true",
+            "match_volume = true\ngravity = { density_difference = 1, acceleration = [1, 0, 0] }",
+        ),
+    ];
+    warned_beyond(
+        resting,
+        [
+            "channel\", centre_velocity = 0.1, section = \"plates",
+            "quiescent",
+        ],
+        8,
+        &["in a box without walls nothing carries it"],
+    );
+    // Walls of a channel are there to be felt.
+    let channel = "kind = \"channel\", centre_velocity = 0.1";
+    let channel = capsule(&[
+        ("kind = \"shear\", rate = 0.15", channel),
+        ("resolution = 6", "resolution = 6\nbox = [7, 3, 7]"),
+    ]);
+    assert_eq!(warnings(&channel), [""; 0]);
+    // More than any machine has: of the scene itself, for the mesh is too coarse for it as well.
+    let large = valid(&capsule(&[("resolution = 6", "resolution = 250")]));
+    let [message] = large.warnings.as_slice() else {
+        panic!("{:?}", large.warnings);
+    };
+    let message = message.to_string();
+    for part in [
+        "the lattice takes 9",
+        "GB of memory",
+        "`precision` = \"f32\"",
+        "a `spacing` of",
+    ] {
+        assert!(message.contains(part), "`{part}` is not in: {message}");
+    }
+}
+
+/// The edge of an equilateral triangle of the mean area.
+fn mean_edge(mesh: &MeshInfo) -> f64 {
+    (4.0 * mesh.area / (3_f64.sqrt() * mesh.triangles as f64)).sqrt()
+}
+
+/// The step is the longest that all limits allow, less a tenth, and less what makes it divide the time
+/// between outputs.
+#[test]
+fn the_default_step_obeys_all_limits() {
+    let soft = ("modulus = 0.1125", "modulus = 1e-4");
+    let thin = ("resolution = 6", "resolution = 6\nlattice_viscosity = 0.1");
+    let thinner = ("resolution = 6", "resolution = 6\nlattice_viscosity = 0.05");
+    let thick = ("resolution = 6", "resolution = 6\nlattice_viscosity = 1");
+    let edge = mean_edge(&placed(&capsule(&[])));
+    for (replacements, name, limit) in [
+        (
+            &[][..],
+            "bending",
+            3.0 * 0.09 * edge * edge / (6.0 * 0.1125),
+        ),
+        (&[soft], "compressibility", 0.01),
+        (&[soft, thick], "compressibility", 0.01 / 3.0),
+        (
+            &[soft, thin],
+            "inertia of the lattice",
+            0.02 / (36.0 * 0.15),
+        ),
+        (
+            &[soft, thinner, ("rate = 0.15", "rate = 1e-3")],
+            "elasticity",
+            0.5 / (6.0 * 4.0),
+        ),
+        (
+            &[soft, thick, ("shear_modulus = 1", "shear_modulus = 0.01")],
+            "Mach number",
+            0.1 / (6.0 * 3_f64.sqrt() * 0.525),
+        ),
+        (
+            &[soft, ("resolution = 6", "resolution = 6\ndensity = 0.5")],
+            "compressibility",
+            (0.01 * 0.5 / 3.0_f64).sqrt() / 6.0,
+        ),
+    ] {
+        let text = capsule(replacements);
+        let explanation = explained(&text);
+        let lattice = explanation.lattice.as_ref().unwrap();
+        let shortest = lattice
+            .limits
+            .iter()
+            .min_by(|a, b| a.step.total_cmp(&b.step));
+        assert_eq!(shortest.unwrap().name, name);
+        tolerance::SCENE_NUMBER.assert(shortest.unwrap().step, limit, limit, name);
+        assert!(
+            explanation.step_limit.starts_with(name),
+            "{}",
+            explanation.step_limit
+        );
+        let scene = valid(&text).scene;
+        let step = driver(&scene).step;
+        if driver(&scene).density.is_none() {
+            assert!(
+                (0.8..=0.9).contains(&(step / limit)),
+                "{name}: {step} of {limit}"
+            );
+        } else {
+            // Here it is ν = 1/3 that asks for more.
+            tolerance::SCENE_NUMBER.assert(
+                driver(&scene).lattice_viscosity,
+                step * 36.0 / 0.5,
+                1.0,
+                name,
+            );
+            assert!((0.32..=0.34).contains(&driver(&scene).lattice_viscosity));
+        }
+        assert_eq!(warnings(&text), [""; 0]);
+    }
+}
+
+fn explained(text: &str) -> Explanation {
+    valid(text).scene.explain(&[placed(text)])
+}
+
+#[test]
+fn explanations_have_the_numbers_of_the_lattice() {
+    let lines = "resolution = 6\nlattice_viscosity = 0.2\nstep = 0.002";
+    let text = capsule(&[("resolution = 6", lines)]);
+    let explanation = explained(&text);
+    let lattice = explanation.lattice.as_ref().unwrap();
+    let number = |formula: &str| {
+        let found = lattice.groups.iter().find(|group| group.formula == formula);
+        found.unwrap_or_else(|| panic!("{formula}")).value
+    };
+    let edge = mean_edge(&placed(&capsule(&[])));
+    for (formula, expected) in [
+        ("a/spacing", 6.0),
+        ("h/spacing", 6.0 * edge),
+        ("L_x/a", 7.0),
+        ("L_y/a", 7.0),
+        ("L_z/a", 7.0),
+        ("ν", 0.2),
+        ("τ = 3 ν + 1/2", 1.1),
+        ("γ̇ step", 3e-4),
+        ("√3 U step/spacing", 3_f64.sqrt() * 0.525 * 0.012),
+        // ρ is 0.002·5·36 without a density.
+        ("3 P step²/(ρ spacing²)", 3.0 * 0.012_f64.powi(2) / 0.36),
+        ("γ̇ a² step/(ν spacing²)", 3e-4 * 36.0 * 5.0),
+        ("D(L_y) − D(∞) = 2.4 (a/L_y)³", 2.4 / 343.0),
+    ] {
+        tolerance::SCENE_NUMBER.assert(number(formula), expected, expected, formula);
+    }
+    // 80/3 of time.
+    assert_eq!(lattice.steps, 13_334);
+    let nodes = 42_f64.powi(3);
+    assert!(lattice.throughput > 0.0 && lattice.coupling > 0.0);
+    // What it measures, and two ten millionths of a second a vertex.
+    let step = nodes / lattice.throughput + lattice.coupling + 642.0 * 2e-7;
+    let minutes = step * 13_334.0 / 60.0;
+    tolerance::SCENE_NUMBER.assert(lattice.minutes, minutes, minutes, "minutes");
+    // Nineteen populations, a force and a velocity a node; rows and planes are padded.
+    let least = nodes * 25.0 * 8.0;
+    let found = explanation.memory as f64;
+    assert!((1.0..1.2).contains(&(found / least)), "{found} for {least}");
+    let half = text.replace("step =", "precision = \"f32\"\nstep =");
+    let half = explained(&half).memory as f64;
+    assert!((0.5..0.6).contains(&(half / found)), "{half} of {found}");
+    let shown = explanation.to_string();
+    for part in [
+        "lattice-boltzmann   Stokes flow in a box, volumes kept to rounding",
+        "42 × 42 × 42 nodes in f64, walls at the ends of y, kernel of 2 nodes an axis",
+        "viscosity on the lattice                      0.2  ν",
+        "step limit          inertia of the lattice; compressibility = 0.016667 (",
+        "13334 steps",
+        "step = 0.002, output interval = 0.26667",
+        "Ca_G = μγ̇a/G",
+    ] {
+        assert!(shown.contains(part), "`{part}` is not in:\n{shown}");
+    }
+    // With a density the Reynolds number is the fluid's.
+    let heavy = capsule(&[("resolution = 6", "resolution = 6\ndensity = 0.5")]);
+    let heavy = explained(&heavy).lattice.unwrap().groups;
+    let found = heavy.iter().find(|group| group.formula == "Re = ρ γ̇ a²/μ");
+    tolerance::SCENE_NUMBER.assert(found.unwrap().value, 0.075, 0.075, "Re");
+    // Other drivers have none.
+    let integral = capsule(&[
+        ("lattice-boltzmann", "boundary-integral"),
+        ("resolution = 6\n", ""),
+    ]);
+    assert_eq!(explained(&integral).lattice, None);
+}
