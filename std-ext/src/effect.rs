@@ -4,12 +4,13 @@
 //! everything is resolved at compile time. An effect that is not named is not there: it has no
 //! memory, no loop and no time.
 
+use crate::execute::Parallel;
 use crate::method::BendingMethod;
 use helfrich::laplacian::Bandwidth;
 use helfrich::{
     Components, Conservative, Cotangent, DualArea, Finding, GompperKroll, HeatKernel, Jet,
-    Juelicher, KantorNelson, LaplaceBeltrami, LoopSubdivision, MembraneViscosity, Prepared,
-    Projected, RigidBody, Serial, StrongForm, Surface, TriangleMesh, remove_net_force_and_torque,
+    Juelicher, KantorNelson, LaplaceBeltrami, LoopSubdivision, MembraneViscosity, Method, Prepared,
+    Projected, RigidBody, StrongForm, Surface, TriangleMesh, remove_net_force_and_torque,
 };
 use serde::Serialize;
 use std::fmt;
@@ -93,7 +94,7 @@ impl Effect {
         M::Plan: fmt::Debug,
         M::Memory: fmt::Debug,
     {
-        Self::new(kind, true, Box::new(Prepared::new(method, mesh)))
+        Self::new(kind, true, Box::new(prepared(method, mesh)))
     }
 
     /// A bending method with modulus κ and spontaneous curvature H0, for a surface as it starts. Forces of methods that have no
@@ -216,7 +217,7 @@ impl Effect {
         M::Plan: fmt::Debug,
         M::Memory: fmt::Debug,
     {
-        self.prepared = Box::new(Prepared::new(method, mesh));
+        self.prepared = Box::new(prepared(method, mesh));
         self.conservative = true;
     }
 
@@ -242,7 +243,7 @@ where
 {
     method.spontaneous_curvature = spontaneous_curvature.into();
     let prepared: Box<dyn Act> = match lumping {
-        Lumping::Own => Box::new(InStrongForm(Prepared::new(Projected(method), mesh))),
+        Lumping::Own => Box::new(InStrongForm(prepared(Projected(method), mesh))),
         Lumping::Thirds => Box::new(Lumped::new(method, mesh)),
     };
     Effect::new(EffectKind::Bending, false, prepared)
@@ -255,6 +256,11 @@ fn converging_bandwidth(surface: Surface<'_, f64>) -> Bandwidth<f64> {
     Bandwidth::Global(surface.area() / (100.0 * vertices.sqrt()))
 }
 
+/// On all threads, of which no bit depends.
+fn prepared<M: Method<f64>>(method: M, mesh: &TriangleMesh) -> Prepared<f64, M, Parallel> {
+    Prepared::with_execution(method, mesh, Parallel::new())
+}
+
 /// What a prepared effect can be asked for, whichever it is.
 trait Act: fmt::Debug {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64;
@@ -262,7 +268,7 @@ trait Act: fmt::Debug {
     fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding));
 }
 
-impl<M> Act for Prepared<f64, M>
+impl<M> Act for Prepared<f64, M, Parallel>
 where
     M: Conservative<f64> + fmt::Debug,
     M::Plan: fmt::Debug,
@@ -279,7 +285,7 @@ where
 
 /// A method in strong form: its force is the gradient of no energy.
 #[derive(Debug)]
-struct InStrongForm<L>(Prepared<f64, Projected<StrongForm<f64, L>>>)
+struct InStrongForm<L>(Prepared<f64, Projected<StrongForm<f64, L>>, Parallel>)
 where
     L: LaplaceBeltrami<f64, Plan: fmt::Debug, Memory: fmt::Debug> + Sync;
 
@@ -305,7 +311,7 @@ struct Lumped<L>
 where
     L: LaplaceBeltrami<f64, Plan: fmt::Debug, Memory: fmt::Debug> + Sync,
 {
-    method: Prepared<f64, StrongForm<f64, L>>,
+    method: Prepared<f64, StrongForm<f64, L>, Parallel>,
     components: Components,
     areas: Vec<f64>,
     bodies: Vec<RigidBody<f64>>,
@@ -318,7 +324,7 @@ where
 {
     fn new(method: StrongForm<f64, L>, mesh: &TriangleMesh) -> Self {
         Self {
-            method: Prepared::new(method, mesh),
+            method: prepared(method, mesh),
             components: Components::new(mesh),
             areas: vec![0.0; mesh.vertex_count()],
             bodies: Vec::new(),
@@ -333,7 +339,7 @@ where
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         let thirds = Cotangent::new(DualArea::Barycentric);
-        thirds.dual_areas(&Serial, surface, &mut self.areas);
+        thirds.dual_areas(&Parallel::new(), surface, &mut self.areas);
         self.method.force_density(surface, &mut self.force);
         for (force, area) in self.force.iter_mut().zip(&self.areas) {
             *force = force.map(|density| area * density);
@@ -360,7 +366,7 @@ where
 /// The viscosity of a membrane, ready for one mesh: the one effect that depends on velocities.
 #[derive(Debug)]
 pub struct Viscosity {
-    prepared: Prepared<f64, MembraneViscosity<f64>>,
+    prepared: Prepared<f64, MembraneViscosity<f64>, Parallel>,
     evaluations: u64,
     time: Duration,
 }
@@ -372,7 +378,7 @@ impl Viscosity {
     /// Prepares it.
     pub fn new(viscosity: MembraneViscosity<f64>, mesh: &TriangleMesh) -> Self {
         Self {
-            prepared: Prepared::new(viscosity, mesh),
+            prepared: prepared(viscosity, mesh),
             evaluations: 0,
             time: Duration::ZERO,
         }

@@ -8,6 +8,7 @@ use helfrich::element::{ElementKernel, SlotKernel, Slots, check_output, scatter_
 use helfrich::{Execution, Real, Serial, Surface};
 use pulp::{Arch, NullaryFnOnce};
 use std::num::NonZeroUsize;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Loops on several threads, in the widest vectors the processor has.
@@ -55,19 +56,33 @@ const FIRST_SLOTS: usize = 64;
 /// Work that is worth starting a thread for.
 const WORTH_A_THREAD: Duration = Duration::from_micros(150);
 
-/// Runs `work` for each part, the first on this thread; `parts` are made of what is left.
-fn share<P: Send>(parts: Vec<P>, work: impl Fn(P) + Sync) {
+/// Runs `work(k)` for k in 0 … `count` − 1, each on a thread of its own, the first on this one. It is
+/// compiled once, whatever the work.
+fn on_threads(count: usize, work: &(dyn Fn(usize) + Sync)) {
     std::thread::scope(|scope| {
-        let mut parts = parts.into_iter();
-        let own = parts.next();
-        for part in parts {
-            let work = &work;
-            scope.spawn(move || work(part));
+        for k in 1..count {
+            scope.spawn(move || work(k));
         }
-        if let Some(part) = own {
+        work(0);
+    });
+}
+
+/// Runs `work` for each part, the first on this thread.
+fn share<P: Send>(parts: Vec<P>, work: &(dyn Fn(P) + Sync)) {
+    let parts: Vec<_> = parts.into_iter().map(|p| Mutex::new(Some(p))).collect();
+    on_threads(parts.len(), &|k| {
+        let mut part = parts[k].lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(part) = part.take() {
             work(part);
         }
     });
+}
+
+/// Runs a task in the widest vectors. Not inlined: with one thread and with several, it is the same
+/// code.
+#[inline(never)]
+fn dispatch(task: impl NullaryFnOnce<Output = ()>) {
+    Arch::new().dispatch(task);
 }
 
 /// [`scatter_onto`] as a task: a closure would not be inlined for certain.
@@ -132,9 +147,8 @@ impl Execution for Parallel {
         K: ElementKernel<T, CORNERS, IN, OUT>,
     {
         check_output(surface, output);
-        let arch = Arch::new();
-        let onto = |start, output: &mut [[T; OUT]]| {
-            arch.dispatch(Scatter {
+        let onto = |(start, output): (usize, &mut [[T; OUT]])| {
+            dispatch(Scatter {
                 kernel,
                 surface,
                 elements,
@@ -146,11 +160,11 @@ impl Execution for Parallel {
         let vertices = surface.positions().len();
         let threads = self.threads.get().min(elements.len() / FEWEST_ELEMENTS);
         if threads <= 1 {
-            return onto(0, output);
+            return onto((0, output));
         }
         let size = vertices.div_ceil(threads);
-        let parts = output[..vertices].chunks_mut(size).enumerate().collect();
-        share(parts, |(number, part)| onto(number * size, part));
+        let parts = output[..vertices].chunks_mut(size).enumerate();
+        share(parts.map(|(k, part)| (k * size, part)).collect(), &onto);
     }
 
     fn run<S: Default + Send, O: Slots>(
@@ -162,9 +176,8 @@ impl Execution for Parallel {
         if scratches.is_empty() {
             scratches.push(S::default());
         }
-        let arch = Arch::new();
-        let run = |scratch: &mut S, start: usize, slots: O| {
-            arch.dispatch(Run {
+        let run = |(scratch, start, slots): (&mut S, usize, O)| {
+            dispatch(Run {
                 kernel,
                 scratch,
                 start,
@@ -173,17 +186,17 @@ impl Execution for Parallel {
         };
         let count = output.count();
         if self.threads.get() == 1 || count <= FIRST_SLOTS {
-            return run(&mut scratches[0], 0, output);
+            return run((&mut scratches[0], 0, output));
         }
         let (first, rest) = output.split_at(FIRST_SLOTS);
         let start = Instant::now();
-        run(&mut scratches[0], 0, first);
+        run((&mut scratches[0], 0, first));
         let left = count - FIRST_SLOTS;
         let expected = start.elapsed().as_secs_f64() * (left as f64 / FIRST_SLOTS as f64);
         let worth = (expected / WORTH_A_THREAD.as_secs_f64()) as usize;
         let threads = self.threads.get().min(worth);
         if threads <= 1 {
-            return run(&mut scratches[0], FIRST_SLOTS, rest);
+            return run((&mut scratches[0], FIRST_SLOTS, rest));
         }
         if scratches.len() < threads {
             scratches.resize_with(threads, S::default);
@@ -203,7 +216,7 @@ impl Execution for Parallel {
                 (start, rest) = (start + size, Some(others));
             }
         }
-        share(parts, |(scratch, start, part)| run(scratch, start, part));
+        share(parts, &run);
     }
 
     fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T {

@@ -1,12 +1,12 @@
 //! The `helfrich` program: parses its arguments, calls the library, prints.
 
 use clap::{Parser, Subcommand};
-use helfrich::{Finding, Real, Surface};
+use helfrich::{Finding, Surface};
 use helfrich_std::flow_study::{FlowStudy, FlowStudyError};
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, replace_file, write};
-use helfrich_std::method::{BendingMethod, Evaluator};
+use helfrich_std::method::{BendingMethod, Evaluated, Evaluator};
 use helfrich_std::report;
 use helfrich_std::run::{End, run};
 use helfrich_std::scalar::{HeldPositions, Scalar};
@@ -475,7 +475,10 @@ fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
     }
 }
 
-fn curvature_in<T: Real>(arguments: &CurvatureArguments, file: &MeshFile) -> Result<(), Failure> {
+fn curvature_in<T: Evaluated>(
+    arguments: &CurvatureArguments,
+    file: &MeshFile,
+) -> Result<(), Failure> {
     let held = HeldPositions::<T>::new(arguments.scalar, &file.positions);
     let surface = held.surface(&file.mesh).map_err(|error| {
         Failure::mesh(&arguments.mesh, format!("{error} in {}", arguments.scalar))

@@ -7,7 +7,7 @@ use crate::execute::Parallel;
 use helfrich::bending::StrongFormMemory;
 use helfrich::laplacian::CotangentMemory;
 use helfrich::{
-    Cotangent, Curvature, DualArea, Finding, GompperKroll, Jet, Juelicher, KantorNelson,
+    Cotangent, Curvature, DualArea, Execution, Finding, GompperKroll, Jet, Juelicher, KantorNelson,
     LaplaceBeltrami, LoopSubdivision, Method, Prepared, Quality, Real, Serial, StrongForm, Surface,
     TriangleMesh, VertexKind,
 };
@@ -158,18 +158,38 @@ pub struct Evaluator<T: Real> {
 
 impl<T: Real> Evaluator<T> {
     /// Prepares `method` with bending modulus `modulus` for a mesh.
-    pub fn new(method: BendingMethod, modulus: T, mesh: &TriangleMesh) -> Self {
+    pub fn new(method: BendingMethod, modulus: T, mesh: &TriangleMesh) -> Self
+    where
+        T: Evaluated,
+    {
+        T::evaluator(method, modulus, mesh)
+    }
+
+    /// The same with loops of the caller's choice.
+    fn with_execution<X>(
+        method: BendingMethod,
+        modulus: T,
+        mesh: &TriangleMesh,
+        execution: X,
+    ) -> Self
+    where
+        X: Execution + Copy + fmt::Debug + 'static,
+    {
         let prepared = match method {
-            BendingMethod::KantorNelson => prepare(KantorNelson::new(modulus), mesh),
-            BendingMethod::GompperKroll => prepare(GompperKroll::new(modulus), mesh),
-            BendingMethod::Meyer => prepare(StrongForm::meyer(modulus), mesh),
-            BendingMethod::Belkin => prepare(StrongForm::belkin(modulus), mesh),
-            BendingMethod::Farutin => prepare(StrongForm::farutin(modulus), mesh),
-            BendingMethod::Loop => prepare(LoopSubdivision::new(modulus), mesh),
-            BendingMethod::Juelicher => prepare(Juelicher::new(modulus), mesh),
-            BendingMethod::J4 => prepare(StrongForm::j4(modulus), mesh),
-            BendingMethod::J6 => prepare(StrongForm::j6(modulus), mesh),
-            BendingMethod::Jet => prepare(StrongForm::new(modulus, Jet::for_mesh(mesh)), mesh),
+            BendingMethod::KantorNelson => prepare(KantorNelson::new(modulus), mesh, execution),
+            BendingMethod::GompperKroll => prepare(GompperKroll::new(modulus), mesh, execution),
+            BendingMethod::Meyer => prepare(StrongForm::meyer(modulus), mesh, execution),
+            BendingMethod::Belkin => prepare(StrongForm::belkin(modulus), mesh, execution),
+            BendingMethod::Farutin => prepare(StrongForm::farutin(modulus), mesh, execution),
+            BendingMethod::Loop => prepare(LoopSubdivision::new(modulus), mesh, execution),
+            BendingMethod::Juelicher => prepare(Juelicher::new(modulus), mesh, execution),
+            BendingMethod::J4 => prepare(StrongForm::j4(modulus), mesh, execution),
+            BendingMethod::J6 => prepare(StrongForm::j6(modulus), mesh, execution),
+            BendingMethod::Jet => prepare(
+                StrongForm::new(modulus, Jet::for_mesh(mesh)),
+                mesh,
+                execution,
+            ),
         };
         Self {
             prepared,
@@ -240,12 +260,35 @@ impl<T: Real> Evaluator<T> {
     }
 }
 
-fn prepare<T: Real, M>(method: M, mesh: &TriangleMesh) -> Box<dyn Evaluate<T>>
+/// A number type that methods are evaluated in.
+pub trait Evaluated: Real {
+    /// See [`Evaluator::new`]: on one thread, as any number type can be evaluated.
+    fn evaluator(method: BendingMethod, modulus: Self, mesh: &TriangleMesh) -> Evaluator<Self> {
+        Evaluator::with_execution(method, modulus, mesh, Serial)
+    }
+}
+
+// Functions without parameters of type: methods are compiled here, and not again in every crate that
+// evaluates them.
+impl Evaluated for f32 {
+    fn evaluator(method: BendingMethod, modulus: f32, mesh: &TriangleMesh) -> Evaluator<f32> {
+        Evaluator::with_execution(method, modulus, mesh, Parallel::new())
+    }
+}
+
+impl Evaluated for f64 {
+    fn evaluator(method: BendingMethod, modulus: f64, mesh: &TriangleMesh) -> Evaluator<f64> {
+        Evaluator::with_execution(method, modulus, mesh, Parallel::new())
+    }
+}
+
+fn prepare<T: Real, M, X>(method: M, mesh: &TriangleMesh, execution: X) -> Box<dyn Evaluate<T>>
 where
     M: Method<T>,
-    Prepared<T, M, Parallel>: Evaluate<T> + 'static,
+    X: Execution,
+    Prepared<T, M, X>: Evaluate<T> + 'static,
 {
-    Box::new(Prepared::with_execution(method, mesh, Parallel::new()))
+    Box::new(Prepared::with_execution(method, mesh, execution))
 }
 
 /// What a prepared method can be asked for, whichever it is.
@@ -263,7 +306,11 @@ trait Evaluate<T: Real>: fmt::Debug {
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding));
 }
 
-impl<T: Real> Evaluate<T> for Prepared<T, KantorNelson<T>, Parallel> {
+impl<T, X> Evaluate<T> for Prepared<T, KantorNelson<T>, X>
+where
+    T: Real,
+    X: Execution + fmt::Debug,
+{
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
         self.add_force_and_energy(surface, force);
     }
@@ -281,7 +328,11 @@ impl<T: Real> Evaluate<T> for Prepared<T, KantorNelson<T>, Parallel> {
     }
 }
 
-impl<T: Real> Evaluate<T> for Prepared<T, GompperKroll<T>, Parallel> {
+impl<T, X> Evaluate<T> for Prepared<T, GompperKroll<T>, X>
+where
+    T: Real,
+    X: Execution + fmt::Debug,
+{
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
         self.add_force_and_energy(surface, force);
     }
@@ -304,7 +355,11 @@ impl<T: Real> Evaluate<T> for Prepared<T, GompperKroll<T>, Parallel> {
     }
 }
 
-impl<T: Real> Evaluate<T> for Prepared<T, Juelicher<T>, Parallel> {
+impl<T, X> Evaluate<T> for Prepared<T, Juelicher<T>, X>
+where
+    T: Real,
+    X: Execution + fmt::Debug,
+{
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
         self.add_force_and_energy(surface, force);
     }
@@ -327,7 +382,11 @@ impl<T: Real> Evaluate<T> for Prepared<T, Juelicher<T>, Parallel> {
     }
 }
 
-impl<T: Real> Evaluate<T> for Prepared<T, LoopSubdivision<T>, Parallel> {
+impl<T, X> Evaluate<T> for Prepared<T, LoopSubdivision<T>, X>
+where
+    T: Real,
+    X: Execution + fmt::Debug,
+{
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
         self.add_force_and_energy(surface, force);
     }
@@ -350,9 +409,10 @@ impl<T: Real> Evaluate<T> for Prepared<T, LoopSubdivision<T>, Parallel> {
     }
 }
 
-impl<T, L> Evaluate<T> for Prepared<T, StrongForm<T, L>, Parallel>
+impl<T, L, X> Evaluate<T> for Prepared<T, StrongForm<T, L>, X>
 where
     T: Real,
+    X: Execution + fmt::Debug,
     L: LaplaceBeltrami<T, Plan: fmt::Debug, Memory: fmt::Debug> + fmt::Debug + Sync,
 {
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {

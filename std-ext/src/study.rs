@@ -1,7 +1,7 @@
 //! Accuracy and cost of bending methods on exact shapes: data; [`crate::report`] shows it.
 
 use crate::generate::{self, AnyShape, Family, GenerateError, GeneratedMesh, generate};
-use crate::method::{BendingMethod, Evaluator, Fields};
+use crate::method::{BendingMethod, Evaluated, Evaluator, Fields};
 use crate::scalar::{HeldPositions, Scalar};
 use helfrich::shapes::{ExactPoint, Shape};
 use helfrich::{Real, SurfaceError};
@@ -330,7 +330,7 @@ struct Case<'a> {
 }
 
 impl Case<'_> {
-    fn measure<T: Real>(
+    fn measure<T: Evaluated>(
         self,
         mesh: &GeneratedMesh,
         exact: &Exact,

@@ -5,7 +5,7 @@ use helfrich::{
     Finding, GompperKroll, Jet, KantorNelson, Prepared, Quality, Real, StrongForm, Surface,
     TriangleMesh,
 };
-use helfrich_std::method::{BendingMethod, Evaluator};
+use helfrich_std::method::{BendingMethod, Evaluated, Evaluator};
 use helfrich_std::scalar::Scalar;
 use helfrich_std::stability::{Bound, DoubleDouble, Evaluation, Group, Outcome, Row, Stability};
 use helfrich_tests::laws::largest;
@@ -143,7 +143,7 @@ fn wild(random: &mut SplitMix64, count: usize, exponents: [i32; 2]) -> Vec<[f64;
     positions
 }
 
-fn assert_finite<T: Real>(mesh: &TriangleMesh, positions: &[[T; 3]], what: &str) {
+fn assert_finite<T: Evaluated>(mesh: &TriangleMesh, positions: &[[T; 3]], what: &str) {
     let Ok(surface) = Surface::new(mesh, positions) else {
         return;
     };

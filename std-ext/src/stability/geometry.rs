@@ -2,7 +2,7 @@
 
 use super::specimen::{self, Specimen, SpecimenError};
 use super::{Bound, Evaluation, Group, Outcome, Row, StabilityError};
-use crate::method::{BendingMethod, Evaluator, Fields};
+use crate::method::{BendingMethod, Evaluated, Evaluator, Fields};
 use crate::scalar::{HeldPositions, Scalar};
 use crate::study::Progress;
 use helfrich::{Real, SurfaceError, TriangleMesh};
@@ -367,7 +367,7 @@ impl Trial<'_> {
         )
     }
 
-    fn evaluate<T: Real>(self, clean: Option<f64>) -> Result<Evaluation, SurfaceError> {
+    fn evaluate<T: Evaluated>(self, clean: Option<f64>) -> Result<Evaluation, SurfaceError> {
         let Specimen {
             mesh,
             scale,
