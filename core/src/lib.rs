@@ -77,6 +77,7 @@ mod projection;
 mod quality;
 mod real;
 mod reduction;
+mod reordering;
 pub mod shapes;
 pub mod subdivision;
 mod surface;
@@ -110,6 +111,7 @@ pub use projection::{
 };
 pub use quality::Quality;
 pub use real::Real;
+pub use reordering::Reordering;
 pub use subdivision::Subdivision;
 pub use surface::{Surface, SurfaceError};
 pub use triangle::DualArea;

@@ -3,6 +3,7 @@
 mod families;
 mod mesh;
 mod points;
+mod reordering;
 mod shapes;
 mod subdivision;
 mod surface;

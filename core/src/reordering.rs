@@ -1,0 +1,163 @@
+//! Orders in which vertices near each other have numbers near each other.
+//!
+//! E. Cuthill and J. McKee, Proc. 24th Nat. Conf. ACM (1969) 157; reversed after A. George, 1971.
+
+use crate::mesh::{MeshError, TriangleMesh};
+use alloc::vec::Vec;
+
+/// Another order of the vertices and triangles of a mesh, and the way back.
+///
+/// Loops over elements read and write at their vertices: on large meshes they are fast where these
+/// lie near each other in memory, and can be shared among threads where ranges of vertices have few
+/// elements in common.
+///
+/// ```
+/// use helfrich::{Reordering, TriangleMesh};
+///
+/// // A strip of triangles whose vertices were numbered at random.
+/// let mesh = TriangleMesh::new(6, vec![[0, 4, 2], [4, 1, 2], [2, 1, 5], [1, 3, 5]])?;
+/// let order = Reordering::reverse_cuthill_mckee(&mesh);
+/// let ordered = order.of_mesh(&mesh)?;
+/// let widest = |mesh: &TriangleMesh| mesh.edges().iter().map(|[a, b]| a.abs_diff(*b)).max();
+/// assert_eq!((widest(&mesh), widest(&ordered)), (Some(4), Some(2)));
+///
+/// let heights = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5];
+/// assert_eq!(order.undo(&order.apply(&heights)), heights);
+/// # Ok::<(), helfrich::MeshError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reordering {
+    /// The old number of each vertex.
+    vertices: Vec<u32>,
+    /// The new number of each vertex.
+    places: Vec<u32>,
+    /// The old number of each triangle.
+    triangles: Vec<u32>,
+}
+
+impl Reordering {
+    /// The reverse Cuthill–McKee order: components one after the other, each in rings around a
+    /// vertex at its edge, backwards; triangles by their lowest vertex.
+    pub fn reverse_cuthill_mckee(mesh: &TriangleMesh) -> Self {
+        let count = mesh.vertex_count();
+        let mut search = Search {
+            mesh,
+            reached: alloc::vec![0; count],
+            number: 0,
+            neighbours: Vec::new(),
+        };
+        let mut placed = alloc::vec![false; count];
+        let (mut vertices, mut component) = (Vec::with_capacity(count), Vec::new());
+        for vertex in 0..count as u32 {
+            if placed[vertex as usize] {
+                continue;
+            }
+            // What is reached last lies at the edge; seen from there, farther still.
+            let mut start = vertex;
+            for _ in 0..3 {
+                search.around(start, &mut component);
+                start = component[component.len() - 1];
+            }
+            for &vertex in &component {
+                placed[vertex as usize] = true;
+            }
+            vertices.extend_from_slice(&component);
+        }
+        vertices.reverse();
+        let mut places = alloc::vec![0; count];
+        for (place, &vertex) in vertices.iter().enumerate() {
+            places[vertex as usize] = place as u32;
+        }
+        let mut triangles = Vec::from_iter(0..mesh.triangles().len() as u32);
+        triangles.sort_by_cached_key(|&triangle| {
+            let mut corners = mesh.triangles()[triangle as usize].map(|v| places[v as usize]);
+            corners.sort_unstable();
+            corners
+        });
+        Self {
+            vertices,
+            places,
+            triangles,
+        }
+    }
+
+    /// The mesh in this order.
+    ///
+    /// # Errors
+    /// If it is not the mesh that the order was made for, nor one like it.
+    ///
+    /// # Panics
+    /// If it has fewer vertices or triangles than that.
+    pub fn of_mesh(&self, mesh: &TriangleMesh) -> Result<TriangleMesh, MeshError> {
+        let corners = |&triangle: &u32| {
+            mesh.triangles()[triangle as usize].map(|vertex| self.places[vertex as usize])
+        };
+        TriangleMesh::new(
+            self.vertices.len(),
+            self.triangles.iter().map(corners).collect(),
+        )
+    }
+
+    /// The old number of each vertex.
+    pub fn vertices(&self) -> &[u32] {
+        &self.vertices
+    }
+
+    /// The old number of each triangle.
+    pub fn triangles(&self) -> &[u32] {
+        &self.triangles
+    }
+
+    /// Values at the vertices, in this order.
+    ///
+    /// # Panics
+    /// If there are fewer than vertices.
+    pub fn apply<V: Copy>(&self, values: &[V]) -> Vec<V> {
+        let old = self.vertices.iter();
+        old.map(|&vertex| values[vertex as usize]).collect()
+    }
+
+    /// Values at the vertices in this order, in the one that the mesh had.
+    ///
+    /// # Panics
+    /// If there are fewer than vertices.
+    pub fn undo<V: Copy>(&self, values: &[V]) -> Vec<V> {
+        let new = self.places.iter();
+        new.map(|&place| values[place as usize]).collect()
+    }
+}
+
+/// Searches ring after ring.
+struct Search<'a> {
+    mesh: &'a TriangleMesh,
+    /// The search that reached each vertex last.
+    reached: Vec<u32>,
+    number: u32,
+    neighbours: Vec<u32>,
+}
+
+impl Search<'_> {
+    /// Sets `order` to what is connected with `start`: first come, first served, neighbours with few
+    /// neighbours before those with many.
+    fn around(&mut self, start: u32, order: &mut Vec<u32>) {
+        self.number += 1;
+        self.reached[start as usize] = self.number;
+        order.clear();
+        order.push(start);
+        let mut next = 0;
+        while let Some(&vertex) = order.get(next) {
+            next += 1;
+            self.neighbours.clear();
+            for &neighbour in self.mesh.one_ring(vertex as usize) {
+                if self.reached[neighbour as usize] != self.number {
+                    self.reached[neighbour as usize] = self.number;
+                    self.neighbours.push(neighbour);
+                }
+            }
+            let mesh = self.mesh;
+            self.neighbours
+                .sort_unstable_by_key(|&v| (mesh.valence(v as usize), v));
+            order.extend_from_slice(&self.neighbours);
+        }
+    }
+}
