@@ -2,7 +2,10 @@
 //!
 //! E. Cuthill and J. McKee, Proc. 24th Nat. Conf. ACM (1969) 157; reversed after A. George, 1971.
 
+use crate::energy::Finding;
 use crate::mesh::{MeshError, TriangleMesh};
+use crate::real::Real;
+use crate::surface::Surface;
 use alloc::vec::Vec;
 
 /// Another order of the vertices and triangles of a mesh, and the way back.
@@ -115,6 +118,56 @@ impl Reordering {
     pub fn apply<V: Copy>(&self, values: &[V]) -> Vec<V> {
         let old = self.vertices.iter();
         old.map(|&vertex| values[vertex as usize]).collect()
+    }
+
+    /// A surface in this order: `mesh` is its mesh in it, see [`Self::of_mesh`]; `positions` and
+    /// `remainders` take its positions, and are not allocated again.
+    ///
+    /// # Panics
+    /// If one of the two has another number of vertices than the order.
+    pub fn of_surface<'a, T: Real>(
+        &self,
+        surface: Surface<'_, T>,
+        mesh: &'a TriangleMesh,
+        positions: &'a mut Vec<[T; 3]>,
+        remainders: &'a mut Vec<[T; 3]>,
+    ) -> Surface<'a, T> {
+        let take = |values: &[[T; 3]], taken: &mut Vec<[T; 3]>| {
+            assert_eq!(values.len(), self.vertices.len(), "vertices of the order");
+            taken.clear();
+            let old = self.vertices.iter();
+            taken.extend(old.map(|&vertex| values[vertex as usize]));
+        };
+        take(surface.positions(), positions);
+        let remainders = surface.remainders().map(|values| {
+            take(values, remainders);
+            &remainders[..]
+        });
+        surface.reordered(mesh, positions, remainders)
+    }
+
+    /// What was found about a surface in this order, with the numbers that the mesh had.
+    ///
+    /// # Panics
+    /// If there is no such vertex or triangle.
+    pub fn undo_finding(&self, mut finding: Finding) -> Finding {
+        match &mut finding {
+            Finding::ZeroArea { vertex }
+            | Finding::NegativeArea { vertex }
+            | Finding::SmallArea { vertex }
+            | Finding::ClampedArea { vertex }
+            | Finding::ReducedDegree { vertex, .. }
+            | Finding::TooFewNeighbours { vertex }
+            | Finding::Amplified { vertex }
+            | Finding::Uneven { vertex }
+            | Finding::UnusualValence { vertex }
+            | Finding::Folded { vertex }
+            | Finding::RoundedPosition { vertex } => *vertex = self.vertices[*vertex as usize],
+            Finding::DegenerateTriangle { triangle } | Finding::ThinTriangle { triangle } => {
+                *triangle = self.triangles[*triangle as usize];
+            }
+        }
+        finding
     }
 
     /// Values at the vertices in this order, in the one that the mesh had.

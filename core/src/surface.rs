@@ -128,6 +128,28 @@ impl<'a, T: Real> Surface<'a, T> {
         })
     }
 
+    /// This surface with its vertices in another order.
+    ///
+    /// # Panics
+    /// If there is not a position for each vertex.
+    pub(crate) fn reordered<'b>(
+        &self,
+        mesh: &'b TriangleMesh,
+        positions: &'b [[T; 3]],
+        remainders: Option<&'b [[T; 3]]>,
+    ) -> Surface<'b, T> {
+        assert_eq!(
+            mesh.vertex_count(),
+            positions.len(),
+            "positions of vertices"
+        );
+        Surface {
+            mesh,
+            positions,
+            remainders,
+        }
+    }
+
     /// The connectivity.
     #[inline]
     pub fn mesh(&self) -> &'a TriangleMesh {

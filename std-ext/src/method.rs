@@ -1,8 +1,11 @@
 //! The closed set of bending methods, chosen at run time.
 //!
 //! The choice is made once a surface; from there on everything is resolved at compile time. Methods
-//! run on all threads.
+//! run on all threads, and large meshes in an order of their own.
 
+mod ordered;
+
+use self::ordered::Ordered;
 use crate::execute::Parallel;
 use helfrich::bending::StrongFormMemory;
 use helfrich::laplacian::CotangentMemory;
@@ -153,6 +156,7 @@ pub struct Fields<T> {
 #[derive(Debug)]
 pub struct Evaluator<T: Real> {
     prepared: Box<dyn Evaluate<T>>,
+    ordered: Option<Ordered<T>>,
     force: Vec<[T; 3]>,
 }
 
@@ -175,6 +179,9 @@ impl<T: Real> Evaluator<T> {
     where
         X: Execution + Copy + fmt::Debug + 'static,
     {
+        let ordered = Ordered::of(mesh);
+        let vertices = mesh.vertex_count();
+        let mesh = ordered.as_ref().map_or(mesh, Ordered::mesh);
         let prepared = match method {
             BendingMethod::KantorNelson => prepare(KantorNelson::new(modulus), mesh, execution),
             BendingMethod::GompperKroll => prepare(GompperKroll::new(modulus), mesh, execution),
@@ -193,15 +200,26 @@ impl<T: Real> Evaluator<T> {
         };
         Self {
             prepared,
-            force: vec![[T::zero(); 3]; mesh.vertex_count()],
+            ordered,
+            force: vec![[T::zero(); 3]; vertices],
         }
     }
 
     /// One evaluation as a simulation makes it: nodal forces with the energy for conservative
     /// methods, force densities with the curvatures for those in strong form.
     pub fn evaluate(&mut self, surface: Surface<'_, T>) {
-        self.force.fill([T::zero(); 3]);
-        self.prepared.evaluate(surface, &mut self.force);
+        match &mut self.ordered {
+            None => {
+                self.force.fill([T::zero(); 3]);
+                self.prepared.evaluate(surface, &mut self.force);
+            }
+            Some(ordered) => {
+                let (surface, force) = ordered.parts(surface);
+                force.fill([T::zero(); 3]);
+                self.prepared.evaluate(surface, force);
+                ordered.put_back(&mut self.force);
+            }
+        }
     }
 
     /// What the last evaluation found: nodal forces, or force densities for methods in strong form.
@@ -211,52 +229,48 @@ impl<T: Real> Evaluator<T> {
 
     /// The energy of a surface.
     pub fn energy(&mut self, surface: Surface<'_, T>) -> T {
-        self.prepared.energy(surface)
+        match &mut self.ordered {
+            None => self.prepared.energy(surface),
+            Some(ordered) => self.prepared.energy(ordered.parts(surface).0),
+        }
     }
 
     /// Evaluates, and collects all that the method says.
     pub fn fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
         self.evaluate(surface);
-        let mesh = surface.mesh();
-        let mut curvature = vec![Curvature::default(); mesh.vertex_count()];
-        let mut memory = CotangentMemory::default();
-        let cotangent = Cotangent::new(DualArea::Mixed);
-        let plan = Method::<T>::plan(&cotangent, mesh);
-        cotangent.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
-        let mut fields = Fields {
-            area: curvature.iter().map(|vertex| vertex.area).collect(),
-            normal: curvature.iter().map(|vertex| vertex.normal).collect(),
-            mean: vec![None; mesh.vertex_count()],
-            gaussian: vec![None; mesh.vertex_count()],
-            laplacian_of_mean: vec![None; mesh.vertex_count()],
-            force_density: vec![None; mesh.vertex_count()],
-        };
-        self.prepared.collect(surface, &self.force, &mut fields);
-        // A vertex that was left out: the method's 0 there is no curvature.
-        for finding in self.findings(surface) {
-            match finding {
-                Finding::ZeroArea { vertex } | Finding::TooFewNeighbours { vertex } => {
-                    fields.clear(vertex as usize);
-                }
-                _ => {}
+        match &mut self.ordered {
+            None => Fields::collect(&mut *self.prepared, surface, &self.force),
+            Some(ordered) => {
+                let (surface, force) = ordered.parts(surface);
+                let fields = Fields::collect(&mut *self.prepared, surface, force);
+                ordered.undo(&fields)
             }
         }
-        fields
     }
 
-    /// What makes the last evaluation less trustworthy than usual, with a flag for each vertex.
+    /// What makes the last evaluation, which was of this surface, less trustworthy than usual, with a
+    /// flag for each vertex.
     pub fn quality(&self, surface: Surface<'_, T>) -> Quality {
-        Quality::gather(surface.mesh(), |report| {
-            self.prepared.inspect(surface, report);
-        })
+        Quality::gather(surface.mesh(), |report| self.inspect(surface, report))
     }
 
-    /// What makes the last evaluation less trustworthy than usual.
+    /// What makes the last evaluation, which was of this surface, less trustworthy than usual.
     pub fn findings(&self, surface: Surface<'_, T>) -> Vec<Finding> {
         let mut findings = Vec::new();
-        self.prepared
-            .inspect(surface, &mut |finding| findings.push(finding));
+        self.inspect(surface, &mut |finding| findings.push(finding));
         findings
+    }
+
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        let Some(ordered) = &self.ordered else {
+            return self.prepared.inspect(surface, report);
+        };
+        let (mut positions, mut remainders) = (Vec::new(), Vec::new());
+        let order = ordered.order();
+        let surface = order.of_surface(surface, ordered.mesh(), &mut positions, &mut remainders);
+        self.prepared.inspect(surface, &mut |finding| {
+            report(order.undo_finding(finding));
+        });
     }
 }
 
@@ -441,6 +455,33 @@ fn where_defined<V: Copy>(values: &[V], defined: impl Fn(usize) -> bool) -> Vec<
 }
 
 impl<T: Real> Fields<T> {
+    /// All that a method says of the surface that it has been evaluated on, with this force.
+    fn collect(prepared: &mut dyn Evaluate<T>, surface: Surface<'_, T>, force: &[[T; 3]]) -> Self {
+        let vertices = surface.mesh().vertex_count();
+        let mut curvature = vec![Curvature::default(); vertices];
+        let mut memory = CotangentMemory::default();
+        let cotangent = Cotangent::new(DualArea::Mixed);
+        let plan = Method::<T>::plan(&cotangent, surface.mesh());
+        cotangent.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
+        let mut fields = Fields {
+            area: curvature.iter().map(|vertex| vertex.area).collect(),
+            normal: curvature.iter().map(|vertex| vertex.normal).collect(),
+            mean: vec![None; vertices],
+            gaussian: vec![None; vertices],
+            laplacian_of_mean: vec![None; vertices],
+            force_density: vec![None; vertices],
+        };
+        prepared.collect(surface, force, &mut fields);
+        // A vertex that was left out: the method's 0 there is no curvature.
+        prepared.inspect(surface, &mut |finding| match finding {
+            Finding::ZeroArea { vertex } | Finding::TooFewNeighbours { vertex } => {
+                fields.clear(vertex as usize);
+            }
+            _ => {}
+        });
+        fields
+    }
+
     /// Nothing is said of a vertex, but for a nodal force over a mixed area that is not 0.
     fn clear(&mut self, vertex: usize) {
         self.mean[vertex] = None;

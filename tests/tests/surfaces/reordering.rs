@@ -1,6 +1,7 @@
 //! Orders of vertices: permutations, undone, and neighbours get numbers near each other.
 
-use helfrich::{GompperKroll, Reordering, Surface, TriangleMesh};
+use helfrich::{Finding, GompperKroll, Prepared, Reordering, Surface, TriangleMesh};
+use helfrich_std::method::{BendingMethod, Evaluator};
 use helfrich_tests::laws::forces;
 use helfrich_tests::meshes::{Mesh, bent, icosphere, sheet, small, torus};
 
@@ -80,4 +81,72 @@ fn forces_of_another_order_come_back_in_the_first() {
     for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
         assert!((found - expected).abs() <= 1e-12 * scale);
     }
+}
+
+#[test]
+fn surfaces_in_pairs_are_ordered_with_their_remainders() {
+    let mesh = icosphere(2).map(bent).relabelled(5).0;
+    let high = mesh.positions_in::<f32>();
+    let low: Vec<[f32; 3]> = (0..high.len())
+        .map(|v| [0, 1, 2].map(|k| (mesh.positions[v][k] - f64::from(high[v][k])) as f32))
+        .collect();
+    let surface = Surface::with_remainders(&mesh.connectivity, &high, &low).expect("finite");
+    let order = Reordering::reverse_cuthill_mckee(&mesh.connectivity);
+    let ordered = order.of_mesh(&mesh.connectivity).expect("the same surface");
+    let (mut positions, mut remainders) = (Vec::new(), Vec::new());
+    let found = order.of_surface(surface, &ordered, &mut positions, &mut remainders);
+    for [a, b] in ordered.edges() {
+        let old = |vertex: u32| order.vertices()[vertex as usize];
+        assert_eq!(
+            found.difference(*a, *b),
+            surface.difference(old(*a), old(*b))
+        );
+    }
+}
+
+/// So large that the companion orders it.
+#[test]
+fn large_meshes_are_answered_in_their_own_order() {
+    let mut mesh = icosphere(7).map(bent).relabelled(11).0;
+    // One vertex close to its neighbour, for findings.
+    let neighbour = mesh.connectivity.one_ring(77)[0] as usize;
+    let [near, far] = [mesh.positions[neighbour], mesh.positions[77]];
+    mesh.positions[77] = [0, 1, 2].map(|k| near[k] + 1e-3 * (far[k] - near[k]));
+    let mesh = &mesh;
+    let order = Reordering::reverse_cuthill_mckee(&mesh.connectivity);
+    assert!(
+        bandwidth(&mesh.connectivity) > 10 * bandwidth(&order.of_mesh(&mesh.connectivity).unwrap())
+    );
+
+    let mut expected = vec![[0.0; 3]; mesh.positions.len()];
+    let mut known = Prepared::new(GompperKroll::new(1.0), &mesh.connectivity);
+    let energy = known.add_force_and_energy(mesh.surface(), &mut expected);
+    let method = BendingMethod::GompperKroll;
+    let mut evaluator = Evaluator::<f64>::new(method, 1.0, &mesh.connectivity);
+    let fields = evaluator.fields(mesh.surface());
+    let scale = helfrich_tests::laws::largest(&expected);
+    for (found, expected) in evaluator.force().iter().zip(&expected) {
+        for axis in 0..3 {
+            assert!((found[axis] - expected[axis]).abs() <= 1e-12 * scale);
+        }
+    }
+    assert!((evaluator.energy(mesh.surface()) - energy).abs() <= 1e-12 * energy);
+    for (vertex, force) in expected.iter().enumerate() {
+        let density = fields.force_density[vertex].expect("an area");
+        let found = fields.area[vertex] * density[0];
+        assert!((found - force[0]).abs() <= 1e-12 * scale);
+    }
+
+    let sorted = |findings: &[Finding]| {
+        let mut findings: Vec<String> = findings.iter().map(|f| format!("{f:?}")).collect();
+        findings.sort();
+        findings
+    };
+    let (found, known) = (
+        evaluator.quality(mesh.surface()),
+        known.quality(mesh.surface()),
+    );
+    assert!(!known.findings().is_empty());
+    assert_eq!(sorted(found.findings()), sorted(known.findings()));
+    assert_eq!(found.flagged(), known.flagged());
 }
