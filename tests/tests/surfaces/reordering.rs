@@ -58,12 +58,13 @@ fn orders_are_permutations_and_undone() {
 
 #[test]
 fn neighbours_get_numbers_near_each_other() {
-    for (mesh, widest) in [(icosphere(4), 130), (torus(60, 12), 30), (sheet(30), 40)] {
+    for (mesh, widest) in [(icosphere(4), 130), (torus(60, 12), 48), (sheet(30), 40)] {
         let mesh = mesh.relabelled(11).0.connectivity;
         let order = Reordering::reverse_cuthill_mckee(&mesh);
         let ordered = order.of_mesh(&mesh).expect("the same surface");
         let (before, after) = (bandwidth(&mesh), bandwidth(&ordered));
-        // A ring around a sphere of N vertices has about √(πN) of them, one across a tube two times 12.
+        // Less than two fronts of the search: one around a sphere of N vertices has about √(πN) of
+        // them, one that goes both ways along a tube two times 12.
         assert!(after <= widest && 5 * after < before, "{before} {after}");
     }
 }
