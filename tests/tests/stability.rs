@@ -2,8 +2,7 @@
 //! whatever is accepted gives finite numbers, and that each kind of finding is found.
 
 use helfrich::{
-    Finding, GompperKroll, Jet, KantorNelson, Prepared, Quality, Real, StrongForm, Surface,
-    TriangleMesh,
+    Finding, GompperKroll, Jet, KantorNelson, Prepared, Quality, StrongForm, Surface, TriangleMesh,
 };
 use helfrich_std::method::{BendingMethod, Evaluated, Evaluator};
 use helfrich_std::scalar::Scalar;
