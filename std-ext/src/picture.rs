@@ -9,6 +9,7 @@ mod font;
 mod plot;
 mod render;
 mod slice;
+mod streamlines;
 mod ticks;
 
 pub use canvas::Canvas;

@@ -9,17 +9,15 @@
 //!
 //! What goes wrong in one run is noted, and the next one begins.
 
+mod table;
 mod vary;
 
 pub use vary::{Vary, VarySyntaxError};
 
-use crate::io::replace_file;
-use crate::plots::{
-    PlotError, PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of, read_curves,
-};
+use crate::plots::{PlotError, read_curves};
 use crate::run::{CHECKPOINT, End, Progress, RunError, run};
 use crate::scene::{OverrideSyntaxError, Overrides, Scene, SceneErrors, SceneFile};
-use crate::series::{SeriesTable, TIME};
+use crate::series::SeriesTable;
 use crate::simulation::build;
 use serde::Deserialize;
 use std::fs;
@@ -28,9 +26,6 @@ use std::path::{Path, PathBuf};
 
 /// The table's name in its folder.
 pub const TABLE: &str = "sweep.csv";
-
-/// Width and height of the plots, in pixels.
-const PLOT_SIZE: [u32; 2] = [900, 700];
 
 /// The most runs of a sweep.
 const MOST_CASES: usize = 10_000;
@@ -429,208 +424,4 @@ fn read_ended(folder: &Path) -> Result<(Ended, serde_json::Value), String> {
 fn as_read_back(scene: &Scene) -> serde_json::Value {
     let text = serde_json::to_string(scene).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()
-}
-
-impl Swept {
-    fn new(sweep: &Sweep, cases: Vec<(Case, Outcome)>) -> Self {
-        Self {
-            keys: vary::short_keys(&sweep.vary),
-            columns: Vec::new(),
-            unknown: Vec::new(),
-            known: Vec::new(),
-            cases,
-            warnings: Vec::new(),
-        }
-    }
-
-    /// The runs that have left numbers.
-    pub fn ended(&self) -> impl Iterator<Item = (&Case, &Ended)> {
-        self.cases
-            .iter()
-            .filter_map(|(case, outcome)| match outcome {
-                Outcome::Ended(ended) => Some((case, ended)),
-                _ => None,
-            })
-    }
-
-    /// What is worth knowing of the runs, and of how many of them each.
-    pub fn shared_warnings(&self) -> Vec<(&str, usize)> {
-        let mut shared: Vec<(&str, usize)> = Vec::new();
-        for warning in self.ended().flat_map(|(_, ended)| &ended.warnings) {
-            match shared.iter_mut().find(|(known, _)| known == warning) {
-                Some((_, count)) => *count += 1,
-                None => shared.push((warning, 1)),
-            }
-        }
-        shared
-    }
-
-    /// Which columns are shown.
-    fn choose(&mut self, chosen: &[String], scene: &Scene) {
-        let mut known: Vec<String> = Vec::new();
-        for column in self.ended().flat_map(|(_, ended)| &ended.series.columns) {
-            if !known.contains(column) {
-                known.push(column.clone());
-            }
-        }
-        let all = SeriesTable {
-            columns: known.clone(),
-            rows: Vec::new(),
-        };
-        let plots = scene.output.plots.iter();
-        let names = match chosen {
-            [] => Vec::from_iter(plots.map(|plot| plot.column.clone())),
-            chosen => chosen.to_vec(),
-        };
-        (self.columns, self.unknown) = (Vec::new(), Vec::new());
-        for name in names {
-            let surfaces = scene.surfaces.iter().map(|surface| surface.name.as_str());
-            let found = columns_of(&all, &name, surfaces);
-            if found.is_empty() && !known.is_empty() {
-                self.unknown.push(name);
-            }
-            for (_, column) in found {
-                if !self.columns.contains(&column) {
-                    self.columns.push(column);
-                }
-            }
-        }
-        if chosen.is_empty() && self.columns.is_empty() {
-            let some = known.iter().filter(|name| *name != TIME).take(4);
-            self.columns = some.cloned().collect();
-        }
-        self.known = known;
-    }
-
-    /// All runs with all their last numbers, as CSV.
-    fn write_table(&self, path: &Path) -> Result<(), SweepError> {
-        replace_file(path, |out| {
-            let costs = [
-                "iterations",
-                "evaluations",
-                "seconds",
-                "bending_seconds",
-                "end",
-                "message",
-            ];
-            let keys = self.keys.iter().map(String::as_str);
-            let names = self.known.iter().map(String::as_str);
-            let head = keys.chain(names).chain(costs).map(quoted);
-            writeln!(out, "{}", Vec::from_iter(head).join(","))?;
-            for (case, outcome) in &self.cases {
-                let mut cells = Vec::from_iter(case.values.iter().map(|value| quoted(value)));
-                match outcome {
-                    Outcome::Ended(ended) => {
-                        let last = |column: &String| match ended.last(column) {
-                            value if value.is_nan() => String::new(),
-                            value => format!("{value:?}"),
-                        };
-                        cells.extend(self.known.iter().map(last));
-                        let count = ended.right_hand_sides.map(|count| count.to_string());
-                        let bending = ended.bending.map(|seconds| format!("{seconds:e}"));
-                        cells.extend([
-                            ended.iterations.to_string(),
-                            count.unwrap_or_default(),
-                            format!("{:?}", ended.seconds),
-                            bending.unwrap_or_default(),
-                            ended.end.name().to_owned(),
-                            quoted(&ended.message),
-                        ]);
-                    }
-                    Outcome::Refused(reason) => {
-                        cells.extend(vec![String::new(); self.known.len() + 4]);
-                        cells.extend(["refused".to_owned(), quoted(reason)]);
-                    }
-                    Outcome::Waiting => {
-                        cells.extend(vec![String::new(); self.known.len() + 4]);
-                        cells.extend(["waiting".to_owned(), String::new()]);
-                    }
-                }
-                writeln!(out, "{}", cells.join(","))?;
-            }
-            Ok(())
-        })
-        .map_err(|source| SweepError::Unwritable {
-            path: path.to_owned(),
-            source,
-        })
-    }
-
-    /// The values of a run that are not those of all.
-    fn legend(&self, case: &Case) -> String {
-        let values = case.values.iter().enumerate();
-        let varies = |&(at, value): &(usize, &String)| {
-            let mut cases = self.cases.iter();
-            self.cases.len() == 1 || cases.any(|(other, _)| other.values[at] != *value)
-        };
-        let told = values.filter(varies).map(|(_, value)| value.as_str());
-        Vec::from_iter(told).join(", ")
-    }
-
-    /// The series of all runs, a picture for each chosen column.
-    fn plot(
-        &self,
-        folder: &Path,
-        scene: &Scene,
-        published: &[Vec<PublishedCurve>],
-    ) -> Result<(), SweepError> {
-        for column in &self.columns {
-            // Of several surfaces, each column has the curves of its name.
-            let planned = scene.output.plots.iter().zip(published).find(|(plot, _)| {
-                let rest = column.strip_prefix(plot.column.as_str());
-                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
-            });
-            let has = |name: &str| self.known.iter().any(|known| known == name);
-            let against = match planned {
-                Some((plot, _)) if has(&plot.against) => plot.against.as_str(),
-                _ if has("strain") => "strain",
-                _ => TIME,
-            };
-            if against == column {
-                continue;
-            }
-            let has_both = |ended: &Ended| {
-                let names = &ended.series.columns;
-                [against, column]
-                    .iter()
-                    .all(|name| names.iter().any(|n| n == name))
-            };
-            let drawn = Vec::from_iter(self.ended().filter(|(_, ended)| has_both(ended)));
-            let names = Vec::from_iter(drawn.iter().map(|(case, _)| self.legend(case)));
-            let curves = drawn
-                .iter()
-                .zip(&names)
-                .map(|((_, ended), name)| SeriesCurve {
-                    name,
-                    table: &ended.series,
-                    against,
-                    column,
-                });
-            let plot = SeriesPlot {
-                size: PLOT_SIZE,
-                title: &scene.title,
-                labels: [axis_label(against), axis_label(column)],
-                curves: &Vec::from_iter(curves),
-                published: planned.map_or(&[], |(_, curves)| curves),
-            };
-            let path = folder.join(format!("{column}.png"));
-            let canvas = plot.draw().map_err(|error| SweepError::Plot {
-                path: path.clone(),
-                error,
-            })?;
-            let written = canvas.write_png(&path);
-            written.map_err(|source| SweepError::Unwritable { path, source })?;
-        }
-        Ok(())
-    }
-}
-
-/// A cell of a CSV file, on one line.
-fn quoted(text: &str) -> String {
-    let line = text.replace(['\n', '\r'], " ");
-    if line.contains([',', '"']) {
-        format!("\"{}\"", line.replace('"', "\"\""))
-    } else {
-        line
-    }
 }
