@@ -13,7 +13,11 @@ pub use tank_treading::TankTreading;
 use crate::flow::Ambient;
 use crate::section::section;
 use glam::{DMat3, DVec3};
-use helfrich::{GompperKroll, Prepared, Surface};
+use helfrich::laplacian::CotangentMemory;
+use helfrich::{
+    Cotangent, Curvature, DualArea, GompperKroll, LaplaceBeltrami, Method, Prepared, Serial,
+    Surface,
+};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -240,6 +244,33 @@ pub fn extremes(surface: Surface<'_, f64>, point: [f64; 3], plane: ShearPlane) -
 pub fn wrinkle_indicator(surface: Surface<'_, f64>) -> f64 {
     let method = GompperKroll::with_mixed_areas(1.0);
     Prepared::new(method, surface.mesh()).energy(surface) / (8.0 * PI)
+}
+
+/// How much curvature changes from one vertex to the next: the root mean square of the difference of
+/// H from its mean over the neighbours, over that of H itself.
+///
+/// Below 0.1 on smooth capsules with fine and even meshes; near 1 where the surface is folded at the
+/// scale of its edges, or its mesh is too coarse or too uneven for its shape.
+pub fn roughness(surface: Surface<'_, f64>) -> f64 {
+    let mesh = surface.mesh();
+    let cotangent = Cotangent::new(DualArea::Mixed);
+    let plan = Method::<f64>::plan(&cotangent, mesh);
+    let mut memory = CotangentMemory::default();
+    let mut curvature = vec![Curvature::default(); mesh.vertex_count()];
+    cotangent.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
+    let [mut changes, mut squares] = [0.0; 2];
+    for (vertex, own) in curvature.iter().enumerate() {
+        let ring = mesh.one_ring(vertex);
+        let around = ring.iter().map(|&other| curvature[other as usize].mean);
+        let change = own.mean - around.sum::<f64>() / ring.len().max(1) as f64;
+        changes += change * change;
+        squares += own.mean * own.mean;
+    }
+    if squares > 0.0 {
+        (changes / squares).sqrt()
+    } else {
+        0.0
+    }
 }
 
 /// Eigenvalues of a symmetric matrix, largest first, and unit eigenvectors, right-handed.

@@ -11,7 +11,7 @@
 //!
 //! Both ask [`Membranes`] for their forces, and keep their volumes by [`KeptVolumes`].
 
-mod boundary_integral;
+pub(crate) mod boundary_integral;
 mod channel;
 mod gmres;
 mod immersion;

@@ -8,8 +8,10 @@
 //! Surfaces with fields on them, and fields on grids, are written for VTK and ParaView: [`write_vtp`],
 //! [`write_vti`], [`Collection`].
 //!
-//! A file is read whole and parsed from memory. Whatever its bytes are, the parsers return a mesh
-//! or an error, in time and memory proportional to the file's length.
+//! A file is read whole and parsed from memory, unless it has more than half of the memory that is
+//! free; of pipes and devices 1 GiB at most is read. Whatever its bytes are, the parsers return a mesh
+//! or an error, in time and memory proportional to the file's length. A byte order mark before a text
+//! is skipped.
 
 mod builder;
 mod obj;
@@ -21,12 +23,14 @@ mod text;
 mod vti;
 mod vtk;
 mod vtp;
+mod whole;
 mod write;
 
 pub use replace::{UNFINISHED, check_replaceable, replace_file};
 pub use vti::{Grid, write_vti};
 pub use vtk::{PointField, PointValues, VtkError};
 pub use vtp::{Collection, CollectionEntry, write_vtp};
+pub(crate) use whole::{free_memory, read_whole, without_mark};
 pub use write::{WriteError, write, write_to};
 
 use std::fmt;
@@ -75,7 +79,7 @@ impl Format {
 
     /// The format that a file's first word stands for. OBJ and binary STL have no such word.
     pub fn from_content(bytes: &[u8]) -> Option<Self> {
-        match text::Text::new(bytes).statement()? {
+        match text::Text::new(without_mark(bytes)).statement()? {
             b"ply" => Some(Self::Ply),
             b"solid" => Some(Self::Stl),
             header if off::is_header(header) => Some(Self::Off),
@@ -308,7 +312,7 @@ impl fmt::Display for Place {
 /// If the file cannot be read, if its format is unknown, or if its content is no oriented manifold
 /// with finite coordinates; see [`ReadError`] and [`Problem`].
 pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
-    let bytes = std::fs::read(path).map_err(|error| {
+    let bytes = read_whole(path, None).map_err(|error| {
         let path = path.to_owned();
         match error.kind() {
             std::io::ErrorKind::NotFound => ReadError::Missing { path },
@@ -336,11 +340,12 @@ pub fn parse(bytes: &[u8], format: Format) -> Result<MeshFile, ParseError> {
     if bytes.is_empty() {
         return Err(Problem::EmptyFile.anywhere());
     }
+    let text = without_mark(bytes);
     match format {
-        Format::Obj => obj::parse(bytes),
-        Format::Off => off::parse(bytes),
+        Format::Obj => obj::parse(text),
+        Format::Off => off::parse(text),
         Format::Stl => stl::parse(bytes),
-        Format::Ply => ply::parse(bytes),
+        Format::Ply => ply::parse(text),
     }
 }
 

@@ -12,7 +12,7 @@
 //! * [`effect`] and [`simulation`]: exactly what a scene names, made ready; nothing moves or is
 //!   written. [`dynamics`]: membranes relax to equilibrium, whatever acts on them. [`flow`]: what
 //!   their forces do to viscous fluid. [`deformation`]: how bodies in flow are deformed and turned;
-//!   [`section`]: where a plane cuts them.
+//!   [`section`]: where a plane cuts them; [`enclosure`]: what is inside of them.
 //! * [`run`]: a scene driven in a folder; [`sweep`]: one with every combination of some values. [`checkpoint`] and [`series`]: what a run leaves to go on
 //!   from, and its numbers over time. [`picture`]: surfaces coloured by a field, and plots, as PNG
 //!   files.
@@ -22,6 +22,7 @@ pub mod checkpoint;
 pub mod deformation;
 pub mod dynamics;
 pub mod effect;
+pub mod enclosure;
 pub mod execute;
 pub mod flow;
 pub mod flow_study;

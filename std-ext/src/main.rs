@@ -12,7 +12,7 @@ use helfrich_std::run::{End, run};
 use helfrich_std::scalar::{HeldPositions, Scalar};
 use helfrich_std::scene::{Overrides, Scene, SceneFile};
 use helfrich_std::simulation::{Simulation, build};
-use helfrich_std::stability::Stability;
+use helfrich_std::stability::{Group, Stability};
 use helfrich_std::study::{Progress, Study};
 use helfrich_std::subdivide::{Target, subdivide};
 use helfrich_std::sweep::{Outcome, Sweep, Vary};
@@ -141,6 +141,9 @@ struct StudyArguments {
     /// With a mesh of a million vertices among the hard cases, which takes minutes and 4 GB.
     #[arg(long, requires = "stability")]
     large: bool,
+    /// Only one group of hard cases: geometry, cancellation, dynamics, threads or input.
+    #[arg(long, requires = "stability")]
+    group: Option<Group>,
     /// Also write the table of hard cases as Markdown to this file.
     #[arg(long, requires = "stability")]
     markdown: Option<PathBuf>,
@@ -377,6 +380,7 @@ fn stability(arguments: &StudyArguments) -> Result<(), Failure> {
     check_outputs(json.into_iter().chain(arguments.markdown.as_deref()))?;
     let table = Stability {
         large: arguments.large,
+        group: arguments.group,
     };
     let bar = progress_bar();
     let rows = table.run(&mut |Progress { done, total, at }| {

@@ -274,6 +274,18 @@ impl<T: Real> Evaluator<T> {
     }
 }
 
+impl Evaluator<f64> {
+    /// As [`Self::new`], on so many threads: no bit depends on their number.
+    pub fn on_threads(
+        method: BendingMethod,
+        modulus: f64,
+        mesh: &TriangleMesh,
+        threads: Parallel,
+    ) -> Self {
+        Self::with_execution(method, modulus, mesh, threads)
+    }
+}
+
 /// A number type that methods are evaluated in.
 pub trait Evaluated: Real {
     /// See [`Evaluator::new`]: on one thread, as any number type can be evaluated.

@@ -4,6 +4,7 @@
 //! begin with `#` and empty ones are passed over; a name with commas stands in quotation marks,
 //! doubled inside; the points of a name are one curve wherever they stand.
 
+use crate::io::without_mark;
 use crate::picture::{Axis, Canvas, Curve, Marks, PictureError, Plot};
 use crate::series::SeriesTable;
 use std::fs::File;
@@ -122,8 +123,7 @@ pub fn read_curves(path: &Path) -> Result<Vec<PublishedCurve>, CurvesError> {
 
 /// The same from a file's content.
 pub(crate) fn parsed(bytes: &[u8]) -> Result<Vec<PublishedCurve>, CurvesProblem> {
-    // What spreadsheets put before the first line.
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = without_mark(bytes);
     let mut curves: Vec<PublishedCurve> = Vec::new();
     let mut has_head = false;
     for (number, bytes) in bytes.split(|&byte| byte == b'\n').enumerate() {

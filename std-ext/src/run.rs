@@ -56,6 +56,30 @@ pub enum RunError {
     /// The scene's outputs, or what was stored, are those of another driver.
     #[error("the outputs, or the checkpoint, are not those of the scene's driver")]
     Mismatch,
+    /// The step that the scene asks for is longer than what is stable where the run begins.
+    #[error(
+        "driver: a step of {step:e} is {:.2} times {limit:.4e}, the longest that is stable with \
+         rk4 here, where the stiffest mode decays at a rate of {rate:.3e}: choose a `step` of {:.2e} \
+         or less, or leave `integrator` out",
+        step / limit, 0.9 * limit
+    )]
+    UnstableStep {
+        /// The step.
+        step: f64,
+        /// The longest that is stable.
+        limit: f64,
+        /// The spectral radius that limits it, per time.
+        rate: f64,
+    },
+    /// Two columns of the series have one name.
+    #[error(
+        "output: two columns of the series are called `{column}`: give the probe, or the surface, \
+         another name"
+    )]
+    RepeatedColumn {
+        /// The name.
+        column: String,
+    },
     /// There is no such box of fluid.
     #[error("driver: {0}")]
     Lattice(#[from] LatticeError),
@@ -233,6 +257,11 @@ pub fn run(
     let drive = drive(scene, &mut simulation, positions, state)?;
     let mut columns = measures.columns(&*drive, &simulation);
     columns.extend(Run::probe_columns(scene));
+    let repeated = (1..columns.len()).find(|&at| columns[..at].contains(&columns[at]));
+    if let Some(at) = repeated {
+        let column = columns.swap_remove(at);
+        return Err(RunError::RepeatedColumn { column });
+    }
     let plots = scene.output.plots.iter();
     let plots = plots.map(|plot| PlannedPlot::new(plot, &columns, &simulation));
     let plots = plots.collect::<Result<_, _>>()?;

@@ -38,7 +38,7 @@ pub use surface::{
 pub use value::{OverrideSyntaxError, Overrides};
 
 use crate::info::MeshInfo;
-use helfrich::TriangleMesh;
+use helfrich::{Surface, TriangleMesh};
 use serde::Serialize;
 use std::path::Path;
 
@@ -133,6 +133,34 @@ impl SceneFile {
     /// If it has no inside.
     pub fn check_obstacle(&self, obstacle: usize, mesh: &MeshInfo) -> Result<(), SceneErrors> {
         mesh_check::check_obstacle(self, obstacle, mesh)
+    }
+
+    /// Whether a surface starts outside of an obstacle, and the obstacle outside of the surface.
+    ///
+    /// # Errors
+    /// If a vertex of one is inside of the other.
+    pub fn check_apart(
+        &self,
+        surface: usize,
+        surface_positions: Surface<'_, f64>,
+        obstacle: usize,
+        obstacle_positions: Surface<'_, f64>,
+    ) -> Result<(), SceneErrors> {
+        let numbers = [surface, obstacle];
+        mesh_check::check_apart(self, numbers, surface_positions, obstacle_positions)
+    }
+
+    /// A warning if a surface starts across another one.
+    ///
+    /// # Errors
+    /// If it starts inside of the other, and the driver knows no viscosities of nested surfaces.
+    pub fn check_outside(
+        &self,
+        numbers: [usize; 2],
+        inner: Surface<'_, f64>,
+        outer: Surface<'_, f64>,
+    ) -> Result<Option<SceneError>, SceneErrors> {
+        mesh_check::check_outside(self, numbers, inner, outer)
     }
 
     /// What is probably not meant about a surface and its mesh, scaled as the scene says.

@@ -5,17 +5,22 @@
 
 mod cancellation;
 mod double_double;
+mod dynamics;
 mod geometry;
 mod input;
+mod kernels;
 mod specimen;
+mod threads;
 
 pub use double_double::DoubleDouble;
+pub use dynamics::Course;
 
 use crate::scalar::Scalar;
 use crate::study::Progress;
 use serde::Serialize;
 use std::error::Error;
 use std::fmt;
+use std::str::FromStr;
 
 /// What a row is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -27,9 +32,22 @@ pub enum Group {
     Input,
     /// The rounding error of a formula on its worst cases.
     Cancellation,
+    /// A run of a hard scene.
+    Dynamics,
+    /// Results on one thread and on two.
+    Threads,
 }
 
 impl Group {
+    /// All groups, in the order of the table.
+    pub const ALL: [Self; 5] = [
+        Self::Geometry,
+        Self::Cancellation,
+        Self::Dynamics,
+        Self::Threads,
+        Self::Input,
+    ];
+
     /// The name, and in a sentence what is measured and allowed.
     pub fn describe(self) -> (&'static str, &'static str) {
         match self {
@@ -51,7 +69,38 @@ impl Group {
                  each coordinate, and of the result, changes. A formula that cancels more than its \
                  condition demands has thousands.",
             ),
+            Self::Dynamics => (
+                "dynamics",
+                "Whole runs of scenes as users write them, in f64 but for lattices in f32. Each comes \
+                 to its end with finite numbers and its volume kept, or says what is wrong: before \
+                 it begins, on the way, or by stopping with the reason.",
+            ),
+            Self::Threads => (
+                "threads",
+                "How many numbers of a result are not the same on one thread and on two, to the last \
+                 bit.",
+            ),
         }
+    }
+}
+
+/// A name that no group has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no group `{name}`: the groups are {}", Group::ALL.map(|group| group.describe().0).join(", "))]
+pub struct UnknownGroup {
+    name: String,
+}
+
+impl FromStr for Group {
+    type Err = UnknownGroup;
+
+    fn from_str(name: &str) -> Result<Self, UnknownGroup> {
+        let found = Self::ALL
+            .into_iter()
+            .find(|group| group.describe().0 == name);
+        found.ok_or_else(|| UnknownGroup {
+            name: name.to_owned(),
+        })
     }
 }
 
@@ -84,8 +133,10 @@ pub enum Outcome {
     Evaluated(Evaluation),
     /// An error, with this message.
     Refused(String),
-    /// One number; the row's group says of what.
+    /// One number; the row's group or case says of what.
     Measured(f64),
+    /// A run, to its end or as far as it came.
+    Ran(Course),
 }
 
 /// What a method makes of a hard surface.
@@ -123,8 +174,41 @@ pub enum Bound {
     Reported(f64),
     /// The case is refused, with a message that contains this.
     Refused(&'static str),
+    /// The case is refused, with a message that contains both.
+    RefusedForBoth(&'static str, &'static str),
     /// The number is this at most.
     AtMost(f64),
+    /// A run comes to its end with finite numbers, and changes no volume by more than this part.
+    Runs {
+        /// The part.
+        volume: f64,
+    },
+    /// The same, and nothing was worth a warning.
+    RunsInSilence {
+        /// The part.
+        volume: f64,
+    },
+    /// The same without a word on volumes, and in the second half the deformation differs by this
+    /// part at most from that at the end.
+    Steady {
+        /// The part.
+        most: f64,
+    },
+    /// A run comes to its end with finite numbers, and its deformation differs by this part at most
+    /// from that of the run it is compared with.
+    RunsNear {
+        /// The part.
+        most: f64,
+    },
+    /// The same, or else something was said: a warning, or the reason why it stopped.
+    RunsNearOrSays {
+        /// The part.
+        most: f64,
+    },
+    /// All numbers of a run are finite, and a warning or its last message contains this.
+    Says(&'static str),
+    /// All numbers of a run are finite, and it stopped with a message that contains this.
+    Stops(&'static str),
 }
 
 impl Bound {
@@ -143,7 +227,11 @@ impl Bound {
                 found.is_sound() && told
             }
             (Self::Refused(part), Outcome::Refused(message)) => message.contains(part),
+            (Self::RefusedForBoth(one, other), Outcome::Refused(message)) => {
+                message.contains(one) && message.contains(other)
+            }
             (Self::AtMost(most), Outcome::Measured(value)) => *value <= most,
+            (bound, Outcome::Ran(course)) => dynamics::allows(bound, course).unwrap_or(false),
             _ => false,
         }
     }
@@ -197,16 +285,21 @@ impl fmt::Display for Row {
     }
 }
 
+/// What a run takes, in evaluations of a method on a hard surface: about.
+const RUN: usize = 20;
+
 /// What the table covers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stability {
     /// Whether the mesh of a million vertices is among the cases; it takes minutes.
     pub large: bool,
+    /// The one group of rows that is wanted; `None` for all.
+    pub group: Option<Group>,
 }
 
 /// Why the table cannot be made.
 #[derive(Debug, thiserror::Error)]
-#[error("the mesh of the case `{case}` cannot be made: {source}")]
+#[error("the case `{case}` cannot be made: {source}")]
 pub struct StabilityError {
     /// The case.
     case: &'static str,
@@ -218,11 +311,50 @@ impl Stability {
     /// Makes the table, row after row; `progress` hears of every step.
     ///
     /// # Errors
-    /// If a mesh cannot be made.
+    /// If a mesh cannot be made, or there is no room for a run.
     pub fn run(self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StabilityError> {
-        let mut rows = geometry::rows(self.large, progress)?;
-        rows.extend(cancellation::rows());
-        rows.extend(input::rows());
+        let wanted = |group| self.group.is_none_or(|only| only == group);
+        let evaluations = match wanted(Group::Geometry) {
+            true => geometry::count(self.large),
+            false => 0,
+        };
+        let runs = match wanted(Group::Dynamics) {
+            true => dynamics::count(),
+            false => 0,
+        };
+        let total = (evaluations + RUN * runs + 1) as u64;
+        let mut rows = Vec::new();
+        if wanted(Group::Geometry) {
+            rows = geometry::rows(self.large, &mut |done, at| {
+                let done = done as u64;
+                progress(Progress { done, total, at });
+            })?;
+        }
+        let mut dynamics = Vec::new();
+        if wanted(Group::Dynamics) {
+            let mut run = 0;
+            dynamics = dynamics::rows(&mut |at| {
+                let done = (evaluations + RUN * run) as u64;
+                progress(Progress { done, total, at });
+                run += 1;
+            })?;
+        }
+        progress(Progress {
+            done: total - 1,
+            total,
+            at: "formulas in twice the precision, threads, input",
+        });
+        if wanted(Group::Cancellation) {
+            rows.extend(cancellation::rows());
+            rows.extend(kernels::rows());
+        }
+        rows.extend(dynamics);
+        if wanted(Group::Threads) {
+            rows.extend(threads::rows()?);
+        }
+        if wanted(Group::Input) {
+            rows.extend(input::rows());
+        }
         Ok(rows)
     }
 }

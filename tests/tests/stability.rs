@@ -5,8 +5,11 @@ use helfrich::{
     Finding, GompperKroll, Jet, KantorNelson, Prepared, Quality, StrongForm, Surface, TriangleMesh,
 };
 use helfrich_std::method::{BendingMethod, Evaluated, Evaluator};
+use helfrich_std::run::End;
 use helfrich_std::scalar::Scalar;
-use helfrich_std::stability::{Bound, DoubleDouble, Evaluation, Group, Outcome, Row, Stability};
+use helfrich_std::stability::{
+    Bound, Course, DoubleDouble, Evaluation, Group, Outcome, Row, Stability,
+};
 use helfrich_tests::laws::largest;
 use helfrich_tests::meshes::{
     Inscribed, Mesh, SplitMix64, hemisphere, icosahedron, icosphere, octahedron, sheet, tetrahedron,
@@ -38,11 +41,16 @@ fn every_row_passes() {
     );
 }
 
-/// It takes minutes and 4 GB: `cargo test --release --test stability -- --ignored`.
+/// It takes minutes and 4 GB: `cargo test --release --test stability -- --ignored`, or
+/// `helfrich study --stability --large`. Not part of `.ci/run`: CONTRIBUTING says when to run it.
 #[test]
-#[ignore = "a mesh of a million vertices"]
+#[ignore = "a mesh of a million vertices: minutes and 4 GB"]
 fn a_million_nodes() {
-    let rows = Stability { large: true }.run(&mut |_| ()).expect("meshes");
+    let table = Stability {
+        large: true,
+        group: Some(Group::Geometry),
+    };
+    let rows = table.run(&mut |_| ()).expect("meshes");
     let rows = Vec::from_iter(rows.into_iter().filter(|row| row.case == "a million nodes"));
     assert_eq!(rows.len(), BendingMethod::ALL.len() * Scalar::ALL.len());
     assert_eq!(failures(&rows), Vec::<String>::new());
@@ -65,6 +73,153 @@ fn every_case_has_every_method_in_every_number_type() {
     for (case, found) in cases {
         assert_eq!(found, all, "{case}");
     }
+}
+
+/// The cases that there have to be, whatever else there is.
+#[test]
+fn every_hard_run_is_there() {
+    let rows = TABLE.iter().filter(|row| row.group == Group::Dynamics);
+    let cases: HashSet<&str> = rows.map(|row| row.case).collect();
+    for case in [
+        "low Ca without bending",
+        "high Ca",
+        "bending from 1e-4 to 1",
+        "viscosity ratio from 0.05 to 50",
+        "100 γ̇t of tank-treading",
+        "fixed steps at the limit",
+        "methods on an irregular mesh in flow",
+        "methods on slivers in flow",
+        "a mode that grows",
+        "capsules pressed together",
+        "vesicle of reduced volume 0.6",
+        "restart in mid-run",
+        "contradictory demands",
+        "energy of a relaxation",
+        "volume without correction",
+        "momentum and torque",
+        "on a lattice",
+    ] {
+        assert!(cases.contains(case), "no case `{case}`");
+    }
+    for case in [
+        "methods on an irregular mesh in flow",
+        "methods on slivers in flow",
+        "momentum and torque",
+    ] {
+        let of_case = TABLE.iter().filter(|row| row.case == case);
+        let subjects = Vec::from_iter(of_case.map(|row| row.subject));
+        assert_eq!(
+            subjects,
+            BendingMethod::ALL.map(BendingMethod::name),
+            "{case}"
+        );
+    }
+    let threads = TABLE.iter().filter(|row| row.group == Group::Threads);
+    assert!(threads.count() >= 5);
+}
+
+/// What is stiffer, or more viscous inside, is deformed less.
+#[test]
+fn deformations_fall_as_capsules_resist_more() {
+    for case in ["bending from 1e-4 to 1", "viscosity ratio from 0.05 to 50"] {
+        let rows = TABLE.iter().filter(|row| row.case == case);
+        let deformations = Vec::from_iter(rows.map(|row| match &row.outcome {
+            Outcome::Ran(course) => course.deformation.expect("a flow"),
+            other => panic!("{case}: {other:?}"),
+        }));
+        assert!(deformations.len() >= 4, "{case}");
+        assert!(
+            deformations.is_sorted_by(|a, b| a > b),
+            "{case}: {deformations:?}"
+        );
+    }
+}
+
+#[test]
+fn bounds_refuse_runs_that_break_them() {
+    let good = Course {
+        end: End::Completed,
+        message: "the end is reached".to_owned(),
+        warnings: Vec::new(),
+        finite: true,
+        volume_change: 1e-15,
+        deformation: Some(0.2),
+        unsteadiness: Some(0.01),
+        error: Some(0.05),
+    };
+    let all = [
+        Bound::Runs { volume: 1e-12 },
+        Bound::RunsInSilence { volume: 1e-12 },
+        Bound::Steady { most: 0.02 },
+        Bound::RunsNear { most: 0.1 },
+        Bound::RunsNearOrSays { most: 0.1 },
+        Bound::Says("the end"),
+    ];
+    let stops = Bound::Stops("too stiff");
+    let allows = |bound: Bound, course: &Course| bound.allows(&Outcome::Ran(course.clone()));
+    for bound in all {
+        assert!(allows(bound, &good), "{bound:?}");
+        let infinite = Course {
+            finite: false,
+            ..good.clone()
+        };
+        assert!(!allows(bound, &infinite), "{bound:?}");
+        assert!(!bound.allows(&Outcome::Refused("the end".into())));
+    }
+    let stopped = Course {
+        end: End::Failed,
+        message: "the forces are too stiff".to_owned(),
+        ..good.clone()
+    };
+    for bound in all {
+        let told = matches!(bound, Bound::RunsNearOrSays { .. });
+        assert_eq!(allows(bound, &stopped), told, "{bound:?}");
+    }
+    assert!(allows(stops, &stopped));
+    assert!(!allows(stops, &good));
+    let wrong = [
+        Course {
+            volume_change: f64::NAN,
+            ..good.clone()
+        },
+        Course {
+            warnings: vec!["doubtful".to_owned()],
+            ..good.clone()
+        },
+        Course {
+            unsteadiness: Some(0.03),
+            ..good.clone()
+        },
+        Course {
+            error: Some(f64::NAN),
+            ..good.clone()
+        },
+        Course {
+            error: None,
+            ..good.clone()
+        },
+        Course {
+            message: String::new(),
+            ..good
+        },
+    ];
+    let pairs = [
+        (0, 0),
+        (1, 0),
+        (1, 1),
+        (2, 2),
+        (3, 3),
+        (3, 4),
+        (4, 3),
+        (4, 4),
+        (5, 5),
+    ];
+    for (bound, course) in pairs {
+        let (bound, course) = (all[bound], &wrong[course]);
+        assert!(!allows(bound, course), "{bound:?} allows {course:?}");
+    }
+    assert!(Bound::RefusedForBoth("a", "b").allows(&Outcome::Refused("b, a".into())));
+    assert!(!Bound::RefusedForBoth("a", "b").allows(&Outcome::Refused("a".into())));
 }
 
 /// A bound that everything keeps would be none.

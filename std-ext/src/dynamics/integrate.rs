@@ -587,8 +587,9 @@ impl Integrator {
         }
     }
 
-    /// The longest stable step.
-    fn step_limit(&self) -> Option<f64> {
+    /// The longest stable step of the scheme, by the last estimate of the spectrum; `None` if the
+    /// spectral radius is not known or 0.
+    pub fn step_limit(&self) -> Option<f64> {
         let radius = self.state.radius(&self.settings)?;
         let interval = match self.settings.scheme {
             Scheme::Rkc2 => {

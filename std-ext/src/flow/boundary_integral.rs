@@ -3,6 +3,7 @@
 //! C. Pozrikidis, Boundary Integral and Singularity Methods for Linearized Viscous Flow, Cambridge
 //! University Press 1992, chapters 2, 4 and 5.
 
+pub(crate) mod alone;
 mod double_layer;
 mod geometry;
 mod kernel;

@@ -10,7 +10,7 @@ use std::io::{self, Write};
 use glam::DVec3;
 
 use super::text::Text;
-use super::{Builder, MeshFile, ParseError, Position, Problem, finite};
+use super::{Builder, MeshFile, ParseError, Position, Problem, finite, without_mark};
 
 /// The header and the number of faces, and one face, in bytes.
 const HEADER: usize = 84;
@@ -30,7 +30,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             let length = bytes.len();
             Err(Problem::WrongLength { faces, length }.anywhere())
         }
-        _ => ascii(bytes),
+        _ => ascii(without_mark(bytes)),
     }
 }
 

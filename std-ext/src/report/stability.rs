@@ -1,7 +1,7 @@
 //! The stability table, for the terminal and as Markdown.
 
 use crate::scalar::Scalar;
-use crate::stability::{Bound, Evaluation, Group, Outcome, Row};
+use crate::stability::{Bound, Course, Evaluation, Group, Outcome, Row};
 use std::io::{self, Write};
 
 /// Writes the rows as text: a block for each case, a line for each method or formula, a column for
@@ -18,7 +18,7 @@ pub fn stability_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
             writeln!(out, "\n{} · {}", case[0].case, case[0].meaning)?;
             for subject in lines(case) {
                 write!(out, "  {:28}", subject[0].subject)?;
-                for scalar in Scalar::ALL {
+                for &scalar in columns(group[0].group) {
                     write!(out, "  {:30}", cell(&subject, scalar))?;
                 }
                 writeln!(out)?;
@@ -52,15 +52,16 @@ pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
         for case in group.chunk_by(|a, b| a.case == b.case) {
             let (name, meaning) = (capitalised(case[0].case), case[0].meaning);
             writeln!(out, "\n### {name}\n\n{meaning}\n")?;
+            let scalars = columns(group[0].group);
             write!(out, "| |")?;
-            Scalar::ALL
+            scalars
                 .iter()
                 .try_for_each(|scalar| write!(out, " {scalar} |"))?;
-            writeln!(out, "\n|---|---|---|---|")?;
+            writeln!(out, "\n|---|{}", "---|".repeat(scalars.len()))?;
             for subject in lines(case) {
                 write!(out, "| {} |", subject[0].subject)?;
-                for scalar in Scalar::ALL {
-                    write!(out, " {} |", cell(&subject, scalar))?;
+                for &scalar in scalars {
+                    write!(out, " {} |", cell(&subject, scalar).replace('|', "\\|"))?;
                 }
                 writeln!(out)?;
             }
@@ -84,7 +85,23 @@ fn legend(group: Group, mut line: impl FnMut(&str) -> io::Result<()>) -> io::Res
             line("`finite`: everything is, and there is nothing exact to compare with.")
         }
         Group::Input => line("The message with which it is refused."),
-        Group::Cancellation => line("`0.12 ≤ 4`: found, and allowed."),
+        Group::Cancellation | Group::Threads => line("`0.12 ≤ 4`: found, and allowed."),
+        Group::Dynamics => {
+            line(
+                "`completed, D = 0.148, volume 2e-16`: the Taylor deformation at the end, and the largest change of a volume.",
+            )?;
+            line("`(7 % off)`: D differs by that from the run that it is compared with.")?;
+            line("`says: …`: the first warning. `failed: …`, `stagnated: …`: the reason.")?;
+            line("`3.2 ≤ 64`: found, and allowed.")
+        }
+    }
+}
+
+/// The number types that a group's rows are in: formulas of Stokes flow and runs are in f64.
+fn columns(group: Group) -> &'static [Scalar] {
+    match group {
+        Group::Dynamics => &[Scalar::F64],
+        _ => &Scalar::ALL,
     }
 }
 
@@ -106,7 +123,8 @@ fn cell(subject: &[&Row], scalar: Scalar) -> String {
     };
     let found = match &row.outcome {
         Outcome::Evaluated(found) => evaluation(found),
-        Outcome::Refused(message) => message.clone(),
+        Outcome::Refused(message) => first_line(message),
+        Outcome::Ran(course) => course_of(course),
         Outcome::Measured(value) => match row.bound {
             Bound::AtMost(most) => format!("{value:.2} ≤ {most}"),
             _ => format!("{value:.1e}"),
@@ -116,6 +134,39 @@ fn cell(subject: &[&Row], scalar: Scalar) -> String {
         found
     } else {
         format!("FAILED: {found}")
+    }
+}
+
+/// A run in a line.
+fn course_of(course: &Course) -> String {
+    let mut text = course.end.name().to_owned();
+    if !course.is_complete() {
+        text += &format!(": {}", course.message);
+    }
+    if !course.finite {
+        text += ", not finite";
+    }
+    if let Some(deformation) = course.deformation {
+        text += &format!(", D = {deformation:.3}");
+    }
+    if let Some(error) = course.error {
+        text += &format!(" ({:.0} % off)", 100.0 * error);
+    }
+    text += &format!(", volume {:.0e}", course.volume_change);
+    if let Some(warning) = course.warnings.first() {
+        text += &format!("; says: {}", first_line(warning));
+    }
+    text
+}
+
+/// What matters of a message, without the place in a scene that nobody sees.
+fn first_line(message: &str) -> String {
+    let line = message.lines().next().unwrap_or_default();
+    let place = |start: &str| line.starts_with(start).then(|| line.split_once(": "));
+    let placed = ["scene.toml", "--set"].into_iter().find_map(place);
+    match placed.flatten() {
+        Some((_, rest)) => rest.to_owned(),
+        None => line.to_owned(),
     }
 }
 

@@ -1,9 +1,11 @@
 //! What a flow does to surfaces: the numbers by which capsules are judged.
 
 use crate::deformation::{
-    Deformation, ShearPlane, TankTreading, extremes, taylor, wrinkle_indicator,
+    Deformation, ShearPlane, TankTreading, extremes, roughness, taylor, wrinkle_indicator,
 };
+use crate::enclosure::vertices_inside;
 use crate::simulation::{Body, Simulation};
+use helfrich::Surface;
 use serde::{Deserialize, Serialize};
 
 /// The columns of closed surfaces, and what has to be followed from step to step for them.
@@ -12,7 +14,13 @@ pub(super) struct Deformed {
     plane: Option<ShearPlane>,
     /// Of each surface that has a shear plane.
     turning: Vec<Option<TankTreading>>,
+    /// Of each surface: how rough it was at the start.
+    roughness: Vec<f64>,
 }
+
+/// A surface is rough at the scale of its mesh above this, and above twice what it was at the start.
+/// Smooth capsules stay below 0.1, and wrinkled ones reach 0.3 to 2.
+const ROUGH: f64 = 0.25;
 
 impl Deformed {
     pub(super) fn new(
@@ -26,9 +34,79 @@ impl Deformed {
             let deformation = Deformation::new(surface)?;
             Some(TankTreading::new(surface, &deformation, plane?, 0.0))
         });
+        let roughnesses = simulation.bodies().iter().map(|body| {
+            let surface = body.surface(positions);
+            surface.map_or(f64::NAN, roughness)
+        });
         Self {
             plane,
             turning: turning.collect(),
+            roughness: roughnesses.collect(),
+        }
+    }
+
+    /// Adds what is not to be trusted any more to the notes, each once: surfaces that are wrinkled at
+    /// the scale of their mesh, and surfaces that have gone into each other. `caption` says when.
+    pub(super) fn note(
+        &self,
+        simulation: &Simulation,
+        positions: &[[f64; 3]],
+        caption: &str,
+        notes: &mut Vec<String>,
+    ) {
+        let mut add = |what: String, why: String| {
+            if !notes.iter().any(|note| note.contains(&what)) {
+                notes.push(format!("from {caption}: {what}{why}"));
+            }
+        };
+        for (body, start) in simulation.bodies().iter().zip(&self.roughness) {
+            let found = body.surface(positions).map_or(f64::NAN, roughness);
+            if found > f64::max(ROUGH, 2.0 * start) {
+                add(
+                    format!(
+                        "surface \"{}\" is wrinkled at the scale of its mesh",
+                        body.name()
+                    ),
+                    format!(
+                        " (curvature changes by {:.0} % from vertex to vertex, {:.0} % at the start): \
+                         more bending, or a finer mesh, would show whether the wrinkles are real",
+                        100.0 * found,
+                        100.0 * start
+                    ),
+                );
+            }
+        }
+        let bodies = simulation.bodies();
+        let obstacles = simulation.obstacles().iter().filter_map(|obstacle| {
+            let surface = Surface::new(&obstacle.mesh, &obstacle.positions).ok()?;
+            Some((obstacle.name.as_str(), surface))
+        });
+        let obstacles = Vec::from_iter(obstacles);
+        for (number, body) in bodies.iter().enumerate() {
+            let Some(surface) = body.surface(positions) else {
+                continue;
+            };
+            let others = bodies
+                .iter()
+                .enumerate()
+                .filter(|(other, _)| *other != number);
+            let others =
+                others.filter_map(|(_, other)| Some((other.name(), other.surface(positions)?)));
+            for (name, other) in others.chain(obstacles.iter().copied()) {
+                // A surface that is inside of another as a whole was put there.
+                let Some((vertex, count)) = vertices_inside(surface, other) else {
+                    continue;
+                };
+                if count < surface.positions().len() {
+                    add(
+                        format!("surface \"{}\" has gone into \"{name}\"", body.name()),
+                        format!(
+                            " (vertex {vertex} is the first of {count}): a `repulsion` between them, \
+                             a finer mesh or a smaller tolerance would keep them apart"
+                        ),
+                    );
+                }
+            }
         }
     }
 

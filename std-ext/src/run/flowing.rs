@@ -5,7 +5,7 @@ use super::deformed::Deformed;
 use super::drive::{Drive, DriveState, Mark, Step, Work, cost};
 use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
-use crate::dynamics::integrate::{Integrator, Scheme, Settings, Spectrum, State, StepReport};
+use crate::dynamics::integrate::{Integrator, Scheme, Settings, State, StepReport};
 use crate::flow::{Fluid, KeptVolumes, Membranes, Moving, SOLUTION_TOLERANCE, Suspension};
 use crate::scene::{self, BoundaryIntegral, Hold, Scene, SurfaceScene};
 use crate::simulation::{Cost, Simulation};
@@ -24,8 +24,15 @@ const SHORTEST_STEP: f64 = 1e-5;
 /// How many steps in a row may be that short: some are, after a disturbance.
 const SHORT_STEPS: u64 = 50;
 
+/// Steps that differ by less, relative, are the same.
+const ROUNDING: f64 = 1e-6;
+
 /// A mode is reported that grows faster than this many times the flow deforms.
 const GROWTH: f64 = 3.0;
+
+/// Factors of e by which such a mode may grow in all: 5e8, from next to nothing to the size of the
+/// surface.
+const FOLDS: f64 = 20.0;
 
 /// Membranes on their way through time.
 pub(super) struct Flowing<'a> {
@@ -58,6 +65,10 @@ struct FlowingProgress {
     right_hand_sides: u64,
     /// How many of the last steps were too short to get anywhere.
     short_steps: u64,
+    /// Products that solutions took before the run was taken up again.
+    products: u64,
+    /// Factors of e by which the stiffest mode has grown since it last decayed.
+    folds: f64,
     notes: Vec<String>,
 }
 
@@ -69,7 +80,7 @@ impl<'a> Flowing<'a> {
         positions: Vec<[f64; 3]>,
     ) -> Result<Self, RunError> {
         let positions = start(simulation, positions);
-        let suspension = suspension(scene, driver, simulation, &positions);
+        let mut suspension = suspension(scene, driver, simulation, &positions);
         let solves = suspension.has_contrast() || simulation.are_viscous();
         let settings = settings(driver, simulation, &positions, solves);
         let progress = FlowingProgress {
@@ -78,15 +89,25 @@ impl<'a> Flowing<'a> {
             steps: 0,
             right_hand_sides: 0,
             short_steps: 0,
+            products: 0,
+            folds: 0.0,
             notes: Vec::new(),
         };
+        let mut integrator = Integrator::new(positions, 0.0, settings)?;
+        if let scene::Integrator::Rk4 { step } = driver.integrator {
+            let mut moving = Moving {
+                suspension: &mut suspension,
+                membranes: &mut *simulation,
+            };
+            refuse_unstable(step, &mut integrator, &mut moving)?;
+        }
         Ok(Self {
             scene,
             driver,
             clock: Clock::new(scene, &driver.flow, driver.duration),
             suspension,
             solves,
-            integrator: Integrator::new(positions, 0.0, settings)?,
+            integrator,
             report: None,
             progress,
         })
@@ -117,6 +138,11 @@ impl<'a> Flowing<'a> {
         })
     }
 
+    /// Products that solutions took since the start.
+    fn products(&self) -> u64 {
+        self.progress.products + self.suspension.products()
+    }
+
     /// Why the run is not worth going on, if steps stay too short; one that an output has cut short
     /// does not count.
     fn stagnation(
@@ -143,37 +169,76 @@ impl<'a> Flowing<'a> {
         if let Some(spectrum) = report.spectrum {
             let place = place(simulation, spectrum.vertex);
             message.push_str(&format!(
-                ": the fastest mode, at a rate of {:.1e}, is largest at {place}; a better mesh there,                  a method that is stable on it (j4) or less bending would help",
+                ": the fastest mode, at a rate of {:.1e}, is largest at {place}; a better mesh there, \
+                 a method that is stable on it (j4) or less bending would help",
                 spectrum.radius
             ));
         }
         Some(message)
     }
 
-    fn note_growth(&mut self, spectrum: Option<Spectrum>, simulation: &Simulation) {
-        let rate = self.driver.flow.rate().unwrap_or(0.0);
-        let Some((spectrum, growth)) = spectrum.and_then(|it| Some((it, it.growth?))) else {
+    /// What is not to be trusted any more.
+    fn note_state(&mut self, simulation: &Simulation) {
+        let caption = self.caption();
+        let positions = self.integrator.positions();
+        let FlowingProgress {
+            deformed, notes, ..
+        } = &mut self.progress;
+        deformed.note(simulation, positions, &caption, notes);
+    }
+
+    /// That steps are no longer as long as the scene has them.
+    fn note_shortened(&mut self, report: &StepReport, output: bool) {
+        let scene::Integrator::Rk4 { step } = self.driver.integrator else {
             return;
         };
-        if growth <= GROWTH * rate {
+        const WHAT: &str = "the step of rk4 is no longer stable and is shortened";
+        if output || report.step > step * (1.0 - ROUNDING) {
             return;
         }
-        let place = place(simulation, spectrum.vertex);
-        // Once for each place.
-        if !self.progress.notes.iter().any(|note| note.contains(&place)) {
-            let times = match rate {
-                0.0 => String::new(),
-                rate => format!(", {:.0} times as fast as the flow deforms", growth / rate),
-            };
+        if !self.progress.notes.iter().any(|note| note.contains(WHAT)) {
             let note = format!(
-                "from {}: the stiffest mode of the velocities grows instead of decaying, at a rate of \
-                 {:.3e}{times}; it is largest at {place}: the mesh or the bending method is unstable \
-                 there",
+                "from {}: {WHAT}, to {:.3e} here: the stiffness has grown since the start",
                 self.caption(),
-                growth
+                report.step
             );
             self.progress.notes.push(note);
         }
+    }
+
+    /// Notes that the stiffest mode grows, and returns why the run is not worth going on if it has
+    /// grown too far.
+    fn growth(&mut self, report: &StepReport, simulation: &Simulation) -> Option<String> {
+        let rate = self.driver.flow.rate().unwrap_or(0.0);
+        let found = report.spectrum.and_then(|it| Some((it, it.growth?)));
+        let Some((spectrum, growth)) = found.filter(|(_, growth)| *growth > GROWTH * rate) else {
+            self.progress.folds = 0.0;
+            return None;
+        };
+        self.progress.folds += growth * report.step;
+        let place = place(simulation, spectrum.vertex);
+        // Once for each surface: the place moves on as the mode grows.
+        let times = match rate {
+            0.0 => String::new(),
+            rate => format!(", {:.0} times as fast as the flow deforms", growth / rate),
+        };
+        const WHAT: &str = "grows instead of decaying";
+        let caption = self.caption();
+        if !self.progress.notes.iter().any(|note| note.contains(WHAT)) {
+            self.progress.notes.push(format!(
+                "from {caption}: the stiffest mode of the velocities {WHAT}, at a rate of \
+                 {growth:.3e}{times}; it is largest at {place}: the mesh or the bending method is \
+                 unstable there"
+            ));
+        }
+        (self.progress.folds > FOLDS).then(|| {
+            format!(
+                "at {caption} the stiffest mode of the velocities {WHAT}, at a rate of \
+                 {growth:.1e}{times}, and has done so for {FOLDS} factors of e: it is largest at \
+                 {place}; a better mesh there, a method that is stable on it (j4), or less bending \
+                 would help"
+            )
+        })
     }
 }
 
@@ -200,7 +265,7 @@ impl Drive for Flowing<'_> {
             self.progress.right_hand_sides as f64,
         ]);
         if self.solves {
-            numbers.push(self.suspension.products() as f64);
+            numbers.push(self.products() as f64);
         }
         numbers
     }
@@ -236,6 +301,7 @@ impl Drive for Flowing<'_> {
         let report = match self.integrator.step(&mut moving, due) {
             Ok(report) => report,
             Err(failure) => {
+                self.note_state(simulation);
                 return Ok(Step {
                     output: true,
                     checkpoint: true,
@@ -249,12 +315,23 @@ impl Drive for Flowing<'_> {
         let positions = self.integrator.positions();
         let deformed = &mut self.progress.deformed;
         deformed.follow(report.time, simulation, positions);
-        self.note_growth(report.spectrum, simulation);
+        let grown = self.growth(&report, simulation);
         let output = report.time >= due;
         if output {
             self.progress.outputs += 1;
+            self.note_state(simulation);
+        }
+        self.note_shortened(&report, output);
+        if let Some(message) = grown {
+            self.note_state(simulation);
+            return Ok(Step {
+                output: true,
+                checkpoint: true,
+                end: Some((End::Failed, message)),
+            });
         }
         if let Some(message) = self.stagnation(&report, output, simulation) {
+            self.note_state(simulation);
             return Ok(Step {
                 output: true,
                 checkpoint: true,
@@ -308,8 +385,31 @@ impl Drive for Flowing<'_> {
         DriveState::Flowing(FlowingState {
             integrator: self.integrator.state().clone(),
             guess: self.suspension.guess().to_vec(),
-            progress: self.progress.clone(),
+            progress: FlowingProgress {
+                products: self.products(),
+                ..self.progress.clone()
+            },
         })
+    }
+}
+
+/// A fixed step that is longer than what is stable where the run begins is none that can be followed.
+///
+/// Where there are no velocities, the first step says why.
+fn refuse_unstable(
+    step: f64,
+    integrator: &mut Integrator,
+    moving: &mut Moving<'_, Simulation>,
+) -> Result<(), RunError> {
+    let Ok(spectrum) = integrator.estimate_spectrum(moving) else {
+        return Ok(());
+    };
+    match integrator.step_limit() {
+        Some(limit) if step > limit => {
+            let rate = spectrum.radius;
+            Err(RunError::UnstableStep { step, limit, rate })
+        }
+        _ => Ok(()),
     }
 }
 

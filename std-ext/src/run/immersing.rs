@@ -121,6 +121,15 @@ impl<'a, T: Stored> Immersing<'a, T> {
         self.progress.steps as f64 * self.driver.step
     }
 
+    /// What is not to be trusted any more.
+    fn note_state(&mut self, simulation: &Simulation) {
+        let caption = self.clock.caption(self.time());
+        let ImmersingProgress {
+            deformed, notes, ..
+        } = &mut self.progress;
+        deformed.note(simulation, &self.positions, &caption, notes);
+    }
+
     /// The number of the step that ends nearest to a time.
     fn nearest(&self, time: f64) -> u64 {
         ((time / self.driver.step).round() as u64).max(1)
@@ -168,6 +177,7 @@ impl<T: Stored> Drive for Immersing<'_, T> {
             });
         }
         if let Err(error) = self.immersion.advance(simulation, &mut self.positions) {
+            self.note_state(simulation);
             return Ok(Step {
                 output: true,
                 checkpoint: true,
@@ -181,6 +191,7 @@ impl<T: Stored> Drive for Immersing<'_, T> {
         let output = steps >= self.nearest(self.clock.next_output(self.progress.outputs));
         if output {
             self.progress.outputs += 1;
+            self.note_state(simulation);
         }
         let every = self.scene.output.checkpoint_every;
         let done = steps >= total;

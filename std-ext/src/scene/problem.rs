@@ -4,6 +4,7 @@ use super::units::Dimension;
 use super::value::Origin;
 use super::{Overrides, Units};
 use crate::generate::{GenerateError, ParseShapeError};
+use crate::io::{read_whole, without_mark};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -418,7 +419,10 @@ fn floor(text: &str, at: usize) -> usize {
     at
 }
 
-/// The text of a scene file.
+/// Of a scene file, in bytes.
+const LONGEST: u64 = 1 << 24;
+
+/// The text of a scene file, without a byte order mark.
 pub(super) fn read_text(path: &Path) -> Result<String, SceneErrors> {
     let failure = |message: String| {
         SceneErrors::from(SceneError {
@@ -427,15 +431,16 @@ pub(super) fn read_text(path: &Path) -> Result<String, SceneErrors> {
             problem: Problem::Unreadable { message },
         })
     };
-    let bytes = std::fs::read(path).map_err(|error| {
+    let bytes = read_whole(path, Some(LONGEST)).map_err(|error| {
         failure(match error.kind() {
             std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
             _ if path.is_dir() => "is a directory: a scene file is needed".to_owned(),
             _ => format!("cannot be read: {error}"),
         })
     })?;
-    String::from_utf8(bytes).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
+    let text = str::from_utf8(without_mark(&bytes)).map_err(|error| {
+        let at = error.valid_up_to();
         failure(format!("is no text in UTF-8: byte {at} is wrong"))
-    })
+    })?;
+    Ok(text.to_owned())
 }

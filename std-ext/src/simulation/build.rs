@@ -127,6 +127,21 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
         positions.extend(start.positions);
         bodies.push(body);
     }
+    let all_positions = positions;
+    for (index, body) in bodies.iter().enumerate() {
+        for (other, second) in bodies
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != index)
+        {
+            let surfaces = body
+                .surface(&all_positions)
+                .zip(second.surface(&all_positions));
+            if let Some((surface, second)) = surfaces {
+                warnings.extend(file.check_outside([index, other], surface, second)?);
+            }
+        }
+    }
     let mut obstacles = Vec::with_capacity(scene.obstacles.len());
     for (index, obstacle) in scene.obstacles.iter().enumerate() {
         let Placed {
@@ -143,6 +158,11 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
             source,
         })?;
         file.check_obstacle(index, &MeshInfo::new(surface))?;
+        for (number, body) in bodies.iter().enumerate() {
+            if let Some(body) = body.surface(&all_positions) {
+                file.check_apart(number, body, index, surface)?;
+            }
+        }
         obstacles.push(Obstacle {
             name: obstacle.name.clone(),
             mesh,
@@ -179,7 +199,7 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
         warnings,
     };
     simulation.set_load(0);
-    Ok((simulation, positions))
+    Ok((simulation, all_positions))
 }
 
 /// Scales a closed mesh so that it encloses this volume.

@@ -309,7 +309,7 @@ impl Case {
 }
 
 /// The largest absolute number.
-fn size(values: &[DoubleDouble]) -> f64 {
+pub(super) fn size(values: &[DoubleDouble]) -> f64 {
     let sizes = values.iter().map(|value| value.abs());
     sizes.fold(0.0, |most, value| {
         most.max(value.to_f64().unwrap_or(f64::NAN))
@@ -317,7 +317,7 @@ fn size(values: &[DoubleDouble]) -> f64 {
 }
 
 /// The largest absolute difference; not a number if one is none.
-fn difference(a: &[DoubleDouble], b: &[DoubleDouble]) -> f64 {
+pub(super) fn difference(a: &[DoubleDouble], b: &[DoubleDouble]) -> f64 {
     let differences = Vec::from_iter(a.iter().zip(b).map(|(&a, &b)| a - b));
     if differences.iter().all(|difference| difference.is_finite()) {
         size(&differences)
@@ -327,7 +327,7 @@ fn difference(a: &[DoubleDouble], b: &[DoubleDouble]) -> f64 {
 }
 
 /// The largest distance along an axis.
-fn extent(points: &[[DoubleDouble; 3]]) -> f64 {
+pub(super) fn extent(points: &[[DoubleDouble; 3]]) -> f64 {
     let mut most = 0.0_f64;
     for (a, b) in points
         .iter()

@@ -4,7 +4,6 @@ use super::specimen::{self, Specimen, SpecimenError};
 use super::{Bound, Evaluation, Group, Outcome, Row, StabilityError};
 use crate::method::{BendingMethod, Evaluated, Evaluator, Fields};
 use crate::scalar::{HeldPositions, Scalar};
-use crate::study::Progress;
 use helfrich::{Real, SurfaceError, TriangleMesh};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -259,13 +258,17 @@ const LARGE: Case = Case {
     },
 };
 
-/// Every case with every method and number type.
+/// The number of rows.
+pub(super) fn count(large: bool) -> usize {
+    (CASES.len() + usize::from(large)) * BendingMethod::ALL.len() * Scalar::ALL.len()
+}
+
+/// Every case with every method and number type, each told with the number of those before it.
 pub(super) fn rows(
     large: bool,
-    progress: &mut dyn FnMut(Progress<'_>),
+    tell: &mut dyn FnMut(usize, &str),
 ) -> Result<Vec<Row>, StabilityError> {
-    let cases = Vec::from_iter(CASES.iter().chain(large.then_some(&LARGE)));
-    let total = (cases.len() * BendingMethod::ALL.len() * Scalar::ALL.len()) as u64;
+    let cases = CASES.iter().chain(large.then_some(&LARGE));
     let mut clean = CleanErrors::default();
     let mut rows = Vec::new();
     for case in cases {
@@ -279,11 +282,7 @@ pub(super) fn rows(
         }
         for method in BendingMethod::ALL {
             for scalar in Scalar::ALL {
-                progress(Progress {
-                    done: rows.len() as u64,
-                    total,
-                    at: &format!("{}: {method} {scalar}", case.name),
-                });
+                tell(rows.len(), &format!("{}: {method} {scalar}", case.name));
                 let clean = match case.clean {
                     Some(which) => Some(clean.of(which, method, scalar).map_err(made)?),
                     None => None,

@@ -11,6 +11,7 @@ use tempfile::TempDir;
 
 mod bad_input;
 mod curvature;
+mod disasters;
 mod fixture;
 mod info;
 mod run;

@@ -11,7 +11,7 @@ use std::thread;
 use std::time::Duration;
 use tempfile::TempDir;
 
-const SCENE: &str = r#"
+pub(crate) const SCENE: &str = r#"
 title = "Small vesicle"
 units = "none"
 
@@ -40,7 +40,7 @@ checkpoint_every = 3
 "#;
 
 /// A capsule whose velocities are solutions of linear systems, with all that is drawn.
-const FLOW: &str = r#"
+pub(crate) const FLOW: &str = r#"
 title = "Small capsule"
 units = "none"
 
@@ -76,7 +76,7 @@ size = [4, 3]
 points = [9, 7]
 "#;
 
-const LATTICE: &str = r#"
+pub(crate) const LATTICE: &str = r#"
 title = "Small capsule in a channel"
 units = "none"
 
@@ -134,18 +134,18 @@ fn scene(extra: &str) -> (TempDir, PathBuf) {
     (folder, path)
 }
 
-fn command(scene: &Path, out: &Path, more: &[&str]) -> Command {
+pub(crate) fn command(scene: &Path, out: &Path, more: &[&str]) -> Command {
     let mut command = crate::command(&["run", text(scene), "--out", text(out)]);
     command.args(more);
     command
 }
 
-fn run(scene: &Path, out: &Path, more: &[&str]) -> Output {
+pub(crate) fn run(scene: &Path, out: &Path, more: &[&str]) -> Output {
     command(scene, out, more).output().unwrap()
 }
 
 #[track_caller]
-fn succeed(scene: &Path, out: &Path, more: &[&str]) -> String {
+pub(crate) fn succeed(scene: &Path, out: &Path, more: &[&str]) -> String {
     let output = run(scene, out, more);
     let errors = String::from_utf8(output.stderr).unwrap();
     assert_eq!((output.status.code(), &*errors), (Some(0), ""));
@@ -153,7 +153,7 @@ fn succeed(scene: &Path, out: &Path, more: &[&str]) -> String {
 }
 
 /// Every file under a folder but those that tell the time and the checkpoint.
-fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+pub(crate) fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(next) = folders.pop() {

@@ -109,15 +109,22 @@ impl<'a> Panel<'a> {
         let constant = foot.dot(base);
         let linear = along.dot(base) + foot.dot(slope);
         let square = along.dot(slope);
-        let ratio = t2 / r2 - t1 / r1;
+        // Differences between the ends: of a short edge far off only the quotients have all digits.
+        let over_sum = (t1 + t2) / (r1 + r2) * length;
+        let ratio = if t1 * t2 > 0.0 {
+            height * height * over_sum * (r1 + r2) / ((t2 * r1 + t1 * r2) * r1 * r2)
+        } else {
+            t2 / r2 - t1 / r1
+        };
+        let inverses = over_sum / (r1 * r2);
         // ∫ tⁿ/r³ dt for n = 0 (times the squared height), 1, 2, 3.
         let cubes = [
             ratio,
-            r1.recip() - r2.recip(),
+            inverses,
             over_r - ratio,
-            r2 - r1 + height * height * (r2.recip() - r1.recip()),
+            over_sum - height * height * inverses,
         ];
-        let isotropic = over_r * base + (r2 - r1) * slope;
+        let isotropic = over_r * base + over_sum * slope;
         let upward =
             constant / height * cubes[0] + height * (linear * cubes[1] + square * cubes[2]);
         let forward = constant * cubes[1] + linear * cubes[2] + square * cubes[3];
@@ -213,7 +220,8 @@ impl Edge {
         let along = edge / length;
         let [t1, t2] = [v1.dot(along), v2.dot(along)];
         let [r1, r2] = [v1.length(), v2.length()];
-        // ∫ dt/r = ln[(r1 + r2 + L)/(r1 + r2 − L)]; the difference is taken without cancellation.
+        // ∫ dt/r = ln[(r1 + r2 + L)/(r1 + r2 − L)] = ln[1 + 2L/(r1 + r2 − L)], where
+        // (r1 + r2)² − L² = 2 (r1 r2 + v1·v2): the difference is taken without cancellation.
         let inner = v1.dot(v2);
         let spread = if inner >= 0.0 {
             r1 * r2 + inner
@@ -227,7 +235,7 @@ impl Edge {
             foot: v1 - t1 * along,
             height: doubled_area / length,
             ends: [(t1, r1), (t2, r2)],
-            over_r: (around * around / (2.0 * spread)).ln(),
+            over_r: (length * around / spread).ln_1p(),
         })
     }
 
@@ -295,7 +303,8 @@ impl Flat {
     fn solid_angle(&self) -> f64 {
         let [a, b, c] = self.corners;
         let [x, y, z] = self.corners.map(DVec3::length);
-        let doubled = a.dot(b.cross(c));
+        // a·(b × c), by edges: seen from afar, the three are all but parallel.
+        let doubled = a.dot(doubled_normal(self.corners));
         2.0 * doubled.atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
     }
 

@@ -9,7 +9,7 @@ use super::super::{
 use super::Builder;
 use crate::flow::lattice_boltzmann::Kernel;
 use crate::generate::{self, AnyShape};
-use crate::io::read;
+use crate::io::{free_memory, read};
 use crate::scalar::Scalar;
 use helfrich::Surface;
 use helfrich::shapes::Shape;
@@ -480,16 +480,6 @@ fn default_viscosity(surfaces: &[SurfaceScene]) -> f64 {
     let [least, most] = [*VISCOSITIES.start(), *VISCOSITIES.end()];
     let inside = |viscosity: f64, ratio: f64| (viscosity * ratio).clamp(least, most) / ratio;
     ratios.fold(LATTICE_VISCOSITY, inside).clamp(least, most)
-}
-
-/// Memory that is free, in bytes, where the system says so.
-fn free_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text
-        .lines()
-        .find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
-    Some(1024 * kilobytes)
 }
 
 /// The shortest of the steps that something limits.
