@@ -42,8 +42,8 @@ pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# Numerical stability\n")?;
     writeln!(
         out,
-        "Written by `helfrich study --stability --markdown docs/STABILITY.md`. Each row is a test: \
-         `tests/tests/stability.rs` makes the same table and fails where a row does not pass.\n"
+        "Written by `helfrich study --stability --large --markdown docs/STABILITY.md`. Each row is a test: \
+         `tests/tests/stability.rs` makes the same table, without the mesh of a million nodes unless asked, and fails where a row does not pass.\n"
     )?;
     for group in rows.chunk_by(|a, b| a.group == b.group) {
         let (name, meaning) = group[0].group.describe();
@@ -68,9 +68,19 @@ pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
         }
         writeln!(out)?;
     }
+    writeln!(out, "{BUILDS}")?;
     let failed = rows.iter().filter(|row| !row.passed).count();
     writeln!(out, "{} of {} rows pass.", rows.len() - failed, rows.len())
 }
+
+/// What is compared outside of the table.
+const BUILDS: &str = "## Builds
+
+`.ci/builds` makes this table with a build without optimisation, a release build, and one for the \
+machine's own instructions (`-C target-cpu=native`), checksums of every force among its numbers, and \
+compares them: the distance allowed is 0 units in the last place. Runs of whole scenes are compared \
+between the latter two. It takes half an hour, and is no part of `.ci/run`.
+";
 
 /// What the cells of a group say.
 fn legend(group: Group, mut line: impl FnMut(&str) -> io::Result<()>) -> io::Result<()> {

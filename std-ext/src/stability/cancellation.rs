@@ -189,6 +189,20 @@ const CASES: &[Case] = &[
         formulas: OF_STRAINS,
     },
     Case {
+        name: "stretched triangles",
+        meaning: "Triangles thirty times as long as in their reference, and half as wide.",
+        input: |random, _| deformed(random, [30.0, 0.5]),
+        triangles: TRIANGLE,
+        formulas: OF_STRAINS,
+    },
+    Case {
+        name: "collapsed triangles",
+        meaning: "Triangles pressed to a thirtieth of their length in the reference.",
+        input: |random, _| deformed(random, [1.0 / 30.0, 1.0]),
+        triangles: TRIANGLE,
+        formulas: OF_STRAINS,
+    },
+    Case {
         name: "nearly flat hinges",
         meaning: "Two triangles that form an angle of 1e-6 (1e-3 in f32).",
         input: |random, scalar| {
@@ -487,6 +501,14 @@ fn strained(random: &mut Random, scalar: Scalar, height: f64) -> Vec<[f64; 3]> {
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.3, height, 0.0]];
     let there = points.map(|[x, y, z]| [x + strain * (x + 0.5 * y), y - 0.7 * strain * y, z]);
     turned(random, &[points, there].concat())
+}
+
+/// A triangle, and after it what it was before it was stretched by these factors along two axes, as
+/// its reference and as velocities.
+fn deformed(random: &mut Random, [along, across]: [f64; 2]) -> Vec<[f64; 3]> {
+    let reference = [[0.0; 3], [1.0, 0.0, 0.0], [0.3, 0.8, 0.0]];
+    let points = reference.map(|[x, y, z]| [along * x, across * y, z]);
+    turned(random, &[points, reference].concat())
 }
 
 /// An octahedron with these semi-axes, its vertices displaced at random by this part of them.

@@ -221,6 +221,20 @@ fn surfaces_do_not_start_in_each_other() {
     let check = crate::run(&["run", text(&scene), "--check"]);
     assert_eq!(check.code, Some(0), "{}", check.stderr);
     assert!(check.stderr.contains("starts across"), "{}", check.stderr);
+    // And the run says so, too.
+    let (folder, scene) = folder_with(&other("[1, 0, 0]", "0.7"));
+    let out = folder.path().join("out");
+    let sets = [
+        "surface.capsule.viscosity_ratio=1",
+        "surface.capsule.membrane_viscosity=",
+        "driver.strain=0.1",
+    ];
+    let sets = sets.map(|set| ["--set", set]);
+    let output = run(&scene, &out, sets.as_flattened());
+    let message = String::from_utf8(output.stderr).unwrap();
+    for hint in ["\"other\" has gone into \"capsule\"", "γ̇t = 0.100"] {
+        assert!(message.contains(hint), "no {hint:?} in {message}");
+    }
     let (_folder, scene) = folder_with(&other("[4, 0, 0]", "0.7"));
     let check = crate::run(&["run", text(&scene), "--check"]);
     assert!(!check.stderr.contains("starts"), "{}", check.stderr);

@@ -6,8 +6,10 @@
 
 use helfrich_std::checkpoint::{self, Fingerprint};
 use helfrich_std::deformation::{
-    Deformation, ShearPlane, TankTreading, extremes, first_plateau, taylor, wrinkle_indicator,
+    Deformation, ShearPlane, TankTreading, extremes, first_plateau, roughness, taylor,
+    wrinkle_indicator,
 };
+use helfrich_std::enclosure::{encloses, vertices_inside};
 use helfrich_std::flow::Ambient;
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::section::section;
@@ -529,4 +531,46 @@ fn plateaus_survive_the_last_digits_of_a_time_step() {
     let rest = first_plateau(&times, &vec![2.0; times.len()], 1e-2).unwrap();
     assert_eq!(rest.value, 2.0);
     assert_eq!(first_plateau(&times[..4], &values[..4], 0.9), None);
+}
+
+/// Points of an ellipsoid are inside where the sum of squares says so, near, far, and on flat meshes.
+#[test]
+fn closed_surfaces_enclose_what_is_inside() {
+    let axes = [2.0, 1.0, 0.5];
+    let mesh = icosphere(3).map(|x| [0, 1, 2].map(|axis| axes[axis] * x[axis]));
+    let mut random = SplitMix64::new(5);
+    let mut inside = 0;
+    for _ in 0..200 {
+        let unit = [0; 3].map(|_| 1.3 * random.symmetric());
+        let distance = unit.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // Between the polyhedron and the ellipsoid nothing is asked.
+        if (0.97..1.0).contains(&distance) {
+            continue;
+        }
+        let point = [0, 1, 2].map(|axis| axes[axis] * unit[axis]);
+        assert_eq!(encloses(mesh.surface(), point), distance < 1.0, "{point:?}");
+        inside += usize::from(distance < 1.0);
+    }
+    assert!((20..180).contains(&inside), "{inside}");
+    assert!(!encloses(mesh.surface(), [1e6, 3e5, -2e5]));
+    assert!(!encloses(hemisphere(2).surface(), [0.0, 0.0, 0.3]));
+    let small = icosphere(1).map(|[x, y, z]| [0.2 * x + 1.9, 0.2 * y, 0.2 * z]);
+    let (first, count) = vertices_inside(small.surface(), mesh.surface()).expect("some");
+    assert!(encloses(mesh.surface(), small.positions[first]));
+    assert!(count > 0 && count < small.positions.len(), "{count}");
+    assert_eq!(vertices_inside(mesh.surface(), small.surface()), None);
+}
+
+/// Little on smooth surfaces, less on finer meshes; about 1 where vertices go up and down in turn.
+#[test]
+fn roughness_is_of_the_scale_of_the_mesh() {
+    let rough = |mesh: &Mesh| roughness(mesh.surface());
+    let smooth = |refinement| icosphere(refinement).map(|[x, y, z]| [1.5 * x, y, 0.8 * z]);
+    let [coarse, fine] = [rough(&smooth(2)), rough(&smooth(3))];
+    assert!(coarse < 0.2 && fine < 0.5 * coarse, "{coarse}, {fine}");
+    let wrinkled = smooth(3).map(|[x, y, z]| {
+        let factor = 1.0 + 0.02 * (9173.0 * x + 5171.0 * y + 7919.0 * z).sin();
+        [factor * x, factor * y, factor * z]
+    });
+    assert!(rough(&wrinkled) > 0.5, "{}", rough(&wrinkled));
 }
