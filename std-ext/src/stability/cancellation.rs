@@ -197,8 +197,9 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "collapsed triangles",
-        meaning: "Triangles pressed to a thirtieth of their length in the reference.",
-        input: |random, _| deformed(random, [1.0 / 30.0, 1.0]),
+        meaning: "Triangles pressed to a fifth of their length in the reference: I₂ + 1, the square of \
+                  the areas' ratio, is rounded as 1 is.",
+        input: |random, _| deformed(random, [0.2, 1.0]),
         triangles: TRIANGLE,
         formulas: OF_STRAINS,
     },

@@ -67,7 +67,7 @@ pub(super) static DRIVER: Keys = Keys {
         optional(
             "step",
             positive(Dimension::TIME),
-            "Step of rk4, which needs it; the other integrators choose theirs by the tolerance. Of a \
+            "Step of rk4, which needs it, refused if it is longer than what is stable where the run begins; the other integrators choose theirs by the tolerance. Of a \
              lattice: by default the longest that compressibility, inertia and membranes allow.",
         ),
         optional(
