@@ -96,11 +96,11 @@ impl Case {
     }
 }
 
+/// A scene, its surfaces and where they start.
+type Ready = (SceneFile, Simulation, Vec<[f64; 3]>);
+
 /// A scene with changes, ready to run; the message if it is refused.
-fn ready(
-    scene: &str,
-    changes: &[&str],
-) -> Made<Result<(SceneFile, Simulation, Vec<[f64; 3]>), String>> {
+fn ready(scene: &str, changes: &[&str]) -> Made<Result<Ready, String>> {
     let overrides = Overrides::new(changes.iter().copied())?;
     let file = match SceneFile::parse(scene, Path::new("scene.toml"), &overrides) {
         Ok(file) => file,

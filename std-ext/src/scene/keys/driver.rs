@@ -68,7 +68,8 @@ pub(super) static DRIVER: Keys = Keys {
             "step",
             positive(Dimension::TIME),
             "Step of rk4, which needs it: refused if it is longer than what is stable where the run \
-             begins; the other integrators choose theirs by the tolerance. Of a lattice: by default the longest that compressibility, inertia and membranes allow.",
+             begins; the other integrators choose theirs by the tolerance. Of a lattice: by default \
+             the longest that compressibility, inertia and membranes allow.",
         ),
         optional(
             "tolerance",
