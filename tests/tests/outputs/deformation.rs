@@ -558,7 +558,11 @@ fn closed_surfaces_enclose_what_is_inside() {
     let (first, count) = vertices_inside(small.surface(), mesh.surface()).expect("some");
     assert!(encloses(mesh.surface(), small.positions[first]));
     assert!(count > 0 && count < small.positions.len(), "{count}");
-    assert_eq!(vertices_inside(mesh.surface(), small.surface()), None);
+    let within = icosphere(1).map(|x| x.map(|x| 0.3 * x));
+    let all = within.positions.len();
+    let found = vertices_inside(within.surface(), mesh.surface());
+    assert_eq!(found, Some((0, all)));
+    assert_eq!(vertices_inside(mesh.surface(), within.surface()), None);
 }
 
 /// Little on smooth surfaces, less on finer meshes; about 1 where vertices go up and down in turn.
