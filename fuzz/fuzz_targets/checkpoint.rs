@@ -26,7 +26,7 @@ const SCENES: [&str; 3] = [
 ];
 
 fn scene(number: usize) -> SceneFile {
-    let overrides = Overrides::new(std::iter::empty()).expect("none");
+    let overrides = Overrides::new::<String>([]).expect("none");
     SceneFile::parse(SCENES[number], Path::new("scene.toml"), &overrides).expect("the scene is ours")
 }
 
