@@ -356,8 +356,9 @@ fn in_parts<const N: usize>(
 ) -> [f64; N] {
     let [a, b, c] = corners;
     let centre = (a + b + c) / 3.0;
-    let far = centre.length_squared() >= REACH * REACH * squared_longest(corners);
-    if far || halvings == 0 {
+    // Corners beyond all numbers are not near: nothing of them gets better in parts.
+    let near = centre.length_squared() < REACH * REACH * squared_longest(corners);
+    if !near || halvings == 0 {
         return by_seven_points(corners, values, point);
     }
     let middles = |[a, b, c]: [DVec3; 3]| [0.5 * (b + c), 0.5 * (c + a), 0.5 * (a + b)];
@@ -413,4 +414,32 @@ fn mean(values: [DVec3; 3], [a, b, c]: [f64; 3]) -> DVec3 {
 fn squared_longest([a, b, c]: [DVec3; 3]) -> f64 {
     let [ab, bc, ca] = [a - b, b - c, c - a].map(DVec3::length_squared);
     ab.max(bc).max(ca)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{HALVINGS, in_parts};
+    use glam::DVec3;
+    use std::cell::Cell;
+
+    fn evaluations(size: f64) -> usize {
+        let count = Cell::new(0);
+        let corners = [
+            DVec3::new(size, -size, 0.0),
+            DVec3::new(-size, size, 0.0),
+            DVec3::new(-size, -size, size),
+        ];
+        in_parts(corners, [DVec3::ONE; 3], HALVINGS, &|_, _| {
+            count.set(count.get() + 1);
+            [0.0]
+        });
+        count.get()
+    }
+
+    #[test]
+    fn triangles_beyond_all_numbers_are_not_taken_apart() {
+        assert!(evaluations(1.0) > 7);
+        assert_eq!(evaluations(f64::INFINITY), 7);
+        assert_eq!(evaluations(f64::NAN), 7);
+    }
 }
