@@ -14,8 +14,11 @@ use helfrich::{
 use std::error::Error;
 use std::hint::black_box;
 
-/// Vertices of the surface: an icosahedron refined three times.
+/// How often the icosahedron is refined.
 const LEVELS: u32 = 3;
+
+/// A mesh with positions.
+type Discus = (TriangleMesh, Vec<[f64; 3]>);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -32,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// A discocyte, by Loop's rules from an icosahedron.
-fn discocyte() -> Result<(TriangleMesh, Vec<[f64; 3]>), Box<dyn Error>> {
+fn discocyte() -> Result<Discus, Box<dyn Error>> {
     let long = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut controls = Vec::new();
     for (a, b) in [(1.0, long), (-1.0, long), (1.0, -long), (-1.0, -long)] {
