@@ -6,7 +6,6 @@ use crate::surface::Surface;
 use crate::vec3::dot;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
-use core::cmp::Ordering;
 
 /// Scratch memory for a search along the edges of a mesh, never through space: two sheets of a
 /// surface that lie close together are not neighbours.
@@ -26,42 +25,6 @@ pub(crate) struct Neighbourhood<T> {
 }
 
 impl<T: Real> Neighbourhood<T> {
-    /// Finds the `most` vertices nearest to `centre` among those that a breadth-first search meets
-    /// until it has at least `most · 8/5` vertices and two whole rings; all that there are, if there
-    /// are fewer. [`Self::sort`] puts them in order.
-    pub(crate) fn nearest(&mut self, surface: Surface<'_, T>, centre: u32, most: usize) {
-        self.start(surface.mesh(), centre);
-        let enough = most + most * 3 / 5;
-        self.reach_around(surface, centre, centre);
-        let mut rings = 1;
-        let mut done = 0;
-        // `found` is its own queue: what lies from `done` on is the newest ring.
-        while done < self.found.len() && (rings < 2 || self.found.len() < enough) {
-            let ring = done..self.found.len();
-            done = ring.end;
-            for at in ring {
-                let vertex = self.found[at].1;
-                self.reach_around(surface, centre, vertex);
-            }
-            rings += 1;
-        }
-        if self.found.len() > most {
-            self.found.select_nth_unstable_by(most, nearer);
-            self.found.truncate(most);
-        }
-    }
-
-    /// Brings the `count` nearest of what [`Self::nearest`] found to the front: nearest first; what
-    /// is equally near in the order of its number. `sorted` of them are there already.
-    pub(crate) fn sort(&mut self, sorted: usize, count: usize) {
-        let rest = &mut self.found[sorted..];
-        let more = count - sorted;
-        if more < rest.len() {
-            rest.select_nth_unstable_by(more, nearer);
-        }
-        rest[..more].sort_unstable_by(nearer);
-    }
-
     /// Finds all vertices within `rings` edges of `centre`, ring after ring.
     pub(crate) fn rings(&mut self, surface: Surface<'_, T>, centre: u32, rings: usize) {
         self.start(surface.mesh(), centre);
@@ -147,13 +110,84 @@ impl<T: Real> Neighbourhood<T> {
     }
 }
 
-/// Nearest first; numbers decide between equals, so that the order never depends on the search.
-fn nearer<T: Real>(a: &(T, u32), b: &(T, u32)) -> Ordering {
-    if a.0 < b.0 {
-        Ordering::Less
-    } else if a.0 > b.0 {
-        Ordering::Greater
-    } else {
-        a.1.cmp(&b.1)
+/// Scratch memory for the search of the nearest vertices, which are sorted as whole numbers.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Nearest {
+    /// The search in which each vertex was reached last.
+    reached: Vec<u32>,
+    search: u32,
+    /// What was reached, in the first `count` entries.
+    vertices: Vec<u32>,
+    /// Of each that was reached: the upper half of the squared distance as an f64, then its number.
+    /// Distances that agree in six digits count as the same, and numbers decide.
+    keys: Vec<u64>,
+}
+
+impl Nearest {
+    /// Searches breadth-first around `centre` until at least `most · 8/5` vertices and two whole
+    /// rings are reached; all that there are, if there are fewer. [`Self::sort`] puts them in order.
+    pub(crate) fn search<T: Real>(&mut self, surface: Surface<'_, T>, centre: u32, most: usize) {
+        let mesh = surface.mesh();
+        if self.reached.len() != mesh.vertex_count() || self.search == u32::MAX {
+            self.reached.clear();
+            self.reached.resize(mesh.vertex_count(), 0);
+            self.vertices.resize(mesh.vertex_count(), 0);
+            self.search = 0;
+        }
+        self.search += 1;
+        self.reached[centre as usize] = self.search;
+        let mut count = self.reach_around(mesh, centre, 0);
+        let enough = most + most * 3 / 5;
+        let (mut rings, mut done) = (1, 0);
+        // What was reached is its own queue: what lies from `done` on is the newest ring.
+        while done < count && (rings < 2 || count < enough) {
+            let ring = done..count;
+            done = ring.end;
+            for at in ring {
+                count = self.reach_around(mesh, self.vertices[at], count);
+            }
+            rings += 1;
+        }
+        self.keys.clear();
+        self.keys
+            .extend(self.vertices[..count].iter().map(|&vertex| {
+                let difference = surface.difference(centre, vertex);
+                let squared = dot(difference, difference).to_f64().unwrap_or(f64::MAX);
+                (squared.to_bits() & !u64::from(u32::MAX)) | u64::from(vertex)
+            }));
+    }
+
+    /// Adds the neighbours of `vertex` that were not reached yet to the `count` that were. Which
+    /// they are is as good as random: there is no branch.
+    fn reach_around(&mut self, mesh: &TriangleMesh, vertex: u32, mut count: usize) -> usize {
+        for &neighbour in mesh.one_ring(vertex as usize) {
+            let reached = &mut self.reached[neighbour as usize];
+            // The last entry is never needed: the centre is not among them.
+            self.vertices[count] = neighbour;
+            count += usize::from(*reached != self.search);
+            *reached = self.search;
+        }
+        count
+    }
+
+    /// How many were reached.
+    pub(crate) fn len(&self) -> usize {
+        self.keys.len()
+    }
+
+    /// Brings the `count` nearest to the front: nearest first; what is equally near in the order of
+    /// its number. `sorted` of them are there already.
+    pub(crate) fn sort(&mut self, sorted: usize, count: usize) {
+        let rest = &mut self.keys[sorted..];
+        let more = count - sorted;
+        if more < rest.len() {
+            rest.select_nth_unstable(more);
+        }
+        rest[..more].sort_unstable();
+    }
+
+    /// The vertices; as many as were sorted are in order.
+    pub(crate) fn vertices(&self) -> impl Iterator<Item = u32> + Clone {
+        self.keys.iter().map(|&key| key as u32)
     }
 }

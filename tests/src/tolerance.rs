@@ -842,3 +842,8 @@ pub const SERIES_EXTRAPOLATION: Tolerance = Tolerance::new(
     1e-10,
     "differences of numbers that differ in the third digit",
 );
+/// Forces of one method in two orders of the vertices, over the largest of them.
+pub const REORDERED: Tolerance = Tolerance::new(
+    1e-8,
+    "rounding of positions in a fourth derivative: 1e-16 over the fourth power of an edge of a tenth",
+);

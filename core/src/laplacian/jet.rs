@@ -9,7 +9,7 @@ use crate::energy::{Finding, Method};
 use crate::laplacian::least_squares::LeastSquares;
 use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, RowSlots, Rows};
 use crate::mesh::TriangleMesh;
-use crate::neighbourhood::Neighbourhood;
+use crate::neighbourhood::Nearest;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
@@ -117,13 +117,41 @@ impl<T> JetMemory<T> {
 /// What one fit at a time needs.
 #[derive(Clone, Debug, Default)]
 struct Scratch<T> {
-    neighbourhood: Neighbourhood<T>,
+    nearest: Nearest,
+    /// How many of them may be used.
+    available: usize,
     differences: Vec<[T; 3]>,
+    /// Coordinates in the tangent plane, weights, and weighted heights of each, padded with zeros.
+    places: [Vec<T>; 2],
     weights: Vec<T>,
     heights: Vec<T>,
     coefficients: Vec<T>,
     functional: Vec<T>,
     fit: LeastSquares<T>,
+}
+
+/// `e^x` for −16 < x ≤ 0, to rounding: the 64th power of the series of `e^(x/64)`. There is no call,
+/// which would end a vector.
+#[inline(always)]
+fn exponential<T: Real>(x: T) -> T {
+    let y = x * T::constant(1.0 / 64.0);
+    let step = |sum: T, over: f64| T::one() + sum * (y * T::constant(over));
+    let sum = step(T::one(), 1.0 / 9.0);
+    let sum = step(step(sum, 1.0 / 8.0), 1.0 / 7.0);
+    let sum = step(step(sum, 1.0 / 6.0), 1.0 / 5.0);
+    let sum = step(step(sum, 1.0 / 4.0), 1.0 / 3.0);
+    let sum = step(step(sum, 1.0 / 2.0), 1.0);
+    let fourth = (sum * sum) * (sum * sum);
+    let sixteenth = (fourth * fourth) * (fourth * fourth);
+    (sixteenth * sixteenth) * (sixteenth * sixteenth)
+}
+
+/// Sets `product` to the product of two columns, entry by entry.
+#[inline(always)]
+fn set_product<T: Real>(product: &mut [T], a: &[T], b: &[T]) {
+    for ((product, &a), &b) in product.iter_mut().zip(a).zip(b) {
+        *product = a * b;
+    }
 }
 
 /// A polynomial in lengths of ρ, over the tangent plane of `normal`.
@@ -145,7 +173,7 @@ impl<T: Real> Jet<T> {
         centre: u32,
         normal: [T; 3],
     ) -> Option<Polynomial<T>> {
-        let available = scratch.neighbourhood.found.len();
+        let available = scratch.available;
         let highest = self.degree.clamp(2, HIGHEST_DEGREE);
         for degree in (2..=highest).rev() {
             let coefficients = coefficient_count(degree);
@@ -185,8 +213,9 @@ impl<T: Real> Jet<T> {
         neighbours: usize,
     ) -> Option<(Polynomial<T>, T)> {
         let Scratch {
-            neighbourhood,
+            nearest,
             differences,
+            places: [across, along],
             weights,
             heights,
             coefficients,
@@ -195,48 +224,57 @@ impl<T: Real> Jet<T> {
         } = scratch;
         let sorted = differences.len();
         if sorted < neighbours {
-            neighbourhood.sort(sorted, neighbours);
-            let found = &neighbourhood.found[sorted..neighbours];
-            differences.extend(found.iter().map(|&(_, j)| surface.difference(centre, j)));
+            nearest.sort(sorted, neighbours);
+            let found = nearest.vertices().take(neighbours).skip(sorted);
+            differences.extend(found.map(|j| surface.difference(centre, j)));
         }
-        let squared_radius = neighbourhood.found[neighbours - 1].0;
-        let radius = squared_radius.sqrt();
+        let farthest = differences[neighbours - 1];
+        let radius = dot(farthest, farthest).sqrt();
         if radius < T::min_positive_value() {
             return None;
         }
         let frame = tangent_frame(normal);
         let over = radius.recip();
-        weights.clear();
-        heights.clear();
         let columns = coefficient_count(degree);
-        let ratio = fit.factorise(neighbours, columns, |matrix, height| {
-            for (row, &difference) in differences[..neighbours].iter().enumerate() {
-                let local = scale(over, difference);
-                let (x, y) = (dot(local, frame[0]), dot(local, frame[1]));
-                let weight = (-self.sharpness * dot(local, local)).exp();
-                weights.push(weight);
-                heights.push(weight * dot(local, normal));
-                // Degree after degree: x·(the last degree), and y·(its last monomial).
-                let mut last = [T::zero(); HIGHEST_DEGREE + 1];
-                last[0] = weight;
-                let mut column = 0;
-                for degree in 1..=degree {
-                    last[degree] = last[degree - 1] * y;
-                    for monomial in &mut last[..degree] {
-                        *monomial *= x;
-                    }
-                    for &monomial in &last[..=degree] {
-                        matrix[column * height + row] = monomial;
-                        column += 1;
-                    }
-                }
+        let (matrix, height) = fit.matrix(neighbours, columns);
+        for values in [&mut *across, &mut *along, &mut *weights, &mut *heights] {
+            values.clear();
+            values.resize(height, T::zero());
+        }
+        for (row, &difference) in differences[..neighbours].iter().enumerate() {
+            let local = scale(over, difference);
+            across[row] = dot(local, frame[0]);
+            along[row] = dot(local, frame[1]);
+            heights[row] = dot(local, normal);
+            weights[row] = -self.sharpness * dot(local, local);
+        }
+        for weight in &mut weights[..neighbours] {
+            *weight = exponential(*weight);
+        }
+        for (height, weight) in heights.iter_mut().zip(&*weights) {
+            *height *= *weight;
+        }
+        // Degree after degree: x·(the last degree), and y·(its last monomial).
+        set_product(&mut matrix[..height], across, weights);
+        set_product(&mut matrix[height..2 * height], along, weights);
+        for degree in 2..=degree {
+            let (last, start) = (coefficient_count(degree - 2), coefficient_count(degree - 1));
+            let (before, now) = matrix.split_at_mut(start * height);
+            for (number, column) in now.chunks_exact_mut(height).take(degree + 1).enumerate() {
+                let (factor, from) = if number < degree {
+                    (&*across, number)
+                } else {
+                    (&*along, degree - 1)
+                };
+                set_product(column, factor, &before[(last + from) * height..][..height]);
             }
-        });
+        }
+        let ratio = fit.factorise();
         if ratio <= T::zero() || ratio.is_nan() {
             return None;
         }
         coefficients.resize(columns, T::zero());
-        fit.solve(heights, coefficients);
+        fit.solve(&heights[..neighbours], coefficients);
         Some((
             Polynomial {
                 degree,
@@ -309,9 +347,8 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
         ((curvature, degree), (length, (columns, coefficients))): <FitSlots<'a, T> as Slots>::Slot,
     ) {
         let (surface, centre) = (self.surface, vertex as u32);
-        scratch
-            .neighbourhood
-            .nearest(surface, centre, columns.len());
+        scratch.nearest.search(surface, centre, columns.len());
+        scratch.available = scratch.nearest.len().min(columns.len());
         scratch.differences.clear();
         let mut normal = curvature.normal;
         let mut fitted = None;
@@ -337,7 +374,7 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
             return;
         };
         let Scratch {
-            neighbourhood,
+            nearest,
             weights,
             coefficients: found,
             functional,
@@ -354,7 +391,7 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
         for (entry, &weight) in row.iter_mut().zip(weights.iter()) {
             *entry *= weight * over * over;
         }
-        for (column, &(_, neighbour)) in columns.iter_mut().zip(&neighbourhood.found) {
+        for (column, neighbour) in columns.iter_mut().zip(nearest.vertices()) {
             *column = neighbour;
         }
     }

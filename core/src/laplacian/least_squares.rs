@@ -35,20 +35,22 @@ pub(crate) struct LeastSquares<T> {
 }
 
 impl<T: Real> LeastSquares<T> {
-    /// Takes a matrix through `fill`, which is given its entries column after column and how far
-    /// apart columns start, and factorises it. Returns |R_nn| / |R_11|, an estimate of the
-    /// reciprocal condition; 0 if it has not full rank.
+    /// Room for a matrix: its entries column after column, and how far apart columns start. All
+    /// have to be set, but for those in the padding.
     #[inline(always)]
-    pub(crate) fn factorise(
-        &mut self,
-        rows: usize,
-        columns: usize,
-        fill: impl FnOnce(&mut [T], usize),
-    ) -> T {
+    pub(crate) fn matrix(&mut self, rows: usize, columns: usize) -> (&mut [T], usize) {
         self.rows = rows;
         self.columns = columns;
         self.height = rows.next_multiple_of(BLOCK);
         self.matrix.resize(self.height * columns, T::zero());
+        (&mut self.matrix, self.height)
+    }
+
+    /// Factorises the matrix. Returns |R_nn| / |R_11|, an estimate of the reciprocal condition; 0 if it
+    /// has not full rank.
+    #[inline(always)]
+    pub(crate) fn factorise(&mut self) -> T {
+        let columns = self.columns;
         self.upper.resize(columns * columns, T::zero());
         self.diagonal.resize(columns, T::zero());
         self.factors.resize(columns, T::zero());
@@ -56,9 +58,8 @@ impl<T: Real> LeastSquares<T> {
         self.squared_norms.clear();
         self.order.clear();
         self.order.extend(0..columns);
-        fill(&mut self.matrix, self.height);
         for column in self.matrix.chunks_exact_mut(self.height) {
-            column[rows..].fill(T::zero());
+            column[self.rows..].fill(T::zero());
             let norm = dot(column, column).sqrt();
             if norm < T::min_positive_value() {
                 return T::zero();
@@ -117,22 +118,14 @@ impl<T: Real> LeastSquares<T> {
         let factor = -(diagonal * *first).recip();
         self.diagonal[step] = diagonal;
         self.factors[step] = factor;
-        for (offset, column) in back.chunks_exact_mut(height).enumerate() {
-            let tail = &mut column[start..];
-            add_scaled(tail, -(factor * dot(vector, tail)), vector);
-            let removed = tail[step - start] * tail[step - start];
-            let squared = &mut self.squared_norms[step + 1 + offset];
-            let left = *squared - removed;
-            // What a difference of nearly equal numbers leaves is measured anew.
-            *squared = if left > *squared * T::constant(1e-3) {
-                left
-            } else {
-                let below = &column[step + 1..];
-                below
-                    .iter()
-                    .fold(T::zero(), |sum, &entry| sum + entry * entry)
-            };
-        }
+        let norms = &mut self.squared_norms[step + 1..];
+        let carried = Carried {
+            vector,
+            factor,
+            step,
+            height,
+        };
+        carried.onto(back, norms);
         true
     }
 
@@ -186,6 +179,46 @@ impl<T: Real> LeastSquares<T> {
     }
 }
 
+/// A Householder reflection of all columns that are left.
+struct Carried<'a, T> {
+    vector: &'a [T],
+    factor: T,
+    step: usize,
+    height: usize,
+}
+
+impl<T: Real> Carried<'_, T> {
+    /// The columns `back`; `norms` are squares of what is left of each.
+    #[inline(always)]
+    fn onto(&self, back: &mut [T], norms: &mut [T]) {
+        let start = block_of(self.step);
+        for (column, norm) in back.chunks_exact_mut(self.height).zip(norms) {
+            let tail = &mut column[start..];
+            let along = -(self.factor * dot(self.vector, tail));
+            add_scaled(tail, along, self.vector);
+            *norm = self.left(column, *norm);
+        }
+    }
+
+    /// The square of what is left of a column below this step; it was `norm` before.
+    #[inline(always)]
+    fn left(&self, column: &[T], norm: T) -> T {
+        let removed = column[self.step] * column[self.step];
+        let left = norm - removed;
+        // What a difference of nearly equal numbers leaves is measured anew.
+        if left > norm * T::constant(1e-3) {
+            return left;
+        }
+        let below = block_of(self.step) + BLOCK;
+        let blocks = &column[below..];
+        let mut sum = dot(blocks, blocks);
+        for &entry in &column[self.step + 1..below] {
+            sum += entry * entry;
+        }
+        sum
+    }
+}
+
 /// Where the block of a row starts.
 #[inline(always)]
 fn block_of(row: usize) -> usize {
@@ -206,6 +239,11 @@ fn dot<T: Real>(a: &[T], b: &[T]) -> T {
             sums[k] += a[k] * b[k];
         }
     }
+    total(sums)
+}
+
+#[inline(always)]
+fn total<T: Real>(sums: [T; BLOCK]) -> T {
     let [a, b, c, d, e, f, g, h] = sums;
     ((a + e) + (b + f)) + ((c + g) + (d + h))
 }

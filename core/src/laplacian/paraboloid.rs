@@ -158,22 +158,19 @@ impl<T: Real> Fit<T> {
         let half = T::constant(0.5);
         let offsets = &self.offsets;
         // A column that is only rounding would be taken for a direction like any other.
-        let mut noise = false;
-        let independence = self
-            .problem
-            .factorise(count, COEFFICIENTS, |matrix, height| {
-                for (k, &offset) in offsets.iter().enumerate() {
-                    let (x, y) = (dot(offset, first), dot(offset, second));
-                    let basis = [x, y, half * x * x, x * y, half * y * y];
-                    for (column, entry) in basis.into_iter().enumerate() {
-                        matrix[column * height + k] = entry;
-                    }
-                }
-                let small = |entry: &T| entry.abs() <= T::epsilon();
-                noise = matrix
-                    .chunks_exact(height)
-                    .any(|column| column[..count].iter().all(small));
-            });
+        let (matrix, height) = self.problem.matrix(count, COEFFICIENTS);
+        for (k, &offset) in offsets.iter().enumerate() {
+            let (x, y) = (dot(offset, first), dot(offset, second));
+            let basis = [x, y, half * x * x, x * y, half * y * y];
+            for (column, entry) in basis.into_iter().enumerate() {
+                matrix[column * height + k] = entry;
+            }
+        }
+        let small = |entry: &T| entry.abs() <= T::epsilon();
+        let noise = matrix
+            .chunks_exact(height)
+            .any(|column| column[..count].iter().all(small));
+        let independence = self.problem.factorise();
         if noise || independence <= T::constant(count as f64) * T::epsilon() {
             return None;
         }

@@ -2,13 +2,14 @@
 
 use helfrich::element::{Execution, Slots, Strided};
 use helfrich::{
-    Conservative, Energy, Force, InPlane, Lane, Prepared, Real, Serial, Skalak, Surface,
+    Conservative, Energy, Force, InPlane, Lane, Prepared, Real, Reordering, Serial, Skalak, Surface,
 };
 use helfrich_std::execute::Parallel;
-use helfrich_tests::laws::for_each_conservative;
 use helfrich_tests::laws::{Candidate, ConservativeCandidate, ConservativeLaw, Law, for_each};
-use helfrich_tests::meshes::{Mesh, bent, icosphere, sheet, small};
+use helfrich_tests::laws::{for_each_conservative, forces, largest};
+use helfrich_tests::meshes::{Mesh, bent, icosphere, sheet, small, torus};
 use helfrich_tests::potentials::for_each_potential;
+use helfrich_tests::tolerance::REORDERED;
 use std::fmt::Debug;
 use std::num::NonZeroUsize;
 
@@ -20,7 +21,7 @@ fn threads() -> impl Iterator<Item = Parallel> {
 
 /// Large enough that threads are used, in an order that is no order.
 fn large() -> Mesh {
-    icosphere(5).map(bent).relabelled(7).0
+    torus(110, 56).map(bent).relabelled(7).0
 }
 
 /// The same numbers, with NaN like itself.
@@ -75,8 +76,9 @@ impl Law for SameBits<'_> {
     fn check<C: Candidate>(&mut self, candidate: C) {
         let name = candidate.name();
         self.check_in(name, || candidate.method(1.0_f64));
-        // Slow methods take long over many vertices, and do nothing else in single precision.
-        if self.1.positions.len() < 1000 {
+        // Slow methods take long over many vertices, and do nothing else in single precision; a thousand
+        // are enough for threads in loops over vertices.
+        if self.1.positions.len() < 3000 {
             self.check_in(name, || candidate.method(1.0_f32));
         }
     }
@@ -94,7 +96,12 @@ impl ConservativeLaw for SameBits<'_> {
 fn every_method_has_the_bits_of_the_serial_loop() {
     let sheet = sheet(6).map(bent);
     let large = large();
-    let mut meshes: Vec<(&str, &Mesh)> = vec![("sheet", &sheet), ("many vertices", &large)];
+    let medium = icosphere(4).map(bent);
+    let mut meshes: Vec<(&str, &Mesh)> = vec![
+        ("sheet", &sheet),
+        ("thousands of vertices", &medium),
+        ("many vertices", &large),
+    ];
     let small = small();
     meshes.extend(small.iter().map(|(name, mesh)| (*name, mesh)));
     for (name, mesh) in meshes {
@@ -114,6 +121,30 @@ fn every_method_has_the_bits_of_the_serial_loop() {
             InPlane::new(skalak, connectivity, rest.surface()).expect("a reference with areas")
         });
     }
+}
+
+/// Forces of every method in another order of vertices and triangles.
+struct Ordered<'a>(&'a Mesh);
+
+impl Law for Ordered<'_> {
+    fn check<C: Candidate>(&mut self, candidate: C) {
+        let Self(mesh) = self;
+        let order = Reordering::reverse_cuthill_mckee(&mesh.connectivity);
+        let connectivity = order.of_mesh(&mesh.connectivity).expect("the same");
+        let method = || candidate.method(1.0);
+        let expected = forces(method(), &mesh.connectivity, &mesh.positions);
+        let found = forces(method(), &connectivity, &order.apply(&mesh.positions));
+        let (found, scale) = (order.undo(&found), largest(&expected));
+        let pairs = found.as_flattened().iter().zip(expected.as_flattened());
+        for (&found, &expected) in pairs {
+            REORDERED.assert(found, expected, scale, candidate.name());
+        }
+    }
+}
+
+#[test]
+fn every_method_follows_another_order() {
+    for_each(&mut Ordered(&icosphere(3).map(bent).relabelled(5).0));
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod juelicher;
 mod laplacian;
 mod laws;
 mod loop_subdivision;
+mod memory;
 mod paraboloid;
 mod precision;
 mod spontaneous;

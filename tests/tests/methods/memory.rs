@@ -1,0 +1,55 @@
+//! How much memory methods take.
+
+use helfrich::{
+    Force, GompperKroll, Juelicher, KantorNelson, LoopSubdivision, Prepared, StrongForm,
+};
+use helfrich_tests::allocation::held;
+use helfrich_tests::meshes::{bent, icosphere};
+
+/// Plan and memory of a method in f64 after its first evaluation, bytes a vertex.
+fn bytes<M: Force<f64>>(method: M) -> f64 {
+    let mesh = icosphere(4).map(bent);
+    let mut force = vec![[0.0; 3]; mesh.positions.len()];
+    let (prepared, bytes) = held(|| {
+        let mut prepared = Prepared::new(method, &mesh.connectivity);
+        prepared.add_force(mesh.surface(), &mut force);
+        prepared
+    });
+    drop(prepared);
+    bytes as f64 / mesh.positions.len() as f64
+}
+
+#[test]
+fn the_counter_counts_bytes() {
+    let (memory, bytes) = held(|| vec![1_u8; 1000]);
+    assert_eq!(bytes, 1000);
+    let (_, bytes) = held(|| drop(memory));
+    assert_eq!(bytes, -1000);
+}
+
+/// The table of docs/PERFORMANCE.md: what each takes, in numbers of 8 bytes and indices of 4.
+#[test]
+fn memory_is_bounded() {
+    for (name, found, bound) in [
+        // Four indices for each of three edges; force and energy.
+        ("A", bytes(KantorNelson::new(1.0)), 100.0),
+        // ∂A/∂x and A; the weights of the second pass.
+        ("B", bytes(GompperKroll::new(1.0)), 70.0),
+        ("Jülicher", bytes(Juelicher::new(1.0)), 90.0),
+        // Curvatures of 56 bytes and seven weights of the operator.
+        ("C", bytes(StrongForm::meyer(1.0)), 200.0),
+        // As many neighbours as the kernel reaches: 12 bytes each.
+        ("D", bytes(StrongForm::belkin(1.0)), 3500.0),
+        ("E", bytes(StrongForm::farutin(1.0)), 260.0),
+        // Three quadrature points for each of two patches; control points and the way to them.
+        ("S", bytes(LoopSubdivision::new(1.0)), 2400.0),
+        // 64 and 112 neighbours of 12 bytes.
+        ("J4", bytes(StrongForm::j4(1.0)), 970.0),
+        ("J6", bytes(StrongForm::j6(1.0)), 1570.0),
+    ] {
+        assert!(
+            found > 0.5 * bound && found <= bound,
+            "{name}: {found} bytes"
+        );
+    }
+}
