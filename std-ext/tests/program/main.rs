@@ -13,6 +13,7 @@ mod bad_input;
 mod curvature;
 mod fixture;
 mod info;
+mod page;
 mod run;
 mod streams;
 mod study;
