@@ -14,6 +14,7 @@ mod curvature;
 mod fixture;
 mod info;
 mod page;
+mod recommend;
 mod run;
 mod streams;
 mod study;

@@ -1,7 +1,7 @@
 //! Errors against time and mesh, what evaluations cost, verdicts, pictures, number types.
 
 use super::chart::{Axis, Chart, Curve, Point, Scale, mark};
-use super::text::{Table, bytes, count, csv_line, escaped, percent, time};
+use super::text::{Table, bytes, count, csv_line, escaped, percent, target, time};
 use super::{Page, QUANTITIES, about, called, each, short, style_of};
 use crate::answer::{Norm, seconds};
 use crate::method::BendingMethod;
@@ -608,7 +608,7 @@ fn write_pictures(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
     let Some(first) = page.errors.first() else {
         return Ok(());
     };
-    let [low, high] = COLOURS.map(|exponent| percent(10f64.powf(exponent)));
+    let [low, high] = COLOURS.map(|exponent| target(10f64.powf(exponent)));
     writeln!(
         out,
         "<section id=\"pictures\"><h2>Where it is off</h2><p>The error of the {} at N = {}, every method on the same colours: \

@@ -1,7 +1,7 @@
 //! The question answered: the cheapest method for an accuracy.
 
-use super::text::{Table, count, csv_line, percent, time};
-use super::{Page, QUANTITIES, TARGETS, called, each, short};
+use super::text::{Table, count, csv_line, percent, significant, target, time};
+use super::{Page, QUANTITIES, TARGETS, about, called, each, short};
 use crate::answer::{Norm, Question, cheapest, for_everything, most_accurate, seconds};
 use crate::study::Row;
 use std::io::{self, Write};
@@ -16,16 +16,33 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
         "<section id=\"answer\"><h2>Which method for 1 %?</h2><div class=\"answer\">"
     )?;
     write_everything(page, &families, out)?;
-    writeln!(out, "<ul>")?;
+    writeln!(
+        out,
+        "<div class=\"scroll\"><table class=\"plain\"><thead><tr><th scope=\"col\">cheapest for {} of</th><th scope=\"col\">at every vertex</th><th scope=\"col\">on average</th></tr></thead><tbody>",
+        target(PLAIN)
+    )?;
     for quantity in QUANTITIES {
         for family in &families {
-            let line = sentence(page.rows, quantity, family);
-            writeln!(out, "<li>{line}</li>")?;
+            let [strict, mean] = Norm::ALL.map(|norm| {
+                let question = Question {
+                    family,
+                    quantity,
+                    norm,
+                    target: PLAIN,
+                    method: None,
+                };
+                cell(page.rows, &question)
+            });
+            writeln!(
+                out,
+                "<tr><th scope=\"row\">{}, {family} mesh</th><td>{strict}</td><td>{mean}</td></tr>",
+                called(quantity)
+            )?;
         }
     }
     writeln!(
         out,
-        "</ul></div><p class=\"note\"><b>H</b> says how strongly the membrane is curved at a point, <b>f</b> with which force per area it resists: \
+        "</tbody></table></div></div><p class=\"note\"><b>H</b> says how strongly the membrane is curved at a point, <b>f</b> with which force per area it resists: \
          a fourth derivative of the surface, and by far the harder of the two. <b>N</b> is the number of vertices of the mesh. \
          On a <b>regular</b> mesh nearly all vertices have six neighbours; an <b>irregular</b> one has them as they come. \
          “Every vertex” asks for the accuracy at the worst of them, “on average” forgives a few. \
@@ -84,58 +101,34 @@ fn write_everything(page: &Page<'_>, families: &[&str], out: &mut dyn Write) -> 
     };
     writeln!(
         out,
-        "<p class=\"big\">Take <b>{}</b> (<code>{method}</code>): it has curvature H and force f within 1 % {}, on {kinds} meshes, \
+        "<p class=\"big\">Take <b>{}</b>, {} (<code>{method}</code>): it has curvature H and force f within 1 % {}, on {kinds} meshes, \
          from N = {} on, and takes {} an evaluation there.{only}</p>",
         short(method),
+        about(method)[1],
         strictly(norm),
         count(largest.vertices),
         time(seconds(largest)),
     )
 }
 
-/// The cheapest for 1 % at every vertex, in words; on average, if there is none.
-fn sentence(rows: &[Row], quantity: Quantity, family: &str) -> String {
-    let question = |norm| Question {
-        family,
-        quantity,
-        norm,
-        target: PLAIN,
-        method: None,
-    };
-    let start = format!("<b>{}</b>, {family} mesh: ", called(quantity));
-    let with = |row: &Row, norm: Norm| {
-        format!(
-            "<b>{}</b> with N = {} in {}: {} off, {} an evaluation",
+/// The cheapest method, or how near the nearest comes.
+fn cell(rows: &[Row], question: &Question<'_>) -> String {
+    match (cheapest(rows, question), most_accurate(rows, question)) {
+        (Some(row), _) => format!(
+            "<b class=\"s{}\">{}</b> <span>N = {}</span> <span>{}</span> <span>{}</span>",
+            super::style_of(row.method),
             short(row.method),
             count(row.vertices),
             row.scalar,
-            percent(norm.of(row)),
             time(seconds(row)),
-        )
-    };
-    let [strict, mean] = Norm::ALL.map(|norm| cheapest(rows, &question(norm)));
-    match (strict, mean) {
-        (Some(strict), Some(mean))
-            if mean.method != strict.method || mean.vertices != strict.vertices =>
-        {
-            format!(
-                "{start}{} at the worst vertex. On average {} does.",
-                with(strict, Norm::Max),
-                with(mean, Norm::Mean),
-            )
-        }
-        (Some(strict), _) => format!("{start}{} at the worst vertex.", with(strict, Norm::Max)),
-        (None, Some(mean)) => format!(
-            "{start}no method has 1 % at every vertex on meshes of these sizes. On average {} does.",
-            with(mean, Norm::Mean)
         ),
-        (None, None) => {
-            let nearest = most_accurate(rows, &question(Norm::Mean));
-            let nearest = nearest.map_or(String::new(), |row| {
-                format!(" The nearest is {} on average.", with(row, Norm::Mean))
-            });
-            format!("{start}no method has 1 %, even on average, on meshes of these sizes.{nearest}")
-        }
+        (None, Some(row)) => format!(
+            "<span class=\"none\">none; {} has {} % at N = {}</span>",
+            short(row.method),
+            significant(100.0 * question.norm.of(row), 3),
+            count(row.vertices)
+        ),
+        (None, None) => "–".to_owned(),
     }
 }
 
@@ -168,14 +161,14 @@ fn table(rows: &[Row], families: &[&str], norm: Norm) -> Table {
         ],
     );
     let mut lines = Vec::new();
-    for target in TARGETS {
-        let mut line = vec![percent(target)];
+    for error in TARGETS {
+        let mut line = vec![target(error)];
         for &(quantity, family) in &columns {
             let question = Question {
                 family,
                 quantity,
                 norm,
-                target,
+                target: error,
                 method: None,
             };
             let found = cheapest(rows, &question);
@@ -184,7 +177,7 @@ fn table(rows: &[Row], families: &[&str], norm: Norm) -> Table {
                 csv_line(
                     &mut csv,
                     &[
-                        &target,
+                        &error,
                         &quantity.symbol(),
                         &family,
                         &norm.name(),
@@ -197,23 +190,7 @@ fn table(rows: &[Row], families: &[&str], norm: Norm) -> Table {
                     ],
                 );
             }
-            line.push(match (found, nearest) {
-                (Some(row), _) => format!(
-                    "<b class=\"s{}\">{}</b> <span>N = {}</span> <span>{}</span> <span>{}</span>",
-                    super::style_of(row.method),
-                    short(row.method),
-                    count(row.vertices),
-                    row.scalar,
-                    time(seconds(row)),
-                ),
-                (None, Some(row)) => format!(
-                    "<span class=\"none\">none; {} has {} at N = {}</span>",
-                    short(row.method),
-                    percent(norm.of(row)),
-                    count(row.vertices)
-                ),
-                (None, None) => "–".to_owned(),
-            });
+            line.push(cell(rows, &question));
         }
         lines.push(line);
     }

@@ -147,18 +147,24 @@ impl Places {
     /// Where marks are: powers of ten, every so many, or round numbers.
     fn marks(&self) -> Vec<f64> {
         let span = self.high - self.low;
-        if self.logarithmic && span >= 1.0 {
+        if self.logarithmic && span < 2.4 {
+            let decades = self.low.floor() as i32..=self.high.floor() as i32;
+            let steps: &[f64] = if span < 1.2 {
+                &[1.0, 2.0, 5.0]
+            } else {
+                &[1.0, 3.0]
+            };
+            let of = |decade: i32| steps.iter().map(move |step| step * 10f64.powi(decade));
+            return decades.flat_map(of).collect();
+        }
+        if self.logarithmic {
             let step = (span / 6.0).ceil().max(1.0);
             let first = (self.low / step).ceil() as i32;
             let last = (self.high / step).floor() as i32;
             let exponents = (first..=last).map(|number| number * step as i32);
             return exponents.map(|exponent| 10f64.powi(exponent)).collect();
         }
-        let (low, high) = if self.logarithmic {
-            (10f64.powf(self.low), 10f64.powf(self.high))
-        } else {
-            (self.low, self.high)
-        };
+        let (low, high) = (self.low, self.high);
         let rough = (high - low) / 5.0;
         let unit = 10f64.powf(rough.log10().floor());
         let steps = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * unit);

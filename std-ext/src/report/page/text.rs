@@ -23,28 +23,31 @@ pub(super) fn escaped(text: &str) -> String {
 
 /// Two digits of a positive number; powers of ten where it is very large or small.
 pub(super) fn digits(value: f64) -> String {
+    significant(value, 2)
+}
+
+/// So many digits of a positive number; powers of ten where it is very large or small.
+pub(super) fn significant(value: f64, digits: i32) -> String {
     if !value.is_finite() {
         return "∞".to_owned();
     }
     if value == 0.0 {
         return "0".to_owned();
     }
-    let exponent = value.abs().log10().floor();
-    if (-3.0..=4.0).contains(&exponent) {
-        let decimals = (1.0 - exponent).max(0.0) as usize;
-        // Rounded to two digits above 100, too.
-        let unit = 10f64.powf((exponent - 1.0).max(0.0));
-        return format!(
-            "{:.decimals$}",
-            (value / unit).round() * unit,
-            decimals = if exponent >= 1.0 { 0 } else { decimals }
-        );
+    let exponent = value.abs().log10().floor() as i32;
+    if !(-4..=4).contains(&exponent) {
+        let text = format!("{value:.0e}");
+        return match text.split_once('e') {
+            Some((digit, exponent)) => format!("{digit}·10{}", raised(exponent)),
+            None => text,
+        };
     }
-    let text = format!("{value:.0e}");
-    match text.split_once('e') {
-        Some((digit, exponent)) => format!("{digit}·10{}", raised(exponent)),
-        None => text,
+    let decimals = digits - 1 - exponent;
+    if decimals > 0 {
+        return format!("{value:.0$}", decimals as usize);
     }
+    let unit = 10f64.powi(-decimals);
+    format!("{}", (value / unit).round() * unit)
 }
 
 /// Digits set high.
@@ -65,6 +68,11 @@ fn raised(number: &str) -> String {
 /// A share of 1 in per cent.
 pub(super) fn percent(share: f64) -> String {
     format!("{} %", digits(100.0 * share))
+}
+
+/// A power of ten in per cent, as it is asked for.
+pub(super) fn target(share: f64) -> String {
+    format!("{} %", significant(100.0 * share, 1))
 }
 
 /// Seconds in a unit that suits them.
