@@ -1,6 +1,6 @@
 //! The question answered: the cheapest method for an accuracy.
 
-use super::text::{Table, count, csv_line, percent, significant, target, time};
+use super::text::{Table, count, csv_line, significant, target, time};
 use super::{Page, QUANTITIES, TARGETS, about, called, each, short};
 use crate::answer::{Norm, Question, cheapest, for_everything, most_accurate, seconds};
 use crate::study::Row;
