@@ -152,9 +152,10 @@ pub(super) struct Table {
 impl Table {
     /// Writes it, with its numbers as a file to be had, named after `id`.
     pub(super) fn write(&self, id: &str, out: &mut dyn Write) -> io::Result<()> {
+        // Above what scrolls, and not as wide as that.
         writeln!(
             out,
-            "<div class=\"scroll\"><table id=\"{id}\"><caption>{}</caption><thead><tr>",
+            "<p class=\"caption\" id=\"{id}-caption\">{}</p><div class=\"scroll\"><table id=\"{id}\" aria-labelledby=\"{id}-caption\"><thead><tr>",
             self.caption
         )?;
         for cell in &self.head {
