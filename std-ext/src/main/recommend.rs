@@ -22,7 +22,7 @@ pub(super) struct RecommendArguments {
     /// OBJ, OFF, STL or PLY file.
     mesh: PathBuf,
     /// How large the error may be, as in `1%` or `0.01`, relative to the largest value on the surface.
-    #[arg(long, default_value = "1%", value_parser = share, allow_negative_numbers = true)]
+    #[arg(long, default_value = "1%", value_parser = share, allow_hyphen_values = true)]
     error: f64,
     /// What has to be accurate: H, K, LapH or f.
     #[arg(long, default_value = "f", value_parser = quantity)]

@@ -7,8 +7,8 @@ use crate::scalar::Scalar;
 use helfrich::shapes::{ExactPoint, Shape};
 use helfrich::{Real, Surface};
 
-/// What is so much smaller than a power of the largest curvature vanishes, but for errors.
-const VANISHING: f64 = 1e-3;
+/// What is so much smaller than a power of the largest curvature may vanish, but for errors.
+const VANISHING: f64 = 0.05;
 
 /// Values at the vertices that are held to be right, and what errors are relative to.
 pub(crate) struct Reference {

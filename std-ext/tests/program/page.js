@@ -65,7 +65,7 @@
 
     // Tables are complete: as many cells in each row as in the head, none empty, and a file each.
     all('details').forEach(function (part) { part.open = true; });
-    all('table').forEach(function (table) {
+    all('table[id]').forEach(function (table) {
       found.tables += 1;
       var width = all('thead th', table).length;
       check(width >= 2 && all('tbody tr', table).length >= 1, table.id + ': empty');
@@ -75,13 +75,15 @@
       check(!/NaN|undefined|inf\b/.test(table.textContent), table.id + ': no numbers');
       check(document.querySelector('a[download="' + table.id + '.csv"]'), table.id + ': no file');
     });
-    for (var link of all('a[download]')) {
-      var file = await (await fetch(link.href)).text();
+    all('a[download]').forEach(function (link) {
+      var file = atob(link.href.slice(link.href.indexOf(',') + 1));
       check(file.split('\n').length >= 3 && file.includes(','), link.download + ': empty');
-    }
+    });
     for (var picture of all('img')) {
       picture.loading = 'eager';
-      await picture.decode();
+      if (!picture.complete) {
+        await new Promise(function (done) { picture.onload = picture.onerror = done; });
+      }
       check(picture.naturalWidth > 0, picture.alt + ': no picture');
       found.pictures += 1;
     }

@@ -104,10 +104,12 @@ fn the_page_says_what_was_measured_and_needs_no_network() {
                         ["method", "scalar"]
                             .iter()
                             .all(|&key| row[key] == line[key])
-                            && row["vertices"].to_string() == line["vertices"]
+                            && line["vertices"].parse() == Ok(number(row, "vertices"))
                     };
                     let row = own.iter().find(same).unwrap();
-                    assert_eq!(line["error"].parse(), Ok(number(row, norm)));
+                    // But for how JSON is read.
+                    let error: f64 = line["error"].parse().unwrap();
+                    assert!((error / number(row, norm) - 1.0).abs() < 1e-14, "{line:?}");
                 }
             }
         }
@@ -153,7 +155,8 @@ fn the_cheapest_is_the_cheapest() {
             let error: f64 = line["error"].parse().unwrap();
             if good.is_empty() {
                 assert!(
-                    rows.iter().all(|row| error <= number(row, norm)),
+                    rows.iter()
+                        .all(|row| error <= number(row, norm) * (1.0 + 1e-12)),
                     "{line:?}"
                 );
             } else {

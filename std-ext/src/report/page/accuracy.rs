@@ -219,6 +219,7 @@ fn curves(
         name: format!("{method} {scalar}"),
         style: style_of(method),
         dashed: scalar == Scalar::F32,
+        marked: true,
         label: if scalar == Scalar::F64 || !both {
             short(method).to_owned()
         } else {

@@ -47,6 +47,8 @@ pub(super) struct Curve {
     /// Its style, from 0: colour and marks.
     pub(super) style: usize,
     pub(super) dashed: bool,
+    /// Whether its points are to be seen, and not only to be found.
+    pub(super) marked: bool,
     /// What stands at its last point; nothing if it is empty.
     pub(super) label: String,
     pub(super) points: Vec<Point>,
@@ -141,7 +143,7 @@ impl Places {
         let [first, last] = self.ends;
         (-1e-9..=1.0 + 1e-9)
             .contains(&share)
-            .then(|| first + share * (last - first))
+            .then_some(first + share * (last - first))
     }
 
     /// Where marks are: powers of ten, every so many, or round numbers.
@@ -242,9 +244,10 @@ impl Chart {
             }
             let style = curve.style % COLOURS.len();
             let dash = if curve.dashed { " dash" } else { "" };
+            let bare = if curve.marked { "" } else { " bare" };
             write!(
                 out,
-                "<g class=\"c s{style}{dash}\" data-m=\"{}\"><path class=\"l\" d=\"{line}\"/>",
+                "<g class=\"c s{style}{dash}{bare}\" data-m=\"{}\"><path class=\"l\" d=\"{line}\"/>",
                 curve.style
             )?;
             for ([x, y], point) in &places {
@@ -328,10 +331,11 @@ impl Chart {
                 name: &curve.name,
                 points,
                 bounds: &[],
-                marks: if curve.dashed {
-                    Marks::DashesAndPoints
-                } else {
-                    Marks::LineAndPoints
+                marks: match (curve.dashed, curve.marked) {
+                    (true, true) => Marks::DashesAndPoints,
+                    (true, false) => Marks::Dashes,
+                    (false, true) => Marks::LineAndPoints,
+                    (false, false) => Marks::Line,
                 },
                 colour: Some(curve.style),
             });
@@ -357,7 +361,7 @@ impl Chart {
 
 /// What an SVG file needs of the page's style.
 fn style() -> String {
-    let mut style = "svg{font:13px system-ui,sans-serif;fill:#222}.ground{fill:#fff}.grid{stroke:#e4e4e4;fill:none}.axis{stroke:#777;fill:none}.tick{font-size:12px}.guide{stroke:#999;stroke-dasharray:2 3;fill:none}.guide-t{font-size:11px;fill:#666}.l{fill:none;stroke-width:1.8}.m{stroke-width:.35}.dash .l{stroke-dasharray:5 3}.dash .m{fill:#fff}.n{font-weight:600}".to_owned();
+    let mut style = "svg{font:13px system-ui,sans-serif;fill:#222}.ground{fill:#fff}.grid{stroke:#e4e4e4;fill:none}.axis{stroke:#777;fill:none}.tick{font-size:12px}.guide{stroke:#999;stroke-dasharray:2 3;fill:none}.guide-t{font-size:11px;fill:#666}.l{fill:none;stroke-width:1.8}.m{stroke-width:.35}.dash .l{stroke-dasharray:5 3}.dash .m{fill:#fff}.bare .m{opacity:0}.n{font-weight:600}".to_owned();
     for (number, colour) in COLOURS.iter().enumerate() {
         let _ = write!(
             style,

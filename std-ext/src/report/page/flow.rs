@@ -30,7 +30,7 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
     for (id, chart) in charts(page) {
         writeln!(
             out,
-            "<figure class=\"one\"><figcaption>D over the strain γ̇t; marks with broken lines are published</figcaption>"
+            "<figure class=\"one\"><figcaption>D over the strain γ̇t: full lines by boundary integrals, broken lines on a lattice, circles published</figcaption>"
         )?;
         chart.write_svg(&id, false, out)?;
         transients(page.flow).write_folded("transients", out)?;
@@ -63,19 +63,6 @@ pub(super) fn charts(page: &Page<'_>) -> Vec<(String, Chart)> {
     }
     let shown = page.flow.iter().filter(|row| row.case.bending == BENDING);
     let mut curves = Vec::new();
-    for curve in published() {
-        let points = curve.points.iter().map(|&at| Point {
-            at,
-            says: format!("{}: D = {:.4} at γ̇t = {}", curve.name, at[1], at[0]),
-        });
-        curves.push(Curve {
-            points: points.collect(),
-            name: curve.name,
-            style: PUBLISHED,
-            dashed: true,
-            label: String::new(),
-        });
-    }
     for row in shown {
         let lattice = row.case.solver != Solver::BoundaryIntegral;
         let points = row.transient.iter().filter(|at| at[1].is_finite());
@@ -93,12 +80,28 @@ pub(super) fn charts(page: &Page<'_>) -> Vec<(String, Chart)> {
             name: format!("{}, {}", row.case.method, solver(row)),
             style: style_of(row.case.method),
             dashed: lattice,
+            marked: false,
             label: if lattice {
                 String::new()
             } else {
                 short(row.case.method).to_owned()
             },
             points: points.collect(),
+        });
+    }
+    // Over the lines.
+    for curve in published() {
+        let points = curve.points.iter().map(|&at| Point {
+            at,
+            says: format!("{}: D = {:.4} at γ̇t = {}", curve.name, at[1], at[0]),
+        });
+        curves.push(Curve {
+            points: points.collect(),
+            name: curve.name,
+            style: PUBLISHED,
+            dashed: true,
+            marked: true,
+            label: String::new(),
         });
     }
     let chart = Chart {
