@@ -34,7 +34,11 @@ pub(super) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let exponent = value.abs().log10().floor() as i32;
+    // That of the rounded number: 0.999 is 1.0, not 1.00.
+    let rounded = format!("{value:.0$e}", (digits - 1) as usize);
+    let exponent = rounded.split_once('e');
+    let exponent = exponent.and_then(|(_, exponent)| exponent.parse().ok());
+    let exponent: i32 = exponent.unwrap_or(0);
     if !(-4..=4).contains(&exponent) {
         let text = format!("{value:.0e}");
         return match text.split_once('e') {
