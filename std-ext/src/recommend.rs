@@ -1,8 +1,11 @@
 //! Which method to take on a mesh of one's own: measured there.
 //!
-//! Nobody knows the exact curvatures of such a mesh. Jets of degree 8 stand in for them: what they
-//! and jets of degree 6 differ by is about the error of the latter, and more than that of the former.
-//! All of this takes the vertices to lie on a smooth surface: noise in them is curvature for every
+//! Nobody knows the exact curvatures of such a mesh. Jets of degree 8 stand in for them, and how far
+//! degrees 6 and 4 are from them says what is not known: the error of J6 is taken as the distance of
+//! degree 6, or the geometric mean of the two distances if that is larger (near the limit of what a
+//! mesh resolves degree 8 is hardly better than degree 6, and their errors are alike). On exact shapes
+//! (discocyte, ellipsoid, torus; regular, irregular and hard meshes) the true error of J6 was at most
+//! 1.3 times that wherever it was below a tenth, and at least a sixth of it. All of this takes the vertices to lie on a smooth surface: noise in them is curvature for every
 //! method, and shows as an error of the reference.
 
 use crate::answer::Norm;
@@ -42,7 +45,7 @@ pub struct Candidate {
     /// Median time of one evaluation of the mesh.
     pub seconds: f64,
     /// The most that its error is expected to be, in the norm of the wish: the distance from the
-    /// reference, and the error of that; of J6 in f64 the distance alone.
+    /// reference, and what is not known of that; of J6 in f64 the latter alone.
     pub expected: f64,
     /// Whether that is within the target.
     pub reaches: bool,
@@ -61,7 +64,8 @@ pub struct Recommendation {
     pub norm: &'static str,
     /// How large the error may be.
     pub target: f64,
-    /// About the most that the reference is wrong, in that norm: how far degrees 8 and 6 differ.
+    /// About what is not known, in that norm: the error of J6 in f64, by how far degrees 6 and 4 are
+    /// from the reference.
     pub reference_error: f64,
     /// The candidate that reaches the target in the shortest time.
     pub choice: Option<Candidate>,
@@ -124,13 +128,16 @@ pub fn recommend(
     if interrupted() {
         return Ok(None);
     }
-    tell(1, "reference: jets of degree 6");
+    tell(1, "reference: jets of degrees 6 and 4");
     let in_norm = |[max, mean]: [f64; 2]| match wish.norm {
         Norm::Max => max,
         Norm::Mean => mean,
     };
-    let lower = Evaluator::new(BendingMethod::J6, 1.0, mesh).fields(surface);
-    let reference_error = in_norm(reference.errors(&lower, quantity));
+    let [far, near] = [BendingMethod::J4, BendingMethod::J6].map(|method| {
+        let fields = Evaluator::new(method, 1.0, mesh).fields(surface);
+        in_norm(reference.errors(&fields, quantity))
+    });
+    let reference_error = near.max((near * far).sqrt());
     let mut candidates = Vec::new();
     let mut done = 2;
     for &scalar in &wish.scalars {
@@ -154,7 +161,7 @@ pub fn recommend(
             let (errors, seconds) =
                 measured.map_err(|source| RecommendError::Surface { scalar, source })?;
             let own = (method, scalar) == (BendingMethod::J6, Scalar::F64);
-            let expected = in_norm(errors) + if own { 0.0 } else { reference_error };
+            let expected = reference_error + if own { 0.0 } else { in_norm(errors) };
             candidates.push(Candidate {
                 method,
                 scalar,

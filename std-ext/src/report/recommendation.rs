@@ -54,7 +54,7 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
     }
     writeln!(
         out,
-        "\nThe reference are jets of degree 8; degree 6 is {} away from them, which is about what is not known.",
+        "\nmax and mean are distances from jets of degree 8, since nothing is known exactly; by how far degrees 6 and 4 are from those, {} is not known.",
         percent(*reference_error)
     )?;
     if compared < vertices {
