@@ -15,10 +15,14 @@ use crate::scalar::Scalar;
 use crate::scene::{Overrides, SceneFile};
 use crate::series::SeriesTable;
 use crate::simulation::build;
-use serde::Serialize;
+use crate::study::Cache;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::io;
 use std::path::Path;
+
+/// The paper's Ca = μγ̇a/G.
+pub const CAPILLARY_NUMBER: f64 = 0.15;
 
 /// The paper's bending modulus, in units of a²G.
 pub const BENDING: f64 = 0.1125;
@@ -102,11 +106,54 @@ pub struct FlowRow {
     pub seconds: f64,
 }
 
+/// All of a row but its case.
+#[derive(Serialize, Deserialize)]
+struct Found {
+    end: End,
+    message: String,
+    deformation: f64,
+    inclination: f64,
+    volume_change: f64,
+    transient: Vec<[f64; 2]>,
+    steps: u64,
+    seconds: f64,
+}
+
+impl Found {
+    fn of(self, case: FlowCase) -> FlowRow {
+        let Self {
+            end,
+            message,
+            deformation,
+            inclination,
+            volume_change,
+            transient,
+            steps,
+            seconds,
+        } = self;
+        FlowRow {
+            case,
+            end,
+            message,
+            deformation,
+            inclination,
+            volume_change,
+            transient,
+            steps,
+            seconds,
+        }
+    }
+}
+
 /// What a study of flow covers.
 #[derive(Clone, Debug)]
 pub struct FlowStudy {
-    /// The bending methods.
+    /// The bending methods, by boundary integrals.
     pub methods: Vec<BendingMethod>,
+    /// Those of them that run on a lattice, too.
+    pub lattice_methods: Vec<BendingMethod>,
+    /// κ/(a²G) of the runs that are about the lattice.
+    pub bendings: Vec<f64>,
     /// Resolutions of the lattice for the first method: number of nodes along the radius.
     pub resolutions: Vec<f64>,
     /// Cubes for it: lengths of the edges in radii. The first is that of all other runs.
@@ -119,17 +166,9 @@ impl Default for FlowStudy {
     /// All of it: a quarter of an hour.
     fn default() -> Self {
         Self {
-            methods: vec![
-                BendingMethod::KantorNelson,
-                BendingMethod::GompperKroll,
-                BendingMethod::Meyer,
-                BendingMethod::Belkin,
-                BendingMethod::Farutin,
-                BendingMethod::Loop,
-                BendingMethod::Juelicher,
-                BendingMethod::J4,
-                BendingMethod::J6,
-            ],
+            methods: BendingMethod::ALL.to_vec(),
+            lattice_methods: BendingMethod::ALL.to_vec(),
+            bendings: vec![BENDING, LITTLE_BENDING],
             resolutions: vec![6.0, 10.0],
             sizes: vec![7.0, 10.0],
             strain: 5.0,
@@ -179,6 +218,17 @@ impl fmt::Display for FlowCase {
 }
 
 impl FlowStudy {
+    /// Every method by boundary integrals, and two on one lattice: some minutes.
+    pub fn brief() -> Self {
+        Self {
+            lattice_methods: vec![BendingMethod::GompperKroll, BendingMethod::Meyer],
+            bendings: vec![BENDING],
+            resolutions: vec![6.0],
+            sizes: vec![7.0],
+            ..Self::default()
+        }
+    }
+
     /// All runs: every method by both solvers; then method B, on each lattice and in both number
     /// types, with much and with little bending.
     pub fn cases(&self) -> Vec<FlowCase> {
@@ -210,12 +260,14 @@ impl FlowStudy {
         let first = self.resolutions.first().zip(self.sizes.first());
         for &method in &self.methods {
             add(of(Solver::BoundaryIntegral, method, BENDING));
-            if let Some((&resolution, &size)) = first {
+            if let Some((&resolution, &size)) = first
+                && self.lattice_methods.contains(&method)
+            {
                 add(of(lattice(resolution, size), method, BENDING));
             }
         }
         let method = BendingMethod::GompperKroll;
-        for bending in [BENDING, LITTLE_BENDING] {
+        for &bending in &self.bendings {
             add(of(Solver::BoundaryIntegral, method, bending));
             for &resolution in &self.resolutions {
                 for &size in &self.sizes {
@@ -240,12 +292,25 @@ impl FlowStudy {
         cases
     }
 
-    /// Runs all of it. `done` gets each row as it is there.
+    /// Runs all of it.
     ///
     /// # Errors
     /// If a run cannot begin, or there is no room on the disk. A run that fails is a row that says so.
     pub fn run(
         &self,
+        interrupted: &dyn Fn() -> bool,
+        progress: &mut dyn FnMut(&FlowProgress<'_>),
+    ) -> Result<Vec<FlowRow>, FlowStudyError> {
+        self.run_with(None, interrupted, progress)
+    }
+
+    /// The same, but for the runs that came to an end before; takes those that do so now.
+    ///
+    /// # Errors
+    /// If a run cannot begin, or there is no room on the disk.
+    pub fn run_with(
+        &self,
+        mut cache: Option<&mut Cache>,
         interrupted: &dyn Fn() -> bool,
         progress: &mut dyn FnMut(&FlowProgress<'_>),
     ) -> Result<Vec<FlowRow>, FlowStudyError> {
@@ -265,8 +330,22 @@ impl FlowStudy {
                     run,
                 });
             };
-            let folder = folder.path().join(number.to_string());
-            rows.push(case.run(self.strain, &folder, interrupted, &mut tell)?);
+            let key = format!("flow {case}, {} vertices, {}", case.vertices, self.strain);
+            let known = cache.as_deref().and_then(|cache| cache.get::<Found>(&key));
+            let found = match known {
+                Some(found) => found,
+                None => {
+                    let folder = folder.path().join(number.to_string());
+                    let found = case.run(self.strain, &folder, interrupted, &mut tell)?;
+                    if let Some(cache) = &mut cache
+                        && found.end != End::Interrupted
+                    {
+                        cache.insert(key, &found);
+                    }
+                    found
+                }
+            };
+            rows.push(found.of(*case));
             before += case.weight();
         }
         Ok(rows)
@@ -328,7 +407,7 @@ impl FlowCase {
         folder: &Path,
         interrupted: &dyn Fn() -> bool,
         progress: &mut dyn FnMut(&Progress),
-    ) -> Result<FlowRow, FlowStudyError> {
+    ) -> Result<Found, FlowStudyError> {
         let file = self.file(strain)?;
         let ready = build(&file).map_err(|error| FlowStudyError::Scene {
             case: self.to_string(),
@@ -347,8 +426,7 @@ impl FlowCase {
         };
         let [start, end] = ends("volume");
         let transient = column("strain").into_iter().zip(column("deformation"));
-        Ok(FlowRow {
-            case: *self,
+        Ok(Found {
             end: summary.end,
             message: summary.message,
             deformation: ends("deformation")[1],

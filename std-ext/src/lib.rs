@@ -7,7 +7,10 @@
 //!   [`info`]: what a mesh is like.
 //! * [`execute`]: threads and wide vectors for the core's loops.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge;
-//!   [`stability`]: whether they stand hard cases.
+//!   [`answer`]: which is the cheapest for an accuracy; [`recommend`]: which is on a
+//!   mesh of one's own; [`flow_study`]: what they make of a capsule in
+//!   flow; [`effect_study`]: what the effects of a scene cost; [`stability`]: whether methods stand
+//!   hard cases. [`provenance`]: program, compiler and machine of all that.
 //! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
 //! * [`effect`] and [`simulation`]: exactly what a scene names, made ready; nothing moves or is
 //!   written. [`dynamics`]: membranes relax to equilibrium, whatever acts on them. [`flow`]: what
@@ -18,10 +21,12 @@
 //!   files.
 //! * [`report`]: how all of this is shown.
 
+pub mod answer;
 pub mod checkpoint;
 pub mod deformation;
 pub mod dynamics;
 pub mod effect;
+pub mod effect_study;
 pub mod enclosure;
 pub mod execute;
 pub mod flow;
@@ -32,6 +37,8 @@ pub mod io;
 pub mod method;
 pub mod picture;
 pub mod plots;
+pub mod provenance;
+pub mod recommend;
 pub mod report;
 pub mod run;
 pub mod scalar;

@@ -1,9 +1,14 @@
 //! The `helfrich` program: parses its arguments, calls the library, prints.
 
+// Beside the library's modules of these names.
+#[path = "main/recommend.rs"]
+mod recommend;
+#[path = "main/study.rs"]
+mod study;
+
+use cap::Cap;
 use clap::{Parser, Subcommand};
 use helfrich::{Finding, Surface};
-use helfrich_std::flow_study::{FlowStudy, FlowStudyError};
-use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, replace_file, write};
 use helfrich_std::method::{BendingMethod, Evaluated, Evaluator};
@@ -12,12 +17,11 @@ use helfrich_std::run::{End, run};
 use helfrich_std::scalar::{HeldPositions, Scalar};
 use helfrich_std::scene::{Overrides, Scene, SceneFile};
 use helfrich_std::simulation::{Simulation, build};
-use helfrich_std::stability::{Group, Stability};
-use helfrich_std::study::{Progress, Study};
 use helfrich_std::subdivide::{Target, subdivide};
 use helfrich_std::sweep::{Outcome, Sweep, Vary};
-use helfrich_std::verdict::verdicts;
 use indicatif::{ProgressBar, ProgressStyle};
+use recommend::{RecommendArguments, recommend_method};
+use std::alloc::System;
 use std::error::Error;
 use std::fmt::Display;
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -25,6 +29,16 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use study::{StudyArguments, study};
+
+/// Counts, so that studies can say what memory a method takes.
+#[global_allocator]
+static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
+
+/// How many bytes the program has allocated.
+fn allocated() -> usize {
+    ALLOCATOR.allocated()
+}
 
 /// Bending of triangulated membranes: compares methods, measures curvature, relaxes scenes.
 ///
@@ -41,6 +55,8 @@ struct Arguments {
 enum Command {
     /// Compare bending methods with exact shapes: error and time side by side.
     Study(StudyArguments),
+    /// Which method to take on a mesh of your own: measured there.
+    Recommend(RecommendArguments),
     /// Curvatures and force density at every vertex of a mesh file, as CSV.
     Curvature(CurvatureArguments),
     /// What a mesh file holds: counts, topology, area, volume, quality.
@@ -103,53 +119,6 @@ struct SweepArguments {
 }
 
 #[derive(clap::Args)]
-struct StudyArguments {
-    /// sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R].
-    #[arg(long, default_value = "discocyte")]
-    shape: AnyShape,
-    /// Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C),
-    /// belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh). By default A,B,C; in flow all but jet, which is one of
-    /// j4 and j6.
-    #[arg(long, value_delimiter = ',', value_parser = methods)]
-    method: Vec<Vec<BendingMethod>>,
-    /// Mesh families: regular, smooth, relaxed, irregular, hard, or `all`.
-    #[arg(long, value_delimiter = ',', default_value = "regular,irregular", value_parser = families)]
-    family: Vec<Vec<Family>>,
-    /// Numbers of vertices, in any order; 10·4^k + 2 except for irregular meshes and the torus.
-    #[arg(long, value_delimiter = ',', default_value = "642,2562,10242,40962")]
-    vertices: Vec<usize>,
-    /// Number types: f32, f32-pair (positions in pairs of f32), f64.
-    #[arg(long, value_delimiter = ',', default_value = "f64")]
-    scalar: Vec<Scalar>,
-    /// Bending modulus κ.
-    #[arg(long, default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
-    modulus: f64,
-    /// Seed of the random mesh families.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Study a capsule in shear flow instead: every method by boundary integrals and on a lattice,
-    /// beside what was published; some minutes.
-    #[arg(long, conflicts_with_all = ["shape", "family", "vertices", "scalar", "modulus", "seed"])]
-    flow: bool,
-    /// Also write the rows as JSON to this file; `-` for standard output, instead of the table.
-    #[arg(long)]
-    json: Option<PathBuf>,
-    /// Instead, whether every method and formula stands hard cases, in every number type: exit code
-    /// 4 if one does not.
-    #[arg(long, conflicts_with_all = ["flow", "shape", "method", "family", "vertices", "scalar", "modulus", "seed"])]
-    stability: bool,
-    /// With a mesh of a million vertices among the hard cases, which takes minutes and 4 GB.
-    #[arg(long, requires = "stability")]
-    large: bool,
-    /// Only one group of hard cases: geometry, cancellation, dynamics, threads or input.
-    #[arg(long, requires = "stability")]
-    group: Option<Group>,
-    /// Also write the table of hard cases as Markdown to this file.
-    #[arg(long, requires = "stability")]
-    markdown: Option<PathBuf>,
-}
-
-#[derive(clap::Args)]
 struct CurvatureArguments {
     /// OBJ, OFF, STL or PLY file.
     mesh: PathBuf,
@@ -181,20 +150,6 @@ struct SubdivideArguments {
     /// Write to this file; .obj, .off, .stl or .ply tells the format.
     #[arg(long, short)]
     output: PathBuf,
-}
-
-fn methods(name: &str) -> Result<Vec<BendingMethod>, String> {
-    match name {
-        "all" => Ok(BendingMethod::ALL.to_vec()),
-        name => Ok(vec![name.parse().map_err(|error| format!("{error}"))?]),
-    }
-}
-
-fn families(name: &str) -> Result<Vec<Family>, String> {
-    match name {
-        "all" => Ok(Family::ALL.to_vec()),
-        name => Ok(vec![name.parse().map_err(|error| format!("{error}"))?]),
-    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -231,6 +186,7 @@ impl Failure {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Study(arguments) => study(&arguments),
+        Command::Recommend(arguments) => recommend_method(&arguments),
         Command::Curvature(arguments) => curvature(&arguments),
         Command::Info { mesh } => info(&mesh),
         Command::Subdivide(arguments) => subdivide_file(&arguments),
@@ -280,140 +236,12 @@ fn file_named(option: Option<&PathBuf>) -> Option<&Path> {
     Some(path)
 }
 
-fn study(arguments: &StudyArguments) -> Result<(), Failure> {
-    if arguments.flow {
-        return flow_study(arguments);
-    }
-    if arguments.stability {
-        return stability(arguments);
-    }
-    let study = Study {
-        shape: arguments.shape,
-        families: unique(arguments.family.concat()),
-        vertices: arguments.vertices.clone(),
-        methods: match arguments.method.concat() {
-            none if none.is_empty() => COMPARED.to_vec(),
-            methods => unique(methods),
-        },
-        scalars: unique(arguments.scalar.clone()),
-        modulus: arguments.modulus,
-        seed: arguments.seed,
-    };
-    check_outputs(file_named(arguments.json.as_ref()))?;
-    let bar = progress_bar();
-    let rows = study.run(&mut |Progress { done, total, at }| {
-        bar.set_length(total);
-        bar.set_position(done);
-        bar.set_message(at.to_owned());
-    });
-    bar.finish_and_clear();
-    let rows = rows.map_err(Failure::input)?;
-    show_rows(arguments, &rows, |out| {
-        report::study_table(&rows, out)?;
-        report::verdict_table(&verdicts(&rows), out)
-    })
-}
-
-/// Writes rows as JSON to the file that is asked for, and the table to standard output; or the JSON
-/// there.
-fn show_rows(
-    arguments: &StudyArguments,
-    rows: &impl serde::Serialize,
-    table: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), Failure> {
-    let json = |out: &mut dyn Write| {
-        serde_json::to_writer_pretty(&mut *out, rows)?;
-        writeln!(out)
-    };
-    match (&arguments.json, file_named(arguments.json.as_ref())) {
-        (Some(_), None) => print(json),
-        (_, None) => print(table),
-        (_, Some(path)) => {
-            print(table)?;
-            save(path, json)
-        }
-    }
-}
-
 /// Not after minutes of work.
 fn check_outputs<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
     for path in paths {
         check_replaceable(path).map_err(|error| Failure::output(path.display(), &error))?;
     }
     Ok(())
-}
-
-/// The methods that a study compares by default.
-const COMPARED: [BendingMethod; 3] = [
-    BendingMethod::KantorNelson,
-    BendingMethod::GompperKroll,
-    BendingMethod::Meyer,
-];
-
-fn flow_study(arguments: &StudyArguments) -> Result<(), Failure> {
-    let mut study = FlowStudy::default();
-    if !arguments.method.is_empty() {
-        study.methods = unique(arguments.method.concat());
-    }
-    check_outputs(file_named(arguments.json.as_ref()))?;
-    let stop = interruption();
-    let bar = progress_bar();
-    bar.set_length(1000);
-    let rows = study.run(&|| stop.load(Ordering::Relaxed), &mut |progress| {
-        bar.set_position((1000.0 * progress.fraction) as u64);
-        bar.set_message(progress.case.to_string());
-    });
-    bar.finish_and_clear();
-    let rows = rows.map_err(|error| match error {
-        FlowStudyError::Scene { .. } => Failure::input(error),
-        _ => Failure::Output(error.to_string()),
-    })?;
-    show_rows(arguments, &rows, |out| report::flow_tables(&rows, out))?;
-    if stop.load(Ordering::Relaxed) {
-        return Err(Failure::Unfinished(130));
-    }
-    Ok(())
-}
-
-fn stability(arguments: &StudyArguments) -> Result<(), Failure> {
-    let json = file_named(arguments.json.as_ref());
-    check_outputs(json.into_iter().chain(arguments.markdown.as_deref()))?;
-    let table = Stability {
-        large: arguments.large,
-        group: arguments.group,
-    };
-    let bar = progress_bar();
-    let rows = table.run(&mut |Progress { done, total, at }| {
-        bar.set_length(total);
-        bar.set_position(done);
-        bar.set_message(at.to_owned());
-    });
-    bar.finish_and_clear();
-    let rows = rows.map_err(Failure::input)?;
-    show_rows(arguments, &rows, |out| report::stability_table(&rows, out))?;
-    if let Some(path) = &arguments.markdown {
-        save(path, |out| report::stability_markdown(&rows, out))?;
-    }
-    match rows.iter().filter(|row| !row.passed).count() {
-        0 => Ok(()),
-        failed => {
-            say(format_args!(
-                "error: {failed} rows of the table did not pass"
-            ));
-            Err(Failure::Unfinished(4))
-        }
-    }
-}
-
-/// Each value once, in the order of its first mention.
-fn unique<V: PartialEq + Copy>(values: Vec<V>) -> Vec<V> {
-    let mut seen = Vec::with_capacity(values.len());
-    for value in values {
-        if !seen.contains(&value) {
-            seen.push(value);
-        }
-    }
-    seen
 }
 
 /// On a terminal only; indicatif draws nothing elsewhere.

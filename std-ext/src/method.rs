@@ -308,6 +308,26 @@ impl Evaluated for f64 {
     }
 }
 
+impl Evaluator<f64> {
+    /// Jets of the highest degree, 8: slow, and no method of scenes; what the others are compared with
+    /// where nothing is known exactly.
+    pub(crate) fn reference(modulus: f64, mesh: &TriangleMesh) -> Self {
+        let jet = Jet {
+            degree: 8,
+            neighbours: 96,
+            most_neighbours: 192,
+            sharpness: 7.0,
+            conditioning: 0.003,
+        };
+        let method = StrongForm::new(modulus, jet);
+        Self {
+            prepared: prepare(method, mesh, Parallel::new()),
+            ordered: None,
+            force: vec![[0.0; 3]; mesh.vertex_count()],
+        }
+    }
+}
+
 fn prepare<T: Real, M, X>(method: M, mesh: &TriangleMesh, execution: X) -> Box<dyn Evaluate<T>>
 where
     M: Method<T>,

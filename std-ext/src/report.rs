@@ -1,9 +1,13 @@
 //! How data is shown: tables and CSV. Nothing is computed here.
 
 mod flow;
+mod page;
+mod recommendation;
 mod stability;
 
 pub use flow::flow_tables;
+pub use page::Page;
+pub use recommendation::recommendation;
 pub use stability::{stability_markdown, stability_table};
 
 use crate::info::MeshInfo;

@@ -1,11 +1,19 @@
 //! Accuracy and cost of bending methods on exact shapes: data; [`crate::report`] shows it.
 
+mod cache;
+mod errors;
+
+pub use cache::{Cache, CacheError, CacheProblem, LoadedCache};
+pub use errors::ErrorFields;
+pub(crate) use errors::Reference;
+
 use crate::generate::{self, AnyShape, Family, GenerateError, GeneratedMesh, generate};
-use crate::method::{BendingMethod, Evaluated, Evaluator, Fields};
+use crate::method::{BendingMethod, Evaluated, Evaluator};
 use crate::scalar::{HeldPositions, Scalar};
-use helfrich::shapes::{ExactPoint, Shape};
-use helfrich::{Real, SurfaceError};
-use serde::Serialize;
+use errors::natural_scales;
+use helfrich::SurfaceError;
+use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::time::{Duration, Instant};
 
 /// What is compared with its exact value.
@@ -109,6 +117,28 @@ pub struct Row {
     pub order_mean: Option<f64>,
     /// Median time of one evaluation, nanoseconds a vertex.
     pub ns_per_vertex: f64,
+    /// What plan, memory and forces of the method take beside mesh and positions, bytes a vertex;
+    /// `None` if nobody counts them.
+    pub bytes_per_vertex: Option<f64>,
+}
+
+/// What a study has beside it while it runs.
+pub struct Session<'a> {
+    /// Hears of every step.
+    pub progress: &'a mut dyn FnMut(Progress<'_>),
+    /// Whether to stop; asked before each measurement. What is measured by then is returned.
+    pub interrupted: &'a dyn Fn() -> bool,
+    /// What was measured before; takes what is measured now.
+    pub cache: Option<&'a mut Cache>,
+    /// How many bytes the program has allocated; without it memory is not measured.
+    pub allocated: Option<&'a dyn Fn() -> usize>,
+}
+
+impl fmt::Debug for Session<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut session = formatter.debug_struct("Session");
+        session.field("cache", &self.cache).finish_non_exhaustive()
+    }
 }
 
 /// How far a study has come.
@@ -161,6 +191,19 @@ impl Study {
     /// # Errors
     /// If a mesh cannot be made, or does not fit a number type.
     pub fn run(&self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StudyError> {
+        self.run_in(&mut Session {
+            progress,
+            interrupted: &|| false,
+            cache: None,
+            allocated: None,
+        })
+    }
+
+    /// The same, interrupted or taken up again as the session says.
+    ///
+    /// # Errors
+    /// If a mesh cannot be made, or does not fit a number type.
+    pub fn run_in(&self, session: &mut Session<'_>) -> Result<Vec<Row>, StudyError> {
         self.check()?;
         let mut numbers = self.vertices.clone();
         numbers.sort_unstable();
@@ -168,24 +211,23 @@ impl Study {
         let passes = self.families.len() * (self.methods.len() * self.scalars.len() + 1);
         let total = numbers.iter().sum::<usize>() as u64 * passes as u64;
         let mut done = 0;
-        let mut step = |vertices: usize, at: &str| {
-            progress(Progress { done, total, at });
-            done += vertices as u64;
-        };
         let mut rows: Vec<Row> = Vec::new();
         for &family in &self.families {
-            let mut meshes: Vec<(GeneratedMesh, Exact)> = Vec::with_capacity(numbers.len());
-            for &vertices in &numbers {
-                step(vertices, &format!("{family} {vertices}: mesh"));
-                let mesh = generate(&self.shape, family, vertices, self.seed)?;
-                let count = |mesh: &GeneratedMesh| mesh.mesh.vertex_count();
+            let mut meshes: Vec<Level> = Vec::with_capacity(numbers.len());
+            for &asked in &numbers {
+                if (session.interrupted)() {
+                    return Ok(rows);
+                }
+                let at = &format!("{family} {asked}: mesh");
+                (session.progress)(Progress { done, total, at });
+                done += asked as u64;
+                let level = self.level(family, asked, session.cache.as_deref())?;
                 // Two numbers may have the same nearest lattice of the torus.
                 if meshes
                     .last()
-                    .is_none_or(|(last, _)| count(last) < count(&mesh))
+                    .is_none_or(|last| last.vertices < level.vertices)
                 {
-                    let exact = Exact::new(&self.shape, &mesh, self.modulus);
-                    meshes.push((mesh, exact));
+                    meshes.push(level);
                 }
             }
             for &scalar in &self.scalars {
@@ -196,19 +238,15 @@ impl Study {
                         method,
                         scalar,
                     };
-                    for (mesh, exact) in &meshes {
-                        let vertices = mesh.mesh.vertex_count();
-                        step(vertices, &format!("{family} {vertices}: {method} {scalar}"));
-                        let measured = match scalar {
-                            Scalar::F32 | Scalar::F32Pair => case.measure::<f32>(mesh, exact),
-                            Scalar::F64 => case.measure::<f64>(mesh, exact),
-                        };
-                        let found = measured.map_err(|source| StudyError::Surface {
-                            vertices,
-                            scalar,
-                            source,
-                        })?;
-                        for mut row in found {
+                    for level in &meshes {
+                        if (session.interrupted)() {
+                            return Ok(rows);
+                        }
+                        let vertices = level.vertices;
+                        let at = &format!("{family} {vertices}: {method} {scalar}");
+                        (session.progress)(Progress { done, total, at });
+                        done += vertices as u64;
+                        for mut row in case.rows(level, session)? {
                             row.set_orders(&rows);
                             rows.push(row);
                         }
@@ -216,12 +254,51 @@ impl Study {
                 }
             }
         }
-        progress(Progress {
+        (session.progress)(Progress {
             done: total,
             total,
             at: "done",
         });
         Ok(rows)
+    }
+
+    /// A mesh, unless everything on it has been measured before.
+    fn level(
+        &self,
+        family: Family,
+        asked: usize,
+        cache: Option<&Cache>,
+    ) -> Result<Level, StudyError> {
+        let mut known = None;
+        'all: for &scalar in &self.scalars {
+            for &method in &self.methods {
+                let case = Case {
+                    study: self,
+                    family,
+                    method,
+                    scalar,
+                };
+                let measured = cache.and_then(|cache| cache.get::<Measured>(&case.key(asked)));
+                known = measured.map(|measured| measured.vertices);
+                if known.is_none() {
+                    break 'all;
+                }
+            }
+        }
+        if let Some(vertices) = known {
+            return Ok(Level {
+                asked,
+                vertices,
+                made: None,
+            });
+        }
+        let mesh = generate(&self.shape, family, asked, self.seed)?;
+        let exact = Reference::exact(&self.shape, &mesh, self.modulus);
+        Ok(Level {
+            asked,
+            vertices: mesh.mesh.vertex_count(),
+            made: Some((mesh, exact)),
+        })
     }
 
     /// Refuses what cannot be studied.
@@ -267,59 +344,6 @@ impl Row {
     }
 }
 
-/// Exact values at the vertices, and what errors are relative to.
-struct Exact {
-    points: Vec<ExactPoint<f64>>,
-    modulus: f64,
-    scales: [f64; 4],
-}
-
-impl Exact {
-    fn new(shape: &AnyShape, mesh: &GeneratedMesh, modulus: f64) -> Self {
-        let points: Vec<_> = mesh
-            .preimages
-            .iter()
-            .map(|&preimage| shape.at(preimage))
-            .collect();
-        let natural = natural_scales(shape, modulus);
-        let scales = Quantity::ALL.map(|quantity| {
-            let largest = points
-                .iter()
-                .map(|point| exact_value(point, quantity, modulus).abs())
-                .fold(0.0, f64::max);
-            // Δ_S H and f of a sphere and f of a Clifford torus vanish identically, but for
-            // rounding: then the shape's size is what is left to compare with.
-            let natural = natural[quantity as usize];
-            if largest > f64::EPSILON.sqrt() * natural {
-                largest
-            } else {
-                natural
-            }
-        });
-        Self {
-            points,
-            modulus,
-            scales,
-        }
-    }
-}
-
-/// 1/R, 1/R², 1/R³ and κ/R³: what a shape's size R makes of H, K, Δ_S H and f.
-fn natural_scales(shape: &AnyShape, modulus: f64) -> [f64; 4] {
-    let curvature = shape.size().recip();
-    let third = curvature.powi(3);
-    [curvature, curvature.powi(2), third, modulus.abs() * third]
-}
-
-fn exact_value(point: &ExactPoint<f64>, quantity: Quantity, modulus: f64) -> f64 {
-    match quantity {
-        Quantity::Mean => point.mean,
-        Quantity::Gaussian => point.gaussian,
-        Quantity::LaplacianOfMean => point.laplacian_of_mean,
-        Quantity::ForceDensity => point.force_density(modulus),
-    }
-}
-
 /// One method on one family in one number type.
 #[derive(Clone, Copy)]
 struct Case<'a> {
@@ -329,90 +353,131 @@ struct Case<'a> {
     scalar: Scalar,
 }
 
+/// A mesh of a family.
+struct Level {
+    /// How many vertices were asked for.
+    asked: usize,
+    /// How many there are.
+    vertices: usize,
+    /// The mesh; none if nothing is left to be measured on it.
+    made: Option<(GeneratedMesh, Reference)>,
+}
+
+/// What is measured of one method on one mesh.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Measured {
+    vertices: usize,
+    ns_per_vertex: f64,
+    bytes_per_vertex: Option<f64>,
+    /// Largest and mean error of each quantity that is defined, in the order of [`Quantity::ALL`].
+    errors: Vec<[f64; 2]>,
+}
+
 impl Case<'_> {
+    /// What tells a measurement from every other; f64 as its bits.
+    fn key(self, asked: usize) -> String {
+        let Self {
+            study,
+            family,
+            method,
+            scalar,
+        } = self;
+        let (shape, seed) = (study.shape, study.seed);
+        let modulus = study.modulus.to_bits();
+        format!("study {shape} {family} {asked} {seed} {method} {scalar} {modulus:x}")
+    }
+
+    /// From the session's cache, or measured.
+    fn rows(self, level: &Level, session: &mut Session<'_>) -> Result<Vec<Row>, StudyError> {
+        let key = self.key(level.asked);
+        let cached = session.cache.as_deref();
+        let cached = cached.and_then(|cache| cache.get::<Measured>(&key));
+        let measured = match (cached, &level.made) {
+            (Some(measured), _) => measured,
+            (None, Some((mesh, exact))) => {
+                let measured = match self.scalar {
+                    Scalar::F32 | Scalar::F32Pair => {
+                        self.measure::<f32>(mesh, exact, session.allocated)
+                    }
+                    Scalar::F64 => self.measure::<f64>(mesh, exact, session.allocated),
+                };
+                let measured = measured.map_err(|source| StudyError::Surface {
+                    vertices: level.vertices,
+                    scalar: self.scalar,
+                    source,
+                })?;
+                if let Some(cache) = &mut session.cache {
+                    cache.insert(key, &measured);
+                }
+                measured
+            }
+            // A mesh is made wherever anything is missing.
+            (None, None) => return Ok(Vec::new()),
+        };
+        let defined = |quantity: &Quantity| quantity.is_defined_by(self.method);
+        let quantities = Quantity::ALL.into_iter().filter(defined);
+        let row = |(quantity, &[max, mean]): (Quantity, &[f64; 2])| Row {
+            shape: self.study.shape.name(),
+            family: self.family.name(),
+            vertices: level.vertices,
+            method: self.method,
+            scalar: self.scalar,
+            quantity,
+            max,
+            mean,
+            order_max: None,
+            order_mean: None,
+            ns_per_vertex: measured.ns_per_vertex,
+            bytes_per_vertex: measured.bytes_per_vertex,
+        };
+        Ok(quantities.zip(&measured.errors).map(row).collect())
+    }
+
     fn measure<T: Evaluated>(
         self,
         mesh: &GeneratedMesh,
-        exact: &Exact,
-    ) -> Result<Vec<Row>, SurfaceError> {
+        exact: &Reference,
+        allocated: Option<&dyn Fn() -> usize>,
+    ) -> Result<Measured, SurfaceError> {
         let held = HeldPositions::<T>::new(self.scalar, &mesh.positions);
         let surface = held.surface(&mesh.mesh)?;
+        let before = allocated.map(|allocated| allocated());
         let mut evaluator =
             Evaluator::new(self.method, T::constant(self.study.modulus), &mesh.mesh);
+        evaluator.evaluate(surface);
+        let bytes = allocated.zip(before);
+        let bytes = bytes.map(|(allocated, before)| allocated().saturating_sub(before) as f64);
         let fields = evaluator.fields(surface);
         let time = median_time(|| evaluator.evaluate(surface));
         let vertices = mesh.mesh.vertex_count();
-        let row = |quantity| {
-            let [max, mean] = errors(&fields, exact, quantity);
-            Row {
-                shape: self.study.shape.name(),
-                family: self.family.name(),
-                vertices,
-                method: self.method,
-                scalar: self.scalar,
-                quantity,
-                max,
-                mean,
-                order_max: None,
-                order_mean: None,
-                ns_per_vertex: time.as_secs_f64() * 1e9 / vertices as f64,
-            }
-        };
         let defined = |quantity: &Quantity| quantity.is_defined_by(self.method);
-        Ok(Quantity::ALL.into_iter().filter(defined).map(row).collect())
+        let quantities = Quantity::ALL.into_iter().filter(defined);
+        Ok(Measured {
+            vertices,
+            ns_per_vertex: time.as_secs_f64() * 1e9 / vertices as f64,
+            bytes_per_vertex: bytes.map(|bytes| bytes / vertices as f64),
+            errors: quantities
+                .map(|quantity| exact.errors(&fields, quantity))
+                .collect(),
+        })
     }
 }
 
-/// Largest and area-weighted mean error of a quantity, relative.
-fn errors<T: Real>(fields: &Fields<T>, exact: &Exact, quantity: Quantity) -> [f64; 2] {
-    let to_f64 = |value: T| value.to_f64().unwrap_or(f64::NAN);
-    let scale = exact.scales[quantity as usize];
-    let mut largest = 0.0_f64;
-    let (mut weighted, mut weights) = (0.0, 0.0);
-    for (vertex, point) in exact.points.iter().enumerate() {
-        let value = exact_value(point, quantity, exact.modulus);
-        let scalar = |found: Option<T>| found.map(|found| (to_f64(found) - value).abs());
-        let error = match quantity {
-            Quantity::Mean => scalar(fields.mean[vertex]),
-            Quantity::Gaussian => scalar(fields.gaussian[vertex]),
-            Quantity::LaplacianOfMean => scalar(fields.laplacian_of_mean[vertex]),
-            Quantity::ForceDensity => fields.force_density[vertex].map(|found| {
-                let difference = |axis: usize| to_f64(found[axis]) - value * point.normal[axis];
-                (0..3)
-                    .map(|axis| difference(axis).powi(2))
-                    .sum::<f64>()
-                    .sqrt()
-            }),
-        };
-        let area = to_f64(fields.area[vertex]);
-        // No number, or none at all (on a closed surface, for want of an area), is an infinite
-        // error: `max` would pass it over.
-        let error = error
-            .filter(|error| !error.is_nan())
-            .unwrap_or(f64::INFINITY);
-        largest = largest.max(error);
-        weighted += area * error;
-        weights += area;
-    }
-    let mean = if largest.is_finite() {
-        weighted / weights
-    } else {
-        largest
-    };
-    [largest / scale, mean / scale]
-}
-
-/// Median over as many runs as fit into a short while, at least three. Memory is warm: the fields
-/// have been evaluated.
-fn median_time(mut run: impl FnMut()) -> Duration {
+/// Median over as many runs as fit into a short while: at least three, or two of those that are long
+/// enough for what disturbs them to be short. Memory is warm: the fields have been evaluated.
+pub(crate) fn median_time(mut run: impl FnMut()) -> Duration {
     const WHILE: Duration = Duration::from_millis(40);
+    const LONG: Duration = Duration::from_millis(400);
     let start = Instant::now();
     let mut times = Vec::new();
-    while times.len() < 3 || (start.elapsed() < WHILE && times.len() < 1000) {
+    while times.len() < 2
+        || (times.len() < 3 && start.elapsed() < LONG)
+        || (start.elapsed() < WHILE && times.len() < 1000)
+    {
         let one = Instant::now();
         run();
         times.push(one.elapsed());
     }
     times.sort_unstable();
-    times[times.len() / 2]
+    times[(times.len() - 1) / 2]
 }

@@ -14,6 +14,8 @@ mod curvature;
 mod disasters;
 mod fixture;
 mod info;
+mod page;
+mod recommend;
 mod run;
 mod streams;
 mod study;

@@ -97,6 +97,7 @@ fn check_row(row: &Value, names: [&str; 5]) {
         "order_max",
         "order_mean",
         "ns_per_vertex",
+        "bytes_per_vertex",
     ];
     let found: BTreeSet<&str> = row
         .as_object()

@@ -1,0 +1,121 @@
+//! `helfrich recommend`.
+
+use super::{
+    Failure, check_outputs, file_named, interruption, load, print, progress_bar, same_file, save,
+    warn,
+};
+use crate::study::{methods, unique};
+use helfrich::Surface;
+use helfrich_std::answer::Norm;
+use helfrich_std::io::MeshFile;
+use helfrich_std::method::{BendingMethod, Evaluator};
+use helfrich_std::recommend::{Wish, recommend};
+use helfrich_std::report;
+use helfrich_std::scalar::Scalar;
+use helfrich_std::study::{Progress, Quantity};
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+#[derive(clap::Args)]
+pub(super) struct RecommendArguments {
+    /// OBJ, OFF, STL or PLY file.
+    mesh: PathBuf,
+    /// How large the error may be, as in `1%` or `0.01`, relative to the largest value on the surface.
+    #[arg(long, default_value = "1%", value_parser = share, allow_hyphen_values = true)]
+    error: f64,
+    /// What has to be accurate: H, K, LapH or f.
+    #[arg(long, default_value = "f", value_parser = quantity)]
+    quantity: Quantity,
+    /// Where: `max`, at every vertex, or `mean`, on average.
+    #[arg(long, default_value = "max", value_parser = norm)]
+    norm: Norm,
+    /// Methods to choose from, by name or letter; by default all.
+    #[arg(long, value_delimiter = ',', default_value = "all", value_parser = methods)]
+    method: Vec<Vec<BendingMethod>>,
+    /// Number types to choose from: f32, f32-pair, f64.
+    #[arg(long, value_delimiter = ',', default_value = "f32,f64")]
+    scalar: Vec<Scalar>,
+    /// Also write the answer as JSON to this file; `-` for standard output, instead of the table.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text.trim().strip_suffix('%') {
+        Some(number) => (number.trim_end(), 0.01),
+        None => (text.trim(), 1.0),
+    };
+    match number.parse::<f64>() {
+        Ok(value) if value > 0.0 && (value * unit).is_normal() => Ok(value * unit),
+        _ => Err("a finite number above 0 is needed, as in 1% or 0.01".to_owned()),
+    }
+}
+
+fn quantity(text: &str) -> Result<Quantity, String> {
+    let named = Quantity::ALL
+        .into_iter()
+        .find(|quantity| quantity.symbol().eq_ignore_ascii_case(text));
+    named.ok_or_else(|| "the quantities are H, K, LapH and f".to_owned())
+}
+
+fn norm(text: &str) -> Result<Norm, String> {
+    let named = Norm::ALL.into_iter().find(|norm| norm.name() == text);
+    named.ok_or_else(|| "the norms are max and mean".to_owned())
+}
+
+pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Failure> {
+    let json = file_named(arguments.json.as_ref());
+    if let Some(json) = json
+        && same_file(json, &arguments.mesh)
+    {
+        let message = format!("{}: the answer would replace the mesh", json.display());
+        return Err(Failure::Input(message.into()));
+    }
+    let MeshFile { positions, mesh } = load(&arguments.mesh)?;
+    check_outputs(json)?;
+    let wish = Wish {
+        quantity: arguments.quantity,
+        norm: arguments.norm,
+        target: arguments.error,
+        methods: unique(arguments.method.concat()),
+        scalars: unique(arguments.scalar.clone()),
+    };
+    let stop = interruption();
+    let bar = progress_bar();
+    let found = recommend(
+        &mesh,
+        &positions,
+        &wish,
+        &|| stop.load(Ordering::Relaxed),
+        &mut |Progress { done, total, at }| {
+            bar.set_length(total);
+            bar.set_position(done);
+            bar.set_message(at.to_owned());
+        },
+    );
+    bar.finish_and_clear();
+    let found = found.map_err(|error| Failure::mesh(&arguments.mesh, error))?;
+    let Some(found) = found else {
+        return Err(Failure::Unfinished(130));
+    };
+    if let Some(choice) = found.choice
+        && let Ok(surface) = Surface::new(&mesh, &positions)
+    {
+        let mut evaluator = Evaluator::new(choice.method, 1.0, &mesh);
+        evaluator.evaluate(surface);
+        warn(&arguments.mesh, &evaluator.findings(surface));
+    }
+    let write = |out: &mut dyn Write| {
+        serde_json::to_writer_pretty(&mut *out, &found)?;
+        writeln!(out)
+    };
+    match (&arguments.json, json) {
+        (Some(_), None) => print(write),
+        (_, None) => print(|out| report::recommendation(&found, out)),
+        (_, Some(path)) => {
+            print(|out| report::recommendation(&found, out))?;
+            save(path, write)
+        }
+    }
+}

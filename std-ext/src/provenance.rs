@@ -1,0 +1,88 @@
+//! Where measurements come from: program, compiler, machine.
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+use std::fs;
+use std::thread::available_parallelism;
+
+/// What a measurement of time depends on.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Provenance {
+    /// The version of the program.
+    pub version: &'static str,
+    /// The commit that it was built from, with `-dirty` if the sources had been changed; empty if it
+    /// was not built from a repository.
+    pub commit: &'static str,
+    /// The compiler.
+    pub compiler: &'static str,
+    /// The profile, with the level of optimisation.
+    pub profile: String,
+    /// Further flags of the compiler; usually empty.
+    pub flags: &'static str,
+    /// The target that it was built for.
+    pub target: &'static str,
+    /// The SHA-256 of the program's file; zeros if it cannot be read.
+    #[serde(skip)]
+    pub program: [u8; 32],
+    /// The processor, as the operating system calls it.
+    pub processor: String,
+    /// The widest vectors that the loops use.
+    pub vectors: &'static str,
+    /// How many threads they use.
+    pub threads: usize,
+}
+
+impl Provenance {
+    /// That of this program, here.
+    pub fn here() -> Self {
+        let profile = env!("HELFRICH_PROFILE");
+        let program = std::env::current_exe().and_then(fs::read);
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            commit: env!("HELFRICH_COMMIT"),
+            compiler: env!("HELFRICH_COMPILER"),
+            profile: format!("{profile}, opt-level {}", env!("HELFRICH_OPTIMISATION")),
+            flags: env!("HELFRICH_FLAGS"),
+            target: env!("HELFRICH_TARGET"),
+            program: program.map_or([0; 32], |bytes| Sha256::digest(bytes).into()),
+            processor: processor(),
+            vectors: vectors(),
+            threads: available_parallelism().map_or(1, usize::from),
+        }
+    }
+
+    /// Processor, vectors and threads: what tells one machine's times from another's.
+    pub fn machine(&self) -> String {
+        let Self {
+            processor,
+            vectors,
+            threads,
+            ..
+        } = self;
+        format!("{processor}, {vectors}, {threads} threads")
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn vectors() -> &'static str {
+    if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
+        "AVX2"
+    } else {
+        "SSE2"
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn vectors() -> &'static str {
+    "the target's own vectors"
+}
+
+/// What Linux says of the first processor; elsewhere only the architecture.
+fn processor() -> String {
+    let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let named = text.lines().find_map(|line| {
+        let (key, value) = line.split_once(':')?;
+        (key.trim() == "model name").then(|| value.trim().to_owned())
+    });
+    named.unwrap_or_else(|| std::env::consts::ARCH.to_owned())
+}

@@ -1,0 +1,214 @@
+//! Which method to take on a mesh of one's own: measured there.
+//!
+//! Nobody knows the exact curvatures of such a mesh. Jets of degree 8 stand in for them, and how far
+//! degrees 6 and 4 are from them says what is not known: the error of J6 is taken as the distance of
+//! degree 6, or the geometric mean of the two distances if that is larger (near the limit of what a
+//! mesh resolves degree 8 is hardly better than degree 6, and their errors are alike). On exact shapes
+//! (discocyte, ellipsoid, torus; regular, irregular and hard meshes) the true error of J6 was at most
+//! 1.3 times that wherever it was below a tenth, and at least a sixth of it. All of this takes the vertices to lie on a smooth surface: noise in them is curvature for every
+//! method, and shows as an error of the reference.
+
+use crate::answer::Norm;
+use crate::method::{BendingMethod, Evaluated, Evaluator};
+use crate::scalar::{HeldPositions, Scalar};
+use crate::study::{Progress, Quantity, Reference, median_time};
+use helfrich::{Surface, SurfaceError, TriangleMesh};
+use serde::Serialize;
+
+/// What is wished for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wish {
+    /// What has to be accurate.
+    pub quantity: Quantity,
+    /// Which error counts.
+    pub norm: Norm,
+    /// How large it may be, relative to the largest value on the surface.
+    pub target: f64,
+    /// The methods to choose from.
+    pub methods: Vec<BendingMethod>,
+    /// The number types to choose from.
+    pub scalars: Vec<Scalar>,
+}
+
+/// One method in one number type, as measured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Candidate {
+    /// The method.
+    pub method: BendingMethod,
+    /// The number type.
+    pub scalar: Scalar,
+    /// Largest distance from the reference, relative to the largest value; infinite, which JSON writes
+    /// as null, if a vertex has no result.
+    pub max: f64,
+    /// Area-weighted mean distance, relative to the same.
+    pub mean: f64,
+    /// Median time of one evaluation of the mesh.
+    pub seconds: f64,
+    /// The most that its error is expected to be, in the norm of the wish: the distance from the
+    /// reference, and what is not known of that; of J6 in f64 the latter alone.
+    pub expected: f64,
+    /// Whether that is within the target.
+    pub reaches: bool,
+}
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Recommendation {
+    /// How many vertices the mesh has.
+    pub vertices: usize,
+    /// At how many of them there is a reference: all but those at a boundary, or in no triangle.
+    pub compared: usize,
+    /// What has to be accurate.
+    pub quantity: Quantity,
+    /// `max` or `mean`.
+    pub norm: &'static str,
+    /// How large the error may be.
+    pub target: f64,
+    /// About what is not known, in that norm: the error of J6 in f64, by how far degrees 6 and 4 are
+    /// from the reference.
+    pub reference_error: f64,
+    /// The candidate that reaches the target in the shortest time.
+    pub choice: Option<Candidate>,
+    /// The one with the smallest expected error.
+    pub nearest: Option<Candidate>,
+    /// If none reaches it: how many vertices J6 would need, by the order that theory gives it, h³ for
+    /// f and Δ_S H, h⁵ for H and K.
+    pub vertices_needed: Option<f64>,
+    /// Everything that was measured, fastest first.
+    pub candidates: Vec<Candidate>,
+}
+
+/// Why there is no recommendation.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecommendError {
+    /// The positions cannot be used in this number type.
+    #[error("the mesh cannot be held in {scalar}: {source}")]
+    Surface {
+        /// The number type.
+        scalar: Scalar,
+        /// What is wrong.
+        source: SurfaceError,
+    },
+    /// No vertex has a reference.
+    #[error(
+        "no vertex has neighbours enough to know its {}: a mesh with some dozen vertices away from its \
+         boundary is needed", quantity.symbol()
+    )]
+    NoReference {
+        /// What would be compared.
+        quantity: Quantity,
+    },
+}
+
+/// Measures every candidate on a mesh, and chooses. None if it was interrupted.
+///
+/// # Errors
+/// If the positions do not fit a number type, or no vertex can be compared.
+pub fn recommend(
+    mesh: &TriangleMesh,
+    positions: &[[f64; 3]],
+    wish: &Wish,
+    interrupted: &dyn Fn() -> bool,
+    progress: &mut dyn FnMut(Progress<'_>),
+) -> Result<Option<Recommendation>, RecommendError> {
+    let quantity = wish.quantity;
+    let surface = Surface::new(mesh, positions).map_err(|source| RecommendError::Surface {
+        scalar: Scalar::F64,
+        source,
+    })?;
+    let total = (wish.methods.len() * wish.scalars.len() + 2) as u64;
+    let mut tell = |done: u64, at: &str| progress(Progress { done, total, at });
+    tell(0, "reference: jets of degree 8");
+    let reference = Reference::of(&Evaluator::reference(1.0, mesh).fields(surface));
+    let compared = reference.known(quantity);
+    if compared == 0 {
+        return Err(RecommendError::NoReference { quantity });
+    }
+    if interrupted() {
+        return Ok(None);
+    }
+    tell(1, "reference: jets of degrees 6 and 4");
+    let in_norm = |[max, mean]: [f64; 2]| match wish.norm {
+        Norm::Max => max,
+        Norm::Mean => mean,
+    };
+    let [far, near] = [BendingMethod::J4, BendingMethod::J6].map(|method| {
+        let fields = Evaluator::new(method, 1.0, mesh).fields(surface);
+        in_norm(reference.errors(&fields, quantity))
+    });
+    let reference_error = near.max((near * far).sqrt());
+    let mut candidates = Vec::new();
+    let mut done = 2;
+    for &scalar in &wish.scalars {
+        for &method in &wish.methods {
+            if interrupted() {
+                return Ok(None);
+            }
+            tell(done, &format!("{method} {scalar}"));
+            done += 1;
+            if !quantity.is_defined_by(method) {
+                continue;
+            }
+            let measured = match scalar {
+                Scalar::F32 | Scalar::F32Pair => {
+                    measure::<f32>(mesh, positions, (method, scalar), &reference, quantity)
+                }
+                Scalar::F64 => {
+                    measure::<f64>(mesh, positions, (method, scalar), &reference, quantity)
+                }
+            };
+            let (errors, seconds) =
+                measured.map_err(|source| RecommendError::Surface { scalar, source })?;
+            let own = (method, scalar) == (BendingMethod::J6, Scalar::F64);
+            let expected = reference_error + if own { 0.0 } else { in_norm(errors) };
+            candidates.push(Candidate {
+                method,
+                scalar,
+                max: errors[0],
+                mean: errors[1],
+                seconds,
+                expected,
+                reaches: expected <= wish.target,
+            });
+        }
+    }
+    candidates.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let choice = candidates.iter().find(|candidate| candidate.reaches);
+    let nearest = candidates
+        .iter()
+        .min_by(|a, b| a.expected.total_cmp(&b.expected));
+    let order = match quantity {
+        Quantity::Mean | Quantity::Gaussian => 5.0,
+        Quantity::LaplacianOfMean | Quantity::ForceDensity => 3.0,
+    };
+    let needed = mesh.vertex_count() as f64 * (reference_error / wish.target).powf(2.0 / order);
+    Ok(Some(Recommendation {
+        vertices: mesh.vertex_count(),
+        compared,
+        quantity,
+        norm: wish.norm.name(),
+        target: wish.target,
+        reference_error,
+        choice: choice.copied(),
+        nearest: nearest.copied(),
+        vertices_needed: (choice.is_none() && needed.is_finite()).then(|| needed.ceil()),
+        candidates,
+    }))
+}
+
+/// Largest and mean distance from the reference, and the time of an evaluation.
+fn measure<T: Evaluated>(
+    mesh: &TriangleMesh,
+    positions: &[[f64; 3]],
+    (method, scalar): (BendingMethod, Scalar),
+    reference: &Reference,
+    quantity: Quantity,
+) -> Result<([f64; 2], f64), SurfaceError> {
+    let held = HeldPositions::<T>::new(scalar, positions);
+    let surface = held.surface(mesh)?;
+    let mut evaluator = Evaluator::new(method, T::one(), mesh);
+    let errors = reference.errors(&evaluator.fields(surface), quantity);
+    let time = median_time(|| evaluator.evaluate(surface));
+    Ok((errors, time.as_secs_f64()))
+}

@@ -1,0 +1,262 @@
+//! A study as one page: HTML that opens from a disk, without a network.
+//!
+//! Every number comes from rows; what is said in words follows from them, too. The page is complete
+//! without its script, which switches, points out and hides.
+
+mod accuracy;
+mod answers;
+mod chart;
+mod flow;
+mod text;
+
+use crate::effect_study::EffectCosts;
+use crate::flow_study::FlowRow;
+use crate::io::replace_file;
+use crate::method::BendingMethod;
+use crate::provenance::Provenance;
+use crate::study::{ErrorFields, Quantity, Row};
+use crate::verdict::Verdict;
+use chart::{COLOURS, Chart};
+use std::io::{self, Write};
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+use text::escaped;
+
+/// What a page shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Page<'a> {
+    /// Accuracy and cost of every method.
+    pub rows: &'a [Row],
+    /// Whether they converge.
+    pub verdicts: &'a [Verdict],
+    /// Where they are off.
+    pub errors: &'a [ErrorFields],
+    /// A capsule in flow; empty if it was not run.
+    pub flow: &'a [FlowRow],
+    /// What a scene's effects cost, if that was measured.
+    pub effects: Option<&'a EffectCosts>,
+    /// Program and machine.
+    pub provenance: &'a Provenance,
+    /// How the page was asked for.
+    pub command: &'a str,
+    /// When it was.
+    pub when: SystemTime,
+    /// How many measurements are from earlier runs of the same program on the same machine.
+    pub reused: usize,
+}
+
+/// What the page lets one choose from.
+const QUANTITIES: [Quantity; 2] = [Quantity::ForceDensity, Quantity::Mean];
+
+/// Accuracies that are asked for.
+const TARGETS: [f64; 4] = [0.1, 0.01, 0.001, 0.0001];
+
+impl Page<'_> {
+    /// Writes it.
+    ///
+    /// # Errors
+    /// If `out` cannot be written to.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let shape = self.rows.first().map_or("", |row| row.shape);
+        writeln!(
+            out,
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+             <title>What accuracy costs: bending of membranes</title><style>{}{}</style>\
+             <noscript><style>[data-when][hidden]{{display:block}}.choose,.legend input{{display:none}}</style></noscript></head><body><main>",
+            include_str!("page/style.css"),
+            colours(),
+        )?;
+        writeln!(
+            out,
+            "<header><p class=\"over\">helfrich · bending of triangulated membranes</p><h1>What accuracy costs</h1>\
+             <p class=\"lead\">Which method computes how a membrane bends, how far it is off, and how long it takes: measured on {} against exact values.</p></header>",
+            described(shape)
+        )?;
+        answers::write(self, out)?;
+        accuracy::write(self, out)?;
+        flow::write(self, out)?;
+        self.write_provenance(out)?;
+        let json = serde_json::to_string(&self.rows)?.replace("</", "<\\/");
+        writeln!(
+            out,
+            "<script type=\"application/json\" id=\"rows\">{json}</script>\
+             <div id=\"tip\" role=\"status\" aria-live=\"polite\" hidden></div></main><script>{}</script></body></html>",
+            include_str!("page/script.js")
+        )
+    }
+
+    /// Writes every figure as SVG and PNG into a folder, which has to be there.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn write_figures(&self, folder: &Path) -> io::Result<()> {
+        for (name, chart) in self.charts() {
+            replace_file(&folder.join(format!("{name}.svg")), |out| {
+                chart.write_svg(&name, true, out)
+            })?;
+            let canvas = chart.draw().map_err(io::Error::other)?;
+            replace_file(&folder.join(format!("{name}.png")), |out| {
+                canvas.encode_png(out)
+            })?;
+        }
+        for (name, png) in accuracy::pictures(self)? {
+            replace_file(&folder.join(format!("{name}.png")), |out| {
+                out.write_all(&png)
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Every figure that has something to show, by name.
+    fn charts(&self) -> Vec<(String, Chart)> {
+        let mut charts = accuracy::charts(self);
+        charts.extend(flow::charts(self));
+        charts.retain(|(_, chart)| !chart.is_empty());
+        charts
+    }
+
+    fn write_provenance(&self, out: &mut dyn Write) -> io::Result<()> {
+        let Provenance {
+            version,
+            commit,
+            compiler,
+            profile,
+            flags,
+            target,
+            ..
+        } = self.provenance;
+        let or = |text: &str, none: &str| escaped(if text.is_empty() { none } else { text });
+        writeln!(
+            out,
+            "<section id=\"provenance\"><h2>Where the numbers come from</h2><dl>\
+             <dt>Command</dt><dd><code>{}</code></dd>\
+             <dt>Program</dt><dd>helfrich {version}, commit {}</dd>\
+             <dt>Compiler</dt><dd>{}, {}, {}; flags: {}</dd>\
+             <dt>Machine</dt><dd>{}</dd>\
+             <dt>Written</dt><dd>{}</dd>\
+             <dt>Measurements</dt><dd>{}</dd></dl>",
+            escaped(self.command),
+            or(commit, "unknown"),
+            or(compiler, "unknown"),
+            escaped(profile),
+            escaped(target),
+            or(flags, "none"),
+            escaped(&self.provenance.machine()),
+            date(self.when),
+            match self.reused {
+                0 => "all made for this page".to_owned(),
+                reused => format!(
+                    "{reused} taken from earlier runs of the same program on this machine, the others made for this page"
+                ),
+            },
+        )?;
+        writeln!(
+            out,
+            "<p><b>Error</b>: the difference from the exact value at a vertex, relative to the largest exact value on the surface; \
+             the largest over all vertices, or the mean weighted by area. \
+             <b>Time</b>: the median of one evaluation of forces (and energy, or curvatures) on the whole mesh, all threads together, \
+             after the first; times of one page compare with each other, not with another machine. \
+             <b>Order p</b>: error ~ h<sup>p</sup> with the edge length h ~ N<sup>−1/2</sup>, fitted to the three finest meshes. \
+             <b>Memory</b>: what the method keeps beside mesh and positions.</p>\
+             <p>The question and six of the methods: Guckenberger, Schraml, Chen, Leonetti, Gekle, <i>On the bending algorithms for soft objects in flows</i>, \
+             Comput. Phys. Commun. 207 (2016) 1–23. The jets, J, are this library’s.</p></section>"
+        )
+    }
+}
+
+/// A shape in words.
+fn described(shape: &str) -> &str {
+    match shape {
+        "discocyte" => "the shape of a red blood cell (the “discocyte”)",
+        "sphere" => "a sphere",
+        "ellipsoid" => "an ellipsoid",
+        "torus" => "a torus",
+        other => other,
+    }
+}
+
+/// The colours of the styles, for the page.
+fn colours() -> String {
+    let colours = COLOURS.iter().enumerate().map(|(number, colour)| {
+        format!(
+            ".s{number}{{--c:{colour}}}@media(prefers-color-scheme:dark){{.s{number}{{--c:color-mix(in oklab,{colour} 62%,#fff)}}}}"
+        )
+    });
+    colours.collect()
+}
+
+/// The place of a method among all, which is its style.
+fn style_of(method: BendingMethod) -> usize {
+    let all = BendingMethod::ALL.into_iter();
+    all.take_while(|&other| other != method).count()
+}
+
+/// What a method is called beside a curve.
+fn short(method: BendingMethod) -> &'static str {
+    match method {
+        BendingMethod::Juelicher => "Jü",
+        BendingMethod::J4 => "J4",
+        BendingMethod::J6 => "J6",
+        method => method.letter().unwrap_or_else(|| method.name()),
+    }
+}
+
+/// Name, and in some words what it does.
+fn about(method: BendingMethod) -> [&'static str; 2] {
+    match method {
+        BendingMethod::KantorNelson => ["Kantor–Nelson", "angles between triangles"],
+        BendingMethod::GompperKroll => ["Gompper–Kroll", "energy of the cotangent Laplacian"],
+        BendingMethod::Meyer => ["Meyer et al.", "cotangent Laplacian, applied twice"],
+        BendingMethod::Belkin => ["Belkin et al.", "heat kernel"],
+        BendingMethod::Farutin => ["Farutin et al.", "paraboloids fitted to neighbours"],
+        BendingMethod::Loop => ["Loop", "smooth surface by subdivision"],
+        BendingMethod::Juelicher => ["Jülicher", "energy of edge curvatures"],
+        BendingMethod::J4 => ["Jets, degree 4", "polynomials fitted to more neighbours"],
+        BendingMethod::J6 => ["Jets, degree 6", "polynomials fitted to many neighbours"],
+        BendingMethod::Jet => ["Jets", "of the degree that suits the mesh"],
+    }
+}
+
+/// What a quantity is called, with its symbol.
+fn called(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Mean => "mean curvature H",
+        Quantity::Gaussian => "Gaussian curvature K",
+        Quantity::LaplacianOfMean => "Δ<sub>S</sub>H",
+        Quantity::ForceDensity => "bending force f",
+    }
+}
+
+/// Each value once, in the order of its first mention.
+fn each<V: PartialEq>(values: impl Iterator<Item = V>) -> Vec<V> {
+    let mut seen = Vec::new();
+    for value in values {
+        if !seen.contains(&value) {
+            seen.push(value);
+        }
+    }
+    seen
+}
+
+/// A moment as the calendar has it, in UTC. Days to dates: H. Hinnant, *chrono-compatible low-level
+/// date algorithms* (2013, public domain).
+fn date(when: SystemTime) -> String {
+    let seconds = when
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |since| since.as_secs());
+    let days = (seconds / 86_400) as i64 + 719_468;
+    let era = days / 146_097;
+    let of_era = days % 146_097;
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let shifted = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * shifted + 2) / 5 + 1;
+    let month = if shifted < 10 {
+        shifted + 3
+    } else {
+        shifted - 9
+    };
+    let year = year + 400 * era + i64::from(month <= 2);
+    let (hour, minute) = (seconds / 3600 % 24, seconds / 60 % 60);
+    format!("{year}-{month:02}-{day:02} {hour:02}:{minute:02} UTC")
+}

@@ -1,0 +1,206 @@
+//! The question answered: the cheapest method for an accuracy.
+
+use super::text::{Table, count, csv_line, significant, target, time};
+use super::{Page, QUANTITIES, TARGETS, about, called, each, short};
+use crate::answer::{Norm, Question, cheapest, for_everything, most_accurate, seconds};
+use crate::study::Row;
+use std::io::{self, Write};
+
+/// The accuracy that is answered in words.
+const PLAIN: f64 = 0.01;
+
+pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let families = each(page.rows.iter().map(|row| row.family));
+    writeln!(
+        out,
+        "<section id=\"answer\"><h2>Which method for 1 %?</h2><div class=\"answer\">"
+    )?;
+    write_everything(page, &families, out)?;
+    writeln!(
+        out,
+        "<div class=\"scroll\"><table class=\"plain\"><thead><tr><th scope=\"col\">cheapest for {} of</th><th scope=\"col\">at every vertex</th><th scope=\"col\">on average</th></tr></thead><tbody>",
+        target(PLAIN)
+    )?;
+    for quantity in QUANTITIES {
+        for family in &families {
+            let [strict, mean] = Norm::ALL.map(|norm| {
+                let question = Question {
+                    family,
+                    quantity,
+                    norm,
+                    target: PLAIN,
+                    method: None,
+                };
+                cell(page.rows, &question)
+            });
+            writeln!(
+                out,
+                "<tr><th scope=\"row\">{}, {family} mesh</th><td>{strict}</td><td>{mean}</td></tr>",
+                called(quantity)
+            )?;
+        }
+    }
+    writeln!(
+        out,
+        "</tbody></table></div></div><p class=\"note\"><b>H</b> says how strongly the membrane is curved at a point, <b>f</b> with which force per area it resists: \
+         a fourth derivative of the surface, and by far the harder of the two. <b>N</b> is the number of vertices of the mesh. \
+         On a <b>regular</b> mesh nearly all vertices have six neighbours; an <b>irregular</b> one has them as they come. \
+         “Every vertex” asks for the accuracy at the worst of them, “on average” forgives a few. \
+         The cheapest is the method with the shortest evaluation among all that was measured; one whose error grows again on finer meshes does not count.</p>"
+    )?;
+    for norm in Norm::ALL {
+        let table = table(page.rows, &families, norm);
+        table.write(&format!("cheapest-{}", norm.name()), out)?;
+    }
+    writeln!(out, "</section>")
+}
+
+/// Every vertex, or on average.
+fn strictly(norm: Norm) -> &'static str {
+    match norm {
+        Norm::Max => "at every vertex",
+        Norm::Mean => "on average",
+    }
+}
+
+fn questions<'a>(families: &[&'a str], norm: Norm) -> Vec<Question<'a>> {
+    let pairs = QUANTITIES
+        .iter()
+        .flat_map(|&quantity| families.iter().map(move |&family| (quantity, family)));
+    pairs
+        .map(|(quantity, family)| Question {
+            family,
+            quantity,
+            norm,
+            target: PLAIN,
+            method: None,
+        })
+        .collect()
+}
+
+/// One method for all of it, if there is one.
+fn write_everything(page: &Page<'_>, families: &[&str], out: &mut dyn Write) -> io::Result<()> {
+    let kinds = families.join(" and ");
+    let found = Norm::ALL.into_iter().find_map(|norm| {
+        let (method, rows) = for_everything(page.rows, &questions(families, norm))?;
+        Some((norm, method, rows))
+    });
+    let Some((norm, method, rows)) = found else {
+        return writeln!(
+            out,
+            "<p class=\"big\">No method that was studied has both H and f within 1 %, even on average, on {kinds} meshes of these sizes.</p>"
+        );
+    };
+    let largest = rows.iter().max_by_key(|row| row.vertices);
+    let Some(largest) = largest else {
+        return Ok(());
+    };
+    let only = match norm {
+        Norm::Max => "",
+        Norm::Mean => " (None does at every vertex, on meshes of these sizes.)",
+    };
+    writeln!(
+        out,
+        "<p class=\"big\">Take <b>{}</b>, {} (<code>{method}</code>): it has curvature H and force f within 1 % {}, on {kinds} meshes, \
+         from N = {} on, and takes {} an evaluation there.{only}</p>",
+        short(method),
+        about(method)[1],
+        strictly(norm),
+        count(largest.vertices),
+        time(seconds(largest)),
+    )
+}
+
+/// The cheapest method, or how near the nearest comes.
+fn cell(rows: &[Row], question: &Question<'_>) -> String {
+    match (cheapest(rows, question), most_accurate(rows, question)) {
+        (Some(row), _) => format!(
+            "<b class=\"s{}\">{}</b> <span>N = {}</span> <span>{}</span> <span>{}</span>",
+            super::style_of(row.method),
+            short(row.method),
+            count(row.vertices),
+            row.scalar,
+            time(seconds(row)),
+        ),
+        (None, Some(row)) => format!(
+            "<span class=\"none\">none; {} has {} % at N = {}</span>",
+            short(row.method),
+            significant(100.0 * question.norm.of(row), 3),
+            count(row.vertices)
+        ),
+        (None, None) => "–".to_owned(),
+    }
+}
+
+/// Targets downwards, quantities and families to the right.
+fn table(rows: &[Row], families: &[&str], norm: Norm) -> Table {
+    let mut head = vec!["error at most".to_owned()];
+    let columns = QUANTITIES
+        .iter()
+        .flat_map(|&quantity| families.iter().map(move |&family| (quantity, family)));
+    let columns = Vec::from_iter(columns);
+    head.extend(
+        columns
+            .iter()
+            .map(|(quantity, family)| format!("{}, {family}", quantity.symbol())),
+    );
+    let mut csv = String::new();
+    csv_line(
+        &mut csv,
+        &[
+            &"target",
+            &"quantity",
+            &"family",
+            &"norm",
+            &"reached",
+            &"method",
+            &"scalar",
+            &"vertices",
+            &"error",
+            &"seconds",
+        ],
+    );
+    let mut lines = Vec::new();
+    for error in TARGETS {
+        let mut line = vec![target(error)];
+        for &(quantity, family) in &columns {
+            let question = Question {
+                family,
+                quantity,
+                norm,
+                target: error,
+                method: None,
+            };
+            let found = cheapest(rows, &question);
+            let nearest = most_accurate(rows, &question);
+            if let Some(row) = found.or(nearest) {
+                csv_line(
+                    &mut csv,
+                    &[
+                        &error,
+                        &quantity.symbol(),
+                        &family,
+                        &norm.name(),
+                        &found.is_some(),
+                        &row.method,
+                        &row.scalar,
+                        &row.vertices,
+                        &norm.of(row),
+                        &seconds(row),
+                    ],
+                );
+            }
+            line.push(cell(rows, &question));
+        }
+        lines.push(line);
+    }
+    Table {
+        caption: format!(
+            "The cheapest method that was measured, error {}: mesh, number type, time of an evaluation",
+            strictly(norm)
+        ),
+        head,
+        rows: lines,
+        csv,
+    }
+}

@@ -1,0 +1,206 @@
+//! Numbers and texts as the page has them.
+
+use super::chart::Scale;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+/// A text without characters that HTML reads as its own.
+pub(super) fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+/// Two digits of a positive number; powers of ten where it is very large or small.
+pub(super) fn digits(value: f64) -> String {
+    significant(value, 2)
+}
+
+/// So many digits of a positive number; powers of ten where it is very large or small.
+pub(super) fn significant(value: f64, digits: i32) -> String {
+    if !value.is_finite() {
+        return "∞".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    // That of the rounded number: 0.999 is 1.0, not 1.00.
+    let rounded = format!("{value:.0$e}", (digits - 1) as usize);
+    let exponent = rounded.split_once('e');
+    let exponent = exponent.and_then(|(_, exponent)| exponent.parse().ok());
+    let exponent: i32 = exponent.unwrap_or(0);
+    if !(-4..=4).contains(&exponent) {
+        let text = format!("{value:.0e}");
+        return match text.split_once('e') {
+            Some((digit, exponent)) => format!("{digit}·10{}", raised(exponent)),
+            None => text,
+        };
+    }
+    let decimals = digits - 1 - exponent;
+    if decimals > 0 {
+        return format!("{value:.0$}", decimals as usize);
+    }
+    let unit = 10f64.powi(-decimals);
+    format!("{}", (value / unit).round() * unit)
+}
+
+/// Digits set high.
+fn raised(number: &str) -> String {
+    let high = |digit: char| match digit {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        digit => digit
+            .to_digit(10)
+            .and_then(|digit| char::from_u32(0x2070 + digit))
+            .unwrap_or(digit),
+    };
+    number.chars().map(high).collect()
+}
+
+/// A share of 1 in per cent.
+pub(super) fn percent(share: f64) -> String {
+    format!("{} %", digits(100.0 * share))
+}
+
+/// A power of ten in per cent, as it is asked for.
+pub(super) fn target(share: f64) -> String {
+    format!("{} %", significant(100.0 * share, 1))
+}
+
+/// Seconds in a unit that suits them.
+pub(super) fn time(seconds: f64) -> String {
+    let (value, unit) = match seconds {
+        seconds if seconds < 1e-6 => (1e9 * seconds, "ns"),
+        seconds if seconds < 1e-3 => (1e6 * seconds, "µs"),
+        seconds if seconds < 1.0 => (1e3 * seconds, "ms"),
+        seconds => (seconds, "s"),
+    };
+    format!("{} {unit}", digits(value))
+}
+
+/// Bytes in a unit that suits them.
+pub(super) fn bytes(count: f64) -> String {
+    let (value, unit) = match count {
+        count if count < 1e3 => (count, "B"),
+        count if count < 1e6 => (1e-3 * count, "kB"),
+        count => (1e-6 * count, "MB"),
+    };
+    format!("{} {unit}", digits(value))
+}
+
+/// A whole number, its thousands apart.
+pub(super) fn count(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) && digits.len() > 4 {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// What stands at a mark of an axis.
+pub(super) fn number_label(value: f64, scale: Scale) -> String {
+    let power = |value: f64| {
+        let exponent = value.log10().round() as i32;
+        if (-3..=3).contains(&exponent) && (value.log10() - f64::from(exponent)).abs() < 1e-9 {
+            format!("{}", 10f64.powi(exponent))
+        } else if (value.log10() - f64::from(exponent)).abs() < 1e-9 {
+            format!("10{}", raised(&exponent.to_string()))
+        } else {
+            format!("{}", (value * 1e6).round() / 1e6)
+        }
+    };
+    match scale {
+        Scale::Linear => format!("{}", (value * 1e6).round() / 1e6),
+        Scale::Count => power(value),
+        Scale::Share => format!("{} %", power(100.0 * value)),
+        Scale::Time => match value {
+            value if value < 0.99e-6 => format!("{} ns", power(1e9 * value)),
+            value if value < 0.99e-3 => format!("{} µs", power(1e6 * value)),
+            value if value < 0.99 => format!("{} ms", power(1e3 * value)),
+            value => format!("{} s", power(value)),
+        },
+        Scale::Bytes => match value {
+            value if value < 0.99e3 => format!("{} B", power(value)),
+            value if value < 0.99e6 => format!("{} kB", power(1e-3 * value)),
+            value => format!("{} MB", power(1e-6 * value)),
+        },
+    }
+}
+
+/// A table of texts; the first column of each row is its head.
+pub(super) struct Table {
+    /// What it shows.
+    pub(super) caption: String,
+    pub(super) head: Vec<String>,
+    pub(super) rows: Vec<Vec<String>>,
+    /// The same in full precision: a head and lines.
+    pub(super) csv: String,
+}
+
+impl Table {
+    /// Writes it, with its numbers as a file to be had, named after `id`.
+    pub(super) fn write(&self, id: &str, out: &mut dyn Write) -> io::Result<()> {
+        // Above what scrolls, and not as wide as that.
+        writeln!(
+            out,
+            "<p class=\"caption\" id=\"{id}-caption\">{}</p><div class=\"scroll\"><table id=\"{id}\" aria-labelledby=\"{id}-caption\"><thead><tr>",
+            self.caption
+        )?;
+        for cell in &self.head {
+            write!(out, "<th scope=\"col\">{cell}</th>")?;
+        }
+        writeln!(out, "</tr></thead><tbody>")?;
+        for row in &self.rows {
+            write!(out, "<tr>")?;
+            for (column, cell) in row.iter().enumerate() {
+                if column == 0 {
+                    write!(out, "<th scope=\"row\">{cell}</th>")?;
+                } else {
+                    write!(out, "<td>{cell}</td>")?;
+                }
+            }
+            writeln!(out, "</tr>")?;
+        }
+        writeln!(out, "</tbody></table></div>")?;
+        if !self.csv.is_empty() {
+            writeln!(
+                out,
+                "<p class=\"file\"><a download=\"{id}.csv\" href=\"data:text/csv;charset=utf-8;base64,{}\">{id}.csv</a></p>",
+                STANDARD.encode(&self.csv)
+            )?;
+        }
+        Ok(())
+    }
+
+    /// The same, folded away under what it is called.
+    pub(super) fn write_folded(&self, id: &str, out: &mut dyn Write) -> io::Result<()> {
+        writeln!(out, "<details><summary>The numbers</summary>")?;
+        self.write(id, out)?;
+        writeln!(out, "</details>")
+    }
+}
+
+/// A line of CSV; numbers with as many digits as tell them from every other.
+pub(super) fn csv_line(text: &mut String, cells: &[&dyn std::fmt::Display]) {
+    for (number, cell) in cells.iter().enumerate() {
+        let comma = if number == 0 { "" } else { "," };
+        let _ = write!(text, "{comma}{cell}");
+    }
+    text.push('\n');
+}

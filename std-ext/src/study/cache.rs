@@ -1,0 +1,233 @@
+//! What has been measured, kept for the next time.
+//!
+//! A file is, in little-endian order: the 16 bytes `helfrich cache\r\n`; the format's version (u32);
+//! the SHA-256 of the body; the body. The body is, in the postcard encoding, the SHA-256 of the
+//! program, the name of the machine, and the entries. A measurement counts only for the very program
+//! and machine that made it: times depend on both, results on the program.
+
+use crate::io::replace_file;
+use crate::provenance::Provenance;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+const MAGIC: [u8; 16] = *b"helfrich cache\r\n";
+/// Goes up whenever what entries mean changes.
+const FORMAT: u32 = 1;
+/// Bytes of a SHA-256.
+const CHECKSUM: usize = 32;
+
+/// The longest time that measurements are in memory only.
+const EVERY: Duration = Duration::from_secs(1);
+
+/// The longest file that is read, in bytes: a study of everything has a hundredth of it.
+const LONGEST: u64 = 1 << 28;
+
+/// Measurements by name, in a file that follows.
+#[derive(Debug)]
+pub struct Cache {
+    path: PathBuf,
+    content: Content,
+    /// When the file was written.
+    written: Instant,
+    /// Whether there is more than in the file.
+    changed: bool,
+    failure: Option<io::Error>,
+    /// What was found here.
+    used: RefCell<BTreeSet<String>>,
+}
+
+/// What the body holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Content {
+    program: [u8; 32],
+    machine: String,
+    entries: BTreeMap<String, Vec<u8>>,
+}
+
+/// A cache as it was found.
+#[derive(Debug)]
+pub struct LoadedCache {
+    /// The cache; empty if there was none, or none to go by.
+    pub cache: Cache,
+    /// Why what is in the file does not count; it will be replaced.
+    pub unused: Option<CacheProblem>,
+}
+
+/// Why there is no cache. The message is one line that starts with the file's name.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {problem}", path.display())]
+pub struct CacheError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub problem: CacheProblem,
+}
+
+/// What can be wrong with a cache.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CacheProblem {
+    /// The operating system refused to read or write the file.
+    #[error("{0}")]
+    Inaccessible(io::Error),
+    /// The file starts otherwise: it is something else, and is left alone.
+    #[error("is no cache of measurements, and is left as it is: another name is needed")]
+    NotACache,
+    /// The file was written in another layout.
+    #[error("the cache has format {found}, this program {FORMAT}: everything is measured again")]
+    OtherFormat {
+        /// The file's format.
+        found: u32,
+    },
+    /// The bytes are not those that were written.
+    #[error("the cache is damaged: everything is measured again")]
+    Damaged,
+    /// Another program has measured, or another machine.
+    #[error(
+        "the cache was written by another build of the program or on another machine: everything \
+         is measured again"
+    )]
+    OtherProgram,
+}
+
+impl Cache {
+    /// Opens the cache of a file, or begins one. That nothing in it counts is no error: it can be
+    /// measured again.
+    ///
+    /// # Errors
+    /// If the file is something else, or cannot be read; see [`CacheProblem`].
+    pub fn open(path: &Path, provenance: &Provenance) -> Result<LoadedCache, CacheError> {
+        let empty = Content {
+            program: provenance.program,
+            machine: provenance.machine(),
+            entries: BTreeMap::new(),
+        };
+        let (content, unused) = match read(path, &empty) {
+            Ok(content) => (content, None),
+            Err(
+                problem @ (CacheProblem::OtherFormat { .. }
+                | CacheProblem::Damaged
+                | CacheProblem::OtherProgram),
+            ) => (empty, Some(problem)),
+            Err(CacheProblem::Inaccessible(error)) if error.kind() == io::ErrorKind::NotFound => {
+                (empty, None)
+            }
+            Err(problem) => {
+                return Err(CacheError {
+                    path: path.to_owned(),
+                    problem,
+                });
+            }
+        };
+        let cache = Self {
+            path: path.to_owned(),
+            content,
+            written: Instant::now(),
+            changed: false,
+            failure: None,
+            used: RefCell::default(),
+        };
+        Ok(LoadedCache { cache, unused })
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.content.entries.clear();
+        self.changed = true;
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// How many measurements have been found here.
+    pub fn used(&self) -> usize {
+        self.used.borrow().len()
+    }
+
+    /// What was measured under a name; `None` if nothing was, or something else.
+    pub fn get<V: DeserializeOwned>(&self, name: &str) -> Option<V> {
+        let value = postcard::from_bytes(self.content.entries.get(name)?).ok()?;
+        self.used.borrow_mut().insert(name.to_owned());
+        Some(value)
+    }
+
+    /// Keeps a measurement. The file follows within a second of the next, or with [`Self::save`].
+    pub fn insert(&mut self, name: String, value: &impl Serialize) {
+        // Numbers, texts and lists can be encoded.
+        if let Ok(bytes) = postcard::to_stdvec(value) {
+            self.content.entries.insert(name, bytes);
+            self.changed = true;
+        }
+        if self.written.elapsed() >= EVERY {
+            self.write();
+        }
+    }
+
+    /// Writes what is not yet in the file.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn save(&mut self) -> Result<(), CacheError> {
+        self.write();
+        match self.failure.take() {
+            None => Ok(()),
+            Some(error) => Err(CacheError {
+                path: self.path.clone(),
+                problem: CacheProblem::Inaccessible(error),
+            }),
+        }
+    }
+
+    fn write(&mut self) {
+        if !self.changed {
+            return;
+        }
+        let encoded = postcard::to_stdvec(&self.content).map_err(io::Error::other);
+        let written = encoded.and_then(|body| {
+            replace_file(&self.path, |out| {
+                out.write_all(&MAGIC)?;
+                out.write_all(&FORMAT.to_le_bytes())?;
+                out.write_all(&Sha256::digest(&body))?;
+                out.write_all(&body)
+            })
+        });
+        self.written = Instant::now();
+        self.changed = written.is_err();
+        self.failure = written.err();
+    }
+}
+
+/// The content of a file, if the program and machine of `own` have written it.
+fn read(path: &Path, own: &Content) -> Result<Content, CacheProblem> {
+    let metadata = fs::metadata(path).map_err(CacheProblem::Inaccessible)?;
+    if !metadata.is_file() || metadata.len() > LONGEST {
+        return Err(CacheProblem::NotACache);
+    }
+    let bytes = fs::read(path).map_err(CacheProblem::Inaccessible)?;
+    let rest = bytes.strip_prefix(&MAGIC).ok_or(CacheProblem::NotACache)?;
+    let (format, rest) = rest.split_first_chunk().ok_or(CacheProblem::Damaged)?;
+    let found = u32::from_le_bytes(*format);
+    if found != FORMAT {
+        return Err(CacheProblem::OtherFormat { found });
+    }
+    let (checksum, body) = rest
+        .split_first_chunk::<CHECKSUM>()
+        .ok_or(CacheProblem::Damaged)?;
+    if Sha256::digest(body).as_slice() != checksum {
+        return Err(CacheProblem::Damaged);
+    }
+    let content: Content = postcard::from_bytes(body).map_err(|_| CacheProblem::Damaged)?;
+    if (&content.program, &content.machine) != (&own.program, &own.machine) {
+        return Err(CacheProblem::OtherProgram);
+    }
+    Ok(content)
+}
