@@ -42,8 +42,9 @@ pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# Numerical stability\n")?;
     writeln!(
         out,
-        "Written by `helfrich study --stability --large --markdown docs/STABILITY.md`. Each row is a test: \
-         `tests/tests/stability.rs` makes the same table, without the mesh of a million nodes unless asked, and fails where a row does not pass.\n"
+        "Written by `helfrich study --stability --markdown docs/STABILITY.md`; `--large` adds a mesh \
+         of a million nodes. Each row is a test: `tests/tests/stability.rs` makes the same table and \
+         fails where a row does not pass.\n"
     )?;
     for group in rows.chunk_by(|a, b| a.group == b.group) {
         let (name, meaning) = group[0].group.describe();
