@@ -263,9 +263,11 @@ impl Chart {
                 let x = (end_x + 8.0).min(WIDTH - 9.0 * curve.label.chars().count() as f64);
                 let steps = [0.0, 12.0, -12.0, 24.0, -24.0, 36.0, -36.0];
                 let free = |step: &f64| {
-                    taken.iter().all(|&[other_x, other_y]| {
-                        (other_x - x).abs() > 18.0 || (other_y - end_y - step).abs() > 11.0
-                    })
+                    // Not above the figure.
+                    end_y + step > TOP
+                        && taken.iter().all(|&[other_x, other_y]| {
+                            (other_x - x).abs() > 18.0 || (other_y - end_y - step).abs() > 11.0
+                        })
                 };
                 let step = steps.into_iter().find(free).unwrap_or(0.0);
                 taken.push([x, end_y + step]);
