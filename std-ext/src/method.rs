@@ -161,12 +161,25 @@ pub struct Evaluator<T: Real> {
 }
 
 impl<T: Real> Evaluator<T> {
-    /// Prepares `method` with bending modulus `modulus` for a mesh.
+    /// Prepares `method` with bending modulus `modulus` for a mesh, on all threads that there are.
     pub fn new(method: BendingMethod, modulus: T, mesh: &TriangleMesh) -> Self
     where
         T: Evaluated,
     {
-        T::evaluator(method, modulus, mesh)
+        Self::on_threads(method, modulus, mesh, Parallel::new())
+    }
+
+    /// As [`Self::new`], on so many threads: no bit depends on their number.
+    pub fn on_threads(
+        method: BendingMethod,
+        modulus: T,
+        mesh: &TriangleMesh,
+        threads: Parallel,
+    ) -> Self
+    where
+        T: Evaluated,
+    {
+        T::evaluator(method, modulus, mesh, threads)
     }
 
     /// The same with loops of the caller's choice.
@@ -274,22 +287,15 @@ impl<T: Real> Evaluator<T> {
     }
 }
 
-impl Evaluator<f64> {
-    /// As [`Self::new`], on so many threads: no bit depends on their number.
-    pub fn on_threads(
-        method: BendingMethod,
-        modulus: f64,
-        mesh: &TriangleMesh,
-        threads: Parallel,
-    ) -> Self {
-        Self::with_execution(method, modulus, mesh, threads)
-    }
-}
-
 /// A number type that methods are evaluated in.
 pub trait Evaluated: Real {
-    /// See [`Evaluator::new`]: on one thread, as any number type can be evaluated.
-    fn evaluator(method: BendingMethod, modulus: Self, mesh: &TriangleMesh) -> Evaluator<Self> {
+    /// See [`Evaluator::on_threads`]: on one alone, as any number type can be evaluated.
+    fn evaluator(
+        method: BendingMethod,
+        modulus: Self,
+        mesh: &TriangleMesh,
+        _threads: Parallel,
+    ) -> Evaluator<Self> {
         Evaluator::with_execution(method, modulus, mesh, Serial)
     }
 }
@@ -297,14 +303,24 @@ pub trait Evaluated: Real {
 // Functions without parameters of type: methods are compiled here, and not again in every crate that
 // evaluates them.
 impl Evaluated for f32 {
-    fn evaluator(method: BendingMethod, modulus: f32, mesh: &TriangleMesh) -> Evaluator<f32> {
-        Evaluator::with_execution(method, modulus, mesh, Parallel::new())
+    fn evaluator(
+        method: BendingMethod,
+        modulus: f32,
+        mesh: &TriangleMesh,
+        threads: Parallel,
+    ) -> Evaluator<f32> {
+        Evaluator::with_execution(method, modulus, mesh, threads)
     }
 }
 
 impl Evaluated for f64 {
-    fn evaluator(method: BendingMethod, modulus: f64, mesh: &TriangleMesh) -> Evaluator<f64> {
-        Evaluator::with_execution(method, modulus, mesh, Parallel::new())
+    fn evaluator(
+        method: BendingMethod,
+        modulus: f64,
+        mesh: &TriangleMesh,
+        threads: Parallel,
+    ) -> Evaluator<f64> {
+        Evaluator::with_execution(method, modulus, mesh, threads)
     }
 }
 

@@ -9,6 +9,7 @@
 //! method, and shows as an error of the reference.
 
 use crate::answer::Norm;
+use crate::execute::Parallel;
 use crate::method::{BendingMethod, Evaluated, Evaluator};
 use crate::scalar::{HeldPositions, Scalar};
 use crate::study::{Progress, Quantity, Reference, median_time};
@@ -42,7 +43,7 @@ pub struct Candidate {
     pub max: f64,
     /// Area-weighted mean distance, relative to the same.
     pub mean: f64,
-    /// Median time of one evaluation of the mesh.
+    /// Median time of one evaluation of the mesh, on one thread.
     pub seconds: f64,
     /// The most that its error is expected to be, in the norm of the wish: the distance from the
     /// reference, and what is not known of that; of J6 in f64 the latter alone.
@@ -207,7 +208,7 @@ fn measure<T: Evaluated>(
 ) -> Result<([f64; 2], f64), SurfaceError> {
     let held = HeldPositions::<T>::new(scalar, positions);
     let surface = held.surface(mesh)?;
-    let mut evaluator = Evaluator::new(method, T::one(), mesh);
+    let mut evaluator = Evaluator::on_threads(method, T::one(), mesh, Parallel::single());
     let errors = reference.errors(&evaluator.fields(surface), quantity);
     let time = median_time(|| evaluator.evaluate(surface));
     Ok((errors, time.as_secs_f64()))

@@ -7,6 +7,7 @@ pub use cache::{Cache, CacheError, CacheProblem, LoadedCache};
 pub use errors::ErrorFields;
 pub(crate) use errors::Reference;
 
+use crate::execute::Parallel;
 use crate::generate::{self, AnyShape, Family, GenerateError, GeneratedMesh, generate};
 use crate::method::{BendingMethod, Evaluated, Evaluator};
 use crate::scalar::{HeldPositions, Scalar};
@@ -115,7 +116,7 @@ pub struct Row {
     pub order_max: Option<f64>,
     /// The same of `mean`.
     pub order_mean: Option<f64>,
-    /// Median time of one evaluation, nanoseconds a vertex.
+    /// Median time of one evaluation on one thread, nanoseconds a vertex.
     pub ns_per_vertex: f64,
     /// What plan, memory and forces of the method take beside mesh and positions, bytes a vertex;
     /// `None` if nobody counts them.
@@ -442,8 +443,10 @@ impl Case<'_> {
         let held = HeldPositions::<T>::new(self.scalar, &mesh.positions);
         let surface = held.surface(&mesh.mesh)?;
         let before = allocated.map(|allocated| allocated());
+        let modulus = T::constant(self.study.modulus);
+        // Of one thread: what others leave of the rest would be measured, too.
         let mut evaluator =
-            Evaluator::new(self.method, T::constant(self.study.modulus), &mesh.mesh);
+            Evaluator::on_threads(self.method, modulus, &mesh.mesh, Parallel::single());
         evaluator.evaluate(surface);
         let bytes = allocated.zip(before);
         let bytes = bytes.map(|(allocated, before)| allocated().saturating_sub(before) as f64);

@@ -154,7 +154,7 @@ impl Page<'_> {
             out,
             "<p><b>Error</b>: the difference from the exact value at a vertex, relative to the largest exact value on the surface; \
              the largest over all vertices, or the mean weighted by area. \
-             <b>Time</b>: the median of one evaluation of forces (and energy, or curvatures) on the whole mesh, all threads together, \
+             <b>Time</b>: the median of one evaluation of forces (and energy, or curvatures) on the whole mesh, on one thread, \
              after the first; times of one page compare with each other, not with another machine. \
              <b>Order p</b>: error ~ h<sup>p</sup> with the edge length h ~ N<sup>−1/2</sup>, fitted to the three finest meshes. \
              <b>Memory</b>: what the method keeps beside mesh and positions.</p>\
