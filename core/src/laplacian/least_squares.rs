@@ -118,14 +118,15 @@ impl<T: Real> LeastSquares<T> {
         let factor = -(diagonal * *first).recip();
         self.diagonal[step] = diagonal;
         self.factors[step] = factor;
-        let norms = &mut self.squared_norms[step + 1..];
         let carried = Carried {
             vector,
             factor,
             step,
-            height,
         };
-        carried.onto(back, norms);
+        for (offset, column) in back.chunks_exact_mut(height).enumerate() {
+            let norm = &mut self.squared_norms[step + 1 + offset];
+            carried.onto(column, norm);
+        }
         true
     }
 
@@ -179,25 +180,21 @@ impl<T: Real> LeastSquares<T> {
     }
 }
 
-/// A Householder reflection of all columns that are left.
+/// A Householder reflection, of one column that is left after the other.
 struct Carried<'a, T> {
     vector: &'a [T],
     factor: T,
     step: usize,
-    height: usize,
 }
 
 impl<T: Real> Carried<'_, T> {
-    /// The columns `back`; `norms` are squares of what is left of each.
+    /// One column; `norm` is the square of what is left of it.
     #[inline(always)]
-    fn onto(&self, back: &mut [T], norms: &mut [T]) {
-        let start = block_of(self.step);
-        for (column, norm) in back.chunks_exact_mut(self.height).zip(norms) {
-            let tail = &mut column[start..];
-            let along = -(self.factor * dot(self.vector, tail));
-            add_scaled(tail, along, self.vector);
-            *norm = self.left(column, *norm);
-        }
+    fn onto(&self, column: &mut [T], norm: &mut T) {
+        let tail = &mut column[block_of(self.step)..];
+        let along = -(self.factor * dot(self.vector, tail));
+        add_scaled(tail, along, self.vector);
+        *norm = self.left(column, *norm);
     }
 
     /// The square of what is left of a column below this step; it was `norm` before.
