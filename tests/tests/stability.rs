@@ -44,7 +44,7 @@ fn every_row_passes() {
 /// It takes minutes and 4 GB: `cargo test --release --test stability -- --ignored`, or
 /// `helfrich study --stability --large`. Not part of `.ci/run`: CONTRIBUTING says when to run it.
 #[test]
-#[ignore = "a mesh of a million vertices: minutes and 4 GB"]
+#[ignore = "minutes and 4 GB: by hand, see CONTRIBUTING"]
 fn a_million_nodes() {
     let table = Stability {
         large: true,

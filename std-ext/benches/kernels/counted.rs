@@ -139,7 +139,6 @@ impl NumCast for Counted {
 
 macro_rules! constants {
     ($($name:ident)*) => {
-        #[allow(non_snake_case)]
         impl FloatConst for Counted {
             $(fn $name() -> Self {
                 Self(<f64 as FloatConst>::$name())

@@ -346,9 +346,10 @@ console.error = console.warn = function (message) { wrong.push('console: ' + mes
 /// Uses the page as a reader would, and writes down what is wrong.
 const USES: &str = include_str!("page.js");
 
-/// The page in a real browser: `HELFRICH_BROWSER` names a Chromium.
+/// The page in a real browser: `HELFRICH_BROWSER` names a Chromium. The step `page in a browser` of
+/// `.ci/run` runs it.
 #[test]
-#[ignore = "needs a browser: HELFRICH_BROWSER=chromium"]
+#[ignore = "needs a browser: .ci/run runs it where there is one"]
 fn the_page_works_in_a_browser() {
     let browser = std::env::var("HELFRICH_BROWSER").unwrap_or_else(|_| "chromium".to_owned());
     let made = Made::new(&["--vertices", "162,642", "--scalar", "f32,f32-pair,f64"]);
