@@ -6,8 +6,12 @@
 mod accuracy;
 mod answers;
 mod chart;
+mod costs;
 mod flow;
+mod pictures;
+mod precision;
 mod text;
+mod verdicts;
 
 use crate::effect_study::EffectCosts;
 use crate::flow_study::FlowRow;
@@ -74,6 +78,9 @@ impl Page<'_> {
         )?;
         answers::write(self, out)?;
         accuracy::write(self, out)?;
+        verdicts::write(self.verdicts, out)?;
+        pictures::write(self, out)?;
+        precision::write(self.rows, out)?;
         flow::write(self, out)?;
         self.write_provenance(out)?;
         let json = serde_json::to_string(&self.rows)?.replace("</", "<\\/");
@@ -99,7 +106,7 @@ impl Page<'_> {
                 canvas.encode_png(out)
             })?;
         }
-        for (name, png) in accuracy::pictures(self)? {
+        for (name, png) in pictures::all(self)? {
             replace_file(&folder.join(format!("{name}.png")), |out| {
                 out.write_all(&png)
             })?;

@@ -3,6 +3,7 @@
 
 mod cases;
 mod laws;
+mod scenes;
 
 use super::{Bound, Group, Outcome, Row, StabilityError};
 use crate::run::{End, Progress, run};

@@ -1,24 +1,15 @@
-//! Errors against time and mesh, what evaluations cost, verdicts, pictures, number types.
+//! Errors against time and mesh, and what evaluations cost.
 
 use super::chart::{Axis, Chart, Curve, Point, Scale, mark};
-use super::text::{Table, bytes, count, csv_line, escaped, percent, target, time};
+use super::costs;
+use super::text::{Table, count, csv_line, percent, signed, time};
 use super::{Page, QUANTITIES, about, called, each, short, style_of};
 use crate::answer::{Norm, seconds};
 use crate::method::BendingMethod;
-use crate::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 use crate::verdict::Verdict;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use helfrich::Surface;
 use std::io::{self, Write};
-
-/// Errors of f32 up to so many times those of f64 are as good.
-const AS_GOOD: f64 = 1.5;
-
-/// Common logarithms of the errors that the ends of the pictures' colours stand for.
-const COLOURS: [f64; 2] = [-4.0, 1.0];
 
 pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
     let rows = page.rows;
@@ -62,22 +53,19 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
         )?;
         for &family in &families {
             open_family(family, family != families[0], out)?;
-            let chart = cost_chart(rows, family, kind);
+            let chart = costs::chart(rows, family, kind);
             if chart.is_empty() {
                 writeln!(out, "<p class=\"note\">It was not measured.</p>")?;
             } else {
                 chart.write_svg(&format!("{kind}-{family}"), false, out)?;
-                cost_table(rows, family, kind)
+                costs::table(rows, family, kind)
                     .write_folded(&format!("{kind}-table-{family}"), out)?;
             }
             writeln!(out, "</div>")?;
         }
         writeln!(out, "</figure>")?;
     }
-    writeln!(out, "</div></section>")?;
-    write_verdicts(page.verdicts, out)?;
-    write_pictures(page, out)?;
-    write_precisions(rows, &families, out)
+    writeln!(out, "</div></section>")
 }
 
 /// One state of the switches.
@@ -123,7 +111,7 @@ impl Variant<'_> {
     }
 }
 
-fn open_family(family: &str, hidden: bool, out: &mut dyn Write) -> io::Result<()> {
+pub(super) fn open_family(family: &str, hidden: bool, out: &mut dyn Write) -> io::Result<()> {
     let hidden = if hidden { " hidden" } else { "" };
     writeln!(out, "<div data-when=\"family={family}\"{hidden}>")
 }
@@ -184,12 +172,11 @@ fn write_legend(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "</div>")
 }
 
-/// The series of one method in one number type on one family, coarse to fine.
-fn series<'a>(
-    rows: &'a [Row],
-    family: &str,
-    quantity: Quantity,
-) -> Vec<(BendingMethod, Scalar, Vec<&'a Row>)> {
+/// The rows of one method in one number type on one family, coarse to fine.
+type Series<'a> = (BendingMethod, Scalar, Vec<&'a Row>);
+
+/// Those of all methods and number types.
+pub(super) fn series<'a>(rows: &'a [Row], family: &str, quantity: Quantity) -> Vec<Series<'a>> {
     let rows = rows
         .iter()
         .filter(|row| row.family == family && row.quantity == quantity);
@@ -205,8 +192,21 @@ fn series<'a>(
     kinds.into_iter().map(of).collect()
 }
 
+/// Numbers of vertices, and the head of a table with a column for each.
+pub(super) fn columns(series: &[Series<'_>]) -> (Vec<usize>, Vec<String>) {
+    let rows = series.iter().flat_map(|(.., rows)| rows);
+    let mut numbers = each(rows.map(|row| row.vertices));
+    numbers.sort_unstable();
+    let columns = numbers
+        .iter()
+        .map(|&number| format!("N = {}", count(number)));
+    let head = std::iter::once("method".to_owned()).chain(columns);
+    let head = head.collect();
+    (numbers, head)
+}
+
 /// A curve for each method and number type; pairs of f32 have their own section.
-fn curves(
+pub(super) fn curves(
     rows: &[Row],
     family: &str,
     quantity: Quantity,
@@ -367,106 +367,6 @@ fn error_table(page: &Page<'_>, variant: &Variant<'_>) -> Table {
     }
 }
 
-fn signed(order: f64) -> String {
-    if order.is_finite() {
-        format!("{order:+.1}").replace('-', "−")
-    } else {
-        "–".to_owned()
-    }
-}
-
-/// What a row costs: time, or memory if it was measured.
-fn cost(row: &Row, kind: &str) -> Option<f64> {
-    match kind {
-        "cost" => Some(1e-9 * row.ns_per_vertex),
-        _ => row.bytes_per_vertex,
-    }
-}
-
-fn in_words(cost: f64, kind: &str) -> String {
-    match kind {
-        "cost" => time(cost),
-        _ => bytes(cost),
-    }
-}
-
-fn cost_chart(rows: &[Row], family: &str, kind: &str) -> Chart {
-    let (label, scale) = match kind {
-        "cost" => ("time a vertex", Scale::Time),
-        _ => ("memory a vertex", Scale::Bytes),
-    };
-    let point = |row: &Row| {
-        let cost = cost(row, kind).filter(|cost| *cost > 0.0)?;
-        Some(Point {
-            at: [row.vertices as f64, cost],
-            says: format!(
-                "{} {}, N = {}: {} a vertex",
-                short(row.method),
-                row.scalar,
-                count(row.vertices),
-                in_words(cost, kind)
-            ),
-        })
-    };
-    Chart {
-        title: format!("{label} against the number of vertices, {family} meshes"),
-        axes: [
-            Axis {
-                label: "number of vertices N",
-                scale: Scale::Count,
-            },
-            Axis { label, scale },
-        ],
-        // Of f, which every method has.
-        curves: curves(rows, family, Quantity::ForceDensity, point),
-        guides: Vec::new(),
-    }
-}
-
-fn cost_table(rows: &[Row], family: &str, kind: &str) -> Table {
-    let series = series(rows, family, Quantity::ForceDensity);
-    let mut numbers = each(
-        series
-            .iter()
-            .flat_map(|(.., rows)| rows.iter().map(|row| row.vertices)),
-    );
-    numbers.sort_unstable();
-    let mut head = vec!["method".to_owned()];
-    head.extend(
-        numbers
-            .iter()
-            .map(|&number| format!("N = {}", count(number))),
-    );
-    let mut csv = String::new();
-    let unit = match kind {
-        "cost" => "seconds_per_vertex",
-        _ => "bytes_per_vertex",
-    };
-    csv_line(
-        &mut csv,
-        &[&"method", &"scalar", &"family", &"vertices", &unit],
-    );
-    let mut lines = Vec::new();
-    for (method, scalar, rows) in series {
-        let mut line = vec![format!("{} {scalar}", short(method))];
-        for &number in &numbers {
-            let row = rows.iter().find(|row| row.vertices == number);
-            let cost = row.and_then(|row| cost(row, kind));
-            line.push(cost.map_or("–".to_owned(), |cost| {
-                csv_line(&mut csv, &[&method, &scalar, &family, &number, &cost]);
-                in_words(cost, kind)
-            }));
-        }
-        lines.push(line);
-    }
-    Table {
-        caption: format!("A vertex, {family} meshes"),
-        head,
-        rows: lines,
-        csv,
-    }
-}
-
 /// Every figure of this part, by name.
 pub(super) fn charts(page: &Page<'_>) -> Vec<(String, Chart)> {
     let families = each(page.rows.iter().map(|row| row.family));
@@ -481,282 +381,9 @@ pub(super) fn charts(page: &Page<'_>) -> Vec<(String, Chart)> {
         for kind in ["cost", "memory"] {
             charts.push((
                 format!("{kind}-{family}"),
-                cost_chart(page.rows, family, kind),
+                costs::chart(page.rows, family, kind),
             ));
         }
     }
     charts
-}
-
-fn write_verdicts(verdicts: &[Verdict], out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "<section id=\"verdicts\"><h2>Does it converge?</h2>")?;
-    if verdicts.is_empty() {
-        return writeln!(
-            out,
-            "<p class=\"note\">It takes two meshes or more to say.</p></section>"
-        );
-    }
-    writeln!(
-        out,
-        "<p>What a finer mesh does to the error, with the orders p of the largest and of the mean error over the three finest meshes. \
-         Largest p ≥ ½: <b>converges</b>, at all vertices; else mean p ≥ ½: <b>in the mean</b>; else largest p &lt; −½: <b>diverges</b>; else <b>stalls</b>.</p>"
-    )?;
-    for family in each(verdicts.iter().map(|verdict| verdict.family)) {
-        let own = verdicts.iter().filter(|verdict| verdict.family == family);
-        let own = Vec::from_iter(own.filter(|verdict| verdict.scalar == Scalar::F64));
-        if own.is_empty() {
-            continue;
-        }
-        let mut csv = String::new();
-        csv_line(
-            &mut csv,
-            &[
-                &"family",
-                &"method",
-                &"quantity",
-                &"verdict",
-                &"order_max",
-                &"order_mean",
-            ],
-        );
-        let mut lines = Vec::new();
-        for method in each(own.iter().map(|verdict| verdict.method)) {
-            let mut line = vec![format!(
-                "{} <span>{}</span>",
-                short(method),
-                about(method)[0]
-            )];
-            for quantity in Quantity::ALL {
-                let verdict = own
-                    .iter()
-                    .find(|verdict| (verdict.method, verdict.quantity) == (method, quantity));
-                line.push(verdict.map_or("–".to_owned(), |verdict| {
-                    csv_line(
-                        &mut csv,
-                        &[
-                            &family,
-                            &method,
-                            &quantity.symbol(),
-                            &verdict.convergence,
-                            &verdict.order_max,
-                            &verdict.order_mean,
-                        ],
-                    );
-                    let word = verdict.convergence.to_string();
-                    format!(
-                        "<b class=\"v-{}\">{word}</b> <span>{}, {}</span>",
-                        word.replace(' ', "-"),
-                        signed(verdict.order_max),
-                        signed(verdict.order_mean)
-                    )
-                }));
-            }
-            lines.push(line);
-        }
-        Table {
-            caption: format!(
-                "{family} meshes, f64: verdict, and p of the largest and the mean error"
-            ),
-            head: ["method", "H", "K", "Δ<sub>S</sub>H", "f"]
-                .map(str::to_owned)
-                .to_vec(),
-            rows: lines,
-            csv,
-        }
-        .write(&format!("verdicts-{family}"), out)?;
-    }
-    writeln!(out, "</section>")
-}
-
-/// The surface coloured by each method's error, as PNG, by name.
-pub(super) fn pictures(page: &Page<'_>) -> io::Result<Vec<(String, Vec<u8>)>> {
-    let mut pictures = Vec::new();
-    for fields in page.errors {
-        let mesh = &fields.mesh;
-        let surface = Surface::new(&mesh.mesh, &mesh.positions).map_err(io::Error::other)?;
-        for (method, errors) in &fields.methods {
-            // No error at all is below every colour, and not without one.
-            let field = errors.iter().map(|&error| error.log10().clamp(-99.0, 99.0));
-            let field = Vec::from_iter(field);
-            let surfaces = [PaintedSurface {
-                surface,
-                field: Some(&field),
-                shading: Shading::Smooth,
-                edges: false,
-            }];
-            let picture = Picture {
-                size: [420, 280],
-                title: "",
-                surfaces: &surfaces,
-                colours: Colouring {
-                    label: "log10 error",
-                    range: Some(COLOURS),
-                    map: ColourMap::Sequential,
-                },
-                view: View::default(),
-                length_unit: None,
-            };
-            let canvas = picture.draw().map_err(io::Error::other)?;
-            let mut png = Vec::new();
-            canvas.encode_png(&mut png)?;
-            pictures.push((format!("surface-{}-{method}", fields.family), png));
-        }
-    }
-    Ok(pictures)
-}
-
-fn write_pictures(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let Some(first) = page.errors.first() else {
-        return Ok(());
-    };
-    let [low, high] = COLOURS.map(|exponent| target(10f64.powf(exponent)));
-    writeln!(
-        out,
-        "<section id=\"pictures\"><h2>Where it is off</h2><p>The error of the {} at N = {}, every method on the same colours: \
-         from {low} (dark) to {high} (light) of the largest exact value.</p>",
-        called(first.quantity),
-        count(first.mesh.mesh.vertex_count()),
-    )?;
-    let pictures = pictures(page)?;
-    let mut pictures = pictures.iter();
-    for (number, fields) in page.errors.iter().enumerate() {
-        open_family(fields.family.name(), number > 0, out)?;
-        writeln!(out, "<div class=\"gallery\">")?;
-        for (method, errors) in &fields.methods {
-            let Some((_, png)) = pictures.next() else {
-                break;
-            };
-            let worst = errors.iter().copied().fold(0.0, f64::max);
-            writeln!(
-                out,
-                "<figure><img loading=\"lazy\" width=\"420\" height=\"280\" alt=\"{}: largest error {}\" src=\"data:image/png;base64,{}\"><figcaption><b>{}</b> {}; worst {}</figcaption></figure>",
-                escaped(method.name()),
-                percent(worst),
-                STANDARD.encode(png),
-                short(*method),
-                about(*method)[0],
-                percent(worst),
-            )?;
-        }
-        writeln!(out, "</div></div>")?;
-    }
-    writeln!(out, "</section>")
-}
-
-/// Errors of f32 over those of f64, and times of f64 over those of f32.
-fn write_precisions(rows: &[Row], families: &[&str], out: &mut dyn Write) -> io::Result<()> {
-    let scalars = each(rows.iter().map(|row| row.scalar));
-    let single = scalars.iter().filter(|&&scalar| scalar != Scalar::F64);
-    let single = Vec::from_iter(single.copied());
-    writeln!(out, "<section id=\"precision\"><h2>Is f32 enough?</h2>")?;
-    if single.is_empty() || !scalars.contains(&Scalar::F64) {
-        return writeln!(
-            out,
-            "<p class=\"note\">Only one number type was studied.</p></section>"
-        );
-    }
-    writeln!(
-        out,
-        "<p>The largest error in f32 over that in f64, and how much longer f64 takes. Up to ×{AS_GOOD} f32 is enough: the method is further off than its rounding. \
-         Where it is not, it is the storage of positions that hurts; <code>f32-pair</code> keeps them in pairs of f32 and computes in f32.</p>"
-    )?;
-    for &family in families {
-        for quantity in QUANTITIES {
-            let [hidden, symbol] = [
-                if family == families[0] && quantity == QUANTITIES[0] {
-                    ""
-                } else {
-                    " hidden"
-                },
-                quantity.symbol(),
-            ];
-            writeln!(
-                out,
-                "<div data-when=\"quantity={symbol} family={family}\"{hidden}>"
-            )?;
-            precision_table(rows, family, quantity, &single)
-                .write(&format!("precision-{symbol}-{family}"), out)?;
-            writeln!(out, "</div>")?;
-        }
-    }
-    writeln!(out, "</section>")
-}
-
-fn precision_table(rows: &[Row], family: &str, quantity: Quantity, single: &[Scalar]) -> Table {
-    let all = series(rows, family, quantity);
-    let mut numbers = each(
-        all.iter()
-            .flat_map(|(.., rows)| rows.iter().map(|row| row.vertices)),
-    );
-    numbers.sort_unstable();
-    let mut head = vec!["method".to_owned()];
-    head.extend(
-        numbers
-            .iter()
-            .map(|&number| format!("N = {}", count(number))),
-    );
-    let mut csv = String::new();
-    csv_line(
-        &mut csv,
-        &[
-            &"method",
-            &"scalar",
-            &"family",
-            &"quantity",
-            &"vertices",
-            &"error_over_f64",
-            &"time_of_f64_over",
-        ],
-    );
-    let mut lines = Vec::new();
-    for method in each(all.iter().map(|(method, ..)| *method)) {
-        let of = |scalar: Scalar| {
-            let own = all
-                .iter()
-                .find(|series| (series.0, series.1) == (method, scalar));
-            own.map_or(&[][..], |series| &series.2)
-        };
-        for &scalar in single {
-            let mut line = vec![format!("{} {scalar}", short(method))];
-            for &number in &numbers {
-                let at = |scalar| of(scalar).iter().find(|row| row.vertices == number);
-                let pair = at(scalar).zip(at(Scalar::F64));
-                line.push(pair.map_or("–".to_owned(), |(single, double)| {
-                    let error = single.max / double.max;
-                    let faster = double.ns_per_vertex / single.ns_per_vertex;
-                    csv_line(
-                        &mut csv,
-                        &[
-                            &method,
-                            &scalar,
-                            &family,
-                            &quantity.symbol(),
-                            &number,
-                            &error,
-                            &faster,
-                        ],
-                    );
-                    let (class, word) = if error <= AS_GOOD {
-                        ("yes", "✓")
-                    } else {
-                        ("no", "✗")
-                    };
-                    format!(
-                        "<b class=\"{class}\">{word} ×{}</b> <span>f64 takes ×{faster:.1}</span>",
-                        super::text::digits(error)
-                    )
-                }));
-            }
-            lines.push(line);
-        }
-    }
-    Table {
-        caption: format!(
-            "{}, {family} meshes: error over that of f64 (✓ up to ×{AS_GOOD}), and time of f64 over its own",
-            called(quantity)
-        ),
-        head,
-        rows: lines,
-        csv,
-    }
 }

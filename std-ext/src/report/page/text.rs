@@ -204,3 +204,12 @@ pub(super) fn csv_line(text: &mut String, cells: &[&dyn std::fmt::Display]) {
     }
     text.push('\n');
 }
+
+/// An order of convergence, always with its sign.
+pub(super) fn signed(order: f64) -> String {
+    if order.is_finite() {
+        format!("{order:+.1}").replace('-', "−")
+    } else {
+        "–".to_owned()
+    }
+}

@@ -1,7 +1,7 @@
 //! What every run keeps: energies that fall, forces that balance, bits that stay after a restart, and
 //! the limit of explicit steps.
 
-use super::cases::{CAPSULE, ON_LATTICE, RELAXED};
+use super::scenes::{CAPSULE, ON_LATTICE, RELAXED};
 use super::{Course, Made, course, quiet, ready};
 use crate::method::BendingMethod;
 use crate::run::{End, run};

@@ -1,0 +1,88 @@
+//! What evaluations cost against the number of vertices.
+
+use super::accuracy::{columns, curves, series};
+use super::chart::{Axis, Chart, Point, Scale};
+use super::short;
+use super::text::{Table, bytes, count, csv_line, time};
+use crate::study::{Quantity, Row};
+
+/// What a row costs: time, or memory if it was measured.
+fn cost(row: &Row, kind: &str) -> Option<f64> {
+    match kind {
+        "cost" => Some(1e-9 * row.ns_per_vertex),
+        _ => row.bytes_per_vertex,
+    }
+}
+
+fn in_words(cost: f64, kind: &str) -> String {
+    match kind {
+        "cost" => time(cost),
+        _ => bytes(cost),
+    }
+}
+
+pub(super) fn chart(rows: &[Row], family: &str, kind: &str) -> Chart {
+    let (label, scale) = match kind {
+        "cost" => ("time a vertex", Scale::Time),
+        _ => ("memory a vertex", Scale::Bytes),
+    };
+    let point = |row: &Row| {
+        let cost = cost(row, kind).filter(|cost| *cost > 0.0)?;
+        Some(Point {
+            at: [row.vertices as f64, cost],
+            says: format!(
+                "{} {}, N = {}: {} a vertex",
+                short(row.method),
+                row.scalar,
+                count(row.vertices),
+                in_words(cost, kind)
+            ),
+        })
+    };
+    Chart {
+        title: format!("{label} against the number of vertices, {family} meshes"),
+        axes: [
+            Axis {
+                label: "number of vertices N",
+                scale: Scale::Count,
+            },
+            Axis { label, scale },
+        ],
+        // Of f, which every method has.
+        curves: curves(rows, family, Quantity::ForceDensity, point),
+        guides: Vec::new(),
+    }
+}
+
+pub(super) fn table(rows: &[Row], family: &str, kind: &str) -> Table {
+    let series = series(rows, family, Quantity::ForceDensity);
+    let (numbers, head) = columns(&series);
+    let mut csv = String::new();
+    let unit = match kind {
+        "cost" => "seconds_per_vertex",
+        _ => "bytes_per_vertex",
+    };
+    csv_line(
+        &mut csv,
+        &[&"method", &"scalar", &"family", &"vertices", &unit],
+    );
+    let mut lines = Vec::new();
+    for (method, scalar, rows) in series {
+        let mut line = vec![format!("{} {scalar}", short(method))];
+        for &number in &numbers {
+            let row = rows.iter().find(|row| row.vertices == number);
+            let cost = row.and_then(|row| cost(row, kind));
+            line.push(cost.map_or("–".to_owned(), |cost| {
+                csv_line(&mut csv, &[&method, &scalar, &family, &number, &cost]);
+                in_words(cost, kind)
+            }));
+        }
+        lines.push(line);
+    }
+    Table {
+        caption: format!("A vertex, {family} meshes"),
+        head,
+        rows: lines,
+        csv,
+    }
+}
