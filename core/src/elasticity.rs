@@ -61,7 +61,7 @@ pub use skalak::Skalak;
 
 /// The strain of triangles, one a lane entry, as laws need it.
 #[derive(Clone, Copy, Debug)]
-pub struct Strain<L> {
+pub struct Strain<L: Lane> {
     /// `I1 = λ1² + λ2² − 2`.
     pub first: L,
     /// `I2 = λ1² λ2² − 1`.
@@ -70,6 +70,26 @@ pub struct Strain<L> {
     pub difference: L,
     /// `I2 + 1 = (A/A0)²`, from the areas: never negative.
     pub squared_area_ratio: L,
+    /// Whether `I1 < 1`. Small strains come from det Γ, whose products are then small themselves;
+    /// large ones from the ratio of the areas, which those products, of the fourth power of the
+    /// stretch, would drown.
+    pub is_small: L::Mask,
+}
+
+impl<L: Lane> Strain<L> {
+    #[inline(always)]
+    fn new(change: &Change<L>, squared_area_ratio: L) -> Self {
+        let (trace, determinant) = (change.trace(), change.determinant());
+        let is_small = trace.less(L::literal(1.0));
+        let dilation = squared_area_ratio - L::literal(1.0);
+        Self {
+            first: trace,
+            second: L::select(is_small, trace + determinant, dilation),
+            difference: L::select(is_small, -determinant, trace - dilation),
+            squared_area_ratio,
+            is_small,
+        }
+    }
 }
 
 /// A strain energy per area of the reference: see the [module](self).
@@ -311,7 +331,7 @@ impl<L: Lane> Change<L> {
 }
 
 /// Triangles `first`, `first + 1`, … of a surface against their rest shapes, one a lane entry.
-struct Strained<L> {
+struct Strained<L: Lane> {
     edges: [Vec3<L>; 3],
     change: Change<L>,
     strain: Strain<L>,
@@ -336,17 +356,11 @@ impl<L: Lane> Strained<L> {
             cotangents: rest_dots.map(|dot| over * dot),
             of_dots: core::array::from_fn(|k| over * (dots[k] - rest_dots[k])),
         };
-        let (trace, determinant) = (change.trace(), change.determinant());
         let ratio = scale(over, area_vector);
         Self {
             edges,
             change,
-            strain: Strain {
-                first: trace,
-                second: trace + determinant,
-                difference: -determinant,
-                squared_area_ratio: dot(ratio, ratio),
-            },
+            strain: Strain::new(&change, dot(ratio, ratio)),
             doubled_area,
         }
     }

@@ -31,12 +31,15 @@ fn inverse_square<L: Lane>(strain: &Strain<L>) -> L {
 }
 
 impl<T: Real> StrainEnergy<T> for NeoHookean<T> {
-    /// `G/2 [(I1 − I2) + I2²/(I2 + 1)]`: two terms of second order.
+    /// `G/2 [(I1 − I2) + I2²/(I2 + 1)]`, two terms of second order, where strains are small;
+    /// `G/2 [I1 − I2/(I2 + 1)]`, of which the second is less than 1, where they are large.
     #[inline(always)]
     fn density<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> L {
         let inverse = inverse_square(strain) * strain.squared_area_ratio;
-        let dilation = strain.second * strain.second * inverse;
-        self.half_modulus::<L>() * (strain.difference + dilation)
+        let share = strain.second * inverse;
+        let small = strain.difference + strain.second * share;
+        let large = strain.first - share;
+        self.half_modulus::<L>() * L::select(strain.is_small, small, large)
     }
 
     #[inline(always)]
