@@ -3,6 +3,7 @@
 
 mod cases;
 mod laws;
+mod momentum;
 mod scenes;
 
 use super::{Bound, Group, Outcome, Row, StabilityError};

@@ -2,19 +2,18 @@
 //! the limit of explicit steps.
 
 use super::scenes::{CAPSULE, ON_LATTICE, RELAXED};
-use super::{Course, Made, course, quiet, ready};
+use super::{Course, Made, course, momentum, quiet, ready};
 use crate::method::BendingMethod;
 use crate::run::{End, run};
 use crate::scalar::Scalar;
 use crate::series::SeriesTable;
 use crate::stability::{Bound, Group, Outcome, Row, StabilityError};
-use glam::DVec3;
 use std::cell::Cell;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// How often it is told what is being done.
-pub(super) const COUNT: usize = CONSERVATIVE.len() + BendingMethod::ALL.len() + RESTARTED.len() + 1;
+pub(super) const COUNT: usize = CONSERVATIVE.len() + BendingMethod::ALL.len() + RESTARTED.len() + 2;
 
 /// Methods whose forces are gradients of energies.
 const CONSERVATIVE: [BendingMethod; 4] = [
@@ -28,7 +27,6 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
     let mut add =
         |(case, meaning): (&'static str, &'static str), subject, outcome: Made<_>, bound| {
             let outcome = outcome.map_err(|source| StabilityError { case, source })?;
-            let subject = (subject, Scalar::F64);
             rows.push(Row::new(
                 Group::Dynamics,
                 (case, meaning),
@@ -46,7 +44,12 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
     for method in CONSERVATIVE {
         tell(&format!("{}: {method}", case.0));
         let measured = rise(method).map(Outcome::Measured);
-        add(case, method.name(), measured, Bound::AtMost(16.0))?;
+        add(
+            case,
+            (method.name(), Scalar::F64),
+            measured,
+            Bound::AtMost(16.0),
+        )?;
     }
     let case = (
         "momentum and torque",
@@ -55,8 +58,33 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
     );
     for method in BendingMethod::ALL {
         tell(&format!("{}: {method}", case.0));
-        let measured = imbalance(method).map(Outcome::Measured);
-        add(case, method.name(), measured, Bound::AtMost(64.0))?;
+        let measured = momentum::of_effects(method).map(Outcome::Measured);
+        add(
+            case,
+            (method.name(), Scalar::F64),
+            measured,
+            Bound::AtMost(64.0),
+        )?;
+    }
+    let case = (
+        "momentum of a fluid",
+        "Points push the fluid of a lattice between a wall and a moving lid for 100 steps: its momentum, \
+         less what points gave and walls took, in units of rounding of the mass at the speed of sound.",
+    );
+    tell(case.0);
+    for (subject, kernel) in momentum::KERNELS {
+        let measured = [
+            (Scalar::F32, momentum::of_fluid::<f32>(kernel)),
+            (Scalar::F64, momentum::of_fluid::<f64>(kernel)),
+        ];
+        for (scalar, measured) in measured {
+            add(
+                case,
+                (subject, scalar),
+                measured.map(Outcome::Measured),
+                Bound::AtMost(1.0),
+            )?;
+        }
     }
     let case = (
         "restart in mid-run",
@@ -66,7 +94,7 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
     for (subject, scene, changes) in RESTARTED {
         tell(&format!("{}: {subject}", case.0));
         let measured = differences(scene, changes).map(|count| Outcome::Measured(count as f64));
-        add(case, subject, measured, Bound::AtMost(0.0))?;
+        add(case, (subject, Scalar::F64), measured, Bound::AtMost(0.0))?;
     }
     let case = (
         "fixed steps at the limit",
@@ -80,11 +108,16 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
     })?;
     add(
         case,
-        "0.95 of it",
+        ("0.95 of it", Scalar::F64),
         Ok(below),
         Bound::RunsNear { most: 0.01 },
     )?;
-    add(case, "1.05 of it", Ok(above), Bound::Refused("1.05 times"))
+    add(
+        case,
+        ("1.05 of it", Scalar::F64),
+        Ok(above),
+        Bound::Refused("1.05 times"),
+    )
 }
 
 /// A long vesicle on a coarse mesh.
@@ -119,79 +152,6 @@ fn rise(method: BendingMethod) -> Made<f64> {
             most.max(rise)
         }
     }))
-}
-
-/// Two capsules that repel each other, on meshes of needles and caps.
-const PAIR: &str = r#"
-units = "none"
-[[surface]]
-name = "left"
-shape = "ellipsoid:1,0.8,0.7"
-family = "hard"
-vertices = 162
-position = [-0.95, 0, 0]
-elasticity = { law = "skalak", shear_modulus = 1, area_ratio = 3, reference = { shape = "sphere:0.8" } }
-bending = { method = "gompper-kroll", modulus = 0.5 }
-area = { modulus = 3, target = 7 }
-local_area = { modulus = 2, reference = { shape = "sphere:0.8" } }
-volume = { modulus = 5, target = 1.5 }
-[[surface]]
-name = "right"
-shape = "sphere:0.9"
-family = "hard"
-seed = 5
-vertices = 162
-position = [0.9, 0.3, 0.1]
-elasticity = { law = "neo-hookean", shear_modulus = 2, reference = { shape = "ellipsoid:1,0.8,0.7" } }
-bending = { method = "gompper-kroll", modulus = 0.5 }
-tension = { value = 0.3 }
-pressure = { value = 1.5 }
-[[interaction]]
-kind = "repulsion"
-strength = 5
-cutoff = 0.6
-[driver]
-kind = "boundary-integral"
-viscosity = 1
-flow = { kind = "shear", rate = 1 }
-strain = 1
-[output]
-surfaces = false
-pictures = false
-"#;
-
-/// The largest net force and torque of an effect, in units of rounding of the sum of its parts.
-fn imbalance(method: BendingMethod) -> Made<f64> {
-    let methods = [0, 1].map(|surface| format!("surface.{surface}.bending.method={method}"));
-    let changes = [methods[0].as_str(), methods[1].as_str()];
-    let (_, mut simulation, positions) = ready(PAIR, &changes)??;
-    let mut worst = 0.0_f64;
-    let acting = simulation.resolve(&positions);
-    if acting.len() < 9 {
-        return Ok(f64::NAN);
-    }
-    for acting in acting {
-        let [mut force, mut torque] = [DVec3::ZERO; 2];
-        let [mut forces, mut torques] = [0.0; 2];
-        for (&position, &part) in positions.iter().zip(&acting.force) {
-            let (position, part) = (DVec3::from(position), DVec3::from(part));
-            force += part;
-            torque += position.cross(part);
-            forces += part.length();
-            torques += position.length() * part.length();
-        }
-        if forces == 0.0 {
-            return Ok(f64::NAN);
-        }
-        for share in [force.length() / forces, torque.length() / torques] {
-            worst = if share.is_nan() {
-                share
-            } else {
-                worst.max(share)
-            };
-        }
-    }
-    Ok(worst / f64::EPSILON)
 }
 
 /// Runs that are interrupted.
