@@ -4,9 +4,10 @@
 //! degrees 6 and 4 are from them says what is not known: the error of J6 is taken as the distance of
 //! degree 6, or the geometric mean of the two distances if that is larger (near the limit of what a
 //! mesh resolves degree 8 is hardly better than degree 6, and their errors are alike). On exact shapes
-//! (discocyte, ellipsoid, torus; regular, irregular and hard meshes) the true error of J6 was at most
-//! 1.3 times that wherever it was below a tenth, and at least a sixth of it. All of this takes the vertices to lie on a smooth surface: noise in them is curvature for every
-//! method, and shows as an error of the reference.
+//! (discocyte, ellipsoids, tori; regular, irregular and hard meshes of 42 vertices and more) the true
+//! error of J6 was at most 1.3 times that wherever it was below a half at the worst vertex. Beyond
+//! [`RESOLVED`] there nothing is promised. All of this takes the vertices to lie on a smooth surface:
+//! noise in them is curvature for every method, and shows as an error of the reference.
 
 use crate::answer::Norm;
 use crate::execute::Parallel;
@@ -48,7 +49,7 @@ pub struct Candidate {
     /// The most that its error is expected to be, in the norm of the wish: the distance from the
     /// reference, and what is not known of that; of J6 in f64 the latter alone.
     pub expected: f64,
-    /// Whether that is within the target.
+    /// Whether that is known, and within the target.
     pub reaches: bool,
 }
 
@@ -68,6 +69,9 @@ pub struct Recommendation {
     /// About what is not known, in that norm: the error of J6 in f64, by how far degrees 6 and 4 are
     /// from the reference.
     pub reference_error: f64,
+    /// Whether the mesh resolves the shape: whether the error of J6 in f64 at the worst vertex is at
+    /// most [`RESOLVED`]. If not, no candidate is known to reach anything.
+    pub is_resolved: bool,
     /// The candidate that reaches the target in the shortest time.
     pub choice: Option<Candidate>,
     /// The one with the smallest expected error.
@@ -78,6 +82,10 @@ pub struct Recommendation {
     /// Everything that was measured, fastest first.
     pub candidates: Vec<Candidate>,
 }
+
+/// Up to which what is not known at the worst vertex says how much that is: beyond, one vertex may be so
+/// far off that it is the largest value itself, against which all the others look small.
+pub const RESOLVED: f64 = 0.2;
 
 /// Why there is no recommendation.
 #[derive(Debug, thiserror::Error)]
@@ -136,9 +144,12 @@ pub fn recommend(
     };
     let [far, near] = [BendingMethod::J4, BendingMethod::J6].map(|method| {
         let fields = Evaluator::new(method, 1.0, mesh).fields(surface);
-        in_norm(reference.errors(&fields, quantity))
+        reference.errors(&fields, quantity)
     });
-    let reference_error = near.max((near * far).sqrt());
+    let unknown = [0, 1].map(|norm| near[norm].max((near[norm] * far[norm]).sqrt()));
+    let reference_error = in_norm(unknown);
+    let [unknown_at_worst, _] = unknown;
+    let is_resolved = unknown_at_worst <= RESOLVED;
     let mut candidates = Vec::new();
     let mut done = 2;
     for &scalar in &wish.scalars {
@@ -170,7 +181,7 @@ pub fn recommend(
                 mean: errors[1],
                 seconds,
                 expected,
-                reaches: expected <= wish.target,
+                reaches: is_resolved && expected <= wish.target,
             });
         }
     }
@@ -183,7 +194,9 @@ pub fn recommend(
         Quantity::Mean | Quantity::Gaussian => 5.0,
         Quantity::LaplacianOfMean | Quantity::ForceDensity => 3.0,
     };
-    let needed = mesh.vertex_count() as f64 * (reference_error / wish.target).powf(2.0 / order);
+    // Where the shape is not resolved, that has to come first.
+    let excess = (reference_error / wish.target).max(unknown_at_worst / RESOLVED);
+    let needed = mesh.vertex_count() as f64 * excess.powf(2.0 / order);
     Ok(Some(Recommendation {
         vertices: mesh.vertex_count(),
         compared,
@@ -191,6 +204,7 @@ pub fn recommend(
         norm: wish.norm.name(),
         target: wish.target,
         reference_error,
+        is_resolved,
         choice: choice.copied(),
         nearest: nearest.copied(),
         vertices_needed: (choice.is_none() && needed.is_finite()).then(|| needed.ceil()),

@@ -4,6 +4,8 @@
 //! positions. [`crate::dynamics`] moves them, [`crate::run`] writes what becomes of them.
 
 mod build;
+mod placed;
+mod stretch;
 
 pub use build::{BuildError, build};
 
@@ -11,12 +13,12 @@ use crate::dynamics::{Evaluation, Held, Membrane, Problem};
 use crate::effect::{Effect, EffectKind, Viscosity};
 use crate::flow::Membranes;
 use crate::scene::SceneError;
-use build::Stretch;
 use helfrich::interaction::RepulsionMemory;
 use helfrich::{Interaction, Quantity, Repulsion, Serial, Surface, TriangleMesh};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use stretch::Stretch;
 
 /// Surfaces under forces: what a driver drives.
 #[derive(Debug)]

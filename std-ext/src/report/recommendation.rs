@@ -1,6 +1,6 @@
 //! A recommendation in words.
 
-use crate::recommend::{Candidate, Recommendation};
+use crate::recommend::{Candidate, RESOLVED, Recommendation};
 use std::io::{self, Write};
 
 /// Writes which method to take on a mesh, and what the others would do.
@@ -15,6 +15,7 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
         norm,
         target,
         reference_error,
+        is_resolved,
         choice,
         nearest,
         vertices_needed,
@@ -38,11 +39,19 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
     match (choice, nearest) {
         (Some(choice), _) => writeln!(out, "For {target} take {}.", describe(choice))?,
         (None, Some(nearest)) => {
-            writeln!(
-                out,
-                "Nothing is known to reach {target} on this mesh. Nearest is {}.",
-                describe(nearest)
-            )?;
+            if *is_resolved {
+                writeln!(
+                    out,
+                    "Nothing is known to reach {target} on this mesh. Nearest is {}.",
+                    describe(nearest)
+                )?;
+            } else {
+                writeln!(
+                    out,
+                    "This mesh is too coarse or too rough to say: jets of degrees 4, 6 and 8 differ by more than {} of {symbol} at the worst vertex, and where they agree they may be wrong.",
+                    percent(RESOLVED)
+                )?;
+            }
             if let Some(needed) = vertices_needed {
                 writeln!(
                     out,

@@ -1,22 +1,23 @@
 //! From a scene to surfaces and effects.
 
+use super::placed::{Placed, scale_to_volume};
+use super::stretch::Stretch;
 use super::{Between, Body, Obstacle, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::{Effect, EffectKind, Lumping, Viscosity};
-use crate::generate::{GenerateError, GeneratedMesh, generate};
+use crate::generate::GenerateError;
 use crate::info::MeshInfo;
 use crate::io::{ReadError, read};
 use crate::scene::{
-    self, AreaDifferenceTarget, Driver, Hold, InPlaneLaw, MeshSource, Orientation, Reference,
-    ReferenceSource, SceneError, SceneErrors, SceneFile, SurfaceScene, Target, VolumeTarget,
+    self, AreaDifferenceTarget, Driver, Hold, InPlaneLaw, MeshSource, Reference, ReferenceSource,
+    SceneError, SceneErrors, SceneFile, SurfaceScene, Target, VolumeTarget,
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
 use helfrich::{
     AreaDifference, Constraint, ConstraintError, Constraints, Gravity, InPlane, LoadError,
-    LocalArea, MembraneViscosity, NeoHookean, OsmoticPressure, Penalty, PointLoads, Quantity,
-    ReferenceError, Repulsion, Skalak, StrainEnergy, Surface, SurfaceError, SurfaceTension,
-    Targets, TriangleMesh,
+    LocalArea, MembraneViscosity, NeoHookean, OsmoticPressure, Penalty, Quantity, ReferenceError,
+    Repulsion, Skalak, StrainEnergy, Surface, SurfaceError, SurfaceTension, Targets, TriangleMesh,
 };
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -202,81 +203,7 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
     Ok((simulation, all_positions))
 }
 
-/// Scales a closed mesh so that it encloses this volume.
-fn scale_to_volume(mesh: &TriangleMesh, positions: &mut [[f64; 3]], volume: f64) {
-    let enclosed = Surface::new(mesh, &*positions)
-        .ok()
-        .and_then(|surface| surface.volume());
-    if let Some(enclosed) = enclosed {
-        let factor = (volume / enclosed).cbrt();
-        for coordinate in positions.as_flattened_mut() {
-            *coordinate *= factor;
-        }
-    }
-}
-
-/// A surface or an obstacle where the scene puts it.
-struct Placed {
-    mesh: TriangleMesh,
-    /// As the mesh comes, scaled.
-    unplaced: Vec<[f64; 3]>,
-    positions: Vec<[f64; 3]>,
-    /// Of a generated mesh: where on a shape each vertex belongs.
-    preimages: Option<Vec<[f64; 3]>>,
-}
-
 impl Placed {
-    fn new(
-        name: &str,
-        source: &MeshSource,
-        scale: f64,
-        orientation: Option<Orientation>,
-        position: [f64; 3],
-    ) -> Result<Self, BuildError> {
-        let (mesh, mut unplaced, preimages) = match source {
-            MeshSource::Shape {
-                shape,
-                family,
-                vertices,
-                seed,
-                match_volume,
-            } => {
-                let made = generate(shape, *family, *vertices, *seed);
-                let GeneratedMesh {
-                    mesh,
-                    mut positions,
-                    preimages,
-                    ..
-                } = made.map_err(|source| BuildError::Generate {
-                    surface: name.to_owned(),
-                    source,
-                })?;
-                if *match_volume {
-                    scale_to_volume(&mesh, &mut positions, shape.volume());
-                }
-                (mesh, positions, Some(preimages))
-            }
-            MeshSource::File(path) => {
-                let file = read(path)?;
-                (file.mesh, file.positions, None)
-            }
-        };
-        for vertex in &mut unplaced {
-            *vertex = vertex.map(|x| scale * x);
-        }
-        let place = |vertex: &[f64; 3]| {
-            let turned = turn(orientation, *vertex);
-            core::array::from_fn(|axis| position[axis] + turned[axis])
-        };
-        let positions = unplaced.iter().map(place).collect();
-        Ok(Self {
-            mesh,
-            unplaced,
-            positions,
-            preimages,
-        })
-    }
-
     fn body(
         &self,
         file: &SceneFile,
@@ -420,12 +347,12 @@ impl Placed {
         let stretch = match &scene.stretching {
             None => None,
             Some(stretching) => {
-                let stretch =
+                let mut stretch =
                     Stretch::new(surface, stretching).map_err(|source| BuildError::Stretching {
                         surface: scene.name.clone(),
                         source,
                     })?;
-                let loads = stretch.loads[0].clone();
+                let loads = stretch.set(0);
                 effects.push(Effect::conservative(
                     EffectKind::Stretching,
                     loads,
@@ -592,58 +519,5 @@ fn map(targets: &Targets<f64>, f: impl Fn(f64) -> f64) -> Targets<f64> {
         Targets::PerComponent(targets) => {
             Targets::PerComponent(targets.iter().map(|&target| f(target)).collect())
         }
-    }
-}
-
-/// Rodrigues' rotation about an axis.
-fn turn(orientation: Option<Orientation>, x: [f64; 3]) -> [f64; 3] {
-    let Some(Orientation { axis, angle }) = orientation else {
-        return x;
-    };
-    let [axis, x] = [axis, x].map(glam::DVec3::from_array);
-    glam::DQuat::from_axis_angle(axis.normalize(), angle.to_radians())
-        .mul_vec3(x)
-        .to_array()
-}
-
-/// The loads of a stretched surface, one after the other.
-#[derive(Debug)]
-pub(super) struct Stretch {
-    axis: [f64; 3],
-    forces: Vec<f64>,
-    loads: Vec<PointLoads<f64>>,
-    current: usize,
-}
-
-impl Stretch {
-    fn new(surface: Surface<'_, f64>, scene: &scene::Stretching) -> Result<Self, LoadError> {
-        let loads = scene
-            .forces
-            .iter()
-            .map(|&force| PointLoads::opposite_ends(surface, scene.axis, scene.fraction, force));
-        Ok(Self {
-            axis: glam::DVec3::from_array(scene.axis).normalize().to_array(),
-            forces: scene.forces.clone(),
-            loads: loads.collect::<Result<_, _>>()?,
-            current: 0,
-        })
-    }
-
-    pub(super) fn axis(&self) -> [f64; 3] {
-        self.axis
-    }
-
-    pub(super) fn force(&self) -> f64 {
-        self.forces[self.current]
-    }
-
-    pub(super) fn count(&self) -> usize {
-        self.forces.len()
-    }
-
-    /// The loads with this number, or the last.
-    pub(super) fn set(&mut self, load: usize) -> PointLoads<f64> {
-        self.current = load.min(self.count() - 1);
-        self.loads[self.current].clone()
     }
 }

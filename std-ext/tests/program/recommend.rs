@@ -92,7 +92,7 @@ fn what_is_expected_holds() {
 
 #[test]
 fn what_cannot_be_reached_is_said() {
-    let file = mesh("discocyte", Family::Irregular, 642);
+    let file = mesh("discocyte", Family::Regular, 642);
     let asked = ["--quantity", "f", "--error", "0.01%", "--method", "B,j4,j6"];
     let found = answer(&file, &asked);
     assert!(found["choice"].is_null(), "{found}");
@@ -118,6 +118,27 @@ fn what_cannot_be_reached_is_said() {
         "{}",
         said.stdout
     );
+}
+
+/// On meshes that are too coarse, degrees 4, 6 and 8 may agree on average, and be far off.
+#[test]
+fn what_is_not_resolved_is_not_recommended() {
+    for vertices in [42, 162] {
+        let file = mesh("ellipsoid:1,1,0.5", Family::Irregular, vertices);
+        let asked = ["--quantity", "f", "--norm", "mean", "--error", "20%"];
+        let found = answer(&file, &asked);
+        assert!(number(&found, "reference_error") < 0.1, "it looks good");
+        assert_eq!(found["is_resolved"], false, "{found}");
+        assert!(found["choice"].is_null(), "{found}");
+        let mut candidates = found["candidates"].as_array().unwrap().iter();
+        assert!(candidates.all(|candidate| candidate["reaches"] == false));
+        assert!(number(&found, "vertices_needed") > 1.5 * vertices as f64);
+        let said = succeed(&[&["recommend", file.path()], &asked[..]].concat());
+        assert!(
+            said.starts_with("This mesh is too coarse or too rough to say"),
+            "{said}"
+        );
+    }
 }
 
 #[test]

@@ -1,5 +1,15 @@
 //! What a run leaves, and what it says of its bodies.
 
+mod checkpoints;
 mod deformation;
-mod files;
+mod pictures;
 mod plots;
+mod series;
+mod vtk;
+
+/// A time that no short text holds.
+const TIME: f64 = 0.1 + 0.2;
+
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}

@@ -1,0 +1,94 @@
+//! Meshes where a scene puts them.
+
+use super::build::BuildError;
+use crate::generate::{GeneratedMesh, generate};
+use crate::io::read;
+use crate::scene::{MeshSource, Orientation};
+use helfrich::{Surface, TriangleMesh};
+
+/// Scales a closed mesh so that it encloses this volume.
+pub(super) fn scale_to_volume(mesh: &TriangleMesh, positions: &mut [[f64; 3]], volume: f64) {
+    let enclosed = Surface::new(mesh, &*positions)
+        .ok()
+        .and_then(|surface| surface.volume());
+    if let Some(enclosed) = enclosed {
+        let factor = (volume / enclosed).cbrt();
+        for coordinate in positions.as_flattened_mut() {
+            *coordinate *= factor;
+        }
+    }
+}
+
+/// A surface or an obstacle where the scene puts it.
+pub(super) struct Placed {
+    pub(super) mesh: TriangleMesh,
+    /// As the mesh comes, scaled.
+    pub(super) unplaced: Vec<[f64; 3]>,
+    pub(super) positions: Vec<[f64; 3]>,
+    /// Of a generated mesh: where on a shape each vertex belongs.
+    pub(super) preimages: Option<Vec<[f64; 3]>>,
+}
+
+impl Placed {
+    pub(super) fn new(
+        name: &str,
+        source: &MeshSource,
+        scale: f64,
+        orientation: Option<Orientation>,
+        position: [f64; 3],
+    ) -> Result<Self, BuildError> {
+        let (mesh, mut unplaced, preimages) = match source {
+            MeshSource::Shape {
+                shape,
+                family,
+                vertices,
+                seed,
+                match_volume,
+            } => {
+                let made = generate(shape, *family, *vertices, *seed);
+                let GeneratedMesh {
+                    mesh,
+                    mut positions,
+                    preimages,
+                    ..
+                } = made.map_err(|source| BuildError::Generate {
+                    surface: name.to_owned(),
+                    source,
+                })?;
+                if *match_volume {
+                    scale_to_volume(&mesh, &mut positions, shape.volume());
+                }
+                (mesh, positions, Some(preimages))
+            }
+            MeshSource::File(path) => {
+                let file = read(path)?;
+                (file.mesh, file.positions, None)
+            }
+        };
+        for vertex in &mut unplaced {
+            *vertex = vertex.map(|x| scale * x);
+        }
+        let place = |vertex: &[f64; 3]| {
+            let turned = turn(orientation, *vertex);
+            core::array::from_fn(|axis| position[axis] + turned[axis])
+        };
+        let positions = unplaced.iter().map(place).collect();
+        Ok(Self {
+            mesh,
+            unplaced,
+            positions,
+            preimages,
+        })
+    }
+}
+
+/// Rodrigues' rotation about an axis.
+fn turn(orientation: Option<Orientation>, x: [f64; 3]) -> [f64; 3] {
+    let Some(Orientation { axis, angle }) = orientation else {
+        return x;
+    };
+    let [axis, x] = [axis, x].map(glam::DVec3::from_array);
+    glam::DQuat::from_axis_angle(axis.normalize(), angle.to_radians())
+        .mul_vec3(x)
+        .to_array()
+}

@@ -1,0 +1,161 @@
+//! Tables that grow while a run goes on.
+#![expect(
+    clippy::unwrap_used,
+    reason = "what fails in a helper fails the test that called it"
+)]
+
+use super::bits;
+use helfrich_std::series::{Series, SeriesProblem, SeriesTable};
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+const COLUMNS: [&str; 3] = ["time", "energy_bending", "area"];
+
+/// Numbers of all sizes, and those that are none.
+fn row(at: u64) -> [f64; 3] {
+    let at = at as f64;
+    let odd = [f64::NAN, f64::INFINITY, -0.0, 5e-324, f64::MAX][at as usize % 5];
+    [at * 0.1, (at + 1.0) / 3.0, odd]
+}
+
+fn written(path: &Path, rows: u64) -> Vec<u8> {
+    let mut series = Series::create(path, &COLUMNS).unwrap();
+    (0..rows).for_each(|at| series.append(&row(at)).unwrap());
+    assert_eq!(series.mark().unwrap(), rows);
+    fs::read(path).unwrap()
+}
+
+#[test]
+fn a_series_reads_back_to_the_bit() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("series.csv");
+    let bytes = written(&path, 9);
+    let first = "time,energy_bending,area\n0.0,0.3333333333333333,NaN\n";
+    assert!(bytes.starts_with(first.as_bytes()));
+    let table = SeriesTable::read(&path).unwrap();
+    assert_eq!(table.columns, COLUMNS);
+    assert_eq!(table.rows.len(), 9);
+    for (at, found) in table.rows.iter().enumerate() {
+        assert_eq!(bits(found), bits(&row(at as u64)));
+    }
+    let expected: Vec<f64> = (0..9).map(|at| row(at)[0]).collect();
+    assert_eq!(table.column("time"), Some(expected));
+    assert_eq!(table.column("volume"), None);
+}
+
+#[test]
+fn wherever_a_series_was_torn_the_resumed_one_is_the_same() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("series.csv");
+    let whole = written(&path, 8);
+    let lines = |bytes: &[u8]| bytes.iter().filter(|&&byte| byte == b'\n').count() as u64;
+    for length in 0..=whole.len() {
+        let torn = &whole[..length];
+        for marked in 0..=8 {
+            fs::write(&path, torn).unwrap();
+            let resumed = Series::resume(&path, &COLUMNS, marked);
+            if lines(torn) < marked + 1 {
+                resumed.unwrap_err();
+                assert_eq!(fs::read(&path).unwrap(), torn);
+                continue;
+            }
+            let mut series = resumed.unwrap();
+            assert_eq!(lines(&fs::read(&path).unwrap()), marked + 1);
+            (marked..8).for_each(|at| series.append(&row(at)).unwrap());
+            assert_eq!(fs::read(&path).unwrap(), whole);
+        }
+    }
+    // A reader does not see the torn line.
+    fs::write(&path, &whole[..whole.len() - 2]).unwrap();
+    assert_eq!(SeriesTable::read(&path).unwrap().rows.len(), 7);
+}
+
+#[test]
+fn what_is_no_series_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("series.csv");
+    let create = |columns: &[&str]| Series::create(&path, columns).unwrap_err().problem;
+    assert!(matches!(
+        create(&["area", "time"]),
+        SeriesProblem::NoTime { .. }
+    ));
+    assert!(matches!(create(&[]), SeriesProblem::NoTime { .. }));
+    for name in ["", "a,b", "a\"", " a", "a\nb"] {
+        assert!(matches!(
+            create(&["time", name]),
+            SeriesProblem::Name { .. }
+        ));
+    }
+    let repeated = create(&["time", "area", "area"]);
+    assert!(matches!(repeated, SeriesProblem::RepeatedName { .. }));
+    assert!(!path.exists());
+
+    let whole = written(&path, 4);
+    let resume = |columns: &[&str], rows| {
+        let before = fs::read(&path).unwrap();
+        let error = Series::resume(&path, columns, rows).unwrap_err();
+        assert_eq!(fs::read(&path).unwrap(), before);
+        error.problem
+    };
+    let other = resume(&["time", "area"], 4);
+    assert!(
+        matches!(other, SeriesProblem::OtherColumns { .. }),
+        "{other}"
+    );
+    let few = resume(&COLUMNS, 5);
+    assert!(
+        matches!(
+            few,
+            SeriesProblem::TooFewRows {
+                found: 4,
+                expected: 5
+            }
+        ),
+        "{few}"
+    );
+    for (from, to, message) in [
+        (
+            "0.1,",
+            "0.1,,",
+            "line 3: 4 numbers, but there are 3 columns",
+        ),
+        (
+            "0.1,",
+            "O.1,",
+            "line 3, column `time`: expected a number, found `O.1`",
+        ),
+        (
+            "0.1,",
+            "\0\0\0,",
+            "line 3, column `time`: expected a number",
+        ),
+    ] {
+        let text = String::from_utf8(whole.clone())
+            .unwrap()
+            .replacen(from, to, 1);
+        fs::write(&path, text).unwrap();
+        for problem in [
+            resume(&COLUMNS, 4),
+            SeriesTable::read(&path).unwrap_err().problem,
+        ] {
+            assert!(problem.to_string().starts_with(message), "{problem}");
+        }
+    }
+    fs::write(&path, vec![b'1'; 2 << 20]).unwrap();
+    assert!(matches!(
+        resume(&COLUMNS, 0),
+        SeriesProblem::NotARow { line: 1 }
+    ));
+
+    let mut series = Series::create(&path, &COLUMNS).unwrap();
+    let problem = series.append(&[0.0, 1.0]).unwrap_err().problem;
+    assert!(matches!(
+        problem,
+        SeriesProblem::WrongLength {
+            line: 2,
+            found: 2,
+            columns: 3
+        }
+    ));
+}
