@@ -41,6 +41,18 @@ impl Rings {
             edges: edges.collect(),
         }
     }
+
+    /// The corner of a triangle that is not an end of an edge.
+    fn opposite(&self, triangle: usize, ends: [usize; 2]) -> usize {
+        let corners = self.triangles[triangle];
+        if !ends.contains(&corners[0]) {
+            corners[0]
+        } else if !ends.contains(&corners[1]) {
+            corners[1]
+        } else {
+            corners[2]
+        }
+    }
 }
 
 fn sub<T: Float>(a: [T; 3], b: [T; 3]) -> [T; 3] {
@@ -180,6 +192,97 @@ pub(crate) fn dihedral<T: Float>(rings: &Rings, positions: &[[T; 3]], force: &mu
                 let edge = sub(positions[q], positions[p]);
                 force[corners[k]] = add(force[corners[k]], cross(slope, edge));
             }
+        }
+    }
+    energy
+}
+
+/// Energy and exact gradient of Jülicher's method with κ = 1: adds −∂E/∂x to `force`.
+pub(crate) fn edge_curvature<T: Float>(
+    rings: &Rings,
+    positions: &[[T; 3]],
+    force: &mut [[T; 3]],
+) -> T {
+    let number = |value: f64| T::from(value).unwrap_or_else(T::nan);
+    let (two, quarter, sixth) = (number(2.0), number(0.25), number(1.0 / 6.0));
+    let normal = |t: usize| {
+        let [a, b, c] = rings.triangles[t].map(|v| positions[v]);
+        cross(sub(b, a), sub(c, a))
+    };
+    // Length and angle of each edge.
+    let mut hinges = Vec::new();
+    let mut curvatures = vec![(T::zero(), T::zero()); positions.len()];
+    for &([a, b], sides) in &rings.edges {
+        let edge = sub(positions[b], positions[a]);
+        let length = dot(edge, edge).sqrt();
+        let [left, right] = sides.map(|t| unit(normal(t)));
+        let along = dot(left, right).max(-T::one()).min(T::one());
+        let bend = cross(left, right);
+        let angle = dot(bend, bend).sqrt().atan2(along);
+        // Convex if the other triangle lies below this one.
+        let opposite = rings.opposite(sides[1], [a, b]);
+        let lifted = dot(left, sub(positions[opposite], positions[a])) > T::zero();
+        let angle = if lifted { -angle } else { angle };
+        for end in [a, b] {
+            curvatures[end].0 = curvatures[end].0 + quarter * length * angle;
+        }
+        hinges.push((length, angle));
+    }
+    for (t, corners) in rings.triangles.iter().enumerate() {
+        let vector = normal(t);
+        for &corner in corners {
+            curvatures[corner].1 = curvatures[corner].1 + sixth * dot(vector, vector).sqrt();
+        }
+    }
+    let mut energy = T::zero();
+    let mut means = Vec::new();
+    for &(curvature, area) in &curvatures {
+        let mean = if area > T::zero() {
+            curvature / area
+        } else {
+            T::zero()
+        };
+        energy = energy + two * mean * mean * area;
+        means.push(mean);
+    }
+    for (&([a, b], sides), &(length, angle)) in rings.edges.iter().zip(&hinges) {
+        if length == T::zero() {
+            continue;
+        }
+        let weight = means[a] + means[b];
+        let edge = sub(positions[b], positions[a]);
+        let stretch = scale(weight * angle / length, edge);
+        force[a] = add(force[a], stretch);
+        force[b] = sub(force[b], stretch);
+        for t in sides {
+            let vector = normal(t);
+            let squared = dot(vector, vector);
+            if squared == T::zero() {
+                continue;
+            }
+            let opposite = rings.opposite(t, [a, b]);
+            let lever = scale(weight / squared, vector);
+            let from_a = dot(sub(positions[opposite], positions[a]), edge);
+            let from_b = dot(sub(positions[b], positions[opposite]), edge);
+            force[a] = sub(force[a], scale(from_b, lever));
+            force[b] = sub(force[b], scale(from_a, lever));
+            force[opposite] = add(force[opposite], scale(length * length, lever));
+        }
+    }
+    for (t, corners) in rings.triangles.iter().enumerate() {
+        let weight = corners
+            .iter()
+            .fold(T::zero(), |sum, &v| sum + means[v] * means[v]);
+        let vector = normal(t);
+        let size = dot(vector, vector).sqrt();
+        if size == T::zero() {
+            continue;
+        }
+        let pull = scale(number(1.0 / 3.0) * weight / size, vector);
+        for k in 0..3 {
+            let [p, q] = [corners[(k + 1) % 3], corners[(k + 2) % 3]];
+            let change = cross(pull, sub(positions[q], positions[p]));
+            force[corners[k]] = add(force[corners[k]], change);
         }
     }
     energy

@@ -71,8 +71,13 @@ pub(crate) fn of<T: Real + RealField + Copy>(
     let methods = (|| KantorNelson::new(one), KantorNelson::new(count));
     rows.conservative("A", methods, Some(naive));
 
+    let mut force = vec![[T::zero(); 3]; own.len()];
+    naive::edge_curvature(&rings, &own, &mut force);
+    check_force("Jülicher", surface, Juelicher::new(one), &force)?;
+    let naive = &mut || _ = black_box(naive::edge_curvature(&rings, &own, &mut force));
     let methods = (|| Juelicher::new(one), Juelicher::new(count));
-    rows.conservative("Jülicher", methods, None);
+    rows.conservative("Jülicher", methods, Some(naive));
+
     let methods = (|| LoopSubdivision::new(one), LoopSubdivision::new(count));
     rows.conservative("S", methods, None);
 
