@@ -218,19 +218,22 @@ impl<A: Slots, B: Slots> Slots for (A, B) {
     }
 }
 
-/// What is done at one slot.
+/// What is done at some slots in a row.
 pub trait SlotKernel<S, O: Slots>: Sync {
-    /// Sets slot `k`; what `scratch` holds before must not matter.
-    fn set(&self, scratch: &mut S, k: usize, slot: O::Slot);
+    /// Sets the slots `start`, `start + 1`, …, as many as there are. What `scratch` holds before must
+    /// not matter to any of them, nor which others are set by the same call.
+    fn set(&self, scratch: &mut S, start: usize, slots: O);
 }
 
-/// A closure as a kernel.
+/// A closure as a kernel: one slot after the other.
 struct Closure<F>(F);
 
 impl<S, O: Slots, F: Fn(&mut S, usize, O::Slot) + Sync> SlotKernel<S, O> for Closure<F> {
     #[inline(always)]
-    fn set(&self, scratch: &mut S, k: usize, slot: O::Slot) {
-        (self.0)(scratch, k, slot);
+    fn set(&self, scratch: &mut S, start: usize, slots: O) {
+        for (k, slot) in slots.into_slots().enumerate() {
+            (self.0)(scratch, start + k, slot);
+        }
     }
 }
 
@@ -272,7 +275,8 @@ pub trait Execution {
         self.run(scratches, output, &Closure(set));
     }
 
-    /// [`Self::map_with`] for a kernel, which unlike a closure can be compiled as part of the loop.
+    /// [`Self::map_with`] for a kernel, which has several slots at once and unlike a closure can be
+    /// compiled as part of the loop.
     fn run<S: Default + Send, O: Slots>(
         &self,
         scratches: &mut Vec<S>,
@@ -409,9 +413,7 @@ impl Execution for Serial {
         if scratches.is_empty() {
             scratches.push(S::default());
         }
-        for (k, slot) in output.into_slots().enumerate() {
-            kernel.set(&mut scratches[0], k, slot);
-        }
+        kernel.set(&mut scratches[0], 0, output);
     }
 
     #[inline]

@@ -1,10 +1,13 @@
 //! One or several reals computed at once.
 
 mod arctangent;
+mod several;
 
 use crate::real::Real;
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
+
+pub(crate) use several::Several;
 
 /// One or several reals that go through a formula together.
 ///

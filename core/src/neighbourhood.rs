@@ -5,6 +5,7 @@ use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::dot;
 use alloc::collections::VecDeque;
+use alloc::vec;
 use alloc::vec::Vec;
 
 /// Scratch memory for a search along the edges of a mesh, never through space: two sheets of a
@@ -110,84 +111,193 @@ impl<T: Real> Neighbourhood<T> {
     }
 }
 
-/// Scratch memory for the search of the nearest vertices, which are sorted as whole numbers.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Nearest {
-    /// The search in which each vertex was reached last.
-    reached: Vec<u32>,
-    search: u32,
-    /// What was reached, in the first `count` entries.
+/// Around each vertex of a mesh those that are reached first along edges, in the order in which they
+/// are: among them are the nearest, wherever the vertices lie.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Surroundings {
+    /// Where those of each vertex start, and the end of the last.
+    offsets: Vec<usize>,
     vertices: Vec<u32>,
-    /// Of each that was reached: the upper half of the squared distance as an f64, then its number.
-    /// Distances that agree in six digits count as the same, and numbers decide.
-    keys: Vec<u64>,
+    /// The most of one vertex, padded.
+    room: usize,
 }
 
-impl Nearest {
-    /// Searches breadth-first around `centre` until at least `most · 8/5` vertices and two whole
-    /// rings are reached; all that there are, if there are fewer. [`Self::sort`] puts them in order.
-    pub(crate) fn search<T: Real>(&mut self, surface: Surface<'_, T>, centre: u32, most: usize) {
-        let mesh = surface.mesh();
-        if self.reached.len() != mesh.vertex_count() || self.search == u32::MAX {
-            self.reached.clear();
-            self.reached.resize(mesh.vertex_count(), 0);
-            self.vertices.resize(mesh.vertex_count(), 0);
-            self.search = 0;
-        }
-        self.search += 1;
-        self.reached[centre as usize] = self.search;
-        let mut count = self.reach_around(mesh, centre, 0);
+impl Surroundings {
+    /// Searches breadth-first around each vertex until at least `most · 8/5` vertices and two whole
+    /// rings are reached; all that there are, if there are fewer.
+    pub(crate) fn new(mesh: &TriangleMesh, most: usize) -> Self {
+        let count = mesh.vertex_count();
         let enough = most + most * 3 / 5;
-        let (mut rings, mut done) = (1, 0);
-        // What was reached is its own queue: what lies from `done` on is the newest ring.
-        while done < count && (rings < 2 || count < enough) {
-            let ring = done..count;
-            done = ring.end;
-            for at in ring {
-                count = self.reach_around(mesh, self.vertices[at], count);
+        let mut offsets = Vec::with_capacity(count + 1);
+        let mut vertices: Vec<u32> = Vec::new();
+        let mut longest = 0;
+        // The search in which each vertex was reached last, counted from 1.
+        let mut reached = vec![0_u32; count];
+        offsets.push(0);
+        for centre in 0..count {
+            let search = centre as u32 + 1;
+            let start = vertices.len();
+            reached[centre] = search;
+            let mut reach_around = |vertices: &mut Vec<u32>, vertex: usize| {
+                for &neighbour in mesh.one_ring(vertex) {
+                    if reached[neighbour as usize] != search {
+                        reached[neighbour as usize] = search;
+                        vertices.push(neighbour);
+                    }
+                }
+            };
+            reach_around(&mut vertices, centre);
+            let (mut rings, mut done) = (1, start);
+            // What was reached is its own queue: what lies from `done` on is the newest ring.
+            while done < vertices.len() && (rings < 2 || vertices.len() - start < enough) {
+                let ring = done..vertices.len();
+                done = ring.end;
+                for at in ring {
+                    let vertex = vertices[at] as usize;
+                    reach_around(&mut vertices, vertex);
+                }
+                rings += 1;
             }
-            rings += 1;
+            offsets.push(vertices.len());
+            longest = longest.max(vertices.len() - start);
         }
-        self.keys.clear();
-        self.keys
-            .extend(self.vertices[..count].iter().map(|&vertex| {
-                let difference = surface.difference(centre, vertex);
-                let squared = dot(difference, difference).to_f64().unwrap_or(f64::MAX);
-                (squared.to_bits() & !u64::from(u32::MAX)) | u64::from(vertex)
-            }));
-    }
-
-    /// Adds the neighbours of `vertex` that were not reached yet to the `count` that were. Which
-    /// they are is as good as random: there is no branch.
-    fn reach_around(&mut self, mesh: &TriangleMesh, vertex: u32, mut count: usize) -> usize {
-        for &neighbour in mesh.one_ring(vertex as usize) {
-            let reached = &mut self.reached[neighbour as usize];
-            // The last entry is never needed: the centre is not among them.
-            self.vertices[count] = neighbour;
-            count += usize::from(*reached != self.search);
-            *reached = self.search;
+        vertices.shrink_to_fit();
+        let room = longest.next_multiple_of(COMPARED);
+        Self {
+            offsets,
+            vertices,
+            room,
         }
-        count
     }
 
-    /// How many were reached.
-    pub(crate) fn len(&self) -> usize {
-        self.keys.len()
+    /// Room for a number of each of what surrounds a vertex.
+    #[inline(always)]
+    pub(crate) fn room(&self) -> usize {
+        self.room
     }
 
-    /// Brings the `count` nearest to the front: nearest first; what is equally near in the order of
-    /// its number. `sorted` of them are there already.
-    pub(crate) fn sort(&mut self, sorted: usize, count: usize) {
-        let rest = &mut self.keys[sorted..];
-        let more = count - sorted;
-        if more < rest.len() {
-            rest.select_nth_unstable(more);
-        }
-        rest[..more].sort_unstable();
-    }
-
-    /// The vertices; as many as were sorted are in order.
-    pub(crate) fn vertices(&self) -> impl Iterator<Item = u32> + Clone {
-        self.keys.iter().map(|&key| key as u32)
+    /// What surrounds a vertex.
+    #[inline(always)]
+    pub(crate) fn of(&self, vertex: usize) -> &[u32] {
+        &self.vertices[self.offsets[vertex]..self.offsets[vertex + 1]]
     }
 }
+
+/// Distances that are compared at once; keys are padded to a multiple of it.
+const COMPARED: usize = 8;
+
+/// The key of what is farther than everything.
+const FARTHEST: i32 = i32::MAX;
+
+/// Of a squared distance, the upper half of its bits as an f64. They are in the order of the
+/// distances, and distances that agree in six digits count as the same.
+#[inline(always)]
+fn key_of(squared: f64) -> i32 {
+    (squared.to_bits() >> 32) as i32
+}
+
+/// The least squared distance with a key.
+#[inline(always)]
+fn squared_of(key: i32) -> f64 {
+    f64::from_bits((key as u64) << 32)
+}
+
+/// How many of `keys` are at most `most`.
+#[inline(always)]
+fn count_within(keys: &[i32], most: i32) -> usize {
+    let mut count = 0_i32;
+    for &key in keys {
+        count += i32::from(key <= most);
+    }
+    count as usize
+}
+
+/// Sets `keys` to those of the distances of `surroundings` from `centre`; the others are farther.
+#[inline(never)]
+pub(crate) fn set_keys<T: Real>(
+    keys: &mut [i32],
+    surface: Surface<'_, T>,
+    centre: u32,
+    surroundings: &[u32],
+) {
+    let (known, padding) = keys.split_at_mut(surroundings.len());
+    let seen = surface.seen_from(centre);
+    for (key, &vertex) in known.iter_mut().zip(surroundings) {
+        let difference = seen.difference(vertex);
+        *key = key_of(dot(difference, difference).to_f64().unwrap_or(f64::MAX));
+    }
+    padding.fill(FARTHEST);
+}
+
+/// Sets `nearest` to the nearest of `surroundings`, which are at least as many and have the distances
+/// `keys`; of several that are equally near, to those with the smallest numbers. `ranks` is scratch
+/// memory.
+#[inline(never)]
+pub(crate) fn set_nearest(
+    nearest: &mut [u32],
+    surroundings: &[u32],
+    keys: &[i32],
+    ranks: &mut Vec<u64>,
+) {
+    let (certain, possible) = bracket(nearest.len(), surroundings.len(), keys);
+    ranks.resize(keys.len(), 0);
+    // Which they are is as good as random: there is no branch.
+    let mut all = 0;
+    for (&vertex, &key) in surroundings.iter().zip(keys) {
+        ranks[all] = (key as u64) << 32 | u64::from(vertex);
+        all += usize::from(key <= possible);
+    }
+    let (mut count, mut doubtful) = (0, 0);
+    for place in 0..all {
+        let rank = ranks[place];
+        let is_certain = (rank >> 32) as i32 <= certain;
+        nearest[count] = rank as u32;
+        count += usize::from(is_certain);
+        ranks[doubtful] = rank;
+        doubtful += usize::from(!is_certain);
+    }
+    let (left, doubtful) = (&mut nearest[count..], &mut ranks[..doubtful]);
+    if left.len() < doubtful.len() {
+        doubtful.sort_unstable();
+    }
+    for (nearest, &rank) in left.iter_mut().zip(&*doubtful) {
+        *nearest = rank as u32;
+    }
+}
+
+/// A key that fewer than `count` of the first `all` do not exceed, and one that as many or more do not,
+/// with few in between unless their distances are the same.
+#[inline(always)]
+fn bracket(count: usize, all: usize, keys: &[i32]) -> (i32, i32) {
+    let (mut low, mut below) = (-1, 0);
+    let (mut high, mut above) = (0, all);
+    for &key in &keys[..all] {
+        high = high.max(key);
+    }
+    let mut beyond = true;
+    for _ in 0..MOST_GUESSES {
+        if above - below <= FEW || high - low <= 1 {
+            break;
+        }
+        // On a surface the number of vertices grows in proportion to the squared distance. Guesses aim
+        // at a few more and at a few less in turn.
+        let aim = (count - below) as f64 + if beyond { 2.5 } else { -1.5 };
+        let part = (aim / (above - below) as f64).clamp(0.05, 0.95);
+        let (least, most) = (squared_of(low.max(0)), squared_of(high));
+        let guess = key_of(least + part * (most - least)).clamp(low + 1, high - 1);
+        let found = count_within(keys, guess);
+        beyond = found < count;
+        if beyond {
+            (low, below) = (guess, found);
+        } else {
+            (high, above) = (guess, found);
+        }
+    }
+    (low, high)
+}
+
+/// How many neighbours are sorted without a further guess.
+const FEW: usize = 10;
+
+/// How often it is guessed which distances these have: more guesses gain nothing.
+const MOST_GUESSES: usize = 8;

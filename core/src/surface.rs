@@ -88,6 +88,27 @@ where
     Ok(positions)
 }
 
+/// A surface seen from one of its vertices.
+pub(crate) struct Seen<'a, T> {
+    from: [T; 3],
+    positions: &'a [[T; 3]],
+    /// That of the vertex, and all.
+    remainders: Option<([T; 3], &'a [[T; 3]])>,
+}
+
+impl<T: Real> Seen<'_, T> {
+    /// x_to − x_from.
+    #[inline(always)]
+    pub(crate) fn difference(&self, to: u32) -> [T; 3] {
+        let to = to as usize;
+        let difference = vec3::sub(self.positions[to], self.from);
+        match self.remainders {
+            None => difference,
+            Some((from, remainders)) => vec3::add(difference, vec3::sub(remainders[to], from)),
+        }
+    }
+}
+
 impl<'a, T: Real> Surface<'a, T> {
     /// The surface with `points` at the vertices of `mesh`.
     ///
@@ -179,6 +200,16 @@ impl<'a, T: Real> Surface<'a, T> {
         match self.remainders {
             None => difference,
             Some(remainders) => vec3::add(difference, vec3::sub(remainders[to], remainders[from])),
+        }
+    }
+
+    /// The surface seen from a vertex, of which many differences are taken.
+    #[inline(always)]
+    pub(crate) fn seen_from(&self, from: u32) -> Seen<'a, T> {
+        Seen {
+            from: self.positions[from as usize],
+            positions: self.positions,
+            remainders: self.remainders.map(|r| (r[from as usize], r)),
         }
     }
 

@@ -116,7 +116,7 @@ where
     }
 }
 
-/// Slots one after the other, as a task.
+/// Slots in a row, as a task.
 struct Run<'a, S, O, K> {
     kernel: &'a K,
     scratch: &'a mut S,
@@ -128,9 +128,7 @@ impl<S, O: Slots, K: SlotKernel<S, O>> NullaryFnOnce for Run<'_, S, O, K> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
-        for (k, slot) in self.slots.into_slots().enumerate() {
-            self.kernel.set(self.scratch, self.start + k, slot);
-        }
+        self.kernel.set(self.scratch, self.start, self.slots);
     }
 }
 

@@ -4,17 +4,18 @@
 //! (2005) 121; here weighted, interpolating at the vertex, with neighbours that adapt, and the
 //! same factorisation giving the row of a general Laplace–Beltrami operator.
 
-use crate::element::{Execution, SlotKernel, Slots};
+mod fits;
+
+use crate::element::Execution;
 use crate::energy::{Finding, Method};
-use crate::laplacian::least_squares::LeastSquares;
-use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, RowSlots, Rows};
+use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
 use crate::mesh::TriangleMesh;
-use crate::neighbourhood::Nearest;
+use crate::neighbourhood::Surroundings;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
-use crate::vec3::{dot, normalise, scale, sub, tangent_frame};
 use alloc::vec::Vec;
+use fits::{Fits, Scratch};
 
 /// Weighted least-squares jets: around each vertex a polynomial height function over the tangent
 /// plane is fitted to the nearest vertices along the surface.
@@ -78,9 +79,6 @@ impl<T: Real> Jet<T> {
 /// Highest degree that is offered: beyond, rounding outweighs what the degree gains.
 const HIGHEST_DEGREE: usize = 8;
 
-/// Slope of the fitted surface against its frame from which on it is fitted again, upright.
-const LEAN: f64 = 0.1;
-
 /// Number of monomials `x^a y^b` with 1 ≤ a + b ≤ `degree`.
 const fn coefficient_count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2 - 1
@@ -114,298 +112,80 @@ impl<T> JetMemory<T> {
     }
 }
 
-/// What one fit at a time needs.
-#[derive(Clone, Debug, Default)]
-struct Scratch<T> {
-    nearest: Nearest,
-    /// How many of them may be used.
-    available: usize,
-    differences: Vec<[T; 3]>,
-    /// Coordinates in the tangent plane, weights, and weighted heights of each, padded with zeros.
-    places: [Vec<T>; 2],
-    weights: Vec<T>,
-    heights: Vec<T>,
-    coefficients: Vec<T>,
-    functional: Vec<T>,
-    fit: LeastSquares<T>,
-}
-
-/// `e^x` for −16 < x ≤ 0, to rounding: the 64th power of the series of `e^(x/64)`. There is no call,
-/// which would end a vector.
-#[inline(always)]
-fn exponential<T: Real>(x: T) -> T {
-    let y = x * T::constant(1.0 / 64.0);
-    let step = |sum: T, over: f64| T::one() + sum * (y * T::constant(over));
-    let sum = step(T::one(), 1.0 / 9.0);
-    let sum = step(step(sum, 1.0 / 8.0), 1.0 / 7.0);
-    let sum = step(step(sum, 1.0 / 6.0), 1.0 / 5.0);
-    let sum = step(step(sum, 1.0 / 4.0), 1.0 / 3.0);
-    let sum = step(step(sum, 1.0 / 2.0), 1.0);
-    let fourth = (sum * sum) * (sum * sum);
-    let sixteenth = (fourth * fourth) * (fourth * fourth);
-    (sixteenth * sixteenth) * (sixteenth * sixteenth)
-}
-
-/// Sets `product` to the product of two columns, entry by entry.
-#[inline(always)]
-fn set_product<T: Real>(product: &mut [T], a: &[T], b: &[T]) {
-    for ((product, &a), &b) in product.iter_mut().zip(a).zip(b) {
-        *product = a * b;
-    }
-}
-
-/// A polynomial in lengths of ρ, over the tangent plane of `normal`.
-struct Polynomial<T> {
+/// What a fit is to be tried with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Attempt {
     degree: usize,
     neighbours: usize,
-    normal: [T; 3],
-    frame: [[T; 3]; 2],
-    radius: T,
 }
 
 impl<T: Real> Jet<T> {
-    /// Fits until the neighbours carry the degree; `None` if they do not even carry a paraboloid.
-    #[inline(always)]
-    fn fit(
-        &self,
-        scratch: &mut Scratch<T>,
-        surface: Surface<'_, T>,
-        centre: u32,
-        normal: [T; 3],
-    ) -> Option<Polynomial<T>> {
-        let available = scratch.available;
-        let highest = self.degree.clamp(2, HIGHEST_DEGREE);
-        for degree in (2..=highest).rev() {
+    /// The most neighbours of a fit.
+    fn room(&self) -> usize {
+        self.most_neighbours.max(coefficient_count(2))
+    }
+
+    /// The first attempt where so many neighbours are available: the highest degree that they may
+    /// carry, `highest` at most; `None` if they do not even carry a paraboloid.
+    fn first_attempt(&self, highest: usize, available: usize) -> Option<Attempt> {
+        let whole = coefficient_count(self.highest_degree());
+        (2..=highest).rev().find_map(|degree| {
             let coefficients = coefficient_count(degree);
-            if available < coefficients + if degree > 2 { 2 } else { 0 } {
-                continue;
-            }
+            let enough = available >= coefficients + if degree > 2 { 2 } else { 0 };
             // A lower degree starts from neighbours in proportion to its coefficients.
-            let first = (self.neighbours * coefficients).div_ceil(coefficient_count(highest));
-            let last = self.most_neighbours.max(coefficients).min(available);
-            let mut neighbours = first.clamp(coefficients.min(last), last);
-            loop {
-                let found = self.fit_with(scratch, surface, centre, normal, degree, neighbours);
-                let least = match (neighbours == last, degree) {
-                    (false, _) => self.conditioning,
-                    (true, 2) => T::epsilon().sqrt(),
-                    (true, _) => self.conditioning * T::constant(0.1),
-                };
-                match found {
-                    Some((polynomial, ratio)) if ratio >= least => return Some(polynomial),
-                    _ if neighbours == last => break,
-                    _ => neighbours = (neighbours + 2.max(neighbours / 4)).min(last),
-                }
-            }
-        }
-        None
-    }
-
-    /// One fit; its reciprocal condition is returned with it.
-    #[inline(always)]
-    fn fit_with(
-        &self,
-        scratch: &mut Scratch<T>,
-        surface: Surface<'_, T>,
-        centre: u32,
-        normal: [T; 3],
-        degree: usize,
-        neighbours: usize,
-    ) -> Option<(Polynomial<T>, T)> {
-        let Scratch {
-            nearest,
-            differences,
-            places: [across, along],
-            weights,
-            heights,
-            coefficients,
-            fit,
-            ..
-        } = scratch;
-        let sorted = differences.len();
-        if sorted < neighbours {
-            nearest.sort(sorted, neighbours);
-            let found = nearest.vertices().take(neighbours).skip(sorted);
-            differences.extend(found.map(|j| surface.difference(centre, j)));
-        }
-        let farthest = differences[neighbours - 1];
-        let radius = dot(farthest, farthest).sqrt();
-        if radius < T::min_positive_value() {
-            return None;
-        }
-        let frame = tangent_frame(normal);
-        let over = radius.recip();
-        let columns = coefficient_count(degree);
-        let (matrix, height) = fit.matrix(neighbours, columns);
-        for values in [&mut *across, &mut *along, &mut *weights, &mut *heights] {
-            values.clear();
-            values.resize(height, T::zero());
-        }
-        for (row, &difference) in differences[..neighbours].iter().enumerate() {
-            let local = scale(over, difference);
-            across[row] = dot(local, frame[0]);
-            along[row] = dot(local, frame[1]);
-            heights[row] = dot(local, normal);
-            weights[row] = -self.sharpness * dot(local, local);
-        }
-        for weight in &mut weights[..neighbours] {
-            *weight = exponential(*weight);
-        }
-        for (height, weight) in heights.iter_mut().zip(&*weights) {
-            *height *= *weight;
-        }
-        // Degree after degree: x·(the last degree), and y·(its last monomial).
-        set_product(&mut matrix[..height], across, weights);
-        set_product(&mut matrix[height..2 * height], along, weights);
-        for degree in 2..=degree {
-            let (last, start) = (coefficient_count(degree - 2), coefficient_count(degree - 1));
-            let (before, now) = matrix.split_at_mut(start * height);
-            for (number, column) in now.chunks_exact_mut(height).take(degree + 1).enumerate() {
-                let (factor, from) = if number < degree {
-                    (&*across, number)
-                } else {
-                    (&*along, degree - 1)
-                };
-                set_product(column, factor, &before[(last + from) * height..][..height]);
-            }
-        }
-        let ratio = fit.factorise();
-        if ratio <= T::zero() || ratio.is_nan() {
-            return None;
-        }
-        coefficients.resize(columns, T::zero());
-        fit.solve(&heights[..neighbours], coefficients);
-        Some((
-            Polynomial {
+            let first = (self.neighbours * coefficients).div_ceil(whole);
+            let last = self.last_neighbours(degree, available);
+            enough.then(|| Attempt {
                 degree,
-                neighbours,
-                normal,
-                frame,
-                radius,
-            },
-            ratio,
-        ))
-    }
-}
-
-impl<T: Real> Polynomial<T> {
-    /// The surface's normal at the vertex.
-    fn surface_normal(&self, coefficients: &[T]) -> [T; 3] {
-        let [p, q] = [coefficients[0], coefficients[1]];
-        let along = sub(self.normal, scale(p, self.frame[0]));
-        normalise(sub(along, scale(q, self.frame[1])))
+                neighbours: first.clamp(coefficients.min(last), last),
+            })
+        })
     }
 
-    /// Whether curvatures and the weights of the Laplacian stay within the range of the scalar.
-    fn is_bounded(&self, coefficients: &[T], functional: &mut Vec<T>) -> bool {
-        let (mean, gaussian) = self.curvatures(coefficients, functional);
-        let over = self.radius.recip();
-        [mean, gaussian, over * over]
-            .iter()
-            .all(|value| value.is_finite())
+    fn highest_degree(&self) -> usize {
+        self.degree.clamp(2, HIGHEST_DEGREE)
     }
 
-    /// H and K of the height function `p x + q y + c₂₀ x² + c₁₁ x y + c₀₂ y² + …`, and the
-    /// functional that takes the coefficients of any field to its Δ_S.
-    fn curvatures(&self, coefficients: &[T], functional: &mut Vec<T>) -> (T, T) {
-        let one = T::one();
-        let two = T::constant(2.0);
-        let [p, q, c20, c11, c02] = [0, 1, 2, 3, 4].map(|k| coefficients[k]);
-        let (xx, xy, yy) = (two * c20, c11, two * c02);
-        let w = one + p * p + q * q;
-        let root = w.sqrt();
-        let bend = (one + q * q) * xx - two * p * q * xy + (one + p * p) * yy;
-        let mean = -bend / (two * w * root);
-        let gaussian = (xx * yy - xy * xy) / (w * w);
-        functional.clear();
-        functional.resize(coefficients.len(), T::zero());
-        functional[0] = two * mean * p / root;
-        functional[1] = two * mean * q / root;
-        functional[2] = two * (one - p * p / w);
-        functional[3] = -two * p * q / w;
-        functional[4] = two * (one - q * q / w);
-        let over = self.radius.recip();
-        (mean * over, gaussian * over * over)
+    /// The most neighbours of a degree's fit where so many are available.
+    fn last_neighbours(&self, degree: usize, available: usize) -> usize {
+        let least = coefficient_count(degree);
+        self.most_neighbours.max(least).min(available)
     }
-}
 
-/// The fits around all vertices.
-struct Fits<'a, T> {
-    jet: &'a Jet<T>,
-    surface: Surface<'a, T>,
-}
+    /// The attempt after one that failed: with more neighbours, then of a lower degree.
+    fn next_attempt(&self, failed: Attempt, available: usize) -> Option<Attempt> {
+        let Attempt { degree, neighbours } = failed;
+        let last = self.last_neighbours(degree, available);
+        if neighbours == last {
+            return self.first_attempt(degree - 1, available);
+        }
+        let neighbours = (neighbours + 2.max(neighbours / 4)).min(last);
+        Some(Attempt { degree, neighbours })
+    }
 
-/// What a fit sets: the curvature, whose normal is the one to start from, the degree, and a row.
-type FitSlots<'a, T> = ((&'a mut [Curvature<T>], &'a mut [u8]), RowSlots<'a, T>);
-
-impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
+    /// The least |R_nn|/|R_11| with which an attempt is accepted.
     #[inline(always)]
-    fn set(
-        &self,
-        scratch: &mut Scratch<T>,
-        vertex: usize,
-        ((curvature, degree), (length, (columns, coefficients))): <FitSlots<'a, T> as Slots>::Slot,
-    ) {
-        let (surface, centre) = (self.surface, vertex as u32);
-        scratch.nearest.search(surface, centre, columns.len());
-        scratch.available = scratch.nearest.len().min(columns.len());
-        scratch.differences.clear();
-        let mut normal = curvature.normal;
-        let mut fitted = None;
-        // Twice at most, by one call: two would be too much to be compiled as part of the loop.
-        for upright in [false, true] {
-            fitted = self.jet.fit(scratch, surface, centre, normal);
-            let Some(polynomial) = &fitted else {
-                break;
-            };
-            let [p, q] = [scratch.coefficients[0], scratch.coefficients[1]];
-            // A frame that leans little serves as well: the formulas know p and q.
-            if upright || p * p + q * q <= T::constant(LEAN * LEAN) {
-                break;
-            }
-            normal = polynomial.surface_normal(&scratch.coefficients);
-        }
-        let bounded = fitted.filter(|polynomial| {
-            polynomial.is_bounded(&scratch.coefficients, &mut scratch.functional)
-        });
-        let Some(polynomial) = bounded else {
-            (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
-            (*degree, *length) = (0, 0);
-            return;
-        };
-        let Scratch {
-            nearest,
-            weights,
-            coefficients: found,
-            functional,
-            fit,
-            ..
-        } = scratch;
-        curvature.normal = polynomial.surface_normal(found);
-        (curvature.mean, curvature.gaussian) = polynomial.curvatures(found, functional);
-        *degree = polynomial.degree as u8;
-        *length = polynomial.neighbours as u32;
-        let row = &mut coefficients[..polynomial.neighbours];
-        fit.row_of(functional, row);
-        let over = polynomial.radius.recip();
-        for (entry, &weight) in row.iter_mut().zip(weights.iter()) {
-            *entry *= weight * over * over;
-        }
-        for (column, neighbour) in columns.iter_mut().zip(nearest.vertices()) {
-            *column = neighbour;
+    fn least_ratio(&self, attempt: Attempt, available: usize) -> T {
+        let Attempt { degree, neighbours } = attempt;
+        match (neighbours == self.last_neighbours(degree, available), degree) {
+            (false, _) => self.conditioning,
+            (true, 2) => T::epsilon().sqrt(),
+            (true, _) => self.conditioning * T::constant(0.1),
         }
     }
 }
 
 impl<T: Real> Method<T> for Jet<T> {
-    type Plan = ();
+    type Plan = Surroundings;
     type Memory = JetMemory<T>;
 
-    fn plan(&self, _mesh: &TriangleMesh) {}
+    fn plan(&self, mesh: &TriangleMesh) -> Surroundings {
+        Surroundings::new(mesh, self.room())
+    }
 
     fn inspect(
         &self,
-        (): &(),
+        _plan: &Surroundings,
         surface: Surface<'_, T>,
         memory: &JetMemory<T>,
         report: &mut dyn FnMut(Finding),
@@ -426,7 +206,7 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
     fn measure(
         &self,
         execution: &impl Execution,
-        (): &(),
+        plan: &Surroundings,
         surface: Surface<'_, T>,
         memory: &mut JetMemory<T>,
         curvature: &mut [Curvature<T>],
@@ -442,15 +222,20 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
         // Areas, and normals to start from.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
         degrees.resize(vertices, 0);
-        let slots = rows.slots(vertices, self.most_neighbours.max(coefficient_count(2)));
+        let slots = rows.slots(vertices, self.room());
         let output = ((curvature, &mut degrees[..]), slots);
-        execution.run(scratches, output, &Fits { jet: self, surface });
+        let fits = Fits {
+            jet: self,
+            plan,
+            surface,
+        };
+        execution.run(scratches, output, &fits);
     }
 
     fn apply<const D: usize>(
         &self,
         execution: &impl Execution,
-        (): &(),
+        _plan: &Surroundings,
         _surface: Surface<'_, T>,
         memory: &JetMemory<T>,
         field: &[[T; D]],
@@ -461,7 +246,7 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
 
     fn assemble(
         &self,
-        (): &(),
+        _plan: &Surroundings,
         _surface: Surface<'_, T>,
         memory: &JetMemory<T>,
         rows: &mut Rows<T>,

@@ -1,260 +1,279 @@
-//! Small dense least squares: column-pivoted Householder QR over reused memory.
+//! Small dense least squares, several at once: column-pivoted Householder QR over reused memory.
 //!
 //! G. H. Golub and C. F. Van Loan, Matrix Computations, section 5.4.
+//!
+//! Each entry of a matrix is the entry of `W` matrices: what is done to one is done to all, and only
+//! the pivots differ. Sums go over the rows in their order, so that rows of zeros, which pad the
+//! shorter of them, change no bit, and neither does what the other matrices are.
 
+use crate::lane::{Lane, Several};
 use crate::real::Real;
 use alloc::vec::Vec;
+use core::array;
 
-/// Numbers that are computed at once: columns are padded with zeros to a multiple of it, and what is
-/// done to them starts at a multiple, so that nothing is left over to be done one by one.
-const BLOCK: usize = 8;
+/// Columns that are carried along at once: as many sums of their own, which need not wait for each
+/// other.
+const COLUMNS: usize = 4;
 
-/// The factorisation `A D P = Q R` of a matrix with unit columns after scaling by D, kept so that
-/// both the solution and the rows of functionals of it can be had.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct LeastSquares<T> {
+/// Sums into which a single one is divided for the same reason, by the number of the row.
+const SUMS: usize = 4;
+
+/// The factorisations `A D P = Q R` of matrices with unit columns after scaling by D, kept so that
+/// both the solutions and the rows of functionals of them can be had.
+#[derive(Clone, Debug)]
+pub(crate) struct LeastSquares<T, const W: usize> {
     rows: usize,
     columns: usize,
-    /// The number of rows, padded.
-    height: usize,
-    /// Column after column: Householder vectors, 0 above the diagonal and in the padding.
-    matrix: Vec<T>,
-    /// Column after column: R above the diagonal.
-    upper: Vec<T>,
-    /// The diagonal of R.
-    diagonal: Vec<T>,
-    /// 2/|v|² of each Householder vector v.
-    factors: Vec<T>,
-    /// D: what each column was divided by, in its original place.
-    scales: Vec<T>,
+    /// Column after column: R above the diagonal, from there on Householder vectors; then the
+    /// right-hand side, which becomes Qᵀb.
+    matrix: Vec<Several<T, W>>,
+    /// The diagonal of R, and 1 over it: 0 where it is 0.
+    diagonal: Vec<Several<T, W>>,
+    over_diagonal: Vec<Several<T, W>>,
+    /// −2/|v|² of each Householder vector v.
+    factors: Vec<Several<T, W>>,
+    /// D: 1 over the length of each column, in its original place.
+    scales: Vec<Several<T, W>>,
     /// P: the original place of each column.
-    order: Vec<usize>,
-    squared_norms: Vec<T>,
-    /// A right-hand side or a row, padded.
-    vector: Vec<T>,
+    order: Vec<[u32; W]>,
+    squared_norms: Vec<Several<T, W>>,
+    /// A row.
+    vector: Vec<Several<T, W>>,
 }
 
-impl<T: Real> LeastSquares<T> {
-    /// Room for a matrix: its entries column after column, and how far apart columns start. All
-    /// have to be set, but for those in the padding.
+impl<T, const W: usize> Default for LeastSquares<T, W> {
+    fn default() -> Self {
+        Self {
+            rows: 0,
+            columns: 0,
+            matrix: Vec::new(),
+            diagonal: Vec::new(),
+            over_diagonal: Vec::new(),
+            factors: Vec::new(),
+            scales: Vec::new(),
+            order: Vec::new(),
+            squared_norms: Vec::new(),
+            vector: Vec::new(),
+        }
+    }
+}
+
+impl<T: Real, const W: usize> LeastSquares<T, W> {
+    /// Room for matrices and their right-hand sides: entries column after column, all of which have to
+    /// be set.
     #[inline(always)]
-    pub(crate) fn matrix(&mut self, rows: usize, columns: usize) -> (&mut [T], usize) {
+    pub(crate) fn matrix(&mut self, rows: usize, columns: usize) -> &mut [Several<T, W>] {
         self.rows = rows;
         self.columns = columns;
-        self.height = rows.next_multiple_of(BLOCK);
-        self.matrix.resize(self.height * columns, T::zero());
-        (&mut self.matrix, self.height)
+        self.matrix.resize(rows * (columns + 1), Several::zero());
+        &mut self.matrix
     }
 
-    /// Factorises the matrix. Returns |R_nn| / |R_11|, an estimate of the reciprocal condition; 0 if it
-    /// has not full rank.
+    /// Factorises the matrices and carries the right-hand sides along. Returns |R_nn| / |R_11| of
+    /// each, an estimate of the reciprocal condition; 0 if it has not full rank.
     #[inline(always)]
-    pub(crate) fn factorise(&mut self) -> T {
-        let columns = self.columns;
-        self.upper.resize(columns * columns, T::zero());
-        self.diagonal.resize(columns, T::zero());
-        self.factors.resize(columns, T::zero());
-        self.scales.clear();
-        self.squared_norms.clear();
-        self.order.clear();
-        self.order.extend(0..columns);
-        for column in self.matrix.chunks_exact_mut(self.height) {
-            column[self.rows..].fill(T::zero());
-            let norm = dot(column, column).sqrt();
-            if norm < T::min_positive_value() {
-                return T::zero();
-            }
-            let over = norm.recip();
+    pub(crate) fn factorise(&mut self) -> Several<T, W> {
+        let (rows, columns) = (self.rows, self.columns);
+        self.diagonal.resize(columns, Several::zero());
+        self.over_diagonal.resize(columns, Several::zero());
+        self.factors.resize(columns, Several::zero());
+        self.scales.resize(columns, Several::zero());
+        self.squared_norms.resize(columns, Several::zero());
+        self.order.resize(columns, [0; W]);
+        for place in 0..columns {
+            let column = &mut self.matrix[place * rows..][..rows];
+            let over = dot(column, column).sqrt().reciprocal_or_zero();
             for entry in column.iter_mut() {
-                *entry *= over;
+                *entry = *entry * over;
             }
-            self.scales.push(norm);
-            self.squared_norms.push(T::one());
+            self.scales[place] = over;
+            let extended = Several::zero().less(over);
+            self.squared_norms[place] = Several::select(extended, Several::literal(1.0), over);
+            self.order[place] = [place as u32; W];
         }
         for step in 0..columns {
             self.pivot(step);
-            if !self.reflect(step) {
-                return T::zero();
-            }
+            self.reflect(step);
         }
-        (self.diagonal[columns - 1] / self.diagonal[0]).abs()
+        let ratio = self.diagonal[columns - 1] * self.over_diagonal[0];
+        Several::select(ratio.less(Several::zero()), -ratio, ratio)
     }
 
-    /// Brings the longest of the remaining columns forward.
+    /// Brings the longest of the remaining columns forward, of each matrix its own.
     #[inline(always)]
     fn pivot(&mut self, step: usize) {
-        let mut longest = step;
-        for column in step + 1..self.columns {
-            if self.squared_norms[column] > self.squared_norms[longest] {
-                longest = column;
+        let rows = self.rows;
+        let mut longest = self.squared_norms[step];
+        let mut pivots = [step as u32; W];
+        for place in step + 1..self.columns {
+            let norm = self.squared_norms[place];
+            for k in 0..W {
+                let longer = norm.0[k] > longest.0[k];
+                longest.0[k] = if longer { norm.0[k] } else { longest.0[k] };
+                pivots[k] = if longer { place as u32 } else { pivots[k] };
             }
         }
-        if longest != step {
-            self.order.swap(step, longest);
-            self.squared_norms.swap(step, longest);
-            let (front, back) = self.matrix.split_at_mut(longest * self.height);
-            front[step * self.height..][..self.height].swap_with_slice(&mut back[..self.height]);
+        let (front, back) = self.matrix.split_at_mut((step + 1) * rows);
+        let column = &mut front[step * rows..];
+        for k in 0..W {
+            let pivot = pivots[k] as usize;
+            if pivot == step {
+                continue;
+            }
+            let (now, then) = (self.order[step][k], self.order[pivot][k]);
+            (self.order[step][k], self.order[pivot][k]) = (then, now);
+            self.squared_norms[pivot].0[k] = self.squared_norms[step].0[k];
+            let other = &mut back[(pivot - step - 1) * rows..][..rows];
+            for (a, b) in column.iter_mut().zip(other) {
+                (a.0[k], b.0[k]) = (b.0[k], a.0[k]);
+            }
         }
     }
 
-    /// Clears a column below the diagonal and carries the others along; false if it was zero.
+    /// Clears a column below the diagonal and carries the others along.
     #[inline(always)]
-    fn reflect(&mut self, step: usize) -> bool {
-        let height = self.height;
-        let (front, back) = self.matrix.split_at_mut((step + 1) * height);
-        let column = &mut front[step * height..];
-        self.upper[step * self.columns..][..step].copy_from_slice(&column[..step]);
-        column[..step].fill(T::zero());
-        let start = block_of(step);
-        let vector = &mut column[start..];
+    fn reflect(&mut self, step: usize) {
+        let rows = self.rows;
+        let (front, back) = self.matrix.split_at_mut((step + 1) * rows);
+        let vector = &mut front[step * rows + step..];
         let norm = dot(vector, vector).sqrt();
-        if norm < T::min_positive_value() {
-            return false;
-        }
         // The sign that adds: v₀ = x₀ + sign(x₀)|x|.
-        let first = &mut vector[step - start];
-        let diagonal = if *first > T::zero() { -norm } else { norm };
-        *first -= diagonal;
-        let factor = -(diagonal * *first).recip();
+        let first = vector[0];
+        let diagonal = Several::select(Several::zero().less(first), -norm, norm);
+        let first = first - diagonal;
+        vector[0] = first;
+        let factor = (diagonal * first).reciprocal_or_zero();
         self.diagonal[step] = diagonal;
+        self.over_diagonal[step] = diagonal.reciprocal_or_zero();
         self.factors[step] = factor;
-        let carried = Carried {
-            vector,
-            factor,
-            step,
-        };
-        for (offset, column) in back.chunks_exact_mut(height).enumerate() {
-            let norm = &mut self.squared_norms[step + 1 + offset];
-            carried.onto(column, norm);
+        let norms = &mut self.squared_norms[step + 1..];
+        let mut blocks = back.chunks_exact_mut(COLUMNS * rows);
+        for block in &mut blocks {
+            carry::<T, W, COLUMNS>(vector, factor, block);
         }
-        true
+        let left = blocks.into_remainder();
+        match left.len() / rows {
+            3 => carry::<T, W, 3>(vector, factor, left),
+            2 => carry::<T, W, 2>(vector, factor, left),
+            1 => carry::<T, W, 1>(vector, factor, left),
+            _ => {}
+        }
+        for (column, norm) in back.chunks_exact(rows).zip(norms) {
+            *norm = left_of(&column[step..], *norm);
+        }
     }
 
-    /// The coefficients, in the original order of the columns, that minimise |A c − b|.
+    /// Sets the coefficients, in the original order of the columns, that minimise |A c − b|.
     #[inline(always)]
-    pub(crate) fn solve(&mut self, right: &[T], coefficients: &mut [T]) {
-        self.vector.clear();
-        self.vector.extend_from_slice(right);
-        self.vector.resize(self.height, T::zero());
-        let result = &mut self.vector[..];
-        for step in 0..self.columns {
-            let start = block_of(step);
-            let vector = &self.matrix[step * self.height..][start..self.height];
-            let tail = &mut result[start..];
-            add_scaled(tail, -(self.factors[step] * dot(vector, tail)), vector);
-        }
+    pub(crate) fn solve(&mut self, coefficients: &mut [Several<T, W>]) {
+        let (front, result) = self.matrix.split_at_mut(self.columns * self.rows);
         for place in (0..self.columns).rev() {
-            let found = result[place] / self.diagonal[place];
-            result[place] = found;
-            let above = &self.upper[place * self.columns..][..place];
+            let found = result[place] * self.over_diagonal[place];
+            let above = &front[place * self.rows..][..place];
             for (entry, &upper) in result.iter_mut().zip(above) {
-                *entry -= upper * found;
+                *entry = *entry - upper * found;
+            }
+            for k in 0..W {
+                let original = self.order[place][k] as usize;
+                coefficients[original].0[k] = found.0[k] * self.scales[original].0[k];
             }
         }
-        for (place, &original) in self.order.iter().enumerate() {
-            coefficients[original] = result[place] / self.scales[original];
-        }
     }
 
-    /// The row r with `functional · c = r · b` for the solution c of every right-hand side b.
+    /// The rows r with `functional · c = r · b` for the solutions c of every right-hand side b.
     #[inline(always)]
-    pub(crate) fn row_of(&mut self, functional: &[T], row: &mut [T]) {
+    pub(crate) fn row_of(&mut self, functional: &[Several<T, W>]) -> &mut [Several<T, W>] {
         self.vector.clear();
-        self.vector.resize(self.height, T::zero());
+        self.vector.resize(self.rows, Several::zero());
         let result = &mut self.vector[..];
         for place in 0..self.columns {
-            let original = self.order[place];
-            let scaled = functional[original] / self.scales[original];
-            let above = &self.upper[place * self.columns..][..place];
-            let known = above.iter().zip(&*result);
-            let sum = known.fold(T::zero(), |sum, (&a, &b)| sum + a * b);
-            result[place] = (scaled - sum) / self.diagonal[place];
+            let mut sum = Several::zero();
+            for k in 0..W {
+                let original = self.order[place][k] as usize;
+                sum.0[k] = functional[original].0[k] * self.scales[original].0[k];
+            }
+            let above = &self.matrix[place * self.rows..][..place];
+            for (&upper, &known) in above.iter().zip(&*result) {
+                sum = sum - upper * known;
+            }
+            result[place] = sum * self.over_diagonal[place];
         }
         for step in (0..self.columns).rev() {
-            let start = block_of(step);
-            let vector = &self.matrix[step * self.height..][start..self.height];
-            let tail = &mut result[start..];
-            add_scaled(tail, -(self.factors[step] * dot(vector, tail)), vector);
+            let vector = &self.matrix[step * self.rows..][step..self.rows];
+            let tail = &mut result[step..];
+            let along = self.factors[step] * dot(vector, tail);
+            for (entry, &across) in tail.iter_mut().zip(vector) {
+                *entry = *entry + along * across;
+            }
         }
-        row.copy_from_slice(&self.vector[..self.rows]);
+        result
     }
 }
 
-/// A Householder reflection, of one column that is left after the other.
-struct Carried<'a, T> {
-    vector: &'a [T],
-    factor: T,
-    step: usize,
-}
-
-impl<T: Real> Carried<'_, T> {
-    /// One column; `norm` is the square of what is left of it.
-    #[inline(always)]
-    fn onto(&self, column: &mut [T], norm: &mut T) {
-        let tail = &mut column[block_of(self.step)..];
-        let along = -(self.factor * dot(self.vector, tail));
-        add_scaled(tail, along, self.vector);
-        *norm = self.left(column, *norm);
-    }
-
-    /// The square of what is left of a column below this step; it was `norm` before.
-    #[inline(always)]
-    fn left(&self, column: &[T], norm: T) -> T {
-        let removed = column[self.step] * column[self.step];
-        let left = norm - removed;
-        // What a difference of nearly equal numbers leaves is measured anew.
-        if left > norm * T::constant(1e-3) {
-            return left;
-        }
-        let below = block_of(self.step) + BLOCK;
-        let blocks = &column[below..];
-        let mut sum = dot(blocks, blocks);
-        for &entry in &column[self.step + 1..below] {
-            sum += entry * entry;
-        }
-        sum
-    }
-}
-
-/// Where the block of a row starts.
+/// Reflects `C` columns in the rows of the Householder vector, which are the last.
 #[inline(always)]
-fn block_of(row: usize) -> usize {
-    row / BLOCK * BLOCK
-}
-
-/// Scalar product of whole blocks, in as many interleaved sums, which map to vector registers.
-#[inline(always)]
-fn dot<T: Real>(a: &[T], b: &[T]) -> T {
-    let mut sums = [T::zero(); BLOCK];
-    for (a, b) in a
-        .as_chunks::<BLOCK>()
-        .0
-        .iter()
-        .zip(b.as_chunks::<BLOCK>().0)
-    {
-        for k in 0..BLOCK {
-            sums[k] += a[k] * b[k];
+fn carry<T: Real, const W: usize, const C: usize>(
+    vector: &[Several<T, W>],
+    factor: Several<T, W>,
+    mut columns: &mut [Several<T, W>],
+) {
+    let (rows, left) = (columns.len() / C, vector.len());
+    let mut tails: [&mut [Several<T, W>]; C] = array::from_fn(|_| Default::default());
+    for tail in &mut tails {
+        let (column, others) = columns.split_at_mut(rows);
+        *tail = &mut column[rows - left..][..left];
+        columns = others;
+    }
+    let mut sums = [Several::<T, W>::zero(); C];
+    for row in 0..left {
+        for c in 0..C {
+            sums[c] = sums[c] + vector[row] * tails[c][row];
         }
     }
-    total(sums)
-}
-
-#[inline(always)]
-fn total<T: Real>(sums: [T; BLOCK]) -> T {
-    let [a, b, c, d, e, f, g, h] = sums;
-    ((a + e) + (b + f)) + ((c + g) + (d + h))
-}
-
-/// `target += factor vector`, whole blocks.
-#[inline(always)]
-fn add_scaled<T: Real>(target: &mut [T], factor: T, vector: &[T]) {
-    let blocks = target.as_chunks_mut::<BLOCK>().0.iter_mut();
-    for (target, vector) in blocks.zip(vector.as_chunks::<BLOCK>().0) {
-        // Read as a whole before anything is written: the two might overlap, for all that is known.
-        let (mut sum, vector) = (*target, *vector);
-        for k in 0..BLOCK {
-            sum[k] += factor * vector[k];
-        }
-        *target = sum;
+    for sum in &mut sums {
+        *sum = factor * *sum;
     }
+    for row in 0..left {
+        let across = vector[row];
+        for c in 0..C {
+            tails[c][row] = tails[c][row] + sums[c] * across;
+        }
+    }
+}
+
+/// The squares of what is left of columns below their first entries; they were `norms` before.
+#[inline(always)]
+fn left_of<T: Real, const W: usize>(
+    columns: &[Several<T, W>],
+    norms: Several<T, W>,
+) -> Several<T, W> {
+    let mut left = norms - columns[0] * columns[0];
+    // What a difference of nearly equal numbers leaves is measured anew.
+    let least = norms * Several::literal(1e-3);
+    let mut any = false;
+    for k in 0..W {
+        any |= !(left.0[k] > least.0[k]);
+    }
+    if any {
+        let measured = dot(&columns[1..], &columns[1..]);
+        left = Several::select(least.less(left), left, measured);
+    }
+    left
+}
+
+/// Scalar products.
+#[inline(always)]
+fn dot<T: Real, const W: usize>(a: &[Several<T, W>], b: &[Several<T, W>]) -> Several<T, W> {
+    let mut sums = [Several::zero(); SUMS];
+    let (whole_a, rest_a) = a.as_chunks::<SUMS>();
+    let (whole_b, rest_b) = b.as_chunks::<SUMS>();
+    for (a, b) in whole_a.iter().zip(whole_b) {
+        for k in 0..SUMS {
+            sums[k] = sums[k] + a[k] * b[k];
+        }
+    }
+    for (k, (&a, &b)) in rest_a.iter().zip(rest_b).enumerate() {
+        sums[k] = sums[k] + a * b;
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }

@@ -4,7 +4,7 @@
 
 use crate::element::Execution;
 use crate::energy::{Finding, Method};
-use crate::lane::Lane;
+use crate::lane::{Lane, Several};
 use crate::laplacian::least_squares::LeastSquares;
 use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
 use crate::mesh::TriangleMesh;
@@ -81,8 +81,7 @@ struct Fit<T> {
     offsets: Vec<Vec3<T>>,
     /// The distance of the farthest neighbour.
     radius: T,
-    problem: LeastSquares<T>,
-    heights: Vec<T>,
+    problem: LeastSquares<T, 1>,
 }
 
 /// A paraboloid that was fitted: its coefficients a, b, c, d, e in units of the radius, and the
@@ -108,7 +107,10 @@ impl<T: Real> Fit<T> {
         let fitted = self.settle(normal)?;
         let (mean, gaussian, laplacian) = fitted.curvature();
         let row = &mut row[..self.offsets.len()];
-        self.problem.row_of(&laplacian, row);
+        let laplacian = laplacian.map(|x| Several([x]));
+        for (entry, found) in row.iter_mut().zip(self.problem.row_of(&laplacian)) {
+            *entry = found.0[0];
+        }
         let parts = self.offsets.iter().zip(&*row);
         let amplification = parts
             .map(|(&offset, &coefficient)| coefficient.abs() * dot(offset, offset))
@@ -158,27 +160,28 @@ impl<T: Real> Fit<T> {
         let half = T::constant(0.5);
         let offsets = &self.offsets;
         // A column that is only rounding would be taken for a direction like any other.
-        let (matrix, height) = self.problem.matrix(count, COEFFICIENTS);
+        let matrix = self.problem.matrix(count, COEFFICIENTS);
+        let height = count;
         for (k, &offset) in offsets.iter().enumerate() {
             let (x, y) = (dot(offset, first), dot(offset, second));
             let basis = [x, y, half * x * x, x * y, half * y * y];
             for (column, entry) in basis.into_iter().enumerate() {
-                matrix[column * height + k] = entry;
+                matrix[column * height + k] = Several([entry]);
             }
+            matrix[COEFFICIENTS * height + k] = Several([dot(offset, normal)]);
         }
-        let small = |entry: &T| entry.abs() <= T::epsilon();
+        let small = |entry: &Several<T, 1>| entry.0[0].abs() <= T::epsilon();
         let noise = matrix
             .chunks_exact(height)
+            .take(COEFFICIENTS)
             .any(|column| column[..count].iter().all(small));
-        let independence = self.problem.factorise();
+        let independence = self.problem.factorise().0[0];
         if noise || independence <= T::constant(count as f64) * T::epsilon() {
             return None;
         }
-        self.heights.clear();
-        self.heights
-            .extend(offsets.iter().map(|&offset| dot(offset, normal)));
-        let mut coefficients = [T::zero(); COEFFICIENTS];
-        self.problem.solve(&self.heights, &mut coefficients);
+        let mut coefficients = [Several::zero(); COEFFICIENTS];
+        self.problem.solve(&mut coefficients);
+        let coefficients = coefficients.map(|x| x.0[0]);
         let [a, b, ..] = coefficients;
         let tilt = add(scale(a, first), scale(b, second));
         Some(Fitted {

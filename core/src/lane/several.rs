@@ -1,0 +1,125 @@
+//! As many numbers at once as a vector register holds.
+
+use crate::lane::Lane;
+use crate::real::Real;
+use core::ops::{Add, Mul, Neg, Sub};
+
+/// `W` numbers that go through a formula together: plain loops over them, of which compilers make
+/// vectors as wide as the function allows into which they are inlined. They start where vectors of
+/// 32 bytes do, so that none crosses a line of the cache.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(32))]
+pub(crate) struct Several<T, const W: usize>(pub(crate) [T; W]);
+
+impl<T: Real, const W: usize> Default for Several<T, W> {
+    fn default() -> Self {
+        Self([T::zero(); W])
+    }
+}
+
+impl<T: Real, const W: usize> Add for Several<T, W> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(mut self, other: Self) -> Self {
+        for k in 0..W {
+            self.0[k] += other.0[k];
+        }
+        self
+    }
+}
+
+impl<T: Real, const W: usize> Sub for Several<T, W> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(mut self, other: Self) -> Self {
+        for k in 0..W {
+            self.0[k] -= other.0[k];
+        }
+        self
+    }
+}
+
+impl<T: Real, const W: usize> Mul for Several<T, W> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(mut self, other: Self) -> Self {
+        for k in 0..W {
+            self.0[k] *= other.0[k];
+        }
+        self
+    }
+}
+
+impl<T: Real, const W: usize> Neg for Several<T, W> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(mut self) -> Self {
+        for k in 0..W {
+            self.0[k] = -self.0[k];
+        }
+        self
+    }
+}
+
+impl<T: Real, const W: usize> Lane for Several<T, W> {
+    type Scalar = T;
+    type Mask = [bool; W];
+    const WIDTH: usize = W;
+
+    #[inline(always)]
+    fn splat(value: T) -> Self {
+        Self([value; W])
+    }
+    #[inline(always)]
+    fn from_fn(mut entry: impl FnMut(usize) -> T) -> Self {
+        let mut lane = [T::zero(); W];
+        for (k, number) in lane.iter_mut().enumerate() {
+            *number = entry(k);
+        }
+        Self(lane)
+    }
+    #[inline(always)]
+    fn entry(self, index: usize) -> T {
+        self.0[index]
+    }
+    #[inline(always)]
+    fn sqrt(mut self) -> Self {
+        for k in 0..W {
+            self.0[k] = self.0[k].sqrt();
+        }
+        self
+    }
+    #[inline(always)]
+    fn atan2(mut self, x: Self) -> Self {
+        for k in 0..W {
+            self.0[k] = Lane::atan2(self.0[k], x.0[k]);
+        }
+        self
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> [bool; W] {
+        let mut mask = [false; W];
+        for k in 0..W {
+            mask[k] = self.0[k] < other.0[k];
+        }
+        mask
+    }
+    #[inline(always)]
+    fn select(mask: [bool; W], yes: Self, no: Self) -> Self {
+        let mut lane = no;
+        for k in 0..W {
+            lane.0[k] = if mask[k] { yes.0[k] } else { no.0[k] };
+        }
+        lane
+    }
+    #[inline(always)]
+    fn reciprocal_or_zero(mut self) -> Self {
+        for k in 0..W {
+            let entry = self.0[k];
+            let over = entry.recip();
+            let extended = entry.abs() >= T::min_positive_value();
+            self.0[k] = if extended { over } else { T::zero() };
+        }
+        self
+    }
+}

@@ -1,0 +1,478 @@
+//! The fits around all vertices, those of several vertices at once.
+
+use super::{Attempt, Jet, coefficient_count};
+use crate::element::{SlotKernel, Slots};
+use crate::lane::{Lane, Several};
+use crate::laplacian::least_squares::LeastSquares;
+use crate::laplacian::{Curvature, RowSlots};
+use crate::neighbourhood::{Surroundings, set_keys, set_nearest};
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::vec3::{dot, normalise, scale, sub, tangent_frame};
+use alloc::vec::Vec;
+
+/// Slope of the fitted surface against its frame from which on it is fitted again, upright.
+const LEAN: f64 = 0.1;
+
+/// Vertices of which fits are pending at a time: enough to find several of the same degree among those
+/// that are tried again.
+const PENDING: usize = 32;
+
+/// The fits around all vertices.
+pub(super) struct Fits<'a, T> {
+    pub(super) jet: &'a Jet<T>,
+    pub(super) plan: &'a Surroundings,
+    pub(super) surface: Surface<'a, T>,
+}
+
+/// What a fit sets: the curvature, whose normal is the one to start from, the degree, and a row.
+type FitSlots<'a, T> = ((&'a mut [Curvature<T>], &'a mut [u8]), RowSlots<'a, T>);
+
+/// Memory for fits of one thread, of which only that of one width is used.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch<T> {
+    four: Block<T, 4>,
+    eight: Block<T, 8>,
+}
+
+/// What is needed to fit `W` vertices at once, padded with neighbours at the vertex itself, whose
+/// monomials are zero.
+#[derive(Clone, Debug)]
+struct Block<T, const W: usize> {
+    /// The keys of the surroundings of each pending vertex, as many entries for each.
+    keys: Vec<i32>,
+    ranks: Vec<u64>,
+    /// Neighbours' positions relative to the vertex, along each axis.
+    differences: [Vec<Several<T, W>>; 3],
+    /// Coordinates in the tangent plane in lengths of the radius, and weights.
+    places: [Vec<Several<T, W>>; 2],
+    weights: Vec<Several<T, W>>,
+    coefficients: Vec<Several<T, W>>,
+    functional: Vec<Several<T, W>>,
+    fit: LeastSquares<T, W>,
+}
+
+impl<T, const W: usize> Default for Block<T, W> {
+    fn default() -> Self {
+        Self {
+            keys: Vec::new(),
+            ranks: Vec::new(),
+            differences: [const { Vec::new() }; 3],
+            places: [const { Vec::new() }; 2],
+            weights: Vec::new(),
+            coefficients: Vec::new(),
+            functional: Vec::new(),
+            fit: LeastSquares::default(),
+        }
+    }
+}
+
+/// What is found for each of the vertices of a block, apart from coefficients.
+struct Found<T, const W: usize> {
+    frame: [[Several<T, W>; 3]; 2],
+    over_radius: Several<T, W>,
+    /// |R_nn|/|R_11|.
+    ratio: Several<T, W>,
+}
+
+/// A polynomial in lengths of the radius, over the tangent plane of `normal`.
+struct Polynomial<T> {
+    normal: [T; 3],
+    frame: [[T; 3]; 2],
+    over_radius: T,
+    /// p, q, c₂₀, c₁₁, c₀₂ of `p x + q y + c₂₀ x² + c₁₁ x y + c₀₂ y² + …`.
+    leading: [T; LEADING],
+}
+
+/// Coefficients on which H, K and Δ_S depend.
+const LEADING: usize = coefficient_count(2);
+
+/// A vertex of which the fit is pending.
+struct Pending<'a, T> {
+    vertex: usize,
+    curvature: &'a mut Curvature<T>,
+    degree: &'a mut u8,
+    length: &'a mut u32,
+    columns: &'a mut [u32],
+    row: &'a mut [T],
+    /// The normal of the frame, and whether it is that of a fit.
+    normal: [T; 3],
+    upright: bool,
+    attempt: Attempt,
+    available: usize,
+}
+
+/// The vertices of which fits are pending, each in a place of its own.
+type Queue<'a, T> = [Option<Pending<'a, T>>; PENDING];
+
+impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
+    /// In vectors of 32 bytes.
+    #[inline(always)]
+    fn set(&self, scratch: &mut Scratch<T>, start: usize, slots: FitSlots<'a, T>) {
+        if const { size_of::<T>() > 4 } {
+            self.fit_all(&mut scratch.four, start, slots);
+        } else {
+            self.fit_all(&mut scratch.eight, start, slots);
+        }
+    }
+}
+
+impl<T: Real> Fits<'_, T> {
+    #[inline(always)]
+    fn fit_all<const W: usize>(
+        &self,
+        block: &mut Block<T, W>,
+        start: usize,
+        slots: FitSlots<'_, T>,
+    ) {
+        let mut slots = (start..).zip(slots.into_slots());
+        let mut queue: Queue<'_, T> = [const { None }; PENDING];
+        let room = self.plan.room();
+        block.keys.resize(PENDING * room, 0);
+        loop {
+            let (mut order, mut count) = ([0; PENDING], 0);
+            for (place, pending) in queue.iter_mut().enumerate() {
+                while pending.is_none()
+                    && let Some((vertex, slot)) = slots.next()
+                {
+                    let keys = &mut block.keys[place * room..][..room];
+                    *pending = self.begin(keys, vertex, slot);
+                }
+                if pending.is_some() {
+                    order[count] = place;
+                    count += 1;
+                }
+            }
+            order[..count].sort_unstable_by_key(|&place| (attempt_at(&queue, place), place));
+            // Blocks of the same degree; one that is not full only where there is no other.
+            let (mut rest, mut idle) = (&order[..count], true);
+            while let Some(&first) = rest.first() {
+                let Some(Attempt { degree, .. }) = attempt_at(&queue, first) else {
+                    break;
+                };
+                let alike = |&&place: &&usize| {
+                    attempt_at(&queue, place).is_some_and(|attempt| attempt.degree == degree)
+                };
+                let alike = rest.iter().take(W).take_while(alike).count();
+                let (members, others) = rest.split_at(alike);
+                rest = others;
+                if alike == W || (idle && others.is_empty()) {
+                    self.fit_block(block, &mut queue, members, degree);
+                    idle = false;
+                }
+            }
+            if idle {
+                break;
+            }
+        }
+    }
+
+    /// Takes a vertex up; `None` if its neighbours carry no fit.
+    #[inline(always)]
+    fn begin<'b>(
+        &self,
+        keys: &mut [i32],
+        vertex: usize,
+        ((curvature, degree), (length, (columns, row))): <FitSlots<'b, T> as Slots>::Slot,
+    ) -> Option<Pending<'b, T>> {
+        let surroundings = self.plan.of(vertex);
+        let available = surroundings.len().min(columns.len());
+        let normal = curvature.normal;
+        let attempt = self.jet.first_attempt(self.jet.highest_degree(), available);
+        (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
+        (*degree, *length) = (0, 0);
+        let attempt = attempt?;
+        set_keys(keys, self.surface, vertex as u32, surroundings);
+        Some(Pending {
+            vertex,
+            curvature,
+            degree,
+            length,
+            columns,
+            row,
+            normal,
+            upright: false,
+            attempt,
+            available,
+        })
+    }
+
+    /// Fits the vertices at some places of the queue, `W` at most, by polynomials of one degree. Those
+    /// that are done leave the queue.
+    #[inline(always)]
+    fn fit_block<const W: usize>(
+        &self,
+        block: &mut Block<T, W>,
+        queue: &mut Queue<'_, T>,
+        members: &[usize],
+        degree: usize,
+    ) {
+        let neighbours = |&place: &usize| attempt_at(queue, place).map_or(0, |a| a.neighbours);
+        let rows = members.iter().map(neighbours).max().unwrap_or(0);
+        let mut normals = [Several::zero(); 3];
+        block.clear(rows, coefficient_count(degree));
+        for (lane, &place) in members.iter().take(W).enumerate() {
+            let Some(pending) = &mut queue[place] else {
+                continue;
+            };
+            let nearest = &mut pending.columns[..pending.attempt.neighbours];
+            let (room, surroundings) = (self.plan.room(), self.plan.of(pending.vertex));
+            let keys = &block.keys[place * room..][..room];
+            set_nearest(nearest, surroundings, keys, &mut block.ranks);
+            block.set_differences(lane, self.surface, pending.vertex as u32, nearest);
+            for axis in 0..3 {
+                normals[axis].0[lane] = pending.normal[axis];
+            }
+        }
+        let found = block.fit(degree, normals, self.jet.sharpness);
+        let mut settled = [false; W];
+        for (lane, &place) in members.iter().take(W).enumerate() {
+            let Some(pending) = &mut queue[place] else {
+                continue;
+            };
+            let ratio = found.ratio.0[lane];
+            let least = self.jet.least_ratio(pending.attempt, pending.available);
+            let next = if ratio > T::zero() && ratio >= least {
+                let polynomial = found.polynomial(lane, pending.normal, &block.coefficients);
+                let [p, q, ..] = polynomial.leading;
+                // A frame that leans little serves as well: the formulas know p and q.
+                if pending.upright || p * p + q * q <= T::constant(LEAN * LEAN) {
+                    settled[lane] = pending.settle(&polynomial, lane, &mut block.functional);
+                    None
+                } else {
+                    pending.upright = true;
+                    pending.normal = polynomial.surface_normal();
+                    let highest = self.jet.highest_degree();
+                    self.jet.first_attempt(highest, pending.available)
+                }
+            } else {
+                self.jet.next_attempt(pending.attempt, pending.available)
+            };
+            match next {
+                Some(attempt) => pending.attempt = attempt,
+                None if settled[lane] => {}
+                None => queue[place] = None,
+            }
+        }
+        if settled == [false; W] {
+            return;
+        }
+        let rows = block.rows(found.over_radius);
+        for (lane, &place) in members.iter().take(W).enumerate() {
+            if settled[lane]
+                && let Some(pending) = queue[place].take()
+            {
+                let row = &mut pending.row[..pending.attempt.neighbours];
+                for (entry, coefficient) in row.iter_mut().zip(rows) {
+                    *entry = coefficient.0[lane];
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn attempt_at<T>(queue: &Queue<'_, T>, place: usize) -> Option<Attempt> {
+    queue[place].as_ref().map(|pending| pending.attempt)
+}
+
+impl<T: Real> Pending<'_, T> {
+    /// Sets the curvature, and the functional of the row; false if they leave the range of the scalar.
+    #[inline(always)]
+    fn settle<const W: usize>(
+        &mut self,
+        polynomial: &Polynomial<T>,
+        lane: usize,
+        functional: &mut [Several<T, W>],
+    ) -> bool {
+        let (mean, gaussian, laplacian) = polynomial.curvatures();
+        let over = polynomial.over_radius;
+        if !(mean.is_finite() && gaussian.is_finite() && (over * over).is_finite()) {
+            return false;
+        }
+        self.curvature.normal = polynomial.surface_normal();
+        (self.curvature.mean, self.curvature.gaussian) = (mean, gaussian);
+        *self.degree = self.attempt.degree as u8;
+        *self.length = self.attempt.neighbours as u32;
+        for (entry, value) in functional.iter_mut().zip(laplacian) {
+            entry.0[lane] = value;
+        }
+        true
+    }
+}
+
+impl<T: Real, const W: usize> Block<T, W> {
+    /// Makes room for fits with so many neighbours, none of which is set, and coefficients.
+    #[inline(always)]
+    fn clear(&mut self, rows: usize, columns: usize) {
+        for differences in &mut self.differences {
+            differences.clear();
+            differences.resize(rows, Several::zero());
+        }
+        self.coefficients.resize(columns, Several::zero());
+        self.functional.clear();
+        self.functional.resize(columns, Several::zero());
+    }
+
+    #[inline(always)]
+    fn set_differences(
+        &mut self,
+        lane: usize,
+        surface: Surface<'_, T>,
+        vertex: u32,
+        neighbours: &[u32],
+    ) {
+        let [x, y, z] = &mut self.differences;
+        let seen = surface.seen_from(vertex);
+        for (((&neighbour, x), y), z) in neighbours.iter().zip(x).zip(y).zip(z) {
+            let difference = seen.difference(neighbour);
+            (x.0[lane], y.0[lane], z.0[lane]) = (difference[0], difference[1], difference[2]);
+        }
+    }
+
+    /// Fits polynomials over the planes of the normals.
+    #[inline(always)]
+    fn fit(&mut self, degree: usize, normals: [Several<T, W>; 3], sharpness: T) -> Found<T, W> {
+        let Self {
+            differences: [x, y, z],
+            places: [across, along],
+            weights,
+            coefficients,
+            fit,
+            ..
+        } = self;
+        let rows = x.len();
+        let columns = coefficient_count(degree);
+        let (y, z) = (&y[..rows], &z[..rows]);
+        let mut farthest = Several::zero();
+        for row in 0..rows {
+            let difference = [x[row], y[row], z[row]];
+            let squared = dot(difference, difference);
+            farthest = Several::select(farthest.less(squared), squared, farthest);
+        }
+        let over_radius = farthest.sqrt().reciprocal_or_zero();
+        let frame = tangent_frame(normals);
+        for values in [&mut *across, &mut *along, &mut *weights] {
+            values.resize(rows, Several::zero());
+        }
+        let matrix = fit.matrix(rows, columns);
+        let (matrix, heights) = matrix.split_at_mut(rows * columns);
+        let steepness = Several::splat(-sharpness);
+        for row in 0..rows {
+            let local = scale(over_radius, [x[row], y[row], z[row]]);
+            let weight = exponential(steepness * dot(local, local));
+            across[row] = dot(local, frame[0]);
+            along[row] = dot(local, frame[1]);
+            weights[row] = weight;
+            heights[row] = weight * dot(local, normals);
+        }
+        // Degree after degree: x·(the last degree), and y·(its last monomial).
+        set_product(&mut matrix[..rows], across, weights);
+        set_product(&mut matrix[rows..2 * rows], along, weights);
+        for degree in 2..=degree {
+            let (last, start) = (coefficient_count(degree - 2), coefficient_count(degree - 1));
+            let (before, now) = matrix.split_at_mut(start * rows);
+            for (number, column) in now.chunks_exact_mut(rows).take(degree + 1).enumerate() {
+                let (factor, from) = if number < degree {
+                    (&*across, number)
+                } else {
+                    (&*along, degree - 1)
+                };
+                set_product(column, factor, &before[(last + from) * rows..][..rows]);
+            }
+        }
+        let ratio = fit.factorise();
+        fit.solve(coefficients);
+        Found {
+            frame,
+            over_radius,
+            ratio,
+        }
+    }
+
+    /// The rows of the functionals.
+    #[inline(always)]
+    fn rows(&mut self, over_radius: Several<T, W>) -> &[Several<T, W>] {
+        let rows = self.fit.row_of(&self.functional);
+        for (entry, &weight) in rows.iter_mut().zip(&self.weights) {
+            *entry = *entry * (weight * over_radius * over_radius);
+        }
+        rows
+    }
+}
+
+impl<T: Real, const W: usize> Found<T, W> {
+    /// The polynomial of one vertex.
+    #[inline(always)]
+    fn polynomial(
+        &self,
+        lane: usize,
+        normal: [T; 3],
+        coefficients: &[Several<T, W>],
+    ) -> Polynomial<T> {
+        let mut leading = [T::zero(); LEADING];
+        for (leading, coefficient) in leading.iter_mut().zip(coefficients) {
+            *leading = coefficient.0[lane];
+        }
+        Polynomial {
+            normal,
+            frame: self.frame.map(|axis| axis.map(|x| x.0[lane])),
+            over_radius: self.over_radius.0[lane],
+            leading,
+        }
+    }
+}
+
+impl<T: Real> Polynomial<T> {
+    /// The surface's normal at the vertex.
+    fn surface_normal(&self) -> [T; 3] {
+        let [p, q, ..] = self.leading;
+        let along = sub(self.normal, scale(p, self.frame[0]));
+        normalise(sub(along, scale(q, self.frame[1])))
+    }
+
+    /// H, K, and the functional that takes the leading coefficients of any field to its Δ_S in units of
+    /// the radius.
+    fn curvatures(&self) -> (T, T, [T; LEADING]) {
+        let one = T::one();
+        let two = T::constant(2.0);
+        let [p, q, c20, c11, c02] = self.leading;
+        let (xx, xy, yy) = (two * c20, c11, two * c02);
+        let w = one + p * p + q * q;
+        let root = w.sqrt();
+        let bend = (one + q * q) * xx - two * p * q * xy + (one + p * p) * yy;
+        let mean = -bend / (two * w * root);
+        let gaussian = (xx * yy - xy * xy) / (w * w);
+        let laplacian = [
+            two * mean * p / root,
+            two * mean * q / root,
+            two * (one - p * p / w),
+            -two * p * q / w,
+            two * (one - q * q / w),
+        ];
+        let over = self.over_radius;
+        (mean * over, gaussian * over * over, laplacian)
+    }
+}
+
+/// `e^x` for −16 < x ≤ 0, to rounding: the 64th power of the series of `e^(x/64)`. There is no call,
+/// which would end a vector.
+#[inline(always)]
+fn exponential<L: Lane>(x: L) -> L {
+    let y = x * L::literal(1.0 / 64.0);
+    let mut sum = L::literal(1.0);
+    for over in [9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0] {
+        sum = L::literal(1.0) + sum * (y * L::literal(1.0 / over));
+    }
+    let fourth = (sum * sum) * (sum * sum);
+    let sixteenth = (fourth * fourth) * (fourth * fourth);
+    (sixteenth * sixteenth) * (sixteenth * sixteenth)
+}
+
+/// Sets `product` to the product of two columns, entry by entry.
+#[inline(always)]
+fn set_product<L: Lane>(product: &mut [L], a: &[L], b: &[L]) {
+    for ((product, &a), &b) in product.iter_mut().zip(a).zip(b) {
+        *product = a * b;
+    }
+}
