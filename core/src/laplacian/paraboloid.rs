@@ -2,18 +2,18 @@
 //!
 //! A. Farutin, T. Biben and C. Misbah, J. Comput. Phys. 275 (2014) 539.
 
+mod fits;
+
 use crate::element::Execution;
 use crate::energy::{Finding, Method};
-use crate::lane::{Lane, Several};
-use crate::laplacian::least_squares::LeastSquares;
 use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
 use crate::mesh::TriangleMesh;
-use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
-use crate::vec3::{Vec3, add, dot, normalise, scale, sub, tangent_frame};
+use crate::vec3::dot;
 use alloc::vec::Vec;
+use fits::{Fits, Scratch};
 
 /// At each vertex the least-squares paraboloid `z = a x + b y + ½ c x² + d x y + ½ e y²` through
 /// the vertex and near its neighbours, in a frame whose z axis is turned into the paraboloid's
@@ -47,10 +47,6 @@ const COEFFICIENTS: usize = 5;
 /// the frame is turned, as diagonal entries of triangular factors do.
 const AMPLIFIED: f64 = 10.0;
 
-/// Most fits at one vertex. Each leaves a tilt smaller than the last by the square of edge length
-/// times curvature, so that few are needed unless the mesh is too coarse for the surface.
-const MOST_FITS: usize = 12;
-
 impl Paraboloid {
     /// With two rings where one ring is nearly singular.
     pub fn guarded() -> Self {
@@ -69,193 +65,7 @@ pub struct NeighbourRoom {
 pub struct ParaboloidMemory<T> {
     cotangent: CotangentMemory<T>,
     rows: Rows<T>,
-    fits: Vec<Fit<T>>,
-}
-
-/// Scratch memory for one vertex.
-#[derive(Clone, Debug, Default)]
-struct Fit<T> {
-    search: Neighbourhood<T>,
-    neighbours: Vec<u32>,
-    /// Neighbours' positions relative to the vertex, in units of `radius`.
-    offsets: Vec<Vec3<T>>,
-    /// The distance of the farthest neighbour.
-    radius: T,
-    problem: LeastSquares<T, 1>,
-}
-
-/// A paraboloid that was fitted: its coefficients a, b, c, d, e in units of the radius, and the
-/// normal that follows.
-struct Fitted<T> {
-    coefficients: [T; COEFFICIENTS],
-    normal: Vec3<T>,
-}
-
-/// What is found at one vertex, in units of the radius.
-struct Found<T> {
-    normal: Vec3<T>,
-    mean: T,
-    gaussian: T,
-    /// `Σ_j |c_ij| |x_j − x_i|²`.
-    amplification: T,
-}
-
-impl<T: Real> Fit<T> {
-    /// Fits the neighbours and sets their coefficients in the row of the Laplacian, in units of the
-    /// radius; `None` if they determine no paraboloid.
-    fn measure(&mut self, normal: Vec3<T>, row: &mut [T]) -> Option<Found<T>> {
-        let fitted = self.settle(normal)?;
-        let (mean, gaussian, laplacian) = fitted.curvature();
-        let row = &mut row[..self.offsets.len()];
-        let laplacian = laplacian.map(|x| Several([x]));
-        for (entry, found) in row.iter_mut().zip(self.problem.row_of(&laplacian)) {
-            *entry = found.0[0];
-        }
-        let parts = self.offsets.iter().zip(&*row);
-        let amplification = parts
-            .map(|(&offset, &coefficient)| coefficient.abs() * dot(offset, offset))
-            .sum();
-        Some(Found {
-            normal: fitted.normal,
-            mean,
-            gaussian,
-            amplification,
-        })
-    }
-
-    fn set_neighbours(&mut self, surface: Surface<'_, T>, vertex: u32, rings: usize) {
-        self.search.rings(surface, vertex, rings);
-        let found = &self.search.found;
-        self.neighbours.clear();
-        self.neighbours.extend(found.iter().map(|found| found.1));
-        let farthest = found
-            .iter()
-            .fold(T::zero(), |most, found| most.max(found.0));
-        self.radius = farthest.sqrt();
-        let over = Lane::reciprocal_or_zero(self.radius);
-        let offset = |&neighbour| scale(over, surface.difference(vertex, neighbour));
-        self.offsets.clear();
-        self.offsets.extend(self.neighbours.iter().map(offset));
-    }
-
-    /// Fits again and again, from a first normal; `None` if the neighbours determine no paraboloid.
-    fn settle(&mut self, normal: Vec3<T>) -> Option<Fitted<T>> {
-        let mut fitted = self.fit(normal)?;
-        for _ in 1..MOST_FITS {
-            let [a, b, ..] = fitted.coefficients;
-            if a.abs().max(b.abs()) <= T::constant(8.0) * T::epsilon() {
-                break;
-            }
-            fitted = self.fit(fitted.normal)?;
-        }
-        Some(fitted)
-    }
-
-    fn fit(&mut self, normal: Vec3<T>) -> Option<Fitted<T>> {
-        let count = self.offsets.len();
-        if count < COEFFICIENTS {
-            return None;
-        }
-        let [first, second] = tangent_frame(normal);
-        let half = T::constant(0.5);
-        let offsets = &self.offsets;
-        // A column that is only rounding would be taken for a direction like any other.
-        let matrix = self.problem.matrix(count, COEFFICIENTS);
-        let height = count;
-        for (k, &offset) in offsets.iter().enumerate() {
-            let (x, y) = (dot(offset, first), dot(offset, second));
-            let basis = [x, y, half * x * x, x * y, half * y * y];
-            for (column, entry) in basis.into_iter().enumerate() {
-                matrix[column * height + k] = Several([entry]);
-            }
-            matrix[COEFFICIENTS * height + k] = Several([dot(offset, normal)]);
-        }
-        let small = |entry: &Several<T, 1>| entry.0[0].abs() <= T::epsilon();
-        let noise = matrix
-            .chunks_exact(height)
-            .take(COEFFICIENTS)
-            .any(|column| column[..count].iter().all(small));
-        let independence = self.problem.factorise().0[0];
-        if noise || independence <= T::constant(count as f64) * T::epsilon() {
-            return None;
-        }
-        let mut coefficients = [Several::zero(); COEFFICIENTS];
-        self.problem.solve(&mut coefficients);
-        let coefficients = coefficients.map(|x| x.0[0]);
-        let [a, b, ..] = coefficients;
-        let tilt = add(scale(a, first), scale(b, second));
-        Some(Fitted {
-            coefficients,
-            normal: normalise(sub(normal, tilt)),
-        })
-    }
-}
-
-impl<T: Real> Fitted<T> {
-    /// H, K and the functional that takes a field's coefficients to its Laplacian, in units of the
-    /// radius.
-    fn curvature(&self) -> (T, T, [T; COEFFICIENTS]) {
-        let [a, b, c, d, e] = self.coefficients;
-        let (one, two) = (T::one(), T::constant(2.0));
-        let w = one + a * a + b * b;
-        let root = w.sqrt();
-        let sum = (one + a * a) * e - two * a * b * d + (one + b * b) * c;
-        let mean = -sum / (two * w * root);
-        let gaussian = (c * e - d * d) / (w * w);
-        let slope = two * mean / root;
-        let laplacian = [
-            slope * a,
-            slope * b,
-            one - a * a / w,
-            -two * a * b / w,
-            one - b * b / w,
-        ];
-        (mean, gaussian, laplacian)
-    }
-}
-
-impl Paraboloid {
-    /// Fits one vertex: sets its curvature, whose normal is the first guess, and its row, and
-    /// returns the row's length.
-    fn measure_vertex<T: Real>(
-        &self,
-        surface: Surface<'_, T>,
-        fit: &mut Fit<T>,
-        vertex: u32,
-        curvature: &mut Curvature<T>,
-        (columns, coefficients): (&mut [u32], &mut [T]),
-    ) -> usize {
-        let start = curvature.normal;
-        (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
-        let narrow = surface.mesh().valence(vertex as usize) < COEFFICIENTS;
-        fit.set_neighbours(surface, vertex, if narrow { 2 } else { 1 });
-        let mut found = fit.measure(start, coefficients);
-        let most = T::constant(AMPLIFIED);
-        let settled = |found: &Found<T>| found.amplification <= most;
-        if self.guarded && !narrow && !found.as_ref().is_some_and(settled) {
-            fit.set_neighbours(surface, vertex, 2);
-            found = fit.measure(start, coefficients);
-        }
-        let Some(found) = found else {
-            return 0;
-        };
-        let over = fit.radius.recip();
-        let (mean, gaussian) = (found.mean * over, found.gaussian * over * over);
-        if ![mean, gaussian, over * over]
-            .iter()
-            .all(|value| value.is_finite())
-        {
-            return 0;
-        }
-        curvature.normal = found.normal;
-        (curvature.mean, curvature.gaussian) = (mean, gaussian);
-        let length = fit.neighbours.len();
-        columns[..length].copy_from_slice(&fit.neighbours);
-        for coefficient in &mut coefficients[..length] {
-            *coefficient = *coefficient * over * over;
-        }
-        length
-    }
+    scratches: Vec<Scratch<T>>,
 }
 
 impl<T: Real> Method<T> for Paraboloid {
@@ -324,19 +134,17 @@ impl<T: Real> LaplaceBeltrami<T> for Paraboloid {
         let ParaboloidMemory {
             cotangent,
             rows,
-            fits,
+            scratches,
         } = memory;
         let curvature = &mut curvature[..mesh.vertex_count()];
         // Areas, and normals to start from.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
         let slots = rows.ragged_slots(&plan.offsets);
-        execution.map_with(
-            fits,
-            (curvature, slots),
-            |fit, vertex, (curvature, (length, row))| {
-                *length = self.measure_vertex(surface, fit, vertex as u32, curvature, row) as u32;
-            },
-        );
+        let fits = Fits {
+            guarded: self.guarded,
+            surface,
+        };
+        execution.run(scratches, (curvature, slots), &fits);
     }
 
     fn apply<const D: usize>(

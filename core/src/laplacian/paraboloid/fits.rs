@@ -1,0 +1,309 @@
+//! The fits around all vertices, those of several vertices at once.
+
+use super::{AMPLIFIED, COEFFICIENTS};
+use crate::element::{SlotKernel, Slots};
+use crate::lane::{Lane, Several};
+use crate::laplacian::least_squares::LeastSquares;
+use crate::laplacian::{Curvature, RaggedRowSlots};
+use crate::neighbourhood::Neighbourhood;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::vec3::{Vec3, add, dot, normalise, scale, sub, tangent_frame};
+use alloc::vec::Vec;
+use core::array;
+
+/// Most fits at one vertex. Each leaves a tilt smaller than the last by the square of edge length
+/// times curvature, so that few are needed unless the mesh is too coarse for the surface.
+const MOST_FITS: usize = 12;
+
+/// The fits around all vertices.
+pub(super) struct Fits<'a, T> {
+    pub(super) guarded: bool,
+    pub(super) surface: Surface<'a, T>,
+}
+
+/// What a fit sets: the curvature, whose normal is the first guess, and a row.
+type FitSlots<'a, T> = (&'a mut [Curvature<T>], RaggedRowSlots<'a, T>);
+
+/// Memory for fits of one thread, of which only that of one width is used.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch<T> {
+    search: Neighbourhood<T>,
+    four: Block<T, 4>,
+    eight: Block<T, 8>,
+}
+
+/// What is needed to fit `W` vertices at once, padded with neighbours at the vertex itself, of which
+/// every monomial is zero.
+#[derive(Clone, Debug)]
+struct Block<T, const W: usize> {
+    /// Neighbours' positions relative to the vertex, in units of the radius, the distance of the
+    /// farthest.
+    offsets: Vec<Vec3<Several<T, W>>>,
+    problem: LeastSquares<T, W>,
+}
+
+impl<T, const W: usize> Default for Block<T, W> {
+    fn default() -> Self {
+        Self {
+            offsets: Vec::new(),
+            problem: LeastSquares::default(),
+        }
+    }
+}
+
+/// Paraboloids that were fitted: their coefficients a, b, c, d, e in units of the radius, and the
+/// normals that follow.
+struct Fitted<T, const W: usize> {
+    coefficients: [Several<T, W>; COEFFICIENTS],
+    normal: Vec3<Several<T, W>>,
+    /// Whether the neighbours determine each.
+    determined: [bool; W],
+}
+
+/// A vertex that is fitted.
+struct Vertex<'a, T> {
+    number: u32,
+    /// Whether its one-ring has too few neighbours.
+    narrow: bool,
+    curvature: &'a mut Curvature<T>,
+    length: &'a mut u32,
+    columns: &'a mut [u32],
+    row: &'a mut [T],
+}
+
+impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
+    /// In vectors of 32 bytes.
+    #[inline(always)]
+    fn set(&self, scratch: &mut Scratch<T>, start: usize, slots: FitSlots<'a, T>) {
+        let search = &mut scratch.search;
+        if const { size_of::<T>() > 4 } {
+            self.fit_all(&mut scratch.four, search, start, slots);
+        } else {
+            self.fit_all(&mut scratch.eight, search, start, slots);
+        }
+    }
+}
+
+impl<T: Real> Fits<'_, T> {
+    #[inline(always)]
+    fn fit_all<const W: usize>(
+        &self,
+        block: &mut Block<T, W>,
+        search: &mut Neighbourhood<T>,
+        start: usize,
+        slots: FitSlots<'_, T>,
+    ) {
+        let mut slots = (start..).zip(slots.into_slots());
+        let mut vertices: [Option<Vertex<'_, T>>; W] = [const { None }; W];
+        loop {
+            for vertex in &mut vertices {
+                let slot = slots.next();
+                *vertex = slot.map(|(number, (curvature, (length, (columns, row))))| Vertex {
+                    number: number as u32,
+                    narrow: self.surface.mesh().valence(number) < COEFFICIENTS,
+                    curvature,
+                    length,
+                    columns,
+                    row,
+                });
+            }
+            if vertices[0].is_none() {
+                break;
+            }
+            // Twice at most, by one call: those that one ring nearly fails to determine.
+            for again in [false, true] {
+                self.fit_block(block, search, &mut vertices, again);
+                if vertices.iter().all(Option::is_none) {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Fits the vertices that are there. Those that are done are taken away: all, or all but those
+    /// that need two rings.
+    #[inline(always)]
+    fn fit_block<const W: usize>(
+        &self,
+        block: &mut Block<T, W>,
+        search: &mut Neighbourhood<T>,
+        vertices: &mut [Option<Vertex<'_, T>>; W],
+        again: bool,
+    ) {
+        let mut normals = [Several::zero(); 3];
+        let mut counts = [0; W];
+        block.offsets.clear();
+        for (lane, vertex) in vertices.iter_mut().enumerate() {
+            let Some(vertex) = vertex else {
+                continue;
+            };
+            let rings = if again || vertex.narrow { 2 } else { 1 };
+            search.rings(self.surface, vertex.number, rings);
+            counts[lane] = search.found.len();
+            if block.offsets.len() < counts[lane] {
+                let none = [Several::zero(); 3];
+                block.offsets.resize(counts[lane], none);
+            }
+            let seen = self.surface.seen_from(vertex.number);
+            let columns = vertex.columns.iter_mut().zip(&search.found);
+            for (offset, (column, &(_, neighbour))) in block.offsets.iter_mut().zip(columns) {
+                *column = neighbour;
+                let difference = seen.difference(neighbour);
+                for axis in 0..3 {
+                    offset[axis].0[lane] = difference[axis];
+                }
+            }
+            for axis in 0..3 {
+                normals[axis].0[lane] = vertex.curvature.normal[axis];
+            }
+        }
+        let over_radius = block.set_unit();
+        let fitted = block.settle(normals, &counts);
+        let mut functional = [Several::zero(); COEFFICIENTS];
+        let mut curvatures = [[T::zero(); 2]; W];
+        for lane in 0..W {
+            let (mean, gaussian, laplacian) = fitted.curvature(lane);
+            curvatures[lane] = [mean, gaussian];
+            for k in 0..COEFFICIENTS {
+                functional[k].0[lane] = laplacian[k];
+            }
+        }
+        let row = block.problem.row_of(&functional);
+        let mut amplification = Several::zero();
+        for (coefficient, &offset) in row.iter().zip(&block.offsets) {
+            let negative = coefficient.less(Several::zero());
+            let positive = Several::select(negative, -*coefficient, *coefficient);
+            amplification = amplification + positive * dot(offset, offset);
+        }
+        for (lane, place) in vertices.iter_mut().enumerate() {
+            let Some(vertex) = place else {
+                continue;
+            };
+            let determined = fitted.determined[lane];
+            let settled = determined && amplification.0[lane] <= T::constant(AMPLIFIED);
+            if self.guarded && !vertex.narrow && !again && !settled {
+                continue;
+            }
+            let over = over_radius.0[lane];
+            let [mean, gaussian] = curvatures[lane];
+            let (mean, gaussian) = (mean * over, gaussian * over * over);
+            let bounded = [mean, gaussian, over * over].iter().all(|x| x.is_finite());
+            if determined && bounded {
+                vertex.curvature.normal = fitted.normal.map(|x| x.0[lane]);
+                (vertex.curvature.mean, vertex.curvature.gaussian) = (mean, gaussian);
+                *vertex.length = counts[lane] as u32;
+                for (entry, found) in vertex.row[..counts[lane]].iter_mut().zip(&*row) {
+                    *entry = found.0[lane] * over * over;
+                }
+            } else {
+                (vertex.curvature.mean, vertex.curvature.gaussian) = (T::zero(), T::zero());
+                *vertex.length = 0;
+            }
+            *place = None;
+        }
+    }
+}
+
+impl<T: Real, const W: usize> Block<T, W> {
+    /// Takes the distances of the farthest neighbours for units, and returns 1 over them.
+    #[inline(always)]
+    fn set_unit(&mut self) -> Several<T, W> {
+        let mut farthest = Several::zero();
+        for &offset in &self.offsets {
+            let squared = dot(offset, offset);
+            farthest = Several::select(farthest.less(squared), squared, farthest);
+        }
+        let over = farthest.sqrt().reciprocal_or_zero();
+        for offset in &mut self.offsets {
+            *offset = scale(over, *offset);
+        }
+        over
+    }
+
+    /// Fits again and again, from first normals, until every frame stands upright. What stands already
+    /// is fitted in the same frame once more, which changes nothing.
+    #[inline(always)]
+    fn settle(&mut self, mut normals: Vec3<Several<T, W>>, counts: &[usize; W]) -> Fitted<T, W> {
+        let mut open = [true; W];
+        let mut fits = 1;
+        loop {
+            let fitted = self.fit(normals, counts);
+            let [a, b, ..] = fitted.coefficients;
+            for lane in 0..W {
+                let tilt = a.0[lane].abs().max(b.0[lane].abs());
+                open[lane] &= fitted.determined[lane] && !(tilt <= T::constant(8.0) * T::epsilon());
+                if open[lane] && fits < MOST_FITS {
+                    for axis in 0..3 {
+                        normals[axis].0[lane] = fitted.normal[axis].0[lane];
+                    }
+                }
+            }
+            if open == [false; W] || fits == MOST_FITS {
+                return fitted;
+            }
+            fits += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn fit(&mut self, normals: Vec3<Several<T, W>>, counts: &[usize; W]) -> Fitted<T, W> {
+        let [first, second] = tangent_frame(normals);
+        let half = Several::literal(0.5);
+        let rows = self.offsets.len();
+        let matrix = self.problem.matrix(rows, COEFFICIENTS);
+        let mut largest = [Several::zero(); COEFFICIENTS];
+        for (row, &offset) in self.offsets.iter().enumerate() {
+            let (x, y) = (dot(offset, first), dot(offset, second));
+            let basis = [x, y, half * x * x, x * y, half * y * y];
+            for column in 0..COEFFICIENTS {
+                let entry = basis[column];
+                let square = entry * entry;
+                let larger = largest[column].less(square);
+                largest[column] = Several::select(larger, square, largest[column]);
+                matrix[column * rows + row] = entry;
+            }
+            matrix[COEFFICIENTS * rows + row] = dot(offset, normals);
+        }
+        let independence = self.problem.factorise();
+        let mut coefficients = [Several::zero(); COEFFICIENTS];
+        self.problem.solve(&mut coefficients);
+        let [a, b, ..] = coefficients;
+        let tilt = add(scale(a, first), scale(b, second));
+        let least = T::epsilon() * T::epsilon();
+        Fitted {
+            coefficients,
+            normal: normalise(sub(normals, tilt)),
+            determined: array::from_fn(|lane| {
+                // A column that is only rounding would be taken for a direction like any other.
+                let noise = largest.iter().any(|square| square.0[lane] <= least);
+                let count = counts[lane];
+                let rounding = T::constant(count as f64) * T::epsilon();
+                count >= COEFFICIENTS && !noise && !(independence.0[lane] <= rounding)
+            }),
+        }
+    }
+}
+
+impl<T: Real, const W: usize> Fitted<T, W> {
+    /// H, K and the functional that takes a field's coefficients to its Laplacian at one vertex, in
+    /// units of the radius.
+    fn curvature(&self, lane: usize) -> (T, T, [T; COEFFICIENTS]) {
+        let [a, b, c, d, e] = self.coefficients.map(|coefficient| coefficient.0[lane]);
+        let (one, two) = (T::one(), T::constant(2.0));
+        let w = one + a * a + b * b;
+        let root = w.sqrt();
+        let sum = (one + a * a) * e - two * a * b * d + (one + b * b) * c;
+        let mean = -sum / (two * w * root);
+        let gaussian = (c * e - d * d) / (w * w);
+        let slope = two * mean / root;
+        let laplacian = [
+            slope * a,
+            slope * b,
+            one - a * a / w,
+            -two * a * b / w,
+            one - b * b / w,
+        ];
+        (mean, gaussian, laplacian)
+    }
+}
