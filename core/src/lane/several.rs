@@ -99,16 +99,16 @@ impl<T: Real, const W: usize> Lane for Several<T, W> {
     #[inline(always)]
     fn less(self, other: Self) -> [bool; W] {
         let mut mask = [false; W];
-        for k in 0..W {
-            mask[k] = self.0[k] < other.0[k];
+        for (k, less) in mask.iter_mut().enumerate() {
+            *less = self.0[k] < other.0[k];
         }
         mask
     }
     #[inline(always)]
     fn select(mask: [bool; W], yes: Self, no: Self) -> Self {
         let mut lane = no;
-        for k in 0..W {
-            lane.0[k] = if mask[k] { yes.0[k] } else { no.0[k] };
+        for (k, &holds) in mask.iter().enumerate() {
+            lane.0[k] = if holds { yes.0[k] } else { no.0[k] };
         }
         lane
     }

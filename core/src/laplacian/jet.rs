@@ -167,7 +167,10 @@ impl<T: Real> Jet<T> {
     #[inline(always)]
     fn least_ratio(&self, attempt: Attempt, available: usize) -> T {
         let Attempt { degree, neighbours } = attempt;
-        match (neighbours == self.last_neighbours(degree, available), degree) {
+        match (
+            neighbours == self.last_neighbours(degree, available),
+            degree,
+        ) {
             (false, _) => self.conditioning,
             (true, 2) => T::epsilon().sqrt(),
             (true, _) => self.conditioning * T::constant(0.1),

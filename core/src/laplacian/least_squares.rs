@@ -107,16 +107,16 @@ impl<T: Real, const W: usize> LeastSquares<T, W> {
         let mut pivots = [step as u32; W];
         for place in step + 1..self.columns {
             let norm = self.squared_norms[place];
-            for k in 0..W {
+            for (k, pivot) in pivots.iter_mut().enumerate() {
                 let longer = norm.0[k] > longest.0[k];
                 longest.0[k] = if longer { norm.0[k] } else { longest.0[k] };
-                pivots[k] = if longer { place as u32 } else { pivots[k] };
+                *pivot = if longer { place as u32 } else { *pivot };
             }
         }
         let (front, back) = self.matrix.split_at_mut((step + 1) * rows);
         let column = &mut front[step * rows..];
-        for k in 0..W {
-            let pivot = pivots[k] as usize;
+        for (k, &pivot) in pivots.iter().enumerate() {
+            let pivot = pivot as usize;
             if pivot == step {
                 continue;
             }
@@ -252,7 +252,7 @@ fn left_of<T: Real, const W: usize>(
     let least = norms * Several::literal(1e-3);
     let mut any = false;
     for k in 0..W {
-        any |= !(left.0[k] > least.0[k]);
+        any |= left.0[k] <= least.0[k];
     }
     if any {
         let measured = dot(&columns[1..], &columns[1..]);

@@ -1,6 +1,6 @@
 //! Loops on several threads and in wide vectors: the bits of the loop in the core.
 
-use helfrich::element::{Execution, Slots, Strided};
+use helfrich::element::{ElementKernel, Execution, SlotKernel, Slots, Strided};
 use helfrich::{
     Conservative, Energy, Force, InPlane, Lane, Prepared, Real, Reordering, Serial, Skalak, Surface,
 };
@@ -17,6 +17,52 @@ fn threads() -> impl Iterator<Item = Parallel> {
     (1..=3).map(|threads| Parallel {
         threads: NonZeroUsize::new(threads).expect("from 1 on"),
     })
+}
+
+/// Slots in runs of changing length, all with the same scratch memory.
+#[derive(Debug)]
+struct Piecemeal;
+
+impl Execution for Piecemeal {
+    fn scatter<T: Real, K, const CORNERS: usize, const IN: usize, const OUT: usize>(
+        &self,
+        kernel: &K,
+        surface: Surface<'_, T>,
+        elements: &[[u32; CORNERS]],
+        input: &[[T; IN]],
+        output: &mut [[T; OUT]],
+    ) where
+        K: ElementKernel<T, CORNERS, IN, OUT>,
+    {
+        Serial.scatter(kernel, surface, elements, input, output);
+    }
+
+    fn run<S: Default + Send, O: Slots>(
+        &self,
+        scratches: &mut Vec<S>,
+        mut output: O,
+        kernel: &impl SlotKernel<S, O>,
+    ) {
+        scratches.resize_with(1, S::default);
+        let mut start = 0;
+        for size in [1, 2, 3, 5, 11, 29].into_iter().cycle() {
+            let (now, later) = output.split_at(size.min(output.count()));
+            kernel.set(&mut scratches[0], start, now);
+            (start, output) = (start + size, later);
+            if output.count() == 0 {
+                break;
+            }
+        }
+    }
+
+    fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T {
+        Serial.sum(count, term)
+    }
+}
+
+/// So uneven that neighbours of one vertex carry a fit and those of the next do not.
+fn uneven() -> Mesh {
+    icosphere(3).map(|x| [0, 1, 2].map(|k| x[k] + 0.05 * (57.0 * x[(k + 1) % 3]).sin()))
 }
 
 /// Large enough that threads are used, in an order that is no order.
@@ -51,6 +97,12 @@ impl SameBits<'_> {
             assert_same(&found, &expected, &what);
             assert_same(&prepared.energy(surface), &energy, &what);
         }
+        // What is set in one run does not matter either.
+        let what = format!("{name}, {place}, piecemeal");
+        let mut found = start.clone();
+        let mut prepared = Prepared::with_execution(method(), &mesh.connectivity, Piecemeal);
+        prepared.add_force(surface, &mut found);
+        assert_same(&found, &expected, &what);
     }
 
     fn check_both<T: Real, M: Conservative<T>>(&self, name: &str, method: impl Fn() -> M) {
@@ -97,8 +149,10 @@ fn every_method_has_the_bits_of_the_serial_loop() {
     let sheet = sheet(6).map(bent);
     let large = large();
     let medium = icosphere(4).map(bent);
+    let uneven = uneven();
     let mut meshes: Vec<(&str, &Mesh)> = vec![
         ("sheet", &sheet),
+        ("uneven", &uneven),
         ("thousands of vertices", &medium),
         ("many vertices", &large),
     ];

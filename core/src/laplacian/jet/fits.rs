@@ -220,8 +220,8 @@ impl<T: Real> Fits<'_, T> {
             let keys = &block.keys[place * room..][..room];
             set_nearest(nearest, surroundings, keys, &mut block.ranks);
             block.set_differences(lane, self.surface, pending.vertex as u32, nearest);
-            for axis in 0..3 {
-                normals[axis].0[lane] = pending.normal[axis];
+            for (normal, &x) in normals.iter_mut().zip(&pending.normal) {
+                normal.0[lane] = x;
             }
         }
         let found = block.fit(degree, normals, self.jet.sharpness);

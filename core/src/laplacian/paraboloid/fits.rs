@@ -154,19 +154,19 @@ impl<T: Real> Fits<'_, T> {
                     offset[axis].0[lane] = difference[axis];
                 }
             }
-            for axis in 0..3 {
-                normals[axis].0[lane] = vertex.curvature.normal[axis];
+            for (normal, &x) in normals.iter_mut().zip(&vertex.curvature.normal) {
+                normal.0[lane] = x;
             }
         }
         let over_radius = block.set_unit();
         let fitted = block.settle(normals, &counts);
         let mut functional = [Several::zero(); COEFFICIENTS];
         let mut curvatures = [[T::zero(); 2]; W];
-        for lane in 0..W {
+        for (lane, curvature) in curvatures.iter_mut().enumerate() {
             let (mean, gaussian, laplacian) = fitted.curvature(lane);
-            curvatures[lane] = [mean, gaussian];
-            for k in 0..COEFFICIENTS {
-                functional[k].0[lane] = laplacian[k];
+            *curvature = [mean, gaussian];
+            for (entry, &value) in functional.iter_mut().zip(&laplacian) {
+                entry.0[lane] = value;
             }
         }
         let row = block.problem.row_of(&functional);
@@ -230,12 +230,12 @@ impl<T: Real, const W: usize> Block<T, W> {
         loop {
             let fitted = self.fit(normals, counts);
             let [a, b, ..] = fitted.coefficients;
-            for lane in 0..W {
+            for (lane, open) in open.iter_mut().enumerate() {
                 let tilt = a.0[lane].abs().max(b.0[lane].abs());
-                open[lane] &= fitted.determined[lane] && !(tilt <= T::constant(8.0) * T::epsilon());
-                if open[lane] && fits < MOST_FITS {
-                    for axis in 0..3 {
-                        normals[axis].0[lane] = fitted.normal[axis].0[lane];
+                *open &= fitted.determined[lane] && tilt > T::constant(8.0) * T::epsilon();
+                if *open && fits < MOST_FITS {
+                    for (normal, found) in normals.iter_mut().zip(&fitted.normal) {
+                        normal.0[lane] = found.0[lane];
                     }
                 }
             }
@@ -279,7 +279,7 @@ impl<T: Real, const W: usize> Block<T, W> {
                 let noise = largest.iter().any(|square| square.0[lane] <= least);
                 let count = counts[lane];
                 let rounding = T::constant(count as f64) * T::epsilon();
-                count >= COEFFICIENTS && !noise && !(independence.0[lane] <= rounding)
+                count >= COEFFICIENTS && !noise && independence.0[lane] > rounding
             }),
         }
     }
