@@ -4,75 +4,79 @@ use crate::lane::Lane;
 use crate::real::Real;
 use core::ops::{Add, Mul, Neg, Sub};
 
-/// `W` numbers that go through a formula together: plain loops over them, of which compilers make
-/// vectors as wide as the function allows into which they are inlined. They start where vectors of
-/// 32 bytes do, so that none crosses a line of the cache.
+/// How many go through a formula together: two vectors of 32 bytes in f64, one in f32. In f64 half of
+/// it took as long.
+pub(crate) const WIDTH: usize = 8;
+
+/// Numbers that go through a formula together: plain loops over them, of which compilers make vectors
+/// as wide as the function allows into which they are inlined. They start where vectors of 32 bytes
+/// do, so that none crosses a line of the cache.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(32))]
-pub(crate) struct Several<T, const W: usize>(pub(crate) [T; W]);
+pub(crate) struct Several<T>(pub(crate) [T; WIDTH]);
 
-impl<T: Real, const W: usize> Default for Several<T, W> {
+impl<T: Real> Default for Several<T> {
     fn default() -> Self {
-        Self([T::zero(); W])
+        Self([T::zero(); WIDTH])
     }
 }
 
-impl<T: Real, const W: usize> Add for Several<T, W> {
+impl<T: Real> Add for Several<T> {
     type Output = Self;
     #[inline(always)]
     fn add(mut self, other: Self) -> Self {
-        for k in 0..W {
+        for k in 0..WIDTH {
             self.0[k] += other.0[k];
         }
         self
     }
 }
 
-impl<T: Real, const W: usize> Sub for Several<T, W> {
+impl<T: Real> Sub for Several<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(mut self, other: Self) -> Self {
-        for k in 0..W {
+        for k in 0..WIDTH {
             self.0[k] -= other.0[k];
         }
         self
     }
 }
 
-impl<T: Real, const W: usize> Mul for Several<T, W> {
+impl<T: Real> Mul for Several<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(mut self, other: Self) -> Self {
-        for k in 0..W {
+        for k in 0..WIDTH {
             self.0[k] *= other.0[k];
         }
         self
     }
 }
 
-impl<T: Real, const W: usize> Neg for Several<T, W> {
+impl<T: Real> Neg for Several<T> {
     type Output = Self;
     #[inline(always)]
     fn neg(mut self) -> Self {
-        for k in 0..W {
+        for k in 0..WIDTH {
             self.0[k] = -self.0[k];
         }
         self
     }
 }
 
-impl<T: Real, const W: usize> Lane for Several<T, W> {
+impl<T: Real> Lane for Several<T> {
     type Scalar = T;
-    type Mask = [bool; W];
-    const WIDTH: usize = W;
+    type Mask = [bool; WIDTH];
+    const WIDTH: usize = WIDTH;
 
     #[inline(always)]
     fn splat(value: T) -> Self {
-        Self([value; W])
+        Self([value; WIDTH])
     }
     #[inline(always)]
     fn from_fn(mut entry: impl FnMut(usize) -> T) -> Self {
-        let mut lane = [T::zero(); W];
+        let mut lane = [T::zero(); WIDTH];
         for (k, number) in lane.iter_mut().enumerate() {
             *number = entry(k);
         }
@@ -84,28 +88,28 @@ impl<T: Real, const W: usize> Lane for Several<T, W> {
     }
     #[inline(always)]
     fn sqrt(mut self) -> Self {
-        for k in 0..W {
+        for k in 0..WIDTH {
             self.0[k] = self.0[k].sqrt();
         }
         self
     }
     #[inline(always)]
     fn atan2(mut self, x: Self) -> Self {
-        for k in 0..W {
+        for k in 0..WIDTH {
             self.0[k] = Lane::atan2(self.0[k], x.0[k]);
         }
         self
     }
     #[inline(always)]
-    fn less(self, other: Self) -> [bool; W] {
-        let mut mask = [false; W];
+    fn less(self, other: Self) -> [bool; WIDTH] {
+        let mut mask = [false; WIDTH];
         for (k, less) in mask.iter_mut().enumerate() {
             *less = self.0[k] < other.0[k];
         }
         mask
     }
     #[inline(always)]
-    fn select(mask: [bool; W], yes: Self, no: Self) -> Self {
+    fn select(mask: [bool; WIDTH], yes: Self, no: Self) -> Self {
         let mut lane = no;
         for (k, &holds) in mask.iter().enumerate() {
             lane.0[k] = if holds { yes.0[k] } else { no.0[k] };
@@ -114,7 +118,7 @@ impl<T: Real, const W: usize> Lane for Several<T, W> {
     }
     #[inline(always)]
     fn reciprocal_or_zero(mut self) -> Self {
-        for k in 0..W {
+        for k in 0..WIDTH {
             let entry = self.0[k];
             let over = entry.recip();
             let extended = entry.abs() >= T::min_positive_value();

@@ -15,7 +15,7 @@ use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
 use alloc::vec::Vec;
-use fits::{Fits, Scratch};
+use fits::{Block, Fits};
 
 /// Weighted least-squares jets: around each vertex a polynomial height function over the tangent
 /// plane is fitted to the nearest vertices along the surface.
@@ -91,7 +91,7 @@ pub struct JetMemory<T> {
     rows: Rows<T>,
     /// The degree fitted at each vertex, 0 where there was no fit.
     degrees: Vec<u8>,
-    scratches: Vec<Scratch<T>>,
+    blocks: Vec<Block<T>>,
 }
 
 impl<T: Real> Default for JetMemory<T> {
@@ -100,7 +100,7 @@ impl<T: Real> Default for JetMemory<T> {
             cotangent: CotangentMemory::default(),
             rows: Rows::new(),
             degrees: Vec::new(),
-            scratches: Vec::new(),
+            blocks: Vec::new(),
         }
     }
 }
@@ -219,7 +219,7 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
             cotangent,
             rows,
             degrees,
-            scratches,
+            blocks,
         } = memory;
         let curvature = &mut curvature[..vertices];
         // Areas, and normals to start from.
@@ -232,7 +232,7 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
             plan,
             surface,
         };
-        execution.run(scratches, output, &fits);
+        execution.run(blocks, output, &fits);
     }
 
     fn apply<const D: usize>(

@@ -2,11 +2,11 @@
 //!
 //! G. H. Golub and C. F. Van Loan, Matrix Computations, section 5.4.
 //!
-//! Each entry of a matrix is the entry of `W` matrices: what is done to one is done to all, and only
+//! Each entry of a matrix is the entry of several matrices: what is done to one is done to all, and only
 //! the pivots differ. Sums go over the rows in their order, so that rows of zeros, which pad the
 //! shorter of them, change no bit, and neither does what the other matrices are.
 
-use crate::lane::{Lane, Several};
+use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use alloc::vec::Vec;
 use core::array;
@@ -20,49 +20,32 @@ const SUMS: usize = 4;
 
 /// The factorisations `A D P = Q R` of matrices with unit columns after scaling by D, kept so that
 /// both the solutions and the rows of functionals of them can be had.
-#[derive(Clone, Debug)]
-pub(crate) struct LeastSquares<T, const W: usize> {
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LeastSquares<T> {
     rows: usize,
     columns: usize,
     /// Column after column: R above the diagonal, from there on Householder vectors; then the
     /// right-hand side, which becomes Qᵀb.
-    matrix: Vec<Several<T, W>>,
+    matrix: Vec<Several<T>>,
     /// The diagonal of R, and 1 over it: 0 where it is 0.
-    diagonal: Vec<Several<T, W>>,
-    over_diagonal: Vec<Several<T, W>>,
+    diagonal: Vec<Several<T>>,
+    over_diagonal: Vec<Several<T>>,
     /// −2/|v|² of each Householder vector v.
-    factors: Vec<Several<T, W>>,
+    factors: Vec<Several<T>>,
     /// D: 1 over the length of each column, in its original place.
-    scales: Vec<Several<T, W>>,
+    scales: Vec<Several<T>>,
     /// P: the original place of each column.
-    order: Vec<[u32; W]>,
-    squared_norms: Vec<Several<T, W>>,
+    order: Vec<[u32; WIDTH]>,
+    squared_norms: Vec<Several<T>>,
     /// A row.
-    vector: Vec<Several<T, W>>,
+    vector: Vec<Several<T>>,
 }
 
-impl<T, const W: usize> Default for LeastSquares<T, W> {
-    fn default() -> Self {
-        Self {
-            rows: 0,
-            columns: 0,
-            matrix: Vec::new(),
-            diagonal: Vec::new(),
-            over_diagonal: Vec::new(),
-            factors: Vec::new(),
-            scales: Vec::new(),
-            order: Vec::new(),
-            squared_norms: Vec::new(),
-            vector: Vec::new(),
-        }
-    }
-}
-
-impl<T: Real, const W: usize> LeastSquares<T, W> {
-    /// Room for matrices and their right-hand sides: entries column after column, all of which have to
-    /// be set.
+impl<T: Real> LeastSquares<T> {
+    /// Room for matrices, with at least as many rows as columns, and their right-hand sides: entries
+    /// column after column, all of which have to be set.
     #[inline(always)]
-    pub(crate) fn matrix(&mut self, rows: usize, columns: usize) -> &mut [Several<T, W>] {
+    pub(crate) fn matrix(&mut self, rows: usize, columns: usize) -> &mut [Several<T>] {
         self.rows = rows;
         self.columns = columns;
         self.matrix.resize(rows * (columns + 1), Several::zero());
@@ -72,14 +55,14 @@ impl<T: Real, const W: usize> LeastSquares<T, W> {
     /// Factorises the matrices and carries the right-hand sides along. Returns |R_nn| / |R_11| of
     /// each, an estimate of the reciprocal condition; 0 if it has not full rank.
     #[inline(always)]
-    pub(crate) fn factorise(&mut self) -> Several<T, W> {
+    pub(crate) fn factorise(&mut self) -> Several<T> {
         let (rows, columns) = (self.rows, self.columns);
         self.diagonal.resize(columns, Several::zero());
         self.over_diagonal.resize(columns, Several::zero());
         self.factors.resize(columns, Several::zero());
         self.scales.resize(columns, Several::zero());
         self.squared_norms.resize(columns, Several::zero());
-        self.order.resize(columns, [0; W]);
+        self.order.resize(columns, [0; WIDTH]);
         for place in 0..columns {
             let column = &mut self.matrix[place * rows..][..rows];
             let over = dot(column, column).sqrt().reciprocal_or_zero();
@@ -89,7 +72,7 @@ impl<T: Real, const W: usize> LeastSquares<T, W> {
             self.scales[place] = over;
             let extended = Several::zero().less(over);
             self.squared_norms[place] = Several::select(extended, Several::literal(1.0), over);
-            self.order[place] = [place as u32; W];
+            self.order[place] = [place as u32; WIDTH];
         }
         for step in 0..columns {
             self.pivot(step);
@@ -104,7 +87,7 @@ impl<T: Real, const W: usize> LeastSquares<T, W> {
     fn pivot(&mut self, step: usize) {
         let rows = self.rows;
         let mut longest = self.squared_norms[step];
-        let mut pivots = [step as u32; W];
+        let mut pivots = [step as u32; WIDTH];
         for place in step + 1..self.columns {
             let norm = self.squared_norms[place];
             for (k, pivot) in pivots.iter_mut().enumerate() {
@@ -149,13 +132,13 @@ impl<T: Real, const W: usize> LeastSquares<T, W> {
         let norms = &mut self.squared_norms[step + 1..];
         let mut blocks = back.chunks_exact_mut(COLUMNS * rows);
         for block in &mut blocks {
-            carry::<T, W, COLUMNS>(vector, factor, block);
+            carry::<T, COLUMNS>(vector, factor, block);
         }
         let left = blocks.into_remainder();
         match left.len() / rows {
-            3 => carry::<T, W, 3>(vector, factor, left),
-            2 => carry::<T, W, 2>(vector, factor, left),
-            1 => carry::<T, W, 1>(vector, factor, left),
+            3 => carry::<T, 3>(vector, factor, left),
+            2 => carry::<T, 2>(vector, factor, left),
+            1 => carry::<T, 1>(vector, factor, left),
             _ => {}
         }
         for (column, norm) in back.chunks_exact(rows).zip(norms) {
@@ -165,7 +148,7 @@ impl<T: Real, const W: usize> LeastSquares<T, W> {
 
     /// Sets the coefficients, in the original order of the columns, that minimise |A c − b|.
     #[inline(always)]
-    pub(crate) fn solve(&mut self, coefficients: &mut [Several<T, W>]) {
+    pub(crate) fn solve(&mut self, coefficients: &mut [Several<T>]) {
         let (front, result) = self.matrix.split_at_mut(self.columns * self.rows);
         for place in (0..self.columns).rev() {
             let found = result[place] * self.over_diagonal[place];
@@ -173,7 +156,7 @@ impl<T: Real, const W: usize> LeastSquares<T, W> {
             for (entry, &upper) in result.iter_mut().zip(above) {
                 *entry = *entry - upper * found;
             }
-            for k in 0..W {
+            for k in 0..WIDTH {
                 let original = self.order[place][k] as usize;
                 coefficients[original].0[k] = found.0[k] * self.scales[original].0[k];
             }
@@ -182,13 +165,13 @@ impl<T: Real, const W: usize> LeastSquares<T, W> {
 
     /// The rows r with `functional · c = r · b` for the solutions c of every right-hand side b.
     #[inline(always)]
-    pub(crate) fn row_of(&mut self, functional: &[Several<T, W>]) -> &mut [Several<T, W>] {
+    pub(crate) fn row_of(&mut self, functional: &[Several<T>]) -> &mut [Several<T>] {
         self.vector.clear();
         self.vector.resize(self.rows, Several::zero());
         let result = &mut self.vector[..];
         for place in 0..self.columns {
             let mut sum = Several::zero();
-            for k in 0..W {
+            for k in 0..WIDTH {
                 let original = self.order[place][k] as usize;
                 sum.0[k] = functional[original].0[k] * self.scales[original].0[k];
             }
@@ -212,19 +195,19 @@ impl<T: Real, const W: usize> LeastSquares<T, W> {
 
 /// Reflects `C` columns in the rows of the Householder vector, which are the last.
 #[inline(always)]
-fn carry<T: Real, const W: usize, const C: usize>(
-    vector: &[Several<T, W>],
-    factor: Several<T, W>,
-    mut columns: &mut [Several<T, W>],
+fn carry<T: Real, const C: usize>(
+    vector: &[Several<T>],
+    factor: Several<T>,
+    mut columns: &mut [Several<T>],
 ) {
     let (rows, left) = (columns.len() / C, vector.len());
-    let mut tails: [&mut [Several<T, W>]; C] = array::from_fn(|_| Default::default());
+    let mut tails: [&mut [Several<T>]; C] = array::from_fn(|_| Default::default());
     for tail in &mut tails {
         let (column, others) = columns.split_at_mut(rows);
         *tail = &mut column[rows - left..][..left];
         columns = others;
     }
-    let mut sums = [Several::<T, W>::zero(); C];
+    let mut sums = [Several::<T>::zero(); C];
     for row in 0..left {
         for c in 0..C {
             sums[c] = sums[c] + vector[row] * tails[c][row];
@@ -243,15 +226,12 @@ fn carry<T: Real, const W: usize, const C: usize>(
 
 /// The squares of what is left of columns below their first entries; they were `norms` before.
 #[inline(always)]
-fn left_of<T: Real, const W: usize>(
-    columns: &[Several<T, W>],
-    norms: Several<T, W>,
-) -> Several<T, W> {
+fn left_of<T: Real>(columns: &[Several<T>], norms: Several<T>) -> Several<T> {
     let mut left = norms - columns[0] * columns[0];
     // What a difference of nearly equal numbers leaves is measured anew.
     let least = norms * Several::literal(1e-3);
     let mut any = false;
-    for k in 0..W {
+    for k in 0..WIDTH {
         any |= left.0[k] <= least.0[k];
     }
     if any {
@@ -263,7 +243,7 @@ fn left_of<T: Real, const W: usize>(
 
 /// Scalar products.
 #[inline(always)]
-fn dot<T: Real, const W: usize>(a: &[Several<T, W>], b: &[Several<T, W>]) -> Several<T, W> {
+fn dot<T: Real>(a: &[Several<T>], b: &[Several<T>]) -> Several<T> {
     let mut sums = [Several::zero(); SUMS];
     let (whole_a, rest_a) = a.as_chunks::<SUMS>();
     let (whole_b, rest_b) = b.as_chunks::<SUMS>();

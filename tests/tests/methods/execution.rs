@@ -46,7 +46,8 @@ impl Execution for Piecemeal {
         scratches.resize_with(1, S::default);
         let mut start = 0;
         for size in [1, 2, 3, 5, 11, 29].into_iter().cycle() {
-            let (now, later) = output.split_at(size.min(output.count()));
+            let count = output.count();
+            let (now, later) = output.split_at(size.min(count));
             kernel.set(&mut scratches[0], start, now);
             (start, output) = (start + size, later);
             if output.count() == 0 {

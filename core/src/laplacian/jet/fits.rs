@@ -2,7 +2,7 @@
 
 use super::{Attempt, Jet, coefficient_count};
 use crate::element::{SlotKernel, Slots};
-use crate::lane::{Lane, Several};
+use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::least_squares::LeastSquares;
 use crate::laplacian::{Curvature, RowSlots};
 use crate::neighbourhood::{Surroundings, set_keys, set_nearest};
@@ -28,51 +28,29 @@ pub(super) struct Fits<'a, T> {
 /// What a fit sets: the curvature, whose normal is the one to start from, the degree, and a row.
 type FitSlots<'a, T> = ((&'a mut [Curvature<T>], &'a mut [u8]), RowSlots<'a, T>);
 
-/// Memory for fits of one thread, of which only that of one width is used.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Scratch<T> {
-    four: Block<T, 4>,
-    eight: Block<T, 8>,
-}
-
-/// What is needed to fit `W` vertices at once, padded with neighbours at the vertex itself, whose
+/// What is needed to fit several vertices at once, padded with neighbours at the vertex itself, whose
 /// monomials are zero.
-#[derive(Clone, Debug)]
-struct Block<T, const W: usize> {
+#[derive(Clone, Debug, Default)]
+pub(super) struct Block<T> {
     /// The keys of the surroundings of each pending vertex, as many entries for each.
     keys: Vec<i32>,
     ranks: Vec<u64>,
     /// Neighbours' positions relative to the vertex, along each axis.
-    differences: [Vec<Several<T, W>>; 3],
+    differences: [Vec<Several<T>>; 3],
     /// Coordinates in the tangent plane in lengths of the radius, and weights.
-    places: [Vec<Several<T, W>>; 2],
-    weights: Vec<Several<T, W>>,
-    coefficients: Vec<Several<T, W>>,
-    functional: Vec<Several<T, W>>,
-    fit: LeastSquares<T, W>,
-}
-
-impl<T, const W: usize> Default for Block<T, W> {
-    fn default() -> Self {
-        Self {
-            keys: Vec::new(),
-            ranks: Vec::new(),
-            differences: [const { Vec::new() }; 3],
-            places: [const { Vec::new() }; 2],
-            weights: Vec::new(),
-            coefficients: Vec::new(),
-            functional: Vec::new(),
-            fit: LeastSquares::default(),
-        }
-    }
+    places: [Vec<Several<T>>; 2],
+    weights: Vec<Several<T>>,
+    coefficients: Vec<Several<T>>,
+    functional: Vec<Several<T>>,
+    fit: LeastSquares<T>,
 }
 
 /// What is found for each of the vertices of a block, apart from coefficients.
-struct Found<T, const W: usize> {
-    frame: [[Several<T, W>; 3]; 2],
-    over_radius: Several<T, W>,
+struct Found<T> {
+    frame: [[Several<T>; 3]; 2],
+    over_radius: Several<T>,
     /// |R_nn|/|R_11|.
-    ratio: Several<T, W>,
+    ratio: Several<T>,
 }
 
 /// A polynomial in lengths of the radius, over the tangent plane of `normal`.
@@ -105,26 +83,9 @@ struct Pending<'a, T> {
 /// The vertices of which fits are pending, each in a place of its own.
 type Queue<'a, T> = [Option<Pending<'a, T>>; PENDING];
 
-impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
-    /// In vectors of 32 bytes.
+impl<'a, T: Real> SlotKernel<Block<T>, FitSlots<'a, T>> for Fits<'_, T> {
     #[inline(always)]
-    fn set(&self, scratch: &mut Scratch<T>, start: usize, slots: FitSlots<'a, T>) {
-        if const { size_of::<T>() > 4 } {
-            self.fit_all(&mut scratch.four, start, slots);
-        } else {
-            self.fit_all(&mut scratch.eight, start, slots);
-        }
-    }
-}
-
-impl<T: Real> Fits<'_, T> {
-    #[inline(always)]
-    fn fit_all<const W: usize>(
-        &self,
-        block: &mut Block<T, W>,
-        start: usize,
-        slots: FitSlots<'_, T>,
-    ) {
+    fn set(&self, block: &mut Block<T>, start: usize, slots: FitSlots<'a, T>) {
         let mut slots = (start..).zip(slots.into_slots());
         let mut queue: Queue<'_, T> = [const { None }; PENDING];
         let room = self.plan.room();
@@ -153,10 +114,10 @@ impl<T: Real> Fits<'_, T> {
                 let alike = |&&place: &&usize| {
                     attempt_at(&queue, place).is_some_and(|attempt| attempt.degree == degree)
                 };
-                let alike = rest.iter().take(W).take_while(alike).count();
+                let alike = rest.iter().take(WIDTH).take_while(alike).count();
                 let (members, others) = rest.split_at(alike);
                 rest = others;
-                if alike == W || (idle && others.is_empty()) {
+                if alike == WIDTH || (idle && others.is_empty()) {
                     self.fit_block(block, &mut queue, members, degree);
                     idle = false;
                 }
@@ -166,7 +127,9 @@ impl<T: Real> Fits<'_, T> {
             }
         }
     }
+}
 
+impl<T: Real> Fits<'_, T> {
     /// Takes a vertex up; `None` if its neighbours carry no fit.
     #[inline(always)]
     fn begin<'b>(
@@ -197,12 +160,12 @@ impl<T: Real> Fits<'_, T> {
         })
     }
 
-    /// Fits the vertices at some places of the queue, `W` at most, by polynomials of one degree. Those
+    /// Fits the vertices at some places of the queue, `WIDTH` at most, by polynomials of one degree. Those
     /// that are done leave the queue.
     #[inline(always)]
-    fn fit_block<const W: usize>(
+    fn fit_block(
         &self,
-        block: &mut Block<T, W>,
+        block: &mut Block<T>,
         queue: &mut Queue<'_, T>,
         members: &[usize],
         degree: usize,
@@ -211,7 +174,7 @@ impl<T: Real> Fits<'_, T> {
         let rows = members.iter().map(neighbours).max().unwrap_or(0);
         let mut normals = [Several::zero(); 3];
         block.clear(rows, coefficient_count(degree));
-        for (lane, &place) in members.iter().take(W).enumerate() {
+        for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             let Some(pending) = &mut queue[place] else {
                 continue;
             };
@@ -225,8 +188,8 @@ impl<T: Real> Fits<'_, T> {
             }
         }
         let found = block.fit(degree, normals, self.jet.sharpness);
-        let mut settled = [false; W];
-        for (lane, &place) in members.iter().take(W).enumerate() {
+        let mut settled = [false; WIDTH];
+        for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             let Some(pending) = &mut queue[place] else {
                 continue;
             };
@@ -254,11 +217,11 @@ impl<T: Real> Fits<'_, T> {
                 None => queue[place] = None,
             }
         }
-        if settled == [false; W] {
+        if settled == [false; WIDTH] {
             return;
         }
         let rows = block.rows(found.over_radius);
-        for (lane, &place) in members.iter().take(W).enumerate() {
+        for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             if settled[lane]
                 && let Some(pending) = queue[place].take()
             {
@@ -279,11 +242,11 @@ fn attempt_at<T>(queue: &Queue<'_, T>, place: usize) -> Option<Attempt> {
 impl<T: Real> Pending<'_, T> {
     /// Sets the curvature, and the functional of the row; false if they leave the range of the scalar.
     #[inline(always)]
-    fn settle<const W: usize>(
+    fn settle(
         &mut self,
         polynomial: &Polynomial<T>,
         lane: usize,
-        functional: &mut [Several<T, W>],
+        functional: &mut [Several<T>],
     ) -> bool {
         let (mean, gaussian, laplacian) = polynomial.curvatures();
         let over = polynomial.over_radius;
@@ -301,7 +264,7 @@ impl<T: Real> Pending<'_, T> {
     }
 }
 
-impl<T: Real, const W: usize> Block<T, W> {
+impl<T: Real> Block<T> {
     /// Makes room for fits with so many neighbours, none of which is set, and coefficients.
     #[inline(always)]
     fn clear(&mut self, rows: usize, columns: usize) {
@@ -332,7 +295,7 @@ impl<T: Real, const W: usize> Block<T, W> {
 
     /// Fits polynomials over the planes of the normals.
     #[inline(always)]
-    fn fit(&mut self, degree: usize, normals: [Several<T, W>; 3], sharpness: T) -> Found<T, W> {
+    fn fit(&mut self, degree: usize, normals: [Several<T>; 3], sharpness: T) -> Found<T> {
         let Self {
             differences: [x, y, z],
             places: [across, along],
@@ -392,7 +355,7 @@ impl<T: Real, const W: usize> Block<T, W> {
 
     /// The rows of the functionals.
     #[inline(always)]
-    fn rows(&mut self, over_radius: Several<T, W>) -> &[Several<T, W>] {
+    fn rows(&mut self, over_radius: Several<T>) -> &[Several<T>] {
         let rows = self.fit.row_of(&self.functional);
         for (entry, &weight) in rows.iter_mut().zip(&self.weights) {
             *entry = *entry * (weight * over_radius * over_radius);
@@ -401,14 +364,14 @@ impl<T: Real, const W: usize> Block<T, W> {
     }
 }
 
-impl<T: Real, const W: usize> Found<T, W> {
+impl<T: Real> Found<T> {
     /// The polynomial of one vertex.
     #[inline(always)]
     fn polynomial(
         &self,
         lane: usize,
         normal: [T; 3],
-        coefficients: &[Several<T, W>],
+        coefficients: &[Several<T>],
     ) -> Polynomial<T> {
         let mut leading = [T::zero(); LEADING];
         for (leading, coefficient) in leading.iter_mut().zip(coefficients) {

@@ -2,7 +2,7 @@
 
 use super::{AMPLIFIED, COEFFICIENTS};
 use crate::element::{SlotKernel, Slots};
-use crate::lane::{Lane, Several};
+use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::least_squares::LeastSquares;
 use crate::laplacian::{Curvature, RaggedRowSlots};
 use crate::neighbourhood::Neighbourhood;
@@ -25,40 +25,30 @@ pub(super) struct Fits<'a, T> {
 /// What a fit sets: the curvature, whose normal is the first guess, and a row.
 type FitSlots<'a, T> = (&'a mut [Curvature<T>], RaggedRowSlots<'a, T>);
 
-/// Memory for fits of one thread, of which only that of one width is used.
+/// Memory for fits of one thread.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch<T> {
     search: Neighbourhood<T>,
-    four: Block<T, 4>,
-    eight: Block<T, 8>,
+    block: Block<T>,
 }
 
-/// What is needed to fit `W` vertices at once, padded with neighbours at the vertex itself, of which
+/// What is needed to fit several vertices at once, padded with neighbours at the vertex itself, of which
 /// every monomial is zero.
-#[derive(Clone, Debug)]
-struct Block<T, const W: usize> {
+#[derive(Clone, Debug, Default)]
+struct Block<T> {
     /// Neighbours' positions relative to the vertex, in units of the radius, the distance of the
     /// farthest.
-    offsets: Vec<Vec3<Several<T, W>>>,
-    problem: LeastSquares<T, W>,
-}
-
-impl<T, const W: usize> Default for Block<T, W> {
-    fn default() -> Self {
-        Self {
-            offsets: Vec::new(),
-            problem: LeastSquares::default(),
-        }
-    }
+    offsets: Vec<Vec3<Several<T>>>,
+    problem: LeastSquares<T>,
 }
 
 /// Paraboloids that were fitted: their coefficients a, b, c, d, e in units of the radius, and the
 /// normals that follow.
-struct Fitted<T, const W: usize> {
-    coefficients: [Several<T, W>; COEFFICIENTS],
-    normal: Vec3<Several<T, W>>,
+struct Fitted<T> {
+    coefficients: [Several<T>; COEFFICIENTS],
+    normal: Vec3<Several<T>>,
     /// Whether the neighbours determine each.
-    determined: [bool; W],
+    determined: [bool; WIDTH],
 }
 
 /// A vertex that is fitted.
@@ -73,29 +63,11 @@ struct Vertex<'a, T> {
 }
 
 impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
-    /// In vectors of 32 bytes.
     #[inline(always)]
     fn set(&self, scratch: &mut Scratch<T>, start: usize, slots: FitSlots<'a, T>) {
-        let search = &mut scratch.search;
-        if const { size_of::<T>() > 4 } {
-            self.fit_all(&mut scratch.four, search, start, slots);
-        } else {
-            self.fit_all(&mut scratch.eight, search, start, slots);
-        }
-    }
-}
-
-impl<T: Real> Fits<'_, T> {
-    #[inline(always)]
-    fn fit_all<const W: usize>(
-        &self,
-        block: &mut Block<T, W>,
-        search: &mut Neighbourhood<T>,
-        start: usize,
-        slots: FitSlots<'_, T>,
-    ) {
+        let Scratch { search, block } = scratch;
         let mut slots = (start..).zip(slots.into_slots());
-        let mut vertices: [Option<Vertex<'_, T>>; W] = [const { None }; W];
+        let mut vertices: [Option<Vertex<'_, T>>; WIDTH] = [const { None }; WIDTH];
         loop {
             for vertex in &mut vertices {
                 let slot = slots.next();
@@ -120,20 +92,24 @@ impl<T: Real> Fits<'_, T> {
             }
         }
     }
+}
 
+impl<T: Real> Fits<'_, T> {
     /// Fits the vertices that are there. Those that are done are taken away: all, or all but those
     /// that need two rings.
     #[inline(always)]
-    fn fit_block<const W: usize>(
+    fn fit_block(
         &self,
-        block: &mut Block<T, W>,
+        block: &mut Block<T>,
         search: &mut Neighbourhood<T>,
-        vertices: &mut [Option<Vertex<'_, T>>; W],
+        vertices: &mut [Option<Vertex<'_, T>>; WIDTH],
         again: bool,
     ) {
         let mut normals = [Several::zero(); 3];
-        let mut counts = [0; W];
+        let mut counts = [0; WIDTH];
+        let none = [Several::zero(); 3];
         block.offsets.clear();
+        block.offsets.resize(COEFFICIENTS, none);
         for (lane, vertex) in vertices.iter_mut().enumerate() {
             let Some(vertex) = vertex else {
                 continue;
@@ -142,7 +118,6 @@ impl<T: Real> Fits<'_, T> {
             search.rings(self.surface, vertex.number, rings);
             counts[lane] = search.found.len();
             if block.offsets.len() < counts[lane] {
-                let none = [Several::zero(); 3];
                 block.offsets.resize(counts[lane], none);
             }
             let seen = self.surface.seen_from(vertex.number);
@@ -161,7 +136,7 @@ impl<T: Real> Fits<'_, T> {
         let over_radius = block.set_unit();
         let fitted = block.settle(normals, &counts);
         let mut functional = [Several::zero(); COEFFICIENTS];
-        let mut curvatures = [[T::zero(); 2]; W];
+        let mut curvatures = [[T::zero(); 2]; WIDTH];
         for (lane, curvature) in curvatures.iter_mut().enumerate() {
             let (mean, gaussian, laplacian) = fitted.curvature(lane);
             *curvature = [mean, gaussian];
@@ -205,10 +180,10 @@ impl<T: Real> Fits<'_, T> {
     }
 }
 
-impl<T: Real, const W: usize> Block<T, W> {
+impl<T: Real> Block<T> {
     /// Takes the distances of the farthest neighbours for units, and returns 1 over them.
     #[inline(always)]
-    fn set_unit(&mut self) -> Several<T, W> {
+    fn set_unit(&mut self) -> Several<T> {
         let mut farthest = Several::zero();
         for &offset in &self.offsets {
             let squared = dot(offset, offset);
@@ -224,8 +199,8 @@ impl<T: Real, const W: usize> Block<T, W> {
     /// Fits again and again, from first normals, until every frame stands upright. What stands already
     /// is fitted in the same frame once more, which changes nothing.
     #[inline(always)]
-    fn settle(&mut self, mut normals: Vec3<Several<T, W>>, counts: &[usize; W]) -> Fitted<T, W> {
-        let mut open = [true; W];
+    fn settle(&mut self, mut normals: Vec3<Several<T>>, counts: &[usize; WIDTH]) -> Fitted<T> {
+        let mut open = [true; WIDTH];
         let mut fits = 1;
         loop {
             let fitted = self.fit(normals, counts);
@@ -239,7 +214,7 @@ impl<T: Real, const W: usize> Block<T, W> {
                     }
                 }
             }
-            if open == [false; W] || fits == MOST_FITS {
+            if open == [false; WIDTH] || fits == MOST_FITS {
                 return fitted;
             }
             fits += 1;
@@ -247,7 +222,7 @@ impl<T: Real, const W: usize> Block<T, W> {
     }
 
     #[inline(always)]
-    fn fit(&mut self, normals: Vec3<Several<T, W>>, counts: &[usize; W]) -> Fitted<T, W> {
+    fn fit(&mut self, normals: Vec3<Several<T>>, counts: &[usize; WIDTH]) -> Fitted<T> {
         let [first, second] = tangent_frame(normals);
         let half = Several::literal(0.5);
         let rows = self.offsets.len();
@@ -285,7 +260,7 @@ impl<T: Real, const W: usize> Block<T, W> {
     }
 }
 
-impl<T: Real, const W: usize> Fitted<T, W> {
+impl<T: Real> Fitted<T> {
     /// H, K and the functional that takes a field's coefficients to its Laplacian at one vertex, in
     /// units of the radius.
     fn curvature(&self, lane: usize) -> (T, T, [T; COEFFICIENTS]) {
