@@ -13,6 +13,8 @@ pub use heat_kernel::{Bandwidth, HeatKernel, HeatKernelMemory};
 pub use jet::{Jet, JetMemory};
 pub use paraboloid::{NeighbourRoom, Paraboloid, ParaboloidMemory};
 
+pub use crate::neighbourhood::Surroundings;
+
 use crate::element::{Execution, Ragged, Strided};
 use crate::energy::Method;
 use crate::mesh::VertexKind;

@@ -183,7 +183,7 @@ impl Surroundings {
     }
 }
 
-/// Distances that are compared at once; keys are padded to a multiple of it.
+/// Keys are padded to a multiple of this, with which vectors come out even.
 const COMPARED: usize = 8;
 
 /// The key of what is farther than everything.
@@ -212,7 +212,8 @@ fn count_within(keys: &[i32], most: i32) -> usize {
     count as usize
 }
 
-/// Sets `keys` to those of the distances of `surroundings` from `centre`; the others are farther.
+/// Sets `keys` to those of the distances of `surroundings` from `centre`; the others are farther. Not
+/// inlined: there is nothing to make vectors of, and loops of fits leave no registers.
 #[inline(never)]
 pub(crate) fn set_keys<T: Real>(
     keys: &mut [i32],

@@ -2,7 +2,7 @@
 
 use autodiff::F1;
 use helfrich::{
-    Cotangent, DualArea, GompperKroll, Method, Prepared, Rows, Serial, Surface, VertexKind,
+    Cotangent, DualArea, GompperKroll, Jet, Method, Prepared, Rows, Serial, Surface, VertexKind,
 };
 use helfrich_tests::laws::{
     ConstantsVanish, CurvatureFollows, Measured, RowsAgree, covered_modules, for_each_operator,
@@ -347,4 +347,43 @@ fn mixed_areas_of_an_obtuse_triangle() {
     assert_eq!(dual_areas(DualArea::Barycentric, &obtuse), [2.0 / 3.0; 3]);
     // ⅛ (cot β l² + cot γ m²): by hand, cot = 1, 3, −½ at the corners and l² = 10, 2, 16 opposite.
     assert_eq!(dual_areas(DualArea::Voronoi, &obtuse), [-0.25, 0.25, 2.0]);
+}
+
+/// No vertex within two edges is left out that is nearer than one of a row: the search, on meshes with
+/// and without equal distances.
+#[test]
+fn rows_of_jets_have_the_nearest_vertices() {
+    let uneven = |x: [f64; 3]| [0, 1, 2].map(|k| x[k] + 0.05 * (57.0 * x[(k + 1) % 3]).sin());
+    for mesh in [
+        icosphere(3),
+        icosphere(3).map(uneven),
+        disc(9),
+        torus(24, 12),
+    ] {
+        let measured = Measured::new(Jet::j4(), &mesh);
+        let mut rows = Rows::new();
+        measured.assemble(&mut rows);
+        for vertex in 0..mesh.positions.len() {
+            let to = |&other: &u32| {
+                let offset = difference(mesh.positions[other as usize], mesh.positions[vertex]);
+                dot(offset, offset)
+            };
+            let mut columns = Vec::from(rows.row(vertex).0);
+            let farthest = columns.iter().map(to).fold(0.0, f64::max);
+            columns.sort_unstable();
+            let count = columns.len();
+            columns.dedup();
+            assert_eq!(columns.len(), count, "a neighbour twice at vertex {vertex}");
+            let connectivity = &mesh.connectivity;
+            let ring = connectivity.one_ring(vertex).iter();
+            for near in ring.flat_map(|&v| connectivity.one_ring(v as usize)) {
+                let known = *near as usize == vertex || columns.binary_search(near).is_ok();
+                // Distances that agree in six digits count as the same.
+                assert!(
+                    known || to(near) >= farthest * (1.0 - 4e-6),
+                    "vertex {vertex}"
+                );
+            }
+        }
+    }
 }
