@@ -18,7 +18,7 @@ pub fn stability_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
             writeln!(out, "\n{} · {}", case[0].case, case[0].meaning)?;
             for subject in lines(case) {
                 write!(out, "  {:28}", subject[0].subject)?;
-                for &scalar in columns(group[0].group) {
+                for scalar in columns(case) {
                     write!(out, "  {:30}", cell(&subject, scalar))?;
                 }
                 writeln!(out)?;
@@ -53,7 +53,7 @@ pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
         for case in group.chunk_by(|a, b| a.case == b.case) {
             let (name, meaning) = (capitalised(case[0].case), case[0].meaning);
             writeln!(out, "\n### {name}\n\n{meaning}\n")?;
-            let scalars = columns(group[0].group);
+            let scalars = columns(case);
             write!(out, "| |")?;
             scalars
                 .iter()
@@ -61,7 +61,7 @@ pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
             writeln!(out, "\n|---|{}", "---|".repeat(scalars.len()))?;
             for subject in lines(case) {
                 write!(out, "| {} |", subject[0].subject)?;
-                for &scalar in scalars {
+                for &scalar in &scalars {
                     write!(out, " {} |", cell(&subject, scalar).replace('|', "\\|"))?;
                 }
                 writeln!(out)?;
@@ -108,12 +108,13 @@ fn legend(group: Group, mut line: impl FnMut(&str) -> io::Result<()>) -> io::Res
     }
 }
 
-/// The number types that a group's rows are in: formulas of Stokes flow and runs are in f64.
-fn columns(group: Group) -> &'static [Scalar] {
-    match group {
-        Group::Dynamics => &[Scalar::F64],
-        _ => &Scalar::ALL,
+/// The number types of a case; runs are in f64.
+fn columns(case: &[Row]) -> Vec<Scalar> {
+    let mut scalars = Scalar::ALL.to_vec();
+    if case.iter().all(|row| row.group == Group::Dynamics) {
+        scalars.retain(|&scalar| case.iter().any(|row| row.scalar == scalar));
     }
+    scalars
 }
 
 /// The rows of each method or formula, in the order of their first.

@@ -124,6 +124,8 @@ pub(super) fn of_fluid<T: Precision>(kernel: Kernel) -> Made<f64> {
             .into_iter()
             .sum::<DVec3>();
     }
+    // What is read has half of the forces that are set.
+    lattice.clear_forces();
     let missing = DVec3::from(lattice.momentum()) - momentum;
     let rounding = T::epsilon().to_f64().unwrap_or(f64::NAN);
     Ok(missing.length() / (rounding * lattice.mass() / 3.0_f64.sqrt()))
