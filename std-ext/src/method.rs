@@ -251,6 +251,11 @@ impl<T: Real> Evaluator<T> {
     /// Evaluates, and collects all that the method says.
     pub fn fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
         self.evaluate(surface);
+        self.last_fields(surface)
+    }
+
+    /// [`Self::fields`] of the last evaluation, which was of this surface: nothing is evaluated.
+    pub(crate) fn last_fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
         match &mut self.ordered {
             None => Fields::collect(&mut *self.prepared, surface, &self.force),
             Some(ordered) => {

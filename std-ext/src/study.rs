@@ -447,11 +447,13 @@ impl Case<'_> {
         // Of one thread: what others leave of the rest would be measured, too.
         let mut evaluator =
             Evaluator::on_threads(self.method, modulus, &mesh.mesh, Parallel::single());
+        let start = Instant::now();
         evaluator.evaluate(surface);
+        let first = start.elapsed();
         let bytes = allocated.zip(before);
         let bytes = bytes.map(|(allocated, before)| allocated().saturating_sub(before) as f64);
-        let fields = evaluator.fields(surface);
-        let time = median_time(|| evaluator.evaluate(surface));
+        let time = median_time(first, || evaluator.evaluate(surface));
+        let fields = evaluator.last_fields(surface);
         let vertices = mesh.mesh.vertex_count();
         let defined = |quantity: &Quantity| quantity.is_defined_by(self.method);
         let quantities = Quantity::ALL.into_iter().filter(defined);
@@ -466,17 +468,19 @@ impl Case<'_> {
     }
 }
 
-/// Median over as many runs as fit into a short while: at least three, or two of those that are long
-/// enough for what disturbs them to be short. Memory is warm: the fields have been evaluated.
-pub(crate) fn median_time(mut run: impl FnMut()) -> Duration {
+/// Median over as many runs as fit into a short while, three at least; fewer of those that are long
+/// enough for what disturbs them to be short: two from 0.1 s on, and one from 0.4 s on. Memory is warm:
+/// there was a run before, which took `first`.
+pub(crate) fn median_time(first: Duration, mut run: impl FnMut()) -> Duration {
     const WHILE: Duration = Duration::from_millis(40);
-    const LONG: Duration = Duration::from_millis(400);
+    let fewest = match first.as_millis() {
+        400.. => 1,
+        100.. => 2,
+        _ => 3,
+    };
     let start = Instant::now();
     let mut times = Vec::new();
-    while times.len() < 2
-        || (times.len() < 3 && start.elapsed() < LONG)
-        || (start.elapsed() < WHILE && times.len() < 1000)
-    {
+    while times.len() < fewest || (start.elapsed() < WHILE && times.len() < 1000) {
         let one = Instant::now();
         run();
         times.push(one.elapsed());
