@@ -288,9 +288,9 @@ pub trait Execution {
     fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T;
 }
 
-/// Elements that are gathered before their formula is run: enough for compilers to make vectors of
-/// the loop in between, and few enough for the first cache.
-const BATCH: usize = 32;
+/// Elements that [`scatter_onto`] gathers before their formula is run: enough for compilers to make
+/// vectors of the loop in between, and few enough for the first cache.
+pub const BATCH: usize = 32;
 
 /// What every [`Execution::scatter`] has to make sure of.
 ///

@@ -4,7 +4,7 @@
 //! with AVX2, and the choice is made at run time. Nothing is contracted into fused operations:
 //! results have the bits of [`Serial`], whatever the processor and the number of threads.
 
-use helfrich::element::{ElementKernel, SlotKernel, Slots, check_output, scatter_onto};
+use helfrich::element::{BATCH, ElementKernel, SlotKernel, Slots, check_output, scatter_onto};
 use helfrich::{Execution, Real, Serial, Surface};
 use pulp::{Arch, NullaryFnOnce};
 use std::num::NonZeroUsize;
@@ -49,6 +49,26 @@ impl Default for Parallel {
 
 /// A loop over fewer elements takes less time than it takes to start a thread.
 const FEWEST_ELEMENTS: usize = 6000;
+
+/// Threads are worth it as long as each computes no more than this part of all elements.
+const MOST_REPEATED: f64 = 0.7;
+
+/// In how many ranges of `size` vertices the elements are that a loop takes up together, on average:
+/// by some dozens of them.
+fn mean_parts<const CORNERS: usize>(elements: &[[u32; CORNERS]], size: usize) -> f64 {
+    const SAMPLES: usize = 64;
+    let batches = elements
+        .chunks(BATCH)
+        .step_by((elements.len() / BATCH / SAMPLES).max(1));
+    let count = batches.len();
+    let parts = batches.map(|batch| {
+        let mut parts: Vec<usize> = batch.iter().flatten().map(|&v| v as usize / size).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        parts.len()
+    });
+    parts.sum::<usize>() as f64 / count.max(1) as f64
+}
 
 /// Slots of a loop that are done before it is decided whether the others are worth a thread.
 const FIRST_SLOTS: usize = 64;
@@ -161,6 +181,10 @@ impl Execution for Parallel {
             return onto((0, output));
         }
         let size = vertices.div_ceil(threads);
+        // Numbered as they come, most elements would be computed by every thread.
+        if mean_parts(elements, size) > MOST_REPEATED * threads as f64 {
+            return onto((0, output));
+        }
         let parts = output[..vertices].chunks_mut(size).enumerate();
         share(parts.map(|(k, part)| (k * size, part)).collect(), &onto);
     }

@@ -5,7 +5,7 @@
 //! cargo bench -p helfrich-std -- --vertices 2562,40962
 //! ```
 //!
-//! All columns of a row are measured in turn, again and again, in samples of about a millisecond,
+//! Vertices are in reverse Cuthill–McKee order. All columns of a row are measured in turn, again and again, in samples of about a millisecond,
 //! and what is printed are first quartiles: on a machine with other work, samples that were not
 //! interrupted are among the faster half, and only ratios within a row mean anything.
 #![expect(clippy::print_stdout, reason = "the tables are what it is for")]
@@ -18,6 +18,7 @@ mod naive;
 mod peak;
 mod rows;
 
+use helfrich::Reordering;
 use helfrich_std::generate::{Family, generate};
 use measured::Table;
 use std::path::PathBuf;
@@ -30,8 +31,11 @@ fn main() -> Result<(), Error> {
     table.head();
     for &vertices in &arguments.vertices {
         let generated = generate(&"discocyte".parse()?, Family::Smooth, vertices, 1)?;
-        rows::of::<f64>("f64", &generated.mesh, &generated.positions, &mut table)?;
-        rows::of::<f32>("f32", &generated.mesh, &generated.positions, &mut table)?;
+        let order = Reordering::reverse_cuthill_mckee(&generated.mesh);
+        let mesh = order.of_mesh(&generated.mesh)?;
+        let positions = order.apply(&generated.positions);
+        rows::of::<f64>("f64", &mesh, &positions, &mut table)?;
+        rows::of::<f32>("f32", &mesh, &positions, &mut table)?;
     }
     rows::stokeslets(&mut table)?;
     rows::lattice::<f64>("f64", &mut table)?;
