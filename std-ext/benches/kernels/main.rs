@@ -5,9 +5,10 @@
 //! cargo bench -p helfrich-std -- --vertices 2562,40962
 //! ```
 //!
-//! Vertices are in reverse Cuthill–McKee order. All columns of a row are measured in turn, again and again, in samples of about a millisecond,
-//! and what is printed are first quartiles: on a machine with other work, samples that were not
-//! interrupted are among the faster half, and only ratios within a row mean anything.
+//! Vertices are in reverse Cuthill–McKee order. All columns of a row are measured in turn, again and
+//! again, in samples of about a millisecond, and what is printed are first quartiles: on a machine with
+//! other work, samples that were not interrupted are among the faster half, and only ratios within a
+//! row mean anything.
 #![expect(clippy::print_stdout, reason = "the tables are what it is for")]
 
 mod counted;
