@@ -844,6 +844,6 @@ pub const SERIES_EXTRAPOLATION: Tolerance = Tolerance::new(
 );
 /// Forces of one method in two orders of the vertices, over the largest of them.
 pub const REORDERED: Tolerance = Tolerance::new(
-    1e-8,
+    1e-12,
     "rounding of positions in a fourth derivative: 1e-16 over the fourth power of an edge of a tenth",
 );
