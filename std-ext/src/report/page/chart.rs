@@ -261,7 +261,8 @@ impl Chart {
             if !curve.label.is_empty() {
                 // Beside its last point; below or above what stands there already.
                 let x = (end_x + 8.0).min(WIDTH - 9.0 * curve.label.chars().count() as f64);
-                let steps = [0.0, 12.0, -12.0, 24.0, -24.0, 36.0, -36.0];
+                let mut steps =
+                    (0..16).flat_map(|step| [6.0 * f64::from(step), -6.0 * f64::from(step)]);
                 let free = |step: &f64| {
                     // Not above the figure.
                     end_y + step > TOP
@@ -269,7 +270,7 @@ impl Chart {
                             (other_x - x).abs() > 18.0 || (other_y - end_y - step).abs() > 11.0
                         })
                 };
-                let step = steps.into_iter().find(free).unwrap_or(0.0);
+                let step = steps.find(free).unwrap_or(0.0);
                 taken.push([x, end_y + step]);
                 write!(
                     out,
