@@ -346,6 +346,9 @@ impl Flat {
     }
 }
 
+/// A triangle whose longest edge is more than this many times its height is halved along it.
+const THIN: f64 = 8.0;
+
 /// The integral of `point(x, weighted field)` over a triangle seen from the origin, by parts that
 /// are far off by their own measure.
 fn in_parts<const N: usize>(
@@ -363,6 +366,25 @@ fn in_parts<const N: usize>(
     }
     let middles = |[a, b, c]: [DVec3; 3]| [0.5 * (b + c), 0.5 * (c + a), 0.5 * (a + b)];
     let (at, of) = (middles(corners), middles(values));
+    if squared_longest(corners) > THIN * doubled_normal(corners).length() {
+        // In four, all would be as long as two, and as near: their number would double each time.
+        let lengths = [0, 1, 2].map(|k: usize| edge(corners, k).length_squared());
+        let k = if lengths[0] >= lengths[1].max(lengths[2]) {
+            0
+        } else if lengths[1] >= lengths[2] {
+            1
+        } else {
+            2
+        };
+        let mut parts = [(corners, values); 2];
+        for (part, side) in parts.iter_mut().zip([1, 2]) {
+            let place = (k + side) % 3;
+            (part.0[place], part.1[place]) = (at[k], of[k]);
+        }
+        let [first, second] =
+            parts.map(|(corners, values)| in_parts(corners, values, halvings - 1, point));
+        return sum(first, second);
+    }
     let mut total = in_parts(at, of, halvings - 1, point);
     for k in 0..3 {
         let (next, last) = ((k + 1) % 3, (k + 2) % 3);
@@ -411,9 +433,14 @@ fn mean(values: [DVec3; 3], [a, b, c]: [f64; 3]) -> DVec3 {
     a * values[0] + b * values[1] + c * values[2]
 }
 
-fn squared_longest([a, b, c]: [DVec3; 3]) -> f64 {
-    let [ab, bc, ca] = [a - b, b - c, c - a].map(DVec3::length_squared);
-    ab.max(bc).max(ca)
+/// The edge opposite to a corner.
+fn edge(corners: [DVec3; 3], k: usize) -> DVec3 {
+    corners[(k + 2) % 3] - corners[(k + 1) % 3]
+}
+
+fn squared_longest(corners: [DVec3; 3]) -> f64 {
+    let [a, b, c] = [0, 1, 2].map(|k| edge(corners, k).length_squared());
+    a.max(b).max(c)
 }
 
 #[cfg(test)]
@@ -434,6 +461,37 @@ mod tests {
             [0.0]
         });
         count.get()
+    }
+
+    #[test]
+    fn needles_do_not_double_with_every_halving() {
+        let through = |height: f64| {
+            let corners = [
+                DVec3::new(-1.0, 0.0, 0.0),
+                DVec3::new(1.0, 1e-9, 0.0),
+                DVec3::new(0.9, height, 0.0),
+            ];
+            let (count, area) = (Cell::new(0), Cell::new(0.0));
+            in_parts(corners, [DVec3::X; 3], HALVINGS, &|_, weighted| {
+                count.set(count.get() + 1);
+                area.set(area.get() + weighted.x);
+                [0.0]
+            });
+            (count.get(), area.get())
+        };
+        let (fat, area) = through(1.0);
+        assert!((area / 1.0 - 1.0).abs() < 1e-8, "{area}");
+        for height in [1e-3, 1e-6, 1e-9] {
+            let (thin, area) = through(height);
+            assert!(
+                thin < 4 * fat,
+                "{height}: {thin} points, {fat} for a fat triangle"
+            );
+            assert!(
+                (area / height - 1.0).abs() < 1e-2 || height < 1e-8,
+                "{area}"
+            );
+        }
     }
 
     #[test]
