@@ -19,7 +19,8 @@ fn parse(text: &str) -> SceneFile {
     SceneFile::parse(text, Path::new("scene.toml"), &overrides).expect("a scene")
 }
 
-const SURFACE: &str = "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\nshape = \"sphere\"\nvertices = 642\n";
+const SURFACE: &str =
+    "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\nshape = \"sphere\"\n";
 
 /// Every effect by itself, as it stands in a scene.
 const EFFECTS: [(&str, &str); 10] = [
@@ -41,6 +42,8 @@ const EFFECTS: [(&str, &str); 10] = [
     ("stretching", "axis = [1, 0, 0]\nforce = 1"),
 ];
 
+/// A scene with these effects, on so few vertices that no loop starts a thread, however slow the
+/// machine: starting one allocates.
 fn scene(named: &[usize]) -> SceneFile {
     let table = |&k: &usize| -> String {
         let (name, keys) = EFFECTS[k];
@@ -49,7 +52,7 @@ fn scene(named: &[usize]) -> SceneFile {
             .collect()
     };
     let tables: String = named.iter().map(table).collect();
-    parse(&format!("{SURFACE}{tables}"))
+    parse(&format!("{SURFACE}vertices = 42\n{tables}"))
 }
 
 /// The names of the effects with the number of their evaluations, after so many of the whole; and
@@ -90,7 +93,7 @@ fn what_a_scene_does_not_name_is_never_touched() {
 #[test]
 fn an_evaluation_is_the_sum_of_what_each_effect_does() {
     let text = format!(
-        "{SURFACE}name = \"a\"\nbending.method = \"juelicher\"\nbending.modulus = 1\n\
+        "{SURFACE}vertices = 642\nname = \"a\"\nbending.method = \"juelicher\"\nbending.modulus = 1\n\
          [[surface]]\nname = \"b\"\nshape = \"ellipsoid:1,1,0.8\"\nvertices = 162\n\
          position = [0, 0, 1.9]\ntension.value = 0.3\npressure.value = -0.2\n\
          [[interaction]]\nkind = \"repulsion\"\nstrength = 1\ncutoff = 0.5\nbetween = [\"b\", \"a\"]\n"
