@@ -218,10 +218,9 @@ impl fmt::Display for FlowCase {
 }
 
 impl FlowStudy {
-    /// Every method by boundary integrals, and two on one lattice: some minutes.
+    /// Every method by boundary integrals and on one lattice: some minutes.
     pub fn brief() -> Self {
         Self {
-            lattice_methods: vec![BendingMethod::GompperKroll, BendingMethod::Meyer],
             bendings: vec![BENDING],
             resolutions: vec![6.0],
             sizes: vec![7.0],
