@@ -6,6 +6,7 @@
 
 mod consistent;
 mod controls;
+mod evaluation;
 mod patches;
 mod point;
 
@@ -13,8 +14,7 @@ pub use consistent::ConsistentMemory;
 pub use controls::ControlPoints;
 
 use self::controls::ControlMap;
-use self::patches::{Block, Field, Patches};
-use self::point::Point;
+use self::patches::{Field, PatchMemory, Patches};
 use crate::bending::SpontaneousCurvature;
 use crate::element::Execution;
 use crate::energy::{Conservative, Energy, Finding, Force, ForceDensity, Method};
@@ -141,7 +141,7 @@ impl<T: Real> LoopSubdivision<T> {
     ) -> (T, Option<T>) {
         self.evaluate::<false>(execution, plan, surface, memory);
         let controls = &memory.controls;
-        let blocks = &memory.blocks;
+        let blocks = &memory.patches.blocks;
         let area = execution.sum(blocks.len(), |block| blocks[block].area());
         let volume = surface.mesh().is_closed().then(|| {
             let third = T::constant(1.0 / 3.0);
@@ -175,7 +175,7 @@ impl<T: Real> LoopSubdivision<T> {
             self.modulus,
             spontaneous,
             &memory.controls,
-            &mut memory.blocks,
+            &mut memory.patches,
         );
         if GRADIENT {
             plan.collect(execution, memory);
@@ -193,7 +193,7 @@ impl<T: Real> LoopSubdivision<T> {
     }
 
     fn energy_of(execution: &impl Execution, memory: &LoopSubdivisionMemory<T>) -> T {
-        let blocks = &memory.blocks;
+        let blocks = &memory.patches.blocks;
         let [energy] = finite_or_zero([execution.sum(blocks.len(), |block| blocks[block].energy)]);
         energy
     }
@@ -279,10 +279,10 @@ impl<T: Real> LoopSubdivisionPlan<T> {
     /// control point.
     fn collect(&self, execution: &impl Execution, memory: &mut LoopSubdivisionMemory<T>) {
         let LoopSubdivisionMemory {
-            blocks, gathered, ..
+            patches, gathered, ..
         } = memory;
         gathered.resize(self.patches.control_count(), [T::zero(); 4]);
-        self.patches.gather(execution, blocks, gathered);
+        self.patches.gather(execution, &patches.blocks, gathered);
     }
 
     /// H and K under a vertex.
@@ -298,7 +298,7 @@ impl<T: Real> LoopSubdivisionPlan<T> {
                 let spoke = patches::difference(centre, controls[neighbour as usize]);
                 patches::accumulate(&mut derivatives, weights, spoke);
             }
-            return Point::new(derivatives).curvatures();
+            return patches::point(derivatives).curvatures();
         }
         let mut sum = none;
         let mut count = T::zero();
@@ -316,7 +316,7 @@ impl<T: Real> LoopSubdivisionPlan<T> {
 pub struct LoopSubdivisionMemory<T> {
     /// Control points relative to the plan's origin, padded to four numbers.
     controls: Vec<[T; 4]>,
-    blocks: Vec<Block<T>>,
+    patches: PatchMemory<T>,
     /// Force and mass at each control point.
     gathered: Vec<[T; 4]>,
     /// Positions, then force and mass at each node.
@@ -362,11 +362,13 @@ impl<T: Real> Method<T> for LoopSubdivision<T> {
     ) {
         surface.report_uneven_within(2, report);
         surface.report_rough_vertices(report);
-        let mut last = None;
-        for triangle in plan.patches.without_area(&memory.blocks) {
-            if last.replace(triangle) != Some(triangle) {
-                report(Finding::DegenerateTriangle { triangle });
-            }
+        let without_area = plan.patches.without_area(&memory.patches.blocks);
+        let mut triangles: Vec<u32> = without_area.collect();
+        // Refined ones have several patches.
+        triangles.sort_unstable();
+        triangles.dedup();
+        for triangle in triangles {
+            report(Finding::DegenerateTriangle { triangle });
         }
     }
 }

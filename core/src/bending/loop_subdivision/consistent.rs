@@ -113,9 +113,10 @@ impl<T: Real> LoopSubdivisionPlan<T> {
         coarse.copy_from_slice(field);
         self.patches.refine(execution, coarse, fine);
         let LoopSubdivisionMemory {
-            controls, blocks, ..
+            controls, patches, ..
         } = &mut *memory;
-        self.patches.apply_mass(execution, controls, blocks);
+        self.patches
+            .apply_mass(execution, controls, &mut patches.blocks);
         self.collect(execution, memory);
     }
 }

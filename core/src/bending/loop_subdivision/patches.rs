@@ -4,13 +4,16 @@
 //! that depends on nothing but the valence of its first corner; and derivatives of the energy back to
 //! forces at its nodes, by the same table. Patches of all valences run through one loop.
 
+use super::evaluation::{Evaluation, Together};
 use super::point::Point;
 use crate::element::Execution;
+use crate::lane::WIDTH;
 use crate::mesh::TriangleMesh;
 use crate::real::Real;
 use crate::subdivision::{Basis, NoPatch, Patch, RowSum, Stencils, Subdivision, basis};
 use crate::vec3::dot;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// Interior points of equal weight, exact for quadratic functions. One point would leave an energy
 /// with negative modes; more points gain nothing. The first is the nearest to v0.
@@ -21,21 +24,20 @@ const POINTS: [[f64; 2]; 3] = [
 ];
 
 /// A third of the area of the parameter triangle.
-const WEIGHT: f64 = 1.0 / 6.0;
+pub(super) const WEIGHT: f64 = 1.0 / 6.0;
 
 /// Patches that are done by one call of an execution's loop.
-const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = 64;
 
-/// Marks a patch without extraordinary vertex.
+/// Marks a point of the refined mesh that no patch needs.
 const NONE: u32 = u32::MAX;
 
 /// What one node of a patch contributes at the quadrature points.
 #[derive(Clone, Copy, Debug)]
-struct NodeBasis<T> {
-    values: [T; 3],
-    /// ∂v, ∂w, ∂vv, ∂vw, ∂ww at the first point, at the second and at the third, and a 0 that fills
-    /// the last vector register.
-    derivatives: [T; DERIVATIVES],
+pub(super) struct NodeBasis<T> {
+    pub(super) values: [T; 3],
+    /// ∂v, ∂w, ∂vv, ∂vw, ∂ww at each point.
+    pub(super) derivatives: [[T; 5]; 3],
 }
 
 /// A number on the limit surface.
@@ -50,7 +52,7 @@ pub(super) enum Field<'a, T> {
 impl<T: Real> Field<'_, T> {
     /// Its values at the quadrature points of a patch.
     #[inline(always)]
-    fn at(self, nodes: &[u32], bases: &[NodeBasis<T>]) -> [T; 3] {
+    pub(super) fn at(self, nodes: &[u32], bases: &[NodeBasis<T>]) -> [T; 3] {
         let controls = match self {
             Self::Constant(constant) => return [constant; 3],
             Self::Controlled(controls) => controls,
@@ -63,16 +65,6 @@ impl<T: Real> Field<'_, T> {
             }
         }
         values
-    }
-}
-
-/// Room for five derivatives at three points.
-const DERIVATIVES: usize = 16;
-
-impl<T: Real> NodeBasis<T> {
-    /// The derivatives at one point.
-    fn at(&self, point: usize) -> [T; 5] {
-        core::array::from_fn(|k| self.derivatives[5 * point + k])
     }
 }
 
@@ -115,11 +107,17 @@ struct Place {
 pub(super) struct Block<T> {
     pub(super) energy: T,
     /// Weighted area at each quadrature point of each patch.
-    areas: Vec<[T; 3]>,
+    pub(super) areas: Vec<[T; 3]>,
     /// Force and mass for each node of each patch.
-    gifts: Vec<[T; 4]>,
-    /// The nodes of one patch, relative to its first.
-    local: Vec<[T; 4]>,
+    pub(super) gifts: Vec<[T; 4]>,
+}
+
+/// Memory of an evaluation.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PatchMemory<T> {
+    pub(super) blocks: Vec<Block<T>>,
+    /// For each thread.
+    together: Vec<Together<T>>,
 }
 
 impl<T: Real> Block<T> {
@@ -129,72 +127,70 @@ impl<T: Real> Block<T> {
     }
 }
 
-/// Patches in the making.
+/// Patches in the making, those with the same bases beside each other.
+#[derive(Default)]
 struct Builder {
-    offsets: Vec<usize>,
+    groups: Vec<Group>,
+}
+
+/// Patches whose first corners have the same valence.
+struct Group {
+    valence: usize,
+    /// `valence + 6` of each patch.
     nodes: Vec<u32>,
-    tables: Vec<u32>,
     triangles: Vec<u32>,
-    valences: Vec<usize>,
-    around: Vec<(u32, u32)>,
 }
 
 impl Builder {
-    /// Adds a patch whose first corner is, or came from, the vertex `first`.
-    fn push(
-        &mut self,
-        triangle: usize,
-        first: u32,
-        valence: usize,
-        nodes: impl Iterator<Item = u32>,
-    ) {
-        let found = self.valences.iter().position(|&known| known == valence);
-        let table = found.unwrap_or_else(|| {
-            self.valences.push(valence);
-            self.valences.len() - 1
+    /// Adds a patch whose first corner has, or comes from a vertex that has, this valence.
+    fn push(&mut self, triangle: usize, valence: usize, nodes: impl Iterator<Item = u32>) {
+        let known = self
+            .groups
+            .iter()
+            .position(|group| group.valence == valence);
+        let group = known.unwrap_or_else(|| {
+            self.groups.push(Group {
+                valence,
+                nodes: Vec::new(),
+                triangles: Vec::new(),
+            });
+            self.groups.len() - 1
         });
-        if first != NONE {
-            self.around.push((first, self.tables.len() as u32));
-        }
-        self.nodes.extend(nodes);
-        self.offsets.push(self.nodes.len());
-        self.tables.push(table as u32);
-        self.triangles.push(triangle as u32);
+        let group = &mut self.groups[group];
+        group.nodes.extend(nodes);
+        group.triangles.push(triangle as u32);
     }
 }
 
 impl<T: Real> Patches<T> {
     pub(super) fn new(mesh: &TriangleMesh) -> Self {
         let vertices = mesh.vertex_count();
-        let mut builder = Builder {
-            offsets: alloc::vec![0],
-            nodes: Vec::with_capacity(12 * mesh.triangles().len()),
-            tables: Vec::with_capacity(mesh.triangles().len()),
-            triangles: Vec::with_capacity(mesh.triangles().len()),
-            valences: Vec::new(),
-            around: Vec::new(),
-        };
+        let mut builder = Builder::default();
         let mut to_refine = Vec::new();
         for triangle in 0..mesh.triangles().len() {
             match Patch::new(mesh, triangle) {
-                Ok(patch) => {
-                    let valence = patch.valence();
-                    let first = if valence == 6 { NONE } else { patch.nodes[0] };
-                    builder.push(triangle, first, valence, patch.nodes.into_iter());
-                }
+                Ok(patch) => builder.push(triangle, patch.valence(), patch.nodes.into_iter()),
                 Err(NoPatch::SeveralExtraordinary { .. }) => to_refine.push(triangle),
                 Err(NoPatch::Boundary) => {}
             }
         }
         let refined = refine_triangles(mesh, &to_refine, &mut builder);
-        let Builder {
-            offsets,
-            nodes,
-            tables,
-            triangles,
-            valences,
-            mut around,
-        } = builder;
+
+        let groups = builder.groups;
+        let mut offsets = alloc::vec![0];
+        let (mut nodes, mut tables, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+        let mut around = Vec::new();
+        for (table, group) in groups.iter().enumerate() {
+            for patch in group.nodes.chunks_exact(group.valence + 6) {
+                if group.valence != 6 {
+                    around.push((patch[0], tables.len() as u32));
+                }
+                nodes.extend_from_slice(patch);
+                offsets.push(nodes.len());
+                tables.push(table as u32);
+            }
+            triangles.extend_from_slice(&group.triangles);
+        }
         around.sort_unstable();
         let (place_offsets, places) = places(&offsets, &nodes, vertices + refined.len());
         Self {
@@ -202,13 +198,19 @@ impl<T: Real> Patches<T> {
             nodes,
             tables,
             triangles,
-            bases: valences.into_iter().map(table).collect(),
+            bases: groups.iter().map(|group| table(group.valence)).collect(),
             around,
             refined_transpose: refined.transpose(),
             refined,
             place_offsets,
             places,
         }
+    }
+
+    /// The entries, among the nodes of all, of the nodes of patches in a row.
+    #[inline(always)]
+    pub(super) fn entries(&self, patches: Range<usize>) -> Range<usize> {
+        self.offsets[patches.start]..self.offsets[patches.end]
     }
 
     /// Number of patches.
@@ -239,7 +241,16 @@ impl<T: Real> Patches<T> {
             .map(|&(_, patch)| patch as usize)
     }
 
-    fn patch(&self, patch: usize) -> (&[u32], &[NodeBasis<T>]) {
+    /// How many patches from this one on, before `last`, have the same bases: up to a vector of them.
+    #[inline(always)]
+    pub(super) fn alike(&self, patch: usize, last: usize) -> usize {
+        let tables = &self.tables[patch..last.min(patch + WIDTH)];
+        let other = tables.iter().position(|&table| table != tables[0]);
+        other.unwrap_or(tables.len())
+    }
+
+    #[inline(always)]
+    pub(super) fn patch(&self, patch: usize) -> (&[u32], &[NodeBasis<T>]) {
         let nodes = &self.nodes[self.offsets[patch]..self.offsets[patch + 1]];
         (nodes, &self.bases[self.tables[patch] as usize])
     }
@@ -251,9 +262,9 @@ impl<T: Real> Patches<T> {
         let mut derivatives = [[T::zero(); 4]; 5];
         for (&node, basis) in nodes.iter().zip(bases).skip(1) {
             let spoke = difference(first, controls[node as usize]);
-            accumulate(&mut derivatives, &basis.at(0), spoke);
+            accumulate(&mut derivatives, &basis.derivatives[0], spoke);
         }
-        Point::new(derivatives)
+        point(derivatives)
     }
 
     /// ∫ x·n dS over a patch.
@@ -266,10 +277,10 @@ impl<T: Real> Patches<T> {
             for (&node, basis) in nodes.iter().zip(bases) {
                 let control = controls[node as usize];
                 accumulate(&mut position, &[basis.values[k]], control);
-                accumulate(&mut derivatives, &basis.at(k), control);
+                accumulate(&mut derivatives, &basis.derivatives[k], control);
             }
             let [[x, y, z, _]] = position;
-            let point = Point::new(derivatives);
+            let point = point(derivatives);
             sum += point.area * dot([x, y, z], point.normal);
         }
         T::constant(WEIGHT) * sum
@@ -285,10 +296,6 @@ impl<T: Real> Patches<T> {
             .map(|(_, &triangle)| triangle)
     }
 
-    fn blocks(&self) -> usize {
-        self.len().div_ceil(BLOCK)
-    }
-
     /// Sets energies and areas, and with `GRADIENT` forces and masses, from the control points.
     pub(super) fn evaluate<const GRADIENT: bool>(
         &self,
@@ -296,28 +303,17 @@ impl<T: Real> Patches<T> {
         modulus: T,
         spontaneous: Field<'_, T>,
         controls: &[[T; 4]],
-        blocks: &mut Vec<Block<T>>,
+        memory: &mut PatchMemory<T>,
     ) {
-        blocks.resize_with(self.blocks(), Block::default);
-        execution.map(&mut blocks[..], |index, block| {
-            let first = index * BLOCK;
-            let last = (first + BLOCK).min(self.len());
-            block.energy = T::zero();
-            block.areas.clear();
-            block.gifts.clear();
-            for patch in first..last {
-                let (nodes, bases) = self.patch(patch);
-                // Nearly all patches: a number of nodes that the compiler knows.
-                if let (Ok(nodes), Ok(bases)) = (
-                    <&[u32; 12]>::try_from(nodes),
-                    <&[NodeBasis<T>; 12]>::try_from(bases),
-                ) {
-                    block.evaluate::<GRADIENT>(nodes, bases, modulus, spontaneous, controls);
-                } else {
-                    block.evaluate::<GRADIENT>(nodes, bases, modulus, spontaneous, controls);
-                }
-            }
-        });
+        let PatchMemory { blocks, together } = memory;
+        blocks.resize_with(self.len().div_ceil(BLOCK), Block::default);
+        let evaluation = Evaluation::<T, GRADIENT> {
+            patches: self,
+            modulus,
+            spontaneous,
+            controls,
+        };
+        execution.run(together, &mut blocks[..], &evaluation);
     }
 
     /// Sets the gifts to the product of each patch's mass matrix, `Σ φφᵀ` over its points times
@@ -376,75 +372,10 @@ impl<T: Real> Patches<T> {
     }
 }
 
-impl<T: Real> Block<T> {
-    #[inline(always)]
-    fn evaluate<const GRADIENT: bool>(
-        &mut self,
-        nodes: &[u32],
-        bases: &[NodeBasis<T>],
-        modulus: T,
-        spontaneous: Field<'_, T>,
-        controls: &[[T; 4]],
-    ) {
-        let weight = T::constant(WEIGHT);
-        let strength = weight * modulus;
-        let first = controls[nodes[0] as usize];
-        self.local.clear();
-        let spokes = nodes
-            .iter()
-            .map(|&node| difference(first, controls[node as usize]));
-        self.local.extend(spokes);
-
-        let derivatives: [[T; DERIVATIVES]; 3] = core::array::from_fn(|axis| {
-            let mut sums = [T::zero(); DERIVATIVES];
-            for (basis, spoke) in bases.iter().zip(&self.local) {
-                for (sum, &weight) in sums.iter_mut().zip(&basis.derivatives) {
-                    *sum += weight * spoke[axis];
-                }
-            }
-            sums
-        });
-        let wanted = spontaneous.at(nodes, bases);
-        let mut areas = [T::zero(); 3];
-        let mut gradients = [[T::zero(); DERIVATIVES]; 3];
-        for (point, area) in areas.iter_mut().enumerate() {
-            let vector = |k: usize| {
-                let at = |axis: usize| derivatives[axis][5 * point + k];
-                [at(0), at(1), at(2), T::zero()]
-            };
-            let geometry = Point::new(core::array::from_fn(vector));
-            self.energy += geometry.energy(strength, wanted[point]);
-            *area = weight * geometry.area;
-            if GRADIENT {
-                let gradient = geometry.gradient(strength, wanted[point]);
-                for (k, vector) in gradient.into_iter().enumerate() {
-                    for (axis, component) in vector.into_iter().enumerate() {
-                        gradients[axis][5 * point + k] = -component;
-                    }
-                }
-            }
-        }
-        self.areas.push(areas);
-        if GRADIENT {
-            self.gifts.extend(bases.iter().map(|basis| {
-                let [x, y, z] = [0, 1, 2].map(|axis| product(&basis.derivatives, &gradients[axis]));
-                let [a, b, c] = basis.values;
-                [x, y, z, a * areas[0] + b * areas[1] + c * areas[2]]
-            }));
-        }
-    }
-}
-
-/// Σ a\[k\] b\[k\], in four sums that a vector register can hold.
+/// From derivatives that are padded to four numbers.
 #[inline(always)]
-fn product<T: Real>(a: &[T; DERIVATIVES], b: &[T; DERIVATIVES]) -> T {
-    let mut sums = [T::zero(); 4];
-    for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    (sums[0] + sums[2]) + (sums[1] + sums[3])
+pub(super) fn point<T: Real>(derivatives: [[T; 4]; 5]) -> Point<T> {
+    Point::new(derivatives.map(|[x, y, z, _]| [x, y, z]))
 }
 
 #[inline(always)]
@@ -484,10 +415,7 @@ fn table<T: Real>(valence: usize) -> Vec<NodeBasis<T>> {
     (0..valence + 6)
         .map(|node| NodeBasis {
             values: [0, 1, 2].map(|k| T::constant(points[k][node].value)),
-            derivatives: core::array::from_fn(|k| {
-                let point = points.get(k / 5);
-                point.map_or(T::zero(), |bases| derivatives(&bases[node])[k % 5])
-            }),
+            derivatives: [0, 1, 2].map(|k| derivatives(&points[k][node])),
         })
         .collect()
 }
@@ -515,7 +443,6 @@ fn refine_triangles(mesh: &TriangleMesh, triangles: &[usize], builder: &mut Buil
             };
             // A coarse vertex keeps its number, and only such a one can be extraordinary.
             let valence = patch.valence();
-            let first = if valence == 6 { NONE } else { patch.nodes[0] };
             let nodes = patch.nodes.into_iter().map(|node| {
                 let number = &mut numbers[node as usize];
                 if *number == NONE {
@@ -524,7 +451,7 @@ fn refine_triangles(mesh: &TriangleMesh, triangles: &[usize], builder: &mut Buil
                 }
                 *number
             });
-            builder.push(triangle, first, valence, nodes);
+            builder.push(triangle, valence, nodes);
         }
     }
     let mut map = Stencils::with_capacity(vertices, needed.len(), 7 * needed.len());

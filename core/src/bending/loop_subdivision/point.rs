@@ -1,40 +1,39 @@
 //! The surface at one quadrature point: curvature, bending energy and its derivatives.
 
 use crate::lane::Lane;
-use crate::real::{Real, finite_or_zero};
 use crate::vec3::{Vec3, add, cross, dot, scale, sub};
+use num_traits::Float;
 
 /// First and second derivatives x_v, x_w, x_vv, x_vw, x_ww and what follows from them.
 ///
 /// Everything is divided by powers of `J = |x_v × x_w|` as it is computed, so that no power of a
 /// length beyond J² is ever formed, and surfaces of any size stay within the range of numbers.
-pub(super) struct Point<T> {
-    tangents: [Vec3<T>; 2],
-    second: [Vec3<T>; 3],
+pub(super) struct Point<L> {
+    tangents: [Vec3<L>; 2],
+    second: [Vec3<L>; 3],
     /// Normal n; 0 if there is no area, so that the point contributes nothing.
-    pub(super) normal: Vec3<T>,
+    pub(super) normal: Vec3<L>,
     /// J, and 1/J or 0.
-    pub(super) area: T,
-    over: T,
+    pub(super) area: L,
+    over: L,
     /// x_v·x_v/J, x_v·x_w/J and x_w·x_w/J.
-    metric: [T; 3],
+    metric: [L; 3],
     /// `(x_v·x_v x_ww − 2 x_v·x_w x_vw + x_w·x_w x_vv)/J`.
-    bending: Vec3<T>,
+    bending: Vec3<L>,
     /// Its part along n: −2HJ.
-    bend: T,
+    bend: L,
 }
 
-impl<T: Real> Point<T> {
-    /// From the derivatives, padded to four numbers.
+impl<L: Lane> Point<L> {
     #[inline(always)]
-    pub(super) fn new(derivatives: [[T; 4]; 5]) -> Self {
-        let [v, w, vv, vw, ww] = derivatives.map(|[x, y, z, _]| [x, y, z]);
+    pub(super) fn new([v, w, vv, vw, ww]: [Vec3<L>; 5]) -> Self {
         let area_vector = cross(v, w);
         let area = dot(area_vector, area_vector).sqrt();
         // Below, the directions of the tangents differ by their rounding alone.
-        let noise = T::constant(16.0) * T::epsilon() * (dot(v, v) + dot(w, w));
-        let area = Lane::select(noise.less(area), area, T::zero());
-        let over = Lane::reciprocal_or_zero(area);
+        let rounding = L::splat(<L::Scalar as Float>::epsilon());
+        let noise = L::literal(16.0) * rounding * (dot(v, v) + dot(w, w));
+        let area = L::select(noise.less(area), area, L::zero());
+        let over = area.reciprocal_or_zero();
         let normal = scale(over, area_vector);
         let metric = [dot(v, v) * over, dot(v, w) * over, dot(w, w) * over];
         let [e, f, g] = metric;
@@ -53,27 +52,31 @@ impl<T: Real> Point<T> {
 
     /// H, positive on a sphere, and K.
     #[inline(always)]
-    pub(super) fn curvatures(&self) -> [T; 2] {
-        let [l, m, n] = self
-            .second
-            .map(|second| dot(second, self.normal) * self.over);
-        let mean = -T::constant(0.5) * self.bend * self.over;
+    pub(super) fn curvatures(&self) -> [L; 2] {
+        let [l, m, n] = self.bent(self.over);
+        let mean = -L::literal(0.5) * self.bend * self.over;
         [mean, l * n - m * m]
+    }
+
+    /// The second derivatives along n, times a factor.
+    #[inline(always)]
+    fn bent(&self, factor: L) -> [L; 3] {
+        let [vv, vw, ww] = self.second;
+        let along = |second| factor * dot(second, self.normal);
+        [along(vv), along(vw), along(ww)]
     }
 
     /// c = −2(H − H0)J.
     #[inline(always)]
-    fn excess(&self, spontaneous: T) -> T {
+    fn excess(&self, spontaneous: L) -> L {
         self.bend + (spontaneous + spontaneous) * self.area
     }
 
     /// `2κ (H − H0)² J`, for κ times the weight of the point.
     #[inline(always)]
-    pub(super) fn energy(&self, modulus: T, spontaneous: T) -> T {
+    pub(super) fn energy(&self, modulus: L, spontaneous: L) -> L {
         let excess = self.excess(spontaneous);
-        let energy = T::constant(0.5) * modulus * excess * excess * self.over;
-        let [energy] = finite_or_zero([energy]);
-        energy
+        L::literal(0.5) * modulus * excess * excess * self.over
     }
 
     /// The derivatives of the energy with respect to x_v, x_w, x_vv, x_vw and x_ww.
@@ -83,15 +86,15 @@ impl<T: Real> Point<T> {
     /// `∂E/∂x_w = 2s (x_vv·n) x_w − 2s (x_vw·n) x_v + p × x_v`, and along n
     /// `s x_w·x_w`, `−2s x_v·x_w`, `s x_v·x_v` for the second derivatives.
     #[inline(always)]
-    pub(super) fn gradient(&self, modulus: T, spontaneous: T) -> [Vec3<T>; 5] {
+    pub(super) fn gradient(&self, modulus: L, spontaneous: L) -> [Vec3<L>; 5] {
         let [v, w] = self.tangents;
         let [e, f, g] = self.metric;
         let excess = self.excess(spontaneous);
         // s·J: what is left of J is in the metric, or in `over`.
         let strength = modulus * excess * self.over;
         let twice = (strength + strength) * self.over;
-        let [l, m, n] = self.second.map(|second| twice * dot(second, self.normal));
-        let shrink = T::constant(3.0) * self.bend - T::constant(0.5) * excess;
+        let [l, m, n] = self.bent(twice);
+        let shrink = L::literal(3.0) * self.bend - L::literal(0.5) * excess;
         let p = scale(
             strength * self.over,
             sub(self.bending, scale(shrink, self.normal)),

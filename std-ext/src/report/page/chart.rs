@@ -227,16 +227,18 @@ impl Chart {
                 )?;
             }
         }
-        let mut taken: Vec<[f64; 2]> = Vec::new();
-        for curve in &self.curves {
-            let places = curve
-                .points
-                .iter()
-                .filter_map(|point| Some(([x.at(point.at[0])?, y.at(point.at[1])?], point)));
-            let places = Vec::from_iter(places);
-            let Some(([end_x, end_y], _)) = places.last() else {
+        let drawn = self.curves.iter().map(|curve| {
+            let points = curve.points.iter();
+            let places =
+                points.filter_map(|point| Some(([x.at(point.at[0])?, y.at(point.at[1])?], point)));
+            Vec::from_iter(places)
+        });
+        let drawn = Vec::from_iter(drawn);
+        let labels = self.label_places(&drawn);
+        for ((curve, places), label) in self.curves.iter().zip(&drawn).zip(labels) {
+            if places.is_empty() {
                 continue;
-            };
+            }
             let mut line = String::new();
             for (number, ([x, y], _)) in places.iter().enumerate() {
                 let letter = if number == 0 { 'M' } else { 'L' };
@@ -250,7 +252,7 @@ impl Chart {
                 "<g class=\"c s{style}{dash}{bare}\" data-m=\"{}\"><path class=\"l\" d=\"{line}\"/>",
                 curve.style
             )?;
-            for ([x, y], point) in &places {
+            for ([x, y], point) in places {
                 write!(
                     out,
                     "<path class=\"m\" d=\"{}\" transform=\"translate({x:.1} {y:.1})scale(4)\"><title>{}</title></path>",
@@ -258,30 +260,60 @@ impl Chart {
                     escaped(&point.says)
                 )?;
             }
-            if !curve.label.is_empty() {
-                // Beside its last point; below or above what stands there already.
-                let x = (end_x + 8.0).min(WIDTH - 9.0 * curve.label.chars().count() as f64);
-                let mut steps =
-                    (0..16).flat_map(|step| [6.0 * f64::from(step), -6.0 * f64::from(step)]);
-                let free = |step: &f64| {
-                    // Not above the figure.
-                    end_y + step > TOP
-                        && taken.iter().all(|&[other_x, other_y]| {
-                            (other_x - x).abs() > 18.0 || (other_y - end_y - step).abs() > 11.0
-                        })
-                };
-                let step = steps.find(free).unwrap_or(0.0);
-                taken.push([x, end_y + step]);
+            if let Some([x, y]) = label {
                 write!(
                     out,
                     "<text class=\"n\" x=\"{x:.1}\" y=\"{:.1}\">{}</text>",
-                    end_y + step + 4.0,
+                    y + 4.0,
                     escaped(&curve.label)
                 )?;
             }
             writeln!(out, "</g>")?;
         }
         writeln!(out, "</svg>")
+    }
+
+    /// Where labels stand: beside the last point of each curve, and below or above what stands there
+    /// already, in the order in which the curves end.
+    fn label_places(&self, drawn: &[Vec<([f64; 2], &Point)>]) -> Vec<Option<[f64; 2]>> {
+        let mut places: Vec<Option<[f64; 2]>> = vec![None; drawn.len()];
+        let end = |curve: usize| drawn[curve].last().map_or(0.0, |([_, y], _)| *y);
+        for (curve, points) in drawn.iter().enumerate() {
+            let label = &self.curves[curve].label;
+            let Some(([end_x, end_y], _)) = points.last() else {
+                continue;
+            };
+            if label.is_empty() {
+                continue;
+            }
+            let x = (end_x + 8.0).min(WIDTH - 9.0 * label.chars().count() as f64);
+            let mut steps =
+                (0..16).flat_map(|step| [6.0 * f64::from(step), -6.0 * f64::from(step)]);
+            let free = |step: &f64| {
+                // Not above the figure.
+                end_y + step > TOP
+                    && places.iter().flatten().all(|&[other_x, other_y]| {
+                        (other_x - x).abs() > 18.0 || (other_y - end_y - step).abs() > 11.0
+                    })
+            };
+            let step = steps.find(free).unwrap_or(0.0);
+            places[curve] = Some([x, end_y + step]);
+        }
+        // Neighbours change places until none stands on the wrong side of another.
+        for _ in 0..places.len() {
+            for one in 0..places.len() {
+                for other in 0..one {
+                    if let (Some(a), Some(b)) = (places[one], places[other])
+                        && (a[0] - b[0]).abs() <= 18.0
+                        && (end(one) - end(other)) * (a[1] - b[1]) < 0.0
+                    {
+                        places[one] = Some([a[0], b[1]]);
+                        places[other] = Some([b[0], a[1]]);
+                    }
+                }
+            }
+        }
+        places
     }
 
     fn write_axes(&self, [x, y]: [&Places; 2], out: &mut dyn Write) -> io::Result<()> {

@@ -1,0 +1,214 @@
+//! Energy and forces of the patches, as many at a time as a vector holds.
+//!
+//! Patches with the same table differ in nothing but their nodes, so that each number of the formula
+//! is one number a patch, and the table's weights are the same for all.
+
+use super::patches::{BLOCK, Block, Field, NodeBasis, Patches, WEIGHT};
+use super::point::Point;
+use crate::element::SlotKernel;
+use crate::lane::{Lane, Several, WIDTH};
+use crate::real::{Real, finite_or_zero};
+use crate::vec3::Vec3;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+/// The loop over blocks, as a kernel: a closure would not be compiled as part of it.
+///
+/// There are loops throughout, for the same reason: what a function is given as a closure is not
+/// compiled for the vectors that the loop around it is compiled for.
+pub(super) struct Evaluation<'a, T, const GRADIENT: bool> {
+    pub(super) patches: &'a Patches<T>,
+    pub(super) modulus: T,
+    pub(super) spontaneous: Field<'a, T>,
+    pub(super) controls: &'a [[T; 4]],
+}
+
+/// Patches that go through the formula together.
+#[derive(Clone, Debug)]
+pub(super) struct Together<T> {
+    /// Their nodes, relative to the first of each.
+    spokes: Vec<Vec3<Several<T>>>,
+    /// Spontaneous curvature, energy, area, and derivatives of the energy, at each point.
+    wanted: [Several<T>; 3],
+    energies: [Several<T>; 3],
+    areas: [Several<T>; 3],
+    gradients: [[Vec3<Several<T>>; 5]; 3],
+    /// Force and mass for each node.
+    gifts: Vec<[Several<T>; 4]>,
+}
+
+impl<T: Real> Default for Together<T> {
+    fn default() -> Self {
+        Self {
+            spokes: Vec::new(),
+            wanted: Default::default(),
+            energies: Default::default(),
+            areas: Default::default(),
+            gradients: Default::default(),
+            gifts: Vec::new(),
+        }
+    }
+}
+
+impl<T: Real, const GRADIENT: bool> SlotKernel<Together<T>, &mut [Block<T>]>
+    for Evaluation<'_, T, GRADIENT>
+{
+    #[inline(always)]
+    fn set(&self, together: &mut Together<T>, start: usize, blocks: &mut [Block<T>]) {
+        for (index, block) in blocks.iter_mut().enumerate() {
+            let first = (start + index) * BLOCK;
+            let last = (first + BLOCK).min(self.patches.len());
+            block.energy = T::zero();
+            block.areas.resize(last - first, [T::zero(); 3]);
+            let before = self.patches.entries(first..last).start;
+            if GRADIENT {
+                let nodes = self.patches.entries(first..last).len();
+                block.gifts.resize(nodes, [T::zero(); 4]);
+            }
+            let mut patch = first;
+            while patch < last {
+                let alike = patch..patch + self.patches.alike(patch, last);
+                patch = alike.end;
+                let (_, bases) = self.patches.patch(alike.start);
+                self.gather(alike.clone(), bases, together);
+                self.evaluate(bases, together);
+                for (lane, areas) in block.areas[alike.start - first..alike.end - first]
+                    .iter_mut()
+                    .enumerate()
+                {
+                    block.energy += together.energy(lane);
+                    *areas = together.areas(lane);
+                }
+                if GRADIENT {
+                    let entries = self.patches.entries(alike);
+                    let gifts = &mut block.gifts[entries.start - before..entries.end - before];
+                    together.scatter(gifts);
+                }
+            }
+        }
+    }
+}
+
+impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
+    /// Takes up patches with these bases, one an entry.
+    #[inline(always)]
+    fn gather(&self, alike: Range<usize>, bases: &[NodeBasis<T>], together: &mut Together<T>) {
+        let Together { spokes, wanted, .. } = together;
+        spokes.resize(bases.len(), [Several::zero(); 3]);
+        for lane in 0..WIDTH {
+            // Entries that are left over do what the last does.
+            let (nodes, _) = self
+                .patches
+                .patch(alike.end.min(alike.start + lane + 1) - 1);
+            let first = self.controls[nodes[0] as usize];
+            for (spoke, &node) in spokes.iter_mut().zip(nodes) {
+                let control = self.controls[node as usize];
+                for axis in 0..3 {
+                    spoke[axis].0[lane] = control[axis] - first[axis];
+                }
+            }
+            let values = self.spontaneous.at(nodes, bases);
+            for point in 0..3 {
+                wanted[point].0[lane] = values[point];
+            }
+        }
+    }
+
+    /// Energies and areas, and with `GRADIENT` gifts.
+    #[inline(always)]
+    fn evaluate(&self, bases: &[NodeBasis<T>], together: &mut Together<T>) {
+        let weight = T::constant(WEIGHT);
+        let strength = Several::splat(weight * self.modulus);
+        for point in 0..3 {
+            let mut derivatives = [[Several::zero(); 3]; 5];
+            for (k, derivative) in derivatives.iter_mut().enumerate() {
+                *derivative = weighted(&together.spokes, bases, point, k);
+            }
+            let geometry = Point::new(derivatives);
+            let wanted = together.wanted[point];
+            together.areas[point] = Several::splat(weight) * geometry.area;
+            together.energies[point] = geometry.energy(strength, wanted);
+            if GRADIENT {
+                together.gradients[point] = geometry.gradient(strength, wanted);
+            }
+        }
+        if GRADIENT {
+            together.gifts.resize(bases.len(), [Several::zero(); 4]);
+            let gradients = together.gradients.as_flattened();
+            for (gift, basis) in together.gifts.iter_mut().zip(bases) {
+                *gift = given(basis, gradients, &together.areas);
+            }
+        }
+    }
+}
+
+impl<T: Real> Together<T> {
+    /// The energy in one entry, of the points where it is a number.
+    #[inline(always)]
+    fn energy(&self, lane: usize) -> T {
+        let mut sum = T::zero();
+        for energy in &self.energies {
+            let [energy] = finite_or_zero([energy.0[lane]]);
+            sum += energy;
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn areas(&self, lane: usize) -> [T; 3] {
+        let [a, b, c] = &self.areas;
+        [a.0[lane], b.0[lane], c.0[lane]]
+    }
+
+    /// Sets what each node of each patch is given. Apart from the loop that computes it, which
+    /// compilers would take to pieces, too.
+    #[inline(always)]
+    fn scatter(&self, gifts: &mut [[T; 4]]) {
+        for (lane, gifts) in gifts.chunks_exact_mut(self.gifts.len()).enumerate() {
+            for (to, [x, y, z, mass]) in gifts.iter_mut().zip(&self.gifts) {
+                *to = [x.0[lane], y.0[lane], z.0[lane], mass.0[lane]];
+            }
+        }
+    }
+}
+
+/// Derivative `k` at a point: Σ of its weights times the nodes.
+#[inline(always)]
+fn weighted<T: Real>(
+    spokes: &[Vec3<Several<T>>],
+    bases: &[NodeBasis<T>],
+    point: usize,
+    k: usize,
+) -> Vec3<Several<T>> {
+    let mut sum = [Several::zero(); 3];
+    // The first node is where the others are measured from.
+    for (spoke, basis) in spokes[1..].iter().zip(&bases[1..]) {
+        let weight = Several::splat(basis.derivatives[point][k]);
+        for axis in 0..3 {
+            sum[axis] = sum[axis] + weight * spoke[axis];
+        }
+    }
+    sum
+}
+
+/// Force and mass of a node: minus the derivatives of the energy, by the same weights, and the areas
+/// by its values.
+#[inline(always)]
+fn given<T: Real>(
+    basis: &NodeBasis<T>,
+    gradients: &[Vec3<Several<T>>],
+    areas: &[Several<T>; 3],
+) -> [Several<T>; 4] {
+    let [mut x, mut y, mut z, mut mass] = [Several::zero(); 4];
+    let weights = basis.derivatives.as_flattened();
+    for (&weight, gradient) in weights.iter().zip(gradients) {
+        let weight = Several::splat(weight);
+        x = x - weight * gradient[0];
+        y = y - weight * gradient[1];
+        z = z - weight * gradient[2];
+    }
+    for (&value, &area) in basis.values.iter().zip(areas) {
+        mass = mass + Several::splat(value) * area;
+    }
+    [x, y, z, mass]
+}
