@@ -403,6 +403,31 @@ fn errors_on_discocyte(vertices: usize) -> [f64; 3] {
     ]
 }
 
+/// Where every triangle has several extraordinary corners, and all are refined: the solid is convex
+/// and its corners are alike.
+#[test]
+fn corners_of_refined_triangles_have_their_curvature() {
+    for (mesh, positions) in [tetrahedron(), octahedron()] {
+        let surface = Surface::new(&mesh, &positions).unwrap();
+        let mut curvature = vec![Curvature::default(); positions.len()];
+        let mut bending = prepared(ControlPoints::default(), &mesh);
+        bending.with(|method, execution, plan, memory| {
+            method.curvature(execution, plan, surface, memory, &mut curvature);
+        });
+        let first = curvature[0];
+        // Positive where normals point outward.
+        let outward = dot(first.normal, positions[0]);
+        assert!(
+            first.mean * outward > 0.0 && first.gaussian > 0.0,
+            "{first:?}"
+        );
+        for vertex in &curvature {
+            tolerance::SAME.assert(vertex.mean, first.mean, first.mean.abs(), "H");
+            tolerance::SAME.assert(vertex.gaussian, first.gaussian, first.gaussian, "K");
+        }
+    }
+}
+
 /// H converges slowly even at extraordinary vertices, where it is a mean; area and volume fast.
 #[test]
 fn curvature_area_and_volume() {

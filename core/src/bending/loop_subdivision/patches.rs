@@ -136,14 +136,23 @@ struct Builder {
 /// Patches whose first corners have the same valence.
 struct Group {
     valence: usize,
+    /// The vertices that the first corners are.
+    firsts: Vec<u32>,
     /// `valence + 6` of each patch.
     nodes: Vec<u32>,
     triangles: Vec<u32>,
 }
 
 impl Builder {
-    /// Adds a patch whose first corner has, or comes from a vertex that has, this valence.
-    fn push(&mut self, triangle: usize, valence: usize, nodes: impl Iterator<Item = u32>) {
+    /// Adds a patch whose first corner has this valence; `first` is its number in the mesh that the
+    /// patch is of.
+    fn push(
+        &mut self,
+        triangle: usize,
+        first: u32,
+        valence: usize,
+        nodes: impl Iterator<Item = u32>,
+    ) {
         let known = self
             .groups
             .iter()
@@ -151,12 +160,14 @@ impl Builder {
         let group = known.unwrap_or_else(|| {
             self.groups.push(Group {
                 valence,
+                firsts: Vec::new(),
                 nodes: Vec::new(),
                 triangles: Vec::new(),
             });
             self.groups.len() - 1
         });
         let group = &mut self.groups[group];
+        group.firsts.push(first);
         group.nodes.extend(nodes);
         group.triangles.push(triangle as u32);
     }
@@ -169,7 +180,10 @@ impl<T: Real> Patches<T> {
         let mut to_refine = Vec::new();
         for triangle in 0..mesh.triangles().len() {
             match Patch::new(mesh, triangle) {
-                Ok(patch) => builder.push(triangle, patch.valence(), patch.nodes.into_iter()),
+                Ok(patch) => {
+                    let (first, valence) = (patch.nodes[0], patch.valence());
+                    builder.push(triangle, first, valence, patch.nodes.into_iter());
+                }
                 Err(NoPatch::SeveralExtraordinary { .. }) => to_refine.push(triangle),
                 Err(NoPatch::Boundary) => {}
             }
@@ -181,9 +195,12 @@ impl<T: Real> Patches<T> {
         let (mut nodes, mut tables, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
         let mut around = Vec::new();
         for (table, group) in groups.iter().enumerate() {
-            for patch in group.nodes.chunks_exact(group.valence + 6) {
+            let patches = group.nodes.chunks_exact(group.valence + 6);
+            for (patch, &first) in patches.zip(&group.firsts) {
+                // A vertex of the mesh keeps its number when it is refined, and only such a one is
+                // extraordinary.
                 if group.valence != 6 {
-                    around.push((patch[0], tables.len() as u32));
+                    around.push((first, tables.len() as u32));
                 }
                 nodes.extend_from_slice(patch);
                 offsets.push(nodes.len());
@@ -441,8 +458,7 @@ fn refine_triangles(mesh: &TriangleMesh, triangles: &[usize], builder: &mut Buil
             let Ok(patch) = Patch::new(fine.mesh(), part) else {
                 continue;
             };
-            // A coarse vertex keeps its number, and only such a one can be extraordinary.
-            let valence = patch.valence();
+            let (first, valence) = (patch.nodes[0], patch.valence());
             let nodes = patch.nodes.into_iter().map(|node| {
                 let number = &mut numbers[node as usize];
                 if *number == NONE {
@@ -451,7 +467,7 @@ fn refine_triangles(mesh: &TriangleMesh, triangles: &[usize], builder: &mut Buil
                 }
                 *number
             });
-            builder.push(triangle, valence, nodes);
+            builder.push(triangle, first, valence, nodes);
         }
     }
     let mut map = Stencils::with_capacity(vertices, needed.len(), 7 * needed.len());
