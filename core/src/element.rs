@@ -260,6 +260,9 @@ pub trait Execution {
         K: ElementKernel<T, CORNERS, IN, OUT>;
 
     /// Calls `set(k, slot)` once for every slot k of `output`.
+    ///
+    /// For short work at a slot: executions that compile loops for wider vectors can't do so with
+    /// closures, only with the kernels of [`Self::run`].
     fn map<O: Slots>(&self, output: O, set: impl Fn(usize, O::Slot) + Sync) {
         self.map_with(&mut Vec::new(), output, |(), k, slot| set(k, slot));
     }

@@ -1,8 +1,9 @@
 //! Loops over elements and vertices on several threads, in the widest vectors the processor has.
 //!
-//! The formulas and the loops are the core's. Here they are compiled a second time, for processors
-//! with AVX2, and the choice is made at run time. Nothing is contracted into fused operations:
-//! results have the bits of [`Serial`], whatever the processor and the number of threads.
+//! The formulas and the loops are the core's. Here they are compiled for processors with AVX-512, for
+//! those with AVX2 and for every other, and the choice is made at run time. Nothing is contracted into
+//! fused operations: results have the bits of [`Serial`], whatever the processor and the number of
+//! threads.
 
 use helfrich::element::{BATCH, ElementKernel, SlotKernel, Slots, check_output, scatter_onto};
 use helfrich::{Execution, Real, Serial, Surface};

@@ -65,10 +65,10 @@ impl Provenance {
 
 #[cfg(target_arch = "x86_64")]
 fn vectors() -> &'static str {
-    if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
-        "AVX2"
-    } else {
-        "SSE2"
+    match pulp::Arch::new() {
+        pulp::Arch::V4(_) => "AVX-512",
+        pulp::Arch::V3(_) => "AVX2",
+        _ => "SSE2",
     }
 }
 

@@ -102,3 +102,82 @@ where
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Kernel, LANES, Task};
+    use crate::flow::boundary_integral::kernel::{Stokeslet, Stresslet};
+    use pulp::{Arch, Scalar, Scalar128b, Scalar256b, Scalar512b, WithSimd};
+
+    /// Numbers of some points, here and there.
+    fn numbers<const N: usize>(count: usize, seed: f64) -> Vec<[f64; N]> {
+        let number = |k: usize, axis: usize| (seed + (7 * k + 3 * axis) as f64).sin();
+        (0..count)
+            .map(|k| std::array::from_fn(|axis| number(k, axis)))
+            .collect()
+    }
+
+    /// The sums that one way of running the loop finds.
+    fn sums<'a, K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
+        kernel: K,
+        targets: &'a [Vec<f64>; TARGET],
+        sources: &'a [[f64; SOURCE]],
+        run: impl for<'b> FnOnce(Task<'b, K, TARGET, SOURCE, SUM>),
+    ) -> [Vec<f64>; SUM]
+    where
+        K: Kernel<TARGET, SOURCE, SUM>,
+    {
+        let mut sums = [(); SUM].map(|()| vec![0.0; targets[0].len()]);
+        run(Task {
+            kernel,
+            targets: targets.each_ref().map(Vec::as_slice),
+            sources,
+            sums: sums.each_mut().map(Vec::as_mut_slice),
+        });
+        sums
+    }
+
+    fn widths_agree<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(kernel: K)
+    where
+        K: Kernel<TARGET, SOURCE, SUM>,
+    {
+        // One target is at a source; there are several tiles of sources.
+        let mut sources = numbers::<SOURCE>(700, 0.1);
+        let places = numbers::<TARGET>(3 * LANES, 0.7);
+        sources[5][..3].copy_from_slice(&places[2][..3]);
+        let targets: [Vec<f64>; TARGET] =
+            std::array::from_fn(|axis| places.iter().map(|place| place[axis]).collect());
+        let narrow = sums(kernel, &targets, &sources, |task| {
+            task.with_simd(Scalar128b)
+        });
+        let wide = sums(kernel, &targets, &sources, |task| {
+            task.with_simd(Scalar256b)
+        });
+        let widest = sums(kernel, &targets, &sources, |task| {
+            task.with_simd(Scalar512b)
+        });
+        assert_eq!(narrow, wide);
+        assert_eq!(narrow, widest);
+        let own = sums(kernel, &targets, &sources, |task| {
+            Arch::new().dispatch(task)
+        });
+        let scalar = sums(kernel, &targets, &sources, |task| task.with_simd(Scalar));
+        // Without vectors of its own, a processor rounds products before it adds them.
+        match Arch::new() {
+            Arch::Scalar => assert_eq!(own, scalar),
+            _ => assert_eq!(own, narrow),
+        }
+        for (one, other) in scalar.iter().flatten().zip(narrow.iter().flatten()) {
+            assert!(
+                (one - other).abs() <= 1e-13 * one.abs().max(1.0),
+                "{one:e} and {other:e}"
+            );
+        }
+    }
+
+    #[test]
+    fn vectors_of_every_width_find_the_same_bits() {
+        widths_agree(Stokeslet);
+        widths_agree(Stresslet);
+    }
+}

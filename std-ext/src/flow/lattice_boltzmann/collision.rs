@@ -486,8 +486,10 @@ fn along_pair<T: Precision, S: Simd>(pair: usize, [x, y, z]: [Vector<T, S>; 3]) 
 
 #[cfg(test)]
 mod tests {
-    use super::{Fluid, Q, Row, VELOCITIES, collide_row, opposite};
+    use super::{Fluid, Precision, Q, Row, VELOCITIES, collide_row, opposite};
     use crate::flow::lattice_boltzmann::stencil::{along, weight};
+    use pulp::{Arch, Scalar128b, Scalar256b, Scalar512b, Simd, WithSimd};
+    use std::array;
 
     /// The collision as it stands in the literature, direction by direction: what relaxes to
     /// equilibrium, and Guo's force, each by even and odd parts.
@@ -551,5 +553,80 @@ mod tests {
                 "direction {i}: found {left:e}, expected {expected:e}"
             );
         }
+    }
+
+    /// A row of nodes with everything that a collision may have to know.
+    #[derive(Clone, Debug, PartialEq)]
+    struct Nodes<T> {
+        populations: [Vec<T>; Q],
+        tripled_viscosities: Vec<T>,
+        forces: [Vec<T>; 3],
+        velocities: [Vec<T>; 3],
+    }
+
+    impl<T: Precision> Nodes<T> {
+        fn new(length: usize) -> Self {
+            let row = |seed: usize, size: f64, mean: f64| -> Vec<T> {
+                let number = |k: usize| mean + size * ((7 * seed + 3 * k) as f64).sin();
+                (0..length).map(|k| T::constant(number(k))).collect()
+            };
+            Self {
+                populations: array::from_fn(|i| row(i, 0.02, 0.0)),
+                tripled_viscosities: row(40, 0.3, 0.6),
+                forces: array::from_fn(|axis| row(50 + axis, 1e-3, 0.0)),
+                velocities: array::from_fn(|_| row(0, 0.0, 0.0)),
+            }
+        }
+
+        fn collided(mut self, run: impl FnOnce(Collided<'_, T>)) -> Self {
+            run(Collided(&mut self));
+            self
+        }
+    }
+
+    struct Collided<'a, T>(&'a mut Nodes<T>);
+
+    impl<T: Precision> WithSimd for Collided<'_, T> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let nodes = self.0;
+            let fluid = Fluid {
+                tripled_viscosity: T::constant(0.6),
+                viscosities: None,
+                force: [T::constant(2e-3); 3],
+                forces: None,
+                inertia: T::one(),
+            };
+            let row = Row {
+                tripled_viscosities: Some(&nodes.tripled_viscosities),
+                forces: Some(nodes.forces.each_ref().map(Vec::as_slice)),
+                velocities: Some(nodes.velocities.each_mut().map(Vec::as_mut_slice)),
+            };
+            let slots = nodes.populations.each_mut().map(Vec::as_mut_slice);
+            collide_row(simd, slots, &fluid, row);
+        }
+    }
+
+    fn widths_agree<T: Precision>() {
+        // Whole vectors of every width, and an end that fills none.
+        let nodes = Nodes::<T>::new(37);
+        let narrow = nodes.clone().collided(|row| row.with_simd(Scalar128b));
+        let wide = nodes.clone().collided(|row| row.with_simd(Scalar256b));
+        let widest = nodes.clone().collided(|row| row.with_simd(Scalar512b));
+        assert_eq!(narrow, wide);
+        assert_eq!(narrow, widest);
+        // Without vectors of its own, a processor rounds products before it adds them.
+        if !matches!(Arch::new(), Arch::Scalar) {
+            let own = nodes.clone().collided(|row| Arch::new().dispatch(row));
+            assert_eq!(narrow, own);
+        }
+        assert_ne!(narrow.velocities, nodes.velocities);
+    }
+
+    #[test]
+    fn vectors_of_every_width_collide_to_the_same_bits() {
+        widths_agree::<f32>();
+        widths_agree::<f64>();
     }
 }
