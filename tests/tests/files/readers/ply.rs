@@ -1,0 +1,190 @@
+//! What PLY files may say, and what is said about those that are none.
+
+use super::solid::tetrahedron;
+use helfrich_std::io::{Format, MeshFile, ParseError, parse};
+
+fn ply(text: &str) -> Result<MeshFile, ParseError> {
+    parse(text.as_bytes(), Format::Ply)
+}
+
+#[test]
+fn ply_with_integer_coordinates_and_quads() {
+    let text = "ply\nformat ascii 1.0\nobj_info none\nelement nothing 99999999999\n\
+                element face 1\nproperty list uchar uint vertex_index\nelement vertex 4\n\
+                property int x\nproperty int y\nproperty int z\nend_header\n\
+                4 0 1 2 3\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n";
+    let file = ply(text).unwrap();
+    assert_eq!(file.mesh.triangles(), [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(file.positions[1], [2.0, 0.0, 0.0]);
+}
+
+#[test]
+fn bad_ply_files() {
+    let vertex = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let face = "element face 1\nproperty list uchar int vertex_indices\n";
+    let points = "0 0 0\n1 0 0\n0 1 0\n";
+    let with = |declarations: &str, body: &str| {
+        ply(&format!(
+            "ply\nformat ascii 1.0\n{declarations}end_header\n{body}"
+        ))
+    };
+    let mesh = |body: &str| with(&format!("{vertex}{face}"), body);
+    for (result, message) in [
+        (
+            ply("plx\n"),
+            "line 1: expected the header `ply`, found `plx`",
+        ),
+        (
+            ply("ply\nelement\n"),
+            "line 2: expected `format`, found `element`",
+        ),
+        (
+            ply("ply\nformat binary 1.0\n"),
+            "line 2: expected ascii, binary_little_endian or binary_big_endian, found `binary`",
+        ),
+        (
+            ply("ply\nformat ascii 1.0\nelement vertex 3\n"),
+            "line 3: expected `element`, `property`, `comment` or `end_header`, found the end of the file",
+        ),
+        (
+            with("property float x\n", ""),
+            "line 3: expected `element` first, found `property`",
+        ),
+        (
+            with("element vertex -1\n", ""),
+            "line 3: expected the number of elements, found `-1`",
+        ),
+        (
+            with("element vertex 1\nproperty quad x\n", ""),
+            "line 4: expected a type such as float, double, uchar or int, found `quad`",
+        ),
+        (
+            with(
+                "element face 1\nproperty list uchar float vertex_index\n",
+                "",
+            ),
+            "line 4: expected an integer type such as uchar or int, found `float`",
+        ),
+        (
+            with(face, ""),
+            "line 5: the header declares no element `vertex`",
+        ),
+        (
+            with(vertex, points),
+            "line 7: the header declares no element `face`",
+        ),
+        (
+            with(&format!("{vertex}element face 1\n"), points),
+            "line 8: the header declares no property `list … vertex_indices` of element `face`",
+        ),
+        (
+            with(
+                &format!("{face}element vertex 1\nproperty int x\nproperty int z\n"),
+                "",
+            ),
+            "line 8: the header declares no property `y` of element `vertex`",
+        ),
+        (
+            mesh("0 0 0\n1 0\n"),
+            "line 11 (vertex 1): expected coordinate z, found the end of the line",
+        ),
+        (
+            mesh("0 0 0\n1 0 0 0\n"),
+            "line 11 (vertex 1): expected the end of the line, found `0`",
+        ),
+        (
+            mesh("0 0 0\n"),
+            "line 10: the file is truncated: it ends after 1 of 3 vertices",
+        ),
+        (
+            mesh(points),
+            "line 12: the file is truncated: it ends after 0 of 1 faces",
+        ),
+        (
+            mesh(&format!("{points}3 0 1\n")),
+            "line 13 (face 0): expected a vertex number from 0 to 4294967295, found the end of the line",
+        ),
+        (
+            mesh(&format!("{points}3 0 1 -2\n")),
+            "line 13 (face 0): expected a vertex number from 0 to 4294967295, found `-2`",
+        ),
+        (
+            mesh(&format!("{points}3 0 1 3\n")),
+            "line 13 (face 0): the face names vertex 3, but there are 3 vertices, numbered from 0",
+        ),
+        (
+            mesh(&format!("{points}-3 0 1 2\n")),
+            "line 13 (face 0): expected a list's length, found `-3`",
+        ),
+        (
+            mesh(&format!("{points}3 0 1 2\n3 2 1 0\n")),
+            "line 14: expected the end of the file, found `3`",
+        ),
+    ] {
+        assert_eq!(result.unwrap_err().to_string(), message);
+    }
+}
+
+#[test]
+fn bad_binary_ply_files() {
+    let solid = tetrahedron();
+    let good = solid.binary_ply(false);
+    let header = solid.ply_header("binary_little_endian").len();
+    // A vertex takes 30 bytes, the material 4, a face 17.
+    let faces = header + 4 * 30 + 4;
+    let mut infinite = good.clone();
+    infinite[header + 30 + 9..][..8].copy_from_slice(&f64::INFINITY.to_le_bytes());
+    let mut out_of_range = good.clone();
+    out_of_range[faces + 17 + 5] = 9;
+    let mut negative = good.clone();
+    negative[faces + 17 + 4] = 255;
+    let mut longer = good.clone();
+    longer.extend([1, 2, 3]);
+    for (bytes, message) in [
+        (
+            &good[..header + 40],
+            format!(
+                "byte {}: the file is truncated: it ends after 1 of 4 vertices",
+                header + 39
+            ),
+        ),
+        (
+            &good[..good.len() - 20],
+            format!(
+                "byte {}: the file is truncated: it ends after 2 of 4 faces",
+                faces + 2 * 17 + 13
+            ),
+        ),
+        (
+            &infinite,
+            format!(
+                "byte {} (vertex 1): coordinate x is inf: a finite number is needed",
+                header + 39
+            ),
+        ),
+        (
+            &out_of_range,
+            format!(
+                "byte {} (face 1): the face names vertex 9, but there are 4 vertices, numbered from 0",
+                faces + 17
+            ),
+        ),
+        (
+            &negative,
+            format!(
+                "byte {} (face 1): expected a vertex number from 0 to 4294967295, found -16777216",
+                faces + 17 + 5
+            ),
+        ),
+        (
+            &longer,
+            format!(
+                "byte {}: expected the end of the file, found 3 bytes more",
+                good.len()
+            ),
+        ),
+    ] {
+        let error = parse(bytes, Format::Ply).unwrap_err();
+        assert_eq!(error.to_string(), message);
+    }
+}
