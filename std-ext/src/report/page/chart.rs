@@ -60,6 +60,8 @@ pub(super) struct Point {
     pub(super) says: String,
 }
 
+/// What a label takes of the height: as much as the page's letters are high.
+const LABEL_HEIGHT: f64 = 13.0;
 const WIDTH: f64 = 480.0;
 const HEIGHT: f64 = 350.0;
 const LEFT: f64 = 60.0;
@@ -288,12 +290,12 @@ impl Chart {
             }
             let x = (end_x + 8.0).min(WIDTH - 9.0 * label.chars().count() as f64);
             let mut steps =
-                (0..16).flat_map(|step| [6.0 * f64::from(step), -6.0 * f64::from(step)]);
+                (0..32).flat_map(|step| [3.0 * f64::from(step), -3.0 * f64::from(step)]);
             let free = |step: &f64| {
                 // Not above the figure.
                 end_y + step > TOP
                     && places.iter().flatten().all(|&[other_x, other_y]| {
-                        (other_x - x).abs() > 18.0 || (other_y - end_y - step).abs() > 11.0
+                        (other_x - x).abs() > 18.0 || (other_y - end_y - step).abs() > LABEL_HEIGHT
                     })
             };
             let step = steps.find(free).unwrap_or(0.0);
