@@ -80,7 +80,7 @@ const BUILDS: &str = "## Builds
 `.ci/builds` makes this table with a build without optimisation, a release build, and one for the \
 machine's own instructions (`-C target-cpu=native`), checksums of every force among its numbers, and \
 compares them: the distance allowed is 0 units in the last place. Runs of whole scenes are compared \
-between the latter two. It takes most of an hour, and is no part of `.ci/run`.
+between the latter two. It takes half an hour, and is no part of `.ci/run`.
 ";
 
 /// What the cells of a group say.

@@ -185,30 +185,32 @@ impl Scene {
 /// 10242 vertices.
 fn bytes(method: BendingMethod, mesh: &MeshInfo) -> u64 {
     match method {
-        BendingMethod::KantorNelson => 80,
-        BendingMethod::GompperKroll => 90,
-        BendingMethod::Meyer => 210,
-        BendingMethod::Belkin => 2600,
-        BendingMethod::Farutin => 290,
+        BendingMethod::KantorNelson => 90,
+        BendingMethod::GompperKroll => 65,
+        BendingMethod::Meyer => 185,
+        BendingMethod::Belkin => 2500,
+        BendingMethod::Farutin => 250,
         // Patches of one kind only, or of many.
         BendingMethod::Loop if mesh.valences[0] >= 5 && mesh.valences[1] <= 6 => 1700,
-        BendingMethod::Loop => 7000,
-        BendingMethod::Juelicher => 110,
-        BendingMethod::J4 => 950,
-        BendingMethod::J6 | BendingMethod::Jet => 1530,
+        BendingMethod::Loop => 6000,
+        BendingMethod::Juelicher => 85,
+        BendingMethod::J4 => 1450,
+        BendingMethod::J6 | BendingMethod::Jet => 2400,
     }
 }
 
-/// Time of an evaluation over that of method B: the table in the README.
+/// Time of an evaluation over that of method B: docs/CHOOSING.md.
 fn cost(method: BendingMethod) -> f64 {
     match method {
+        BendingMethod::KantorNelson => 0.8,
         BendingMethod::GompperKroll => 1.0,
-        BendingMethod::KantorNelson | BendingMethod::Meyer => 2.0,
-        BendingMethod::Juelicher => 3.0,
-        BendingMethod::Loop => 11.0,
-        BendingMethod::Farutin => 32.0,
-        BendingMethod::J4 => 100.0,
-        BendingMethod::J6 | BendingMethod::Jet | BendingMethod::Belkin => 300.0,
+        BendingMethod::Meyer => 1.5,
+        BendingMethod::Juelicher => 3.5,
+        BendingMethod::Loop => 7.0,
+        BendingMethod::Farutin => 12.0,
+        BendingMethod::J4 => 30.0,
+        BendingMethod::J6 | BendingMethod::Jet => 90.0,
+        BendingMethod::Belkin => 330.0,
     }
 }
 

@@ -3,8 +3,11 @@
 use helfrich::{
     Force, GompperKroll, Juelicher, KantorNelson, LoopSubdivision, Prepared, StrongForm,
 };
+use helfrich_std::info::MeshInfo;
+use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_tests::allocation::held;
 use helfrich_tests::meshes::{bent, icosphere};
+use std::path::Path;
 
 /// Plan and memory of a method in f64 after its first evaluation, bytes a vertex.
 fn bytes<M: Force<f64>>(method: M) -> f64 {
@@ -50,6 +53,45 @@ fn memory_is_bounded() {
         assert!(
             found > 0.5 * bound && found <= bound,
             "{name}: {found} bytes"
+        );
+    }
+}
+
+/// What a scene's explanation counts for a bending method, bytes a vertex.
+fn explained(method: &str) -> f64 {
+    let mesh = icosphere(4).map(bent);
+    let memory = |bending: &str| {
+        let text = format!(
+            "units = \"none\"\n[[surface]]\nname = \"cell\"\nshape = \"sphere:1\"\n\
+             vertices = 2562\ntension = {{ value = 1 }}\n{bending}\n\
+             [driver]\nkind = \"relax\"\nscheme = \"overdamped\"\n"
+        );
+        let overrides = Overrides::new::<&str>([]).unwrap();
+        let file = SceneFile::parse(&text, Path::new("cell.toml"), &overrides).unwrap();
+        let explanation = file.scene.explain(&[MeshInfo::new(mesh.surface())]);
+        explanation.memory as f64
+    };
+    let bending = format!("bending = {{ method = \"{method}\", modulus = 1 }}");
+    (memory(&bending) - memory("")) / mesh.positions.len() as f64
+}
+
+#[test]
+fn explanations_know_what_methods_take() {
+    for (name, found) in [
+        ("kantor-nelson", bytes(KantorNelson::new(1.0))),
+        ("gompper-kroll", bytes(GompperKroll::new(1.0))),
+        ("juelicher", bytes(Juelicher::new(1.0))),
+        ("meyer", bytes(StrongForm::meyer(1.0))),
+        ("belkin", bytes(StrongForm::belkin(1.0))),
+        ("farutin", bytes(StrongForm::farutin(1.0))),
+        ("loop", bytes(LoopSubdivision::new(1.0))),
+        ("j4", bytes(StrongForm::j4(1.0))),
+        ("j6", bytes(StrongForm::j6(1.0))),
+    ] {
+        let explained = explained(name);
+        assert!(
+            (0.75..=1.25).contains(&(explained / found)),
+            "{name}: {explained} bytes for {found}"
         );
     }
 }

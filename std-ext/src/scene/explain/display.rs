@@ -103,7 +103,7 @@ impl fmt::Display for SurfaceExplanation {
             writeln!(f, "    {note}")?;
         }
         match self.bending_cost {
-            Some(1.0) => writeln!(f, "  cost: bending by method B, the fastest"),
+            Some(1.0) => writeln!(f, "  cost: bending by method B, one of the two fastest"),
             Some(cost) => writeln!(
                 f,
                 "  cost: bending takes about {cost} times as long as by method B"
