@@ -21,27 +21,25 @@
 //!   files.
 //! * [`report`]: how all of this is shown.
 
+pub use helfrich_evaluate::{effect, execute, method, scalar};
+
 pub mod answer;
 pub mod checkpoint;
 pub mod deformation;
 pub mod dynamics;
-pub mod effect;
 pub mod effect_study;
 pub mod enclosure;
-pub mod execute;
 pub mod flow;
 pub mod flow_study;
 pub mod generate;
 pub mod info;
 pub mod io;
-pub mod method;
 pub mod picture;
 pub mod plots;
 pub mod provenance;
 pub mod recommend;
 pub mod report;
 pub mod run;
-pub mod scalar;
 pub mod scene;
 pub mod section;
 pub mod series;

@@ -5,22 +5,30 @@ use sha2::{Digest, Sha256};
 use std::fs;
 use std::thread::available_parallelism;
 
-/// What a measurement of time depends on.
+/// How a program was built: its build script knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Build {
+    /// The commit of the sources, with `-dirty` if they had been changed; empty if they were not
+    /// those of a repository.
+    pub commit: &'static str,
+    /// The compiler and its version.
+    pub compiler: &'static str,
+    /// The profile, with the level of optimisation.
+    pub profile: &'static str,
+    /// Further flags of the compiler; usually empty.
+    pub flags: &'static str,
+    /// The target triple.
+    pub target: &'static str,
+}
+
+/// Everything that a measurement of time depends on.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Provenance {
     /// The version of the program.
     pub version: &'static str,
-    /// The commit that it was built from, with `-dirty` if the sources had been changed; empty if it
-    /// was not built from a repository.
-    pub commit: &'static str,
-    /// The compiler.
-    pub compiler: &'static str,
-    /// The profile, with the level of optimisation.
-    pub profile: String,
-    /// Further flags of the compiler; usually empty.
-    pub flags: &'static str,
-    /// The target that it was built for.
-    pub target: &'static str,
+    /// How it was built.
+    #[serde(flatten)]
+    pub build: Build,
     /// The SHA-256 of the program's file; zeros if it cannot be read.
     #[serde(skip)]
     pub program: [u8; 32],
@@ -33,17 +41,12 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// That of this program, here.
-    pub fn here() -> Self {
-        let profile = env!("HELFRICH_PROFILE");
+    /// That of this program, built like this, on this machine.
+    pub fn here(build: Build) -> Self {
         let program = std::env::current_exe().and_then(fs::read);
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            commit: env!("HELFRICH_COMMIT"),
-            compiler: env!("HELFRICH_COMPILER"),
-            profile: format!("{profile}, opt-level {}", env!("HELFRICH_OPTIMISATION")),
-            flags: env!("HELFRICH_FLAGS"),
-            target: env!("HELFRICH_TARGET"),
+            build,
             program: program.map_or([0; 32], |bytes| Sha256::digest(bytes).into()),
             processor: processor(),
             vectors: vectors(),

@@ -17,7 +17,7 @@ use crate::effect_study::EffectCosts;
 use crate::flow_study::FlowRow;
 use crate::io::replace_file;
 use crate::method::BendingMethod;
-use crate::provenance::Provenance;
+use crate::provenance::{Build, Provenance};
 use crate::study::{ErrorFields, Quantity, Row};
 use crate::verdict::Verdict;
 use chart::{COLOURS, Chart};
@@ -123,15 +123,14 @@ impl Page<'_> {
     }
 
     fn write_provenance(&self, out: &mut dyn Write) -> io::Result<()> {
-        let Provenance {
-            version,
+        let Provenance { version, build, .. } = self.provenance;
+        let Build {
             commit,
             compiler,
             profile,
             flags,
             target,
-            ..
-        } = self.provenance;
+        } = *build;
         let or = |text: &str, none: &str| escaped(if text.is_empty() { none } else { text });
         writeln!(
             out,

@@ -255,7 +255,7 @@ impl<T: Real> Evaluator<T> {
     }
 
     /// [`Self::fields`] of the last evaluation, which was of this surface: nothing is evaluated.
-    pub(crate) fn last_fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
+    pub fn last_fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
         match &mut self.ordered {
             None => Fields::collect(&mut *self.prepared, surface, &self.force),
             Some(ordered) => {
@@ -332,7 +332,7 @@ impl Evaluated for f64 {
 impl Evaluator<f64> {
     /// Jets of the highest degree, 8: slow, and no method of scenes; what the others are compared with
     /// where nothing is known exactly.
-    pub(crate) fn reference(modulus: f64, mesh: &TriangleMesh) -> Self {
+    pub fn reference(modulus: f64, mesh: &TriangleMesh) -> Self {
         let jet = Jet {
             degree: 8,
             neighbours: 96,

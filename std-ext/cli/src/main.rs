@@ -1,9 +1,6 @@
 //! The `helfrich` program: parses its arguments, calls the library, prints.
 
-// Beside the library's modules of these names.
-#[path = "main/recommend.rs"]
 mod recommend;
-#[path = "main/study.rs"]
 mod study;
 
 use cap::Cap;
@@ -45,7 +42,7 @@ fn allocated() -> usize {
 /// Exit codes: 0 done; 2 the arguments or an input file are at fault; 3 an output could not be
 /// written; 4 a run ended before its equilibrium; 130 it was interrupted, and can be resumed.
 #[derive(Parser)]
-#[command(version, max_term_width = 100)]
+#[command(name = "helfrich", version, max_term_width = 100)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

@@ -7,7 +7,7 @@ use helfrich_std::effect_study::{EffectCosts, effect_costs};
 use helfrich_std::flow_study::{FlowRow, FlowStudy, FlowStudyError};
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::method::BendingMethod;
-use helfrich_std::provenance::Provenance;
+use helfrich_std::provenance::{Build, Provenance};
 use helfrich_std::report;
 use helfrich_std::scalar::Scalar;
 use helfrich_std::stability::{Group, Stability};
@@ -18,6 +18,15 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::SystemTime;
+
+/// How this program was built, by its build script.
+const BUILD: Build = Build {
+    commit: env!("HELFRICH_COMMIT"),
+    compiler: env!("HELFRICH_COMPILER"),
+    profile: env!("HELFRICH_PROFILE"),
+    flags: env!("HELFRICH_FLAGS"),
+    target: env!("HELFRICH_TARGET"),
+};
 
 #[derive(clap::Args)]
 pub(super) struct StudyArguments {
@@ -202,7 +211,7 @@ pub(super) fn study(arguments: &StudyArguments) -> Result<(), Failure> {
         errors: &errors,
         flow: &flow,
         effects: effects.as_ref(),
-        provenance: &Provenance::here(),
+        provenance: &Provenance::here(BUILD),
         command: &command(),
         when: SystemTime::now(),
         reused: cache.as_ref().map_or(0, Cache::used),
@@ -241,7 +250,7 @@ fn command() -> String {
 
 /// The cache that is asked for, or that pages have by default.
 fn cache(arguments: &StudyArguments) -> Result<Option<Cache>, Failure> {
-    let provenance = Provenance::here();
+    let provenance = Provenance::here(BUILD);
     let by_default = || arguments.html.as_ref().and_then(|_| default_cache());
     let Some(path) = arguments.cache.clone().or_else(by_default) else {
         return Ok(None);

@@ -4,8 +4,16 @@ use std::env;
 use std::process::Command;
 
 fn main() {
-    // The answer changes with the sources, and with what is checked out.
-    for path in ["build.rs", "src", "../core/src", "../Cargo.lock"] {
+    // The answer changes with the sources, and with what is checked out. This package is small: the
+    // libraries know no commit, and are not compiled again for one.
+    for path in [
+        "build.rs",
+        "src",
+        "../src",
+        "../evaluate/src",
+        "../../core/src",
+        "../../Cargo.lock",
+    ] {
         println!("cargo::rerun-if-changed={path}");
     }
     for name in ["HEAD", "logs/HEAD"] {
@@ -24,8 +32,14 @@ fn main() {
         ("COMMIT", commit.unwrap_or_default()),
         ("COMPILER", rustc.unwrap_or_default()),
         ("FLAGS", flags),
-        ("OPTIMISATION", variable("OPT_LEVEL")),
-        ("PROFILE", variable("PROFILE")),
+        (
+            "PROFILE",
+            format!(
+                "{}, opt-level {}",
+                variable("PROFILE"),
+                variable("OPT_LEVEL")
+            ),
+        ),
         ("TARGET", variable("TARGET")),
     ] {
         println!("cargo::rustc-env=HELFRICH_{name}={value}");
