@@ -32,9 +32,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let surface = Surface::new(&mesh, &points)?;
 
     let operator = Cotangent::new(DualArea::Barycentric);
-    let plan = Method::<f64>::plan(&operator, &mesh);
+    let workspace = operator.workspace(&mesh);
     let mut stiffness = Rows::new();
-    operator.assemble_stiffness(&plan, surface, &mut stiffness);
+    operator.assemble_stiffness(surface, &workspace, &mut stiffness);
     let mut areas = vec![0.0; points.len()];
     operator.dual_areas(&Serial, surface, &mut areas);
 

@@ -27,7 +27,7 @@ struct Membrane {
 impl Membrane {
     fn new(vertices: usize, triangles: Vec<[u32; 3]>, modulus: f32) -> Result<Self, MeshError> {
         let mesh = TriangleMesh::new(vertices, triangles)?;
-        let bending = Prepared::new(GompperKroll::with_mixed_areas(modulus), &mesh);
+        let bending = Prepared::new(GompperKroll::new(modulus), &mesh);
         Ok(Self {
             mesh,
             bending,

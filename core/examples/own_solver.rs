@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         &mesh,
         Surface::new(&mesh, &points)?,
     )?;
-    let bending = GompperKroll::with_mixed_areas(BENDING);
+    let bending = GompperKroll::new(BENDING);
     let mut membrane = Prepared::new((elastic, bending), &mesh);
 
     // A membrane's forces are spread over about half an edge.

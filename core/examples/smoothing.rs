@@ -8,8 +8,7 @@
 
 use glam::Vec3;
 use helfrich::{
-    Cotangent, Curvature, DualArea, GompperKroll, LaplaceBeltrami, Method, Prepared, Serial,
-    Subdivision, Surface, TriangleMesh,
+    Cotangent, DualArea, GompperKroll, Prepared, Serial, Subdivision, Surface, TriangleMesh,
 };
 use std::error::Error;
 
@@ -23,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let shrunk = mean_curvature_flow(&mesh, noisy.clone(), 4e-4, 40)?;
     let relaxed = willmore_flow(&mesh, noisy.clone(), 2e-6, 2000)?;
 
-    let mut bending = Prepared::new(GompperKroll::with_mixed_areas(1.0_f32), &mesh);
+    let mut bending = Prepared::new(GompperKroll::new(1.0_f32), &mesh);
     let mut found = Vec::new();
     println!("{:20} {:>10} {:>10}", "", "E/8πκ", "volume");
     for (name, points) in [
@@ -50,15 +49,12 @@ fn mean_curvature_flow(
     time_step: f32,
     steps: usize,
 ) -> Result<Vec<Vec3>, Box<dyn Error>> {
-    let operator = Cotangent::new(DualArea::Mixed);
-    let plan = Method::<f32>::plan(&operator, mesh);
-    // Taken once: no step allocates.
-    let mut memory = Default::default();
-    let mut curvature = vec![Curvature::default(); points.len()];
+    // Memory is taken once: no step allocates.
+    let mut operator = Prepared::new(Cotangent::new(DualArea::Mixed), mesh);
     for _ in 0..steps {
         let surface = Surface::new(mesh, &points)?;
-        operator.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
-        for (point, vertex) in points.iter_mut().zip(&curvature) {
+        let curvature = operator.curvatures(surface);
+        for (point, vertex) in points.iter_mut().zip(curvature) {
             *point -= time_step * 2.0 * vertex.mean * Vec3::from(vertex.normal);
         }
     }
@@ -72,7 +68,7 @@ fn willmore_flow(
     time_step: f32,
     steps: usize,
 ) -> Result<Vec<Vec3>, Box<dyn Error>> {
-    let mut bending = Prepared::new(GompperKroll::with_mixed_areas(1.0_f32), mesh);
+    let mut bending = Prepared::new(GompperKroll::new(1.0_f32), mesh);
     let operator = Cotangent::new(DualArea::Mixed);
     let mut areas = vec![0.0; points.len()];
     let mut force = vec![[0.0; 3]; points.len()];

@@ -1,6 +1,7 @@
 //! The bending methods.
 
 mod gompper_kroll;
+mod hamann;
 mod hinge;
 mod juelicher;
 mod kantor_nelson;
@@ -9,12 +10,13 @@ mod spontaneous_curvature;
 mod strong_form;
 
 pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
+pub use hamann::{Hamann, HamannMemory};
 pub(crate) use hinge::Hinge;
 pub use hinge::Hinges;
 pub use juelicher::{Juelicher, JuelicherMemory};
 pub use kantor_nelson::{KantorNelson, KantorNelsonMemory};
 pub use loop_subdivision::{
-    ConsistentMemory, ControlPoints, LoopSubdivision, LoopSubdivisionMemory, LoopSubdivisionPlan,
+    ConsistentMemory, ControlPoints, LoopSubdivision, LoopSubdivisionMemory,
 };
 pub use spontaneous_curvature::SpontaneousCurvature;
 pub use strong_form::{StrongForm, StrongFormMemory};

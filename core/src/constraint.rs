@@ -1,11 +1,11 @@
 //! Constraints on the numbers of a component, and energies of them: area, volume, area difference.
 
+use crate::components::Components;
 use crate::element::{Execution, Serial};
-use crate::energy::Method;
 use crate::functional::{ComponentElements, Functional, Quantity};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
-use crate::projection::Components;
+use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::{Surface, SurfaceError};
 use crate::vec3::{add, dot, norm, scale, sub};
@@ -22,7 +22,7 @@ pub use potential::{
 };
 use system::System;
 
-/// What a number of each connected component should be.
+/// Target values of a functional, one per connected component or the same for all.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Targets<T> {
     /// The same for all.
@@ -38,12 +38,11 @@ impl<T> From<T> for Targets<T> {
 }
 
 impl<T: Real> Targets<T> {
-    /// What the components of a surface have.
+    /// The values of the components of a surface as it is.
     pub fn measured<F: Functional<T>>(functional: &F, surface: Surface<'_, T>) -> Self {
-        let plan = functional.plan(surface.mesh());
-        let mut values = alloc::vec![T::zero(); functional.component_count(&plan)];
-        let mut memory = F::Memory::default();
-        functional.values(&Serial, &plan, surface, &mut memory, &mut values);
+        let mut workspace = functional.workspace(surface.mesh());
+        let mut values = alloc::vec![T::zero(); functional.component_count(&workspace)];
+        functional.values(&Serial, surface, &mut workspace, &mut values);
         Self::PerComponent(values)
     }
 
@@ -81,29 +80,24 @@ pub struct Constraints<T, F = Quantity> {
     pub constraints: Vec<Constraint<T, F>>,
 }
 
-/// Plan of [`Constraints`].
-#[derive(Clone, Debug)]
-pub struct ConstraintsPlan<P> {
-    functionals: Vec<P>,
-    vertices: ComponentElements<1>,
-}
-
 /// Memory of [`Constraints`].
-#[derive(Clone, Debug, Default)]
-pub struct ConstraintsMemory<T, M> {
-    functionals: Vec<M>,
+#[derive(Clone, Debug)]
+pub struct ConstraintsMemory<T, W> {
+    /// The workspace of each constraint's functional.
+    functionals: Vec<W>,
+    vertices: ComponentElements<1>,
     /// F of each component, one constraint after the other.
     values: Vec<T>,
     ones: Vec<T>,
     /// ∂F/∂x of each vertex, one constraint after the other.
     gradients: Vec<[T; 3]>,
-    /// Of each component, one constraint after the other.
+    /// λ of each component, one constraint after the other.
     multipliers: Vec<T>,
     system: System<T>,
     saved: Vec<[T; 3]>,
 }
 
-impl<T: Real, M> ConstraintsMemory<T, M> {
+impl<T: Real, W> ConstraintsMemory<T, W> {
     /// The multipliers λ of the constraints on a component in the last [`Constraints::project`]:
     /// what was taken from the forces is Σ λ ∂F/∂x. At equilibrium that of an area is the tension
     /// that balances the forces, that of a volume minus the pressure difference.
@@ -116,7 +110,7 @@ impl<T: Real, M> ConstraintsMemory<T, M> {
     }
 }
 
-/// What a correction reached.
+/// Result of a correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Correction<T> {
     /// The number of steps it took.
@@ -140,6 +134,16 @@ pub enum ConstraintError {
          sphere"
     )]
     Dependent {
+        /// The component.
+        component: usize,
+        /// The constraint, counted from 0.
+        constraint: usize,
+    },
+    /// A target is NaN or infinite.
+    #[error(
+        "the target of constraint {constraint} of component {component} is not a finite number"
+    )]
+    Target {
         /// The component.
         component: usize,
         /// The constraint, counted from 0.
@@ -170,15 +174,20 @@ const LARGEST_LEAST: f64 = 0.01;
 const ROUNDINGS: f64 = 8.0;
 
 impl<T: Real, F: Functional<T>> Method<T> for Constraints<T, F> {
-    type Plan = ConstraintsPlan<F::Plan>;
-    type Memory = ConstraintsMemory<T, F::Memory>;
+    type Memory = ConstraintsMemory<T, Workspace<T, F>>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
+    fn memory(&self, mesh: &TriangleMesh) -> Self::Memory {
         let functionals = self.constraints.iter();
         let vertices = (0..mesh.vertex_count() as u32).map(|vertex| [vertex]);
-        ConstraintsPlan {
-            functionals: functionals.map(|c| c.functional.plan(mesh)).collect(),
+        ConstraintsMemory {
+            functionals: functionals.map(|c| c.functional.workspace(mesh)).collect(),
             vertices: ComponentElements::new(Components::new(mesh), vertices),
+            values: Vec::new(),
+            ones: Vec::new(),
+            gradients: Vec::new(),
+            multipliers: Vec::new(),
+            system: System::default(),
+            saved: Vec::new(),
         }
     }
 }
@@ -187,41 +196,37 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
     fn measure(
         &self,
         execution: &impl Execution,
-        plan: &ConstraintsPlan<F::Plan>,
         surface: Surface<'_, T>,
-        memory: &mut ConstraintsMemory<T, F::Memory>,
+        memory: &mut ConstraintsMemory<T, Workspace<T, F>>,
     ) {
-        let components = plan.vertices.components().count();
+        let components = memory.vertices.components().count();
         let count = self.constraints.len();
-        memory.functionals.resize_with(count, F::Memory::default);
         memory.values.resize(count * components, T::zero());
         for (k, constraint) in self.constraints.iter().enumerate() {
             let values = &mut memory.values[k * components..(k + 1) * components];
-            let (plan, own) = (&plan.functionals[k], &mut memory.functionals[k]);
-            let functional = &constraint.functional;
-            functional.values(execution, plan, surface, own, values);
+            let own = &mut memory.functionals[k];
+            constraint
+                .functional
+                .values(execution, surface, own, values);
         }
     }
 
     fn differentiate(
         &self,
         execution: &impl Execution,
-        plan: &ConstraintsPlan<F::Plan>,
         surface: Surface<'_, T>,
-        memory: &mut ConstraintsMemory<T, F::Memory>,
+        memory: &mut ConstraintsMemory<T, Workspace<T, F>>,
     ) {
         let vertices = surface.mesh().vertex_count();
         let count = self.constraints.len();
-        memory.functionals.resize_with(count, F::Memory::default);
         memory.gradients.clear();
         memory.gradients.resize(count * vertices, [T::zero(); 3]);
         let ones = &mut memory.ones;
-        ones.resize(plan.vertices.components().count(), T::one());
+        ones.resize(memory.vertices.components().count(), T::one());
         for (k, constraint) in self.constraints.iter().enumerate() {
             let gradient = &mut memory.gradients[k * vertices..(k + 1) * vertices];
-            let (plan, own) = (&plan.functionals[k], &mut memory.functionals[k]);
-            let functional = &constraint.functional;
-            functional.add_gradient(execution, plan, surface, own, ones, gradient);
+            let (functional, own) = (&constraint.functional, &mut memory.functionals[k]);
+            functional.add_gradient(execution, surface, own, ones, gradient);
         }
     }
 
@@ -230,22 +235,23 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
     /// of: `|F − F0| ≤ 8 ε (|F0| + Σ |∂F/∂x| |x|)`. Components that are there are left alone.
     ///
     /// # Errors
-    /// If positions do not fit the mesh, gradients depend on each other, or the steps do not lead
-    /// there. Positions are then as they were.
+    /// If positions do not fit the mesh, a target is not finite, gradients depend on each other, or the
+    /// steps do not lead there. Positions are then as they were.
     ///
     /// # Panics
-    /// If there is one target a component, but none for one.
+    /// If there is one target per component, but none for one, or the mesh is another than that of
+    /// the workspace.
     pub fn correct(
         &self,
         execution: &impl Execution,
-        plan: &ConstraintsPlan<F::Plan>,
         mesh: &TriangleMesh,
         positions: &mut [[T; 3]],
-        memory: &mut ConstraintsMemory<T, F::Memory>,
+        workspace: &mut Workspace<T, Self>,
     ) -> Result<Correction<T>, ConstraintError> {
+        let memory = workspace.for_mesh_mut(mesh);
         memory.saved.clear();
         memory.saved.extend_from_slice(positions);
-        let result = self.move_onto(execution, plan, mesh, positions, memory);
+        let result = self.move_onto(execution, mesh, positions, memory);
         if result.is_err() {
             positions.copy_from_slice(&memory.saved);
         }
@@ -255,14 +261,23 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
     fn move_onto(
         &self,
         execution: &impl Execution,
-        plan: &ConstraintsPlan<F::Plan>,
         mesh: &TriangleMesh,
         positions: &mut [[T; 3]],
-        memory: &mut ConstraintsMemory<T, F::Memory>,
+        memory: &mut ConstraintsMemory<T, Workspace<T, F>>,
     ) -> Result<Correction<T>, ConstraintError> {
         let count = self.constraints.len();
-        let components = plan.vertices.components().count();
+        let components = memory.vertices.components().count();
         let roundings = T::constant(ROUNDINGS) * T::epsilon();
+        for component in 0..components {
+            for (k, constraint) in self.constraints.iter().enumerate() {
+                if !constraint.targets.at(component).is_finite() {
+                    return Err(ConstraintError::Target {
+                        component,
+                        constraint: k,
+                    });
+                }
+            }
+        }
         let mut steps = 0;
         let mut worst = Worst::default();
         loop {
@@ -272,7 +287,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
                 }
                 surface => surface?,
             };
-            self.measure(execution, plan, surface, memory);
+            self.measure(execution, surface, memory);
             worst = Worst::default();
             let mut there = true;
             for component in 0..components {
@@ -288,20 +303,21 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
                 return Ok(Correction { steps, residual });
             }
 
-            self.differentiate(execution, plan, surface, memory);
+            self.differentiate(execution, surface, memory);
             memory.multipliers.clear();
             memory.multipliers.resize(count * components, T::zero());
             worst = Worst::default();
             there = true;
             for component in 0..components {
-                let vertices = plan.vertices.of(component);
                 let ConstraintsMemory {
+                    vertices,
                     values,
                     gradients,
                     multipliers,
                     system,
                     ..
                 } = &mut *memory;
+                let vertices = vertices.of(component);
                 system.set_matrix(execution, vertices, gradients, count);
                 let mut here = true;
                 for (k, constraint) in self.constraints.iter().enumerate() {
@@ -346,7 +362,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
                 return Err(worst.not_reached(steps));
             }
             let (gradients, multipliers) = (&memory.gradients, &memory.multipliers);
-            let of_vertex = plan.vertices.components().of_vertex();
+            let of_vertex = memory.vertices.components().of_vertex();
             let vertices = positions.len();
             execution.map(&mut *positions, |vertex, position| {
                 let component = of_vertex[vertex] as usize;
@@ -366,31 +382,33 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
     /// multipliers stay in [`ConstraintsMemory::multipliers`].
     ///
     /// # Panics
-    /// If `field` has fewer entries than the surface has vertices.
+    /// If `field` has fewer entries than the surface has vertices, or the surface another mesh than
+    /// that of the workspace.
     pub fn project(
         &self,
         execution: &impl Execution,
-        plan: &ConstraintsPlan<F::Plan>,
         surface: Surface<'_, T>,
-        memory: &mut ConstraintsMemory<T, F::Memory>,
+        workspace: &mut Workspace<T, Self>,
         field: &mut [[T; 3]],
     ) {
-        self.differentiate(execution, plan, surface, memory);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.differentiate(execution, surface, memory);
         let count = self.constraints.len();
-        let components = plan.vertices.components().count();
         let all = surface.mesh().vertex_count();
         let field = &mut field[..all];
         let ConstraintsMemory {
+            vertices: all_vertices,
             gradients,
             multipliers,
             system,
             ..
         } = memory;
+        let components = all_vertices.components().count();
         multipliers.clear();
         multipliers.resize(count * components, T::zero());
         let least = T::constant(ROUNDINGS) * T::epsilon();
         for component in 0..components {
-            let vertices = plan.vertices.of(component);
+            let vertices = all_vertices.of(component);
             system.set_matrix(execution, vertices, gradients, count);
             // The second pass takes what the first left by rounding.
             for _ in 0..2 {

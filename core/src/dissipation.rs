@@ -1,7 +1,9 @@
 //! Forces that depend on velocities and take energy away.
 
 use crate::element::Execution;
-use crate::energy::{Method, Prepared};
+use crate::method::{Method, Workspace};
+use crate::points::{Points, PointsMut};
+use crate::prepared::Prepared;
 use crate::real::Real;
 use crate::surface::Surface;
 
@@ -19,13 +21,13 @@ pub trait Dissipation<T: Real>: Method<T> {
     /// Adds the nodal forces to `force`, one entry a vertex.
     ///
     /// # Panics
-    /// If `velocities` or `force` have fewer entries than the surface has vertices.
+    /// If `velocities` or `force` have fewer entries than the surface has vertices, or the surface
+    /// another mesh than that of the workspace.
     fn add_dissipative_force(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         velocities: &[[T; 3]],
         force: &mut [[T; 3]],
     );
@@ -33,13 +35,13 @@ pub trait Dissipation<T: Real>: Method<T> {
     /// The power `−Σ F·v = 2R` that turns into heat, in units of energy per time.
     ///
     /// # Panics
-    /// If `velocities` has fewer entries than the surface has vertices.
+    /// If `velocities` has fewer entries than the surface has vertices, or the surface another mesh
+    /// than that of the workspace.
     fn dissipated_power(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         velocities: &[[T; 3]],
     ) -> T;
 }
@@ -48,25 +50,36 @@ impl<T: Real, M: Dissipation<T>, X: Execution> Prepared<T, M, X> {
     /// See [`Dissipation::add_dissipative_force`].
     ///
     /// # Panics
-    /// If `velocities` or `force` have fewer entries than the surface has vertices.
+    /// If `velocities` or `force` have fewer entries than the surface has vertices, and as
+    /// [`Self::energy`].
+    #[track_caller]
     pub fn add_dissipative_force(
         &mut self,
         surface: Surface<'_, T>,
-        velocities: &[[T; 3]],
-        force: &mut [[T; 3]],
+        velocities: &(impl Points<Scalar = T> + ?Sized),
+        force: &mut (impl PointsMut<Scalar = T> + ?Sized),
     ) {
-        self.with(|method, execution, plan, memory| {
-            method.add_dissipative_force(execution, plan, surface, memory, velocities, force);
+        self.check(surface);
+        let (velocities, force) = (velocities.coordinates(), force.coordinates_mut());
+        self.with(|method, execution, workspace| {
+            method.add_dissipative_force(execution, surface, workspace, velocities, force);
         });
     }
 
     /// See [`Dissipation::dissipated_power`].
     ///
     /// # Panics
-    /// If `velocities` has fewer entries than the surface has vertices.
-    pub fn dissipated_power(&mut self, surface: Surface<'_, T>, velocities: &[[T; 3]]) -> T {
-        self.with(|method, execution, plan, memory| {
-            method.dissipated_power(execution, plan, surface, memory, velocities)
+    /// If `velocities` has fewer entries than the surface has vertices, and as [`Self::energy`].
+    #[track_caller]
+    pub fn dissipated_power(
+        &mut self,
+        surface: Surface<'_, T>,
+        velocities: &(impl Points<Scalar = T> + ?Sized),
+    ) -> T {
+        self.check(surface);
+        let velocities = velocities.coordinates();
+        self.with(|method, execution, workspace| {
+            method.dissipated_power(execution, surface, workspace, velocities)
         })
     }
 }
@@ -75,32 +88,30 @@ impl<T: Real, A: Dissipation<T>, B: Dissipation<T>> Dissipation<T> for (A, B) {
     fn add_dissipative_force(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         velocities: &[[T; 3]],
         force: &mut [[T; 3]],
     ) {
-        let (first, second) = (&mut memory.0, &mut memory.1);
+        let (first, second) = workspace.for_mesh_mut(surface.mesh());
         self.0
-            .add_dissipative_force(execution, &plan.0, surface, first, velocities, force);
+            .add_dissipative_force(execution, surface, first, velocities, force);
         self.1
-            .add_dissipative_force(execution, &plan.1, surface, second, velocities, force);
+            .add_dissipative_force(execution, surface, second, velocities, force);
     }
 
     fn dissipated_power(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         velocities: &[[T; 3]],
     ) -> T {
-        let (first, second) = (&mut memory.0, &mut memory.1);
+        let (first, second) = workspace.for_mesh_mut(surface.mesh());
         self.0
-            .dissipated_power(execution, &plan.0, surface, first, velocities)
+            .dissipated_power(execution, surface, first, velocities)
             + self
                 .1
-                .dissipated_power(execution, &plan.1, surface, second, velocities)
+                .dissipated_power(execution, surface, second, velocities)
     }
 }

@@ -41,10 +41,12 @@
 //! forces are exactly zero. In f32, at a strain of 1e-4, the neo-Hookean energy is 1e-5 off; from
 //! `tr C − 2` and `det C − 1` it is 7 % off.
 
+use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
+use crate::mesh_identity::MeshIdentity;
+use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::Triangle;
@@ -59,33 +61,33 @@ pub use local_area::LocalArea;
 pub use neo_hookean::NeoHookean;
 pub use skalak::Skalak;
 
-/// The strain of triangles, one a lane entry, as laws need it.
+/// The strain of a triangle, as laws need it.
 #[derive(Clone, Copy, Debug)]
-pub struct Strain<L: Lane> {
+pub struct Strain<T> {
     /// `I1 = λ1² + λ2² − 2`.
-    pub first: L,
+    pub first: T,
     /// `I2 = λ1² λ2² − 1`.
-    pub second: L,
+    pub second: T,
     /// `I1 − I2 = −(λ1² − 1)(λ2² − 1)`: of second order in the strain, and computed as such.
-    pub difference: L,
+    pub difference: T,
     /// `I2 + 1 = (A/A0)²`, from the areas: never negative.
-    pub squared_area_ratio: L,
+    pub squared_area_ratio: T,
     /// Whether `I1 < 1`. Small strains come from det Γ, whose products are then small themselves;
     /// large ones from the ratio of the areas, which those products, of the fourth power of the
     /// stretch, would drown.
-    pub is_small: L::Mask,
+    pub is_small: bool,
 }
 
-impl<L: Lane> Strain<L> {
+impl<T: Real> Strain<T> {
     #[inline(always)]
-    fn new(change: &Change<L>, squared_area_ratio: L) -> Self {
+    fn new(change: &Change<T>, squared_area_ratio: T) -> Self {
         let (trace, determinant) = (change.trace(), change.determinant());
-        let is_small = trace.less(L::literal(1.0));
-        let dilation = squared_area_ratio - L::literal(1.0);
+        let is_small = trace < T::one();
+        let dilation = squared_area_ratio - T::one();
         Self {
             first: trace,
-            second: L::select(is_small, trace + determinant, dilation),
-            difference: L::select(is_small, -determinant, trace - dilation),
+            second: T::select(is_small, trace + determinant, dilation),
+            difference: T::select(is_small, -determinant, trace - dilation),
             squared_area_ratio,
             is_small,
         }
@@ -95,13 +97,48 @@ impl<L: Lane> Strain<L> {
 /// A strain energy per area of the reference: see the [module](self).
 ///
 /// Laws: W and `W1 + W2` are 0 without strain, and W ≥ 0 for moduli that are not negative.
+///
+/// A law is plain arithmetic. The loop over triangles becomes vector instructions where a law has
+/// no branch and calls no function that is not inlined.
+///
+/// ```
+/// use helfrich::elasticity::Strain;
+/// use helfrich::{InPlane, Prepared, StrainEnergy, Surface, TriangleMesh};
+///
+/// /// `W = k I1²`.
+/// struct Squared(f64);
+///
+/// impl StrainEnergy<f64> for Squared {
+///     fn density(&self, strain: &Strain<f64>) -> f64 {
+///         self.0 * strain.first * strain.first
+///     }
+///     fn derivatives(&self, strain: &Strain<f64>) -> [f64; 2] {
+///         [2.0 * self.0 * strain.first, 0.0]
+///     }
+///     fn shear_modulus(&self) -> f64 {
+///         0.0
+///     }
+///     fn area_modulus(&self) -> f64 {
+///         8.0 * self.0
+///     }
+/// }
+///
+/// let mesh = TriangleMesh::new(3, vec![[0, 1, 2]])?;
+/// let rest = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let law = InPlane::new(Squared(3.0), &mesh, Surface::new(&mesh, &rest)?)?;
+/// let doubled = rest.map(|point| point.map(|x| 2.0 * x));
+/// // I1 = 2² + 2² − 2 = 6, on half a unit of area.
+/// let energy = Prepared::new(law, &mesh).energy(Surface::new(&mesh, &doubled)?);
+/// assert!((energy - 0.5 * 3.0 * 36.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait StrainEnergy<T: Real>: Sync {
     /// W, in units of energy per area.
-    fn density<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> L;
+    fn density(&self, strain: &Strain<T>) -> T;
 
     /// `[W1 + W2, W2]` with `W1 = ∂W/∂I1` and `W2 = ∂W/∂I2`. The sum is 0 without strain and is
     /// written so that it does not cancel.
-    fn derivatives<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> [L; 2];
+    fn derivatives(&self, strain: &Strain<T>) -> [T; 2];
 
     /// Modulus G of small shear.
     fn shear_modulus(&self) -> T;
@@ -113,12 +150,12 @@ pub trait StrainEnergy<T: Real>: Sync {
 /// The sum of two laws over one reference; longer sums nest.
 impl<T: Real, A: StrainEnergy<T>, B: StrainEnergy<T>> StrainEnergy<T> for (A, B) {
     #[inline(always)]
-    fn density<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> L {
+    fn density(&self, strain: &Strain<T>) -> T {
         self.0.density(strain) + self.1.density(strain)
     }
 
     #[inline(always)]
-    fn derivatives<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> [L; 2] {
+    fn derivatives(&self, strain: &Strain<T>) -> [T; 2] {
         let (a, b) = (self.0.derivatives(strain), self.1.derivatives(strain));
         [a[0] + b[0], a[1] + b[1]]
     }
@@ -139,9 +176,9 @@ pub enum ReferenceError {
     /// The two have different numbers of triangles.
     #[error("the reference has {reference} triangles, the mesh {mesh}: they must be the same")]
     CountMismatch {
-        /// How many triangles the reference has.
+        /// Number of triangles of the reference.
         reference: usize,
-        /// How many there should be.
+        /// Number of triangles of the mesh.
         mesh: usize,
     },
     /// A triangle has other vertices, or the same ones in another order.
@@ -195,7 +232,7 @@ impl ReferenceError {
     }
 }
 
-/// What a law needs to know of a triangle in the reference: `s0_k` of the three corners, and S0.
+/// Rest shape of a triangle: `s0_k` of the three corners, and S0.
 type Rest<T> = [T; 4];
 
 /// `E = Σ A0 W`: the in-plane energy of a law over a reference shape, see the [module](self); the
@@ -228,6 +265,8 @@ pub struct InPlane<T, W> {
     /// The law.
     pub law: W,
     rest: Vec<Rest<T>>,
+    /// The mesh with which the triangles of the reference agree.
+    mesh: MeshIdentity,
 }
 
 /// Memory of [`InPlane`].
@@ -244,7 +283,7 @@ impl<T: Real, W: StrainEnergy<T>> InPlane<T, W> {
     /// have the same triangles; the reference may have any shape, also another one than that from
     /// which a simulation starts.
     ///
-    /// Preparing it for a mesh with another number of triangles than `mesh` panics.
+    /// Preparing it for another mesh than `mesh` panics.
     ///
     /// # Errors
     /// If the triangles of mesh and reference differ, or one of the reference has no area.
@@ -259,8 +298,12 @@ impl<T: Real, W: StrainEnergy<T>> InPlane<T, W> {
             let [a, b, c] = triangle.dots;
             [a, b, c, triangle.doubled_area]
         };
-        let rest = mesh.triangles().iter().map(rest).collect();
-        Self { law, rest }.with_areas()
+        Self {
+            law,
+            rest: mesh.triangles().iter().map(rest).collect(),
+            mesh: MeshIdentity::of(mesh),
+        }
+        .with_areas()
     }
 
     /// The same with every length of the reference multiplied by `factor`: below 1 the membrane is
@@ -330,28 +373,27 @@ impl<L: Lane> Change<L> {
     }
 }
 
-/// Triangles `first`, `first + 1`, … of a surface against their rest shapes, one a lane entry.
-struct Strained<L: Lane> {
-    edges: [Vec3<L>; 3],
-    change: Change<L>,
-    strain: Strain<L>,
+/// A triangle of a surface against its rest shape.
+struct Strained<T> {
+    edges: [Vec3<T>; 3],
+    change: Change<T>,
+    strain: Strain<T>,
     /// S0.
-    doubled_area: L,
+    doubled_area: T,
 }
 
-impl<L: Lane> Strained<L> {
+impl<T: Real> Strained<T> {
     #[inline(always)]
-    fn new(rest: &[Rest<L::Scalar>], first: usize, corners: &Corners<L, 3>) -> Self {
+    fn new(rest: &Rest<T>, corners: &Corners<T, 3>) -> Self {
         let Triangle {
             edges,
             dots,
             area_vector,
             ..
         } = corners.triangle();
-        let at_rest = |part: usize| L::from_fn(|k| rest[first + k][part]);
-        let doubled_area = at_rest(3);
+        let [a, b, c, doubled_area] = *rest;
         let over = doubled_area.reciprocal_or_zero();
-        let rest_dots: [L; 3] = core::array::from_fn(at_rest);
+        let rest_dots = [a, b, c];
         let change = Change {
             cotangents: rest_dots.map(|dot| over * dot),
             of_dots: core::array::from_fn(|k| over * (dots[k] - rest_dots[k])),
@@ -366,15 +408,15 @@ impl<L: Lane> Strained<L> {
     }
 
     #[inline(always)]
-    fn forces(&self, law: &impl StrainEnergy<L::Scalar>) -> [Vec3<L>; 3] {
+    fn forces(&self, law: &impl StrainEnergy<T>) -> [Vec3<T>; 3] {
         self.change
             .forces(self.edges, law.derivatives(&self.strain))
     }
 
     /// A third of the energy, for each corner.
     #[inline(always)]
-    fn energy_share(&self, law: &impl StrainEnergy<L::Scalar>) -> L {
-        L::literal(1.0 / 6.0) * self.doubled_area * law.density(&self.strain)
+    fn energy_share(&self, law: &impl StrainEnergy<T>) -> T {
+        T::constant(1.0 / 6.0) * self.doubled_area * law.density(&self.strain)
     }
 }
 
@@ -382,13 +424,8 @@ struct Forces<'a, T, W>(&'a InPlane<T, W>);
 
 impl<T: Real, W: StrainEnergy<T>> ElementKernel<T, 3, 0, 3> for Forces<'_, T, W> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
-        &self,
-        first: usize,
-        corners: &Corners<L, 3>,
-        _input: &[[L; 0]; 3],
-    ) -> [[L; 3]; 3] {
-        Strained::new(&self.0.rest, first, corners).forces(&self.0.law)
+    fn evaluate(&self, first: usize, corners: &Corners<T, 3>, _input: &[[T; 0]; 3]) -> [[T; 3]; 3] {
+        Strained::new(&self.0.rest[first], corners).forces(&self.0.law)
     }
 }
 
@@ -396,13 +433,8 @@ struct Energies<'a, T, W>(&'a InPlane<T, W>);
 
 impl<T: Real, W: StrainEnergy<T>> ElementKernel<T, 3, 0, 1> for Energies<'_, T, W> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
-        &self,
-        first: usize,
-        corners: &Corners<L, 3>,
-        _input: &[[L; 0]; 3],
-    ) -> [[L; 1]; 3] {
-        let strained = Strained::new(&self.0.rest, first, corners);
+    fn evaluate(&self, first: usize, corners: &Corners<T, 3>, _input: &[[T; 0]; 3]) -> [[T; 1]; 3] {
+        let strained = Strained::new(&self.0.rest[first], corners);
         [[strained.energy_share(&self.0.law)]; 3]
     }
 }
@@ -411,13 +443,8 @@ struct ForcesAndEnergies<'a, T, W>(&'a InPlane<T, W>);
 
 impl<T: Real, W: StrainEnergy<T>> ElementKernel<T, 3, 0, 4> for ForcesAndEnergies<'_, T, W> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
-        &self,
-        first: usize,
-        corners: &Corners<L, 3>,
-        _input: &[[L; 0]; 3],
-    ) -> [[L; 4]; 3] {
-        let strained = Strained::new(&self.0.rest, first, corners);
+    fn evaluate(&self, first: usize, corners: &Corners<T, 3>, _input: &[[T; 0]; 3]) -> [[T; 4]; 3] {
+        let strained = Strained::new(&self.0.rest[first], corners);
         let share = strained.energy_share(&self.0.law);
         let forces = strained.forces(&self.0.law);
         forces.map(|[x, y, z]| [x, y, z, share])
@@ -435,26 +462,38 @@ impl<T: Real> InPlaneMemory<T> {
 }
 
 impl<T: Real, W: StrainEnergy<T>> Method<T> for InPlane<T, W> {
-    type Plan = ();
     type Memory = InPlaneMemory<T>;
 
-    fn plan(&self, mesh: &TriangleMesh) {
-        assert!(
-            self.rest.len() == mesh.triangles().len(),
-            "the reference has {} triangles, this mesh {}",
-            self.rest.len(),
-            mesh.triangles().len()
-        );
+    /// # Panics
+    /// If the law was made for another mesh.
+    fn memory(&self, mesh: &TriangleMesh) -> InPlaneMemory<T> {
+        self.mesh
+            .expect::<Self>(mesh, "make it by InPlane::new for that mesh");
+        InPlaneMemory::default()
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("shear modulus", self.law.shear_modulus())?;
+        ParameterError::unless_finite("area modulus", self.law.area_modulus())
     }
 
     fn inspect(
         &self,
-        _plan: &(),
         surface: Surface<'_, T>,
-        _memory: &InPlaneMemory<T>,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        workspace.for_mesh(surface.mesh());
         surface.report_degenerate_triangles(report);
+        for (triangle, &corners) in surface.mesh().triangles().iter().enumerate() {
+            let strained = Strained::new(&self.rest[triangle], &Corners::of(surface, corners));
+            let forces = strained.forces(&self.law);
+            let finite = forces.as_flattened().iter().all(|force| force.is_finite());
+            if !(finite && strained.energy_share(&self.law).is_finite()) {
+                let triangle = triangle as u32;
+                report(Finding::Overstretched { triangle });
+            }
+        }
     }
 }
 
@@ -462,11 +501,11 @@ impl<T: Real, W: StrainEnergy<T>> Energy<T> for InPlane<T, W> {
     fn energy(
         &self,
         execution: &impl Execution,
-        _plan: &(),
         surface: Surface<'_, T>,
-        memory: &mut InPlaneMemory<T>,
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
         let mesh = surface.mesh();
+        let memory = workspace.for_mesh_mut(mesh);
         memory.clear(mesh.vertex_count());
         let energies = &mut memory.energies[..];
         execution.scatter(&Energies(self), surface, mesh.triangles(), &[], energies);
@@ -478,12 +517,12 @@ impl<T: Real, W: StrainEnergy<T>> Force<T> for InPlane<T, W> {
     fn add_force(
         &self,
         execution: &impl Execution,
-        _plan: &(),
         surface: Surface<'_, T>,
-        memory: &mut InPlaneMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
         let mesh = surface.mesh();
+        let memory = workspace.for_mesh_mut(mesh);
         memory.clear(mesh.vertex_count());
         execution.scatter(&Forces(self), surface, mesh.triangles(), &[], force);
     }
@@ -493,12 +532,12 @@ impl<T: Real, W: StrainEnergy<T>> Conservative<T> for InPlane<T, W> {
     fn add_force_and_energy(
         &self,
         execution: &impl Execution,
-        _plan: &(),
         surface: Surface<'_, T>,
-        memory: &mut InPlaneMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
         let mesh = surface.mesh();
+        let memory = workspace.for_mesh_mut(mesh);
         memory.clear(mesh.vertex_count());
         let nodal = &mut memory.nodal[..];
         let kernel = ForcesAndEnergies(self);

@@ -1,8 +1,8 @@
 //! Formulas of one mesh element, and the loops that run them.
 //!
 //! An *element* is a small group of vertices: the three of a triangle, the four of a hinge. A
-//! kernel says what an element gives to each of its corners; a loop runs it over all elements and
-//! adds the gifts up at the vertices, in the order of the elements. The serial loop is
+//! kernel computes the contributions of an element to its corners; a loop runs it over all elements
+//! and accumulates the contributions at the vertices, in the order of the elements. The serial loop is
 //! [`Serial`]; other loops (wider lanes, several threads) implement [`Execution`] and change no
 //! formula.
 
@@ -14,8 +14,7 @@ use crate::triangle::Triangle;
 use crate::vec3;
 use alloc::vec::Vec;
 
-/// The corners of an element, or of [`Lane::WIDTH`] consecutive ones: only differences of their
-/// positions can be had.
+/// The corners of an element. Only differences of their positions are available.
 #[derive(Clone, Copy, Debug)]
 pub struct Corners<L, const CORNERS: usize> {
     positions: [[L; 3]; CORNERS],
@@ -56,19 +55,19 @@ impl<L: Lane> Corners<L, 3> {
 
 /// A formula of one element.
 ///
-/// Laws: the result depends on differences of positions only; there is no branch that depends on
-/// the lane's entries, so that every width computes the same.
+/// Laws: the result depends on differences of positions only. A kernel that has no branch depending
+/// on values and calls no function that is not inlined becomes vector instructions.
 pub trait ElementKernel<T: Real, const CORNERS: usize, const IN: usize, const OUT: usize>:
     Sync
 {
-    /// What the elements `first`, `first + 1`, … (one a lane entry) give to each of their corners,
-    /// from the corners' positions and `IN` numbers known at each.
-    fn evaluate<L: Lane<Scalar = T>>(
+    /// The contributions of element `element` to each of its corners, from the corners' positions and
+    /// `IN` numbers known at each.
+    fn evaluate(
         &self,
-        first: usize,
-        corners: &Corners<L, CORNERS>,
-        input: &[[L; IN]; CORNERS],
-    ) -> [[L; OUT]; CORNERS];
+        element: usize,
+        corners: &Corners<T, CORNERS>,
+        input: &[[T; IN]; CORNERS],
+    ) -> [[T; OUT]; CORNERS];
 }
 
 /// Output with a slot for each vertex, that can be divided among workers: slices, slices with
@@ -76,7 +75,7 @@ pub trait ElementKernel<T: Real, const CORNERS: usize, const IN: usize, const OU
 pub trait Slots: Sized + Send {
     /// One vertex's part.
     type Slot;
-    /// How many slots there are; of a tuple, those of the shortest of its parts.
+    /// Number of slots; for a tuple, the number of its shortest part.
     fn count(&self) -> usize;
     /// The slots 0 … `middle` − 1, and those from `middle` on.
     ///
@@ -218,7 +217,7 @@ impl<A: Slots, B: Slots> Slots for (A, B) {
     }
 }
 
-/// What is done at some slots in a row.
+/// A computation over consecutive slots.
 pub trait SlotKernel<S, O: Slots>: Sync {
     /// Sets the slots `start`, `start + 1`, …, as many as there are. What `scratch` holds before must
     /// not matter to any of them, nor which others are set by the same call.
@@ -295,7 +294,7 @@ pub trait Execution {
 /// vectors of the loop in between, and few enough for the first cache.
 pub const BATCH: usize = 32;
 
-/// What every [`Execution::scatter`] has to make sure of.
+/// The checks that every [`Execution::scatter`] has to make.
 ///
 /// # Panics
 /// If `output` has fewer entries than the surface has vertices.
@@ -308,7 +307,7 @@ pub fn check_output<T: Real, O>(surface: Surface<'_, T>, output: &[O]) {
     );
 }
 
-/// Those of `elements` around the vertices `start`, `start + 1`, …, one an entry of `output`: adds to
+/// Scatters `elements` onto the vertices `start`, `start + 1`, …, one per entry of `output`: adds to
 /// them as [`Execution::scatter`] does, and leaves all others alone. What loops are made of.
 ///
 /// The formula runs over a batch of elements in one loop without branches. Compilers use vectors
@@ -361,7 +360,7 @@ pub fn scatter_onto<T, K, const CORNERS: usize, const IN: usize, const OUT: usiz
                 known[corner] = values[corner][e];
             }
             let corners = Corners { positions: corners };
-            let given = kernel.evaluate::<T>(number * BATCH + e, &corners, &known);
+            let given = kernel.evaluate(number * BATCH + e, &corners, &known);
             for corner in 0..CORNERS {
                 gifts[corner][e] = given[corner];
             }

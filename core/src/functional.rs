@@ -1,9 +1,9 @@
 //! Numbers of a whole component (area, volume, integrated mean curvature) with exact gradients.
 
+use crate::components::Components;
 use crate::element::{ElementKernel, Execution};
-use crate::energy::Method;
 use crate::mesh::TriangleMesh;
-use crate::projection::Components;
+use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{cross, dot};
@@ -16,7 +16,7 @@ mod total_area;
 mod total_mean_curvature;
 
 pub use enclosed_volume::EnclosedVolume;
-pub use quantity::{Quantity, QuantityPlan};
+pub use quantity::{Quantity, QuantityMemory};
 pub use total_area::TotalArea;
 pub use total_mean_curvature::TotalMeanCurvature;
 
@@ -25,24 +25,24 @@ pub use total_mean_curvature::TotalMeanCurvature;
 /// Laws: unchanged when the surface is moved, turned or relabelled, to rounding; sums over a
 /// component are grouped by the number of its elements alone.
 pub trait Functional<T: Real>: Method<T> {
-    /// The components the plan found.
-    fn components<'a>(&self, plan: &'a Self::Plan) -> &'a Components;
+    /// The components of the workspace's mesh.
+    fn components<'a>(&self, workspace: &'a Workspace<T, Self>) -> &'a Components;
 
-    /// How many components the plan found.
-    fn component_count(&self, plan: &Self::Plan) -> usize {
-        self.components(plan).count()
+    /// The number of components of the workspace's mesh.
+    fn component_count(&self, workspace: &Workspace<T, Self>) -> usize {
+        self.components(workspace).count()
     }
 
-    /// Sets `values`, one entry a component.
+    /// Sets `values`, one entry per component.
     ///
     /// # Panics
-    /// If `values` has fewer entries than the surface has components.
+    /// If `values` has fewer entries than the surface has components, or the surface another mesh
+    /// than that of the workspace.
     fn values(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         values: &mut [T],
     );
 
@@ -50,13 +50,12 @@ pub trait Functional<T: Real>: Method<T> {
     ///
     /// # Panics
     /// If `weights` has fewer entries than the surface has components, or `gradient` than it has
-    /// vertices.
+    /// vertices, or the surface another mesh than that of the workspace.
     fn add_gradient(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         weights: &[T],
         gradient: &mut [[T; 3]],
     );
@@ -67,7 +66,7 @@ pub trait Functional<T: Real>: Method<T> {
 pub struct ComponentElements<const CORNERS: usize> {
     components: Components,
     elements: Vec<[u32; CORNERS]>,
-    /// Where each component's elements begin, and the end.
+    /// Start of each component's elements, and the end of all.
     offsets: Vec<usize>,
 }
 

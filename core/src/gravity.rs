@@ -1,10 +1,9 @@
 //! The weight of what a surface encloses.
 
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Conservative, Energy, Force, Method};
 use crate::functional::{ComponentElements, closed_triangles, sixfold_volume};
-use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
+use crate::method::{Conservative, Energy, Force, Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, scale, sub};
@@ -28,28 +27,30 @@ pub struct Gravity<T> {
 }
 
 /// Memory of [`Gravity`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct GravityMemory<T> {
+    /// The triangles of the components without boundary.
+    triangles: ComponentElements<3>,
     /// Δρ g·(x − x_level) of each vertex.
     pressures: Vec<[T; 1]>,
     /// ∫ Δρ g·(x − x_level) dV of each component.
     moments: Vec<T>,
 }
 
-/// What the pressure on a triangle gives to its corners: `∫ p φ_i dS n = (Σ p + p_i)/12 A n`.
+/// Contributions of the pressure on a triangle to its corners: `∫ p φ_i dS n = (Σ p + p_i)/12 A n`.
 struct Pressure;
 
 impl<T: Real> ElementKernel<T, 3, 1, 3> for Pressure {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 3>,
-        pressures: &[[L; 1]; 3],
-    ) -> [[L; 3]; 3] {
+        corners: &Corners<T, 3>,
+        pressures: &[[T; 1]; 3],
+    ) -> [[T; 3]; 3] {
         let doubled = corners.triangle().area_vector;
         let sum = pressures[0][0] + pressures[1][0] + pressures[2][0];
-        pressures.map(|[own]| scale(L::literal(1.0 / 24.0) * (sum + own), doubled))
+        pressures.map(|[own]| scale(T::constant(1.0 / 24.0) * (sum + own), doubled))
     }
 }
 
@@ -74,14 +75,17 @@ impl<T: Real> Gravity<T> {
     /// Over tetrahedra between the triangles and a vertex: the mean of the corners times the volume.
     fn energy_of(
         execution: &impl Execution,
-        plan: &ComponentElements<3>,
         surface: Surface<'_, T>,
         memory: &mut GravityMemory<T>,
     ) -> T {
-        let GravityMemory { pressures, moments } = memory;
+        let GravityMemory {
+            triangles,
+            pressures,
+            moments,
+        } = memory;
         let at = |vertex: u32| pressures[vertex as usize][0];
-        moments.resize(plan.components().count(), T::zero());
-        plan.sums(execution, moments, |[origin, ..], triangle| {
+        moments.resize(triangles.components().count(), T::zero());
+        triangles.sums(execution, moments, |[origin, ..], triangle| {
             let [a, b, c] = triangle.map(at);
             let mean = T::constant(0.25) * (at(origin) + a + b + c);
             mean * sixfold_volume(surface, origin, triangle) / T::constant(6.0)
@@ -91,11 +95,14 @@ impl<T: Real> Gravity<T> {
 }
 
 impl<T: Real> Method<T> for Gravity<T> {
-    type Plan = ComponentElements<3>;
     type Memory = GravityMemory<T>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
-        closed_triangles(mesh)
+    fn memory(&self, mesh: &TriangleMesh) -> GravityMemory<T> {
+        GravityMemory {
+            triangles: closed_triangles(mesh),
+            pressures: Vec::new(),
+            moments: Vec::new(),
+        }
     }
 }
 
@@ -103,12 +110,12 @@ impl<T: Real> Energy<T> for Gravity<T> {
     fn energy(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure(execution, surface, memory);
-        Self::energy_of(execution, plan, surface, memory)
+        Self::energy_of(execution, surface, memory)
     }
 }
 
@@ -116,14 +123,14 @@ impl<T: Real> Force<T> for Gravity<T> {
     fn add_force(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure(execution, surface, memory);
-        let pressures = &memory.pressures;
-        execution.scatter(&Pressure, surface, plan.all(), pressures, force);
+        let (triangles, pressures) = (memory.triangles.all(), &memory.pressures);
+        execution.scatter(&Pressure, surface, triangles, pressures, force);
     }
 }
 
@@ -131,12 +138,12 @@ impl<T: Real> Conservative<T> for Gravity<T> {
     fn add_force_and_energy(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
-        self.add_force(execution, plan, surface, memory, force);
-        Self::energy_of(execution, plan, surface, memory)
+        self.add_force(execution, surface, workspace, force);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        Self::energy_of(execution, surface, memory)
     }
 }

@@ -8,16 +8,19 @@ mod jet;
 mod least_squares;
 mod paraboloid;
 
-pub use cotangent::{CornerEntries, Cotangent, CotangentMemory};
+pub(crate) use cotangent::VertexSums;
+pub use cotangent::{Cotangent, CotangentMemory};
+
 pub use heat_kernel::{Bandwidth, HeatKernel, HeatKernelMemory};
 pub use jet::{Jet, JetMemory};
-pub use paraboloid::{NeighbourRoom, Paraboloid, ParaboloidMemory};
+pub use paraboloid::{Paraboloid, ParaboloidMemory};
 
+pub use crate::curvature::Curvature;
 pub use crate::neighbourhood::Surroundings;
 
+use crate::curvature::Curvatures;
 use crate::element::{Execution, Ragged, Strided};
-use crate::energy::Method;
-use crate::mesh::VertexKind;
+use crate::method::Workspace;
 use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use alloc::vec::Vec;
@@ -27,33 +30,21 @@ use alloc::vec::Vec;
 /// Laws: a constant field gives exactly zero; curvatures and results follow rotations,
 /// translations and relabellings; curvatures scale as 1/length (H) and 1/length² (K).
 /// Each operator says whether it is symmetric in the inner product of its areas.
-pub trait LaplaceBeltrami<T: Real>: Method<T> {
-    /// Measures the surface: sets `curvature`, one entry a vertex, and leaves in `memory` what
-    /// [`Self::apply`] and [`Self::assemble`] need for this surface.
-    ///
-    /// # Panics
-    /// If `curvature` has fewer entries than the surface has vertices.
-    fn measure(
-        &self,
-        execution: &impl Execution,
-        plan: &Self::Plan,
-        surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
-        curvature: &mut [Curvature<T>],
-    );
-
+///
+/// [`Curvatures::curvatures`] measures the surface, and leaves in the workspace what
+/// [`Self::apply`] and [`Self::assemble`] need for it.
+pub trait LaplaceBeltrami<T: Real>: Curvatures<T> {
     /// Sets `laplacian` to `Δ_S field`, for a field of D numbers a vertex, on the surface that was
     /// measured last.
     ///
     /// # Panics
-    /// If `field` or `laplacian` have fewer entries than the surface has vertices, or `memory`
-    /// comes from another mesh.
+    /// If `field` or `laplacian` have fewer entries than the surface has vertices, the surface has
+    /// another mesh than that of the workspace, or no surface has been measured with it.
     fn apply<const D: usize>(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &Self::Memory,
+        workspace: &Workspace<T, Self>,
         field: &[[T; D]],
         laplacian: &mut [[T; D]],
     );
@@ -65,44 +56,33 @@ pub trait LaplaceBeltrami<T: Real>: Method<T> {
     fn apply_to_scalar(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &Self::Memory,
+        workspace: &Workspace<T, Self>,
         field: &[T],
         laplacian: &mut [T],
     ) {
         let (field, laplacian) = (field.as_chunks().0, laplacian.as_chunks_mut().0);
-        self.apply::<1>(execution, plan, surface, memory, field, laplacian);
+        self.apply::<1>(execution, surface, workspace, field, laplacian);
     }
 
     /// Fills `rows` with the operator of the surface that was measured last. What `rows` held is
     /// overwritten; its memory is reused, and its pattern too if that has not changed.
     ///
     /// # Panics
-    /// If `memory` comes from another mesh.
-    fn assemble(
-        &self,
-        plan: &Self::Plan,
-        surface: Surface<'_, T>,
-        memory: &Self::Memory,
-        rows: &mut Rows<T>,
-    );
+    /// If the surface has another mesh than that of the workspace, or no surface has been measured
+    /// with it.
+    fn assemble(&self, surface: Surface<'_, T>, workspace: &Workspace<T, Self>, rows: &mut Rows<T>);
 }
 
-/// What is known of a surface at one vertex.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Curvature<T> {
-    /// Outward unit normal n; 0 at a vertex without any.
-    pub normal: [T; 3],
-    /// Mean curvature H = (c₁ + c₂)/2, positive on a sphere.
-    pub mean: T,
-    /// Gaussian curvature K = c₁ c₂.
-    pub gaussian: T,
-    /// The area that belongs to the vertex: K and H are averages over it.
-    pub area: T,
-    /// Where the vertex lies. Operators that need a full ring of triangles define H and K at
-    /// interior vertices only, and set them to 0 elsewhere.
-    pub kind: VertexKind,
+/// Refuses to apply an operator that has measured no surface.
+#[inline]
+#[track_caller]
+fn expect_measured(measured: usize, surface_vertices: usize) {
+    assert!(
+        measured == surface_vertices,
+        "the operator has measured no surface with this workspace: call its method `curvatures` \
+         before `apply` and `assemble`"
+    );
 }
 
 /// A matrix in compressed rows without its diagonal:

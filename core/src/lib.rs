@@ -19,7 +19,7 @@
 //!
 //! * [`TriangleMesh`] is connectivity, validated once; [`Surface`] adds positions, read in place
 //!   from any [`Points`].
-//! * [`LaplaceBeltrami`] operators measure [`Curvature`] and apply to fields: [`Cotangent`],
+//! * [`LaplaceBeltrami`] operators measure [`Curvatures`] and apply to fields: [`Cotangent`],
 //!   [`HeatKernel`], [`Paraboloid`], [`Jet`].
 //! * [`bending`] methods give an [`Energy`], a nodal [`Force`], a [`ForceDensity`]; the exact
 //!   gradients among them are [`Conservative`].
@@ -28,10 +28,10 @@
 //! * A [`Functional`] is a number of each connected component: [`TotalArea`], [`EnclosedVolume`],
 //!   [`TotalMeanCurvature`]. Energies are made of them ([`Penalty`], [`SurfaceTension`],
 //!   [`OsmoticPressure`], [`AreaDifference`]), and [`Constraints`] hold them exactly.
-//! * [`Gravity`] and [`PointLoads`] come from outside. An [`Interaction`] acts between surfaces:
+//! * [`Gravity`], [`PointLoads`] and [`WallAdhesion`] come from outside. An [`Interaction`] acts between surfaces:
 //!   [`Repulsion`]. A [`Dissipation`] depends on velocities: [`MembraneViscosity`].
 //! * The sum of two methods is the pair `(a, b)`; longer sums nest. [`Prepared`] holds a method with
-//!   its plan and memory; [`shapes`] are surfaces known exactly.
+//!   its [`Workspace`]; [`shapes`] are surfaces known exactly.
 //!
 //! # Notation, signs, units
 //!
@@ -58,21 +58,29 @@
 
 extern crate alloc;
 
+mod adhesion;
 pub mod bending;
+mod components;
 pub mod constraint;
+mod curvature;
+mod diagnostic;
 mod dissipation;
 pub mod elasticity;
 pub mod element;
-mod energy;
 pub mod functional;
 mod gravity;
+mod indices;
 pub mod interaction;
 mod lane;
 pub mod laplacian;
 mod load;
 mod mesh;
+mod mesh_identity;
+mod method;
 mod neighbourhood;
+mod noise;
 mod points;
+mod prepared;
 mod projection;
 mod quality;
 mod real;
@@ -84,32 +92,34 @@ mod surface;
 mod triangle;
 mod vec3;
 
+pub use adhesion::{WallAdhesion, WallAdhesionMemory};
 pub use bending::{
-    ControlPoints, GompperKroll, Juelicher, KantorNelson, LoopSubdivision, SpontaneousCurvature,
-    StrongForm,
+    ControlPoints, GompperKroll, Hamann, Juelicher, KantorNelson, LoopSubdivision,
+    SpontaneousCurvature, StrongForm,
 };
+pub use components::Components;
 pub use constraint::{
     AreaDifference, Constraint, ConstraintError, Constraints, Correction, OsmoticPressure, Penalty,
     SurfaceTension, Targets,
 };
+pub use curvature::{Curvature, Curvatures};
+pub use diagnostic::{Finding, Quality};
 pub use dissipation::{Dissipation, MembraneViscosity};
 pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, StrainEnergy};
 pub use element::{Execution, Serial};
-pub use energy::{Conservative, Energy, Finding, Force, ForceDensity, Method, Prepared};
 pub use functional::{EnclosedVolume, Functional, Quantity, TotalArea, TotalMeanCurvature};
 pub use gravity::{Gravity, GravityMemory};
-pub use interaction::{Interaction, Repulsion};
+pub use indices::TriangleIndices;
+pub use interaction::{Images, Interaction, Repulsion};
 pub use lane::Lane;
-pub use laplacian::{
-    Bandwidth, Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows,
-};
+pub use laplacian::{Bandwidth, Cotangent, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows};
 pub use load::{LoadError, PointLoads};
 pub use mesh::{MeshError, TriangleMesh, VertexKind};
+pub use method::{Conservative, Energy, Force, ForceDensity, Method, ParameterError, Workspace};
+pub use noise::{Noise, Regression, RegressionFields, RegressionFits, Smoothing};
 pub use points::{Points, PointsMut};
-pub use projection::{
-    Components, Projected, ProjectedMemory, RigidBody, remove_net_force_and_torque,
-};
-pub use quality::Quality;
+pub use prepared::Prepared;
+pub use projection::{Projected, ProjectedMemory, RigidBody, remove_net_force_and_torque};
 pub use real::Real;
 pub use reordering::Reordering;
 pub use subdivision::Subdivision;

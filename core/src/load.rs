@@ -1,8 +1,8 @@
 //! Forces from outside that do not depend on the shape.
 
 use crate::element::Execution;
-use crate::energy::{Conservative, Energy, Force, Method};
 use crate::mesh::{TriangleMesh, VertexKind};
+use crate::method::{Conservative, Energy, Force, Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, normalise, scale, sub};
@@ -51,7 +51,7 @@ pub enum LoadError {
         load: usize,
         /// The vertex that it names.
         vertex: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
     /// A force is NaN or infinite.
@@ -71,9 +71,9 @@ pub enum LoadError {
     Fraction {
         /// The fraction.
         fraction: f64,
-        /// How many vertices are in a triangle.
+        /// Number of vertices that are in a triangle.
         vertices: usize,
-        /// How many an end would have.
+        /// Number of vertices that an end would have.
         found: f64,
     },
 }
@@ -178,10 +178,11 @@ impl<T: Real> PointLoads<T> {
 }
 
 impl<T: Real> Method<T> for PointLoads<T> {
-    type Plan = ();
     type Memory = ();
 
-    fn plan(&self, mesh: &TriangleMesh) {
+    /// # Panics
+    /// If the loads are for another number of vertices.
+    fn memory(&self, mesh: &TriangleMesh) {
         assert!(
             self.vertices == mesh.vertex_count(),
             "the loads are for {} vertices, this mesh has {}",
@@ -196,10 +197,10 @@ impl<T: Real> Energy<T> for PointLoads<T> {
     fn energy(
         &self,
         execution: &impl Execution,
-        _plan: &(),
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
+        workspace.for_mesh(surface.mesh());
         let Some(&(first, _)) = self.loads.first() else {
             return T::zero();
         };
@@ -219,11 +220,11 @@ impl<T: Real> Force<T> for PointLoads<T> {
     fn add_force(
         &self,
         _execution: &impl Execution,
-        _plan: &(),
-        _surface: Surface<'_, T>,
-        _memory: &mut (),
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
+        workspace.for_mesh(surface.mesh());
         for &(vertex, load) in &self.loads {
             let force = &mut force[vertex as usize];
             *force = add(*force, load);

@@ -23,9 +23,10 @@ pub struct TriangleMesh {
     ring_vertices: Vec<u32>,
     vertex_kinds: Vec<VertexKind>,
     boundary_edges: u32,
+    fingerprint: u64,
 }
 
-/// Where a vertex lies on its mesh.
+/// The place of a vertex on its mesh: inside, at a boundary, or in no triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum VertexKind {
     /// Surrounded by triangles.
@@ -44,14 +45,20 @@ pub enum MeshError {
     /// There is no triangle.
     #[error("the mesh is empty: it has no triangle")]
     Empty,
+    /// A list of indices that does not end with a whole triangle.
+    #[error("{indices} indices are no whole number of triangles: three belong to each")]
+    IncompleteTriangle {
+        /// Number of indices.
+        indices: usize,
+    },
     /// More vertices or triangles than 32-bit indices can name.
     #[error("{count} {what} are too many: the limit is {limit}")]
     TooLarge {
         /// `"vertices"` or `"triangles"`.
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         count: usize,
-        /// How many there may be.
+        /// The largest possible number.
         limit: usize,
     },
     /// A triangle names a vertex that does not exist.
@@ -63,7 +70,7 @@ pub enum MeshError {
         triangle: u32,
         /// The vertex that it names.
         vertex: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
     /// A triangle names a vertex twice.
@@ -89,7 +96,7 @@ pub enum MeshError {
     NonManifoldEdge {
         /// The edge's ends.
         edge: [u32; 2],
-        /// How many triangles meet there.
+        /// Number of triangles that meet there.
         triangles: u32,
         /// One of them.
         triangle: u32,
@@ -111,7 +118,7 @@ pub enum MeshError {
     NonManifoldVertex {
         /// The vertex.
         vertex: u32,
-        /// How many fans there are.
+        /// Number of fans.
         fans: u32,
         /// A triangle of one fan, and a triangle of another.
         triangles: [u32; 2],
@@ -120,7 +127,7 @@ pub enum MeshError {
 
 /// The sides of the triangles, each known by the corner `3 * triangle + 0, 1 or 2` that it leaves.
 struct HalfEdges {
-    /// Where the half-edges that leave a vertex start in `entries`.
+    /// Start in `entries` of the half-edges that leave each vertex.
     offsets: Vec<u32>,
     /// `(head, corner)`, sorted, for one vertex after the other.
     entries: Vec<(u32, u32)>,
@@ -260,6 +267,19 @@ fn apex(corner: u32, triangles: &[[u32; 3]]) -> u32 {
     triangles[previous / 3][previous % 3]
 }
 
+/// The FNV-1a hash of the number of vertices and of all corners, a number at a time.
+fn fingerprint(vertices: usize, triangles: &[[u32; 3]]) -> u64 {
+    let corners = triangles
+        .as_flattened()
+        .iter()
+        .map(|&corner| u64::from(corner));
+    core::iter::once(vertices as u64)
+        .chain(corners)
+        .fold(0xcbf2_9ce4_8422_2325, |hash, number| {
+            (hash ^ number).wrapping_mul(0x0000_0100_0000_01b3)
+        })
+}
+
 impl TriangleMesh {
     /// Most vertices and most triangles that a mesh may have: three corners a triangle are
     /// numbered with 32 bits, and so are up to six entries a triangle in the list of one-rings.
@@ -301,6 +321,7 @@ impl TriangleMesh {
                 }
             }
         }
+        let fingerprint = fingerprint(vertices, &triangles);
         let mut half_edges = HalfEdges::new(vertices, &triangles);
         half_edges.pair(&triangles)?;
 
@@ -318,7 +339,15 @@ impl TriangleMesh {
             ring_vertices,
             vertex_kinds,
             boundary_edges,
+            fingerprint,
         })
+    }
+
+    /// A number that tells this mesh from others: that of the same vertices and triangles in the same
+    /// order is the same on every machine.
+    #[inline]
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
     }
 
     /// Number of vertices, isolated ones included.
@@ -403,7 +432,7 @@ impl TriangleMesh {
             && (self.is_closed() || self.one_ring(vertex).iter().all(|&v| interior(v as usize)))
     }
 
-    /// What [`Self::vertex_kind`] says, for all vertices.
+    /// [`Self::vertex_kind`] of all vertices.
     #[inline]
     pub fn vertex_kinds(&self) -> &[VertexKind] {
         &self.vertex_kinds

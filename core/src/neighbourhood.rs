@@ -7,6 +7,7 @@ use crate::vec3::dot;
 use alloc::collections::VecDeque;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::cmp::Ordering;
 
 /// Scratch memory for a search along the edges of a mesh, never through space: two sheets of a
 /// surface that lie close together are not neighbours.
@@ -15,7 +16,7 @@ pub(crate) struct Neighbourhood<T> {
     /// The search in which each vertex was reached last.
     reached: Vec<u32>,
     search: u32,
-    /// What was reached, without the centre: squared distance through space, and vertex.
+    /// The vertices that were reached, without the centre: squared distance through space, and vertex.
     pub(crate) found: Vec<(T, u32)>,
     /// Length of the shortest path to each vertex that this search reached, where it asks for it.
     paths: Vec<T>,
@@ -39,6 +40,33 @@ impl<T: Real> Neighbourhood<T> {
             }
             ring = end..self.found.len();
         }
+    }
+
+    /// Finds `count` vertices and those of the same ring as the last of them, ring after ring; all of the
+    /// component if there are fewer.
+    pub(crate) fn at_least(&mut self, surface: Surface<'_, T>, centre: u32, count: usize) {
+        self.start(surface.mesh(), centre);
+        self.reach_around(surface, centre, centre);
+        let mut ring = 0..self.found.len();
+        while !ring.is_empty() && self.found.len() < count {
+            let end = self.found.len();
+            for at in ring {
+                let vertex = self.found[at].1;
+                self.reach_around(surface, centre, vertex);
+            }
+            ring = end..self.found.len();
+        }
+    }
+
+    /// Finds the `count` nearest of those that are reached first, sorted by their distances through
+    /// space, equal ones by their numbers.
+    pub(crate) fn nearest(&mut self, surface: Surface<'_, T>, centre: u32, count: usize) {
+        self.at_least(surface, centre, count + count * 7 / 10 + 20);
+        self.found.sort_unstable_by(|(a, first), (b, second)| {
+            let order = a.partial_cmp(b).unwrap_or(Ordering::Equal);
+            order.then(first.cmp(second))
+        });
+        self.found.truncate(count);
     }
 
     /// Finds all vertices to which a path of edges leads that is no longer than `longest`.
@@ -115,7 +143,7 @@ impl<T: Real> Neighbourhood<T> {
 /// are: among them are the nearest, wherever the vertices lie.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Surroundings {
-    /// Where those of each vertex start, and the end of the last.
+    /// Start of the neighbourhood of each vertex, and the end of the last.
     offsets: Vec<usize>,
     vertices: Vec<u32>,
     /// The most of one vertex, padded.
@@ -176,7 +204,7 @@ impl Surroundings {
         self.room
     }
 
-    /// What surrounds a vertex.
+    /// The neighbourhood of a vertex.
     #[inline(always)]
     pub(crate) fn of(&self, vertex: usize) -> &[u32] {
         &self.vertices[self.offsets[vertex]..self.offsets[vertex + 1]]
@@ -189,7 +217,7 @@ const COMPARED: usize = 8;
 /// The key of what is farther than everything.
 const FARTHEST: i32 = i32::MAX;
 
-/// Of a squared distance, the upper half of its bits as an f64. They are in the order of the
+/// The upper half of the bits of a squared distance as an f64. They are in the order of the
 /// distances, and distances that agree in six digits count as the same.
 #[inline(always)]
 fn key_of(squared: f64) -> i32 {
@@ -202,7 +230,7 @@ fn squared_of(key: i32) -> f64 {
     f64::from_bits((key as u64) << 32)
 }
 
-/// How many of `keys` are at most `most`.
+/// Number of `keys` that are at most `most`.
 #[inline(always)]
 fn count_within(keys: &[i32], most: i32) -> usize {
     let mut count = 0_i32;
@@ -297,8 +325,8 @@ fn bracket(count: usize, all: usize, keys: &[i32]) -> (i32, i32) {
     (low, high)
 }
 
-/// How many neighbours are sorted without a further guess.
+/// Number of neighbours that are sorted without a further guess.
 const FEW: usize = 10;
 
-/// How often it is guessed which distances these have: more guesses gain nothing.
+/// Number of guesses which distances these have: more guesses gain nothing.
 const MOST_GUESSES: usize = 8;

@@ -11,7 +11,8 @@ use alloc::vec::Vec;
     message = "`{Self}` cannot be read as a slice of `[x, y, z]` triples",
     label = "not a sequence of tightly packed points",
     note = "points are slices of `[T; 3]`, `glam::Vec3`, `glam::DVec3`, `nalgebra::Point3<T>` or `nalgebra::Vector3<T>`, with the `glam` or `nalgebra` feature of `helfrich`",
-    note = "`glam::Vec3A` has a padding lane and cannot be viewed without a copy: store `glam::Vec3`"
+    note = "`glam::Vec3A` has a padding lane and cannot be viewed without a copy: store `glam::Vec3`",
+    note = "`helfrich` knows glam 0.34 and nalgebra 0.35: points of another version are other types with the same names; `cargo tree -i glam` or `cargo tree -i nalgebra` shows whether there are two versions"
 )]
 pub trait Points {
     /// The coordinates' type.
@@ -24,7 +25,8 @@ pub trait Points {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot be written as a slice of `[x, y, z]` triples",
     label = "not a sequence of tightly packed points",
-    note = "`glam::Vec3A` has a padding lane and cannot be viewed without a copy: store `glam::Vec3`"
+    note = "`glam::Vec3A` has a padding lane and cannot be viewed without a copy: store `glam::Vec3`",
+    note = "`helfrich` knows glam 0.34 and nalgebra 0.35: points of another version are other types with the same names; `cargo tree -i glam` or `cargo tree -i nalgebra` shows whether there are two versions"
 )]
 pub trait PointsMut: Points {
     /// The points as triples, in the same order and memory.

@@ -1,42 +1,18 @@
 //! Nodal forces freed of their net force and torque.
 
+use crate::components::Components;
+use crate::curvature::{Curvature, Curvatures};
+use crate::diagnostic::Finding;
 use crate::element::Execution;
-use crate::energy::{Energy, Finding, Force, ForceDensity, Method};
 use crate::lane::Lane;
 use crate::laplacian::Cotangent;
 use crate::mesh::TriangleMesh;
+use crate::method::{Energy, Force, ForceDensity, Method, ParameterError, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
 use crate::vec3::{Vec3, add, cross, dot, scale, sub};
 use alloc::vec::Vec;
-
-/// The connected component of each vertex.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Components {
-    of_vertex: Vec<u32>,
-    count: usize,
-}
-
-impl Components {
-    /// The components of a mesh.
-    pub fn new(mesh: &TriangleMesh) -> Self {
-        let (of_vertex, count) = mesh.components();
-        Self { of_vertex, count }
-    }
-
-    /// How many there are; an isolated vertex is a component of its own.
-    #[inline]
-    pub fn count(&self) -> usize {
-        self.count
-    }
-
-    /// The component of each vertex, counted from 0 by the lowest vertex in it.
-    #[inline]
-    pub fn of_vertex(&self) -> &[u32] {
-        &self.of_vertex
-    }
-}
 
 /// The rigid body of one component, and the force field that takes its net force and torque away.
 #[derive(Clone, Copy, Debug, Default)]
@@ -95,13 +71,13 @@ pub fn remove_net_force_and_torque<T: Real>(
 ) {
     set_bodies(components, surface, areas, bodies, |vertex| force[vertex]);
     for (vertex, force) in force[..areas.len()].iter_mut().enumerate() {
-        let body = &bodies[components.of_vertex[vertex] as usize];
+        let body = &bodies[components.of_vertex()[vertex] as usize];
         let density = body.density(surface, vertex as u32);
         *force = sub(*force, scale(areas[vertex], density));
     }
 }
 
-/// Everything about each component's rigid body. Sums run over the vertices in their order, so
+/// Sets the rigid body of each component. Sums run over the vertices in their order, so
 /// that they do not depend on how work is divided.
 fn set_bodies<T: Real>(
     components: &Components,
@@ -111,10 +87,10 @@ fn set_bodies<T: Real>(
     force: impl Fn(usize) -> Vec3<T>,
 ) {
     bodies.clear();
-    bodies.resize(components.count, RigidBody::default());
+    bodies.resize(components.count(), RigidBody::default());
     let vertices = || {
         components
-            .of_vertex
+            .of_vertex()
             .iter()
             .map(|&body| body as usize)
             .enumerate()
@@ -205,31 +181,55 @@ fn solve_symmetric<T: Real>([xx, yy, zz, yz, zx, xy]: [T; 6], t: Vec3<T>) -> Vec
 pub struct Projected<M>(pub M);
 
 /// Memory of [`Projected`].
-#[derive(Clone, Debug, Default)]
-pub struct ProjectedMemory<T, M> {
-    /// The method's own.
-    pub method: M,
+#[derive(Clone, Debug)]
+pub struct ProjectedMemory<T, W> {
+    /// The workspace of the method itself.
+    pub method: W,
+    components: Components,
     areas: Vec<T>,
     bodies: Vec<RigidBody<T>>,
     force: Vec<[T; 3]>,
 }
 
 impl<T: Real, M: Method<T>> Method<T> for Projected<M> {
-    type Plan = (M::Plan, Components);
-    type Memory = ProjectedMemory<T, M::Memory>;
+    type Memory = ProjectedMemory<T, Workspace<T, M>>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
-        (self.0.plan(mesh), Components::new(mesh))
+    fn memory(&self, mesh: &TriangleMesh) -> Self::Memory {
+        ProjectedMemory {
+            method: self.0.workspace(mesh),
+            components: Components::new(mesh),
+            areas: Vec::new(),
+            bodies: Vec::new(),
+            force: Vec::new(),
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        self.0.check()
     }
 
     fn inspect(
         &self,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &Self::Memory,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
-        self.0.inspect(&plan.0, surface, &memory.method, report);
+        let memory = workspace.for_mesh(surface.mesh());
+        self.0.inspect(surface, &memory.method, report);
+    }
+}
+
+impl<T: Real, M: Curvatures<T>> Curvatures<T> for Projected<M> {
+    fn curvatures(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.0
+            .curvatures(execution, surface, &mut memory.method, curvature);
     }
 }
 
@@ -237,19 +237,15 @@ impl<T: Real, M: Energy<T>> Energy<T> for Projected<M> {
     fn energy(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
-        self.0
-            .energy(execution, &plan.0, surface, &mut memory.method)
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.0.energy(execution, surface, &mut memory.method)
     }
 }
 
-impl<T, M> ProjectedMemory<T, M>
-where
-    T: Real,
-{
+impl<T: Real, W> ProjectedMemory<T, W> {
     fn set_areas(&mut self, execution: &impl Execution, surface: Surface<'_, T>) {
         self.areas.resize(surface.mesh().vertex_count(), T::zero());
         Cotangent::new(DualArea::Mixed).dual_areas(execution, surface, &mut self.areas);
@@ -260,22 +256,23 @@ impl<T: Real, M: Force<T>> Force<T> for Projected<M> {
     fn add_force(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         memory.set_areas(execution, surface);
         let ProjectedMemory {
             method,
+            components,
             areas,
             bodies,
             force: own,
         } = memory;
         own.clear();
         own.resize(areas.len(), [T::zero(); 3]);
-        self.0.add_force(execution, &plan.0, surface, method, own);
-        remove_net_force_and_torque(&plan.1, surface, areas, bodies, own);
+        self.0.add_force(execution, surface, method, own);
+        remove_net_force_and_torque(components, surface, areas, bodies, own);
         execution.map(&mut force[..areas.len()], |vertex, force| {
             *force = add(*force, own[vertex]);
         });
@@ -286,26 +283,25 @@ impl<T: Real, M: ForceDensity<T>> ForceDensity<T> for Projected<M> {
     fn force_density(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         density: &mut [[T; 3]],
     ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         memory.set_areas(execution, surface);
         let ProjectedMemory {
             method,
+            components,
             areas,
             bodies,
             ..
         } = memory;
-        self.0
-            .force_density(execution, &plan.0, surface, method, density);
+        self.0.force_density(execution, surface, method, density);
         let density = &mut density[..areas.len()];
         let force = |vertex: usize| scale(areas[vertex], density[vertex]);
-        let components = &plan.1;
         set_bodies(components, surface, areas, bodies, force);
         execution.map(density, |vertex, density| {
-            let body = &bodies[components.of_vertex[vertex] as usize];
+            let body = &bodies[components.of_vertex()[vertex] as usize];
             *density = sub(*density, body.density(surface, vertex as u32));
         });
     }

@@ -1,13 +1,12 @@
-//! What makes results less trustworthy: findings about the surface itself, and findings gathered.
+//! Findings about the surface itself, for methods to report.
 
-use crate::energy::Finding;
+use crate::diagnostic::Finding;
 use crate::lane::Lane;
-use crate::mesh::{TriangleMesh, VertexKind};
+use crate::mesh::VertexKind;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::{DualArea, Triangle, Voronoi};
 use crate::vec3::{Vec3, add, dot};
-use alloc::vec::Vec;
 
 /// Height over longest edge below which a triangle is thin: needles below 1.8°, caps above 176.4°.
 const THIN: f64 = 1.0 / 32.0;
@@ -19,99 +18,7 @@ const SMALL: f64 = 1.0 / 32.0;
 /// Longest over shortest edge at a vertex from which on they are uneven.
 const UNEVEN: f64 = 8.0;
 
-/// The findings of one evaluation, with a flag for each vertex that they concern.
-///
-/// A vertex is flagged if it, one of its triangles or one of its neighbours is found fault with:
-/// a force reads the curvatures of the neighbours.
-///
-/// ```
-/// use helfrich::{GompperKroll, Prepared, Surface, TriangleMesh};
-///
-/// let mesh = TriangleMesh::new(4, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
-/// // Two vertices almost in one place.
-/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1e-4, 1e-4]];
-/// let surface = Surface::new(&mesh, &points)?;
-/// let mut bending = Prepared::new(GompperKroll::new(1.0), &mesh);
-/// bending.add_force_and_energy(surface, &mut [[0.0; 3]; 4]);
-///
-/// let quality = bending.quality(surface);
-/// assert!(!quality.findings().is_empty());
-/// assert!(quality.flagged()[0]);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Quality {
-    findings: Vec<Finding>,
-    flagged: Vec<bool>,
-}
-
-impl Quality {
-    /// Gathers what `inspect` reports of an evaluation on `mesh`.
-    ///
-    /// # Panics
-    /// If a finding names a vertex or triangle that the mesh has not.
-    pub fn gather(mesh: &TriangleMesh, inspect: impl FnOnce(&mut dyn FnMut(Finding))) -> Self {
-        let mut findings = Vec::new();
-        inspect(&mut |finding| findings.push(finding));
-        let mut flagged = alloc::vec![false; mesh.vertex_count()];
-        let mut flag = |vertex: u32| {
-            flagged[vertex as usize] = true;
-            for &neighbour in mesh.one_ring(vertex as usize) {
-                flagged[neighbour as usize] = true;
-            }
-        };
-        for finding in &findings {
-            match finding.place() {
-                Place::Vertex(vertex) => flag(vertex),
-                Place::Triangle(triangle) => {
-                    mesh.triangles()[triangle as usize]
-                        .into_iter()
-                        .for_each(&mut flag);
-                }
-            }
-        }
-        Self { findings, flagged }
-    }
-
-    /// What was found, in the order in which the method reports it.
-    pub fn findings(&self) -> &[Finding] {
-        &self.findings
-    }
-
-    /// Whether each vertex is concerned.
-    pub fn flagged(&self) -> &[bool] {
-        &self.flagged
-    }
-}
-
-/// What a finding is about.
-enum Place {
-    Vertex(u32),
-    Triangle(u32),
-}
-
-impl Finding {
-    fn place(self) -> Place {
-        match self {
-            Self::ZeroArea { vertex }
-            | Self::NegativeArea { vertex }
-            | Self::SmallArea { vertex }
-            | Self::ClampedArea { vertex }
-            | Self::ReducedDegree { vertex, .. }
-            | Self::TooFewNeighbours { vertex }
-            | Self::Amplified { vertex }
-            | Self::Uneven { vertex }
-            | Self::UnusualValence { vertex }
-            | Self::Folded { vertex }
-            | Self::RoundedPosition { vertex } => Place::Vertex(vertex),
-            Self::DegenerateTriangle { triangle } | Self::ThinTriangle { triangle } => {
-                Place::Triangle(triangle)
-            }
-        }
-    }
-}
-
-/// What the triangles around a vertex add up to.
+/// Sums over the triangles around a vertex.
 struct Fan<T> {
     /// All of them.
     area: T,
@@ -160,6 +67,13 @@ impl<T: Real> Fan<T> {
             fan.area_vector = add(fan.area_vector, triangle.area_vector);
         }
         fan
+    }
+
+    /// Whether a random error of the positions makes one of Δ_S H that is as large as `scale`.
+    fn is_lost(&self, deviation: T, scale: T) -> bool {
+        // σ becomes about 10 σ/A², whatever the method.
+        let over = (self.area * T::constant(1.0 / 3.0)).reciprocal_or_zero();
+        T::constant(10.0) * deviation * over * over >= scale && over > T::zero()
     }
 }
 
@@ -233,9 +147,7 @@ impl<T: Real> Surface<'_, T> {
     /// Reports vertices where the surface folds back, or where the positions as they are stored no
     /// longer tell the fourth derivative: what every method suffers from.
     pub(crate) fn report_rough_vertices(&self, report: &mut dyn FnMut(Finding)) {
-        // 1/R³ of the sphere with this area: the scale of a fourth derivative.
-        let squared = T::constant(4.0) * T::PI() * self.area().reciprocal_or_zero();
-        let scale = squared * squared.sqrt();
+        let scale = self.fourth_derivative();
         for vertex in 0..self.mesh().vertex_count() {
             let fan = Fan::new(*self, vertex);
             let against =
@@ -244,14 +156,41 @@ impl<T: Real> Surface<'_, T> {
             if around(*self, vertex).any(against) {
                 report(Finding::Folded { vertex: place });
             }
-            // A random error σ of the positions becomes one of about 10 σ/A² in Δ_S H, whatever the
-            // method; σ is a fifth of the last digit.
             let over = (fan.area * T::constant(1.0 / 3.0)).reciprocal_or_zero();
-            let error = T::constant(2.0) * self.last_digit(vertex) * over * over;
-            if error >= scale && over > T::zero() {
+            // Coefficients of Δ_S are some times 1/A, H is at most of the order of 1/√A.
+            let largest = T::constant(64.0) * over * over.sqrt();
+            let has_extent = || {
+                let mut ring = self.mesh().one_ring(vertex).iter();
+                ring.any(|&neighbour| self.difference(place, neighbour) != [T::zero(); 3])
+            };
+            if !largest.is_finite() || (over == T::zero() && has_extent()) {
+                report(Finding::OutOfRange { vertex: place });
+                continue;
+            }
+            // The error of a rounded position is a fifth of the last digit.
+            let deviation = T::constant(0.2) * self.last_digit(vertex);
+            if fan.is_lost(deviation, scale) {
                 report(Finding::RoundedPosition { vertex: place });
             }
         }
+    }
+
+    /// Reports vertices where noise of the positions with this standard deviation takes away a fourth
+    /// derivative.
+    pub(crate) fn report_noisy_vertices(&self, deviation: T, report: &mut dyn FnMut(Finding)) {
+        let scale = self.fourth_derivative();
+        for vertex in 0..self.mesh().vertex_count() {
+            if Fan::new(*self, vertex).is_lost(deviation, scale) {
+                let vertex = vertex as u32;
+                report(Finding::NoisyPosition { vertex });
+            }
+        }
+    }
+
+    /// 1/R³ of the sphere with this area: the scale of a fourth derivative.
+    fn fourth_derivative(&self) -> T {
+        let squared = T::constant(4.0) * T::PI() * self.area().reciprocal_or_zero();
+        squared * squared.sqrt()
     }
 
     /// The largest last digit of a vertex's coordinates, as they are stored.

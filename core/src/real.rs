@@ -7,7 +7,8 @@ use num_traits::{Float, FloatConst, FromPrimitive, NumAssign};
 /// A real number: `f32`, `f64`, and every other type with the same num-traits bounds.
 ///
 /// The implementation is a blanket one, so that dual numbers (exact derivatives in tests) and
-/// extended precisions run through the same formulas as `f32` and `f64`.
+/// extended precisions run through the same formulas as `f32` and `f64`. Types of `autodiff` are
+/// accepted; those of `num-dual` are not, because they do not implement [`num_traits::Float`].
 pub trait Real:
     Float + FloatConst + FromPrimitive + NumAssign + Sum + Debug + Default + Send + Sync + 'static
 {

@@ -2,7 +2,7 @@
 //!
 //! E. Cuthill and J. McKee, Proc. 24th Nat. Conf. ACM (1969) 157; reversed after A. George, 1971.
 
-use crate::energy::Finding;
+use crate::diagnostic::Finding;
 use crate::mesh::{MeshError, TriangleMesh};
 use crate::real::Real;
 use crate::surface::Surface;
@@ -146,7 +146,7 @@ impl Reordering {
         surface.reordered(mesh, positions, remainders)
     }
 
-    /// What was found about a surface in this order, with the numbers that the mesh had.
+    /// A finding about a surface in this order, with the numbers that the mesh had.
     ///
     /// # Panics
     /// If there is no such vertex or triangle.
@@ -162,8 +162,12 @@ impl Reordering {
             | Finding::Uneven { vertex }
             | Finding::UnusualValence { vertex }
             | Finding::Folded { vertex }
-            | Finding::RoundedPosition { vertex } => *vertex = self.vertices[*vertex as usize],
-            Finding::DegenerateTriangle { triangle } | Finding::ThinTriangle { triangle } => {
+            | Finding::OutOfRange { vertex }
+            | Finding::RoundedPosition { vertex }
+            | Finding::NoisyPosition { vertex } => *vertex = self.vertices[*vertex as usize],
+            Finding::DegenerateTriangle { triangle }
+            | Finding::Overstretched { triangle }
+            | Finding::ThinTriangle { triangle } => {
                 *triangle = self.triangles[*triangle as usize];
             }
         }

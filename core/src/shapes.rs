@@ -17,7 +17,7 @@ pub use torus::Torus;
 
 use crate::real::Real;
 
-/// What is exactly known at one point of a [`Shape`].
+/// Exact geometry at one point of a [`Shape`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExactPoint<T> {
     /// The point x.
@@ -71,9 +71,9 @@ pub struct ShapeError {
     pub parameter: &'static str,
     /// The value it was given.
     pub value: f64,
-    /// What it must exceed.
+    /// The lower bound, which it must exceed.
     pub above: f64,
-    /// What it must stay below; infinite where every finite number will do.
+    /// The upper bound, which it must stay below; infinite where every finite number will do.
     pub below: f64,
 }
 

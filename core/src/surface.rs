@@ -1,6 +1,6 @@
 //! A mesh with positions.
 
-use crate::energy::Finding;
+use crate::diagnostic::Finding;
 use crate::mesh::TriangleMesh;
 use crate::points::Points;
 use crate::real::Real;
@@ -27,9 +27,9 @@ pub enum SurfaceError {
     /// Each vertex needs one position.
     #[error("{positions} positions were given for a mesh of {vertices} vertices")]
     CountMismatch {
-        /// How many positions there are.
+        /// Number of positions.
         positions: usize,
-        /// How many there should be.
+        /// Number of vertices of the mesh.
         vertices: usize,
     },
     /// A coordinate is NaN or infinite.
@@ -92,7 +92,7 @@ where
 pub(crate) struct Seen<'a, T> {
     from: [T; 3],
     positions: &'a [[T; 3]],
-    /// That of the vertex, and all.
+    /// The position of the vertex, and all positions.
     remainders: Option<([T; 3], &'a [[T; 3]])>,
 }
 
@@ -183,7 +183,7 @@ impl<'a, T: Real> Surface<'a, T> {
         self.positions
     }
 
-    /// What positions leave out, if they were given as pairs.
+    /// Remainders of the positions, if they were given as pairs.
     #[inline]
     pub fn remainders(&self) -> Option<&'a [[T; 3]]> {
         self.remainders

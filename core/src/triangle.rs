@@ -3,7 +3,7 @@
 use crate::lane::Lane;
 use crate::vec3::{Vec3, cross, dot, scale, sub};
 
-/// How the area around a vertex is taken from its triangles.
+/// The rule by which the area of a triangle is divided among its corners.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DualArea {
     /// The part of the triangle that is nearest to the vertex unless the triangle is obtuse; half
@@ -119,7 +119,7 @@ impl<L: Lane> Triangle<L> {
         [height.atan2(a), height.atan2(b), height.atan2(c)]
     }
 
-    /// What each corner gets of the area.
+    /// The part of the area that belongs to each corner.
     ///
     /// With S twice the area and d the scalar products, `S² = d0 d1 + d1 d2 + d2 d0` turns the
     /// Voronoi part `⅛ Σ cot l²` into `⅛ (S + d1 d2/S)`: squared lengths are not needed.

@@ -1,6 +1,7 @@
 //! Private algebra of 3-vectors over a lane.
 
 use crate::lane::Lane;
+use num_traits::Float;
 
 pub(crate) type Vec3<L> = [L; 3];
 
@@ -43,9 +44,17 @@ pub(crate) fn norm<L: Lane>(a: Vec3<L>) -> L {
     dot(a, a).sqrt()
 }
 
-/// `a / |a|`, and 0 for a vector without length.
+/// `a / |a|`, and 0 for a vector without length. Vectors so short that their squares leave the range of
+/// the scalar (area vectors of surfaces of 1e-12 in f32) are made longer first, by a power of two.
 #[inline(always)]
 pub(crate) fn normalise<L: Lane>(a: Vec3<L>) -> Vec3<L> {
+    let least = <L::Scalar as Float>::min_positive_value();
+    let epsilon = <L::Scalar as Float>::epsilon();
+    let squared = dot(a, a);
+    let digits = L::splat(least / (epsilon * epsilon));
+    let longer = L::splat(epsilon * epsilon / least);
+    let factor = L::select(squared.less(digits), longer, L::literal(1.0));
+    let a = scale(factor, a);
     scale(norm(a).reciprocal_or_zero(), a)
 }
 

@@ -14,7 +14,8 @@ use std::time::{Duration, Instant};
 /// Long enough for arguments to be refused; what is still at work then is none of this target's.
 const PATIENCE: Duration = Duration::from_millis(400);
 
-const TETRAHEDRON: &str = "v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n";
+const TETRAHEDRON: &str =
+    "v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n";
 
 fuzz_target!(|text: &str| {
     // Files elsewhere are not for this target to touch; a NUL cannot be passed at all.

@@ -27,7 +27,8 @@ const SCENES: [&str; 3] = [
 
 fn scene(number: usize) -> SceneFile {
     let overrides = Overrides::new::<String>([]).expect("none");
-    SceneFile::parse(SCENES[number], Path::new("scene.toml"), &overrides).expect("the scene is ours")
+    SceneFile::parse(SCENES[number], Path::new("scene.toml"), &overrides)
+        .expect("the scene is ours")
 }
 
 /// Some steps of a run in a folder.
@@ -36,7 +37,14 @@ fn go(number: usize, folder: &Path, resume: bool, steps: u32) -> Result<(), Stri
     let ready = build(&file).map_err(|error| error.to_string())?;
     let left = Cell::new(steps);
     let interrupted = || left.replace(left.get().saturating_sub(1)) == 0;
-    let summary = run(&file.scene, ready, folder, resume, &interrupted, &mut |_| {});
+    let summary = run(
+        &file.scene,
+        ready,
+        folder,
+        resume,
+        &interrupted,
+        &mut |_| {},
+    );
     summary.map(|_| ()).map_err(|error| error.to_string())
 }
 
@@ -63,7 +71,8 @@ fuzz_target!(|bytes: &[u8]| {
     } else {
         let mut written = checkpoint.clone();
         for edit in rest.chunks_exact(4) {
-            let place = usize::from(edit[0]) | usize::from(edit[1]) << 8 | usize::from(edit[2]) << 16;
+            let place =
+                usize::from(edit[0]) | usize::from(edit[1]) << 8 | usize::from(edit[2]) << 16;
             let body = written.len() - BODY;
             written[BODY + place % body] = edit[3];
         }

@@ -13,8 +13,16 @@ const VERTICES: usize = 400;
 /// Whether the meshes are small, and none of them is a file.
 fn is_small(scene: &Scene) -> bool {
     let references_file = |surface: &SurfaceScene| {
-        let elasticity = surface.elasticity.as_ref().map(|law| &law.reference);
-        let local_area = surface.local_area.as_ref().map(|law| &law.reference);
+        let elasticity = surface
+            .effects
+            .elasticity
+            .as_ref()
+            .map(|law| &law.reference);
+        let local_area = surface
+            .effects
+            .local_area
+            .as_ref()
+            .map(|law| &law.reference);
         let mut references = elasticity.into_iter().chain(local_area);
         references.any(|reference| matches!(reference.source, ReferenceSource::File(_)))
     };

@@ -17,7 +17,7 @@ impl Norm {
     /// Both, the stricter first.
     pub const ALL: [Self; 2] = [Self::Max, Self::Mean];
 
-    /// That error of a row.
+    /// The error of a row in this norm.
     pub fn of(self, row: &Row) -> f64 {
         match self {
             Self::Max => row.max,
@@ -34,12 +34,12 @@ impl Norm {
     }
 }
 
-/// What is asked of the methods.
+/// A question: quantity, norm and accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Question<'a> {
     /// The mesh family's name.
     pub family: &'a str,
-    /// What has to be accurate.
+    /// The quantity that has to be accurate.
     pub quantity: Quantity,
     /// Which error counts.
     pub norm: Norm,

@@ -9,15 +9,15 @@
 //! written, and must not use serde's `flatten`, `untagged` or `skip_serializing_if`.
 
 use crate::io::replace_file;
+use crate::sha256::sha256;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// What a checkpoint starts with. The line break is damaged wherever a file is treated as a text.
+/// The first bytes of a checkpoint. Programs that treat a file as a text damage its line break.
 const MAGIC: [u8; 16] = *b"helfrich state\r\n";
 /// Goes up whenever the layout before the state changes.
 const FORMAT: u32 = 1;
@@ -30,14 +30,19 @@ const CHECKSUM: usize = 32;
 /// Bytes before the body.
 const HEADER: usize = PREFIX + CHECKSUM;
 
-/// What tells one scene from another: the SHA-256 of its text.
+/// The identity of a scene: the SHA-256 of everything that its numbers depend on, as a text.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Fingerprint([u8; 32]);
 
 impl Fingerprint {
     /// The fingerprint of a text.
     pub fn of(text: &str) -> Self {
-        Self(Sha256::digest(text).into())
+        Self(sha256(&[text.as_bytes()]))
+    }
+
+    /// All of it, as hexadecimal digits.
+    pub fn to_hex(self) -> String {
+        self.0.iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }
 
@@ -63,11 +68,11 @@ impl fmt::Debug for Fingerprint {
 pub struct CheckpointError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: CheckpointProblem,
 }
 
-/// What can be wrong with a checkpoint.
+/// Problems of a checkpoint.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointProblem {
@@ -100,18 +105,19 @@ pub enum CheckpointProblem {
          run goes on only with the version that it began with"
     )]
     OtherProgram {
-        /// That version.
+        /// The version found.
         found: String,
     },
     /// The run was one of another scene.
     #[error(
         "the checkpoint belongs to another scene (fingerprint {found}, this scene has {expected}): \
-         the scene must not change between a run and its continuation"
+         between a run and its continuation only `title`, `output`, `duration` or `strain` may change, \
+         and under a single load `residual` and `iterations`"
     )]
     OtherScene {
-        /// Of the scene that was run.
+        /// The fingerprint of the scene that was run.
         found: Fingerprint,
-        /// Of the scene that is to go on.
+        /// The fingerprint of the scene to continue.
         expected: Fingerprint,
     },
     /// The state cannot be encoded.
@@ -229,9 +235,5 @@ fn read_body(path: &Path) -> io::Result<Result<Vec<u8>, CheckpointProblem>> {
 }
 
 fn checksum(prefix: &[u8], body: &[u8]) -> [u8; CHECKSUM] {
-    Sha256::new()
-        .chain_update(prefix)
-        .chain_update(body)
-        .finalize()
-        .into()
+    sha256(&[prefix, body])
 }

@@ -6,6 +6,7 @@
 
 use crate::io::without_mark;
 use crate::picture::{Axis, Canvas, Curve, Marks, PictureError, Plot};
+use crate::scene::shipped_file;
 use crate::series::SeriesTable;
 use std::fs::File;
 use std::io::{self, Read};
@@ -33,11 +34,11 @@ pub struct PublishedCurve {
 pub struct CurvesError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: CurvesProblem,
 }
 
-/// What can be wrong with a file of published curves.
+/// Problems of a file of published curves.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurvesProblem {
@@ -58,7 +59,7 @@ pub enum CurvesProblem {
     Head {
         /// The line, from 1.
         line: usize,
-        /// What it says.
+        /// The text found.
         found: String,
     },
     /// There is no point.
@@ -96,7 +97,7 @@ pub enum CurvesProblem {
         line: usize,
         /// `x` or `y`.
         axis: &'static str,
-        /// What is there.
+        /// The content found.
         found: String,
     },
 }
@@ -107,6 +108,9 @@ pub enum CurvesProblem {
 /// If the file cannot be read or holds no curves; see [`CurvesProblem`].
 pub fn read_curves(path: &Path) -> Result<Vec<PublishedCurve>, CurvesError> {
     let read = || {
+        if let Some(shipped) = shipped_file(path) {
+            return parsed(shipped);
+        }
         let mut bytes = Vec::new();
         let file = File::open(path).map_err(CurvesProblem::Unreadable)?;
         let read = file.take(LONGEST + 1).read_to_end(&mut bytes);
@@ -122,7 +126,10 @@ pub fn read_curves(path: &Path) -> Result<Vec<PublishedCurve>, CurvesError> {
 }
 
 /// The same from a file's content.
-pub(crate) fn parsed(bytes: &[u8]) -> Result<Vec<PublishedCurve>, CurvesProblem> {
+///
+/// # Errors
+/// If there are no curves; see [`CurvesProblem`].
+pub fn parsed(bytes: &[u8]) -> Result<Vec<PublishedCurve>, CurvesProblem> {
     let bytes = without_mark(bytes);
     let mut curves: Vec<PublishedCurve> = Vec::new();
     let mut has_head = false;
@@ -217,16 +224,16 @@ pub struct SeriesPlot<'a> {
     pub title: &'a str,
     /// Name and unit of what goes to the right, and of what goes upwards.
     pub labels: [&'a str; 2],
-    /// What was computed: lines.
+    /// Computed curves, drawn as lines.
     pub curves: &'a [SeriesCurve<'a>],
-    /// What was published: marks joined by broken lines; one point is a mark.
+    /// Published curves, drawn as marks joined by dashed lines; a single point is a mark.
     pub published: &'a [PublishedCurve],
 }
 
 /// A curve of a [`SeriesPlot`].
 #[derive(Clone, Copy, Debug)]
 pub struct SeriesCurve<'a> {
-    /// What it is called in the legend; if empty, it is not there.
+    /// Its name in the legend; an empty name leaves it out.
     pub name: &'a str,
     /// The numbers.
     pub table: &'a SeriesTable,
@@ -245,7 +252,7 @@ pub enum PlotError {
     NoColumn {
         /// The column.
         column: String,
-        /// Those that there are.
+        /// The existing columns.
         known: Vec<String>,
     },
     /// There is no picture.
@@ -328,7 +335,7 @@ pub fn columns_of<'a>(
     own.filter(|(_, column)| has(column)).collect()
 }
 
-/// What an axis calls a column: its symbol, where it has one that everybody knows.
+/// The label of an axis for a column: its symbol, where a common one exists.
 pub fn axis_label(column: &str) -> &str {
     match column {
         "strain" => "γ̇t",

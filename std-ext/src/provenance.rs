@@ -1,7 +1,7 @@
 //! Where measurements come from: program, compiler, machine.
 
+use crate::sha256::sha256;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 use std::fs;
 use std::thread::available_parallelism;
 
@@ -41,13 +41,13 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// That of this program, built like this, on this machine.
+    /// The provenance of this build of the program on this machine.
     pub fn here(build: Build) -> Self {
         let program = std::env::current_exe().and_then(fs::read);
         Self {
             version: env!("CARGO_PKG_VERSION"),
             build,
-            program: program.map_or([0; 32], |bytes| Sha256::digest(bytes).into()),
+            program: program.map_or([0; 32], |bytes| sha256(&[&bytes])),
             processor: processor(),
             vectors: vectors(),
             threads: available_parallelism().map_or(1, usize::from),
@@ -80,7 +80,7 @@ fn vectors() -> &'static str {
     "the target's own vectors"
 }
 
-/// What Linux says of the first processor; elsewhere only the architecture.
+/// The name of the first processor on Linux; elsewhere only the architecture.
 fn processor() -> String {
     let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let named = text.lines().find_map(|line| {

@@ -6,16 +6,26 @@
 //! mesh resolves degree 8 is hardly better than degree 6, and their errors are alike). On exact shapes
 //! (discocyte, ellipsoids, tori; regular, irregular and hard meshes of 42 vertices and more) the true
 //! error of J6 was at most 1.3 times that wherever it was below a half at the worst vertex. Beyond
-//! [`RESOLVED`] there nothing is promised. All of this takes the vertices to lie on a smooth surface:
-//! noise in them is curvature for every method, and shows as an error of the reference.
+//! [`RESOLVED`] there nothing is promised.
+//!
+//! Noise of the positions is curvature for every method, and no distance between methods tells it. Where
+//! some is seen, methods are compared with the best of many estimates that stand it: regression jets with
+//! as many neighbours as the shape allows. What noise does to a method is measured by adding as much again.
+//! Errors of noise and of the shape are independent, and their squares add up.
+
+mod estimate;
+mod noisy;
 
 use crate::answer::Norm;
 use crate::execute::Parallel;
-use crate::method::{BendingMethod, Evaluated, Evaluator};
+use crate::method::{BendingMethod, Evaluated, Evaluator, MethodOptions};
+use crate::noise::noise_of;
 use crate::scalar::{HeldPositions, Scalar};
-use crate::study::{Progress, Quantity, Reference, median_time};
-use helfrich::{Surface, SurfaceError, TriangleMesh};
-use serde::Serialize;
+use crate::study::{Progress, Quantity, Reference, Timing, is_scattered};
+use estimate::Estimate;
+use helfrich::{Noise, Surface, SurfaceError, TriangleMesh};
+use noisy::{Noisy, REPLICAS};
+use serde::{Serialize, Serializer};
 use std::time::Instant;
 
 /// What is wished for.
@@ -29,6 +39,8 @@ pub struct Wish {
     pub target: f64,
     /// The methods to choose from.
     pub methods: Vec<BendingMethod>,
+    /// Options of the methods; each takes those that it has.
+    pub options: MethodOptions,
     /// The number types to choose from.
     pub scalars: Vec<Scalar>,
 }
@@ -38,6 +50,9 @@ pub struct Wish {
 pub struct Candidate {
     /// The method.
     pub method: BendingMethod,
+    /// Its options that are not the default ones.
+    #[serde(flatten)]
+    pub options: MethodOptions,
     /// The number type.
     pub scalar: Scalar,
     /// Largest distance from the reference, relative to the largest value; infinite, which JSON writes
@@ -47,11 +62,23 @@ pub struct Candidate {
     pub mean: f64,
     /// Median time of one evaluation of the mesh, on one thread.
     pub seconds: f64,
+    /// Distance of the quartiles of that time over their median; see [`Self::is_scattered`].
+    pub seconds_scatter: f64,
     /// The most that its error is expected to be, in the norm of the wish: the distance from the
-    /// reference, and what is not known of that; of J6 in f64 the latter alone.
+    /// reference, and what is not known of that; of J6 in f64 the latter alone. With what noise does.
     pub expected: f64,
+    /// Whether that is no more than an upper bound: of all but J4 and J6.
+    pub is_bound: bool,
     /// Whether that is known, and within the target.
     pub reaches: bool,
+}
+
+impl Candidate {
+    /// Whether the times that were measured scatter by more than [`crate::study::MOST_SCATTER`], as on a
+    /// machine with other work: then their median says little.
+    pub fn is_scattered(&self) -> bool {
+        is_scattered(self.seconds_scatter)
+    }
 }
 
 /// The answer.
@@ -67,8 +94,13 @@ pub struct Recommendation {
     pub norm: &'static str,
     /// How large the error may be.
     pub target: f64,
+    /// Noise of the positions, 0 where none is seen.
+    #[serde(serialize_with = "as_length_and_edges")]
+    pub noise: Noise<f64>,
+    /// What that noise makes of the error of J6 in f64, in that norm.
+    pub noise_error: f64,
     /// About what is not known, in that norm: the error of J6 in f64, by how far degrees 6 and 4 are
-    /// from the reference.
+    /// from the reference, and by noise.
     pub reference_error: f64,
     /// Whether the mesh resolves the shape: whether the error of J6 in f64 at the worst vertex is at
     /// most [`RESOLVED`]. If not, no candidate is known to reach anything.
@@ -78,7 +110,8 @@ pub struct Recommendation {
     /// The one with the smallest expected error.
     pub nearest: Option<Candidate>,
     /// If none reaches it: how many vertices J6 would need, by the order that theory gives it, h³ for
-    /// f and Δ_S H, h⁵ for H and K.
+    /// f and Δ_S H, h⁵ for H and K, and with noise of the same length at each vertex, which goes as h⁻⁴
+    /// and h⁻². Where noise rules these are fewer than there are; `None` if no number will do.
     pub vertices_needed: Option<f64>,
     /// Everything that was measured, fastest first.
     pub candidates: Vec<Candidate>,
@@ -129,9 +162,14 @@ pub fn recommend(
     })?;
     let total = (wish.methods.len() * wish.scalars.len() + 2) as u64;
     let mut tell = |done: u64, at: &str| progress(Progress { done, total, at });
-    tell(0, "reference: jets of degree 8");
-    let reference = Reference::of(&Evaluator::reference(1.0, mesh).fields(surface));
-    let compared = reference.known(quantity);
+    tell(0, "noise, and a reference: jets of degree 8");
+    let failed = |source| RecommendError::Surface {
+        scalar: Scalar::F64,
+        source,
+    };
+    let noise = noise_of(surface);
+    let ground = Ground::new(mesh, positions, noise, quantity).map_err(failed)?;
+    let compared = ground.reference().known(quantity);
     if compared == 0 {
         return Err(RecommendError::NoReference { quantity });
     }
@@ -139,18 +177,7 @@ pub fn recommend(
         return Ok(None);
     }
     tell(1, "reference: jets of degrees 6 and 4");
-    let in_norm = |[max, mean]: [f64; 2]| match wish.norm {
-        Norm::Max => max,
-        Norm::Mean => mean,
-    };
-    let [far, near] = [BendingMethod::J4, BendingMethod::J6].map(|method| {
-        let fields = Evaluator::new(method, 1.0, mesh).fields(surface);
-        reference.errors(&fields, quantity)
-    });
-    let unknown = [0, 1].map(|norm| near[norm].max((near[norm] * far[norm]).sqrt()));
-    let reference_error = in_norm(unknown);
-    let [unknown_at_worst, _] = unknown;
-    let is_resolved = unknown_at_worst <= RESOLVED;
+    let expected = ground.of_jets().map_err(failed)?;
     let mut candidates = Vec::new();
     let mut done = 2;
     for &scalar in &wish.scalars {
@@ -163,27 +190,13 @@ pub fn recommend(
             if !quantity.is_defined_by(method) {
                 continue;
             }
+            let which = (method, wish.options.of(method), scalar);
             let measured = match scalar {
-                Scalar::F32 | Scalar::F32Pair => {
-                    measure::<f32>(mesh, positions, (method, scalar), &reference, quantity)
-                }
-                Scalar::F64 => {
-                    measure::<f64>(mesh, positions, (method, scalar), &reference, quantity)
-                }
+                Scalar::F32 | Scalar::F32Pair => ground.measure::<f32>(which),
+                Scalar::F64 => ground.measure::<f64>(which),
             };
-            let (errors, seconds) =
-                measured.map_err(|source| RecommendError::Surface { scalar, source })?;
-            let own = (method, scalar) == (BendingMethod::J6, Scalar::F64);
-            let expected = reference_error + if own { 0.0 } else { in_norm(errors) };
-            candidates.push(Candidate {
-                method,
-                scalar,
-                max: errors[0],
-                mean: errors[1],
-                seconds,
-                expected,
-                reaches: is_resolved && expected <= wish.target,
-            });
+            let measured = measured.map_err(|source| RecommendError::Surface { scalar, source })?;
+            candidates.push(expected.of_candidate(which, &measured, wish));
         }
     }
     candidates.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
@@ -191,42 +204,268 @@ pub fn recommend(
     let nearest = candidates
         .iter()
         .min_by(|a, b| a.expected.total_cmp(&b.expected));
-    let order = match quantity {
-        Quantity::Mean | Quantity::Gaussian => 5.0,
-        Quantity::LaplacianOfMean | Quantity::ForceDensity => 3.0,
-    };
-    // Where the shape is not resolved, that has to come first.
-    let excess = (reference_error / wish.target).max(unknown_at_worst / RESOLVED);
-    let needed = mesh.vertex_count() as f64 * excess.powf(2.0 / order);
+    let needed = expected.vertices_needed(mesh.vertex_count(), wish);
     Ok(Some(Recommendation {
         vertices: mesh.vertex_count(),
         compared,
         quantity,
         norm: wish.norm.name(),
         target: wish.target,
-        reference_error,
-        is_resolved,
+        noise,
+        noise_error: in_norm(expected.noise, wish.norm),
+        reference_error: in_norm(expected.error(), wish.norm),
+        is_resolved: expected.is_resolved(),
         choice: choice.copied(),
         nearest: nearest.copied(),
-        vertices_needed: (choice.is_none() && needed.is_finite()).then(|| needed.ceil()),
+        vertices_needed: needed.filter(|_| choice.is_none()),
         candidates,
     }))
 }
 
-/// Largest and mean distance from the reference, and the time of an evaluation.
-fn measure<T: Evaluated>(
-    mesh: &TriangleMesh,
-    positions: &[[f64; 3]],
-    (method, scalar): (BendingMethod, Scalar),
-    reference: &Reference,
+/// `{length, edges}`.
+fn as_length_and_edges<S: Serializer>(noise: &Noise<f64>, to: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct LengthAndEdges {
+        length: f64,
+        edges: f64,
+    }
+    let Noise { length, edges } = *noise;
+    LengthAndEdges { length, edges }.serialize(to)
+}
+
+fn in_norm([max, mean]: [f64; 2], norm: Norm) -> f64 {
+    match norm {
+        Norm::Max => max,
+        Norm::Mean => mean,
+    }
+}
+
+/// What is known of J6 in f64: errors in both norms, the largest and the mean.
+struct Expected<'a> {
+    /// By how far degrees 6 and 4 are from the reference.
+    unknown: [f64; 2],
+    /// By noise; 0 where none is seen.
+    noise: [f64; 2],
+    /// Where noise is seen, what all methods are compared with.
+    estimate: Option<&'a Estimate>,
+}
+
+impl Expected<'_> {
+    fn error(&self) -> [f64; 2] {
+        [0, 1].map(|norm| together(self.unknown[norm], self.noise[norm]))
+    }
+
+    fn is_resolved(&self) -> bool {
+        self.unknown[0] <= RESOLVED.max(self.noise[0])
+    }
+
+    /// What a method is expected to do, with what was measured of it.
+    fn of_candidate(
+        &self,
+        (method, options, scalar): (BendingMethod, MethodOptions, Scalar),
+        measured: &Measured,
+        wish: &Wish,
+    ) -> Candidate {
+        let is_bound = !matches!(method, BendingMethod::J4 | BendingMethod::J6);
+        let [distance, noise] =
+            [measured.distances, measured.noise].map(|errors| in_norm(errors, wish.norm));
+        let expected = match &self.estimate {
+            None if (method, scalar) == (BendingMethod::J6, Scalar::F64) => {
+                in_norm(self.unknown, wish.norm)
+            }
+            None if is_bound => in_norm(self.unknown, wish.norm) + distance,
+            None => in_norm(self.unknown, wish.norm).hypot(distance),
+            Some(estimate) => {
+                let both = in_norm(estimate.error(), wish.norm);
+                let own = method == BendingMethod::J6 && estimate.is_j6;
+                // The shape's errors of two methods are often alike, those of noise are not.
+                let found = match (is_bound, own) {
+                    (true, _) => distance + both,
+                    (false, true) => distance.hypot(both),
+                    (false, false) => distance.hypot(in_norm(estimate.noise, wish.norm)),
+                };
+                found.max(noise)
+            }
+        };
+        let [max, mean] = measured.distances;
+        Candidate {
+            method,
+            options,
+            scalar,
+            max,
+            mean,
+            seconds: measured.time.median.as_secs_f64(),
+            seconds_scatter: measured.time.scatter,
+            expected,
+            is_bound,
+            reaches: self.is_resolved() && expected <= wish.target,
+        }
+    }
+
+    /// How many vertices J6 needs for the target, on the same surface with the same noise.
+    fn vertices_needed(&self, vertices: usize, wish: &Wish) -> Option<f64> {
+        // How errors fall with the edge length, and how those of noise grow.
+        let (order, noise_order) = match wish.quantity {
+            Quantity::Mean | Quantity::Gaussian => (5.0, 2.0),
+            Quantity::LaplacianOfMean | Quantity::ForceDensity => (3.0, 4.0),
+        };
+        let [unknown, noise] = [self.unknown, self.noise].map(|error| in_norm(error, wish.norm));
+        // Where the shape is not resolved, that has to come first.
+        let worst = self.unknown[0] / RESOLVED;
+        let count = vertices as f64;
+        if noise == 0.0 {
+            let excess = (unknown / wish.target).max(worst);
+            let needed = (count * excess.powf(2.0 / order)).ceil();
+            return needed.is_finite().then_some(needed);
+        }
+        let suffices = |factor: &f64| {
+            let finer = factor.sqrt();
+            let shape = unknown * finer.powf(-order);
+            let error = together(shape, noise * finer.powf(noise_order));
+            error <= wish.target && worst * finer.powf(-order) <= 1.0
+        };
+        // Nearer numbers first; finer meshes only where noise does not rule.
+        let factors = (0..=STEPS).flat_map(|step| {
+            let factor = 2.0_f64.powf(f64::from(step) / 8.0);
+            let finer = (noise < unknown).then_some(factor);
+            finer.into_iter().chain([factor.recip()])
+        });
+        let found = factors.into_iter().find(suffices)?;
+        Some((count * found).ceil())
+    }
+}
+
+/// Eighths of a doubling of the vertices, that are tried.
+const STEPS: u32 = 80;
+
+/// The size of the sum of two independent errors.
+fn together(a: f64, b: f64) -> f64 {
+    if b == 0.0 { a } else { a.hypot(b) }
+}
+
+/// What methods are measured on, and compared with.
+struct Ground<'a> {
+    mesh: &'a TriangleMesh,
+    positions: &'a [[f64; 3]],
     quantity: Quantity,
-) -> Result<([f64; 2], f64), SurfaceError> {
-    let held = HeldPositions::<T>::new(scalar, positions);
-    let surface = held.surface(mesh)?;
-    let mut evaluator = Evaluator::on_threads(method, T::one(), mesh, Parallel::single());
-    let start = Instant::now();
-    evaluator.evaluate(surface);
-    let time = median_time(start.elapsed(), || evaluator.evaluate(surface));
-    let errors = reference.errors(&evaluator.last_fields(surface), quantity);
-    Ok((errors, time.as_secs_f64()))
+    /// What jets of degree 8 say, where noise is seen of the smoothed positions.
+    degree_8: Reference,
+    /// Where noise is seen.
+    noisy: Option<Noisy>,
+}
+
+/// What jets of degree 8 say.
+fn of_degree_8(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> Result<Reference, SurfaceError> {
+    let surface = Surface::new(mesh, positions)?;
+    Ok(Reference::of(
+        &Evaluator::reference(1.0, mesh).fields(surface),
+    ))
+}
+
+/// What was measured of a method in a number type: errors in both norms, and the time.
+struct Measured {
+    /// From the reference.
+    distances: [f64; 2],
+    /// By noise.
+    noise: [f64; 2],
+    time: Timing,
+}
+
+impl<'a> Ground<'a> {
+    fn new(
+        mesh: &'a TriangleMesh,
+        positions: &'a [[f64; 3]],
+        noise: Noise<f64>,
+        quantity: Quantity,
+    ) -> Result<Self, SurfaceError> {
+        let noisy = match noise.is_seen() {
+            true => Some(Noisy::new(mesh, positions, noise, quantity)?),
+            false => None,
+        };
+        Ok(Self {
+            mesh,
+            positions,
+            quantity,
+            degree_8: match &noisy {
+                Some(noisy) => {
+                    of_degree_8(mesh, &noisy.smooth)?.in_units_like(&noisy.estimate.reference)
+                }
+                None => of_degree_8(mesh, positions)?,
+            },
+            noisy,
+        })
+    }
+
+    /// What methods are compared with.
+    fn reference(&self) -> &Reference {
+        match &self.noisy {
+            Some(noisy) => &noisy.estimate.reference,
+            None => &self.degree_8,
+        }
+    }
+
+    fn of_jets(&self) -> Result<Expected<'_>, SurfaceError> {
+        let smooth = self.noisy.as_ref();
+        let smooth = smooth.map_or(self.positions, |noisy| &noisy.smooth);
+        let surface = Surface::new(self.mesh, smooth)?;
+        let [far, near] = [BendingMethod::J4, BendingMethod::J6].map(|method| {
+            let fields = Evaluator::new(method, 1.0, self.mesh).fields(surface);
+            self.degree_8.errors(&fields, self.quantity)
+        });
+        let unknown = [0, 1].map(|norm| near[norm].max((near[norm] * far[norm]).sqrt()));
+        let mut jets = Evaluator::new(BendingMethod::J6, 1.0, self.mesh);
+        let noise = self.noise_of(&mut jets, Scalar::F64)?;
+        Ok(Expected {
+            unknown,
+            noise,
+            estimate: self.noisy.as_ref().map(|noisy| &noisy.estimate),
+        })
+    }
+
+    /// Errors from the reference, by noise and by the mesh, and the time of an evaluation.
+    fn measure<T: Evaluated>(
+        &self,
+        (method, options, scalar): (BendingMethod, MethodOptions, Scalar),
+    ) -> Result<Measured, SurfaceError> {
+        let held = HeldPositions::<T>::new(scalar, self.positions);
+        let surface = held.surface(self.mesh)?;
+        let threads = Parallel::single();
+        let modulus = T::one();
+        let mut evaluator = Evaluator::with_options(method, &options, modulus, self.mesh, threads);
+        let start = Instant::now();
+        evaluator.evaluate(surface);
+        let time = Timing::of_runs(start.elapsed(), || evaluator.evaluate(surface));
+        let fields = evaluator.last_fields(surface);
+        let distances = self.reference().errors(&fields, self.quantity);
+        Ok(Measured {
+            distances,
+            noise: self.noise_of(&mut evaluator, scalar)?,
+            time,
+        })
+    }
+
+    /// By how much noise of the same size, once more, changes what a method says: the root of the mean
+    /// square, in both norms.
+    fn noise_of<T: Evaluated>(
+        &self,
+        evaluator: &mut Evaluator<T>,
+        scalar: Scalar,
+    ) -> Result<[f64; 2], SurfaceError> {
+        let Some(noisy) = &self.noisy else {
+            return Ok([0.0; 2]);
+        };
+        let mut fields = |positions: &[[f64; 3]]| {
+            let held = HeldPositions::<T>::new(scalar, positions);
+            Ok::<_, SurfaceError>(evaluator.fields(held.surface(self.mesh)?))
+        };
+        let here = Reference::of(&fields(self.positions)?).in_units_like(self.reference());
+        let mut squares = [0.0; 2];
+        for replica in &noisy.replicas {
+            let errors = here.errors(&fields(replica)?, self.quantity);
+            for (square, error) in squares.iter_mut().zip(errors) {
+                *square += error * error / REPLICAS as f64;
+            }
+        }
+        Ok(squares.map(f64::sqrt))
+    }
 }

@@ -1,24 +1,19 @@
 //! How data is shown: tables and CSV. Nothing is computed here.
 
-mod flow;
-mod page;
+pub mod page;
 mod recommendation;
-mod stability;
 
-pub use flow::flow_tables;
-pub use page::Page;
 pub use recommendation::recommendation;
-pub use stability::{stability_markdown, stability_table};
 
 use crate::info::MeshInfo;
 use crate::method::Fields;
-use crate::run::{End, Summary};
-use crate::series::TIME;
-use crate::study::{Quantity, Row};
+use crate::run::{End, EnergyEstimate, Summary};
+use crate::series::{ITERATION, TIME};
+use crate::six::Six;
+use crate::study::{MOST_SCATTER, Quantity, Row};
 use crate::sweep::{Case, Outcome, Swept};
 use crate::verdict::Verdict;
-use helfrich::{Finding, Real};
-use std::fmt;
+use helfrich::{Finding, Noise, Real};
 use std::io::{self, Write};
 use std::mem::discriminant;
 use std::path::Path;
@@ -47,6 +42,14 @@ pub fn study_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
             ..
         } = &block[0];
         writeln!(out, "\n{shape} · {family} · {scalar}")?;
+        for method in block.chunk_by(|a, b| a.method == b.method) {
+            let Row {
+                method, options, ..
+            } = &method[0];
+            if !options.is_default() {
+                writeln!(out, "{method}: {options}")?;
+            }
+        }
         write!(out, "{:13} {:>7}", "method", "N")?;
         for quantity in Quantity::ALL {
             let symbol = heading(quantity);
@@ -68,7 +71,13 @@ pub fn study_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
                     |row| [Some(row.max), Some(row.mean)],
                     |value| format!("{value:.1e}"),
                 )?;
-                writeln!(out, "  {:>9.1}", mesh[0].ns_per_vertex)?;
+                let mark = if mesh[0].is_scattered() {
+                    SCATTERED
+                } else {
+                    ""
+                };
+                let time = format!("{mark}{:.1}", mesh[0].ns_per_vertex);
+                writeln!(out, "  {time:>9}")?;
             }
             let finest = method.last().map_or(0, |row| row.vertices);
             let start = method.partition_point(|row| row.vertices < finest);
@@ -80,7 +89,22 @@ pub fn study_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
             writeln!(out)?;
         }
     }
-    Ok(())
+    about_scatter(rows.iter().any(Row::is_scattered), out)
+}
+
+/// Mark before a time that is the median of times that scatter.
+const SCATTERED: &str = "~";
+
+/// The meaning of that, where it is used.
+fn about_scatter(is_used: bool, out: &mut dyn Write) -> io::Result<()> {
+    if !is_used {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "\n{SCATTERED}: times of single runs scatter (quartiles more than {:.0} % of their median apart): the machine had other work; measure again when it is idle.",
+        100.0 * MOST_SCATTER
+    )
 }
 
 /// Writes the verdicts: a block for each family and number type, a line for each method.
@@ -148,7 +172,7 @@ fn cells(
 ///
 /// # Errors
 /// If `out` cannot be written to.
-pub fn mesh_info(info: &MeshInfo, out: &mut dyn Write) -> io::Result<()> {
+pub fn mesh_info(info: &MeshInfo, noise: &Noise<f64>, out: &mut dyn Write) -> io::Result<()> {
     let mut line = |name: &str, value: String| writeln!(out, "{name:22} {value}");
     let isolated = match info.isolated_vertices {
         0 => String::new(),
@@ -190,7 +214,17 @@ pub fn mesh_info(info: &MeshInfo, out: &mut dyn Write) -> io::Result<()> {
         [] => "0".to_owned(),
         [first, ..] => format!("{} (the first is {first})", info.degenerate_triangles.len()),
     };
-    line("degenerate triangles", degenerate)
+    line("degenerate triangles", degenerate)?;
+    let seen = match noise.is_seen() {
+        true => noise_of_positions(noise),
+        false => "none is seen".to_owned(),
+    };
+    line("noise of positions", seen)
+}
+
+/// The standard deviation of noise, as a length and in edges.
+pub fn noise_of_positions(noise: &Noise<f64>) -> String {
+    format!("{:.1e} ({:.1e} mean edges)", noise.length, noise.edges)
 }
 
 /// Writes a line for each vertex, with the header
@@ -241,6 +275,9 @@ pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
         Finding::DegenerateTriangle { triangle } => {
             format!("a triangle without area, contributing nothing (the first is {triangle})")
         }
+        Finding::Overstretched { triangle } => format!(
+            "a triangle stretched beyond what this number type can hold (the first is {triangle})"
+        ),
         Finding::ThinTriangle { triangle } => format!(
             "a triangle so thin that errors are amplified around it (the first is {triangle})"
         ),
@@ -267,6 +304,14 @@ pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
         Finding::RoundedPosition { vertex } => format!(
             "a vertex whose position is stored with too few digits for a fourth derivative \
              (the first is vertex {vertex})"
+        ),
+        Finding::NoisyPosition { vertex } => format!(
+            "a vertex where a fourth derivative is lost in noise of the positions \
+             (the first is vertex {vertex})"
+        ),
+        Finding::OutOfRange { vertex } => format!(
+            "a vertex whose triangles are too small for a fourth derivative in this number type: \
+             choose a smaller unit of length, or f64 (the first is vertex {vertex})"
         ),
         Finding::ReducedDegree { vertex, degree } => {
             format!("a vertex with a fit of lower degree (the first is vertex {vertex}: {degree})")
@@ -303,6 +348,7 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
         seconds,
         last,
         effects,
+        energy_estimates,
         ..
     } = summary;
     if !title.is_empty() {
@@ -314,8 +360,21 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
     };
     writeln!(out, "{message}: {work} in {seconds:.1} s\n")?;
     let width = last.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-    for (name, value) in last.iter().filter(|(name, _)| name != TIME) {
-        writeln!(out, "{name:width$}  {value:>14.7}", value = Short(*value))?;
+    for (name, value) in last
+        .iter()
+        .filter(|(name, _)| ![TIME, ITERATION].contains(&name.as_str()))
+    {
+        writeln!(out, "{name:width$}  {value:>14}", value = Six(*value))?;
+    }
+    if !energy_estimates.is_empty() {
+        writeln!(out)?;
+    }
+    for EnergyEstimate { surface, error, .. } in energy_estimates {
+        let known = match error.is_nan() {
+            true => "is not checked: too few vertices".to_owned(),
+            false => format!("is known to {:.2} %", 100.0 * error),
+        };
+        writeln!(out, "the energy of \"{surface}\" {known}")?;
     }
     let width = effects.iter().map(|cost| cost.effect.len()).max();
     let width = width.unwrap_or(0).max(6);
@@ -351,7 +410,7 @@ pub fn sweep_table(swept: &Swept, folder: &Path, out: &mut dyn Write) -> io::Res
             Outcome::Ended(ended) => {
                 let last = |column: &String| match ended.last(column) {
                     value if value.is_nan() => "–".to_owned(),
-                    value => format!("{:.7}", Short(value)),
+                    value => Six(value).to_string(),
                 };
                 row.extend(swept.columns.iter().map(last));
                 let evaluations = ended.right_hand_sides.unwrap_or(ended.iterations);
@@ -416,20 +475,4 @@ fn reason((case, outcome): &(Case, Outcome)) -> Option<(&str, &str)> {
         Outcome::Waiting => None,
     };
     Some((case.name.as_str(), reason?))
-}
-
-/// A number as people write it: in powers of ten only where it is very large or small.
-struct Short(f64);
-
-impl fmt::Display for Short {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let digits = formatter.precision().unwrap_or(6);
-        let size = self.0.abs();
-        let text = if size == 0.0 || (1e-3..1e6).contains(&size) {
-            format!("{:.digits$}", self.0)
-        } else {
-            format!("{:.*e}", digits.saturating_sub(3), self.0)
-        };
-        formatter.pad_integral(true, "", &text)
-    }
 }

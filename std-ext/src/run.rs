@@ -4,6 +4,8 @@
 //! * `series.csv`: a row of numbers every so many iterations or so much time, and one at the end of each
 //!   load;
 //! * `surfaces/NAME-TIME.vtp` with `surfaces.pvd`, their index;
+//! * `last.vtp`, or `last-NAME.vtp` of several surfaces: how they were when the run ended, as the `mesh`
+//!   of the next;
 //! * `pictures/TIME.png`;
 //! * `slices/NAME-TIME.vti` and `.png` with `slices.pvd`: the fluid on the scene's slices;
 //! * `volumes/NAME-TIME.vti` with `volumes.pvd`: all fluid of a box;
@@ -13,182 +15,55 @@
 //!
 //! Every file but the series is written as a whole or not at all, and a run that is taken up
 //! again cuts the series back to the checkpoint. Whenever a run is killed, nothing is lost but
-//! what came after its last checkpoint.
+//! what came after its last checkpoint; the first is written before the first row.
+//!
+//! One process at a time runs in a folder: it holds a [`Lock`] there, which is gone when the run is.
 
+mod acts;
 mod clock;
+mod curved;
 mod deformed;
 mod drive;
+mod error;
+mod estimate;
 mod files;
 mod flowing;
+mod folder;
+mod identity;
 mod immersing;
 mod measure;
+mod quality;
 mod relaxing;
+mod remedy;
+mod summary;
 
-use crate::checkpoint::{self, CheckpointError, Fingerprint};
-use crate::dynamics::{SetupError, integrate};
-use crate::flow::lattice_boltzmann::LatticeError;
-use crate::io::{Collection, UNFINISHED, replace_file};
-use crate::plots::CurvesError;
-use crate::scene::Scene;
+pub(crate) use identity::fingerprint;
+
+use crate::checkpoint::{self, Fingerprint};
+use crate::io::{Collection, replace_file};
+use crate::lock::Lock;
+use crate::scene::{Driver, Scene};
 use crate::series::{Series, SeriesError, SeriesTable};
-use crate::simulation::{Acting, Cost, Simulation};
+use crate::simulation::{Acting, Body, Cost, Simulation, messages_once};
 use drive::{Drive, DriveState, Mark, drive};
+pub use error::RunError;
+pub use estimate::EnergyEstimate;
 use files::PlannedPlot;
 use measure::Measures;
+pub use quality::Flagged;
 use serde::{Deserialize, Serialize};
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
+pub use summary::{End, Summary};
 
 /// The checkpoint's name in its folder.
 pub const CHECKPOINT: &str = "checkpoint";
 
-/// Why a run cannot begin or go on. The message is one line.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum RunError {
-    /// The surfaces resist nothing.
-    #[error("{0}: give a surface `bending`, `elasticity`, `tension` or a penalty on its `area`")]
-    Setup(#[from] SetupError),
-    /// The integration in time cannot begin.
-    #[error(transparent)]
-    Integration(#[from] integrate::SetupError),
-    /// The scene's outputs, or what was stored, are those of another driver.
-    #[error("the outputs, or the checkpoint, are not those of the scene's driver")]
-    Mismatch,
-    /// The step that the scene asks for is longer than what is stable where the run begins.
-    #[error(
-        "driver: a step of {step:e} is {:.2} times {limit:.4e}, the longest that is stable with \
-         rk4 here, where the stiffest mode decays at a rate of {rate:.3e}: choose a `step` of {:.2e} \
-         or less, or leave `integrator` out",
-        step / limit, 0.9 * limit
-    )]
-    UnstableStep {
-        /// The step.
-        step: f64,
-        /// The longest that is stable.
-        limit: f64,
-        /// The spectral radius that limits it, per time.
-        rate: f64,
-    },
-    /// Two columns of the series have one name.
-    #[error(
-        "output: two columns of the series are called `{column}`: give the probe, or the surface, \
-         another name"
-    )]
-    RepeatedColumn {
-        /// The name.
-        column: String,
-    },
-    /// There is no such box of fluid.
-    #[error("driver: {0}")]
-    Lattice(#[from] LatticeError),
-    /// There is a run in the folder already.
-    #[error(
-        "{}: there is a run here already: `--resume` goes on with it, `--out` names another folder",
-        folder.display()
-    )]
-    Occupied {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// A plot shows what the series does not have.
-    #[error("plots: there is no column `{column}` in this run: there are {}", known.join(", "))]
-    NoColumn {
-        /// The column.
-        column: String,
-        /// Those that there are.
-        known: Vec<String>,
-    },
-    /// What was published cannot be drawn.
-    #[error(transparent)]
-    Curves(#[from] CurvesError),
-    /// There is no run to go on with, or not of this scene.
-    #[error(transparent)]
-    Checkpoint(CheckpointError),
-    /// The series cannot be gone on with.
-    #[error(transparent)]
-    Series(SeriesError),
-    /// Something cannot be written. What was written before is whole.
-    #[error("{}: {source}", path.display())]
-    Unwritable {
-        /// The file or folder.
-        path: PathBuf,
-        /// What the operating system says.
-        source: io::Error,
-    },
-    /// Something cannot be written. What was written before is whole.
-    #[error(transparent)]
-    Output(Box<dyn std::error::Error + Send + Sync>),
-}
+/// The series' name in its folder.
+const SERIES: &str = "series.csv";
 
-impl RunError {
-    /// Whether an output is at fault, and not the scene or an input.
-    pub fn is_output(&self) -> bool {
-        matches!(self, Self::Unwritable { .. } | Self::Output(_))
-    }
-}
-
-/// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum End {
-    /// Every load came to its equilibrium.
-    Converged,
-    /// It went on to the end of its duration.
-    Completed,
-    /// The last load did not: the limit of iterations was reached.
-    IterationLimit,
-    /// The last load did not: nothing improves any more.
-    Stagnated,
-    /// It went wrong; what is kept is the last good state.
-    Failed,
-    /// It was asked to stop, and can be taken up again.
-    Interrupted,
-}
-
-impl End {
-    /// What it is called in tables and in `summary.json`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::Completed => "completed",
-            Self::IterationLimit => "iteration-limit",
-            Self::Stagnated => "stagnated",
-            Self::Failed => "failed",
-            Self::Interrupted => "interrupted",
-        }
-    }
-}
-
-/// What a run leaves in `summary.json`.
-#[derive(Clone, Debug, Serialize)]
-pub struct Summary {
-    /// The scene's title.
-    pub title: String,
-    /// How it ended.
-    pub end: End,
-    /// The same in words.
-    pub message: String,
-    /// Iterations, or steps in time, in all.
-    pub iterations: u64,
-    /// Evaluations of the velocities in all, those for the spectral radius included; of drivers in
-    /// time.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub right_hand_sides: Option<u64>,
-    /// Seconds in all, resumed runs included.
-    pub seconds: f64,
-    /// The names of the last row's numbers, and these; a number that is not finite is null.
-    pub last: Vec<(String, f64)>,
-    /// What each effect has cost.
-    pub effects: Vec<Cost>,
-    /// What is worth knowing besides.
-    pub warnings: Vec<String>,
-    /// The version of the program.
-    pub version: &'static str,
-    /// The scene as run.
-    pub scene: Scene,
-}
+/// The summary's name in its folder.
+pub(crate) const SUMMARY: &str = "summary.json";
 
 /// How far a run is.
 #[derive(Clone, Debug)]
@@ -219,16 +94,20 @@ struct Outputs {
     sets: u64,
     costs: Vec<(u64, f64)>,
     seconds: f64,
+    /// What was said of the surfaces' quality, once a surface.
+    doubts: Vec<(String, String)>,
 }
 
 /// Runs a scene that was made ready by [`build`](crate::simulation::build) in a folder, which is made
-/// if it is not there; with `resume`, goes on with the run that is there.
+/// if it is not there; with `resume`, goes on with the run that is there: from its last checkpoint,
+/// or from the start if it was stopped before its first. Of a scene that goes on, title, outputs and
+/// the end may be others than before.
 ///
 /// After every step `progress` is told how far it is, and `interrupted` asked whether to stop.
 ///
 /// # Errors
-/// If the surfaces resist nothing, the folder holds another run, or something cannot be
-/// written. That a scene does not come to its equilibrium is no error: see [`End`].
+/// If the surfaces resist nothing, the folder holds another run or another process writes there, or
+/// something cannot be written. That a scene does not come to its equilibrium is no error: see [`End`].
 pub fn run(
     scene: &Scene,
     (mut simulation, positions): (Simulation, Vec<[f64; 3]>),
@@ -238,33 +117,31 @@ pub fn run(
     progress: &mut dyn FnMut(&Progress),
 ) -> Result<Summary, RunError> {
     let start = Instant::now();
-    let fingerprint = fingerprint(scene, &simulation, &positions);
-    let [path, series_path] = [CHECKPOINT, "series.csv"].map(|name| folder.join(name));
-    let stored = if resume {
-        let stored = checkpoint::read(&path, fingerprint).map_err(RunError::Checkpoint)?;
-        remove_unfinished(folder);
-        Some(stored)
-    } else if path.exists() || series_path.exists() {
-        let folder = folder.to_owned();
-        return Err(RunError::Occupied { folder });
+    let lock = folder::lock_if_there(folder)?;
+    let fingerprint = fingerprint(scene, &simulation, &positions)?;
+    let [path, series_path] = [CHECKPOINT, SERIES].map(|name| folder.join(name));
+    let stored: Option<Stored> = if !resume {
+        folder::refuse_occupied(folder)?;
+        None
+    } else if folder::has_checkpoint(folder, lock.as_ref())? {
+        Some(checkpoint::read(&path, fingerprint).map_err(RunError::Checkpoint)?)
     } else {
         None
     };
     let (state, outputs) = stored
         .map(|Stored { drive, outputs }| (drive, outputs))
         .unzip();
-    let measures = Measures::new(scene, &simulation, &positions);
-    let drive = drive(scene, &mut simulation, positions, state)?;
-    let mut columns = measures.columns(&*drive, &simulation);
-    columns.extend(Run::probe_columns(scene));
-    let repeated = (1..columns.len()).find(|&at| columns[..at].contains(&columns[at]));
-    if let Some(at) = repeated {
-        let column = columns.swap_remove(at);
-        return Err(RunError::RepeatedColumn { column });
-    }
-    let plots = scene.output.plots.iter();
-    let plots = plots.map(|plot| PlannedPlot::new(plot, &columns, &simulation));
-    let plots = plots.collect::<Result<_, _>>()?;
+    let Plan {
+        measures,
+        drive,
+        columns,
+        plots,
+    } = plan(scene, &mut simulation, positions, state)?;
+    let lock = match resume {
+        true => lock,
+        false => Some(folder::make(folder, lock)?),
+    };
+    folder::tidy(folder);
     let columns = Vec::from_iter(columns.iter().map(String::as_str));
     let (series, outputs, last) = match outputs {
         Some(outputs) => {
@@ -272,42 +149,87 @@ pub fn run(
             let series = series.map_err(RunError::Series)?;
             let table = SeriesTable::read(&series_path).map_err(RunError::Series)?;
             let last = table.rows.last().cloned();
-            (series, outputs, last.unwrap_or_default())
+            (series, Some(outputs), last.unwrap_or_default())
         }
         None => {
-            make_folder(folder)?;
             let series = Series::create(&series_path, &columns)
                 .map_err(|error| RunError::Output(Box::new(error)))?;
-            (series, Outputs::default(), Vec::new())
+            (series, None, Vec::new())
         }
     };
+    // What it took to take the run up again is no part of it.
+    let uncounted = outputs.as_ref().map(|_| simulation.costs());
+    let uncounted = uncounted.into_iter().flatten();
+    let begins = outputs.is_none();
     let mut run = Run {
         scene,
         folder,
         fingerprint,
+        uncounted: uncounted.map(|cost| cost.evaluations).collect(),
         simulation,
         measures,
         drive,
         plots,
         series,
-        outputs,
+        outputs: outputs.unwrap_or_default(),
         start,
         last,
+        lock,
     };
+    if begins {
+        run.checkpoint()?;
+    }
     let (end, message) = run.drive(interrupted, progress)?;
     run.finish(end, message)
 }
 
-/// Of the scene as read and of the meshes that it names, to the last bit.
-fn fingerprint(scene: &Scene, simulation: &Simulation, positions: &[[f64; 3]]) -> Fingerprint {
-    let mut text = serde_json::to_string(scene).unwrap_or_default();
-    for body in simulation.bodies() {
-        text.push_str(&format!("{:?}", body.mesh().triangles()));
+/// What a run has before anything is written.
+struct Plan<'a> {
+    measures: Measures,
+    drive: Box<dyn Drive + 'a>,
+    columns: Vec<String>,
+    plots: Vec<PlannedPlot<'a>>,
+}
+
+/// Finds out all that [`run`] would refuse before it writes anything, and writes nothing.
+///
+/// # Errors
+/// As [`run`], but for the folder.
+pub fn check(
+    scene: &Scene,
+    (mut simulation, positions): (Simulation, Vec<[f64; 3]>),
+) -> Result<(), RunError> {
+    plan(scene, &mut simulation, positions, None).map(drop)
+}
+
+fn plan<'a>(
+    scene: &'a Scene,
+    simulation: &mut Simulation,
+    positions: Vec<[f64; 3]>,
+    state: Option<DriveState>,
+) -> Result<Plan<'a>, RunError> {
+    let begins = state.is_none();
+    let measures = Measures::new(scene, simulation, &positions);
+    let drive = drive(scene, simulation, positions, state)?;
+    if begins {
+        acts::refuse_idle(scene, simulation, drive.positions())?;
     }
-    for coordinate in positions.as_flattened() {
-        text.push_str(&format!("{:x}", coordinate.to_bits()));
+    let mut columns = measures.columns(&*drive, simulation);
+    columns.extend(Run::probe_columns(scene));
+    let repeated = (1..columns.len()).find(|&at| columns[..at].contains(&columns[at]));
+    if let Some(at) = repeated {
+        let column = columns.swap_remove(at);
+        return Err(RunError::RepeatedColumn { column });
     }
-    Fingerprint::of(&text)
+    let plots = scene.output.plots.iter();
+    let plots = plots.map(|plot| PlannedPlot::new(plot, &columns, simulation));
+    let plots = plots.collect::<Result<_, _>>()?;
+    Ok(Plan {
+        measures,
+        drive,
+        columns,
+        plots,
+    })
 }
 
 fn make_folder(path: &Path) -> Result<(), RunError> {
@@ -315,18 +237,6 @@ fn make_folder(path: &Path) -> Result<(), RunError> {
         path: path.to_owned(),
         source,
     })
-}
-
-/// Takes away the files that a run was writing when it was killed. That one stays is no harm.
-fn remove_unfinished(folder: &Path) {
-    let folders = ["", "surfaces", "pictures", "slices", "volumes", "plots"];
-    for folder in folders.map(|name| folder.join(name)) {
-        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-            if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
-                let _ = std::fs::remove_file(entry.path());
-            }
-        }
-    }
 }
 
 /// A run under way.
@@ -344,6 +254,10 @@ struct Run<'a> {
     start: Instant,
     /// The last row.
     last: Vec<f64>,
+    /// Evaluations of each effect that a run without interruption would not have.
+    uncounted: Vec<u64>,
+    /// As long as the run writes.
+    lock: Option<Lock>,
 }
 
 impl Run<'_> {
@@ -388,7 +302,11 @@ impl Run<'_> {
             return Ok(());
         }
         let acting = self.simulation.resolve(self.drive.positions());
-        let mut row = self.measures.row(&*self.drive, &self.simulation, &acting);
+        let flagged = quality::flagged(&self.simulation, self.drive.positions());
+        let mut row = self
+            .measures
+            .row(&*self.drive, &self.simulation, &acting, &flagged);
+        self.doubt(flagged.iter().flatten());
         row.extend(self.probe());
         let output = |error: SeriesError| RunError::Output(Box::new(error));
         self.series.append(&row).map_err(output)?;
@@ -403,6 +321,20 @@ impl Run<'_> {
         }
         self.outputs.written = Some(mark.number);
         Ok(())
+    }
+
+    /// Notes each surface once whose energy rests on flagged vertices.
+    fn doubt<'f>(&mut self, flagged: impl Iterator<Item = &'f Flagged>) {
+        let doubts = &mut self.outputs.doubts;
+        for flagged in flagged.filter(|flagged| flagged.rules()) {
+            if !doubts
+                .iter()
+                .any(|(surface, _)| *surface == flagged.surface)
+            {
+                let note = format!("from {}: {}", self.drive.caption(), flagged.message());
+                doubts.push((flagged.surface.clone(), note));
+            }
+        }
     }
 
     /// A set of files.
@@ -440,6 +372,9 @@ impl Run<'_> {
     /// Of this run and those that it goes on with.
     fn costs(&self) -> Vec<Cost> {
         let mut costs = self.simulation.costs();
+        for (cost, uncounted) in costs.iter_mut().zip(&self.uncounted) {
+            cost.evaluations -= uncounted;
+        }
         costs.extend(self.drive.costs());
         for (cost, &(evaluations, seconds)) in costs.iter_mut().zip(&self.outputs.costs) {
             cost.evaluations += evaluations;
@@ -450,13 +385,33 @@ impl Run<'_> {
 
     fn finish(&mut self, end: End, message: String) -> Result<Summary, RunError> {
         self.draw_plots()?;
+        self.write_last()?;
         let mut columns = self.measures.columns(&*self.drive, &self.simulation);
         columns.extend(Self::probe_columns(self.scene));
         let last = columns.into_iter().zip(self.last.clone());
         let work = self.drive.work();
+        // The last row may be of a run that this one goes on with.
+        let positions = self.drive.positions();
+        let acting = self.simulation.resolve(positions);
+        let flagged = quality::flagged(&self.simulation, positions);
+        let flagged = Vec::from_iter(flagged.into_iter().flatten());
+        let mut energy_estimates = Vec::new();
+        let (mut end, mut message) = (end, message);
+        if let (Driver::Relax(relax), true) = (self.scene.driver, end.is_reached()) {
+            energy_estimates =
+                estimate::estimates(self.scene, &self.simulation, &acting, positions);
+            let reached = (end, message);
+            (end, message) =
+                summary::judge(reached, self.scene, relax, &flagged, &energy_estimates);
+        }
         let warnings = self.simulation.warnings().iter();
         let mut warnings = Vec::from_iter(warnings.map(ToString::to_string));
-        warnings.extend(self.drive.notes().iter().cloned());
+        let notes = self.drive.notes().iter();
+        let notes = notes.chain(self.outputs.doubts.iter().map(|(_, note)| note));
+        let names = Vec::from_iter(self.simulation.bodies().iter().map(Body::name));
+        warnings.extend(messages_once(notes.cloned().collect(), &names));
+        let lock = self.lock.iter().filter_map(Lock::warning);
+        warnings.extend(lock.map(str::to_owned));
         let summary = Summary {
             title: self.scene.title.clone(),
             end,
@@ -466,11 +421,14 @@ impl Run<'_> {
             seconds: self.seconds(),
             last: last.collect(),
             effects: self.costs(),
+            flagged,
+            energy_estimates,
             warnings,
             version: env!("CARGO_PKG_VERSION"),
+            fingerprint: self.fingerprint.to_hex(),
             scene: self.scene.clone(),
         };
-        let path = self.folder.join("summary.json");
+        let path = self.folder.join(SUMMARY);
         replace_file(&path, |out| {
             serde_json::to_writer_pretty(&mut *out, &summary)?;
             writeln!(out)

@@ -8,9 +8,11 @@
 //! Which keys there are, of which form, dimension and range, stands in one table (`keys`): the
 //! parser's messages and [`json_schema`] are made from it.
 
+mod barrier;
 mod build;
 mod check;
 mod driver;
+mod effects;
 mod explain;
 mod keys;
 mod lattice;
@@ -19,21 +21,28 @@ mod output;
 mod problem;
 mod reader;
 mod schema;
+mod shipped;
 mod surface;
 mod units;
 mod value;
 
 pub use driver::{BoundaryIntegral, Driver, Flow, Integrator, Relax, Scheme};
+pub use effects::{
+    Adhesion, AreaDifferenceTarget, Bending, EffectError, Effects, Elasticity, Gravity, HeldArea,
+    HeldAreaDifference, HeldVolume, Hold, InPlaneLaw, LocalArea, MembraneViscosity, Pressure,
+    Reference, ReferenceSource, Stretching, Target, Tension, VolumeTarget,
+};
+pub(crate) use effects::{Named, Preparation, Stretch, SurfaceEffect};
 pub use explain::{Active, Explanation, Group, LatticeExplanation, Parameter, SurfaceExplanation};
-pub(crate) use lattice::FINITE_BOX;
+pub use lattice::FINITE_BOX;
 pub use lattice::{LatticeBoltzmann, StepLimit};
 pub use output::{Every, Output, PictureField, Plot, Probe, Slice, Volume};
 pub use problem::{Place, Problem, SceneError, SceneErrors};
 pub use schema::json_schema;
+pub(crate) use shipped::shipped_file;
+pub use shipped::{SHIPPED, ShippedScene, shipped_files};
 pub use surface::{
-    AreaDifferenceTarget, Bending, Elasticity, Gravity, Held, Hold, InPlaneLaw, LocalArea,
-    MembraneViscosity, MeshSource, Obstacle, Orientation, Reference, ReferenceSource, Stretching,
-    SurfaceScene, Target, VolumeTarget,
+    MeshFileSource, MeshSource, MeshSourceError, Obstacle, Orientation, SurfaceScene,
 };
 pub use value::{OverrideSyntaxError, Overrides};
 
@@ -45,20 +54,20 @@ use std::path::Path;
 /// A validated scene: what exists, what acts on it, how it is driven and what is written.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scene {
-    /// What the scene is, in a line.
+    /// One line that describes the scene.
     pub title: String,
     /// The units of every number in the scene.
     pub units: Units,
     /// The surfaces, one or more, with different names.
     pub surfaces: Vec<SurfaceScene>,
-    /// What acts between surfaces.
+    /// Interactions between surfaces.
     pub interactions: Vec<Interaction>,
     /// Bodies at rest in the fluid, with different names.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<Obstacle>,
-    /// What moves the surfaces.
+    /// The driver, which moves the surfaces.
     pub driver: Driver,
-    /// What is written, and how often.
+    /// The outputs and their intervals.
     pub output: Output,
 }
 
@@ -72,17 +81,19 @@ pub enum Units {
     None,
 }
 
-/// What acts between surfaces.
+/// An interaction between surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Interaction {
-    /// Repulsion at short range, `E = ∫∫ k (1 − r²/r_c²)³ dS dS` over two surfaces.
+    /// Repulsion at short range: see [`helfrich::Repulsion`]; of two surfaces and all images of
+    /// these in a periodic box.
     Repulsion {
         /// k, energy per area squared.
         strength: f64,
         /// r_c, from which on there is none.
         cutoff: f64,
-        /// The two surfaces, counted from 0; every pair if `None`.
+        /// The two surfaces, counted from 0, or twice one that has images; every pair if `None`, and
+        /// in a periodic box every surface and the images of itself.
         #[serde(skip_serializing_if = "Option::is_none")]
         between: Option<[usize; 2]>,
     },
@@ -93,7 +104,7 @@ pub enum Interaction {
 pub struct SceneFile {
     /// The scene.
     pub scene: Scene,
-    /// What is probably not meant, each with its place: worth a line, no reason to stop.
+    /// Warnings about probable mistakes, each with its place.
     pub warnings: Vec<SceneError>,
     source: problem::Source,
     origins: value::Origins,
@@ -102,11 +113,15 @@ pub struct SceneFile {
 impl SceneFile {
     /// Reads and validates a scene file; `overrides` replace or add to its values.
     ///
-    /// Paths of mesh files become relative to the scene file's folder.
+    /// Paths of mesh files become relative to the scene file's folder. Where there is no file, the name
+    /// of a [`ShippedScene`] stands for it.
     ///
     /// # Errors
     /// Everything that is wrong with it, if anything is.
     pub fn read(path: &Path, overrides: &Overrides) -> Result<Self, SceneErrors> {
+        if let Some(shipped) = ShippedScene::named(path) {
+            return Self::parse(shipped.text, &shipped.path(), overrides);
+        }
         let text = problem::read_text(path)?;
         Self::parse(&text, path, overrides)
     }
@@ -135,7 +150,8 @@ impl SceneFile {
         mesh_check::check_obstacle(self, obstacle, mesh)
     }
 
-    /// Whether a surface starts outside of an obstacle, and the obstacle outside of the surface.
+    /// Whether a surface starts outside of an obstacle, and the obstacle outside of the surface, their
+    /// images included.
     ///
     /// # Errors
     /// If a vertex of one is inside of the other.
@@ -150,34 +166,37 @@ impl SceneFile {
         mesh_check::check_apart(self, numbers, surface_positions, obstacle_positions)
     }
 
-    /// A warning if a surface starts across another one.
-    ///
-    /// # Errors
-    /// If it starts inside of the other, and the driver knows no viscosities of nested surfaces.
+    /// A warning if a surface starts across another one, or across an image of it.
     pub fn check_outside(
         &self,
         numbers: [usize; 2],
         inner: Surface<'_, f64>,
         outer: Surface<'_, f64>,
-    ) -> Result<Option<SceneError>, SceneErrors> {
+    ) -> Option<SceneError> {
         mesh_check::check_outside(self, numbers, inner, outer)
     }
 
-    /// What is probably not meant about a surface and its mesh, scaled as the scene says.
+    /// Warnings about a surface and its mesh, scaled as the scene demands.
     pub fn mesh_warnings(&self, surface: usize, mesh: &MeshInfo) -> Vec<SceneError> {
         mesh_check::mesh_warnings(self, surface, mesh)
     }
 
-    /// Compares a surface's mesh with the one of a reference that it names.
+    /// A doubt about the mesh of an obstacle.
+    pub fn obstacle_warning(&self, obstacle: usize, mesh: &MeshInfo) -> Option<SceneError> {
+        mesh_check::obstacle_warning(self, obstacle, mesh)
+    }
+
+    /// Compares a surface's mesh with the one of the reference that an effect of it names.
     ///
     /// # Errors
     /// If the two do not have the same triangles.
     pub fn check_reference(
         &self,
         surface: usize,
+        effect: &str,
         mesh: &TriangleMesh,
         reference: &TriangleMesh,
     ) -> Result<(), SceneErrors> {
-        mesh_check::check_reference(self, surface, mesh, reference)
+        mesh_check::check_reference(self, surface, effect, mesh, reference)
     }
 }

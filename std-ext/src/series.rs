@@ -9,11 +9,14 @@
 use crate::io::replace_file;
 use std::fmt::Write as _;
 use std::fs::{self, File};
-use std::io::{self, BufRead, BufReader, Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
-/// What the first column is called.
+/// The name of the first column.
 pub const TIME: &str = "time";
+
+/// The name of the first column where there is no time.
+pub const ITERATION: &str = "iteration";
 
 /// Why a series cannot be written or read. The message is one line that starts with the file's
 /// name.
@@ -22,21 +25,21 @@ pub const TIME: &str = "time";
 pub struct SeriesError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: SeriesProblem,
 }
 
-/// What can be wrong with a series.
+/// Problems of a series.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SeriesProblem {
     /// The operating system refused to read or write the file.
     #[error("{0}")]
     Inaccessible(io::Error),
-    /// The first column is not the time.
-    #[error("the first column is `{found}`: it has to be `{TIME}`")]
+    /// The first column is neither the time nor the iteration.
+    #[error("the first column is `{found}`: it has to be `{TIME}` or `{ITERATION}`")]
     NoTime {
-        /// What it is.
+        /// The value found.
         found: String,
     },
     /// A name that CSV readers would take apart, or none.
@@ -71,7 +74,7 @@ pub enum SeriesProblem {
         line: u64,
         /// The column.
         column: String,
-        /// What is there.
+        /// The content found.
         found: String,
     },
     /// The file's columns are not those that the run goes on to write.
@@ -79,18 +82,30 @@ pub enum SeriesProblem {
     OtherColumns {
         /// The file's first line.
         found: String,
-        /// What it should be.
+        /// The expected content.
         expected: String,
     },
     /// Rows that the checkpoint knows are missing.
     #[error(
         "there are {found} complete rows, but the checkpoint was written after {expected}: the file \
-         was cut or replaced"
+         was cut, replaced or taken away; put it back, or begin another run"
     )]
     TooFewRows {
         /// How many there are.
         found: u64,
         /// How many there should be.
+        expected: u64,
+    },
+    /// Somebody else has written to the file.
+    #[error(
+        "the file has {found} bytes, and the run has written {expected}: another program has changed \
+         it, and no more rows are added; `--resume` goes on from the last checkpoint if the rows up to \
+         there are as they were"
+    )]
+    Changed {
+        /// How long it is.
+        found: u64,
+        /// How long the run has left it.
         expected: u64,
     },
     /// The bytes are no text, or a line is longer than any row can be.
@@ -130,7 +145,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// Starts a series with these columns, the first of them `time`; a file that was there is
+    /// Starts a series with these columns, the first of them `time` or `iteration`; a file that was there is
     /// replaced.
     ///
     /// # Errors
@@ -153,7 +168,15 @@ impl Series {
     pub fn resume(path: &Path, columns: &[&str], rows: u64) -> Result<Self, SeriesError> {
         let resume = || {
             let header = header(columns)?;
-            let mut lines = Lines::open(path)?;
+            let mut lines = match Lines::open(path) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                    return Err(SeriesProblem::TooFewRows {
+                        found: 0,
+                        expected: rows,
+                    });
+                }
+                lines => lines?,
+            };
             let found = lines.next()?.unwrap_or_default();
             if found != header.trim_end() {
                 return Err(SeriesProblem::OtherColumns {
@@ -182,7 +205,7 @@ impl Series {
     fn open(path: &Path, columns: &[&str], rows: u64, length: u64) -> Result<Self, SeriesProblem> {
         Ok(Self {
             path: path.to_owned(),
-            file: fs::OpenOptions::new().append(true).open(path)?,
+            file: Self::append_to(path)?,
             columns: columns.len(),
             rows,
             length,
@@ -211,6 +234,7 @@ impl Series {
             let _ = write!(self.line, "{separator}{value:?}");
         }
         self.line.push('\n');
+        self.keep().map_err(|problem| problem.of(&self.path))?;
         if let Err(error) = self.file.write_all(self.line.as_bytes()) {
             // Part of the row may be there: a full disk stops in the middle. If it cannot be taken
             // back, the readers pass over it.
@@ -226,12 +250,41 @@ impl Series {
     /// [`Self::resume`].
     ///
     /// # Errors
-    /// Whatever the operating system says of the disk.
-    pub fn mark(&self) -> Result<u64, SeriesError> {
-        match self.file.sync_data() {
-            Ok(()) => Ok(self.rows),
-            Err(error) => Err(SeriesProblem::Inaccessible(error).of(&self.path)),
+    /// Any error of the operating system, or a change of the file by another program.
+    pub fn mark(&mut self) -> Result<u64, SeriesError> {
+        let marked = self.keep().and_then(|()| Ok(self.file.sync_data()?));
+        marked.map_err(|problem| problem.of(&self.path))?;
+        Ok(self.rows)
+    }
+
+    /// Sees to it that the rows so far are in the file: if it was taken away, it is written anew from
+    /// what the operating system still has of it.
+    fn keep(&mut self) -> Result<(), SeriesProblem> {
+        let expected = self.length;
+        match fs::metadata(&self.path) {
+            Ok(metadata) if metadata.len() == expected => Ok(()),
+            Ok(metadata) => Err(SeriesProblem::Changed {
+                found: metadata.len(),
+                expected,
+            }),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let mut rows = Vec::new();
+                self.file.rewind()?;
+                self.file.read_to_end(&mut rows)?;
+                let found = rows.len() as u64;
+                if found != expected {
+                    return Err(SeriesProblem::Changed { found, expected });
+                }
+                replace_file(&self.path, |out| out.write_all(&rows))?;
+                self.file = Self::append_to(&self.path)?;
+                Ok(())
+            }
+            Err(error) => Err(error.into()),
         }
+    }
+
+    fn append_to(path: &Path) -> io::Result<File> {
+        fs::OpenOptions::new().read(true).append(true).open(path)
     }
 }
 
@@ -282,7 +335,7 @@ fn header(columns: &[&str]) -> Result<String, SeriesProblem> {
 
 fn check_names(columns: &[&str]) -> Result<(), SeriesProblem> {
     let first = columns.first().copied().unwrap_or_default();
-    if first != TIME {
+    if ![TIME, ITERATION].contains(&first) {
         let found = first.to_owned();
         return Err(SeriesProblem::NoTime { found });
     }

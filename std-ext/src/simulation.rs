@@ -4,21 +4,25 @@
 //! positions. [`crate::dynamics`] moves them, [`crate::run`] writes what becomes of them.
 
 mod build;
+mod crossing;
+mod once;
 mod placed;
-mod stretch;
 
 pub use build::{BuildError, build};
+pub use crossing::Crossing;
+pub(crate) use once::messages_once;
 
-use crate::dynamics::{Evaluation, Held, Membrane, Problem};
-use crate::effect::{Effect, EffectKind, Viscosity};
+use crate::contact::repel;
+use crate::dynamics::{Evaluation, Held, Membrane, Motion, Problem};
+use crate::effect::{Effect, Viscosity};
+use crate::execute::Parallel;
 use crate::flow::Membranes;
-use crate::scene::SceneError;
+use crate::scene::{Named, SceneError, Stretch, Stretching};
 use helfrich::interaction::RepulsionMemory;
-use helfrich::{Interaction, Quantity, Repulsion, Serial, Surface, TriangleMesh};
+use helfrich::{Images, Quantity, Repulsion, Surface, TriangleMesh};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stretch::Stretch;
 
 /// Surfaces under forces: what a driver drives.
 #[derive(Debug)]
@@ -26,9 +30,10 @@ pub struct Simulation {
     bodies: Vec<Body>,
     between: Vec<Between>,
     obstacles: Vec<Obstacle>,
+    images: Images<f64>,
     /// The connected component of each vertex, among those of all bodies.
     groups: Vec<u32>,
-    /// What is held exactly in some body; each has its own field of constraint gradients.
+    /// Quantities with an exact constraint in some body; each has its own field of constraint gradients.
     held: Vec<Quantity>,
     warnings: Vec<SceneError>,
 }
@@ -59,18 +64,19 @@ pub struct Obstacle {
     pub positions: Vec<[f64; 3]>,
 }
 
-/// Repulsion between some surfaces.
+/// Repulsion between some surfaces, and their images.
 #[derive(Debug)]
 struct Between {
     repulsion: Repulsion<f64>,
-    /// The bodies, two or more, in their order.
+    /// The bodies in their order: two or more, or one that has images.
     bodies: Vec<usize>,
     memory: RepulsionMemory<f64>,
+    execution: Parallel,
     evaluations: u64,
     time: Duration,
 }
 
-/// What one effect does at some positions.
+/// Energy and forces of one effect at some positions.
 #[derive(Clone, Debug)]
 pub struct Acting {
     /// The effect's name, which ends in the surface's where there are several.
@@ -83,7 +89,7 @@ pub struct Acting {
     pub force: Vec<[f64; 3]>,
 }
 
-/// What an effect has cost so far.
+/// The cost of an effect so far.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Cost {
     /// The effect, with the surface's name where there are several.
@@ -115,7 +121,7 @@ impl Body {
         self.vertices.clone()
     }
 
-    /// What acts on it, besides constraints.
+    /// The effects on it, without constraints.
     pub fn effects(&self) -> &[Effect] {
         &self.effects
     }
@@ -124,6 +130,11 @@ impl Body {
     pub fn stretching(&self) -> Option<(f64, [f64; 3])> {
         let stretch = self.stretch.as_ref()?;
         Some((stretch.force(), stretch.axis()))
+    }
+
+    /// Whether vertices may slide along the surface in a flow: it is fluid, and none is pulled.
+    pub fn slides(&self) -> bool {
+        self.membrane.motion == Motion::AlongNormals && self.stretch.is_none()
     }
 
     /// The surface at these positions of all surfaces; none if one of them is not finite.
@@ -143,7 +154,12 @@ impl Simulation {
         &self.obstacles
     }
 
-    /// What is probably not meant: the scene's warnings, and those that its meshes give reason for.
+    /// The periodic images of surfaces and obstacles in a box.
+    pub fn images(&self) -> &Images<f64> {
+        &self.images
+    }
+
+    /// Warnings of the scene and of its meshes.
     pub fn warnings(&self) -> &[SceneError] {
         &self.warnings
     }
@@ -166,7 +182,7 @@ impl Simulation {
         for body in &mut self.bodies {
             if let Some(stretch) = &mut body.stretch {
                 let loads = stretch.set(load);
-                let stretching = |effect: &&mut Effect| effect.kind() == EffectKind::Stretching;
+                let stretching = |effect: &&mut Effect| effect.name() == Stretching::NAME;
                 if let Some(effect) = body.effects.iter_mut().find(stretching) {
                     effect.replace(loads, &body.mesh);
                 }
@@ -178,14 +194,14 @@ impl Simulation {
     pub fn effect_names(&self) -> Vec<String> {
         let mut names = Vec::new();
         for body in &self.bodies {
-            let kinds = body.effects.iter().map(Effect::kind);
-            names.extend(kinds.map(|kind| self.label(kind.name(), body)));
+            let own = body.effects.iter().map(Effect::name);
+            names.extend(own.map(|name| self.label(name, body)));
         }
         names.extend((0..self.between.len()).map(|index| self.label_of_interaction(index)));
         names
     }
 
-    /// What each effect by itself does at these positions, in the order of
+    /// Energy and forces of each effect by itself at these positions, in the order of
     /// [`Self::effect_names`]: for files and pictures, and not counted as cost. Nothing if a
     /// position is not finite.
     pub fn resolve(&mut self, positions: &[[f64; 3]]) -> Vec<Acting> {
@@ -220,14 +236,14 @@ impl Simulation {
         acting
     }
 
-    /// What each effect has cost so far.
+    /// The cost of each effect so far.
     pub fn costs(&self) -> Vec<Cost> {
         let mut costs = Vec::new();
         for body in &self.bodies {
             for effect in &body.effects {
                 let (evaluations, time) = effect.cost();
                 costs.push(Cost {
-                    effect: self.label(effect.kind().name(), body),
+                    effect: self.label(effect.name(), body),
                     evaluations,
                     seconds: time.as_secs_f64(),
                 });
@@ -400,6 +416,12 @@ impl Between {
             first = vertices.end;
         }
         let (repulsion, memory) = (&self.repulsion, &mut self.memory);
-        Some(repulsion.add_force_and_energy(&Serial, &surfaces, memory, &mut forces))
+        Some(repel(
+            &self.execution,
+            repulsion,
+            &surfaces,
+            memory,
+            &mut forces,
+        ))
     }
 }

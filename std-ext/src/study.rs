@@ -2,22 +2,25 @@
 
 mod cache;
 mod errors;
+mod timing;
 
 pub use cache::{Cache, CacheError, CacheProblem, LoadedCache};
 pub use errors::ErrorFields;
 pub(crate) use errors::Reference;
+pub use timing::MOST_SCATTER;
+pub(crate) use timing::{Timing, is_scattered};
 
 use crate::execute::Parallel;
 use crate::generate::{self, AnyShape, Family, GenerateError, GeneratedMesh, generate};
-use crate::method::{BendingMethod, Evaluated, Evaluator};
+use crate::method::{BendingMethod, Evaluated, Evaluator, MethodOptions};
 use crate::scalar::{HeldPositions, Scalar};
 use errors::natural_scales;
 use helfrich::SurfaceError;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// What is compared with its exact value.
+/// A quantity that is compared with its exact value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub enum Quantity {
     /// Mean curvature.
@@ -45,19 +48,12 @@ impl Quantity {
 
     /// Whether a method says anything of this quantity.
     pub fn is_defined_by(self, method: BendingMethod) -> bool {
-        match method {
-            BendingMethod::KantorNelson => self == Self::ForceDensity,
-            BendingMethod::GompperKroll | BendingMethod::Juelicher => {
-                matches!(self, Self::Mean | Self::ForceDensity)
-            }
-            BendingMethod::Loop => self != Self::LaplacianOfMean,
-            // Those in strong form compute everything.
-            BendingMethod::Meyer
-            | BendingMethod::Belkin
-            | BendingMethod::Farutin
-            | BendingMethod::J4
-            | BendingMethod::J6
-            | BendingMethod::Jet => true,
+        let [mean, gaussian, laplacian] = method.description().defines;
+        match self {
+            Self::Mean => mean,
+            Self::Gaussian => gaussian,
+            Self::LaplacianOfMean => laplacian,
+            Self::ForceDensity => true,
         }
     }
 
@@ -72,7 +68,7 @@ impl Quantity {
     }
 }
 
-/// What a study covers: every combination of what is listed.
+/// A study: every combination of the listed values.
 #[derive(Clone, Debug)]
 pub struct Study {
     /// The exact shape.
@@ -83,6 +79,8 @@ pub struct Study {
     pub vertices: Vec<usize>,
     /// The methods.
     pub methods: Vec<BendingMethod>,
+    /// Options of the methods; each takes those that it has.
+    pub options: MethodOptions,
     /// The number types.
     pub scalars: Vec<Scalar>,
     /// Bending modulus κ.
@@ -102,9 +100,12 @@ pub struct Row {
     pub vertices: usize,
     /// The method.
     pub method: BendingMethod,
+    /// Its options that are not the default ones.
+    #[serde(flatten)]
+    pub options: MethodOptions,
     /// The number type.
     pub scalar: Scalar,
-    /// What is compared.
+    /// The quantity compared.
     pub quantity: Quantity,
     /// Largest error over the vertices, relative to the largest exact value, or to what the
     /// shape's size gives (1/R³, κ/R³) where the exact value vanishes. Infinite, which JSON writes
@@ -118,18 +119,20 @@ pub struct Row {
     pub order_mean: Option<f64>,
     /// Median time of one evaluation on one thread, nanoseconds a vertex.
     pub ns_per_vertex: f64,
-    /// What plan, memory and forces of the method take beside mesh and positions, bytes a vertex;
-    /// `None` if nobody counts them.
+    /// Distance of the quartiles of that time over their median; see [`Self::is_scattered`].
+    pub ns_scatter: f64,
+    /// Memory of workspace and forces of the method, without mesh and positions, in bytes per
+    /// vertex; `None` if it is not counted.
     pub bytes_per_vertex: Option<f64>,
 }
 
-/// What a study has beside it while it runs.
+/// The surroundings of a running study: progress, interruption, cache.
 pub struct Session<'a> {
     /// Hears of every step.
     pub progress: &'a mut dyn FnMut(Progress<'_>),
     /// Whether to stop; asked before each measurement. What is measured by then is returned.
     pub interrupted: &'a dyn Fn() -> bool,
-    /// What was measured before; takes what is measured now.
+    /// Earlier measurements, to which new ones are added.
     pub cache: Option<&'a mut Cache>,
     /// How many bytes the program has allocated; without it memory is not measured.
     pub allocated: Option<&'a dyn Fn() -> usize>,
@@ -149,7 +152,7 @@ pub struct Progress<'a> {
     pub done: u64,
     /// All work, in vertices.
     pub total: u64,
-    /// What is being worked on.
+    /// The current work.
     pub at: &'a str,
 }
 
@@ -180,7 +183,7 @@ pub enum StudyError {
         vertices: usize,
         /// The number type.
         scalar: Scalar,
-        /// What is wrong.
+        /// The problem.
         source: SurfaceError,
     },
 }
@@ -324,6 +327,12 @@ impl Study {
 }
 
 impl Row {
+    /// Whether the times that were measured scatter by more than [`MOST_SCATTER`], as on a machine with
+    /// other work: then their median says little, and is not kept for the next time.
+    pub fn is_scattered(&self) -> bool {
+        is_scattered(self.ns_scatter)
+    }
+
     /// The orders against the last earlier row of the same kind, which has fewer vertices.
     fn set_orders(&mut self, earlier: &[Self]) {
         let coarser = earlier.iter().rev().find(|row| {
@@ -364,18 +373,30 @@ struct Level {
     made: Option<(GeneratedMesh, Reference)>,
 }
 
-/// What is measured of one method on one mesh.
+/// The measurements of one method on one mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Measured {
     vertices: usize,
     ns_per_vertex: f64,
+    ns_scatter: f64,
     bytes_per_vertex: Option<f64>,
     /// Largest and mean error of each quantity that is defined, in the order of [`Quantity::ALL`].
     errors: Vec<[f64; 2]>,
 }
 
+impl Measured {
+    /// Keeps it for the next time, unless its times scatter: then it is measured again.
+    fn keep(&self, key: String, cache: Option<&mut Cache>) {
+        if let Some(cache) = cache
+            && !is_scattered(self.ns_scatter)
+        {
+            cache.insert(key, self);
+        }
+    }
+}
+
 impl Case<'_> {
-    /// What tells a measurement from every other; f64 as its bits.
+    /// The identity of a measurement; an f64 as its bits.
     fn key(self, asked: usize) -> String {
         let Self {
             study,
@@ -385,7 +406,8 @@ impl Case<'_> {
         } = self;
         let (shape, seed) = (study.shape, study.seed);
         let modulus = study.modulus.to_bits();
-        format!("study {shape} {family} {asked} {seed} {method} {scalar} {modulus:x}")
+        let options = study.options.of(method);
+        format!("study {shape} {family} {asked} {seed} {method} {options} {scalar} {modulus:x}")
     }
 
     /// From the session's cache, or measured.
@@ -407,9 +429,7 @@ impl Case<'_> {
                     scalar: self.scalar,
                     source,
                 })?;
-                if let Some(cache) = &mut session.cache {
-                    cache.insert(key, &measured);
-                }
+                measured.keep(key, session.cache.as_deref_mut());
                 measured
             }
             // A mesh is made wherever anything is missing.
@@ -422,6 +442,7 @@ impl Case<'_> {
             family: self.family.name(),
             vertices: level.vertices,
             method: self.method,
+            options: self.study.options.of(self.method),
             scalar: self.scalar,
             quantity,
             max,
@@ -429,6 +450,7 @@ impl Case<'_> {
             order_max: None,
             order_mean: None,
             ns_per_vertex: measured.ns_per_vertex,
+            ns_scatter: measured.ns_scatter,
             bytes_per_vertex: measured.bytes_per_vertex,
         };
         Ok(quantities.zip(&measured.errors).map(row).collect())
@@ -445,21 +467,24 @@ impl Case<'_> {
         let before = allocated.map(|allocated| allocated());
         let modulus = T::constant(self.study.modulus);
         // Of one thread: what others leave of the rest would be measured, too.
+        let threads = Parallel::single();
+        let options = &self.study.options;
         let mut evaluator =
-            Evaluator::on_threads(self.method, modulus, &mesh.mesh, Parallel::single());
+            Evaluator::with_options(self.method, options, modulus, &mesh.mesh, threads);
         let start = Instant::now();
         evaluator.evaluate(surface);
         let first = start.elapsed();
         let bytes = allocated.zip(before);
         let bytes = bytes.map(|(allocated, before)| allocated().saturating_sub(before) as f64);
-        let time = median_time(first, || evaluator.evaluate(surface));
+        let time = Timing::of_runs(first, || evaluator.evaluate(surface));
         let fields = evaluator.last_fields(surface);
         let vertices = mesh.mesh.vertex_count();
         let defined = |quantity: &Quantity| quantity.is_defined_by(self.method);
         let quantities = Quantity::ALL.into_iter().filter(defined);
         Ok(Measured {
             vertices,
-            ns_per_vertex: time.as_secs_f64() * 1e9 / vertices as f64,
+            ns_per_vertex: time.median.as_secs_f64() * 1e9 / vertices as f64,
+            ns_scatter: time.scatter,
             bytes_per_vertex: bytes.map(|bytes| bytes / vertices as f64),
             errors: quantities
                 .map(|quantity| exact.errors(&fields, quantity))
@@ -468,23 +493,37 @@ impl Case<'_> {
     }
 }
 
-/// Median over as many runs as fit into a short while, three at least; fewer of those that are long
-/// enough for what disturbs them to be short: two from 0.1 s on, and one from 0.4 s on. Memory is warm:
-/// there was a run before, which took `first`.
-pub(crate) fn median_time(first: Duration, mut run: impl FnMut()) -> Duration {
-    const WHILE: Duration = Duration::from_millis(40);
-    let fewest = match first.as_millis() {
-        400.. => 1,
-        100.. => 2,
-        _ => 3,
-    };
-    let start = Instant::now();
-    let mut times = Vec::new();
-    while times.len() < fewest || (start.elapsed() < WHILE && times.len() < 1000) {
-        let one = Instant::now();
-        run();
-        times.push(one.elapsed());
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::provenance::{Build, Provenance};
+
+    #[test]
+    fn what_scatters_is_not_kept() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("cache");
+        let provenance = Provenance::here(Build {
+            commit: "",
+            compiler: "",
+            profile: "",
+            flags: "",
+            target: "",
+        });
+        let measured = |ns_scatter| Measured {
+            vertices: 42,
+            ns_per_vertex: 100.0,
+            ns_scatter,
+            bytes_per_vertex: None,
+            errors: vec![[0.2, 0.1]],
+        };
+        let open = || Cache::open(&path, &provenance).expect("a cache").cache;
+        let mut cache = open();
+        for (name, scatter) in [("steady", 0.1), ("scattered", 0.3), ("none", f64::NAN)] {
+            measured(scatter).keep(name.to_owned(), Some(&mut cache));
+        }
+        cache.save().expect("a file");
+        drop(cache);
+        let kept = ["steady", "scattered", "none"].map(|name| open().get::<Measured>(name));
+        assert_eq!(kept.map(|kept| kept.is_some()), [true, false, false]);
     }
-    times.sort_unstable();
-    times[(times.len() - 1) / 2]
 }

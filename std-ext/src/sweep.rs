@@ -7,15 +7,16 @@
 //! * `COLUMN.png` for each chosen column: the series of all runs over each other, beside what was
 //!   published.
 //!
-//! What goes wrong in one run is noted, and the next one begins.
+//! A failed run is recorded, and the next one starts.
 
 mod table;
 mod vary;
 
 pub use vary::{Vary, VarySyntaxError};
 
+use crate::lock::{Lock, LockError};
 use crate::plots::{PlotError, read_curves};
-use crate::run::{CHECKPOINT, End, Progress, RunError, run};
+use crate::run::{CHECKPOINT, End, Progress, RunError, SUMMARY, fingerprint, run};
 use crate::scene::{OverrideSyntaxError, Overrides, Scene, SceneErrors, SceneFile};
 use crate::series::SeriesTable;
 use crate::simulation::build;
@@ -37,7 +38,7 @@ pub struct Sweep {
     pub scene: PathBuf,
     /// Values that all runs share, as [`Overrides`] has them.
     pub set: Vec<String>,
-    /// Those that vary; the last varies fastest.
+    /// The keys that vary; the last varies fastest.
     pub vary: Vec<Vary>,
     /// Columns of the series to show, `NAME` for all `NAME_SURFACE`; if there are none, those of the
     /// scene's plots, or else the first few.
@@ -84,6 +85,9 @@ pub enum SweepError {
         /// The folder of one.
         folder: PathBuf,
     },
+    /// Another process writes to the folder.
+    #[error(transparent)]
+    Lock(#[from] LockError),
     /// A run's output cannot be written.
     #[error(transparent)]
     Run(RunError),
@@ -100,7 +104,7 @@ pub enum SweepError {
     Unwritable {
         /// The file or folder.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
 }
@@ -110,7 +114,10 @@ impl SweepError {
     pub fn is_output(&self) -> bool {
         matches!(
             self,
-            Self::Run(_) | Self::Plot { .. } | Self::Unwritable { .. }
+            Self::Run(_)
+                | Self::Plot { .. }
+                | Self::Unwritable { .. }
+                | Self::Lock(LockError::Inaccessible { .. })
         )
     }
 }
@@ -134,24 +141,24 @@ impl SweepProgress<'_> {
     }
 }
 
-/// What has become of all combinations.
+/// The outcome of all combinations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Swept {
-    /// What varied, as short as tells the keys apart.
+    /// The names of the keys, shortened as far as they stay distinct.
     pub keys: Vec<String>,
     /// The chosen columns that some run has.
     pub columns: Vec<String>,
-    /// Those that none has, and all that there are: empty as long as no run has ended.
+    /// Columns that no run has, and all columns that exist; empty until a run has ended.
     pub unknown: Vec<String>,
     /// All columns of all runs.
     pub known: Vec<String>,
     /// In the order of [`Sweep::cases`].
     pub cases: Vec<(Case, Outcome)>,
-    /// What is worth knowing besides, of published curves that cannot be read for one.
+    /// Further warnings, for example about published curves that cannot be read.
     pub warnings: Vec<String>,
 }
 
-/// What has become of a combination.
+/// The outcome of a combination.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// It was run, now or before.
@@ -162,7 +169,7 @@ pub enum Outcome {
     Waiting,
 }
 
-/// What a run has come to.
+/// The result of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ended {
     /// How it ended.
@@ -179,7 +186,7 @@ pub struct Ended {
     pub bending: Option<f64>,
     /// The series.
     pub series: SeriesTable,
-    /// What is worth knowing besides.
+    /// Further warnings.
     pub warnings: Vec<String>,
 }
 
@@ -194,7 +201,7 @@ impl Ended {
     }
 }
 
-/// What is read of a `summary.json`.
+/// The part of a `summary.json` that is read.
 #[derive(Deserialize)]
 struct Summary {
     end: End,
@@ -204,6 +211,7 @@ struct Summary {
     seconds: f64,
     effects: Vec<Cost>,
     warnings: Vec<String>,
+    fingerprint: String,
     scene: serde_json::Value,
 }
 
@@ -306,9 +314,11 @@ impl Sweep {
             path: folder.to_owned(),
             source,
         })?;
+        let lock = Lock::of_folder(folder)?;
         let count = cases.len();
         let waiting = cases.into_iter().map(|case| (case, Outcome::Waiting));
         let mut swept = Swept::new(self, waiting.collect());
+        swept.warnings.extend(lock.warning().map(str::to_owned));
         let mut published = Vec::new();
         for plot in &scene.output.plots {
             let curves = plot.published.as_deref().map(read_curves).transpose();
@@ -355,23 +365,21 @@ impl Sweep {
         let of_case = |error: &dyn ToString| Trouble::Case(error.to_string());
         let file = self.read(case).map_err(|error| of_case(&error))?;
         let file = file.map_err(|error| of_case(&error))?;
-        let summary = folder.join("summary.json");
-        if resume && summary.exists() {
-            let (ended, scene) = read_ended(folder).map_err(Trouble::Case)?;
-            if ended.end != End::Interrupted {
-                return if scene == as_read_back(&file.scene) {
-                    Ok(ended)
-                } else {
-                    let message = "the run that is there is of another scene";
-                    Err(Trouble::Case(message.to_owned()))
-                };
+        let ready = build(&file).map_err(|error| of_case(&error))?;
+        if resume && folder.join(SUMMARY).exists() {
+            let (ended, summary) = read_ended(folder).map_err(Trouble::Case)?;
+            let (simulation, positions) = &ready;
+            let own = fingerprint(&file.scene, simulation, positions);
+            let own = own.map_err(|error| of_case(&error))?;
+            if summary.fingerprint != own.to_hex() {
+                let message = "the run that is there is of another scene";
+                return Err(Trouble::Case(message.to_owned()));
+            }
+            if ended.end != End::Interrupted && summary.scene == as_read_back(&file.scene) {
+                return Ok(ended);
             }
         }
-        let ready = build(&file).map_err(|error| of_case(&error))?;
-        let goes_on = resume && folder.join(CHECKPOINT).exists();
-        if resume && !goes_on {
-            remove_beginning(&folder.join("series.csv"));
-        }
+        let goes_on = resume && folder.is_dir();
         match run(&file.scene, ready, folder, goes_on, interrupted, progress) {
             Ok(_) => Ok(read_ended(folder).map_err(Trouble::Case)?.0),
             Err(error) if error.is_output() => Err(Trouble::Sweep(SweepError::Run(error))),
@@ -380,23 +388,15 @@ impl Sweep {
     }
 }
 
-/// What ends a run, or the sweep with it.
+/// A failure of a run, or of the whole sweep.
 enum Trouble {
     Case(String),
     Sweep(SweepError),
 }
 
-/// Takes away the series of a run that was killed before its first checkpoint: one row, which will be
-/// there again.
-fn remove_beginning(series: &Path) {
-    if SeriesTable::read(series).is_ok_and(|table| table.rows.len() <= 1) {
-        let _ = fs::remove_file(series);
-    }
-}
-
-/// What a run has left, and the scene that it was run with.
-fn read_ended(folder: &Path) -> Result<(Ended, serde_json::Value), String> {
-    let path = folder.join("summary.json");
+/// The result of an earlier run, and its scene.
+fn read_ended(folder: &Path) -> Result<(Ended, RunScene), String> {
+    let path = folder.join(SUMMARY);
     let unreadable = |error: &dyn ToString| format!("{}: {}", path.display(), error.to_string());
     let text = fs::read_to_string(&path).map_err(|error| unreadable(&error))?;
     let summary: Summary = serde_json::from_str(&text).map_err(|error| unreadable(&error))?;
@@ -417,7 +417,19 @@ fn read_ended(folder: &Path) -> Result<(Ended, serde_json::Value), String> {
         series,
         warnings: summary.warnings,
     };
-    Ok((ended, summary.scene))
+    let scene = RunScene {
+        fingerprint: summary.fingerprint,
+        scene: summary.scene,
+    };
+    Ok((ended, scene))
+}
+
+/// The scene that a run was one of.
+struct RunScene {
+    /// The fingerprint that continuations share.
+    fingerprint: String,
+    /// As a summary gives it back.
+    scene: serde_json::Value,
 }
 
 /// A scene as a summary gives it back, numbers through the same parser.

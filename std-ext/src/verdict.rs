@@ -5,7 +5,7 @@ use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 use std::fmt;
 
-/// What refinement does to an error.
+/// The convergence of an error under refinement.
 ///
 /// The rule: p is the slope of the least-squares line through ln error over ln h, h = N^(−1/2), of
 /// the three finest meshes (of two, if there are no more). With p of the largest error and p of the
@@ -65,13 +65,13 @@ pub struct Verdict {
     pub scalar: Scalar,
     /// The method.
     pub method: BendingMethod,
-    /// What was compared.
+    /// The quantity compared.
     pub quantity: Quantity,
     /// Order of the largest error over the finest meshes.
     pub order_max: f64,
     /// Order of the mean error over the finest meshes.
     pub order_mean: f64,
-    /// What follows.
+    /// The verdict.
     pub convergence: Convergence,
 }
 

@@ -2,8 +2,7 @@
 
 use helfrich::shapes::{ExactPoint, Shape};
 use helfrich::{
-    Cotangent, Curvature, DualArea, Energy, Force, LaplaceBeltrami, Method, Prepared, Serial,
-    StrongForm, Surface,
+    Cotangent, Curvature, DualArea, Energy, Force, LaplaceBeltrami, Prepared, StrongForm, Surface,
 };
 use helfrich_std::generate::GeneratedMesh;
 
@@ -48,12 +47,8 @@ pub fn exact_points(made: &GeneratedMesh) -> Vec<ExactPoint<f64>> {
 
 /// n, H, K and mixed areas, by the cotangent operator.
 pub fn cotangent_curvature(surface: Surface<'_, f64>) -> Vec<Curvature<f64>> {
-    let operator = Cotangent::new(DualArea::Mixed);
-    let mut curvature = vec![Curvature::default(); surface.mesh().vertex_count()];
-    let plan = Method::<f64>::plan(&operator, surface.mesh());
-    let mut memory = Default::default();
-    operator.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
-    curvature
+    let mut cotangent = Prepared::new(Cotangent::new(DualArea::Mixed), surface.mesh());
+    cotangent.curvatures(surface).to_vec()
 }
 
 /// Errors of values at the vertices.

@@ -6,8 +6,8 @@
 
 use crate::meshes::Mesh;
 use helfrich::{
-    ControlPoints, Cotangent, DualArea, Energy, Finding, Force, HeatKernel, Jet, LaplaceBeltrami,
-    Paraboloid, Prepared, Real, Surface, TriangleMesh,
+    Bandwidth, ControlPoints, Cotangent, DualArea, Energy, Finding, Force, HeatKernel, Jet,
+    LaplaceBeltrami, Paraboloid, Prepared, Real, Surface, TriangleMesh,
 };
 
 mod candidates;
@@ -17,12 +17,12 @@ mod invariance;
 mod operators;
 
 pub use candidates::{
-    Candidate, ConservativeCandidate, Hinged, LengthTimesAngle, SquaredLaplacian, StrongCotangent,
-    StrongHeatKernel, StrongJet, StrongParaboloid, Subdivided, Sum,
+    AveragedNormal, Candidate, ConservativeCandidate, Hinged, LengthTimesAngle, SquaredLaplacian,
+    StrongCotangent, StrongHeatKernel, StrongJet, StrongParaboloid, Subdivided, Sum,
 };
 pub use finite::Finite;
 pub use gradient::{Balanced, ForceIsDifference, ForceIsGradient, check_gradient, imbalance, net};
-pub use invariance::{Invariant, ScaleFree, ScaleFreeSingle};
+pub use invariance::{Invariant, InvariantFits, ScaleFree, ScaleFreeSingle};
 pub use operators::{
     ConstantsVanish, CurvatureFollows, LaplacianFollows, Measured, RowsAgree, check_operator,
     findings_on_small_meshes,
@@ -58,6 +58,7 @@ pub fn for_each_conservative(law: &mut impl ConservativeLaw) {
     law.check(SquaredLaplacian(DualArea::Mixed));
     law.check(SquaredLaplacian(DualArea::Barycentric));
     law.check(LengthTimesAngle);
+    law.check(AveragedNormal);
     law.check(Subdivided(ControlPoints::Nodes));
     law.check(Subdivided(ControlPoints::Interpolated));
     law.check(Subdivided(ControlPoints::Sharpened));
@@ -77,7 +78,8 @@ pub fn for_each(law: &mut impl Law) {
     law.check(StrongCotangent(DualArea::Mixed));
     law.check(StrongCotangent(DualArea::Voronoi));
     law.check(StrongCotangent(DualArea::Barycentric));
-    law.check(StrongHeatKernel);
+    law.check(StrongHeatKernel { published: false });
+    law.check(StrongHeatKernel { published: true });
     law.check(StrongParaboloid { guarded: false });
     law.check(StrongParaboloid { guarded: true });
     law.check(StrongJet::J4);
@@ -93,6 +95,8 @@ pub fn for_each_operator(law: &mut impl OperatorLaw) {
         Cotangent::new(DualArea::Barycentric),
     );
     law.check("heat kernel", HeatKernel::default());
+    let published = HeatKernel::new(Bandwidth::MixedArea(1.0));
+    law.check("heat kernel, published bandwidth", published);
     law.check("paraboloid", Paraboloid::default());
     law.check("paraboloid, guarded", Paraboloid::guarded());
     law.check("jet, degree 4", Jet::j4());

@@ -8,6 +8,7 @@ pub mod meshes;
 pub mod potentials;
 pub mod quadrature;
 pub mod refused;
+pub mod star;
 pub mod tolerance;
 
 /// The README's examples, compiled and run.
@@ -15,3 +16,9 @@ pub mod tolerance;
 #[doc = include_str!("../../README.md")]
 #[derive(Debug)]
 pub struct Readme;
+
+/// The examples of the guide to embedding, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/EMBEDDING.md")]
+#[derive(Debug)]
+pub struct Embedding;

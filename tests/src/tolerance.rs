@@ -115,6 +115,12 @@ pub const INVARIANCE: Tolerance = Tolerance::new(
     1e-11,
     "the moved positions are rounded, and bending forces divide that by an edge length up to four times",
 );
+/// Rotation and relabelling of methods that fit, on meshes of a few vertices, too.
+pub const FIT_INVARIANCE: Tolerance = Tolerance::new(
+    1e-8,
+    "the worst fits that are taken have a condition of 1/√ε = 7e7, by which they multiply the rounding of \
+     1e-16 of positions",
+);
 /// The same in f32.
 pub const INVARIANCE_SINGLE: Tolerance = Tolerance::new(5e-3, "as in f64, from a rounding of 6e-8");
 /// Gauss–Bonnet, relative to the sum of all absolute angles.
@@ -145,8 +151,9 @@ pub const EIGENFUNCTION_MEAN: Tolerance = Tolerance::new(
 );
 /// Net force and torque of the strong form on a smooth mesh of 642 vertices, relative to Σ|F|.
 pub const STRONG_BALANCE: Tolerance = Tolerance::new(
-    3e-3,
-    "forces are pointwise values times areas, no gradient: they balance as the mesh is refined",
+    4e-3,
+    "forces are pointwise values times areas, no gradient: they balance as the mesh is refined, those \
+     of the heat kernel of a quarter of an area least of all",
 );
 
 /// What a method finds on the icosphere of 2562 vertices.
@@ -183,13 +190,13 @@ pub const ON_SPHERE: &[OnSphere] = &[
         density: HINGED_SPHERE_DENSITY,
     },
     OnSphere {
-        method: "Gompper-Kroll",
+        method: "Gompper-Kroll, Voronoi areas",
         energy: 1.0,
         energy_error: SPHERE_ENERGY,
         density: GRADIENT_SPHERE_DENSITY,
     },
     OnSphere {
-        method: "Gompper-Kroll, mixed areas",
+        method: "Gompper-Kroll",
         energy: 1.0,
         energy_error: SPHERE_ENERGY,
         density: GRADIENT_SPHERE_DENSITY,
@@ -231,7 +238,19 @@ pub const ON_SPHERE: &[OnSphere] = &[
         density: EDGE_SPHERE_DENSITY,
     },
     OnSphere {
+        method: "Hamann",
+        energy: 1.0,
+        energy_error: AVERAGED_SPHERE_ENERGY,
+        density: AVERAGED_SPHERE_DENSITY,
+    },
+    OnSphere {
         method: "Belkin",
+        energy: 1.0,
+        energy_error: KERNEL_SPHERE_ENERGY,
+        density: NARROW_KERNEL_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Belkin, published bandwidth",
         energy: 1.0,
         energy_error: KERNEL_SPHERE_ENERGY,
         density: KERNEL_SPHERE_DENSITY,
@@ -302,6 +321,14 @@ const EDGE_SPHERE_DENSITY: Tolerance = Tolerance::new(
     300.0,
     "H is 14.6 % wrong at vertices of valence 5: diverges there as 1/area",
 );
+const AVERAGED_SPHERE_ENERGY: Tolerance = Tolerance::new(
+    1.5e-2,
+    "first order: over uneven rings the averaged normal is off by a part of h/R = 0.07, and E has H²",
+);
+const AVERAGED_SPHERE_DENSITY: Tolerance = Tolerance::new(
+    1.2e3,
+    "the gradient of normals and barycentric areas does not converge: diverges as 1/area",
+);
 const KERNEL_SPHERE_ENERGY: Tolerance = Tolerance::new(
     4e-3,
     "H is second order, as the kernel and the paraboloid see the fourth derivative of the shape",
@@ -309,6 +336,11 @@ const KERNEL_SPHERE_ENERGY: Tolerance = Tolerance::new(
 const KERNEL_SPHERE_DENSITY: Tolerance = Tolerance::new(
     2.0,
     "H jumps by 4e-3 at vertices of valence 5, and over h = A that grows with refinement",
+);
+const NARROW_KERNEL_SPHERE_DENSITY: Tolerance = Tolerance::new(
+    8.0,
+    "the same at h = A/2: H jumps by more where the kernel averages over fewer neighbours, twice that \
+     over h",
 );
 const PARABOLOID_SPHERE_DENSITY: Tolerance = Tolerance::new(
     0.4,
@@ -381,6 +413,11 @@ pub const SINGLE_PRECISION: &[SinglePrecision] = &[
         method: "Jülicher",
         energy: SINGLE_ENERGY,
         force: SINGLE_HINGED,
+    },
+    SinglePrecision {
+        method: "Hamann",
+        energy: SINGLE_ENERGY,
+        force: SINGLE_LAPLACIAN,
     },
     SinglePrecision {
         method: "Loop",
@@ -463,12 +500,15 @@ pub const RIGID_MOTION: Tolerance = Tolerance::new(
 /// Energy of method S with sharpened or hybrid control points on smooth discocytes, relative.
 pub const LOOP_DISCOCYTE_642: Tolerance = Tolerance::new(
     1.5e-3,
-    "fourth order away from twelve extraordinary vertices; measured 1.0e-3",
+    "the term of fourth order over an edge, (hκ)⁴/4!, is 1.2e-3 on average over the energy (h = 0.126 R, κ \
+     the larger curvature); edges differ by a tenth",
 );
 /// The same with four times the vertices.
-pub const LOOP_DISCOCYTE_2562: Tolerance = Tolerance::new(1.2e-4, "measured 7e-5");
+pub const LOOP_DISCOCYTE_2562: Tolerance =
+    Tolerance::new(1.5e-3 / 16.0, "fourth order: edges of a half");
 /// The same with sixteen times the vertices.
-pub const LOOP_DISCOCYTE_10242: Tolerance = Tolerance::new(1e-5, "measured 5e-6");
+pub const LOOP_DISCOCYTE_10242: Tolerance =
+    Tolerance::new(1.5e-3 / 256.0, "fourth order: edges of a quarter");
 /// Energy of method S in f32 against f64, relative.
 pub const LOOP_SINGLE: Tolerance = Tolerance::new(
     1e-6,
@@ -541,7 +581,13 @@ pub const VESICLE_ENERGY: Tolerance = Tolerance::new(
     7e-3,
     "second order: the area and volume that are held are those of the polyhedron",
 );
-/// The same of 642 vertices.
+/// The estimate of the energy by jets of degree 6 on curved triangles, of 2562 vertices.
+pub const VESICLE_ESTIMATE: Tolerance = Tolerance::new(
+    1e-3,
+    "fourth order, and of second order in the distance of the shape from the equilibrium; theory has \
+     five digits",
+);
+/// The energy of the method itself, of 642 vertices.
 pub const COARSE_VESICLE_ENERGY: Tolerance = Tolerance::new(
     2e-2,
     "four times that of 2562 vertices, less what methods share",
@@ -764,8 +810,7 @@ pub const CAPSULE_TRANSIENT: Tolerance = Tolerance::new(
     "the curve was digitised to 0.002, and 1280 triangles are off by 0.002 with method B",
 );
 /// D in steady states against the independent computation on the same mesh, absolute.
-pub const CAPSULE_REFERENCE: Tolerance =
-    Tolerance::new(1e-3, "the prototype's own uncertainty is half of that");
+pub const CAPSULE_REFERENCE: Tolerance = Tolerance::new(5e-4, "the prototype's own uncertainty");
 /// Inclination against the independent computation, relative.
 pub const CAPSULE_INCLINATION: Tolerance = Tolerance::new(1e-2, "it is given to 0.1 degrees");
 /// D with Loop subdivision on 320 triangles against the paper's, absolute.
@@ -775,6 +820,11 @@ pub const CAPSULE_SUBDIVISION: Tolerance =
 pub const CAPSULE_SLOPE: Tolerance = Tolerance::new(
     1e-2,
     "1280 triangles, and the next order of the capillary number, of half a percent each",
+);
+/// D of a drop at a capillary number of 0.02 against linear theory, relative.
+pub const DROP_TAYLOR: Tolerance = Tolerance::new(
+    2e-2,
+    "1280 triangles; a fourth of it is left on four times as many",
 );
 /// The same on 320 triangles.
 pub const CAPSULE_VISCOUS: Tolerance =
@@ -829,6 +879,22 @@ pub const IMMERSED_COARSE: Tolerance = Tolerance::new(
 pub const IMMERSED_SINGLE: Tolerance = Tolerance::new(
     1e-3,
     "populations deviate from rest by 1e-3 and are rounded at 6e-8 of it a step, for a thousand steps",
+);
+/// Strain of viscous membranes that are as good as rigid, by their viscosity, relative.
+pub const LATTICE_STIFF: Tolerance = Tolerance::new(
+    0.05,
+    "flows of higher order than strain, of which a box of four radii has many, give way by a little more",
+);
+/// Growth of the deformation of a viscous membrane on a lattice of five nodes a radius, relative.
+pub const IMMERSED_VISCOUS: Tolerance = Tolerance::new(
+    0.04,
+    "a box of seven radii adds 1.5 (a/L)³/D, about 3 % of it in elastic capsules, and vertices that \
+     are spread over nodes make it larger by some percent",
+);
+/// D of bodies in each other on a lattice in another order of the surfaces, relative.
+pub const NESTED_ORDER: Tolerance = Tolerance::new(
+    1e-10,
+    "forces on nodes are summed in another order, for a few hundred steps",
 );
 /// Velocities in a channel of 32 nodes, relative to the one in the middle.
 pub const IMMERSED_PROBE: Tolerance = Tolerance::new(

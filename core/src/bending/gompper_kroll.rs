@@ -4,10 +4,13 @@
 //! C. Itzykson, in: Random Surfaces and Quantum Gravity (1986). The gradient is our own.
 
 use crate::bending::SpontaneousCurvature;
+use crate::curvature::{Curvature, Curvatures};
+use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::lane::Lane;
+use crate::laplacian::{Cotangent, VertexSums};
 use crate::mesh::{TriangleMesh, VertexKind};
+use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
 use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::{Barycentric, DualArea, Kind, Mixed, Triangle, Voronoi};
@@ -30,44 +33,42 @@ pub struct GompperKroll<T> {
     pub modulus: T,
     /// Spontaneous curvature H0.
     pub spontaneous_curvature: SpontaneousCurvature<T>,
-    /// The areas A_i. With `Voronoi`, the method as published, the energy is unbounded below where
-    /// obtuse triangles make an area negative; `Mixed` areas are positive and the choice for
-    /// dynamics; with `Barycentric` ones forces do not converge, even on a sphere.
+    /// The areas A_i. `Mixed` areas are positive on every mesh. With `Voronoi`, the method as
+    /// published, the energy is unbounded below where obtuse triangles make an area negative; with
+    /// `Barycentric` forces do not converge, even on a sphere.
     pub area: DualArea,
 }
 
 impl<T: Real> GompperKroll<T> {
-    /// The method as published: signed Voronoi areas.
+    /// The method with mixed areas, which are positive on every mesh.
     pub fn new(modulus: T) -> Self {
+        Self::with_areas(modulus, DualArea::Mixed)
+    }
+
+    /// The method with other areas; with [`DualArea::Voronoi`] as published.
+    pub fn with_areas(modulus: T, area: DualArea) -> Self {
         Self {
             modulus,
             spontaneous_curvature: SpontaneousCurvature::default(),
-            area: DualArea::Voronoi,
+            area,
         }
     }
 
-    /// With areas that stay positive on every mesh.
-    pub fn with_mixed_areas(modulus: T) -> Self {
-        Self {
-            modulus,
-            spontaneous_curvature: SpontaneousCurvature::default(),
-            area: DualArea::Mixed,
-        }
-    }
-
-    /// Sets `mean` to `H_i = L_i·n_i / (2 A_i)` at every vertex, for any unit vectors n_i; 0 at
+    /// Sets `mean` to `H_i = L_i·n_i / (2 A_i)` at every vertex, for unit vectors n_i from elsewhere, such as those of the exact surface; 0 at
     /// vertices that are not interior or have no area.
     ///
     /// # Panics
-    /// If `normals` or `mean` have fewer entries than the surface has vertices.
-    pub fn mean_curvature(
+    /// If `normals` or `mean` have fewer entries than the surface has vertices, or the surface
+    /// another mesh than that of the workspace.
+    pub fn mean_curvature_along(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
-        memory: &mut GompperKrollMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         normals: &[[T; 3]],
         mean: &mut [T],
     ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure(execution, surface, memory);
         let half = T::constant(0.5);
         let curvature = &memory.curvature;
@@ -163,8 +164,7 @@ impl<T: Real> GompperKroll<T> {
             let [term] = finite_or_zero([dot(excess, excess) * area]);
             term
         });
-        let [energy] = finite_or_zero([T::constant(0.5) * self.modulus * sum]);
-        energy
+        T::constant(0.5) * self.modulus * sum
     }
 
     /// Second pass: the gradient, from the curvature vectors of the first.
@@ -206,7 +206,7 @@ impl<T: Real> GompperKroll<T> {
         });
     }
 
-    /// What the terms `−2κ Σ H0 L·n + 2κ Σ H0² A` add: to w and s, and through the change of the
+    /// Adds the terms `−2κ Σ H0 L·n + 2κ Σ H0² A`: to w and s, and through the change of the
     /// normals.
     fn add_spontaneous(
         &self,
@@ -245,6 +245,8 @@ impl<T: Real> GompperKroll<T> {
 /// Memory of [`GompperKroll`].
 #[derive(Clone, Debug, Default)]
 pub struct GompperKrollMemory<T> {
+    /// For curvatures only.
+    cotangent: VertexSums<T>,
     /// The curvature vector L/A = 2 H n, and the area A.
     curvature: Vec<[T; 4]>,
     /// w = κ L/A, and s = κ |L|² / (2 A²).
@@ -260,30 +262,25 @@ struct AreaVectors;
 
 impl<T: Real> ElementKernel<T, 3, 0, 4> for AreaVectors {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 3>,
-        _input: &[[L; 0]; 3],
-    ) -> [[L; 4]; 3] {
+        corners: &Corners<T, 3>,
+        _input: &[[T; 0]; 3],
+    ) -> [[T; 4]; 3] {
         let [x, y, z] = corners.triangle().area_vector;
-        [[x, y, z, L::zero()]; 3]
+        [[x, y, z, T::zero()]; 3]
     }
 }
 
-/// What the change of a triangle's area vector gives to its corners.
+/// Contributions of the change of a triangle's area vector to its corners.
 struct NormalForce;
 
 impl<T: Real> ElementKernel<T, 3, 3, 3> for NormalForce {
     /// With g the sum of the corners' −∂E/∂N: `g × e_k`, because moving corner k by δ changes the
     /// doubled area vector by e_k × δ.
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
-        &self,
-        _first: usize,
-        corners: &Corners<L, 3>,
-        turns: &[[L; 3]; 3],
-    ) -> [[L; 3]; 3] {
+    fn evaluate(&self, _first: usize, corners: &Corners<T, 3>, turns: &[[T; 3]; 3]) -> [[T; 3]; 3] {
         let sum = add(add(turns[0], turns[1]), turns[2]);
         corners.triangle().edges.map(|edge| cross(sum, edge))
     }
@@ -293,12 +290,12 @@ struct AreaGradient<K>(K);
 
 impl<T: Real, K: Kind> ElementKernel<T, 3, 0, 4> for AreaGradient<K> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 3>,
-        _input: &[[L; 0]; 3],
-    ) -> [[L; 4]; 3] {
+        corners: &Corners<T, 3>,
+        _input: &[[T; 0]; 3],
+    ) -> [[T; 4]; 3] {
         let triangle = corners.triangle();
         let areas = triangle.dual_areas(self.0);
         // In cotangent form: on a sphere L·x/R = 2A/R then holds to rounding on any mesh.
@@ -323,12 +320,7 @@ impl<T: Real, K: Kind> ElementKernel<T, 3, 4, 3> for EnergyGradient<K> {
     /// `r_k = [½ d_k Δw_k + (y_i + y_j − y_k − (V/S² + σ) d_k) e_k]/S`,
     /// `y_k = ∂V/∂d_k = ½ Δw_k·e_k − v_i d_j − v_j d_i`.
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
-        &self,
-        _first: usize,
-        corners: &Corners<L, 3>,
-        input: &[[L; 4]; 3],
-    ) -> [[L; 3]; 3] {
+    fn evaluate(&self, _first: usize, corners: &Corners<T, 3>, input: &[[T; 4]; 3]) -> [[T; 3]; 3] {
         let triangle = corners.triangle();
         let Triangle {
             edges,
@@ -336,7 +328,7 @@ impl<T: Real, K: Kind> ElementKernel<T, 3, 4, 3> for EnergyGradient<K> {
             reciprocal: over,
             ..
         } = triangle;
-        let half = L::literal(0.5);
+        let half = T::constant(0.5);
         // Half of each difference of w.
         let w = |k: usize| [half * input[k][0], half * input[k][1], half * input[k][2]];
         let (w0, w1, w2) = (w(0), w(1), w(2));
@@ -344,7 +336,7 @@ impl<T: Real, K: Kind> ElementKernel<T, 3, 4, 3> for EnergyGradient<K> {
         let s = [input[0][3], input[1][3], input[2][3]];
         let (v, shares) = area_weights(self.0, &triangle, s);
 
-        let turn: [L; 3] = core::array::from_fn(|k| dot(steps[k], edges[k]));
+        let turn: [T; 3] = core::array::from_fn(|k| dot(steps[k], edges[k]));
         let products = triangle.dot_products();
         let sum = dot(turn, dots) - dot(v, products);
         // One reciprocal after the other: its square would leave the range of small numbers.
@@ -385,18 +377,24 @@ fn area_weights<L: Lane, K: Kind>(_kind: K, triangle: &Triangle<L>, s: [L; 3]) -
 }
 
 impl<T: Real> Method<T> for GompperKroll<T> {
-    type Plan = ();
     type Memory = GompperKrollMemory<T>;
 
-    fn plan(&self, _mesh: &TriangleMesh) {}
+    fn memory(&self, _mesh: &TriangleMesh) -> GompperKrollMemory<T> {
+        GompperKrollMemory::default()
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("bending modulus", self.modulus)?;
+        self.spontaneous_curvature.check()
+    }
 
     fn inspect(
         &self,
-        (): &(),
         surface: Surface<'_, T>,
-        memory: &GompperKrollMemory<T>,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        let memory = workspace.for_mesh(surface.mesh());
         surface.report_uneven_mesh(report);
         surface.report_valences(report);
         surface.report_rough_vertices(report);
@@ -408,14 +406,38 @@ impl<T: Real> Method<T> for GompperKroll<T> {
     }
 }
 
+/// `H_i = L_i·n_i / (2 A_i)`, 0 at vertices that are not interior or have no area; n and K are those
+/// of [`Cotangent`] with the same areas.
+impl<T: Real> Curvatures<T> for GompperKroll<T> {
+    fn curvatures(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
+        let curvature = &mut curvature[..surface.mesh().vertex_count()];
+        let cotangent = Cotangent::new(self.area);
+        cotangent.sum(execution, surface, &mut memory.cotangent, curvature);
+        let half = T::constant(0.5);
+        let vectors = &memory.curvature;
+        execution.map(curvature, |vertex, curvature| {
+            let [x, y, z, _] = vectors[vertex];
+            curvature.mean = half * dot([x, y, z], curvature.normal);
+        });
+    }
+}
+
 impl<T: Real> Energy<T> for GompperKroll<T> {
     fn energy(
         &self,
         execution: &impl Execution,
-        (): &(),
         surface: Surface<'_, T>,
-        memory: &mut GompperKrollMemory<T>,
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure(execution, surface, memory);
         self.energy_of(execution, memory)
     }
@@ -425,11 +447,11 @@ impl<T: Real> Force<T> for GompperKroll<T> {
     fn add_force(
         &self,
         execution: &impl Execution,
-        (): &(),
         surface: Surface<'_, T>,
-        memory: &mut GompperKrollMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure(execution, surface, memory);
         self.add_gradient(execution, surface, memory, force);
     }
@@ -439,11 +461,11 @@ impl<T: Real> Conservative<T> for GompperKroll<T> {
     fn add_force_and_energy(
         &self,
         execution: &impl Execution,
-        (): &(),
         surface: Surface<'_, T>,
-        memory: &mut GompperKrollMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure(execution, surface, memory);
         self.add_gradient(execution, surface, memory, force);
         self.energy_of(execution, memory)

@@ -4,10 +4,13 @@
 
 use crate::bending::SpontaneousCurvature;
 use crate::bending::hinge::{Hinge, Hinges};
+use crate::curvature::{Curvature, Curvatures};
+use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::lane::Lane;
+use crate::laplacian::{Cotangent, VertexSums};
 use crate::mesh::{TriangleMesh, VertexKind};
+use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
 use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::DualArea;
@@ -33,8 +36,11 @@ pub struct Juelicher<T> {
 }
 
 /// Memory of [`Juelicher`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct JuelicherMemory<T> {
+    hinges: Hinges,
+    /// For curvatures only.
+    cotangent: VertexSums<T>,
     /// M and A, then H and A.
     curvature: Vec<[T; 2]>,
     /// −∂E/∂M and −∂E/∂A.
@@ -48,25 +54,6 @@ impl<T: Real> Juelicher<T> {
             modulus,
             spontaneous_curvature: SpontaneousCurvature::default(),
         }
-    }
-
-    /// Sets `mean` to H_i; 0 at vertices that are not interior or have no area.
-    ///
-    /// # Panics
-    /// If `mean` has fewer entries than the surface has vertices.
-    pub fn mean_curvature(
-        &self,
-        execution: &impl Execution,
-        plan: &Hinges,
-        surface: Surface<'_, T>,
-        memory: &mut JuelicherMemory<T>,
-        mean: &mut [T],
-    ) {
-        self.measure(execution, plan, surface, memory);
-        let curvature = &memory.curvature;
-        execution.map(&mut mean[..curvature.len()], |vertex, mean| {
-            *mean = curvature[vertex][0];
-        });
     }
 
     /// H − H0; 0 where the vertex is left out.
@@ -84,15 +71,16 @@ impl<T: Real> Juelicher<T> {
     fn measure(
         &self,
         execution: &impl Execution,
-        plan: &Hinges,
         surface: Surface<'_, T>,
         memory: &mut JuelicherMemory<T>,
     ) {
         let mesh = surface.mesh();
-        let curvature = &mut memory.curvature;
+        let JuelicherMemory {
+            hinges, curvature, ..
+        } = memory;
         curvature.clear();
         curvature.resize(mesh.vertex_count(), [T::zero(); 2]);
-        execution.scatter(&LengthTimesAngle, surface, &plan.vertices, &[], curvature);
+        execution.scatter(&LengthTimesAngle, surface, &hinges.vertices, &[], curvature);
         execution.scatter(&ThirdOfArea, surface, mesh.triangles(), &[], curvature);
         execution.map(&mut curvature[..], |vertex, entry| {
             let over = match mesh.vertex_kind(vertex) {
@@ -115,21 +103,24 @@ impl<T: Real> Juelicher<T> {
             let [term] = finite_or_zero([excess * excess * curvature[vertex][1]]);
             term
         });
-        let [energy] = finite_or_zero([T::constant(2.0) * self.modulus * sum]);
-        energy
+        T::constant(2.0) * self.modulus * sum
     }
 
     /// Second pass: `dE = Σ 4κ (H − H0) dM − 2κ (H² − H0²) dA`.
     fn add_gradient(
         &self,
         execution: &impl Execution,
-        plan: &Hinges,
         surface: Surface<'_, T>,
         memory: &mut JuelicherMemory<T>,
         force: &mut [[T; 3]],
     ) {
         let mesh = surface.mesh();
-        let JuelicherMemory { curvature, weights } = memory;
+        let JuelicherMemory {
+            hinges,
+            curvature,
+            weights,
+            ..
+        } = memory;
         weights.resize(curvature.len(), [T::zero(); 2]);
         let doubled = T::constant(2.0) * self.modulus;
         execution.map(&mut weights[..], |vertex, weight| {
@@ -137,7 +128,7 @@ impl<T: Real> Juelicher<T> {
             let sum = curvature[vertex][0] + self.spontaneous_curvature.at(vertex);
             *weight = finite_or_zero([-(excess + excess), excess * sum]);
         });
-        execution.scatter(&HingeForce, surface, &plan.vertices, weights, force);
+        execution.scatter(&HingeForce, surface, &hinges.vertices, weights, force);
         execution.scatter(&AreaForce, surface, mesh.triangles(), weights, force);
         execution.map(&mut force[..weights.len()], |_, force| {
             *force = finite_or_zero(*force);
@@ -150,15 +141,15 @@ struct LengthTimesAngle;
 
 impl<T: Real> ElementKernel<T, 4, 0, 2> for LengthTimesAngle {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 4>,
-        _input: &[[L; 0]; 4],
-    ) -> [[L; 2]; 4] {
+        corners: &Corners<T, 4>,
+        _input: &[[T; 0]; 4],
+    ) -> [[T; 2]; 4] {
         let hinge = Hinge::new(corners);
-        let share = L::literal(0.25) * hinge.edge_length * hinge.angle();
-        let (end, opposite) = ([share, L::zero()], [L::zero(); 2]);
+        let share = T::constant(0.25) * hinge.edge_length * hinge.angle();
+        let (end, opposite) = ([share, T::zero()], [T::zero(); 2]);
         [end, end, opposite, opposite]
     }
 }
@@ -168,66 +159,75 @@ struct ThirdOfArea;
 
 impl<T: Real> ElementKernel<T, 3, 0, 2> for ThirdOfArea {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 3>,
-        _input: &[[L; 0]; 3],
-    ) -> [[L; 2]; 3] {
-        let third = corners.triangle().doubled_area * L::literal(1.0 / 6.0);
-        [[L::zero(), third]; 3]
+        corners: &Corners<T, 3>,
+        _input: &[[T; 0]; 3],
+    ) -> [[T; 2]; 3] {
+        let third = corners.triangle().doubled_area * T::constant(1.0 / 6.0);
+        [[T::zero(), third]; 3]
     }
 }
 
-/// What the change of `l θ` gives to the corners of a hinge.
+/// Contributions of the change of `l θ` to the corners of a hinge.
 struct HingeForce;
 
 impl<T: Real> ElementKernel<T, 4, 2, 3> for HingeForce {
     /// `u ∂(l θ)` with u = ¼ (w_a + w_b) of the two ends.
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 4>,
-        weights: &[[L; 2]; 4],
-    ) -> [[L; 3]; 4] {
-        let weight = L::literal(0.25) * (weights[0][0] + weights[1][0]);
+        corners: &Corners<T, 4>,
+        weights: &[[T; 2]; 4],
+    ) -> [[T; 3]; 4] {
+        let weight = T::constant(0.25) * (weights[0][0] + weights[1][0]);
         Hinge::new(corners).length_times_angle_gradient(corners, weight)
     }
 }
 
-/// What the change of a triangle's area gives to its corners.
+/// Contributions of the change of a triangle's area to its corners.
 struct AreaForce;
 
 impl<T: Real> ElementKernel<T, 3, 2, 3> for AreaForce {
     /// `⅓ Σ w ∂A`.
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 3>,
-        weights: &[[L; 2]; 3],
-    ) -> [[L; 3]; 3] {
-        let sixth = L::literal(1.0 / 6.0) * (weights[0][1] + weights[1][1] + weights[2][1]);
+        corners: &Corners<T, 3>,
+        weights: &[[T; 2]; 3],
+    ) -> [[T; 3]; 3] {
+        let sixth = T::constant(1.0 / 6.0) * (weights[0][1] + weights[1][1] + weights[2][1]);
         corners.triangle().outward_edges(sixth)
     }
 }
 
 impl<T: Real> Method<T> for Juelicher<T> {
-    type Plan = Hinges;
     type Memory = JuelicherMemory<T>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Hinges {
-        Hinges::new(mesh)
+    fn memory(&self, mesh: &TriangleMesh) -> JuelicherMemory<T> {
+        JuelicherMemory {
+            hinges: Hinges::new(mesh),
+            cotangent: VertexSums::default(),
+            curvature: Vec::new(),
+            weights: Vec::new(),
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("bending modulus", self.modulus)?;
+        self.spontaneous_curvature.check()
     }
 
     fn inspect(
         &self,
-        _plan: &Hinges,
         surface: Surface<'_, T>,
-        memory: &JuelicherMemory<T>,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        let memory = workspace.for_mesh(surface.mesh());
         surface.report_uneven_mesh(report);
         surface.report_valences(report);
         surface.report_rough_vertices(report);
@@ -239,15 +239,37 @@ impl<T: Real> Method<T> for Juelicher<T> {
     }
 }
 
+/// H is 0 at vertices that are not interior or have no area; n and K are those of [`Cotangent`] with
+/// barycentric areas.
+impl<T: Real> Curvatures<T> for Juelicher<T> {
+    fn curvatures(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
+        let curvature = &mut curvature[..surface.mesh().vertex_count()];
+        let cotangent = Cotangent::new(DualArea::Barycentric);
+        cotangent.sum(execution, surface, &mut memory.cotangent, curvature);
+        let means = &memory.curvature;
+        execution.map(curvature, |vertex, curvature| {
+            curvature.mean = means[vertex][0]
+        });
+    }
+}
+
 impl<T: Real> Energy<T> for Juelicher<T> {
     fn energy(
         &self,
         execution: &impl Execution,
-        plan: &Hinges,
         surface: Surface<'_, T>,
-        memory: &mut JuelicherMemory<T>,
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
-        self.measure(execution, plan, surface, memory);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
         self.energy_of(execution, surface.mesh(), memory)
     }
 }
@@ -256,13 +278,13 @@ impl<T: Real> Force<T> for Juelicher<T> {
     fn add_force(
         &self,
         execution: &impl Execution,
-        plan: &Hinges,
         surface: Surface<'_, T>,
-        memory: &mut JuelicherMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
-        self.measure(execution, plan, surface, memory);
-        self.add_gradient(execution, plan, surface, memory, force);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
+        self.add_gradient(execution, surface, memory, force);
     }
 }
 
@@ -270,13 +292,13 @@ impl<T: Real> Conservative<T> for Juelicher<T> {
     fn add_force_and_energy(
         &self,
         execution: &impl Execution,
-        plan: &Hinges,
         surface: Surface<'_, T>,
-        memory: &mut JuelicherMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
-        self.measure(execution, plan, surface, memory);
-        self.add_gradient(execution, plan, surface, memory, force);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
+        self.add_gradient(execution, surface, memory, force);
         self.energy_of(execution, surface.mesh(), memory)
     }
 }

@@ -5,11 +5,13 @@
 //! J. Phys. I France 6 (1996) 1305.
 
 use crate::bending::hinge::{Hinge, Hinges};
+use crate::diagnostic::Finding;
 use crate::elasticity::ReferenceError;
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
+use crate::mesh_identity::MeshIdentity;
+use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::add;
@@ -28,6 +30,8 @@ pub struct KantorNelson<T> {
     pub edge_modulus: T,
     /// `[sin θ0, cos θ0]` of each hinge; empty if all are flat.
     reference: Vec<[T; 2]>,
+    /// The mesh of the reference shape.
+    mesh: Option<MeshIdentity>,
 }
 
 impl<T: Real> KantorNelson<T> {
@@ -36,13 +40,14 @@ impl<T: Real> KantorNelson<T> {
         Self {
             edge_modulus,
             reference: Vec::new(),
+            mesh: None,
         }
     }
 
     /// The same with the angles of `shape` as reference: there energy and forces are exactly zero,
     /// at convex and at concave hinges. For surfaces with the mesh `mesh`.
     ///
-    /// Preparing it for a mesh with another number of interior edges panics.
+    /// Preparing it for another mesh panics.
     ///
     /// # Errors
     /// If the triangles of `mesh` and `shape` differ.
@@ -58,6 +63,7 @@ impl<T: Real> KantorNelson<T> {
             [hinge.sine, hinge.cosine]
         };
         self.reference = hinges.vertices.iter().map(angle).collect();
+        self.mesh = Some(MeshIdentity::of(mesh));
         Ok(self)
     }
 
@@ -81,7 +87,7 @@ impl<T: Real> KantorNelson<T> {
 /// √3, to the last bit of f64.
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
-/// Where hinges are at rest. Resolved at compile time: a flat rest shape costs nothing.
+/// The angles of hinges at rest. Resolved at compile time: a flat rest shape costs nothing.
 trait Reference<T: Real>: Copy + Sync {
     /// `[sin θ0, cos θ0]` of hinges `first`, `first + 1`, …, one a lane entry.
     fn angle<L: Lane<Scalar = T>>(self, first: usize) -> [L; 2];
@@ -121,19 +127,11 @@ impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 3> for HingeForce<T, R> {
     /// −∂E/∂x = −k̃ sin(θ − θ0) ∂θ/∂x. The sine as a difference of products that agree to the last
     /// bit in the reference shape: there the force is exactly zero.
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
-        &self,
-        first: usize,
-        corners: &Corners<L, 4>,
-        _input: &[[L; 0]; 4],
-    ) -> [[L; 3]; 4] {
+    fn evaluate(&self, first: usize, corners: &Corners<T, 4>, _input: &[[T; 0]; 4]) -> [[T; 3]; 4] {
         let hinge = Hinge::new(corners);
-        let [sine, cosine] = self.reference.angle::<L>(first);
+        let [sine, cosine] = self.reference.angle::<T>(first);
         let turned = hinge.sine * cosine - hinge.cosine * sine;
-        hinge.forces(
-            corners,
-            L::splat(self.edge_modulus) * turned * hinge.presence,
-        )
+        hinge.forces(corners, self.edge_modulus * turned * hinge.presence)
     }
 }
 
@@ -142,15 +140,10 @@ struct HingeForceAndEnergy<T, R>(HingeForce<T, R>);
 
 impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 4> for HingeForceAndEnergy<T, R> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
-        &self,
-        first: usize,
-        corners: &Corners<L, 4>,
-        input: &[[L; 0]; 4],
-    ) -> [[L; 4]; 4] {
-        let force: [[L; 3]; 4] = self.0.evaluate(first, corners, input);
+    fn evaluate(&self, first: usize, corners: &Corners<T, 4>, input: &[[T; 0]; 4]) -> [[T; 4]; 4] {
+        let force: [[T; 3]; 4] = self.0.evaluate(first, corners, input);
         let reference = self.0.reference;
-        let energy: [[L; 1]; 4] = HingeEnergy { reference }.evaluate(first, corners, input);
+        let energy: [[T; 1]; 4] = HingeEnergy { reference }.evaluate(first, corners, input);
         core::array::from_fn(|k| [force[k][0], force[k][1], force[k][2], energy[k][0]])
     }
 }
@@ -162,20 +155,16 @@ struct HingeEnergy<R> {
 
 impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 1> for HingeEnergy<R> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
-        &self,
-        first: usize,
-        corners: &Corners<L, 4>,
-        _input: &[[L; 0]; 4],
-    ) -> [[L; 1]; 4] {
-        let half = L::literal(0.5) * energy(&Hinge::new(corners), self.reference.angle(first));
-        [[half], [half], [L::zero()], [L::zero()]]
+    fn evaluate(&self, first: usize, corners: &Corners<T, 4>, _input: &[[T; 0]; 4]) -> [[T; 1]; 4] {
+        let half = T::constant(0.5) * energy(&Hinge::new(corners), self.reference.angle(first));
+        [[half], [half], [T::zero()], [T::zero()]]
     }
 }
 
 /// Memory of [`KantorNelson`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct KantorNelsonMemory<T> {
+    hinges: Hinges,
     /// Half of the energies of the edges at each vertex, in units of k̃.
     energies: Vec<[T; 1]>,
     /// The force at each vertex, and the same energy.
@@ -183,7 +172,7 @@ pub struct KantorNelsonMemory<T> {
 }
 
 impl<T: Real> KantorNelsonMemory<T> {
-    /// Room for so many vertices, whatever will be asked for.
+    /// Allocates everything at once, so that no kind of evaluation allocates later.
     fn resize(&mut self, vertices: usize) {
         self.energies.resize(vertices, [T::zero()]);
         self.nodal.resize(vertices, [T::zero(); 4]);
@@ -191,27 +180,33 @@ impl<T: Real> KantorNelsonMemory<T> {
 }
 
 impl<T: Real> Method<T> for KantorNelson<T> {
-    type Plan = Hinges;
     type Memory = KantorNelsonMemory<T>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Hinges {
-        let hinges = Hinges::new(mesh);
-        assert!(
-            self.reference.is_empty() || self.reference.len() == hinges.vertices.len(),
-            "the reference shape has {} interior edges, this mesh {}",
-            self.reference.len(),
-            hinges.vertices.len()
-        );
-        hinges
+    /// # Panics
+    /// If the reference shape is one of another mesh.
+    fn memory(&self, mesh: &TriangleMesh) -> KantorNelsonMemory<T> {
+        if let Some(of_reference) = &self.mesh {
+            let remedy = "make it by KantorNelson::with_reference for that mesh";
+            of_reference.expect::<Self>(mesh, remedy);
+        }
+        KantorNelsonMemory {
+            hinges: Hinges::new(mesh),
+            energies: Vec::new(),
+            nodal: Vec::new(),
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("modulus of an edge", self.edge_modulus)
     }
 
     fn inspect(
         &self,
-        _plan: &Hinges,
         surface: Surface<'_, T>,
-        _memory: &KantorNelsonMemory<T>,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        workspace.for_mesh(surface.mesh());
         surface.report_uneven_mesh(report);
         surface.report_valences(report);
         surface.report_rough_vertices(report);
@@ -261,12 +256,15 @@ impl<T: Real> Energy<T> for KantorNelson<T> {
     fn energy(
         &self,
         execution: &impl Execution,
-        plan: &Hinges,
         surface: Surface<'_, T>,
-        memory: &mut KantorNelsonMemory<T>,
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         memory.resize(surface.mesh().vertex_count());
-        let (hinges, energies) = (&plan.vertices[..], &mut memory.energies[..]);
+        let KantorNelsonMemory {
+            hinges, energies, ..
+        } = memory;
+        let hinges = &hinges.vertices[..];
         if self.reference.is_empty() {
             self.sum_energies(execution, hinges, surface, energies, Flat)
         } else {
@@ -280,11 +278,11 @@ impl<T: Real> Force<T> for KantorNelson<T> {
     fn add_force(
         &self,
         execution: &impl Execution,
-        plan: &Hinges,
         surface: Surface<'_, T>,
-        memory: &mut KantorNelsonMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         memory.resize(surface.mesh().vertex_count());
         let edge_modulus = self.edge_modulus;
         if self.reference.is_empty() {
@@ -292,14 +290,14 @@ impl<T: Real> Force<T> for KantorNelson<T> {
                 edge_modulus,
                 reference: Flat,
             };
-            execution.scatter(&kernel, surface, &plan.vertices, &[], force);
+            execution.scatter(&kernel, surface, &memory.hinges.vertices, &[], force);
         } else {
             let reference = self.reference.as_slice();
             let kernel = HingeForce {
                 edge_modulus,
                 reference,
             };
-            execution.scatter(&kernel, surface, &plan.vertices, &[], force);
+            execution.scatter(&kernel, surface, &memory.hinges.vertices, &[], force);
         }
     }
 }
@@ -308,13 +306,14 @@ impl<T: Real> Conservative<T> for KantorNelson<T> {
     fn add_force_and_energy(
         &self,
         execution: &impl Execution,
-        plan: &Hinges,
         surface: Surface<'_, T>,
-        memory: &mut KantorNelsonMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         memory.resize(surface.mesh().vertex_count());
-        let (hinges, nodal) = (&plan.vertices[..], &mut memory.nodal[..]);
+        let KantorNelsonMemory { hinges, nodal, .. } = memory;
+        let hinges = &hinges.vertices[..];
         if self.reference.is_empty() {
             self.add_both(execution, hinges, surface, nodal, force, Flat)
         } else {

@@ -16,11 +16,12 @@ pub use controls::ControlPoints;
 use self::controls::ControlMap;
 use self::patches::{Field, PatchMemory, Patches};
 use crate::bending::SpontaneousCurvature;
+use crate::curvature::{Curvature, Curvatures};
+use crate::diagnostic::Finding;
 use crate::element::Execution;
-use crate::energy::{Conservative, Energy, Finding, Force, ForceDensity, Method};
 use crate::lane::Lane;
-use crate::laplacian::Curvature;
 use crate::mesh::{TriangleMesh, VertexKind};
+use crate::method::{Conservative, Energy, Force, ForceDensity, Method, ParameterError, Workspace};
 use crate::real::{Real, finite_or_zero};
 use crate::subdivision::{Stencils, basis, limit_normal, limit_positions};
 use crate::surface::Surface;
@@ -38,7 +39,7 @@ use alloc::vec::Vec;
 /// converge, on any mesh, while the energy does; on meshes on which most vertices are extraordinary
 /// neither does, unless the mesh is refined by [`crate::subdivision::Subdivision`] first.
 ///
-/// Triangles with two or three extraordinary corners are refined once, within the plan: the surface
+/// Triangles with two or three extraordinary corners are refined once: the surface
 /// is the same, with four times the points. Triangles with a boundary vertex are left out of the
 /// energy, since the surface over them is decided by the boundary; boundary vertices feel forces
 /// from the triangles that remain. A mesh without interior triangle has no energy and no forces.
@@ -51,7 +52,7 @@ pub struct LoopSubdivision<T> {
     pub modulus: T,
     /// Spontaneous curvature H0.
     pub spontaneous_curvature: SpontaneousCurvature<T>,
-    /// How the control points follow from the nodes. The plan depends on it.
+    /// How the control points follow from the nodes. A workspace depends on it.
     pub controls: ControlPoints,
 }
 
@@ -70,58 +71,21 @@ impl<T: Real> LoopSubdivision<T> {
         }
     }
 
-    /// Sets `curvature` to n, H and K of the limit surface under each node.
-    ///
-    /// At interior vertices of valence 6, H and K are the exact values of the surface. At
-    /// extraordinary ones, where it has none, they are the means over the nearest quadrature points
-    /// of the triangles around; 0 if all of these touch the boundary. At other vertices H and K are
-    /// 0. The area is `(Qᵀm)_i`, with m the integrals of the basis functions: the areas sum to that of
-    /// the limit surface over all triangles that count.
-    ///
-    /// # Panics
-    /// If `curvature` has fewer entries than the surface has vertices.
-    pub fn curvature(
-        &self,
-        execution: &impl Execution,
-        plan: &LoopSubdivisionPlan<T>,
-        surface: Surface<'_, T>,
-        memory: &mut LoopSubdivisionMemory<T>,
-        curvature: &mut [Curvature<T>],
-    ) {
-        self.evaluate::<true>(execution, plan, surface, memory);
-        let mesh = surface.mesh();
-        let LoopSubdivisionMemory {
-            controls, nodal, ..
-        } = &*memory;
-        execution.map(
-            &mut curvature[..mesh.vertex_count()],
-            |vertex, curvature| {
-                let [mean, gaussian] = plan.curvatures_at(mesh, controls, vertex);
-                *curvature = Curvature {
-                    normal: limit_normal(mesh, vertex, |v| position(controls, v)),
-                    mean,
-                    gaussian,
-                    area: nodal[vertex][3],
-                    kind: mesh.vertex_kind(vertex),
-                };
-            },
-        );
-    }
-
     /// Sets `positions` to the points of the limit surface under the nodes, `LQX`.
     ///
     /// # Panics
-    /// If `positions` has fewer entries than the surface has vertices.
+    /// If `positions` has fewer entries than the surface has vertices, or the surface another mesh
+    /// than that of the workspace.
     pub fn limit_positions(
         &self,
         execution: &impl Execution,
-        plan: &LoopSubdivisionPlan<T>,
         surface: Surface<'_, T>,
-        memory: &mut LoopSubdivisionMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         positions: &mut [[T; 3]],
     ) {
-        plan.set_controls(execution, surface, memory);
-        let controls = &memory.controls;
+        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        plan.set_controls(execution, surface, buffers);
+        let controls = &buffers.controls;
         let origin = surface.positions()[plan.origin as usize];
         let positions = &mut positions[..surface.mesh().vertex_count()];
         execution.map(positions, |vertex, position| {
@@ -132,16 +96,19 @@ impl<T: Real> LoopSubdivision<T> {
 
     /// Area and enclosed volume of the limit surface, by the quadrature of the energy; no volume
     /// if the mesh has a boundary.
+    ///
+    /// # Panics
+    /// If the surface has another mesh than that of the workspace.
     pub fn area_and_volume(
         &self,
         execution: &impl Execution,
-        plan: &LoopSubdivisionPlan<T>,
         surface: Surface<'_, T>,
-        memory: &mut LoopSubdivisionMemory<T>,
+        workspace: &mut Workspace<T, Self>,
     ) -> (T, Option<T>) {
-        self.evaluate::<false>(execution, plan, surface, memory);
-        let controls = &memory.controls;
-        let blocks = &memory.patches.blocks;
+        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        self.evaluate::<false>(execution, plan, surface, buffers);
+        let controls = &buffers.controls;
+        let blocks = &buffers.patches.blocks;
         let area = execution.sum(blocks.len(), |block| blocks[block].area());
         let volume = surface.mesh().is_closed().then(|| {
             let third = T::constant(1.0 / 3.0);
@@ -153,20 +120,20 @@ impl<T: Real> LoopSubdivision<T> {
         (area, volume)
     }
 
-    /// Controls, patches, and with `GRADIENT` the nodal forces and masses in `memory.nodal`.
+    /// Controls, patches, and with `GRADIENT` the nodal forces and masses in `buffers.nodal`.
     fn evaluate<const GRADIENT: bool>(
         &self,
         execution: &impl Execution,
-        plan: &LoopSubdivisionPlan<T>,
+        plan: &Plan<T>,
         surface: Surface<'_, T>,
-        memory: &mut LoopSubdivisionMemory<T>,
+        buffers: &mut Buffers<T>,
     ) {
-        plan.set_controls(execution, surface, memory);
+        plan.set_controls(execution, surface, buffers);
         let spontaneous = match &self.spontaneous_curvature {
             SpontaneousCurvature::Constant(constant) => Field::Constant(*constant),
             SpontaneousCurvature::PerVertex(values) => {
-                plan.set_field(execution, values, &mut memory.field);
-                Field::Controlled(&memory.field.controls)
+                plan.set_field(execution, values, &mut buffers.field);
+                Field::Controlled(&buffers.field.controls)
             }
         };
         let patches = &plan.patches;
@@ -174,17 +141,17 @@ impl<T: Real> LoopSubdivision<T> {
             execution,
             self.modulus,
             spontaneous,
-            &memory.controls,
-            &mut memory.patches,
+            &buffers.controls,
+            &mut buffers.patches,
         );
         if GRADIENT {
-            plan.collect(execution, memory);
-            let LoopSubdivisionMemory {
+            plan.collect(execution, buffers);
+            let Buffers {
                 gathered,
                 nodal,
                 scratch,
                 ..
-            } = memory;
+            } = buffers;
             nodal.resize(plan.vertices, [T::zero(); 4]);
             let on_controls = &gathered[..plan.vertices];
             plan.map
@@ -192,16 +159,15 @@ impl<T: Real> LoopSubdivision<T> {
         }
     }
 
-    fn energy_of(execution: &impl Execution, memory: &LoopSubdivisionMemory<T>) -> T {
-        let blocks = &memory.patches.blocks;
-        let [energy] = finite_or_zero([execution.sum(blocks.len(), |block| blocks[block].energy)]);
-        energy
+    fn energy_of(execution: &impl Execution, buffers: &Buffers<T>) -> T {
+        let blocks = &buffers.patches.blocks;
+        execution.sum(blocks.len(), |block| blocks[block].energy)
     }
 }
 
-/// What [`LoopSubdivision`] works out for a mesh.
+/// Results that follow from the mesh.
 #[derive(Clone, Debug)]
-pub struct LoopSubdivisionPlan<T> {
+struct Plan<T> {
     vertices: usize,
     /// The vertex relative to which positions are held.
     origin: u32,
@@ -213,7 +179,7 @@ pub struct LoopSubdivisionPlan<T> {
     at_vertex: [[T; 5]; 7],
 }
 
-impl<T: Real> LoopSubdivisionPlan<T> {
+impl<T: Real> Plan<T> {
     fn new(controls: ControlPoints, mesh: &TriangleMesh) -> Self {
         let limit = limit_positions(mesh);
         let mut at_vertex = [[T::zero(); 5]; 7];
@@ -231,24 +197,19 @@ impl<T: Real> LoopSubdivisionPlan<T> {
         }
     }
 
-    /// Number of quadrature points: three a triangle, twelve where it had to be refined.
-    pub fn quadrature_points(&self) -> usize {
-        3 * self.patches.len()
-    }
-
     /// The control points, relative to the origin, and those of the refined triangles after them.
     fn set_controls(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
-        memory: &mut LoopSubdivisionMemory<T>,
+        buffers: &mut Buffers<T>,
     ) {
-        let LoopSubdivisionMemory {
+        let Buffers {
             controls,
             nodal,
             scratch,
             ..
-        } = memory;
+        } = buffers;
         nodal.resize(self.vertices, [T::zero(); 4]);
         execution.map(&mut nodal[..], |vertex, local| {
             let [x, y, z] = surface.difference(self.origin, vertex as u32);
@@ -261,8 +222,8 @@ impl<T: Real> LoopSubdivisionPlan<T> {
     }
 
     /// The control values of a number known at the vertices.
-    fn set_field(&self, execution: &impl Execution, values: &[T], field: &mut FieldMemory<T>) {
-        let FieldMemory {
+    fn set_field(&self, execution: &impl Execution, values: &[T], field: &mut FieldBuffers<T>) {
+        let FieldBuffers {
             nodal,
             controls,
             scratch,
@@ -275,12 +236,12 @@ impl<T: Real> LoopSubdivisionPlan<T> {
         self.patches.refine(execution, coarse, fine);
     }
 
-    /// Sums what the patches give to their nodes: into the first entries of `memory.gathered`, one a
+    /// Sums what the patches give to their nodes: into the first entries of `buffers.gathered`, one a
     /// control point.
-    fn collect(&self, execution: &impl Execution, memory: &mut LoopSubdivisionMemory<T>) {
-        let LoopSubdivisionMemory {
+    fn collect(&self, execution: &impl Execution, buffers: &mut Buffers<T>) {
+        let Buffers {
             patches, gathered, ..
-        } = memory;
+        } = buffers;
         gathered.resize(self.patches.control_count(), [T::zero(); 4]);
         self.patches.gather(execution, &patches.blocks, gathered);
     }
@@ -312,8 +273,22 @@ impl<T: Real> LoopSubdivisionPlan<T> {
 }
 
 /// Memory of [`LoopSubdivision`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct LoopSubdivisionMemory<T> {
+    plan: Plan<T>,
+    buffers: Buffers<T>,
+}
+
+impl<T: Real> LoopSubdivisionMemory<T> {
+    /// Number of quadrature points: three per triangle, twelve where it had to be refined.
+    pub fn quadrature_points(&self) -> usize {
+        3 * self.plan.patches.len()
+    }
+}
+
+/// Memory of an evaluation.
+#[derive(Clone, Debug, Default)]
+struct Buffers<T> {
     /// Control points relative to the plan's origin, padded to four numbers.
     controls: Vec<[T; 4]>,
     patches: PatchMemory<T>,
@@ -323,12 +298,12 @@ pub struct LoopSubdivisionMemory<T> {
     nodal: Vec<[T; 4]>,
     scratch: Vec<[T; 4]>,
     /// Spontaneous curvature that varies.
-    field: FieldMemory<T>,
+    field: FieldBuffers<T>,
 }
 
 /// A number at the vertices and its control values.
 #[derive(Clone, Debug, Default)]
-struct FieldMemory<T> {
+struct FieldBuffers<T> {
     nodal: Vec<[T; 1]>,
     controls: Vec<[T; 1]>,
     scratch: Vec<[T; 1]>,
@@ -340,14 +315,21 @@ fn position<T: Real>(controls: &[[T; 4]], vertex: u32) -> [T; 3] {
 }
 
 impl<T: Real> Method<T> for LoopSubdivision<T> {
-    type Plan = LoopSubdivisionPlan<T>;
     type Memory = LoopSubdivisionMemory<T>;
 
     /// # Panics
     /// If triangles have to be refined and the mesh is so large that it cannot be; see
     /// [`crate::subdivision::Subdivision::sizes`].
-    fn plan(&self, mesh: &TriangleMesh) -> LoopSubdivisionPlan<T> {
-        LoopSubdivisionPlan::new(self.controls, mesh)
+    fn memory(&self, mesh: &TriangleMesh) -> LoopSubdivisionMemory<T> {
+        LoopSubdivisionMemory {
+            plan: Plan::new(self.controls, mesh),
+            buffers: Buffers::default(),
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("bending modulus", self.modulus)?;
+        self.spontaneous_curvature.check()
     }
 
     /// Reports the triangles whose limit surface has no area at a quadrature point: these points
@@ -355,14 +337,14 @@ impl<T: Real> Method<T> for LoopSubdivision<T> {
     /// follows it.
     fn inspect(
         &self,
-        plan: &LoopSubdivisionPlan<T>,
         surface: Surface<'_, T>,
-        memory: &LoopSubdivisionMemory<T>,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh(surface.mesh());
         surface.report_uneven_within(2, report);
         surface.report_rough_vertices(report);
-        let without_area = plan.patches.without_area(&memory.patches.blocks);
+        let without_area = plan.patches.without_area(&buffers.patches.blocks);
         let mut triangles: Vec<u32> = without_area.collect();
         // Refined ones have several patches.
         triangles.sort_unstable();
@@ -373,16 +355,53 @@ impl<T: Real> Method<T> for LoopSubdivision<T> {
     }
 }
 
+/// n, H and K of the limit surface under each node.
+///
+/// At interior vertices of valence 6, H and K are the exact values of the surface. At extraordinary
+/// ones, where it has none, they are the means over the nearest quadrature points of the triangles
+/// around; 0 if all of these touch the boundary. At other vertices H and K are 0. The area is
+/// `(Qᵀm)_i`, with m the integrals of the basis functions: the areas sum to that of the limit surface
+/// over all triangles that count.
+impl<T: Real> Curvatures<T> for LoopSubdivision<T> {
+    fn curvatures(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        self.evaluate::<true>(execution, plan, surface, buffers);
+        let mesh = surface.mesh();
+        let Buffers {
+            controls, nodal, ..
+        } = &*buffers;
+        execution.map(
+            &mut curvature[..mesh.vertex_count()],
+            |vertex, curvature| {
+                let [mean, gaussian] = plan.curvatures_at(mesh, controls, vertex);
+                *curvature = Curvature {
+                    normal: limit_normal(mesh, vertex, |v| position(controls, v)),
+                    mean,
+                    gaussian,
+                    area: nodal[vertex][3],
+                    kind: mesh.vertex_kind(vertex),
+                };
+            },
+        );
+    }
+}
+
 impl<T: Real> Energy<T> for LoopSubdivision<T> {
     fn energy(
         &self,
         execution: &impl Execution,
-        plan: &LoopSubdivisionPlan<T>,
         surface: Surface<'_, T>,
-        memory: &mut LoopSubdivisionMemory<T>,
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
-        self.evaluate::<false>(execution, plan, surface, memory);
-        Self::energy_of(execution, memory)
+        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        self.evaluate::<false>(execution, plan, surface, buffers);
+        Self::energy_of(execution, buffers)
     }
 }
 
@@ -390,12 +409,11 @@ impl<T: Real> Force<T> for LoopSubdivision<T> {
     fn add_force(
         &self,
         execution: &impl Execution,
-        plan: &LoopSubdivisionPlan<T>,
         surface: Surface<'_, T>,
-        memory: &mut LoopSubdivisionMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
-        self.add_force_and_energy(execution, plan, surface, memory, force);
+        self.add_force_and_energy(execution, surface, workspace, force);
     }
 }
 
@@ -403,18 +421,18 @@ impl<T: Real> Conservative<T> for LoopSubdivision<T> {
     fn add_force_and_energy(
         &self,
         execution: &impl Execution,
-        plan: &LoopSubdivisionPlan<T>,
         surface: Surface<'_, T>,
-        memory: &mut LoopSubdivisionMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
-        self.evaluate::<true>(execution, plan, surface, memory);
-        let nodal = &memory.nodal;
+        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        self.evaluate::<true>(execution, plan, surface, buffers);
+        let nodal = &buffers.nodal;
         execution.map(&mut force[..plan.vertices], |vertex, force| {
             let [x, y, z, _] = nodal[vertex];
             *force = add(*force, finite_or_zero([x, y, z]));
         });
-        Self::energy_of(execution, memory)
+        Self::energy_of(execution, buffers)
     }
 }
 
@@ -424,13 +442,13 @@ impl<T: Real> ForceDensity<T> for LoopSubdivision<T> {
     fn force_density(
         &self,
         execution: &impl Execution,
-        plan: &LoopSubdivisionPlan<T>,
         surface: Surface<'_, T>,
-        memory: &mut LoopSubdivisionMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         density: &mut [[T; 3]],
     ) {
-        self.evaluate::<true>(execution, plan, surface, memory);
-        let nodal = &memory.nodal;
+        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        self.evaluate::<true>(execution, plan, surface, buffers);
+        let nodal = &buffers.nodal;
         execution.map(&mut density[..plan.vertices], |vertex, density| {
             let [x, y, z, mass] = nodal[vertex];
             *density = scale(Lane::reciprocal_or_zero(mass), [x, y, z]);

@@ -1,5 +1,6 @@
 //! The curvature that a membrane would have if it were free.
 
+use crate::method::ParameterError;
 use crate::real::Real;
 use alloc::vec::Vec;
 
@@ -36,6 +37,17 @@ impl<T: Real> SpontaneousCurvature<T> {
         match self {
             Self::Constant(constant) => *constant,
             Self::PerVertex(values) => values[vertex],
+        }
+    }
+
+    /// See [`Method::check`](crate::Method::check).
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let parameter = "spontaneous curvature";
+        match self {
+            Self::Constant(constant) => ParameterError::unless_finite(parameter, *constant),
+            Self::PerVertex(values) => values
+                .iter()
+                .try_for_each(|&value| ParameterError::unless_finite(parameter, value)),
         }
     }
 

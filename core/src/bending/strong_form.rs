@@ -4,10 +4,12 @@
 //! Z.-C. Ou-Yang and W. Helfrich, Phys. Rev. A 39 (1989) 5280.
 
 use crate::bending::SpontaneousCurvature;
+use crate::curvature::{Curvature, Curvatures};
+use crate::diagnostic::Finding;
 use crate::element::Execution;
-use crate::energy::{Energy, Finding, Force, ForceDensity, Method};
-use crate::laplacian::{Cotangent, Curvature, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows};
+use crate::laplacian::{Cotangent, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows};
 use crate::mesh::{TriangleMesh, VertexKind};
+use crate::method::{Energy, Force, ForceDensity, Method, ParameterError, Workspace};
 use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::DualArea;
@@ -55,7 +57,8 @@ impl<T: Real> StrongForm<T, Cotangent> {
 }
 
 impl<T: Real> StrongForm<T, HeatKernel<T>> {
-    /// Method D: the heat kernel with a bandwidth of each vertex's mixed area.
+    /// Method D: the heat kernel with the bandwidth with which it converges,
+    /// [`Bandwidth::Converging`](crate::Bandwidth).
     pub fn belkin(modulus: T) -> Self {
         Self::new(modulus, HeatKernel::default())
     }
@@ -83,12 +86,13 @@ impl<T: Real> StrongForm<T, Jet<T>> {
 
 /// Memory of [`StrongForm`], and what its last evaluation found.
 #[derive(Clone, Debug)]
-pub struct StrongFormMemory<T, M> {
-    operator: M,
+pub struct StrongFormMemory<T, W> {
+    /// The operator's workspace.
+    operator: W,
     found: Found<T>,
 }
 
-/// What the operator says of the surface.
+/// Results of the operator on the surface.
 #[derive(Clone, Debug)]
 struct Found<T> {
     curvature: Vec<Curvature<T>>,
@@ -99,21 +103,7 @@ struct Found<T> {
     rows: Rows<T>,
 }
 
-impl<T: Real, M: Default> Default for StrongFormMemory<T, M> {
-    fn default() -> Self {
-        Self {
-            operator: M::default(),
-            found: Found {
-                curvature: Vec::new(),
-                excess: Vec::new(),
-                laplacian_of_mean: Vec::new(),
-                rows: Rows::new(),
-            },
-        }
-    }
-}
-
-impl<T, M> StrongFormMemory<T, M> {
+impl<T, W> StrongFormMemory<T, W> {
     /// n, H, K and A at each vertex.
     pub fn curvature(&self) -> &[Curvature<T>] {
         &self.found.curvature
@@ -131,7 +121,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
     pub fn energy_of(
         &self,
         execution: &impl Execution,
-        memory: &StrongFormMemory<T, L::Memory>,
+        memory: &StrongFormMemory<T, Workspace<T, L>>,
     ) -> T {
         let curvature = memory.curvature();
         let sum = execution.sum(curvature.len(), |vertex| {
@@ -145,34 +135,31 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
             let [term] = finite_or_zero([excess * excess * area]);
             term
         });
-        let [energy] = finite_or_zero([T::constant(2.0) * self.modulus * sum]);
-        energy
+        T::constant(2.0) * self.modulus * sum
     }
 
     fn measure(
         &self,
         execution: &impl Execution,
-        plan: &L::Plan,
         surface: Surface<'_, T>,
-        memory: &mut StrongFormMemory<T, L::Memory>,
+        memory: &mut StrongFormMemory<T, Workspace<T, L>>,
     ) {
         let vertices = surface.mesh().vertex_count();
         let StrongFormMemory { operator, found } = memory;
         found.curvature.resize(vertices, Curvature::default());
         let curvature = &mut found.curvature;
         self.operator
-            .measure(execution, plan, surface, operator, curvature);
+            .curvatures(execution, surface, operator, curvature);
     }
 
-    /// Everything up to Δ_S(H − H0).
+    /// Measures the surface, and computes Δ_S(H − H0).
     fn measure_twice(
         &self,
         execution: &impl Execution,
-        plan: &L::Plan,
         surface: Surface<'_, T>,
-        memory: &mut StrongFormMemory<T, L::Memory>,
+        memory: &mut StrongFormMemory<T, Workspace<T, L>>,
     ) {
-        self.measure(execution, plan, surface, memory);
+        self.measure(execution, surface, memory);
         let mesh = surface.mesh();
         let StrongFormMemory { operator, found } = memory;
         let Found {
@@ -188,7 +175,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         });
         let laplacian = &mut laplacian_of_mean[..];
         self.operator
-            .apply_to_scalar(execution, plan, surface, operator, excess, laplacian);
+            .apply_to_scalar(execution, surface, operator, excess, laplacian);
         if !mesh.is_closed() {
             execution.map(laplacian, |vertex, value| {
                 *value = if mesh.is_surrounded(vertex) {
@@ -199,7 +186,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
             });
         }
         if self.varies() {
-            self.operator.assemble(plan, surface, operator, rows);
+            self.operator.assemble(surface, operator, rows);
         }
     }
 
@@ -262,22 +249,49 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
 }
 
 impl<T: Real, L: LaplaceBeltrami<T> + Sync> Method<T> for StrongForm<T, L> {
-    type Plan = L::Plan;
-    type Memory = StrongFormMemory<T, L::Memory>;
+    type Memory = StrongFormMemory<T, Workspace<T, L>>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> L::Plan {
-        self.operator.plan(mesh)
+    fn memory(&self, mesh: &TriangleMesh) -> Self::Memory {
+        StrongFormMemory {
+            operator: self.operator.workspace(mesh),
+            found: Found {
+                curvature: Vec::new(),
+                excess: Vec::new(),
+                laplacian_of_mean: Vec::new(),
+                rows: Rows::new(),
+            },
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("bending modulus", self.modulus)?;
+        self.spontaneous_curvature.check()
     }
 
     fn inspect(
         &self,
-        plan: &L::Plan,
         surface: Surface<'_, T>,
-        memory: &Self::Memory,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
-        self.operator
-            .inspect(plan, surface, &memory.operator, report);
+        let memory = workspace.for_mesh(surface.mesh());
+        self.operator.inspect(surface, &memory.operator, report);
+    }
+}
+
+/// n, H, K and A of the operator.
+impl<T: Real, L: LaplaceBeltrami<T> + Sync> Curvatures<T> for StrongForm<T, L> {
+    fn curvatures(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
+        let found = memory.curvature();
+        curvature[..found.len()].copy_from_slice(found);
     }
 }
 
@@ -285,11 +299,11 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Energy<T> for StrongForm<T, L> {
     fn energy(
         &self,
         execution: &impl Execution,
-        plan: &L::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
-        self.measure(execution, plan, surface, memory);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
         self.energy_of(execution, memory)
     }
 }
@@ -298,12 +312,12 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> ForceDensity<T> for StrongForm<T, L>
     fn force_density(
         &self,
         execution: &impl Execution,
-        plan: &L::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         density: &mut [[T; 3]],
     ) {
-        self.measure_twice(execution, plan, surface, memory);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure_twice(execution, surface, memory);
         let found = &memory.found;
         let vertices = surface.mesh().vertex_count();
         execution.map(&mut density[..vertices], |vertex, density| {
@@ -316,12 +330,12 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Force<T> for StrongForm<T, L> {
     fn add_force(
         &self,
         execution: &impl Execution,
-        plan: &L::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
-        self.measure_twice(execution, plan, surface, memory);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure_twice(execution, surface, memory);
         let found = &memory.found;
         let vertices = surface.mesh().vertex_count();
         execution.map(&mut force[..vertices], |vertex, force| {

@@ -5,11 +5,12 @@
 //! (1994) 5389.
 
 use super::Targets;
+use crate::diagnostic::Finding;
 use crate::element::Execution;
-use crate::energy::{Conservative, Energy, Finding, Force, Method};
-use crate::functional::{ComponentElements, Functional, TotalArea, TotalMeanCurvature};
+use crate::functional::{Functional, TotalArea, TotalMeanCurvature};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
+use crate::method::{Conservative, Energy, Force, Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use alloc::vec::Vec;
@@ -31,8 +32,10 @@ pub struct AreaDifference<T> {
 }
 
 /// Memory of [`AreaDifference`].
-#[derive(Clone, Debug, Default)]
-pub struct AreaDifferenceMemory<T> {
+#[derive(Clone, Debug)]
+pub struct AreaDifferenceMemory<T: Real> {
+    total_mean_curvature: Workspace<T, TotalMeanCurvature>,
+    total_area: Workspace<T, TotalArea>,
     means: Vec<T>,
     areas: Vec<T>,
     /// −∂E/∂M, −∂E/∂A.
@@ -57,16 +60,21 @@ impl<T: Real> AreaDifference<T> {
     fn measure(
         &self,
         execution: &impl Execution,
-        plan: &(ComponentElements<4>, ComponentElements<3>),
         surface: Surface<'_, T>,
         memory: &mut AreaDifferenceMemory<T>,
     ) {
-        let count = plan.0.components().count();
-        let AreaDifferenceMemory { means, areas, .. } = memory;
+        let AreaDifferenceMemory {
+            total_mean_curvature,
+            total_area,
+            means,
+            areas,
+            ..
+        } = memory;
+        let count = TotalArea.component_count(total_area);
         means.resize(count, T::zero());
         areas.resize(count, T::zero());
-        TotalMeanCurvature.values(execution, &plan.0, surface, &mut (), means);
-        TotalArea.values(execution, &plan.1, surface, &mut (), areas);
+        TotalMeanCurvature.values(execution, surface, total_mean_curvature, means);
+        TotalArea.values(execution, surface, total_area, areas);
     }
 
     fn energy_of(&self, memory: &AreaDifferenceMemory<T>) -> T {
@@ -77,23 +85,25 @@ impl<T: Real> AreaDifference<T> {
 }
 
 impl<T: Real> Method<T> for AreaDifference<T> {
-    type Plan = (ComponentElements<4>, ComponentElements<3>);
     type Memory = AreaDifferenceMemory<T>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
-        (
-            Method::<T>::plan(&TotalMeanCurvature, mesh),
-            Method::<T>::plan(&TotalArea, mesh),
-        )
+    fn memory(&self, mesh: &TriangleMesh) -> AreaDifferenceMemory<T> {
+        AreaDifferenceMemory {
+            total_mean_curvature: TotalMeanCurvature.workspace(mesh),
+            total_area: TotalArea.workspace(mesh),
+            means: Vec::new(),
+            areas: Vec::new(),
+            weights: [Vec::new(), Vec::new()],
+        }
     }
 
     fn inspect(
         &self,
-        _plan: &Self::Plan,
         surface: Surface<'_, T>,
-        _memory: &Self::Memory,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        workspace.for_mesh(surface.mesh());
         surface.report_degenerate_triangles(report);
     }
 }
@@ -102,11 +112,11 @@ impl<T: Real> Energy<T> for AreaDifference<T> {
     fn energy(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
-        self.measure(execution, plan, surface, memory);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
         self.energy_of(memory)
     }
 }
@@ -115,12 +125,11 @@ impl<T: Real> Force<T> for AreaDifference<T> {
     fn add_force(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
-        self.add_force_and_energy(execution, plan, surface, memory, force);
+        self.add_force_and_energy(execution, surface, workspace, force);
     }
 }
 
@@ -128,13 +137,15 @@ impl<T: Real> Conservative<T> for AreaDifference<T> {
     fn add_force_and_energy(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
-        self.measure(execution, plan, surface, memory);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
         let AreaDifferenceMemory {
+            total_mean_curvature,
+            total_area,
             means,
             areas,
             weights,
@@ -146,8 +157,8 @@ impl<T: Real> Conservative<T> for AreaDifference<T> {
             weights.extend(values.map(weight));
         }
         let [by_mean, by_area] = weights;
-        TotalMeanCurvature.add_gradient(execution, &plan.0, surface, &mut (), by_mean, force);
-        TotalArea.add_gradient(execution, &plan.1, surface, &mut (), by_area, force);
+        TotalMeanCurvature.add_gradient(execution, surface, total_mean_curvature, by_mean, force);
+        TotalArea.add_gradient(execution, surface, total_area, by_area, force);
         self.energy_of(memory)
     }
 }

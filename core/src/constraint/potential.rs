@@ -1,11 +1,12 @@
 //! Energies of one number of a component.
 
 use super::Targets;
+use crate::diagnostic::Finding;
 use crate::element::Execution;
-use crate::energy::{Conservative, Energy, Finding, Force, Method};
 use crate::functional::{EnclosedVolume, Functional, Quantity, TotalArea};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
+use crate::method::{Conservative, Energy, Force, Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use alloc::vec::Vec;
@@ -101,15 +102,16 @@ impl<T: Real> PotentialOf<EnclosedVolume, Linear<T>> {
 }
 
 /// Memory of [`PotentialOf`].
-#[derive(Clone, Debug, Default)]
-pub struct PotentialMemory<T, M> {
-    functional: M,
+#[derive(Clone, Debug)]
+pub struct PotentialMemory<T, W> {
+    /// The functional's workspace.
+    functional: W,
     values: Vec<T>,
     /// −φ′.
     weights: Vec<T>,
 }
 
-impl<T: Real, M> PotentialMemory<T, M> {
+impl<T: Real, W> PotentialMemory<T, W> {
     /// F of each component, as the last evaluation found it.
     pub fn values(&self) -> &[T] {
         &self.values
@@ -120,9 +122,8 @@ impl<F, P> PotentialOf<F, P> {
     fn measure<T: Real>(
         &self,
         execution: &impl Execution,
-        plan: &F::Plan,
         surface: Surface<'_, T>,
-        memory: &mut PotentialMemory<T, F::Memory>,
+        memory: &mut PotentialMemory<T, Workspace<T, F>>,
     ) where
         F: Functional<T>,
     {
@@ -132,8 +133,8 @@ impl<F, P> PotentialOf<F, P> {
             values,
             ..
         } = memory;
-        values.resize(functional.component_count(plan), T::zero());
-        functional.values(execution, plan, surface, own, values);
+        values.resize(functional.component_count(own), T::zero());
+        functional.values(execution, surface, own, values);
     }
 
     fn energy_of<T: Real>(&self, values: &[T]) -> T
@@ -146,22 +147,24 @@ impl<F, P> PotentialOf<F, P> {
 }
 
 impl<T: Real, F: Functional<T>, P: Potential<T>> Method<T> for PotentialOf<F, P> {
-    type Plan = F::Plan;
-    type Memory = PotentialMemory<T, F::Memory>;
+    type Memory = PotentialMemory<T, Workspace<T, F>>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> F::Plan {
-        self.functional.plan(mesh)
+    fn memory(&self, mesh: &TriangleMesh) -> Self::Memory {
+        PotentialMemory {
+            functional: self.functional.workspace(mesh),
+            values: Vec::new(),
+            weights: Vec::new(),
+        }
     }
 
     fn inspect(
         &self,
-        plan: &F::Plan,
         surface: Surface<'_, T>,
-        memory: &Self::Memory,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
-        self.functional
-            .inspect(plan, surface, &memory.functional, report);
+        let memory = workspace.for_mesh(surface.mesh());
+        self.functional.inspect(surface, &memory.functional, report);
     }
 }
 
@@ -169,11 +172,11 @@ impl<T: Real, F: Functional<T>, P: Potential<T>> Energy<T> for PotentialOf<F, P>
     fn energy(
         &self,
         execution: &impl Execution,
-        plan: &F::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
     ) -> T {
-        self.measure(execution, plan, surface, memory);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
         self.energy_of(&memory.values)
     }
 }
@@ -182,12 +185,11 @@ impl<T: Real, F: Functional<T>, P: Potential<T>> Force<T> for PotentialOf<F, P> 
     fn add_force(
         &self,
         execution: &impl Execution,
-        plan: &F::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
-        self.add_force_and_energy(execution, plan, surface, memory, force);
+        self.add_force_and_energy(execution, surface, workspace, force);
     }
 }
 
@@ -195,12 +197,12 @@ impl<T: Real, F: Functional<T>, P: Potential<T>> Conservative<T> for PotentialOf
     fn add_force_and_energy(
         &self,
         execution: &impl Execution,
-        plan: &F::Plan,
         surface: Surface<'_, T>,
-        memory: &mut Self::Memory,
+        workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
-        self.measure(execution, plan, surface, memory);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
         let PotentialMemory {
             functional,
             values,
@@ -210,7 +212,7 @@ impl<T: Real, F: Functional<T>, P: Potential<T>> Conservative<T> for PotentialOf
         let weight = |(component, &value)| -self.potential.at(component, value)[1];
         weights.extend(values.iter().enumerate().map(weight));
         self.functional
-            .add_gradient(execution, plan, surface, functional, weights, force);
+            .add_gradient(execution, surface, functional, weights, force);
         self.energy_of(values)
     }
 }

@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 #[derive(Clone, Debug, Default)]
 pub(super) struct System<T> {
     matrix: Vec<T>,
-    /// What elimination makes of it.
+    /// The matrix after elimination.
     reduced: Vec<T>,
     /// The right-hand side, then the solution.
     pub(super) right: Vec<T>,

@@ -5,11 +5,12 @@
 //! (1985) 119.
 
 use super::Dissipation;
+use crate::diagnostic::Finding;
 use crate::elasticity::Change;
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Finding, Method};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
+use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, dot, sub};
@@ -19,7 +20,7 @@ use crate::vec3::{Vec3, dot, sub};
 /// `R = Σ A [η_s |dev d|² + η_d/2 (tr d)²]`, d the rate of strain in the plane of each triangle,
 /// `dev d = d − ½ (tr d) P`, P the projector on the plane.
 ///
-/// That is the surface stress `τ = (η_d − η_s) (tr d) P + 2 η_s d`: η_s resists shear alone, η_d
+/// The surface stress is `τ = (η_d − η_s) (tr d) P + 2 η_s d`: η_s resists shear alone, η_d
 /// changes of area alone. A shear flow at rate γ̇ in a flat sheet dissipates `η_s γ̇²` per area, a
 /// growing sphere `4 η_d (Ṙ/R)²`. The velocity is linear on each triangle, and the rate of strain
 /// therefore exact for it: that of the squared edges. Velocities normal to a curved membrane
@@ -84,7 +85,7 @@ impl<L: Lane> Moving<L> {
 }
 
 impl<T: Real> MembraneViscosity<T> {
-    /// Of `2R/A = ½ (a (tr 2d)² + b det 2d)`, the factors a and b; from `|dev d|² = ½ (tr d)² − 2 det d`.
+    /// The factors a and b of `2R/A = ½ (a (tr 2d)² + b det 2d)`; from `|dev d|² = ½ (tr d)² − 2 det d`.
     #[inline(always)]
     fn factors<L: Lane<Scalar = T>>(&self) -> [L; 2] {
         let half = L::literal(0.5);
@@ -97,32 +98,31 @@ impl<T: Real> MembraneViscosity<T> {
 /// `A (½ a t dt + ¼ b dΔ)`.
 impl<T: Real> ElementKernel<T, 3, 3, 3> for MembraneViscosity<T> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 3>,
-        velocities: &[[L; 3]; 3],
-    ) -> [[L; 3]; 3] {
+        corners: &Corners<T, 3>,
+        velocities: &[[T; 3]; 3],
+    ) -> [[T; 3]; 3] {
         let Moving { edges, rate, .. } = Moving::new(corners, velocities);
-        let [a, b] = self.factors::<L>();
-        let weights = [L::literal(0.5) * a * rate.trace(), L::literal(0.25) * b];
+        let [a, b] = self.factors::<T>();
+        let weights = [T::constant(0.5) * a * rate.trace(), T::constant(0.25) * b];
         rate.forces(edges, weights)
     }
 }
 
 impl<T: Real> Method<T> for MembraneViscosity<T> {
-    type Plan = ();
     type Memory = ();
 
-    fn plan(&self, _mesh: &TriangleMesh) {}
+    fn memory(&self, _mesh: &TriangleMesh) {}
 
     fn inspect(
         &self,
-        _plan: &(),
         surface: Surface<'_, T>,
-        _memory: &(),
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        workspace.for_mesh(surface.mesh());
         surface.report_degenerate_triangles(report);
     }
 }
@@ -131,12 +131,12 @@ impl<T: Real> Dissipation<T> for MembraneViscosity<T> {
     fn add_dissipative_force(
         &self,
         execution: &impl Execution,
-        _plan: &(),
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
         velocities: &[[T; 3]],
         force: &mut [[T; 3]],
     ) {
+        workspace.for_mesh(surface.mesh());
         let triangles = surface.mesh().triangles();
         execution.scatter(self, surface, triangles, velocities, force);
     }
@@ -144,11 +144,11 @@ impl<T: Real> Dissipation<T> for MembraneViscosity<T> {
     fn dissipated_power(
         &self,
         execution: &impl Execution,
-        _plan: &(),
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
         velocities: &[[T; 3]],
     ) -> T {
+        workspace.for_mesh(surface.mesh());
         let triangles = surface.mesh().triangles();
         let [a, b] = self.factors::<T>();
         execution.sum(triangles.len(), |triangle| {

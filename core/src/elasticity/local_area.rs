@@ -16,23 +16,23 @@ pub struct LocalArea<T> {
 
 /// `A/A0`, and `A/A0 − 1` without cancellation.
 #[inline(always)]
-fn area_ratio<L: Lane>(strain: &Strain<L>) -> [L; 2] {
-    let ratio = strain.squared_area_ratio.sqrt();
-    let growth = strain.second * (L::literal(1.0) + ratio).reciprocal_or_zero();
+fn area_ratio<T: Real>(strain: &Strain<T>) -> [T; 2] {
+    let ratio = Lane::sqrt(strain.squared_area_ratio);
+    let growth = strain.second * (T::constant(1.0) + ratio).reciprocal_or_zero();
     [ratio, growth]
 }
 
 impl<T: Real> StrainEnergy<T> for LocalArea<T> {
     #[inline(always)]
-    fn density<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> L {
+    fn density(&self, strain: &Strain<T>) -> T {
         let [_, growth] = area_ratio(strain);
-        L::literal(0.5) * L::splat(self.area_modulus) * growth * growth
+        T::constant(0.5) * self.area_modulus * growth * growth
     }
 
     #[inline(always)]
-    fn derivatives<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> [L; 2] {
+    fn derivatives(&self, strain: &Strain<T>) -> [T; 2] {
         let [ratio, growth] = area_ratio(strain);
-        let half = L::literal(0.5) * L::splat(self.area_modulus);
+        let half = T::constant(0.5) * self.area_modulus;
         [half * growth * ratio.reciprocal_or_zero(); 2]
     }
 

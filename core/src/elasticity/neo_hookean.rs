@@ -7,8 +7,8 @@ use crate::real::Real;
 /// `W = G/2 (I1 − 1 + 1/(I2 + 1))`: a thin sheet of incompressible rubber, which thins as its area
 /// grows. `K_s = 3 G`; it softens in extension. Tension of equal stretches λ: `G (1 − λ⁻⁶)`.
 ///
-/// A triangle that has lost its area would have infinite energy; it feels no force, and its energy
-/// is finite and means nothing.
+/// A triangle that has lost its area would have infinite energy; it feels no force, and its energy is
+/// finite and far above that of any other shape.
 ///
 /// D. Barthès-Biesel, A. Diaz and E. Dhenin, J. Fluid Mech. 460 (2002) 211.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,34 +19,42 @@ pub struct NeoHookean<T> {
 
 impl<T: Real> NeoHookean<T> {
     #[inline(always)]
-    fn half_modulus<L: Lane<Scalar = T>>(&self) -> L {
-        L::literal(0.5) * L::splat(self.shear_modulus)
+    fn half_modulus(&self) -> T {
+        T::constant(0.5) * self.shear_modulus
     }
 }
 
-/// `1/(I2 + 1)²`, and 0 where it is no finite number.
+/// `1/(I2 + 1)`, finite without an area, too: to I2 + 1 is added what changes it only where it is nearly
+/// the smallest number. Not of the square, which would leave the range of the scalar at stretches that
+/// it holds easily.
 #[inline(always)]
-fn inverse_square<L: Lane>(strain: &Strain<L>) -> L {
-    (strain.squared_area_ratio * strain.squared_area_ratio).reciprocal_or_zero()
+fn inverse<T: Real>(strain: &Strain<T>) -> T {
+    let least = T::min_positive_value() / (T::epsilon() * T::epsilon());
+    (strain.squared_area_ratio + least).reciprocal_or_zero()
 }
 
 impl<T: Real> StrainEnergy<T> for NeoHookean<T> {
     /// `G/2 [(I1 − I2) + I2²/(I2 + 1)]`, two terms of second order, where strains are small;
     /// `G/2 [I1 − I2/(I2 + 1)]`, of which the second is less than 1, where they are large.
     #[inline(always)]
-    fn density<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> L {
-        let inverse = inverse_square(strain) * strain.squared_area_ratio;
-        let share = strain.second * inverse;
+    fn density(&self, strain: &Strain<T>) -> T {
+        let share = strain.second * inverse(strain);
         let small = strain.difference + strain.second * share;
         let large = strain.first - share;
-        self.half_modulus::<L>() * L::select(strain.is_small, small, large)
+        self.half_modulus() * T::select(strain.is_small, small, large)
     }
 
     #[inline(always)]
-    fn derivatives<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> [L; 2] {
-        let weight = self.half_modulus::<L>() * inverse_square(strain);
-        let sum = strain.second * (L::literal(2.0) + strain.second);
-        [weight * sum, -weight]
+    fn derivatives(&self, strain: &Strain<T>) -> [T; 2] {
+        let inverse = inverse(strain);
+        // 1, and 0 without an area, whose gradient has no direction.
+        let presence = strain.squared_area_ratio * inverse;
+        let weight = self.half_modulus() * inverse * presence;
+        let sum = T::constant(2.0) + strain.second;
+        [
+            weight * strain.second * (inverse * sum),
+            -(weight * inverse),
+        ]
     }
 
     fn shear_modulus(&self) -> T {

@@ -1,7 +1,6 @@
 //! The membrane of red blood cells.
 
 use super::{Strain, StrainEnergy};
-use crate::lane::Lane;
 use crate::real::Real;
 
 /// `W = G/4 (I1² + 2 I1 − 2 I2 + C I2²)`: a membrane that resists changes of area by C apart from
@@ -22,7 +21,7 @@ pub struct Skalak<T> {
 
 impl<T: Real> StrainEnergy<T> for Skalak<T> {
     #[inline(always)]
-    fn density<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> L {
+    fn density(&self, strain: &Strain<T>) -> T {
         let Strain {
             first,
             second,
@@ -30,17 +29,17 @@ impl<T: Real> StrainEnergy<T> for Skalak<T> {
             ..
         } = *strain;
         let twice = difference + difference;
-        let sum = first * first + twice + L::splat(self.area_ratio) * (second * second);
-        L::literal(0.25) * L::splat(self.shear_modulus) * sum
+        let sum = first * first + twice + self.area_ratio * (second * second);
+        T::constant(0.25) * self.shear_modulus * sum
     }
 
     #[inline(always)]
-    fn derivatives<L: Lane<Scalar = T>>(&self, strain: &Strain<L>) -> [L; 2] {
-        let half = L::literal(0.5) * L::splat(self.shear_modulus);
-        let dilation = L::splat(self.area_ratio) * strain.second;
+    fn derivatives(&self, strain: &Strain<T>) -> [T; 2] {
+        let half = T::constant(0.5) * self.shear_modulus;
+        let dilation = self.area_ratio * strain.second;
         [
             half * (strain.first + dilation),
-            half * (dilation - L::literal(1.0)),
+            half * (dilation - T::constant(1.0)),
         ]
     }
 

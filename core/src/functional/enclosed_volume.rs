@@ -1,11 +1,10 @@
 //! Volume.
 
 use super::{ComponentElements, Functional, closed_triangles, sixfold_volume};
+use crate::components::Components;
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::Method;
-use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
-use crate::projection::Components;
+use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::scale;
@@ -23,40 +22,39 @@ struct VolumeGradient<T>(T);
 
 impl<T: Real> ElementKernel<T, 3, 0, 3> for VolumeGradient<T> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 3>,
-        _input: &[[L; 0]; 3],
-    ) -> [[L; 3]; 3] {
-        let sixth = L::literal(1.0 / 6.0) * L::splat(self.0);
+        corners: &Corners<T, 3>,
+        _input: &[[T; 0]; 3],
+    ) -> [[T; 3]; 3] {
+        let sixth = T::constant(1.0 / 6.0) * self.0;
         [scale(sixth, corners.triangle().area_vector); 3]
     }
 }
 
 impl<T: Real> Method<T> for EnclosedVolume {
-    type Plan = ComponentElements<3>;
-    type Memory = ();
+    type Memory = ComponentElements<3>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
+    fn memory(&self, mesh: &TriangleMesh) -> ComponentElements<3> {
         closed_triangles(mesh)
     }
 }
 
 impl<T: Real> Functional<T> for EnclosedVolume {
-    fn components<'a>(&self, plan: &'a Self::Plan) -> &'a Components {
-        plan.components()
+    fn components<'a>(&self, workspace: &'a Workspace<T, Self>) -> &'a Components {
+        workspace.memory().components()
     }
 
     fn values(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
         values: &mut [T],
     ) {
-        plan.sums(execution, values, |first, triangle| {
+        let elements = workspace.for_mesh(surface.mesh());
+        elements.sums(execution, values, |first, triangle| {
             sixfold_volume(surface, first[0], triangle) / T::constant(6.0)
         });
     }
@@ -64,12 +62,12 @@ impl<T: Real> Functional<T> for EnclosedVolume {
     fn add_gradient(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
         weights: &[T],
         gradient: &mut [[T; 3]],
     ) {
-        plan.scatter(execution, surface, weights, VolumeGradient, gradient);
+        let elements = workspace.for_mesh(surface.mesh());
+        elements.scatter(execution, surface, weights, VolumeGradient, gradient);
     }
 }

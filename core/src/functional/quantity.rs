@@ -1,10 +1,10 @@
 //! A functional chosen at run time.
 
-use super::{ComponentElements, EnclosedVolume, Functional, TotalArea, TotalMeanCurvature};
+use super::{EnclosedVolume, Functional, TotalArea, TotalMeanCurvature};
+use crate::components::Components;
 use crate::element::Execution;
-use crate::energy::Method;
 use crate::mesh::TriangleMesh;
-use crate::projection::Components;
+use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 
@@ -19,85 +19,98 @@ pub enum Quantity {
     MeanCurvature,
 }
 
-/// The plan of a [`Quantity`].
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum QuantityPlan {
-    /// For sums over triangles.
-    Triangles(ComponentElements<3>),
-    /// For sums over hinges.
-    Hinges(ComponentElements<4>),
+/// Memory of a [`Quantity`]: the workspace of the functional it stands for.
+#[derive(Clone, Debug)]
+pub enum QuantityMemory<T: Real> {
+    /// The workspace of [`TotalArea`].
+    Area(Workspace<T, TotalArea>),
+    /// The workspace of [`EnclosedVolume`].
+    Volume(Workspace<T, EnclosedVolume>),
+    /// The workspace of [`TotalMeanCurvature`].
+    MeanCurvature(Workspace<T, TotalMeanCurvature>),
 }
 
 impl<T: Real> Method<T> for Quantity {
-    type Plan = QuantityPlan;
-    type Memory = ();
+    type Memory = QuantityMemory<T>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
-        let triangles = QuantityPlan::Triangles;
+    fn memory(&self, mesh: &TriangleMesh) -> QuantityMemory<T> {
         match self {
-            Self::Area => triangles(Method::<T>::plan(&TotalArea, mesh)),
-            Self::Volume => triangles(Method::<T>::plan(&EnclosedVolume, mesh)),
+            Self::Area => QuantityMemory::Area(TotalArea.workspace(mesh)),
+            Self::Volume => QuantityMemory::Volume(EnclosedVolume.workspace(mesh)),
             Self::MeanCurvature => {
-                QuantityPlan::Hinges(Method::<T>::plan(&TotalMeanCurvature, mesh))
+                QuantityMemory::MeanCurvature(TotalMeanCurvature.workspace(mesh))
             }
         }
     }
 }
 
-/// What [`Quantity`] panics with when its plan is another's.
-const FOREIGN_PLAN: &str = "the plan was made by another quantity";
+impl Quantity {
+    /// Refuses a workspace that was made for another quantity.
+    fn expect<T: Real>(self, memory: &QuantityMemory<T>) {
+        let of_memory = match memory {
+            QuantityMemory::Area(_) => Self::Area,
+            QuantityMemory::Volume(_) => Self::Volume,
+            QuantityMemory::MeanCurvature(_) => Self::MeanCurvature,
+        };
+        assert!(
+            self == of_memory,
+            "Quantity::{self:?} was given a workspace of Quantity::{of_memory:?}: make one by \
+             Method::workspace of this quantity"
+        );
+    }
+}
 
 impl<T: Real> Functional<T> for Quantity {
-    fn components<'a>(&self, plan: &'a Self::Plan) -> &'a Components {
-        match plan {
-            QuantityPlan::Triangles(plan) => plan.components(),
-            QuantityPlan::Hinges(plan) => plan.components(),
+    fn components<'a>(&self, workspace: &'a Workspace<T, Self>) -> &'a Components {
+        match workspace.memory() {
+            QuantityMemory::Area(workspace) => TotalArea.components(workspace),
+            QuantityMemory::Volume(workspace) => EnclosedVolume.components(workspace),
+            QuantityMemory::MeanCurvature(workspace) => TotalMeanCurvature.components(workspace),
         }
     }
 
     fn values(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
         values: &mut [T],
     ) {
-        match (self, plan) {
-            (Self::Area, QuantityPlan::Triangles(plan)) => {
-                TotalArea.values(execution, plan, surface, memory, values);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.expect(memory);
+        match memory {
+            QuantityMemory::Area(workspace) => {
+                TotalArea.values(execution, surface, workspace, values);
             }
-            (Self::Volume, QuantityPlan::Triangles(plan)) => {
-                EnclosedVolume.values(execution, plan, surface, memory, values);
+            QuantityMemory::Volume(workspace) => {
+                EnclosedVolume.values(execution, surface, workspace, values);
             }
-            (Self::MeanCurvature, QuantityPlan::Hinges(plan)) => {
-                TotalMeanCurvature.values(execution, plan, surface, memory, values);
+            QuantityMemory::MeanCurvature(workspace) => {
+                TotalMeanCurvature.values(execution, surface, workspace, values);
             }
-            _ => panic!("{FOREIGN_PLAN}"),
         }
     }
 
     fn add_gradient(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
         weights: &[T],
         gradient: &mut [[T; 3]],
     ) {
-        match (self, plan) {
-            (Self::Area, QuantityPlan::Triangles(plan)) => {
-                TotalArea.add_gradient(execution, plan, surface, memory, weights, gradient);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.expect(memory);
+        match memory {
+            QuantityMemory::Area(workspace) => {
+                TotalArea.add_gradient(execution, surface, workspace, weights, gradient);
             }
-            (Self::Volume, QuantityPlan::Triangles(plan)) => {
-                EnclosedVolume.add_gradient(execution, plan, surface, memory, weights, gradient);
+            QuantityMemory::Volume(workspace) => {
+                EnclosedVolume.add_gradient(execution, surface, workspace, weights, gradient);
             }
-            (Self::MeanCurvature, QuantityPlan::Hinges(plan)) => {
-                let quantity = TotalMeanCurvature;
-                quantity.add_gradient(execution, plan, surface, memory, weights, gradient);
+            QuantityMemory::MeanCurvature(workspace) => {
+                TotalMeanCurvature.add_gradient(execution, surface, workspace, weights, gradient);
             }
-            _ => panic!("{FOREIGN_PLAN}"),
         }
     }
 }

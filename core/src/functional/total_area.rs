@@ -1,11 +1,11 @@
 //! Area.
 
 use super::{ComponentElements, Functional};
+use crate::components::Components;
+use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Finding, Method};
-use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
-use crate::projection::Components;
+use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 
@@ -20,50 +20,49 @@ struct AreaGradient<T>(T);
 
 impl<T: Real> ElementKernel<T, 3, 0, 3> for AreaGradient<T> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 3>,
-        _input: &[[L; 0]; 3],
-    ) -> [[L; 3]; 3] {
-        let half = L::literal(0.5) * L::splat(self.0);
+        corners: &Corners<T, 3>,
+        _input: &[[T; 0]; 3],
+    ) -> [[T; 3]; 3] {
+        let half = T::constant(0.5) * self.0;
         corners.triangle().outward_edges(half)
     }
 }
 
 impl<T: Real> Method<T> for TotalArea {
-    type Plan = ComponentElements<3>;
-    type Memory = ();
+    type Memory = ComponentElements<3>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
+    fn memory(&self, mesh: &TriangleMesh) -> ComponentElements<3> {
         ComponentElements::new(Components::new(mesh), mesh.triangles().iter().copied())
     }
 
     fn inspect(
         &self,
-        _plan: &Self::Plan,
         surface: Surface<'_, T>,
-        _memory: &(),
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        workspace.for_mesh(surface.mesh());
         surface.report_degenerate_triangles(report);
     }
 }
 
 impl<T: Real> Functional<T> for TotalArea {
-    fn components<'a>(&self, plan: &'a Self::Plan) -> &'a Components {
-        plan.components()
+    fn components<'a>(&self, workspace: &'a Workspace<T, Self>) -> &'a Components {
+        workspace.memory().components()
     }
 
     fn values(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
         values: &mut [T],
     ) {
-        plan.sums(execution, values, |_, triangle| {
+        let elements = workspace.for_mesh(surface.mesh());
+        elements.sums(execution, values, |_, triangle| {
             let corners = Corners::<T, 3>::of(surface, triangle);
             T::constant(0.5) * corners.triangle().doubled_area
         });
@@ -72,12 +71,12 @@ impl<T: Real> Functional<T> for TotalArea {
     fn add_gradient(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
         weights: &[T],
         gradient: &mut [[T; 3]],
     ) {
-        plan.scatter(execution, surface, weights, AreaGradient, gradient);
+        let elements = workspace.for_mesh(surface.mesh());
+        elements.scatter(execution, surface, weights, AreaGradient, gradient);
     }
 }

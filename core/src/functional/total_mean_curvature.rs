@@ -1,14 +1,14 @@
 //! Integrated mean curvature.
 //!
-//! Of polyhedra: J. Steiner, Monatsber. Preuss. Akad. Wiss. (1840) 114.
+//! Integrated mean curvature of polyhedra: J. Steiner, Monatsber. Preuss. Akad. Wiss. (1840) 114.
 
 use super::{ComponentElements, Functional};
 use crate::bending::{Hinge, Hinges};
+use crate::components::Components;
+use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Finding, Method};
-use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
-use crate::projection::Components;
+use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 
@@ -28,51 +28,50 @@ struct MeanCurvatureGradient<T>(T);
 
 impl<T: Real> ElementKernel<T, 4, 0, 3> for MeanCurvatureGradient<T> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 4>,
-        _input: &[[L; 0]; 4],
-    ) -> [[L; 3]; 4] {
-        let half = L::literal(0.5) * L::splat(self.0);
+        corners: &Corners<T, 4>,
+        _input: &[[T; 0]; 4],
+    ) -> [[T; 3]; 4] {
+        let half = T::constant(0.5) * self.0;
         Hinge::new(corners).length_times_angle_gradient(corners, half)
     }
 }
 
 impl<T: Real> Method<T> for TotalMeanCurvature {
-    type Plan = ComponentElements<4>;
-    type Memory = ();
+    type Memory = ComponentElements<4>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Self::Plan {
+    fn memory(&self, mesh: &TriangleMesh) -> ComponentElements<4> {
         let hinges = Hinges::new(mesh).vertices;
         ComponentElements::new(Components::new(mesh), hinges.into_iter())
     }
 
     fn inspect(
         &self,
-        _plan: &Self::Plan,
         surface: Surface<'_, T>,
-        _memory: &(),
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        workspace.for_mesh(surface.mesh());
         surface.report_degenerate_triangles(report);
     }
 }
 
 impl<T: Real> Functional<T> for TotalMeanCurvature {
-    fn components<'a>(&self, plan: &'a Self::Plan) -> &'a Components {
-        plan.components()
+    fn components<'a>(&self, workspace: &'a Workspace<T, Self>) -> &'a Components {
+        workspace.memory().components()
     }
 
     fn values(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
         values: &mut [T],
     ) {
-        plan.sums(execution, values, |_, hinge| {
+        let elements = workspace.for_mesh(surface.mesh());
+        elements.sums(execution, values, |_, hinge| {
             let hinge = Hinge::<T>::new(&Corners::of(surface, hinge));
             T::constant(0.5) * hinge.edge_length * hinge.angle()
         });
@@ -81,12 +80,12 @@ impl<T: Real> Functional<T> for TotalMeanCurvature {
     fn add_gradient(
         &self,
         execution: &impl Execution,
-        plan: &Self::Plan,
         surface: Surface<'_, T>,
-        _memory: &mut (),
+        workspace: &mut Workspace<T, Self>,
         weights: &[T],
         gradient: &mut [[T; 3]],
     ) {
-        plan.scatter(execution, surface, weights, MeanCurvatureGradient, gradient);
+        let elements = workspace.for_mesh(surface.mesh());
+        elements.scatter(execution, surface, weights, MeanCurvatureGradient, gradient);
     }
 }

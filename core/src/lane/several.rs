@@ -4,7 +4,7 @@ use crate::lane::Lane;
 use crate::real::Real;
 use core::ops::{Add, Mul, Neg, Sub};
 
-/// How many go through a formula together: two vectors of 32 bytes in f64, one in f32. In f64 half of
+/// Number of reals that go through a formula together: two vectors of 32 bytes in f64, one in f32. In f64 half of
 /// it took as long.
 pub(crate) const WIDTH: usize = 8;
 

@@ -4,11 +4,13 @@
 //! curvature after M. Meyer, M. Desbrun, P. Schröder and A. H. Barr, Visualization and Mathematics
 //! III (2003) 35.
 
+use crate::curvature::{Curvature, Curvatures};
+use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
-use crate::energy::{Finding, Method};
 use crate::lane::Lane;
-use crate::laplacian::{Curvature, LaplaceBeltrami, Rows};
+use crate::laplacian::{LaplaceBeltrami, Rows, expect_measured};
 use crate::mesh::{TriangleMesh, VertexKind};
+use crate::method::{Method, Workspace};
 use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::{Barycentric, DualArea, Kind, Mixed, Voronoi};
@@ -36,18 +38,19 @@ impl Cotangent {
         Self { area }
     }
 
-    /// The whole of [`LaplaceBeltrami::measure`], which needs no plan.
+    /// [`Curvatures::curvatures`] without a workspace.
     pub(crate) fn sum<T: Real>(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
-        memory: &mut CotangentMemory<T>,
+        sums: &mut VertexSums<T>,
         curvature: &mut [Curvature<T>],
     ) {
         let mesh = surface.mesh();
-        memory.sums.clear();
-        memory.sums.resize(mesh.vertex_count(), [T::zero(); 8]);
-        let (triangles, sums) = (mesh.triangles(), &mut memory.sums[..]);
+        let triangles = mesh.triangles();
+        let VertexSums(sums) = sums;
+        sums.clear();
+        sums.resize(mesh.vertex_count(), [T::zero(); 8]);
         match self.area {
             DualArea::Mixed => {
                 execution.scatter(&Measures(Mixed), surface, triangles, &[], sums);
@@ -60,15 +63,15 @@ impl Cotangent {
             }
         }
         let half = T::constant(0.5);
-        let memory = &*memory;
+        let sums = &*sums;
         execution.map(
             &mut curvature[..mesh.vertex_count()],
             |vertex, curvature| {
-                let [u, v, w, x, y, z, angles, area] = memory.sums[vertex];
+                let [u, v, w, x, y, z, angles, area] = sums[vertex];
                 let kind = mesh.vertex_kind(vertex);
                 let normal = normalise([x, y, z]);
                 let over_area = match kind {
-                    VertexKind::Interior => memory.over_area(vertex),
+                    VertexKind::Interior => Lane::reciprocal_or_zero(area),
                     VertexKind::Boundary | VertexKind::Isolated => T::zero(),
                 };
                 let mean = -half * dot([u, v, w], normal) * over_area;
@@ -109,16 +112,20 @@ impl Cotangent {
 
     /// Fills `rows` with the symmetric, integrated form `½ (cot α + cot β)`: dimensionless;
     /// applied to positions it gives `−∂A/∂x_i`. Both entries of an edge are equal to the last bit.
+    ///
+    /// # Panics
+    /// If the surface has another mesh than that of the workspace.
     pub fn assemble_stiffness<T: Real>(
         &self,
-        plan: &CornerEntries,
         surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
         rows: &mut Rows<T>,
     ) {
         let mesh = surface.mesh();
+        let CotangentMemory { entries, .. } = workspace.for_mesh(mesh);
         rows.reset(mesh.ring_offsets(), mesh.ring_vertices());
         let half = T::constant(0.5);
-        for (corners, entries) in mesh.triangles().iter().zip(&plan.0) {
+        for (corners, entries) in mesh.triangles().iter().zip(&entries.0) {
             let corners = Corners::of(surface, *corners);
             let cotangents = corners.triangle().cotangents();
             for (cotangent, pair) in cotangents.into_iter().zip(entries) {
@@ -133,7 +140,7 @@ impl Cotangent {
 /// For each triangle and corner, where the edge opposite the corner stands in the rows of its two
 /// ends.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CornerEntries(Vec<[[u32; 2]; 3]>);
+struct CornerEntries(Vec<[[u32; 2]; 3]>);
 
 impl CornerEntries {
     fn new(mesh: &TriangleMesh) -> Self {
@@ -152,14 +159,19 @@ impl CornerEntries {
 }
 
 /// Memory of [`Cotangent`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct CotangentMemory<T> {
-    sums: Vec<[T; 8]>,
+    entries: CornerEntries,
+    sums: VertexSums<T>,
 }
 
-impl<T: Real> CotangentMemory<T> {
+/// Integrated Laplacian of the positions, area vector, angles and area of each vertex.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct VertexSums<T>(Vec<[T; 8]>);
+
+impl<T: Real> VertexSums<T> {
     fn over_area(&self, vertex: usize) -> T {
-        Lane::reciprocal_or_zero(self.sums[vertex][7])
+        Lane::reciprocal_or_zero(self.0[vertex][7])
     }
 }
 
@@ -167,12 +179,12 @@ struct Areas<K>(K);
 
 impl<T: Real, K: Kind> ElementKernel<T, 3, 0, 1> for Areas<K> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 3>,
-        _input: &[[L; 0]; 3],
-    ) -> [[L; 1]; 3] {
+        corners: &Corners<T, 3>,
+        _input: &[[T; 0]; 3],
+    ) -> [[T; 1]; 3] {
         corners.triangle().dual_areas(self.0).map(|area| [area])
     }
 }
@@ -182,12 +194,12 @@ struct Measures<K>(K);
 
 impl<T: Real, K: Kind> ElementKernel<T, 3, 0, 8> for Measures<K> {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
+    fn evaluate(
         &self,
         _first: usize,
-        corners: &Corners<L, 3>,
-        _input: &[[L; 0]; 3],
-    ) -> [[L; 8]; 3] {
+        corners: &Corners<T, 3>,
+        _input: &[[T; 0]; 3],
+    ) -> [[T; 8]; 3] {
         let triangle = corners.triangle();
         let areas = triangle.dual_areas(self.0);
         let angles = triangle.angles();
@@ -205,16 +217,11 @@ struct Differences;
 
 impl<T: Real, const D: usize> ElementKernel<T, 3, D, D> for Differences {
     #[inline(always)]
-    fn evaluate<L: Lane<Scalar = T>>(
-        &self,
-        _first: usize,
-        corners: &Corners<L, 3>,
-        field: &[[L; D]; 3],
-    ) -> [[L; D]; 3] {
+    fn evaluate(&self, _first: usize, corners: &Corners<T, 3>, field: &[[T; D]; 3]) -> [[T; D]; 3] {
         let triangle = corners.triangle();
-        let half = L::literal(0.5);
+        let half = T::constant(0.5);
         let cotangents = triangle.cotangents().map(|cotangent| half * cotangent);
-        let mut result = [[L::zero(); D]; 3];
+        let mut result = [[T::zero(); D]; 3];
         for k in 0..D {
             let along = |from: usize, to: usize, opposite: usize| {
                 cotangents[opposite] * (field[to][k] - field[from][k])
@@ -229,24 +236,26 @@ impl<T: Real, const D: usize> ElementKernel<T, 3, D, D> for Differences {
 }
 
 impl<T: Real> Method<T> for Cotangent {
-    type Plan = CornerEntries;
     type Memory = CotangentMemory<T>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> CornerEntries {
-        CornerEntries::new(mesh)
+    fn memory(&self, mesh: &TriangleMesh) -> CotangentMemory<T> {
+        CotangentMemory {
+            entries: CornerEntries::new(mesh),
+            sums: VertexSums::default(),
+        }
     }
 
     fn inspect(
         &self,
-        _plan: &CornerEntries,
         surface: Surface<'_, T>,
-        memory: &CotangentMemory<T>,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        let CotangentMemory { sums, .. } = workspace.for_mesh(surface.mesh());
         surface.report_uneven_mesh(report);
         surface.report_valences(report);
         surface.report_rough_vertices(report);
-        for (vertex, sums) in memory.sums.iter().enumerate() {
+        for (vertex, sums) in sums.0.iter().enumerate() {
             if surface.mesh().vertex_kind(vertex) != VertexKind::Isolated {
                 surface.report_area(self.area, vertex, sums[7], report);
             }
@@ -254,47 +263,51 @@ impl<T: Real> Method<T> for Cotangent {
     }
 }
 
-impl<T: Real> LaplaceBeltrami<T> for Cotangent {
-    fn measure(
+impl<T: Real> Curvatures<T> for Cotangent {
+    fn curvatures(
         &self,
         execution: &impl Execution,
-        _plan: &CornerEntries,
         surface: Surface<'_, T>,
-        memory: &mut CotangentMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         curvature: &mut [Curvature<T>],
     ) {
-        self.sum(execution, surface, memory, curvature);
+        let CotangentMemory { sums, .. } = workspace.for_mesh_mut(surface.mesh());
+        self.sum(execution, surface, sums, curvature);
     }
+}
 
+impl<T: Real> LaplaceBeltrami<T> for Cotangent {
     fn apply<const D: usize>(
         &self,
         execution: &impl Execution,
-        _plan: &CornerEntries,
         surface: Surface<'_, T>,
-        memory: &CotangentMemory<T>,
+        workspace: &Workspace<T, Self>,
         field: &[[T; D]],
         laplacian: &mut [[T; D]],
     ) {
         let mesh = surface.mesh();
+        let CotangentMemory { sums, .. } = workspace.for_mesh(mesh);
+        expect_measured(sums.0.len(), mesh.vertex_count());
         let laplacian = &mut laplacian[..mesh.vertex_count()];
         laplacian.fill([T::zero(); D]);
         execution.scatter(&Differences, surface, mesh.triangles(), field, laplacian);
         execution.map(&mut laplacian[..], |vertex, sum| {
-            let over_area = memory.over_area(vertex);
+            let over_area = sums.over_area(vertex);
             *sum = finite_or_zero(sum.map(|entry| entry * over_area));
         });
     }
 
     fn assemble(
         &self,
-        plan: &CornerEntries,
         surface: Surface<'_, T>,
-        memory: &CotangentMemory<T>,
+        workspace: &Workspace<T, Self>,
         rows: &mut Rows<T>,
     ) {
-        self.assemble_stiffness(plan, surface, rows);
+        let CotangentMemory { sums, .. } = workspace.for_mesh(surface.mesh());
+        expect_measured(sums.0.len(), surface.mesh().vertex_count());
+        self.assemble_stiffness(surface, workspace, rows);
         for vertex in 0..surface.mesh().vertex_count() {
-            let over_area = memory.over_area(vertex);
+            let over_area = sums.over_area(vertex);
             for coefficient in rows.row_mut(vertex) {
                 *coefficient *= over_area;
             }

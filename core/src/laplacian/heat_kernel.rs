@@ -3,11 +3,13 @@
 //! M. Belkin, J. Sun and Y. Wang, Discrete Laplace operator on meshed surfaces, Proc. 24th ACM
 //! Symp. Computational Geometry (2008) 278.
 
+use crate::curvature::{Curvature, Curvatures};
+use crate::diagnostic::Finding;
 use crate::element::{Execution, Ragged};
-use crate::energy::{Finding, Method};
 use crate::lane::Lane;
-use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
+use crate::laplacian::{Cotangent, LaplaceBeltrami, Rows, VertexSums, expect_measured};
 use crate::mesh::{TriangleMesh, VertexKind};
+use crate::method::{Method, Workspace};
 use crate::neighbourhood::Neighbourhood;
 use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
@@ -41,14 +43,19 @@ pub struct HeatKernel<T> {
 }
 
 /// The bandwidth h of a heat kernel: an area, twice the kernel's variance along each axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Bandwidth<T> {
-    /// This factor times the mixed area of the vertex. The error then stays as large as it is: the
-    /// kernel always averages over the same few neighbours.
+    /// `max(¼, √N/100) A/N` everywhere, with N vertices that are in triangles and the area A of the
+    /// surface. It shrinks more slowly than the triangles, so that errors shrink, too; below a quarter
+    /// of the mean area of a vertex the kernel would hardly reach the nearest neighbours.
+    #[default]
+    Converging,
+    /// This factor times the mean area A/N of a vertex, the same everywhere.
+    MeanArea(T),
+    /// This factor times the mixed area of each vertex; with 1 the method as published. The error
+    /// does not shrink with the triangles: the kernel always averages over the same few neighbours.
     MixedArea(T),
-    /// The same area everywhere. Only one that shrinks more slowly than the triangles can
-    /// converge: in mean areas of a vertex ¼, ½, 1 to 2 at 642, 2562, 10242 vertices of a
-    /// discocyte.
+    /// The same area everywhere, whatever the surface.
     Global(T),
 }
 
@@ -60,16 +67,18 @@ impl<T: Real> HeatKernel<T> {
 }
 
 impl<T: Real> Default for HeatKernel<T> {
-    /// The mixed area of each vertex as its bandwidth.
+    /// The bandwidth with which the operator converges.
     fn default() -> Self {
-        Self::new(Bandwidth::MixedArea(T::one()))
+        Self::new(Bandwidth::Converging)
     }
 }
 
 /// Memory of [`HeatKernel`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct HeatKernelMemory<T> {
-    cotangent: CotangentMemory<T>,
+    /// Start of each one-ring, and the length of all of them.
+    ring_offsets: Vec<usize>,
+    cotangent: VertexSums<T>,
     /// The length of the edge to each entry of the mesh's one-rings.
     edge_lengths: Vec<T>,
     searches: Vec<Neighbourhood<T>>,
@@ -77,7 +86,7 @@ pub struct HeatKernelMemory<T> {
     gathered: Gathered,
 }
 
-/// What the coefficients are computed from.
+/// The numbers from which the coefficients are computed.
 #[derive(Clone, Debug, Default)]
 struct Kernel<T> {
     /// 1/h at each vertex; 0 where the row is empty.
@@ -110,7 +119,7 @@ impl<T: Real> Kernel<T> {
 #[derive(Clone, Debug, Default)]
 struct Gathered {
     offsets: Vec<usize>,
-    /// How many columns a row has, or should have: it may be more than it has room for.
+    /// Number of columns of each row. It may exceed the capacity, until [`Self::make_room`] is called.
     lengths: Vec<u32>,
     columns: Vec<u32>,
 }
@@ -157,17 +166,38 @@ impl<T: Real> HeatKernel<T> {
         curvature: &[Curvature<T>],
         over: &mut Vec<T>,
     ) {
+        let [of_area, everywhere] = match self.bandwidth {
+            Bandwidth::MixedArea(factor) => [factor, T::zero()],
+            Bandwidth::MeanArea(factor) => [T::zero(), factor * mean_area(curvature).0],
+            Bandwidth::Converging => {
+                let (mean, vertices) = mean_area(curvature);
+                let factor = T::constant(0.01) * vertices.sqrt();
+                [T::zero(), factor.max(T::constant(0.25)) * mean]
+            }
+            Bandwidth::Global(bandwidth) => [T::zero(), bandwidth],
+        };
         over.resize(curvature.len(), T::zero());
         execution.map(&mut over[..], |vertex, over| {
             let Curvature { area, kind, .. } = curvature[vertex];
-            let bandwidth = match (kind, self.bandwidth) {
-                (VertexKind::Isolated, _) => T::zero(),
-                (_, Bandwidth::MixedArea(factor)) => factor * area,
-                (_, Bandwidth::Global(bandwidth)) => bandwidth,
+            let bandwidth = match kind {
+                VertexKind::Isolated => T::zero(),
+                VertexKind::Interior | VertexKind::Boundary => of_area * area + everywhere,
             };
             *over = bandwidth.reciprocal_or_zero();
         });
     }
+}
+
+/// The mean area of the vertices that are in triangles, and their number. One sum in vertex order: no
+/// bit depends on the number of threads.
+fn mean_area<T: Real>(curvature: &[Curvature<T>]) -> (T, T) {
+    let in_triangles = curvature
+        .iter()
+        .filter(|vertex| vertex.kind != VertexKind::Isolated);
+    let (area, vertices) = in_triangles.fold((T::zero(), T::zero()), |(area, vertices), vertex| {
+        (area + vertex.area, vertices + T::one())
+    });
+    (area * vertices.reciprocal_or_zero(), vertices)
 }
 
 fn set_edge_lengths<T: Real>(
@@ -259,22 +289,27 @@ fn row<'a, T: Real>(
 }
 
 impl<T: Real> Method<T> for HeatKernel<T> {
-    /// Where each one-ring starts, with the length of all of them at the end.
-    type Plan = Vec<usize>;
     type Memory = HeatKernelMemory<T>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Vec<usize> {
+    fn memory(&self, mesh: &TriangleMesh) -> HeatKernelMemory<T> {
         let offsets = mesh.ring_offsets().iter();
-        offsets.map(|&offset| offset as usize).collect()
+        HeatKernelMemory {
+            ring_offsets: offsets.map(|&offset| offset as usize).collect(),
+            cotangent: VertexSums::default(),
+            edge_lengths: Vec::new(),
+            searches: Vec::new(),
+            kernel: Kernel::default(),
+            gathered: Gathered::default(),
+        }
     }
 
     fn inspect(
         &self,
-        _plan: &Vec<usize>,
         surface: Surface<'_, T>,
-        memory: &HeatKernelMemory<T>,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        let memory = workspace.for_mesh(surface.mesh());
         surface.report_uneven_mesh(report);
         surface.report_rough_vertices(report);
         for (vertex, &length) in memory.gathered.lengths.iter().enumerate() {
@@ -287,15 +322,15 @@ impl<T: Real> Method<T> for HeatKernel<T> {
     }
 }
 
-impl<T: Real> LaplaceBeltrami<T> for HeatKernel<T> {
-    fn measure(
+impl<T: Real> Curvatures<T> for HeatKernel<T> {
+    fn curvatures(
         &self,
         execution: &impl Execution,
-        plan: &Vec<usize>,
         surface: Surface<'_, T>,
-        memory: &mut HeatKernelMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         curvature: &mut [Curvature<T>],
     ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
         let vertices = surface.mesh().vertex_count();
         let curvature = &mut curvature[..vertices];
         let mixed = Cotangent::new(DualArea::Mixed);
@@ -307,23 +342,27 @@ impl<T: Real> LaplaceBeltrami<T> for HeatKernel<T> {
         self.set_over_bandwidth(execution, curvature, over_bandwidth);
         weights.resize(vertices, T::zero());
         Cotangent::new(DualArea::Barycentric).dual_areas(execution, surface, weights);
-        set_edge_lengths(execution, surface, &mut memory.edge_lengths, plan);
+        let (lengths, offsets) = (&mut memory.edge_lengths, &memory.ring_offsets);
+        set_edge_lengths(execution, surface, lengths, offsets);
         memory.gathered.resize(vertices);
         gather(execution, surface, memory, curvature);
         if !memory.gathered.make_room() {
             gather(execution, surface, memory, curvature);
         }
     }
+}
 
+impl<T: Real> LaplaceBeltrami<T> for HeatKernel<T> {
     fn apply<const D: usize>(
         &self,
         execution: &impl Execution,
-        _plan: &Vec<usize>,
         surface: Surface<'_, T>,
-        memory: &HeatKernelMemory<T>,
+        workspace: &Workspace<T, Self>,
         field: &[[T; D]],
         laplacian: &mut [[T; D]],
     ) {
+        let memory = workspace.for_mesh(surface.mesh());
+        expect_measured(memory.gathered.lengths.len(), surface.mesh().vertex_count());
         let laplacian = &mut laplacian[..surface.mesh().vertex_count()];
         execution.map(laplacian, |vertex, laplacian| {
             let mut sum = [T::zero(); D];
@@ -338,11 +377,12 @@ impl<T: Real> LaplaceBeltrami<T> for HeatKernel<T> {
 
     fn assemble(
         &self,
-        _plan: &Vec<usize>,
         surface: Surface<'_, T>,
-        memory: &HeatKernelMemory<T>,
+        workspace: &Workspace<T, Self>,
         rows: &mut Rows<T>,
     ) {
+        let memory = workspace.for_mesh(surface.mesh());
+        expect_measured(memory.gathered.lengths.len(), surface.mesh().vertex_count());
         rows.clear();
         for vertex in 0..surface.mesh().vertex_count() {
             for (neighbour, coefficient) in row(surface, memory, vertex) {

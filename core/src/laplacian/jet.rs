@@ -6,10 +6,12 @@
 
 mod fits;
 
+use crate::curvature::{Curvature, Curvatures};
+use crate::diagnostic::Finding;
 use crate::element::Execution;
-use crate::energy::{Finding, Method};
-use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
+use crate::laplacian::{Cotangent, LaplaceBeltrami, Rows, VertexSums, expect_measured};
 use crate::mesh::TriangleMesh;
+use crate::method::{Method, Workspace};
 use crate::neighbourhood::Surroundings;
 use crate::real::Real;
 use crate::surface::Surface;
@@ -87,22 +89,12 @@ const fn coefficient_count(degree: usize) -> usize {
 /// Memory of [`Jet`].
 #[derive(Clone, Debug)]
 pub struct JetMemory<T> {
-    cotangent: CotangentMemory<T>,
+    surroundings: Surroundings,
+    cotangent: VertexSums<T>,
     rows: Rows<T>,
     /// The degree fitted at each vertex, 0 where there was no fit.
     degrees: Vec<u8>,
     blocks: Vec<Block<T>>,
-}
-
-impl<T: Real> Default for JetMemory<T> {
-    fn default() -> Self {
-        Self {
-            cotangent: CotangentMemory::default(),
-            rows: Rows::new(),
-            degrees: Vec::new(),
-            blocks: Vec::new(),
-        }
-    }
 }
 
 impl<T> JetMemory<T> {
@@ -112,7 +104,7 @@ impl<T> JetMemory<T> {
     }
 }
 
-/// What a fit is to be tried with.
+/// Degree and number of neighbours with which a fit is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Attempt {
     degree: usize,
@@ -179,20 +171,25 @@ impl<T: Real> Jet<T> {
 }
 
 impl<T: Real> Method<T> for Jet<T> {
-    type Plan = Surroundings;
     type Memory = JetMemory<T>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> Surroundings {
-        Surroundings::new(mesh, self.room())
+    fn memory(&self, mesh: &TriangleMesh) -> JetMemory<T> {
+        JetMemory {
+            surroundings: Surroundings::new(mesh, self.room()),
+            cotangent: VertexSums::default(),
+            rows: Rows::new(),
+            degrees: Vec::new(),
+            blocks: Vec::new(),
+        }
     }
 
     fn inspect(
         &self,
-        _plan: &Surroundings,
         surface: Surface<'_, T>,
-        memory: &JetMemory<T>,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        let memory = workspace.for_mesh(surface.mesh());
         surface.report_rough_vertices(report);
         for (vertex, &degree) in memory.degrees.iter().enumerate() {
             let vertex = vertex as u32;
@@ -205,22 +202,22 @@ impl<T: Real> Method<T> for Jet<T> {
     }
 }
 
-impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
-    fn measure(
+impl<T: Real> Curvatures<T> for Jet<T> {
+    fn curvatures(
         &self,
         execution: &impl Execution,
-        plan: &Surroundings,
         surface: Surface<'_, T>,
-        memory: &mut JetMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         curvature: &mut [Curvature<T>],
     ) {
         let vertices = surface.mesh().vertex_count();
         let JetMemory {
+            surroundings,
             cotangent,
             rows,
             degrees,
             blocks,
-        } = memory;
+        } = workspace.for_mesh_mut(surface.mesh());
         let curvature = &mut curvature[..vertices];
         // Areas, and normals to start from.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
@@ -229,31 +226,35 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
         let output = ((curvature, &mut degrees[..]), slots);
         let fits = Fits {
             jet: self,
-            plan,
+            surroundings,
             surface,
         };
         execution.run(blocks, output, &fits);
     }
+}
 
+impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
     fn apply<const D: usize>(
         &self,
         execution: &impl Execution,
-        _plan: &Surroundings,
-        _surface: Surface<'_, T>,
-        memory: &JetMemory<T>,
+        surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
         field: &[[T; D]],
         laplacian: &mut [[T; D]],
     ) {
-        memory.rows.apply(execution, field, laplacian);
+        let JetMemory { rows, .. } = workspace.for_mesh(surface.mesh());
+        expect_measured(rows.len(), surface.mesh().vertex_count());
+        rows.apply(execution, field, laplacian);
     }
 
     fn assemble(
         &self,
-        _plan: &Surroundings,
-        _surface: Surface<'_, T>,
-        memory: &JetMemory<T>,
+        surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
         rows: &mut Rows<T>,
     ) {
+        let memory = workspace.for_mesh(surface.mesh());
+        expect_measured(memory.rows.len(), surface.mesh().vertex_count());
         rows.copy_from(&memory.rows);
     }
 }

@@ -4,10 +4,12 @@
 
 mod fits;
 
+use crate::curvature::{Curvature, Curvatures};
+use crate::diagnostic::Finding;
 use crate::element::Execution;
-use crate::energy::{Finding, Method};
-use crate::laplacian::{Cotangent, CotangentMemory, Curvature, LaplaceBeltrami, Rows};
+use crate::laplacian::{Cotangent, LaplaceBeltrami, Rows, VertexSums, expect_measured};
 use crate::mesh::TriangleMesh;
+use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
@@ -54,25 +56,21 @@ impl Paraboloid {
     }
 }
 
-/// Where each row starts, with room for as many neighbours as it may have, and the end of the last.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NeighbourRoom {
-    offsets: Vec<usize>,
-}
-
 /// Memory of [`Paraboloid`]: the rows of the surface that was measured last.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct ParaboloidMemory<T> {
-    cotangent: CotangentMemory<T>,
+    /// Start of each row, whose capacity is the largest number of neighbours it can have, and the
+    /// end of the last.
+    offsets: Vec<usize>,
+    cotangent: VertexSums<T>,
     rows: Rows<T>,
     scratches: Vec<Scratch<T>>,
 }
 
 impl<T: Real> Method<T> for Paraboloid {
-    type Plan = NeighbourRoom;
     type Memory = ParaboloidMemory<T>;
 
-    fn plan(&self, mesh: &TriangleMesh) -> NeighbourRoom {
+    fn memory(&self, mesh: &TriangleMesh) -> ParaboloidMemory<T> {
         let mut offsets = Vec::with_capacity(mesh.vertex_count() + 1);
         let mut end = 0;
         offsets.push(end);
@@ -88,16 +86,21 @@ impl<T: Real> Method<T> for Paraboloid {
             end += if one { ring.len() } else { both };
             offsets.push(end);
         }
-        NeighbourRoom { offsets }
+        ParaboloidMemory {
+            offsets,
+            cotangent: VertexSums::default(),
+            rows: Rows::new(),
+            scratches: Vec::new(),
+        }
     }
 
     fn inspect(
         &self,
-        _plan: &NeighbourRoom,
         surface: Surface<'_, T>,
-        memory: &ParaboloidMemory<T>,
+        workspace: &Workspace<T, Self>,
         report: &mut dyn FnMut(Finding),
     ) {
+        let memory = workspace.for_mesh(surface.mesh());
         surface.report_uneven_mesh(report);
         surface.report_rough_vertices(report);
         for vertex in 0..memory.rows.len() {
@@ -121,51 +124,55 @@ impl<T: Real> Method<T> for Paraboloid {
     }
 }
 
-impl<T: Real> LaplaceBeltrami<T> for Paraboloid {
-    fn measure(
+impl<T: Real> Curvatures<T> for Paraboloid {
+    fn curvatures(
         &self,
         execution: &impl Execution,
-        plan: &NeighbourRoom,
         surface: Surface<'_, T>,
-        memory: &mut ParaboloidMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         curvature: &mut [Curvature<T>],
     ) {
         let mesh = surface.mesh();
         let ParaboloidMemory {
+            offsets,
             cotangent,
             rows,
             scratches,
-        } = memory;
+        } = workspace.for_mesh_mut(mesh);
         let curvature = &mut curvature[..mesh.vertex_count()];
         // Areas, and normals to start from.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
-        let slots = rows.ragged_slots(&plan.offsets);
+        let slots = rows.ragged_slots(offsets);
         let fits = Fits {
             guarded: self.guarded,
             surface,
         };
         execution.run(scratches, (curvature, slots), &fits);
     }
+}
 
+impl<T: Real> LaplaceBeltrami<T> for Paraboloid {
     fn apply<const D: usize>(
         &self,
         execution: &impl Execution,
-        _plan: &NeighbourRoom,
-        _surface: Surface<'_, T>,
-        memory: &ParaboloidMemory<T>,
+        surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
         field: &[[T; D]],
         laplacian: &mut [[T; D]],
     ) {
+        let memory = workspace.for_mesh(surface.mesh());
+        expect_measured(memory.rows.len(), surface.mesh().vertex_count());
         memory.rows.apply(execution, field, laplacian);
     }
 
     fn assemble(
         &self,
-        _plan: &NeighbourRoom,
-        _surface: Surface<'_, T>,
-        memory: &ParaboloidMemory<T>,
+        surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
         rows: &mut Rows<T>,
     ) {
+        let memory = workspace.for_mesh(surface.mesh());
+        expect_measured(memory.rows.len(), surface.mesh().vertex_count());
         rows.clone_from(&memory.rows);
     }
 }

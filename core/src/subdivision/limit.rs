@@ -1,4 +1,4 @@
-//! Where vertices end up when they are refined for ever.
+//! Limit positions of vertices under endless refinement.
 
 use super::masks::{BOUNDARY_LIMIT, limit_weight};
 use super::stencils::Stencils;

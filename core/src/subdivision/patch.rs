@@ -34,7 +34,7 @@ pub enum NoPatch {
     /// triangles has one such corner at most.
     #[error("the triangle has {corners} extraordinary corners: refine the mesh once")]
     SeveralExtraordinary {
-        /// How many of the corners are.
+        /// Number of such corners.
         corners: usize,
     },
 }

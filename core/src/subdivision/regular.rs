@@ -1,6 +1,6 @@
 //! The box spline of a triangle whose three vertices have valence 6.
 
-/// What one control point contributes to a point (v, w) of a patch: value and derivatives of its
+/// Contribution of one control point to a point (v, w) of a patch: value and derivatives of its
 /// basis function, per unit of v and w.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Basis {

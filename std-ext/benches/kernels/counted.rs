@@ -19,7 +19,7 @@ thread_local! {
     static DONE: Cell<Operations> = const { Cell::new(Operations { fast: 0, slow: 0 }) };
 }
 
-/// What `run` does with numbers that count.
+/// The operations of `run` with numbers that count.
 pub(crate) fn operations(run: impl FnOnce()) -> Operations {
     DONE.set(Operations::default());
     run();

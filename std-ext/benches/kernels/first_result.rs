@@ -1,4 +1,4 @@
-//! What it takes until there is something to evaluate: a mesh of a million vertices.
+//! The steps before the first evaluation: reading and building a mesh of a million vertices.
 
 use crate::Error;
 use helfrich::{Reordering, TriangleMesh};

@@ -13,10 +13,10 @@ const ROUNDS: usize = 31;
 /// Seconds of a sample: shorter than what a scheduler gives to a process at a time.
 const SAMPLE: f64 = 1e-3;
 
-/// What there is to measure of a kernel.
+/// The measurements of a kernel.
 pub(crate) struct Row<'a> {
     pub(crate) name: String,
-    /// What one run is divided by: vertices, nodes or pairs.
+    /// The divisor of a run: number of vertices, nodes or pairs.
     pub(crate) count: usize,
     pub(crate) naive: Option<&'a mut dyn FnMut()>,
     pub(crate) serial: Option<&'a mut dyn FnMut()>,
@@ -25,7 +25,7 @@ pub(crate) struct Row<'a> {
     pub(crate) bound: Bound<'a>,
 }
 
-/// What the time of wide loops is compared with.
+/// The bound with which the time of wide loops is compared.
 pub(crate) enum Bound<'a> {
     /// So many nanoseconds an entry.
     Time(f64),

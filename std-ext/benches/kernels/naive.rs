@@ -1,5 +1,5 @@
-//! What is written first: generic over the number, lists of lists, vertex after vertex, and a branch
-//! wherever something might be missing.
+//! Naive versions: generic over the number, lists of lists, vertex after vertex, with a branch wherever
+//! something might be missing.
 
 use helfrich::{Real, TriangleMesh};
 use nalgebra::{DMatrix, DVector, RealField};

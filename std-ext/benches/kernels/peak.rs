@@ -1,5 +1,5 @@
-//! What the processor can do at most, in the loops' widest vectors and without fused operations,
-//! which the loops do not use: they would change bits.
+//! Peak rates of the processor, in the widest vectors of the loops and without fused operations, which
+//! these loops do not use because they would change bits.
 
 use crate::counted::Operations;
 use pulp::{Arch, NullaryFnOnce};

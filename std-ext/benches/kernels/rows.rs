@@ -4,8 +4,9 @@ use crate::counted::{Counted, Operations, operations};
 use crate::measured::{Bound, Row, Table};
 use crate::{Error, naive};
 use helfrich::{
-    Conservative, ForceDensity, GompperKroll, InPlane, Juelicher, KantorNelson, LoopSubdivision,
-    Method, NeoHookean, Prepared, Real, Skalak, StrongForm, Surface, TriangleMesh,
+    Bandwidth, Conservative, DualArea, ForceDensity, GompperKroll, HeatKernel, InPlane, Juelicher,
+    KantorNelson, LoopSubdivision, Method, NeoHookean, Prepared, Real, Skalak, StrongForm, Surface,
+    TriangleMesh,
 };
 use helfrich_std::execute::Parallel;
 use helfrich_std::flow::SingleLayer;
@@ -30,7 +31,7 @@ fn cast<T: Real>(positions: &[[f64; 3]]) -> Vec<[T; 3]> {
     positions.iter().map(|x| x.map(T::constant)).collect()
 }
 
-/// What a number type's rows share.
+/// The common part of the rows of a number type.
 struct Rows<'a, T> {
     scalar: &'a str,
     surface: Surface<'a, T>,
@@ -59,9 +60,11 @@ pub(crate) fn of<T: Real + RealField + Copy>(
     let mut force = vec![[T::zero(); 3]; own.len()];
 
     naive::squared_laplacian(&rings, &own, &mut force);
-    check_force("B", surface, GompperKroll::new(one), &force)?;
+    let published = GompperKroll::with_areas(one, DualArea::Voronoi);
+    check_force("B", surface, published.clone(), &force)?;
     let naive = &mut || _ = black_box(naive::squared_laplacian(&rings, &own, &mut force));
-    let methods = (|| GompperKroll::new(one), GompperKroll::new(count));
+    let counting = GompperKroll::with_areas(count, DualArea::Voronoi);
+    let methods = (|| published.clone(), counting);
     rows.conservative("B", methods, Some(naive));
 
     let mut force = vec![[T::zero(); 3]; own.len()];
@@ -106,7 +109,9 @@ pub(crate) fn of<T: Real + RealField + Copy>(
     let naive = &mut || naive::meyer(&rings, &own, black_box(&mut density));
     let methods = (|| StrongForm::meyer(one), StrongForm::meyer(count));
     rows.density("C", methods, Some(naive));
-    let methods = (|| StrongForm::belkin(one), StrongForm::belkin(count));
+    let published = StrongForm::new(one, HeatKernel::new(Bandwidth::MixedArea(one)));
+    let counting = StrongForm::new(count, HeatKernel::new(Bandwidth::MixedArea(count)));
+    let methods = (|| published.clone(), counting);
     rows.density("D", methods, None);
     let methods = (|| StrongForm::farutin(one), StrongForm::farutin(count));
     rows.density("E", methods, None);

@@ -1,15 +1,14 @@
 //! `helfrich recommend`.
 
-use super::{
-    Failure, check_outputs, file_named, interruption, load, print, progress_bar, same_file, save,
-    warn,
-};
+use super::{MeshArguments, OptionArguments, load, refuse_replacing, warn};
 use crate::study::{methods, unique};
+use crate::terminal::{Failure, ProgressBar, check_outputs, file_named, interruption, print, save};
 use helfrich::Surface;
 use helfrich_std::answer::Norm;
+use helfrich_std::execute::Parallel;
 use helfrich_std::io::MeshFile;
 use helfrich_std::method::{BendingMethod, Evaluator};
-use helfrich_std::recommend::{Wish, recommend};
+use helfrich_std::recommend::{Candidate, Wish, recommend};
 use helfrich_std::report;
 use helfrich_std::scalar::Scalar;
 use helfrich_std::study::{Progress, Quantity};
@@ -19,12 +18,12 @@ use std::sync::atomic::Ordering;
 
 #[derive(clap::Args)]
 pub(super) struct RecommendArguments {
-    /// OBJ, OFF, STL or PLY file.
-    mesh: PathBuf,
+    #[command(flatten)]
+    input: MeshArguments,
     /// How large the error may be, as in `1%` or `0.01`, relative to the largest value on the surface.
     #[arg(long, default_value = "1%", value_parser = share, allow_hyphen_values = true)]
     error: f64,
-    /// What has to be accurate: H, K, LapH or f.
+    /// Quantity that has to be accurate: H, K, LapH or f.
     #[arg(long, default_value = "f", value_parser = quantity)]
     quantity: Quantity,
     /// Where: `max`, at every vertex, or `mean`, on average.
@@ -33,6 +32,8 @@ pub(super) struct RecommendArguments {
     /// Methods to choose from, by name or letter; by default all.
     #[arg(long, value_delimiter = ',', default_value = "all", value_parser = methods)]
     method: Vec<Vec<BendingMethod>>,
+    #[command(flatten)]
+    options: OptionArguments,
     /// Number types to choose from: f32, f32-pair, f64.
     #[arg(long, value_delimiter = ',', default_value = "f32,f64")]
     scalar: Vec<Scalar>,
@@ -65,46 +66,47 @@ fn norm(text: &str) -> Result<Norm, String> {
 }
 
 pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Failure> {
+    let candidates = unique(arguments.method.concat());
+    let options = arguments.options.checked(&candidates)?;
     let json = file_named(arguments.json.as_ref());
-    if let Some(json) = json
-        && same_file(json, &arguments.mesh)
-    {
-        let message = format!("{}: the answer would replace the mesh", json.display());
-        return Err(Failure::Input(message.into()));
+    if let Some(json) = json {
+        refuse_replacing(&arguments.input.mesh, "the mesh", json, "the answer")?;
     }
-    let MeshFile { positions, mesh } = load(&arguments.mesh)?;
+    let MeshFile { positions, mesh } = load(&arguments.input)?;
     check_outputs(json)?;
     let wish = Wish {
         quantity: arguments.quantity,
         norm: arguments.norm,
         target: arguments.error,
-        methods: unique(arguments.method.concat()),
+        methods: candidates,
+        options,
         scalars: unique(arguments.scalar.clone()),
     };
     let stop = interruption();
-    let bar = progress_bar();
+    let mut bar = ProgressBar::default();
     let found = recommend(
         &mesh,
         &positions,
         &wish,
         &|| stop.load(Ordering::Relaxed),
         &mut |Progress { done, total, at }| {
-            bar.set_length(total);
-            bar.set_position(done);
-            bar.set_message(at.to_owned());
+            bar.show(done as f64 / total as f64, at);
         },
     );
-    bar.finish_and_clear();
-    let found = found.map_err(|error| Failure::mesh(&arguments.mesh, error))?;
+    bar.clear();
+    let found = found.map_err(|error| Failure::mesh(&arguments.input.mesh, error))?;
     let Some(found) = found else {
         return Err(Failure::Unfinished(130));
     };
     if let Some(choice) = found.choice
         && let Ok(surface) = Surface::new(&mesh, &positions)
     {
-        let mut evaluator = Evaluator::new(choice.method, 1.0, &mesh);
+        let Candidate {
+            method, options, ..
+        } = choice;
+        let mut evaluator = Evaluator::with_options(method, &options, 1.0, &mesh, Parallel::new());
         evaluator.evaluate(surface);
-        warn(&arguments.mesh, &evaluator.findings(surface));
+        warn(&arguments.input.mesh, &evaluator.findings(surface));
     }
     let write = |out: &mut dyn Write| {
         serde_json::to_writer_pretty(&mut *out, &found)?;

@@ -1,21 +1,22 @@
 //! `helfrich study`.
 
-use super::{
-    Failure, check_outputs, file_named, interruption, positive, print, progress_bar, save, say,
+use super::{OptionArguments, positive};
+use crate::terminal::{
+    Failure, ProgressBar, check_outputs, file_named, interruption, print, save, say,
 };
-use helfrich_std::effect_study::{EffectCosts, effect_costs};
-use helfrich_std::flow_study::{FlowRow, FlowStudy, FlowStudyError};
 use helfrich_std::generate::{AnyShape, Family};
+use helfrich_std::io::remove_unfinished;
+use helfrich_std::lock::{Lock, LockError};
 use helfrich_std::method::BendingMethod;
 use helfrich_std::provenance::{Build, Provenance};
 use helfrich_std::report;
+use helfrich_std::report::page::{Page, Section};
 use helfrich_std::scalar::Scalar;
-use helfrich_std::stability::{Group, Stability};
-use helfrich_std::study::{Cache, LoadedCache, Progress, Quantity, Session, Study};
+use helfrich_std::study::{Cache, LoadedCache, Progress, Quantity, Row, Session, Study};
 use helfrich_std::verdict::verdicts;
 use std::fs;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::SystemTime;
 
@@ -28,25 +29,26 @@ const BUILD: Build = Build {
     target: env!("HELFRICH_TARGET"),
 };
 
-#[derive(clap::Args)]
-pub(super) struct StudyArguments {
+/// The arguments of a study.
+#[derive(Debug, clap::Args)]
+pub struct StudyArguments {
     /// sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R].
     #[arg(long, default_value = "discocyte")]
     shape: AnyShape,
     /// Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C),
-    /// belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh). By default A,B,C; in flow all but jet, which is one of
-    /// j4 and j6.
+    /// belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh). By default A,B,C.
     #[arg(long, value_delimiter = ',', value_parser = methods)]
     method: Vec<Vec<BendingMethod>>,
+    #[command(flatten)]
+    options: OptionArguments,
     /// Mesh families: regular, smooth, relaxed, irregular, hard, or `all`.
     #[arg(long, value_delimiter = ',', default_value = "regular,irregular", value_parser = families)]
     family: Vec<Vec<Family>>,
     /// Numbers of vertices, in any order; 10·4^k + 2 except for irregular meshes and the torus. By
-    /// default 642,2562,10242,40962, with --full 163842, too.
+    /// default 642,2562,10242,40962.
     #[arg(long, value_delimiter = ',')]
     vertices: Vec<usize>,
-    /// Number types: f32, f32-pair (positions in pairs of f32), f64. By default f64, on a page f32,f64,
-    /// with --full all of them.
+    /// Number types: f32, f32-pair (positions in pairs of f32), f64. By default f64, on a page f32,f64.
     #[arg(long, value_delimiter = ',')]
     scalar: Vec<Scalar>,
     /// Bending modulus κ.
@@ -55,46 +57,41 @@ pub(super) struct StudyArguments {
     /// Seed of the random mesh families.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Study a capsule in shear flow instead: every method by boundary integrals and on a lattice,
-    /// beside what was published; some minutes.
-    #[arg(long, conflicts_with_all = ["shape", "family", "vertices", "scalar", "modulus", "seed"])]
-    flow: bool,
     /// Write a page to this file: which method is the cheapest for an accuracy, with figures, tables and
     /// pictures; by default of all methods.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["flow", "stability"])]
+    #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// With larger meshes, every number type, the capsule in flow and what effects cost: some minutes.
-    #[arg(long, requires = "html")]
-    full: bool,
     /// Also write every figure of the page as SVG and PNG to this folder.
     #[arg(long, value_name = "FOLDER", requires = "html")]
     figures: Option<PathBuf>,
+    /// Also write the rows as JSON to this file; `-` for standard output, instead of the table.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    kept: CacheArguments,
+}
+
+/// Where measurements are kept.
+#[derive(Debug, clap::Args)]
+pub struct CacheArguments {
     /// Where measurements are kept for the next time, as if interrupted; for pages by default in the
     /// user's folder of caches.
-    #[arg(long, value_name = "FILE", conflicts_with = "stability")]
+    #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
     /// Measure everything again.
     #[arg(long)]
     fresh: bool,
-    /// Also write the rows as JSON to this file; `-` for standard output, instead of the table.
-    #[arg(long)]
-    json: Option<PathBuf>,
-    /// Instead, whether every method and formula stands hard cases, in every number type: exit code
-    /// 4 if one does not.
-    #[arg(long, conflicts_with_all = ["flow", "shape", "method", "family", "vertices", "scalar", "modulus", "seed"])]
-    stability: bool,
-    /// With a mesh of a million vertices among the hard cases, which takes minutes and 4 GB.
-    #[arg(long, requires = "stability")]
-    large: bool,
-    /// Only one group of hard cases: geometry, cancellation, dynamics, threads or input.
-    #[arg(long, requires = "stability")]
-    group: Option<Group>,
-    /// Also write the table of hard cases as Markdown to this file.
-    #[arg(long, requires = "stability")]
-    markdown: Option<PathBuf>,
 }
 
-pub(super) fn methods(name: &str) -> Result<Vec<BendingMethod>, String> {
+/// Further measurements for a page: sections of the page; none if interrupted.
+pub type More<'a> =
+    &'a mut dyn FnMut(Option<&mut Cache>, &dyn Fn() -> bool) -> Result<Vec<Section>, Failure>;
+
+/// The methods of a name or letter, or of `all`.
+///
+/// # Errors
+/// If no method has that name.
+pub fn methods(name: &str) -> Result<Vec<BendingMethod>, String> {
     match name {
         "all" => Ok(BendingMethod::ALL.to_vec()),
         name => Ok(vec![name.parse().map_err(|error| format!("{error}"))?]),
@@ -108,135 +105,172 @@ fn families(name: &str) -> Result<Vec<Family>, String> {
     }
 }
 
+/// Runs a study: prints its table, or writes its page.
 pub(super) fn study(arguments: &StudyArguments) -> Result<(), Failure> {
-    if arguments.flow {
-        return flow_study(arguments);
+    study_with(arguments, None)
+}
+
+/// Writes the page of a larger study, in every number type, with more parts on it.
+///
+/// # Errors
+/// If the arguments are at fault, no file is named for the page, or it cannot be written.
+pub fn full_page(arguments: &StudyArguments, more: More<'_>) -> Result<(), Failure> {
+    if arguments.html.is_none() {
+        return Err(Failure::Input("a page needs a file: --html FILE".into()));
     }
-    if arguments.stability {
-        return stability(arguments);
-    }
-    let page = arguments.html.is_some();
-    let or = |given: Vec<BendingMethod>, none: &[BendingMethod]| match given {
-        given if given.is_empty() => none.to_vec(),
-        given => unique(given),
-    };
-    let study = Study {
-        shape: arguments.shape,
-        families: unique(arguments.family.concat()),
-        vertices: match &arguments.vertices {
-            none if none.is_empty() => {
-                let larger = arguments.full.then_some(163_842);
-                NUMBERS.into_iter().chain(larger).collect()
-            }
-            numbers => numbers.clone(),
-        },
-        methods: or(
-            arguments.method.concat(),
-            if page { &BendingMethod::ALL } else { &COMPARED },
-        ),
-        scalars: match arguments.scalar.clone() {
-            none if none.is_empty() => match (page, arguments.full) {
-                (_, true) => Scalar::ALL.to_vec(),
-                (true, _) => vec![Scalar::F32, Scalar::F64],
-                _ => vec![Scalar::F64],
-            },
-            scalars => unique(scalars),
-        },
-        modulus: arguments.modulus,
-        seed: arguments.seed,
-    };
+    study_with(arguments, Some(more))
+}
+
+fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), Failure> {
+    let study = arguments.study(more.is_some())?;
     check_outputs(
         file_named(arguments.json.as_ref())
             .into_iter()
-            .chain(arguments.html.as_deref()),
+            .chain(arguments.html.as_deref())
+            .chain(arguments.kept.cache.as_deref()),
     )?;
-    if let Some(folder) = &arguments.figures {
-        fs::create_dir_all(folder).map_err(|error| Failure::output(folder.display(), &error))?;
-    }
+    let _figures = arguments.figures.as_deref().map(own_folder).transpose()?;
     let stop = interruption();
     let interrupted = || stop.load(Ordering::Relaxed);
-    let mut cache = cache(arguments)?;
-    let bar = progress_bar();
+    // A cache counts for one program only.
+    let name = match more {
+        Some(_) => "full-study.cache",
+        None => "study.cache",
+    };
+    let mut cache = arguments.kept.open(arguments.html.as_ref().map(|_| name))?;
+    let mut bar = ProgressBar::default();
     let rows = study.run_in(&mut Session {
-        progress: &mut |Progress { done, total, at }| {
-            bar.set_length(total);
-            bar.set_position(done);
-            bar.set_message(at.to_owned());
-        },
+        progress: &mut |Progress { done, total, at }| bar.show(done as f64 / total as f64, at),
         interrupted: &interrupted,
         cache: cache.as_mut(),
         allocated: Some(&super::allocated),
     });
-    bar.finish_and_clear();
-    let rows = rows.map_err(|error| {
-        keep(cache.as_mut());
-        Failure::input(error)
-    })?;
+    bar.clear();
     keep(cache.as_mut());
-    let verdicts = verdicts(&rows);
+    let rows = rows.map_err(Failure::input)?;
+    let Some(file) = &arguments.html else {
+        let rows_shown = show_rows(arguments.json.as_ref(), &rows, |out| {
+            report::study_table(&rows, out)?;
+            if interrupted() {
+                return Ok(());
+            }
+            report::verdict_table(&verdicts(&rows), out)
+        });
+        return match interrupted() {
+            true => rows_shown.and(Err(left_off(cache.as_ref()))),
+            false => rows_shown,
+        };
+    };
     if interrupted() {
-        if !page {
-            show_rows(arguments, &rows, |out| report::study_table(&rows, out))?;
-        }
         return Err(left_off(cache.as_ref()));
     }
-    let Some(file) = &arguments.html else {
-        return show_rows(arguments, &rows, |out| {
-            report::study_table(&rows, out)?;
-            report::verdict_table(&verdicts, out)
-        });
-    };
-    let (flow, effects) = if arguments.full {
-        let flow = flow_rows(&FlowStudy::brief(), cache.as_mut(), &interrupted)?;
-        let effects = effects(cache.as_mut(), &interrupted)?;
-        keep(cache.as_mut());
-        if interrupted() {
-            return Err(left_off(cache.as_ref()));
-        }
-        (flow, effects)
-    } else {
-        (Vec::new(), None)
-    };
-    // As fine as shows where errors are, and no finer than can be seen.
-    let pictured = rows.iter().map(|row| row.vertices);
-    let pictured = pictured.filter(|&vertices| vertices <= 2562).max();
-    let errors = match pictured {
-        Some(vertices) => study.error_fields(vertices, Quantity::ForceDensity),
+    let sections = match more {
+        Some(more) => more(cache.as_mut(), &interrupted),
         None => Ok(Vec::new()),
     };
-    let errors = errors.map_err(Failure::input)?;
-    let page = report::Page {
-        rows: &rows,
-        verdicts: &verdicts,
-        errors: &errors,
-        flow: &flow,
-        effects: effects.as_ref(),
-        provenance: &Provenance::here(BUILD),
-        command: &command(),
-        when: SystemTime::now(),
-        reused: cache.as_ref().map_or(0, Cache::used),
-    };
-    save(file, |out| page.write(out))?;
-    if let Some(folder) = &arguments.figures {
-        page.write_figures(folder)
-            .map_err(|error| Failure::output(folder.display(), &error))?;
+    keep(cache.as_mut());
+    let sections = sections?;
+    if interrupted() {
+        return Err(left_off(cache.as_ref()));
     }
-    show_rows(arguments, &rows, |out| {
-        report::study_table(&rows, out)?;
-        report::verdict_table(&verdicts, out)?;
-        writeln!(out, "\nwritten to {}", file.display())
-    })
+    let reused = cache.as_ref().map_or(0, Cache::used);
+    arguments.write_page(file, (&study, &rows), &sections, reused)
+}
+
+impl StudyArguments {
+    /// The study that is asked for; with larger meshes and in every number type by default if it is
+    /// to be `full`.
+    fn study(&self, full: bool) -> Result<Study, Failure> {
+        let page = self.html.is_some();
+        let methods = match self.method.concat() {
+            none if none.is_empty() && page => BendingMethod::ALL.to_vec(),
+            none if none.is_empty() => COMPARED.to_vec(),
+            given => unique(given),
+        };
+        Ok(Study {
+            options: self.options.checked(&methods)?,
+            methods,
+            shape: self.shape,
+            families: unique(self.family.concat()),
+            vertices: match &self.vertices {
+                none if none.is_empty() => {
+                    NUMBERS.into_iter().chain(full.then_some(163_842)).collect()
+                }
+                numbers => numbers.clone(),
+            },
+            scalars: match self.scalar.clone() {
+                none if none.is_empty() => match (page, full) {
+                    (_, true) => Scalar::ALL.to_vec(),
+                    (true, _) => vec![Scalar::F32, Scalar::F64],
+                    _ => vec![Scalar::F64],
+                },
+                scalars => unique(scalars),
+            },
+            modulus: self.modulus,
+            seed: self.seed,
+        })
+    }
+
+    fn write_page(
+        &self,
+        file: &Path,
+        (study, rows): (&Study, &[Row]),
+        sections: &[Section],
+        reused: usize,
+    ) -> Result<(), Failure> {
+        let verdicts = verdicts(rows);
+        // As fine as shows where errors are, and no finer than can be seen.
+        let pictured = rows.iter().map(|row| row.vertices);
+        let pictured = pictured.filter(|&vertices| vertices <= 2562).max();
+        let errors = match pictured {
+            Some(vertices) => study.error_fields(vertices, Quantity::ForceDensity),
+            None => Ok(Vec::new()),
+        };
+        let errors = errors.map_err(Failure::input)?;
+        let page = Page {
+            rows,
+            verdicts: &verdicts,
+            errors: &errors,
+            sections,
+            provenance: &Provenance::here(BUILD),
+            command: &command(),
+            when: SystemTime::now(),
+            reused,
+        };
+        save(file, |out| page.write(out))?;
+        if let Some(folder) = &self.figures {
+            page.write_figures(folder)
+                .map_err(|error| Failure::output(folder.display(), &error))?;
+        }
+        show_rows(self.json.as_ref(), &rows, |out| {
+            report::study_table(rows, out)?;
+            report::verdict_table(&verdicts, out)?;
+            writeln!(out, "\nwritten to {}", file.display())
+        })
+    }
+}
+
+/// A folder for figures, which no other process writes to as long as the lock is there: figures of two
+/// studies would be mixed.
+fn own_folder(folder: &Path) -> Result<Lock, Failure> {
+    fs::create_dir_all(folder).map_err(|error| Failure::output(folder.display(), &error))?;
+    let lock = Lock::of_folder(folder).map_err(|error| match error {
+        LockError::Inaccessible { path, source } => Failure::output(path.display(), &source),
+        taken => Failure::input(taken),
+    })?;
+    remove_unfinished(folder);
+    Ok(lock)
 }
 
 /// The meshes of a study.
 const NUMBERS: [usize; 4] = [642, 2562, 10_242, 40_962];
 
-/// Vertices of the capsule whose effects are taken away: enough that they, and not what surrounds
-/// them, take the time.
-const EFFECTS_AT: usize = 642;
-
 /// The arguments as they were given; of the program, only its name.
 fn command() -> String {
+    let program = std::env::args_os().next().unwrap_or_default();
+    let program = Path::new(&program)
+        .file_stem()
+        .unwrap_or("helfrich".as_ref());
     let arguments = std::env::args().skip(1).map(|argument| {
         if argument.contains(|c: char| c.is_whitespace() || c == '\'') {
             format!("{argument:?}")
@@ -244,44 +278,50 @@ fn command() -> String {
             argument
         }
     });
-    let all = std::iter::once("helfrich".to_owned()).chain(arguments);
+    let all = std::iter::once(program.to_string_lossy().into_owned()).chain(arguments);
     Vec::from_iter(all).join(" ")
 }
 
-/// The cache that is asked for, or that pages have by default.
-fn cache(arguments: &StudyArguments) -> Result<Option<Cache>, Failure> {
-    let provenance = Provenance::here(BUILD);
-    let by_default = || arguments.html.as_ref().and_then(|_| default_cache());
-    let Some(path) = arguments.cache.clone().or_else(by_default) else {
-        return Ok(None);
-    };
-    let opened = Cache::open(&path, &provenance);
-    let opened = match opened {
-        Ok(opened) => opened,
-        // Nobody has asked for it.
-        Err(error) if arguments.cache.is_none() => {
-            say(format_args!("warning: {error}"));
+impl CacheArguments {
+    /// The cache that is asked for, or else that of this name in the user's folder of caches.
+    ///
+    /// # Errors
+    /// If the file that is asked for cannot be one.
+    pub fn open(&self, default: Option<&str>) -> Result<Option<Cache>, Failure> {
+        let by_default = || default.and_then(default_cache);
+        let Some(path) = self.cache.clone().or_else(by_default) else {
             return Ok(None);
+        };
+        if let Some(folder) = path.parent() {
+            remove_unfinished(folder);
         }
-        Err(error) => return Err(Failure::input(error)),
-    };
-    if arguments.cache.is_some() {
-        check_outputs([path.as_path()])?;
+        if self.cache.is_some() {
+            check_outputs([path.as_path()])?;
+        }
+        let opened = match Cache::open(&path, &Provenance::here(BUILD)) {
+            Ok(opened) => opened,
+            // Nobody has asked for it.
+            Err(error) if self.cache.is_none() => {
+                say(format_args!("warning: {error}"));
+                return Ok(None);
+            }
+            Err(error) => return Err(Failure::input(error)),
+        };
+        let LoadedCache { mut cache, unused } = opened;
+        if let Some(problem) = unused
+            && !self.fresh
+        {
+            say(format_args!("warning: {}: {problem}", path.display()));
+        }
+        if self.fresh {
+            cache.clear();
+        }
+        Ok(Some(cache))
     }
-    let LoadedCache { mut cache, unused } = opened;
-    if let Some(problem) = unused
-        && !arguments.fresh
-    {
-        say(format_args!("warning: {}: {problem}", path.display()));
-    }
-    if arguments.fresh {
-        cache.clear();
-    }
-    Ok(Some(cache))
 }
 
 /// Where the user's programs keep what they can make again; none if there is no such place.
-fn default_cache() -> Option<PathBuf> {
+fn default_cache(name: &str) -> Option<PathBuf> {
     let variable = |name: &str| {
         let path = PathBuf::from(std::env::var_os(name)?);
         path.is_absolute().then_some(path)
@@ -289,18 +329,18 @@ fn default_cache() -> Option<PathBuf> {
     let caches = variable("XDG_CACHE_HOME").or_else(|| Some(variable("HOME")?.join(".cache")));
     let folder = caches?.join("helfrich");
     fs::create_dir_all(&folder).ok()?;
-    Some(folder.join("study.cache"))
+    Some(folder.join(name))
 }
 
 /// Writes what has been measured. That it cannot be kept does not spoil what is known.
-fn keep(cache: Option<&mut Cache>) {
+pub fn keep(cache: Option<&mut Cache>) {
     if let Some(Err(error)) = cache.map(Cache::save) {
         say(format_args!("warning: measurements are not kept: {error}"));
     }
 }
 
-/// What an interrupted study says.
-fn left_off(cache: Option<&Cache>) -> Failure {
+/// The message of an interrupted study.
+pub fn left_off(cache: Option<&Cache>) -> Failure {
     match cache {
         Some(cache) => say(format_args!(
             "interrupted: what has been measured is kept in {}, and the same command goes on from there",
@@ -311,46 +351,13 @@ fn left_off(cache: Option<&Cache>) -> Failure {
     Failure::Unfinished(130)
 }
 
-fn flow_rows(
-    study: &FlowStudy,
-    cache: Option<&mut Cache>,
-    interrupted: &dyn Fn() -> bool,
-) -> Result<Vec<FlowRow>, Failure> {
-    let bar = progress_bar();
-    bar.set_length(1000);
-    let rows = study.run_with(cache, interrupted, &mut |progress| {
-        bar.set_position((1000.0 * progress.fraction) as u64);
-        bar.set_message(progress.case.to_string());
-    });
-    bar.finish_and_clear();
-    rows.map_err(of_flow)
-}
-
-fn effects(
-    cache: Option<&mut Cache>,
-    interrupted: &dyn Fn() -> bool,
-) -> Result<Option<EffectCosts>, Failure> {
-    let bar = progress_bar();
-    bar.set_length(1000);
-    let costs = effect_costs(EFFECTS_AT, cache, interrupted, &mut |share, at| {
-        bar.set_position((1000.0 * share) as u64);
-        bar.set_message(at.to_owned());
-    });
-    bar.finish_and_clear();
-    costs.map_err(of_flow)
-}
-
-fn of_flow(error: FlowStudyError) -> Failure {
-    match error {
-        FlowStudyError::Scene { .. } => Failure::input(error),
-        _ => Failure::Output(error.to_string()),
-    }
-}
-
 /// Writes rows as JSON to the file that is asked for, and the table to standard output; or the JSON
 /// there.
-fn show_rows(
-    arguments: &StudyArguments,
+///
+/// # Errors
+/// If one of them cannot be written.
+pub fn show_rows(
+    json_option: Option<&PathBuf>,
     rows: &impl serde::Serialize,
     table: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
@@ -358,7 +365,7 @@ fn show_rows(
         serde_json::to_writer_pretty(&mut *out, rows)?;
         writeln!(out)
     };
-    match (&arguments.json, file_named(arguments.json.as_ref())) {
+    match (json_option, file_named(json_option)) {
         (Some(_), None) => print(json),
         (_, None) => print(table),
         (_, Some(path)) => {
@@ -375,58 +382,8 @@ const COMPARED: [BendingMethod; 3] = [
     BendingMethod::Meyer,
 ];
 
-fn flow_study(arguments: &StudyArguments) -> Result<(), Failure> {
-    let mut study = FlowStudy::default();
-    if !arguments.method.is_empty() {
-        study.methods = unique(arguments.method.concat());
-        study.lattice_methods.clone_from(&study.methods);
-    }
-    check_outputs(file_named(arguments.json.as_ref()))?;
-    let stop = interruption();
-    let interrupted = || stop.load(Ordering::Relaxed);
-    let mut cache = cache(arguments)?;
-    let rows = flow_rows(&study, cache.as_mut(), &interrupted);
-    keep(cache.as_mut());
-    let rows = rows?;
-    show_rows(arguments, &rows, |out| report::flow_tables(&rows, out))?;
-    if stop.load(Ordering::Relaxed) {
-        return Err(Failure::Unfinished(130));
-    }
-    Ok(())
-}
-
-fn stability(arguments: &StudyArguments) -> Result<(), Failure> {
-    let json = file_named(arguments.json.as_ref());
-    check_outputs(json.into_iter().chain(arguments.markdown.as_deref()))?;
-    let table = Stability {
-        large: arguments.large,
-        group: arguments.group,
-    };
-    let bar = progress_bar();
-    let rows = table.run(&mut |Progress { done, total, at }| {
-        bar.set_length(total);
-        bar.set_position(done);
-        bar.set_message(at.to_owned());
-    });
-    bar.finish_and_clear();
-    let rows = rows.map_err(Failure::input)?;
-    show_rows(arguments, &rows, |out| report::stability_table(&rows, out))?;
-    if let Some(path) = &arguments.markdown {
-        save(path, |out| report::stability_markdown(&rows, out))?;
-    }
-    match rows.iter().filter(|row| !row.passed).count() {
-        0 => Ok(()),
-        failed => {
-            say(format_args!(
-                "error: {failed} rows of the table did not pass"
-            ));
-            Err(Failure::Unfinished(4))
-        }
-    }
-}
-
 /// Each value once, in the order of its first mention.
-pub(super) fn unique<V: PartialEq + Copy>(values: Vec<V>) -> Vec<V> {
+pub fn unique<V: PartialEq + Copy>(values: Vec<V>) -> Vec<V> {
     let mut seen = Vec::with_capacity(values.len());
     for value in values {
         if !seen.contains(&value) {

@@ -1,70 +1,18 @@
-//! What acts on one surface of a scene: exactly the effects that it names.
+//! The effects on one surface of a scene: exactly those that it names.
 //!
 //! The choice is made once a surface; an evaluation is one dispatch for each effect, and from there on
 //! everything is resolved at compile time. An effect that is not named is not there: it has no
 //! memory, no loop and no time.
 
 use crate::execute::Parallel;
-use crate::method::BendingMethod;
-use helfrich::laplacian::Bandwidth;
+use crate::method::{BendingMethod, Describe, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
-    Components, Conservative, Cotangent, DualArea, Finding, GompperKroll, HeatKernel, Jet,
-    Juelicher, KantorNelson, LaplaceBeltrami, LoopSubdivision, MembraneViscosity, Method, Prepared,
-    Projected, RigidBody, StrongForm, Surface, TriangleMesh, remove_net_force_and_torque,
+    Components, Conservative, Cotangent, DualArea, Finding, LaplaceBeltrami, MembraneViscosity,
+    Method, Prepared, Projected, RigidBody, StrongForm, Surface, TriangleMesh,
+    remove_net_force_and_torque,
 };
-use serde::Serialize;
 use std::fmt;
 use std::time::{Duration, Instant};
-
-/// What an effect is, as scenes call it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EffectKind {
-    /// Bending.
-    Bending,
-    /// Elasticity in the surface's plane.
-    Elasticity,
-    /// A penalty on the area of each triangle.
-    LocalArea,
-    /// A penalty on the total area.
-    Area,
-    /// A penalty on the volume.
-    Volume,
-    /// A penalty on the difference of the leaflets' areas.
-    AreaDifference,
-    /// Surface tension.
-    Tension,
-    /// Osmotic pressure.
-    Pressure,
-    /// Gravity and buoyancy.
-    Gravity,
-    /// Opposite forces at the ends.
-    Stretching,
-}
-
-impl EffectKind {
-    /// Its key in a scene, and the end of its columns' names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Bending => "bending",
-            Self::Elasticity => "elasticity",
-            Self::LocalArea => "local_area",
-            Self::Area => "area",
-            Self::Volume => "volume",
-            Self::AreaDifference => "area_difference",
-            Self::Tension => "tension",
-            Self::Pressure => "pressure",
-            Self::Gravity => "gravity",
-            Self::Stretching => "stretching",
-        }
-    }
-}
-
-impl fmt::Display for EffectKind {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(self.name())
-    }
-}
 
 /// How the force densities that a method finds become nodal forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -79,7 +27,7 @@ pub enum Lumping {
 /// One effect, ready for one mesh.
 #[derive(Debug)]
 pub struct Effect {
-    kind: EffectKind,
+    name: &'static str,
     conservative: bool,
     prepared: Box<dyn Act>,
     evaluations: u64,
@@ -87,91 +35,44 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// Any method whose force is the gradient of its energy.
-    pub fn conservative<M>(kind: EffectKind, method: M, mesh: &TriangleMesh) -> Self
+    /// A method whose force is the gradient of its energy.
+    pub fn conservative<M>(name: &'static str, method: M, mesh: &TriangleMesh) -> Self
     where
         M: Conservative<f64> + fmt::Debug + 'static,
-        M::Plan: fmt::Debug,
-        M::Memory: fmt::Debug,
     {
-        Self::new(kind, true, Box::new(prepared(method, mesh)))
+        Self::new(name, true, Box::new(prepared(method, mesh)))
     }
 
-    /// A bending method with modulus κ and spontaneous curvature H0, for a surface as it starts. Forces of methods that have no
+    /// A bending method with modulus κ and spontaneous curvature H0. Forces of methods that have no
     /// energy are freed of net force and torque, which nothing in a scene would balance.
     pub fn bending(
+        name: &'static str,
         method: BendingMethod,
-        modulus: f64,
-        spontaneous_curvature: f64,
+        options: &MethodOptions,
+        [modulus, spontaneous_curvature]: [f64; 2],
         lumping: Lumping,
-        surface: Surface<'_, f64>,
+        mesh: &TriangleMesh,
     ) -> Self {
-        let kind = EffectKind::Bending;
-        let mesh = surface.mesh();
-        match method {
-            // Its energy has no place for spontaneous curvature; scenes that ask for it are refused.
-            BendingMethod::KantorNelson => {
-                Self::conservative(kind, KantorNelson::new(modulus), mesh)
-            }
-            BendingMethod::GompperKroll => {
-                // Signed areas leave the energy without a lower bound.
-                let mut method = GompperKroll::with_mixed_areas(modulus);
-                method.spontaneous_curvature = spontaneous_curvature.into();
-                Self::conservative(kind, method, mesh)
-            }
-            BendingMethod::Loop => {
-                let mut method = LoopSubdivision::new(modulus);
-                method.spontaneous_curvature = spontaneous_curvature.into();
-                Self::conservative(kind, method, mesh)
-            }
-            BendingMethod::Juelicher => {
-                let mut method = Juelicher::new(modulus);
-                method.spontaneous_curvature = spontaneous_curvature.into();
-                Self::conservative(kind, method, mesh)
-            }
-            BendingMethod::Meyer => strong_form(
-                StrongForm::meyer(modulus),
-                spontaneous_curvature,
+        let settings = Settings {
+            modulus,
+            spontaneous_curvature,
+            options,
+            mesh,
+        };
+        choose(
+            method,
+            settings,
+            Acting {
+                name,
                 lumping,
                 mesh,
-            ),
-            BendingMethod::Belkin => {
-                let operator = HeatKernel::new(converging_bandwidth(surface));
-                strong_form(
-                    StrongForm::new(modulus, operator),
-                    spontaneous_curvature,
-                    lumping,
-                    mesh,
-                )
-            }
-            BendingMethod::Farutin => strong_form(
-                StrongForm::farutin(modulus),
-                spontaneous_curvature,
-                lumping,
-                mesh,
-            ),
-            BendingMethod::J4 => strong_form(
-                StrongForm::j4(modulus),
-                spontaneous_curvature,
-                lumping,
-                mesh,
-            ),
-            BendingMethod::J6 => strong_form(
-                StrongForm::j6(modulus),
-                spontaneous_curvature,
-                lumping,
-                mesh,
-            ),
-            BendingMethod::Jet => {
-                let method = StrongForm::new(modulus, Jet::for_mesh(mesh));
-                strong_form(method, spontaneous_curvature, lumping, mesh)
-            }
-        }
+            },
+        )
     }
 
-    fn new(kind: EffectKind, conservative: bool, prepared: Box<dyn Act>) -> Self {
+    fn new(name: &'static str, conservative: bool, prepared: Box<dyn Act>) -> Self {
         Self {
-            kind,
+            name,
             conservative,
             prepared,
             evaluations: 0,
@@ -179,9 +80,9 @@ impl Effect {
         }
     }
 
-    /// What it is.
-    pub fn kind(&self) -> EffectKind {
-        self.kind
+    /// Its name: the end of its columns' names.
+    pub fn name(&self) -> &'static str {
+        self.name
     }
 
     /// Whether its force is the gradient of its energy.
@@ -214,8 +115,6 @@ impl Effect {
     pub fn replace<M>(&mut self, method: M, mesh: &TriangleMesh)
     where
         M: Conservative<f64> + fmt::Debug + 'static,
-        M::Plan: fmt::Debug,
-        M::Memory: fmt::Debug,
     {
         self.prepared = Box::new(prepared(method, mesh));
         self.conservative = true;
@@ -232,28 +131,33 @@ impl Effect {
     }
 }
 
-fn strong_form<L>(
-    mut method: StrongForm<f64, L>,
-    spontaneous_curvature: f64,
+/// A bending method as an effect.
+struct Acting<'a> {
+    name: &'static str,
     lumping: Lumping,
-    mesh: &TriangleMesh,
-) -> Effect
-where
-    L: LaplaceBeltrami<f64, Plan: fmt::Debug, Memory: fmt::Debug> + fmt::Debug + Sync + 'static,
-{
-    method.spontaneous_curvature = spontaneous_curvature.into();
-    let prepared: Box<dyn Act> = match lumping {
-        Lumping::Own => Box::new(InStrongForm(prepared(Projected(method), mesh))),
-        Lumping::Thirds => Box::new(Lumped::new(method, mesh)),
-    };
-    Effect::new(EffectKind::Bending, false, prepared)
+    mesh: &'a TriangleMesh,
 }
 
-/// The bandwidth of method D in units of the mean area of a vertex is √N/100: ¼ and ½ at 642 and
-/// 2562 vertices. The area itself, as published, would leave the error as large as it is.
-fn converging_bandwidth(surface: Surface<'_, f64>) -> Bandwidth<f64> {
-    let vertices = surface.mesh().vertex_count() as f64;
-    Bandwidth::Global(surface.area() / (100.0 * vertices.sqrt()))
+impl Visitor<f64> for Acting<'_> {
+    type Output = Effect;
+
+    fn conservative<M>(self, method: M) -> Effect
+    where
+        M: Conservative<f64> + Describe<f64> + fmt::Debug + 'static,
+    {
+        Effect::conservative(self.name, method, self.mesh)
+    }
+
+    fn strong_form<L>(self, method: StrongForm<f64, L>) -> Effect
+    where
+        L: LaplaceBeltrami<f64> + fmt::Debug + Sync + 'static,
+    {
+        let prepared: Box<dyn Act> = match self.lumping {
+            Lumping::Own => Box::new(InStrongForm(prepared(Projected(method), self.mesh))),
+            Lumping::Thirds => Box::new(Lumped::new(method, self.mesh)),
+        };
+        Effect::new(self.name, false, prepared)
+    }
 }
 
 /// On all threads, of which no bit depends.
@@ -261,7 +165,7 @@ fn prepared<M: Method<f64>>(method: M, mesh: &TriangleMesh) -> Prepared<f64, M, 
     Prepared::with_execution(method, mesh, Parallel::new())
 }
 
-/// What a prepared effect can be asked for, whichever it is.
+/// The interface of every prepared effect.
 trait Act: fmt::Debug {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64;
 
@@ -271,8 +175,6 @@ trait Act: fmt::Debug {
 impl<M> Act for Prepared<f64, M, Parallel>
 where
     M: Conservative<f64> + fmt::Debug,
-    M::Plan: fmt::Debug,
-    M::Memory: fmt::Debug,
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         self.add_force_and_energy(surface, force)
@@ -287,16 +189,16 @@ where
 #[derive(Debug)]
 struct InStrongForm<L>(Prepared<f64, Projected<StrongForm<f64, L>>, Parallel>)
 where
-    L: LaplaceBeltrami<f64, Plan: fmt::Debug, Memory: fmt::Debug> + Sync;
+    L: LaplaceBeltrami<f64> + Sync;
 
 impl<L> Act for InStrongForm<L>
 where
-    L: LaplaceBeltrami<f64, Plan: fmt::Debug, Memory: fmt::Debug> + fmt::Debug + Sync,
+    L: LaplaceBeltrami<f64> + fmt::Debug + Sync,
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         self.0.add_force(surface, force);
-        self.0.with(|Projected(method), execution, _, memory| {
-            method.energy_of(execution, &memory.method)
+        self.0.with(|Projected(method), execution, workspace| {
+            method.energy_of(execution, workspace.memory().method.memory())
         })
     }
 
@@ -309,7 +211,7 @@ where
 #[derive(Debug)]
 struct Lumped<L>
 where
-    L: LaplaceBeltrami<f64, Plan: fmt::Debug, Memory: fmt::Debug> + Sync,
+    L: LaplaceBeltrami<f64> + Sync,
 {
     method: Prepared<f64, StrongForm<f64, L>, Parallel>,
     components: Components,
@@ -320,7 +222,7 @@ where
 
 impl<L> Lumped<L>
 where
-    L: LaplaceBeltrami<f64, Plan: fmt::Debug, Memory: fmt::Debug> + Sync,
+    L: LaplaceBeltrami<f64> + Sync,
 {
     fn new(method: StrongForm<f64, L>, mesh: &TriangleMesh) -> Self {
         Self {
@@ -335,7 +237,7 @@ where
 
 impl<L> Act for Lumped<L>
 where
-    L: LaplaceBeltrami<f64, Plan: fmt::Debug, Memory: fmt::Debug> + fmt::Debug + Sync,
+    L: LaplaceBeltrami<f64> + fmt::Debug + Sync,
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         let thirds = Cotangent::new(DualArea::Barycentric);
@@ -355,7 +257,7 @@ where
             *sum = std::array::from_fn(|axis| sum[axis] + own[axis]);
         }
         self.method
-            .with(|method, execution, _, memory| method.energy_of(execution, memory))
+            .with(|method, execution, workspace| method.energy_of(execution, workspace.memory()))
     }
 
     fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding)) {

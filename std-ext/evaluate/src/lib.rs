@@ -2,12 +2,16 @@
 //!
 //! * [`execute`]: threads and wide vectors for the core's loops.
 //! * [`method`] and [`scalar`]: the bending methods and number types by name.
+//! * [`noise`]: noise of positions, and its smoothing.
+//! * [`contact`]: repulsion between surfaces.
 //! * [`effect`]: anything that acts on one surface, behind one dispatch.
 //!
 //! A crate of its own, in one codegen unit: its loops are compiled three times, for every processor,
 //! for AVX2 and for AVX-512, and need not be again when anything else changes.
 
+pub mod contact;
 pub mod effect;
 pub mod execute;
 pub mod method;
+pub mod noise;
 pub mod scalar;

@@ -5,20 +5,18 @@
 
 mod accuracy;
 mod answers;
-mod chart;
+pub mod chart;
 mod costs;
-mod flow;
 mod pictures;
 mod precision;
-mod text;
+pub mod text;
 mod verdicts;
 
-use crate::effect_study::EffectCosts;
-use crate::flow_study::FlowRow;
 use crate::io::replace_file;
 use crate::method::BendingMethod;
 use crate::provenance::{Build, Provenance};
-use crate::study::{ErrorFields, Quantity, Row};
+use crate::report::SCATTERED;
+use crate::study::{ErrorFields, MOST_SCATTER, Quantity, Row};
 use crate::verdict::Verdict;
 use chart::{COLOURS, Chart};
 use std::io::{self, Write};
@@ -26,7 +24,7 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 use text::escaped;
 
-/// What a page shows.
+/// The content of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct Page<'a> {
     /// Accuracy and cost of every method.
@@ -35,10 +33,8 @@ pub struct Page<'a> {
     pub verdicts: &'a [Verdict],
     /// Where they are off.
     pub errors: &'a [ErrorFields],
-    /// A capsule in flow; empty if it was not run.
-    pub flow: &'a [FlowRow],
-    /// What a scene's effects cost, if that was measured.
-    pub effects: Option<&'a EffectCosts>,
+    /// Further parts, which other programs have measured.
+    pub sections: &'a [Section],
     /// Program and machine.
     pub provenance: &'a Provenance,
     /// How the page was asked for.
@@ -49,7 +45,16 @@ pub struct Page<'a> {
     pub reused: usize,
 }
 
-/// What the page lets one choose from.
+/// A part of a page, after those of the study.
+#[derive(Clone, Debug, Default)]
+pub struct Section {
+    /// HTML with its figures in it: one or several elements `section`.
+    pub html: Vec<u8>,
+    /// The same figures by name, for files of their own.
+    pub charts: Vec<(String, Chart)>,
+}
+
+/// The quantities to choose from on the page.
 const QUANTITIES: [Quantity; 2] = [Quantity::ForceDensity, Quantity::Mean];
 
 /// Accuracies that are asked for.
@@ -81,7 +86,16 @@ impl Page<'_> {
         verdicts::write(self.verdicts, out)?;
         pictures::write(self, out)?;
         precision::write(self.rows, out)?;
-        flow::write(self, out)?;
+        for section in self.sections {
+            out.write_all(&section.html)?;
+        }
+        if self.sections.is_empty() {
+            writeln!(
+                out,
+                "<section id=\"flow\"><h2>In flow</h2><p class=\"note\">The capsule in flow and the cost of effects are no part of this page. \
+                 In the repository of helfrich they are measured, in some minutes, by <code>cargo run --release --package helfrich-studies -- page --html report.html</code>.</p></section>"
+            )?;
+        }
         self.write_provenance(out)?;
         let json = serde_json::to_string(&self.rows)?.replace("</", "<\\/");
         writeln!(
@@ -114,10 +128,27 @@ impl Page<'_> {
         Ok(())
     }
 
+    /// How many times are not to be relied on; empty if all are.
+    fn about_scatter(&self) -> String {
+        let of_f = |row: &&Row| row.quantity == Quantity::ForceDensity;
+        let times = self.rows.iter().filter(of_f);
+        let scattered = times.clone().filter(|row| row.is_scattered()).count();
+        if scattered == 0 {
+            return String::new();
+        }
+        format!(
+            "<b>{scattered} of {} times scatter</b>, and are marked by {SCATTERED}: the quartiles of their single runs are more than {:.0} % of the median apart, \
+             as on a machine with other work. They are not kept, and measured again for the next page. ",
+            times.count(),
+            100.0 * MOST_SCATTER
+        )
+    }
+
     /// Every figure that has something to show, by name.
     fn charts(&self) -> Vec<(String, Chart)> {
         let mut charts = accuracy::charts(self);
-        charts.extend(flow::charts(self));
+        let more = self.sections.iter();
+        charts.extend(more.flat_map(|section| section.charts.clone()));
         charts.retain(|(_, chart)| !chart.is_empty());
         charts
     }
@@ -162,10 +193,12 @@ impl Page<'_> {
              the largest over all vertices, or the mean weighted by area. \
              <b>Time</b>: the median of one evaluation of forces (and energy, or curvatures) on the whole mesh, on one thread, \
              after the first; times of one page compare with each other, not with another machine. \
+             {}\
              <b>Order p</b>: error ~ h<sup>p</sup> with the edge length h ~ N<sup>−1/2</sup>, fitted to the three finest meshes. \
              <b>Memory</b>: what the method keeps beside mesh and positions.</p>\
              <p>The question and six of the methods: Guckenberger, Schraml, Chen, Leonetti, Gekle, <i>On the bending algorithms for soft objects in flows</i>, \
-             Comput. Phys. Commun. 207 (2016) 1–23. The jets, J, are this library’s.</p></section>"
+             Comput. Phys. Commun. 207 (2016) 1–23. The jets, J, are this library’s.</p></section>",
+            self.about_scatter()
         )
     }
 }
@@ -191,39 +224,13 @@ fn colours() -> String {
     colours.collect()
 }
 
-/// The place of a method among all, which is its style.
-fn style_of(method: BendingMethod) -> usize {
+/// The style of a method's curves: its place among all.
+pub fn style_of(method: BendingMethod) -> usize {
     let all = BendingMethod::ALL.into_iter();
     all.take_while(|&other| other != method).count()
 }
 
-/// What a method is called beside a curve.
-fn short(method: BendingMethod) -> &'static str {
-    match method {
-        BendingMethod::Juelicher => "Jü",
-        BendingMethod::J4 => "J4",
-        BendingMethod::J6 => "J6",
-        method => method.letter().unwrap_or_else(|| method.name()),
-    }
-}
-
-/// Name, and in some words what it does.
-fn about(method: BendingMethod) -> [&'static str; 2] {
-    match method {
-        BendingMethod::KantorNelson => ["Kantor–Nelson", "angles between triangles"],
-        BendingMethod::GompperKroll => ["Gompper–Kroll", "energy of the cotangent Laplacian"],
-        BendingMethod::Meyer => ["Meyer et al.", "cotangent Laplacian, applied twice"],
-        BendingMethod::Belkin => ["Belkin et al.", "heat kernel"],
-        BendingMethod::Farutin => ["Farutin et al.", "paraboloids fitted to neighbours"],
-        BendingMethod::Loop => ["Loop", "smooth surface by subdivision"],
-        BendingMethod::Juelicher => ["Jülicher", "energy of edge curvatures"],
-        BendingMethod::J4 => ["Jets, degree 4", "polynomials fitted to more neighbours"],
-        BendingMethod::J6 => ["Jets, degree 6", "polynomials fitted to many neighbours"],
-        BendingMethod::Jet => ["Jets", "of the degree that suits the mesh"],
-    }
-}
-
-/// What a quantity is called, with its symbol.
+/// The name of a quantity, with its symbol.
 fn called(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Mean => "mean curvature H",

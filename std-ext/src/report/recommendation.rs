@@ -1,5 +1,6 @@
 //! A recommendation in words.
 
+use super::{SCATTERED, about_scatter, noise_of_positions};
 use crate::recommend::{Candidate, RESOLVED, Recommendation};
 use std::io::{self, Write};
 
@@ -14,11 +15,13 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
         quantity,
         norm,
         target,
+        noise,
+        noise_error,
         reference_error,
         is_resolved,
         choice,
         nearest,
-        vertices_needed,
+        vertices_needed: _,
         candidates,
     } = found;
     let symbol = quantity.symbol();
@@ -29,11 +32,16 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
     let target = percent(*target);
     let describe = |candidate: &Candidate| {
         format!(
-            "{} in {}: error of {symbol} about {} {which}, {} an evaluation of {vertices} vertices",
+            "{} in {}: error of {symbol} {} {} {which}, {} an evaluation of {vertices} vertices",
             candidate.method,
             candidate.scalar,
+            if candidate.is_bound {
+                "at most"
+            } else {
+                "about"
+            },
             percent(candidate.expected),
-            time(candidate.seconds)
+            time(candidate)
         )
     };
     match (choice, nearest) {
@@ -52,20 +60,24 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
                     percent(RESOLVED)
                 )?;
             }
-            if let Some(needed) = vertices_needed {
-                writeln!(
-                    out,
-                    "By the order that theory gives it, j6 in f64 needs about {needed:.1e} vertices on the same surface."
-                )?;
-            }
+            remedy(found, out)?;
         }
         (None, None) => writeln!(out, "No method that was asked says anything of {symbol}.")?,
     }
-    writeln!(
-        out,
-        "\nmax and mean are distances from jets of degree 8, since nothing is known exactly; by how far degrees 6 and 4 are from those, {} is not known.",
-        percent(*reference_error)
-    )?;
+    if noise.is_seen() {
+        writeln!(
+            out,
+            "\nNoise of positions {}: of {symbol} of j6 it makes {} {which}. max and mean are distances from fits wide enough to stand it, since nothing is known exactly.",
+            noise_of_positions(noise),
+            percent(*noise_error)
+        )?;
+    } else {
+        writeln!(
+            out,
+            "\nmax and mean are distances from jets of degree 8, since nothing is known exactly; by how far degrees 6 and 4 are from those, {} is not known.",
+            percent(*reference_error)
+        )?;
+    }
     if compared < vertices {
         writeln!(
             out,
@@ -74,24 +86,46 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
     }
     writeln!(
         out,
-        "\n{:13} {:8} {:>10} {:>10} {:>10}  {:>9}",
+        "\n{:13} {:8} {:>10} {:>10} {:>12}  {:>9}",
         "method", "scalar", "max", "mean", "expected", "time"
     )?;
-    writeln!(out, "{}", "─".repeat(66))?;
+    writeln!(out, "{}", "─".repeat(68))?;
     for candidate in candidates {
+        let sign = if candidate.is_bound { "≤ " } else { "" };
         writeln!(
             out,
-            "{:13} {:8} {:>10} {:>10} {:>10}  {:>9}{}",
+            "{:13} {:8} {:>10} {:>10} {:>12}  {:>9}{}",
             candidate.method,
             candidate.scalar,
             percent(candidate.max),
             percent(candidate.mean),
-            percent(candidate.expected),
-            time(candidate.seconds),
+            format!("{sign}{}", percent(candidate.expected)),
+            time(candidate),
             if candidate.reaches { "  ✓" } else { "" }
         )?;
     }
-    Ok(())
+    about_scatter(candidates.iter().any(Candidate::is_scattered), out)
+}
+
+/// The remedy where no method reaches the target.
+fn remedy(found: &Recommendation, out: &mut dyn Write) -> io::Result<()> {
+    // Squares of errors by noise and by the mesh add up.
+    let rules = 2.0 * found.noise_error.powi(2) > found.reference_error.powi(2);
+    match found.vertices_needed {
+        Some(needed) if needed < found.vertices as f64 => writeln!(
+            out,
+            "Noise rules here, and more vertices with the same noise are worse: j6 in f64 needs a coarser mesh, of about {needed:.1e} vertices on the same surface, or smoother positions."
+        ),
+        Some(needed) => writeln!(
+            out,
+            "By the order that theory gives it, j6 in f64 needs about {needed:.1e} vertices on the same surface."
+        ),
+        None if rules => writeln!(
+            out,
+            "Noise rules here, and no number of vertices with the same noise reaches it: smooth the positions, or measure them with less."
+        ),
+        None => Ok(()),
+    }
 }
 
 fn percent(share: f64) -> String {
@@ -104,10 +138,15 @@ fn percent(share: f64) -> String {
     }
 }
 
-fn time(seconds: f64) -> String {
-    match seconds {
+fn time(candidate: &Candidate) -> String {
+    let time = match candidate.seconds {
         seconds if seconds < 1e-3 => format!("{:.1} µs", 1e6 * seconds),
         seconds if seconds < 1.0 => format!("{:.1} ms", 1e3 * seconds),
         seconds => format!("{seconds:.2} s"),
+    };
+    if candidate.is_scattered() {
+        format!("{SCATTERED}{time}")
+    } else {
+        time
     }
 }

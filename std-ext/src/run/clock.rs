@@ -1,15 +1,31 @@
 //! Time, as runs in a flow count it.
 
+use super::RunError;
 use crate::scene::{Every, Flow, Scene};
+use serde::{Deserialize, Serialize};
+
+/// Times nearer to each other than this, relative, are the same.
+const ROUNDING: f64 = 1e-9;
 
 /// The time of a run in a flow: when it ends, when outputs are due, and what it is called.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Clock {
     pub(super) duration: f64,
-    /// Time between outputs.
-    interval: f64,
+    schedule: Schedule,
     /// The flow's own, 1/time.
     rate: Option<f64>,
+}
+
+/// When outputs are due: plain data, for a checkpoint.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Schedule {
+    /// The run's end when the schedule was made.
+    end: f64,
+    /// Time between outputs.
+    interval: f64,
+    /// How many intervals have passed more than outputs were made: other than 0 where the interval or
+    /// the end has changed on the way.
+    ahead: i64,
 }
 
 impl Clock {
@@ -20,16 +36,48 @@ impl Clock {
         };
         Self {
             duration,
-            interval,
+            schedule: Schedule {
+                end: duration,
+                interval,
+                ahead: 0,
+            },
             rate: flow.rate(),
         }
     }
 
+    /// Of a run that is taken up again at a time, after so many outputs, the first not counted. If its
+    /// end or its interval was another one, outputs go on at the multiples of the new interval. Outputs
+    /// are made no more than `early` before they are due.
+    pub(super) fn taken_up(
+        mut self,
+        before: Schedule,
+        time: f64,
+        early: f64,
+        outputs: u64,
+    ) -> Result<Self, RunError> {
+        if time - early > self.duration * (1.0 + ROUNDING) {
+            let duration = self.duration;
+            return Err(RunError::Past { time, duration });
+        }
+        let Schedule { end, interval, .. } = self.schedule;
+        if [end, interval] == [before.end, before.interval] {
+            self.schedule = before;
+        } else {
+            let passed = ((time + early) / interval * (1.0 + ROUNDING)).floor();
+            self.schedule.ahead = passed as i64 - outputs as i64;
+        }
+        Ok(self)
+    }
+
+    pub(super) fn schedule(&self) -> Schedule {
+        self.schedule
+    }
+
     /// When the next output is due after so many, the first not counted; the end is the last one.
     pub(super) fn next_output(&self, outputs: u64) -> f64 {
-        let next = (outputs + 1) as f64 * self.interval;
+        let next = (outputs as i64 + 1 + self.schedule.ahead) as f64 * self.schedule.interval;
         // An interval that ends within a rounding of the end ends there.
-        if next >= self.duration * (1.0 - 1e-9) {
+        if next >= self.duration * (1.0 - ROUNDING) {
             self.duration
         } else {
             next

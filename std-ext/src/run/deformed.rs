@@ -3,7 +3,7 @@
 use crate::deformation::{
     Deformation, ShearPlane, TankTreading, extremes, roughness, taylor, wrinkle_indicator,
 };
-use crate::enclosure::vertices_inside;
+use crate::enclosure::Inside;
 use crate::simulation::{Body, Simulation};
 use helfrich::Surface;
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,14 @@ pub(super) struct Deformed {
     turning: Vec<Option<TankTreading>>,
     /// Of each surface: how rough it was at the start.
     roughness: Vec<f64>,
+    /// Of each surface: its smallest angle at the start, in degrees.
+    angles: Vec<f64>,
 }
+
+/// Triangles of a fluid surface are too narrow below this many degrees, and below what they were at
+/// the start. Even meshes have 35 to 55; a drop at Ca = 0.02 whose mesh is drawn out is off by 10 % in
+/// D before it gets there.
+const NARROW: f64 = 20.0;
 
 /// A surface is rough at the scale of its mesh above this, and above twice what it was at the start.
 /// Smooth capsules stay below 0.1, and wrinkled ones reach 0.3 to 2.
@@ -38,15 +45,21 @@ impl Deformed {
             let surface = body.surface(positions);
             surface.map_or(f64::NAN, roughness)
         });
+        let angles = simulation.bodies().iter().map(|body| {
+            let surface = body.surface(positions);
+            surface.map_or(f64::NAN, smallest_angle)
+        });
         Self {
             plane,
             turning: turning.collect(),
             roughness: roughnesses.collect(),
+            angles: angles.collect(),
         }
     }
 
-    /// Adds what is not to be trusted any more to the notes, each once: surfaces that are wrinkled at
-    /// the scale of their mesh, and surfaces that have gone into each other. `caption` says when.
+    /// Adds what is not to be trusted any more to the notes, each once: fluid surfaces whose triangles
+    /// have become narrow, surfaces that are wrinkled at the scale of their mesh, and surfaces that have
+    /// gone into each other. `caption` says when.
     pub(super) fn note(
         &self,
         simulation: &Simulation,
@@ -59,6 +72,20 @@ impl Deformed {
                 notes.push(format!("from {caption}: {what}{why}"));
             }
         };
+        for (body, start) in simulation.bodies().iter().zip(&self.angles) {
+            let found = body.surface(positions).map_or(f64::NAN, smallest_angle);
+            if body.slides() && found < start.min(NARROW) {
+                add(
+                    format!("triangles of \"{}\" have become narrow", body.name()),
+                    format!(
+                        " (an angle of {found:.1}°, {start:.1}° at the start): its mesh no longer fits \
+                         its shape, and numbers are less and less accurate from here; `redistribution` \
+                         keeps meshes even as long as it can, beyond that a mesh whose start is nearer \
+                         to this shape would help"
+                    ),
+                );
+            }
+        }
         for (body, start) in simulation.bodies().iter().zip(&self.roughness) {
             let found = body.surface(positions).map_or(f64::NAN, roughness);
             if found > f64::max(ROUGH, 2.0 * start) {
@@ -76,47 +103,36 @@ impl Deformed {
                 );
             }
         }
-        let bodies = simulation.bodies();
-        let obstacles = simulation.obstacles().iter().filter_map(|obstacle| {
-            let surface = Surface::new(&obstacle.mesh, &obstacle.positions).ok()?;
-            Some((obstacle.name.as_str(), surface))
-        });
-        let obstacles = Vec::from_iter(obstacles);
-        for (number, body) in bodies.iter().enumerate() {
-            let Some(surface) = body.surface(positions) else {
-                continue;
-            };
-            let others = bodies
-                .iter()
-                .enumerate()
-                .filter(|(other, _)| *other != number);
-            let others =
-                others.filter_map(|(_, other)| Some((other.name(), other.surface(positions)?)));
-            for (name, other) in others.chain(obstacles.iter().copied()) {
-                // A surface that is inside of another as a whole was put there.
-                let Some((vertex, count)) = vertices_inside(surface, other) else {
-                    continue;
-                };
-                if count < surface.positions().len() {
-                    add(
-                        format!("surface \"{}\" has gone into \"{name}\"", body.name()),
-                        format!(
-                            " (vertex {vertex} is the first of {count}): a `repulsion` between them, \
-                             a finer mesh or a smaller tolerance would keep them apart"
-                        ),
-                    );
-                }
-            }
+        for crossing in simulation.crossings(positions) {
+            let into = crossing.into.as_ref();
+            let into = into.map_or("its own image".to_owned(), |name| format!("\"{name}\""));
+            add(
+                format!("surface \"{}\" has gone into {into}", crossing.surface),
+                gone_into(&crossing.inside),
+            );
         }
     }
 
-    /// To be called after every step.
-    pub(super) fn follow(&mut self, time: f64, simulation: &Simulation, positions: &[[f64; 3]]) {
+    /// To be called after every step, with the velocities of the surfaces' material if vertices of
+    /// those that are fluid do not go with it.
+    pub(super) fn follow(
+        &mut self,
+        time: f64,
+        simulation: &Simulation,
+        positions: &[[f64; 3]],
+        material: Option<&[[f64; 3]]>,
+    ) {
         for (turning, body) in self.turning.iter_mut().zip(simulation.bodies()) {
             if let (Some(turning), Some(surface)) = (turning, body.surface(positions))
                 && let Some(deformation) = Deformation::new(surface)
             {
-                turning.update(time, surface, &deformation);
+                match material.filter(|_| body.slides()) {
+                    Some(velocities) => {
+                        let velocities = &velocities[body.vertices()];
+                        turning.update_by_velocities(time, surface, &deformation, velocities);
+                    }
+                    None => turning.update(time, surface, &deformation),
+                }
             }
         }
     }
@@ -169,6 +185,27 @@ impl Deformed {
         }
         numbers
     }
+}
+
+/// In degrees.
+pub(super) fn smallest_angle(surface: Surface<'_, f64>) -> f64 {
+    let triangles = 0..surface.mesh().triangles().len();
+    let angles = triangles.flat_map(|triangle| surface.triangle_angles(triangle));
+    angles.fold(f64::INFINITY, f64::min).to_degrees()
+}
+
+/// Where surfaces are in each other, and what helps.
+fn gone_into(inside: &Inside) -> String {
+    let through = if inside.is_by_image() {
+        " through the ends of the periodic box"
+    } else {
+        ""
+    };
+    format!(
+        " (vertex {} is the first of {}{through}): a `repulsion` between them, a finer mesh or a \
+         smaller tolerance would keep them apart",
+        inside.first, inside.count
+    )
 }
 
 fn is_closed(body: &Body) -> bool {

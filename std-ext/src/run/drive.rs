@@ -109,11 +109,11 @@ pub(super) fn drive<'a>(
     Ok(match (scene.driver, scene.output.every, stored) {
         (Driver::Relax(relax), Every::Iterations(every), None) => {
             let every = [every, checkpoint_every];
-            Box::new(Relaxing::new(relax, every, simulation, positions)?)
+            Box::new(Relaxing::new(scene, relax, every, simulation, positions)?)
         }
         (Driver::Relax(relax), Every::Iterations(every), Some(DriveState::Relaxing(state))) => {
             let every = [every, checkpoint_every];
-            Box::new(Relaxing::resume(relax, every, simulation, state)?)
+            Box::new(Relaxing::resume(scene, relax, every, simulation, state)?)
         }
         (Driver::BoundaryIntegral(driver), Every::Time(_), None) => {
             Box::new(Flowing::new(scene, driver, simulation, positions)?)

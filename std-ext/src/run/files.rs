@@ -82,6 +82,24 @@ impl Run<'_> {
         self.write_index("surfaces.pvd", &self.outputs.files)
     }
 
+    /// The surfaces as they are when the run ends, for the next to begin with: `last.vtp`, or
+    /// `last-NAME.vtp` of each of several.
+    pub(super) fn write_last(&self) -> Result<(), RunError> {
+        let Mark { time, .. } = self.drive.mark();
+        let positions = self.drive.positions();
+        let bodies = self.simulation.bodies();
+        for body in bodies {
+            let name = match bodies {
+                [_] => "last.vtp".to_owned(),
+                _ => format!("last-{}.vtp", body.name()),
+            };
+            let own = &positions[body.vertices()];
+            write_vtp(&self.folder.join(name), body.mesh(), own, Some(time), &[])
+                .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
+        }
+        Ok(())
+    }
+
     /// All surfaces in one picture, coloured by the scene's field.
     pub(super) fn draw(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
         let folder = self.folder.join("pictures");
@@ -262,7 +280,8 @@ impl Run<'_> {
         if self.plots.is_empty() {
             return Ok(());
         }
-        let table = SeriesTable::read(&self.folder.join("series.csv")).map_err(RunError::Series)?;
+        let table =
+            SeriesTable::read(&self.folder.join(super::SERIES)).map_err(RunError::Series)?;
         make_folder(&self.folder.join("plots"))?;
         let names = || self.simulation.bodies().iter().map(|body| body.name());
         for PlannedPlot { plot, published } in &self.plots {

@@ -1,13 +1,16 @@
 //! Runs in a flow, through time.
 
-use super::clock::Clock;
+use super::clock::{Clock, Schedule};
 use super::deformed::Deformed;
 use super::drive::{Drive, DriveState, Mark, Step, Work, cost};
 use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
 use crate::dynamics::integrate::{Integrator, Scheme, Settings, State, StepReport};
-use crate::flow::{Fluid, KeptVolumes, Membranes, Moving, SOLUTION_TOLERANCE, Suspension};
-use crate::scene::{self, BoundaryIntegral, Hold, Scene, SurfaceScene};
+use crate::enclosure::surroundings;
+use crate::flow::{
+    Fluid, KeptVolumes, Membranes, Moving, Redistribution, SOLUTION_TOLERANCE, Suspension,
+};
+use crate::scene::{self, BoundaryIntegral, Scene, SurfaceScene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -50,6 +53,7 @@ pub(super) struct Flowing<'a> {
 /// What a checkpoint holds of it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct FlowingState {
+    schedule: Schedule,
     integrator: State,
     /// From which the next solution begins.
     guess: Vec<[f64; 3]>,
@@ -82,7 +86,8 @@ impl<'a> Flowing<'a> {
         let positions = start(simulation, positions);
         let mut suspension = suspension(scene, driver, simulation, &positions);
         let solves = suspension.has_contrast() || simulation.are_viscous();
-        let settings = settings(driver, simulation, &positions, solves);
+        let precision = precision(&suspension, solves);
+        let settings = settings(driver, simulation, &positions, precision);
         let progress = FlowingProgress {
             deformed: Deformed::new(driver.flow.plane(), simulation, &positions),
             outputs: 0,
@@ -124,15 +129,19 @@ impl<'a> Flowing<'a> {
         let positions = start(simulation, positions);
         let mut suspension = suspension(scene, driver, simulation, &positions);
         let solves = suspension.has_contrast() || simulation.are_viscous();
-        let settings = settings(driver, simulation, &positions, solves);
+        let precision = precision(&suspension, solves);
+        let settings = settings(driver, simulation, &positions, precision);
         suspension.set_guess(state.guess);
+        let integrator = Integrator::resume(state.integrator, settings)?;
+        let clock = Clock::new(scene, &driver.flow, driver.duration);
+        let outputs = state.progress.outputs;
         Ok(Self {
             scene,
             driver,
-            clock: Clock::new(scene, &driver.flow, driver.duration),
+            clock: clock.taken_up(state.schedule, integrator.time(), 0.0, outputs)?,
             suspension,
             solves,
-            integrator: Integrator::resume(state.integrator, settings)?,
+            integrator,
             report: None,
             progress: state.progress,
         })
@@ -314,7 +323,8 @@ impl Drive for Flowing<'_> {
         self.progress.right_hand_sides = report.evaluations as u64;
         let positions = self.integrator.positions();
         let deformed = &mut self.progress.deformed;
-        deformed.follow(report.time, simulation, positions);
+        let material = (self.driver.redistribution).then(|| self.suspension.material_velocities());
+        deformed.follow(report.time, simulation, positions, material);
         let grown = self.growth(&report, simulation);
         let output = report.time >= due;
         if output {
@@ -383,6 +393,7 @@ impl Drive for Flowing<'_> {
 
     fn state(&self) -> DriveState {
         DriveState::Flowing(FlowingState {
+            schedule: self.clock.schedule(),
             integrator: self.integrator.state().clone(),
             guess: self.suspension.guess().to_vec(),
             progress: FlowingProgress {
@@ -427,9 +438,8 @@ fn place(simulation: &Simulation, vertex: usize) -> String {
 
 /// Whether a surface's volume is held exactly.
 pub(super) fn is_held(surface: &SurfaceScene) -> bool {
-    surface
-        .volume
-        .is_some_and(|volume| volume.hold == Hold::Exact)
+    let volume = surface.effects.volume;
+    volume.is_some_and(|volume| volume.hold.is_exact())
 }
 
 /// The positions with which a run begins: volumes that are held exactly are at their targets.
@@ -457,16 +467,30 @@ fn suspension(
         driver.flow.ambient(),
         threads,
     );
+    // Membranes do not go through each other: what lies in another stays there.
+    let bodies = simulation.bodies().iter();
+    let surfaces = bodies.map(|body| body.surface(positions));
+    if let Some(surfaces) = surfaces.collect::<Option<Vec<_>>>() {
+        suspension.set_surroundings(&surroundings(&surfaces, simulation.images()));
+    }
     let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
     suspension.keep_volumes(KeptVolumes::new(&meshes, kept, positions));
+    let slides = |number: usize| driver.redistribution && scene.surfaces[number].slides();
+    suspension.redistribute(Redistribution::new(&meshes, slides, SOLUTION_TOLERANCE));
     suspension
+}
+
+/// The relative error of velocities; `solves` where viscosities make a linear system of them.
+fn precision(suspension: &Suspension, solves: bool) -> f64 {
+    let solution = if solves { SOLUTION_TOLERANCE } else { 0.0 };
+    suspension.precision().max(solution)
 }
 
 fn settings(
     driver: BoundaryIntegral,
     simulation: &Simulation,
     positions: &[[f64; 3]],
-    solves: bool,
+    precision: f64,
 ) -> Settings {
     let scheme = match driver.integrator {
         scene::Integrator::Rkc2 => Scheme::Rkc2,
@@ -488,11 +512,7 @@ fn settings(
     Settings {
         tolerance: driver.tolerance,
         longest_step: driver.flow.rate().map(|rate| LONGEST_STEP / rate),
-        precision: if solves {
-            SOLUTION_TOLERANCE
-        } else {
-            f64::EPSILON
-        },
+        precision,
         ..Settings::new(scheme, length)
     }
 }

@@ -1,13 +1,13 @@
 //! Runs on a lattice of fluid, through time.
 
-use super::clock::Clock;
+use super::clock::{Clock, Schedule};
 use super::deformed::Deformed;
 use super::drive::{Drive, DriveState, Mark, Step, Work, cost};
 use super::flowing::is_held;
 use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
 use crate::flow::lattice_boltzmann::{Lattice, Node, Precision, Setup, Sides};
-use crate::flow::{Channel, Fluid, Immersion, ImmersionState, KeptVolumes};
+use crate::flow::{Channel, Fluid, Immersion, ImmersionState, KeptVolumes, Redistribution};
 use crate::scene::{FINITE_BOX, Flow, LatticeBoltzmann, Scene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
@@ -15,6 +15,13 @@ use std::array;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
+
+/// Steps by which an output is early at most.
+const NEAREST: f64 = 0.5;
+
+/// The residual of the velocities by which vertices slide along fluid membranes: nothing is a
+/// derivative of them here.
+const SLIDING_TOLERANCE: f64 = 1e-3;
 
 /// Membranes in a box of fluid.
 pub(super) struct Immersing<'a, T> {
@@ -29,6 +36,7 @@ pub(super) struct Immersing<'a, T> {
 /// What a checkpoint holds of it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ImmersingState<T> {
+    schedule: Schedule,
     immersion: ImmersionState<T>,
     positions: Vec<[f64; 3]>,
     progress: ImmersingProgress,
@@ -91,10 +99,15 @@ impl<'a, T: Stored> Immersing<'a, T> {
     ) -> Result<Self, RunError> {
         simulation.restore(&mut positions);
         let mut immersion = immersion(scene, driver, simulation, &positions)?;
-        let (positions, progress) = match stored {
+        let clock = Clock::new(scene, &driver.flow, driver.duration);
+        let (positions, progress, clock) = match stored {
             Some(state) => {
                 immersion.restore(state.immersion)?;
-                (state.positions, state.progress)
+                let ImmersingProgress { steps, outputs, .. } = state.progress;
+                // An output is made with the step that ends nearest to when it is due.
+                let [time, early] = [steps as f64, NEAREST].map(|count| count * driver.step);
+                let clock = clock.taken_up(state.schedule, time, early, outputs)?;
+                (state.positions, state.progress, clock)
             }
             None => {
                 let deformed = Deformed::new(driver.flow.plane(), simulation, &positions);
@@ -104,13 +117,13 @@ impl<'a, T: Stored> Immersing<'a, T> {
                     outputs: 0,
                     notes: notes(driver, simulation, &positions),
                 };
-                (positions, progress)
+                (positions, progress, clock)
             }
         };
         Ok(Self {
             scene,
             driver,
-            clock: Clock::new(scene, &driver.flow, driver.duration),
+            clock,
             immersion,
             positions,
             progress,
@@ -187,7 +200,8 @@ impl<T: Stored> Drive for Immersing<'_, T> {
         self.progress.steps += 1;
         let (steps, time) = (self.progress.steps, self.time());
         let deformed = &mut self.progress.deformed;
-        deformed.follow(time, simulation, &self.positions);
+        let material = (self.driver.redistribution).then(|| self.immersion.material_velocities());
+        deformed.follow(time, simulation, &self.positions, material);
         let output = steps >= self.nearest(self.clock.next_output(self.progress.outputs));
         if output {
             self.progress.outputs += 1;
@@ -233,6 +247,7 @@ impl<T: Stored> Drive for Immersing<'_, T> {
 
     fn state(&self) -> DriveState {
         T::stored(ImmersingState {
+            schedule: self.clock.schedule(),
             immersion: self.immersion.state(),
             positions: self.positions.clone(),
             progress: self.progress.clone(),
@@ -282,6 +297,8 @@ fn immersion<T: Precision>(
     immersion.set_viscosity_ratios(&meshes, &ratios);
     let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
     immersion.keep_volumes(KeptVolumes::new(&meshes, kept, positions));
+    let slides = |number: usize| driver.redistribution && scene.surfaces[number].slides();
+    immersion.redistribute(Redistribution::new(&meshes, slides, SLIDING_TOLERANCE));
     Ok(immersion)
 }
 
@@ -326,10 +343,11 @@ fn notes(driver: LatticeBoltzmann, simulation: &Simulation, positions: &[[f64; 3
     let Flow::Shear { .. } = driver.flow else {
         return notes;
     };
-    for body in simulation.bodies() {
+    // Many in a periodic box are a suspension, which has no unbounded fluid.
+    if let [body] = simulation.bodies() {
         let volume = body.surface(positions).and_then(|surface| surface.volume());
         let Some(radius) = volume.map(|volume| (0.75 * volume / PI).cbrt()) else {
-            continue;
+            return notes;
         };
         let ratio = radius / driver.size()[1];
         notes.push(format!(

@@ -1,12 +1,13 @@
 //! What a run says of its surfaces.
 
+use super::deformed::smallest_angle;
 use super::drive::Drive;
-use crate::effect::{Effect, EffectKind};
+use super::quality::{self, Flagged};
+use crate::effect::Effect;
 use crate::picture::Frame;
-use crate::scene::{PictureField, Scene, Units};
+use crate::scene::{Bending, Named, PictureField, Scene, Units};
 use crate::simulation::{Acting, Body, Simulation};
-use helfrich::laplacian::CotangentMemory;
-use helfrich::{Cotangent, Curvature, DualArea, LaplaceBeltrami, Method, Serial, Surface};
+use helfrich::{Cotangent, Curvature, DualArea, Prepared, Surface};
 use std::f64::consts::PI;
 
 /// The columns of the series that every driver has.
@@ -27,7 +28,10 @@ impl Measures {
         let mut directions = Vec::new();
         for (body, scene) in simulation.bodies().iter().zip(&scene.surfaces) {
             let mut names = vec!["area", "volume", "reduced_volume", "smallest_angle"];
-            if scene.stretching.is_some() {
+            if quality::has_bending(body) {
+                names.extend(quality::COLUMNS);
+            }
+            if scene.effects.stretching.is_some() {
                 names.extend(["force", "axial_diameter", "transverse_diameter"]);
             }
             columns.extend(names.into_iter().map(|name| simulation.label(name, body)));
@@ -66,13 +70,15 @@ impl Measures {
         drive: &dyn Drive,
         simulation: &Simulation,
         acting: &[Acting],
+        flagged: &[Option<Flagged>],
     ) -> Vec<f64> {
         let positions = drive.positions();
         let energies = acting.iter().map(|acting| acting.energy);
         let mut row = drive.numbers(simulation);
         row.push(energies.clone().sum());
         row.extend(energies);
-        for (body, directions) in simulation.bodies().iter().zip(&self.directions) {
+        let bodies = simulation.bodies().iter().zip(&self.directions);
+        for ((body, directions), flagged) in bodies.zip(flagged) {
             let [area, volume, angle] = body.surface(positions).map_or([f64::NAN; 3], measured);
             row.extend([
                 area,
@@ -80,6 +86,9 @@ impl Measures {
                 6.0 * PI.sqrt() * volume / area.powf(1.5),
                 angle,
             ]);
+            if quality::has_bending(body) {
+                row.extend(flagged.as_ref().map_or([f64::NAN; 3], Flagged::numbers));
+            }
             if let (Some((force, _)), Some(directions)) = (body.stretching(), directions) {
                 let own = &positions[body.vertices()];
                 row.push(force);
@@ -113,12 +122,10 @@ fn farthest(centre: [f64; 3], positions: &[[f64; 3]]) -> f64 {
 
 /// Area, volume and smallest angle.
 fn measured(surface: Surface<'_, f64>) -> [f64; 3] {
-    let triangles = 0..surface.mesh().triangles().len();
-    let angles = triangles.flat_map(|triangle| surface.triangle_angles(triangle));
     [
         surface.area(),
         surface.volume().unwrap_or(f64::NAN),
-        angles.fold(f64::INFINITY, f64::min).to_degrees(),
+        smallest_angle(surface),
     ]
 }
 
@@ -179,11 +186,8 @@ pub(super) fn fields(
         return Vec::new();
     };
     let mesh = surface.mesh();
-    let mut curvature = vec![Curvature::default(); mesh.vertex_count()];
-    let cotangent = Cotangent::new(DualArea::Mixed);
-    let plan = Method::<f64>::plan(&cotangent, mesh);
-    let mut memory = CotangentMemory::default();
-    cotangent.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
+    let mut cotangent = Prepared::new(Cotangent::new(DualArea::Mixed), mesh);
+    let curvature = cotangent.curvatures(surface);
     let scalars =
         |value: fn(&Curvature<f64>) -> f64| Values::Scalars(curvature.iter().map(value).collect());
     let mut fields = vec![
@@ -193,14 +197,14 @@ pub(super) fn fields(
             scalars(|vertex| vertex.gaussian),
         ),
     ];
-    let own = body.effects().iter().map(Effect::kind);
-    let own = own.map(|kind| (kind.name(), simulation.label(kind.name(), body)));
+    let own = body.effects().iter().map(Effect::name);
+    let own = own.map(|name| (name, simulation.label(name, body)));
     for (name, label) in own {
         let Some(acting) = acting.iter().find(|acting| acting.effect == label) else {
             continue;
         };
         let force = &acting.force[body.vertices()];
-        if name == EffectKind::Bending.name() {
+        if name == Bending::NAME {
             let density = |(force, vertex): (&[f64; 3], &Curvature<f64>)| {
                 let over = if vertex.area > 0.0 {
                     vertex.area.recip()
@@ -209,7 +213,7 @@ pub(super) fn fields(
                 };
                 force.map(|component| over * component)
             };
-            let density = force.iter().zip(&curvature).map(density).collect();
+            let density = force.iter().zip(curvature).map(density).collect();
             fields.push(("f".to_owned(), Values::Vectors(density)));
         }
         fields.push((format!("force_{name}"), Values::Vectors(force.to_vec())));

@@ -1,11 +1,17 @@
 //! Runs to equilibrium, load after load.
 
 use super::drive::{Drive, DriveState, Mark, Step, Work};
+use super::remedy::{advice, remedy};
 use super::{End, Progress, RunError};
-use crate::dynamics::{Outcome, Relaxation, Settings, State};
-use crate::scene::Relax;
+use crate::dynamics::{Failure, Outcome, Relaxation, Settings, State};
+use crate::scene::{Relax, Scene};
+use crate::series::ITERATION;
 use crate::simulation::Simulation;
 use serde::{Deserialize, Serialize};
+
+/// Residuals below this are rounding if nothing improves any more: the default of `driver.residual` is
+/// within reach of every method with an energy on meshes that it stands.
+const ROUNDING: f64 = 1e-5;
 
 /// A relaxation under each load of a sequence.
 pub(super) struct Relaxing {
@@ -14,6 +20,9 @@ pub(super) struct Relaxing {
     every: [u64; 2],
     loads: usize,
     names: Vec<String>,
+    /// What would help each surface whose mesh is spoiled, and where nothing improves any more.
+    remedies: Vec<String>,
+    advice: String,
     relaxation: Relaxation,
     progress: RelaxingProgress,
     residual: f64,
@@ -36,6 +45,8 @@ struct RelaxingProgress {
     iteration: u64,
     /// The residual with which the load began.
     first_residual: Option<f64>,
+    /// The residual and the number of iterations at which loads end.
+    limits: (f64, u64),
     /// How the first load ended that did not come to its equilibrium, and all of these in words.
     unfinished: Option<End>,
     notes: Vec<String>,
@@ -43,17 +54,23 @@ struct RelaxingProgress {
 
 impl Relaxing {
     pub(super) fn new(
+        scene: &Scene,
         relax: Relax,
         every: [u64; 2],
         simulation: &mut Simulation,
         positions: Vec<[f64; 3]>,
     ) -> Result<Self, RunError> {
         let relaxation = Relaxation::new(simulation.membranes(), positions, settings(relax))?;
-        let progress = RelaxingProgress::default();
-        Ok(Self::at(relax, every, simulation, relaxation, progress))
+        let progress = RelaxingProgress {
+            limits: limits(relax),
+            ..RelaxingProgress::default()
+        };
+        let state = (relaxation, progress);
+        Ok(Self::at(scene, relax, every, simulation, state))
     }
 
     pub(super) fn resume(
+        scene: &Scene,
         relax: Relax,
         every: [u64; 2],
         simulation: &mut Simulation,
@@ -61,18 +78,30 @@ impl Relaxing {
     ) -> Result<Self, RunError> {
         simulation.set_load(state.progress.load);
         let membranes = simulation.membranes();
-        let relaxation = Relaxation::resume(membranes, state.relaxation, settings(relax))?;
-        let progress = state.progress;
-        Ok(Self::at(relax, every, simulation, relaxation, progress))
+        let mut relaxation = Relaxation::resume(membranes, state.relaxation, settings(relax))?;
+        let mut progress = state.progress;
+        if progress.limits != limits(relax) {
+            progress.limits = limits(relax);
+            relaxation.settings_changed();
+        }
+        Ok(Self::at(
+            scene,
+            relax,
+            every,
+            simulation,
+            (relaxation, progress),
+        ))
     }
 
     fn at(
+        scene: &Scene,
         relax: Relax,
         every: [u64; 2],
-        simulation: &Simulation,
-        relaxation: Relaxation,
-        progress: RelaxingProgress,
+        simulation: &mut Simulation,
+        (mut relaxation, progress): (Relaxation, RelaxingProgress),
     ) -> Self {
+        // Here and not with the first step, so that the first row has its residual.
+        let start = relaxation.start(simulation);
         let names = simulation
             .bodies()
             .iter()
@@ -82,10 +111,12 @@ impl Relaxing {
             every,
             loads: simulation.load_count(),
             names: names.collect(),
+            remedies: scene.surfaces.iter().map(remedy).collect(),
+            advice: advice(&scene.surfaces),
             relaxation,
             progress,
-            residual: f64::NAN,
-            energy: f64::NAN,
+            residual: start.residual,
+            energy: start.energy,
         }
     }
 
@@ -137,6 +168,19 @@ impl Relaxing {
         if outcome != Outcome::Converged && self.residual.is_finite() {
             message.push_str(&format!("; the residual is {:.1e}", self.residual));
         }
+        match outcome {
+            Outcome::Failed(
+                Failure::Inverted { membrane, .. } | Failure::Distorted { membrane, .. },
+            ) => message.push_str(&format!(": {}", self.remedies[membrane])),
+            Outcome::Stagnated if self.residual < ROUNDING => message.push_str(&format!(
+                ": that is rounding, and `driver.residual` above {:.1e} ends there",
+                self.residual
+            )),
+            Outcome::Stagnated | Outcome::Failed(Failure::StepBelowFloor { .. }) => {
+                message.push_str(&self.advice);
+            }
+            _ => {}
+        }
         message
     }
 
@@ -148,7 +192,7 @@ impl Relaxing {
 
 impl Drive for Relaxing {
     fn columns(&self, _simulation: &Simulation) -> Vec<String> {
-        ["time", "residual"].map(str::to_owned).to_vec()
+        [ITERATION, "residual"].map(str::to_owned).to_vec()
     }
 
     fn numbers(&self, _simulation: &Simulation) -> Vec<f64> {
@@ -198,7 +242,7 @@ impl Drive for Relaxing {
     fn progress(&self) -> Progress {
         let first = self.progress.first_residual.unwrap_or(f64::NAN);
         let done = (first / self.residual).ln() / (first / self.relax.residual).ln();
-        // Not a number before the first step, and where there is nothing to do.
+        // Not a number where there is nothing to do.
         let done = if done.is_finite() {
             done.clamp(0.0, 1.0)
         } else {
@@ -241,6 +285,11 @@ impl Drive for Relaxing {
             progress: self.progress.clone(),
         })
     }
+}
+
+/// When a load ends.
+fn limits(relax: Relax) -> (f64, u64) {
+    (relax.residual, relax.iterations)
 }
 
 fn settings(relax: Relax) -> Settings {

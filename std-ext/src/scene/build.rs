@@ -6,12 +6,15 @@ mod surface;
 
 pub(super) use lattice::{BOX, rounded};
 
+use super::barrier::Barrier;
 use super::check::{Problems, check_table};
 use super::keys::SCENE;
+use super::lattice::AXES;
 use super::problem::{Problem, SceneErrors, Source};
 use super::reader::Reader;
 use super::value::{Origin, Origins, Overrides, Table, Value};
-use super::{Interaction, Scene, SceneFile, SurfaceScene, Units};
+use super::{Driver, Interaction, Scene, SceneFile, SurfaceScene, Units};
+use helfrich::Images;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
@@ -60,6 +63,7 @@ pub(super) fn parse(
         folder: path.parent().unwrap_or(Path::new("")),
         problems: &mut problems,
         warnings: &mut warnings,
+        barriers: Vec::new(),
     };
     let scene = builder.scene(Reader::new(&SCENE, &table, &origin), units);
     if let Some(errors) = fail(problems.0) {
@@ -74,20 +78,22 @@ pub(super) fn parse(
     })
 }
 
-struct Builder<'a> {
+pub(super) struct Builder<'a> {
     /// The scene file's.
     folder: &'a Path,
     problems: &'a mut Problems,
     warnings: &'a mut Problems,
+    /// What limits steps of a driver, beside its surfaces.
+    barriers: Vec<Barrier>,
 }
 
 impl Builder<'_> {
-    fn contradiction(&mut self, origin: &Origin, message: String) {
+    pub(super) fn contradiction(&mut self, origin: &Origin, message: String) {
         self.problems
             .add(origin, Problem::Contradiction { message });
     }
 
-    fn doubt(&mut self, origin: &Origin, message: String) {
+    pub(super) fn doubt(&mut self, origin: &Origin, message: String) {
         self.warnings.add(origin, Problem::Doubtful { message });
     }
 
@@ -98,12 +104,17 @@ impl Builder<'_> {
         let names = surfaces.iter().map(|surface| surface.name.as_str());
         self.different("surface", &Vec::from_iter(names), &readers);
         let interactions = scene.tables("interaction");
-        let interactions = interactions
-            .into_iter()
-            .map(|reader| self.interaction(reader, &surfaces))
-            .collect();
+        let barriers = interactions
+            .iter()
+            .map(|reader| Barrier::new(reader.needed("strength"), reader.needed("cutoff")));
+        self.barriers = barriers.collect();
         let table = scene.table("driver");
         let mut driver = table.and_then(|table| self.driver(table, &surfaces, &readers));
+        let images = driver.as_ref().map(Driver::images);
+        let interactions = interactions
+            .into_iter()
+            .map(|reader| self.interaction(reader, &surfaces, images.as_ref()))
+            .collect();
         let obstacles = self.obstacles(&scene.tables("obstacle"), driver.as_ref());
         let output = self.output(scene.table("output"), driver.as_ref());
         if let Some(table) = table {
@@ -144,14 +155,26 @@ impl Builder<'_> {
         }
     }
 
-    fn interaction(&mut self, interaction: Reader<'_>, surfaces: &[SurfaceScene]) -> Interaction {
-        if surfaces.len() == 1 {
+    /// Nothing is said of images while it is not known whether there are any.
+    fn interaction(
+        &mut self,
+        interaction: Reader<'_>,
+        surfaces: &[SurfaceScene],
+        images: Option<&Images<f64>>,
+    ) -> Interaction {
+        let alone = images.is_some_and(|images| !images.is_periodic());
+        if surfaces.len() == 1 && alone {
             self.contradiction(
                 interaction.origin(),
                 "an interaction acts between two surfaces, and the scene has only one: add a \
-                 [[surface]], or leave the interaction out"
+                 [[surface]], or leave the interaction out; in the periodic box of the driver \
+                 \"lattice-boltzmann\" one would meet its images"
                     .to_owned(),
             );
+        }
+        let cutoff = interaction.needed("cutoff");
+        if let Some(images) = images {
+            self.in_one_period(&interaction.origin_of("cutoff"), cutoff, images);
         }
         let names = interaction.texts("between");
         let mut between = None;
@@ -172,11 +195,11 @@ impl Builder<'_> {
                 found
             };
             if let (Some(a), Some(b)) = (index(a), index(b)) {
-                if a == b {
+                if a == b && alone {
                     self.contradiction(
                         &origin,
                         format!(
-                            "`between` names \"{}\" twice: two surfaces are needed",
+                            "`between` names \"{}\" twice: two surfaces are needed where no box is periodic",
                             known[a]
                         ),
                     );
@@ -186,17 +209,29 @@ impl Builder<'_> {
         }
         Interaction::Repulsion {
             strength: interaction.needed("strength"),
-            cutoff: interaction.needed("cutoff"),
+            cutoff,
             between,
         }
     }
 
-    fn file(&self, name: &str) -> PathBuf {
+    /// Beyond a period every surface would act on itself, wherever it is.
+    fn in_one_period(&mut self, origin: &Origin, cutoff: f64, images: &Images<f64>) {
+        let period = |axis: usize| images.period(axis).unwrap_or(f64::INFINITY);
+        if let Some(axis) = (0..3).find(|&axis| cutoff > period(axis)) {
+            self.contradiction(
+                origin,
+                format!(
+                    "the repulsion reaches {cutoff}, and the box, which is periodic along {}, is {} \
+                     long: each surface would be pushed by every part of its own images: choose a \
+                     shorter `cutoff`, or a longer `box`",
+                    AXES[axis],
+                    rounded(period(axis))
+                ),
+            );
+        }
+    }
+
+    pub(super) fn file(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
-}
-
-/// v = 6√π V/A^{3/2}.
-pub(super) fn reduced_volume(volume: f64, area: f64) -> f64 {
-    6.0 * std::f64::consts::PI.sqrt() * volume / area.powf(1.5)
 }

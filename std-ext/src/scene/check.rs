@@ -16,7 +16,7 @@ impl Problems {
     }
 }
 
-/// Whatever is wrong with a table by itself. `around` is the table's path, `origin` its place.
+/// All problems of a table by itself. `around` is the path of the table, `origin` its place.
 pub(super) fn check_table(
     keys: &'static Keys,
     around: &str,
@@ -150,7 +150,7 @@ pub(super) fn join(around: &str, key: &str) -> String {
     }
 }
 
-/// Whatever is wrong with a value. `name` is its key, `path` leads to it.
+/// All problems of a value. `name` is its key, `path` its path.
 fn check(
     form: &'static Form,
     name: &str,
@@ -329,7 +329,7 @@ fn starts_as_number(text: &str) -> bool {
         .starts_with(|c: char| c.is_ascii_digit() || ['+', '-', '.'].contains(&c))
 }
 
-/// What is needed, in words.
+/// The expected value, in words.
 fn expected(form: &Form, units: Units) -> String {
     match form {
         Form::Text => "a text".to_owned(),

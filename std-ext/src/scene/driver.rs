@@ -1,11 +1,12 @@
-//! What moves the surfaces.
+//! Drivers, which move the surfaces.
 
 use super::LatticeBoltzmann;
 use crate::flow::{Ambient, Channel};
 use glam::DVec3;
+use helfrich::Images;
 use serde::Serialize;
 
-/// What moves the surfaces.
+/// A driver, which moves the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Driver {
@@ -36,6 +37,14 @@ impl Driver {
         }
     }
 
+    /// The images that surfaces have in a box that is periodic; none in free space.
+    pub fn images(&self) -> Images<f64> {
+        match self {
+            Self::Relax(_) | Self::BoundaryIntegral(_) => Images::none(),
+            Self::LatticeBoltzmann(driver) => driver.images(),
+        }
+    }
+
     /// Viscosity μ of the fluid outside the surfaces, of drivers with a fluid.
     pub fn viscosity(&self) -> Option<f64> {
         match self {
@@ -58,6 +67,9 @@ pub struct Relax {
     pub iterations: u64,
     /// Whether vertices are moved along the surface to keep the mesh even.
     pub redistribution: bool,
+    /// How well the energy of a closed surface with bending has to be known for an equilibrium, as a
+    /// fraction.
+    pub energy_error: f64,
 }
 
 /// How energies become positions.
@@ -85,6 +97,8 @@ pub struct BoundaryIntegral {
     pub tolerance: f64,
     /// Whether the discrete volume of each closed surface is kept to rounding.
     pub volume_correction: bool,
+    /// Whether vertices of fluid surfaces slide along them to keep the mesh even.
+    pub redistribution: bool,
 }
 
 /// How positions follow velocities. [`crate::dynamics::integrate::Scheme`] says what each is.
@@ -235,7 +249,7 @@ impl Flow {
         }
     }
 
-    /// What it is called in scenes.
+    /// Its name in scenes.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Quiescent => "quiescent",

@@ -1,23 +1,23 @@
-//! What a scene amounts to: its effects, the dimensionless groups they form, what follows for
-//! memory, steps and cost.
+//! Explanation of a scene: its effects, their dimensionless groups, and the resulting memory, step limits
+//! and cost.
 
 mod display;
 mod driver;
-mod effects;
 mod groups;
 mod lattice;
 
 pub(super) use groups::{capillary_number, enclosed_radius};
 pub use lattice::LatticeExplanation;
 
+use super::effects::Effects;
 use super::units::Dimension;
 use super::{Driver, Interaction, MeshSource, Relax, Scene, Scheme, SurfaceScene, Units};
+use crate::generate::ShapeDeviation;
 use crate::info::MeshInfo;
-use crate::method::BendingMethod;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// What [`Scene::explain`] finds; shown as text by its `Display`.
+/// Result of [`Scene::explain`]; its `Display` shows it as text.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Explanation {
     /// The scene's title.
@@ -26,7 +26,7 @@ pub struct Explanation {
     pub units: Units,
     /// Surface by surface.
     pub surfaces: Vec<SurfaceExplanation>,
-    /// What acts between surfaces.
+    /// Interactions between surfaces.
     pub interactions: Vec<Active>,
     /// The driver.
     pub driver: Active,
@@ -39,13 +39,13 @@ pub struct Explanation {
     /// Estimate of the spectral radius ρ of the velocities' derivative by positions, 1/time, where
     /// there is a formula: explicit steps are stable up to about 2.5/ρ.
     pub spectral_radius: Option<f64>,
-    /// What limits the step.
+    /// The limit of the time step.
     pub step_limit: String,
     /// Estimate of the memory that the run needs, in bytes.
     pub memory: u64,
 }
 
-/// What acts on a surface.
+/// The effects on a surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceExplanation {
     /// Its name.
@@ -63,7 +63,7 @@ pub struct SurfaceExplanation {
     /// Dimensionless groups, with R the radius of the sphere of the same area and, in flow, a that of
     /// the sphere of the same volume.
     pub groups: Vec<Group>,
-    /// What to know of these groups.
+    /// Remarks on these groups.
     pub notes: Vec<&'static str>,
     /// Time of one evaluation of the bending force over that of method B.
     pub bending_cost: Option<f64>,
@@ -94,7 +94,7 @@ pub struct Parameter {
 /// A dimensionless group.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Group {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
     /// Its formula.
     pub formula: &'static str,
@@ -104,15 +104,12 @@ pub struct Group {
 
 /// Bytes a vertex: mesh, positions, forces, their copies in outputs and checkpoints.
 const BASE_BYTES: u64 = 600;
-/// Of the twelve pairs of positions and forces that minimisation remembers.
+/// Bytes per vertex of the twelve pairs of positions and forces that minimisation keeps.
 const MINIMISE_BYTES: u64 = 12 * 2 * 24;
-/// Of sources, centres and tractions of the triangles, and of the stages of a step.
+/// Bytes per vertex of sources, centres and tractions of the triangles, and of the stages of a step.
 const BOUNDARY_INTEGRAL_BYTES: u64 = 800;
-/// Of a law over a reference: three numbers for each of two triangles a vertex, forces, energies.
-const IN_PLANE_BYTES: u64 = 130;
-
 impl Scene {
-    /// What the scene amounts to on these meshes, one a surface, scaled as the scene says.
+    /// Explains the scene on these meshes, one per surface, scaled as the scene demands.
     ///
     /// # Panics
     /// If there are fewer meshes than surfaces.
@@ -127,12 +124,8 @@ impl Scene {
                 Driver::Relax(_) | Driver::LatticeBoltzmann(_) => 0,
                 Driver::BoundaryIntegral(_) => BOUNDARY_INTEGRAL_BYTES,
             };
-            let bending = surface
-                .bending
-                .map_or(0, |bending| bytes(bending.method, mesh));
-            let laws =
-                u64::from(surface.elasticity.is_some()) + u64::from(surface.local_area.is_some());
-            vertices * (BASE_BYTES + driver + bending + laws * IN_PLANE_BYTES)
+            let effects = surface.effects.iter().map(|(_, effect)| effect.bytes(mesh));
+            vertices * (BASE_BYTES + driver + effects.sum::<u64>())
         });
         let number = Parameters(self.units);
         let interaction = |interaction: &Interaction| {
@@ -145,7 +138,11 @@ impl Scene {
             Active {
                 name: "repulsion",
                 choice: match between {
+                    Some([a, b]) if a == b => format!("between {} and its images", name(*a)),
                     Some([a, b]) => format!("between {} and {}", name(*a), name(*b)),
+                    None if self.driver.images().is_periodic() => {
+                        "between all surfaces and their images".to_owned()
+                    }
                     None => "between all surfaces".to_owned(),
                 },
                 parameters: vec![
@@ -181,43 +178,11 @@ impl Scene {
     }
 }
 
-/// Bytes a vertex of a prepared bending method after its first evaluation, as measured on meshes of
-/// 10242 vertices.
-fn bytes(method: BendingMethod, mesh: &MeshInfo) -> u64 {
-    match method {
-        BendingMethod::KantorNelson => 90,
-        BendingMethod::GompperKroll => 65,
-        BendingMethod::Meyer => 185,
-        BendingMethod::Belkin => 2500,
-        BendingMethod::Farutin => 250,
-        // Patches of one kind only, or of many.
-        BendingMethod::Loop if mesh.valences[0] >= 5 && mesh.valences[1] <= 6 => 1700,
-        BendingMethod::Loop => 6000,
-        BendingMethod::Juelicher => 85,
-        BendingMethod::J4 => 1450,
-        BendingMethod::J6 | BendingMethod::Jet => 2400,
-    }
-}
-
-/// Time of an evaluation over that of method B: docs/CHOOSING.md.
-fn cost(method: BendingMethod) -> f64 {
-    match method {
-        BendingMethod::KantorNelson => 0.8,
-        BendingMethod::GompperKroll => 1.0,
-        BendingMethod::Meyer => 1.5,
-        BendingMethod::Juelicher => 3.5,
-        BendingMethod::Loop => 7.0,
-        BendingMethod::Farutin => 12.0,
-        BendingMethod::J4 => 30.0,
-        BendingMethod::J6 | BendingMethod::Jet => 90.0,
-        BendingMethod::Belkin => 330.0,
-    }
-}
-
-struct Parameters(Units);
+/// Numbers with the units of a scene.
+pub(crate) struct Parameters(Units);
 
 impl Parameters {
-    fn of(&self, name: &'static str, value: f64, dimension: Dimension) -> Parameter {
+    pub(super) fn of(&self, name: &'static str, value: f64, dimension: Dimension) -> Parameter {
         Parameter {
             name,
             value,
@@ -225,11 +190,16 @@ impl Parameters {
         }
     }
 
-    fn plain(&self, name: &'static str, value: f64) -> Parameter {
+    pub(super) fn plain(&self, name: &'static str, value: f64) -> Parameter {
         self.of(name, value, Dimension::NONE)
     }
 
-    fn vector(
+    pub(super) fn percent(&self, name: &'static str, value: f64) -> Parameter {
+        let unit = "%".to_owned();
+        Parameter { name, value, unit }
+    }
+
+    pub(super) fn vector(
         &self,
         names: [&'static str; 3],
         value: [f64; 3],
@@ -258,12 +228,26 @@ fn explain_surface(surface: &SurfaceScene, mesh: &MeshInfo, scene: &Scene) -> Su
             match_volume,
             ..
         } => {
+            let deviation = ShapeDeviation::new(shape, surface.scale, mesh);
+            let percent = |name, value: f64| number.percent(name, 100.0 * value);
+            measures.push(percent("area off the exact shape", deviation.area));
+            measures.push(percent("volume off the exact shape", deviation.volume));
             let volume = if *match_volume { ", of its volume" } else { "" };
             format!("{shape}, {family}{volume}")
         }
-        MeshSource::File(path) => path.display().to_string(),
+        MeshSource::File(file) => file.to_string(),
     };
-    let (on, off) = effects::effects(surface, &number);
+    let on = surface.effects.iter().map(|(name, effect)| {
+        let (choice, parameters) = effect.explain(&number);
+        Active {
+            name,
+            choice,
+            parameters,
+        }
+    });
+    let on = Vec::from_iter(on);
+    let is_off = |name: &&str| on.iter().all(|active| active.name != *name);
+    let off = Effects::NAMES.iter().copied().filter(is_off).collect();
     SurfaceExplanation {
         name: surface.name.clone(),
         mesh: source,
@@ -273,6 +257,9 @@ fn explain_surface(surface: &SurfaceScene, mesh: &MeshInfo, scene: &Scene) -> Su
         off,
         groups: groups::groups(surface, mesh, &scene.driver),
         notes: groups::notes(surface, mesh, &scene.driver),
-        bending_cost: surface.bending.map(|bending| cost(bending.method)),
+        bending_cost: surface
+            .effects
+            .bending
+            .map(|bending| bending.method.description().relative_cost),
     }
 }

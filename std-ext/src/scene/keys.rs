@@ -8,19 +8,20 @@ use super::problem::Problem;
 use super::units::Dimension;
 use driver::DRIVER;
 use output::OUTPUT;
+pub(super) use surface::WELD;
 use surface::{OBSTACLE, SURFACE};
 
 /// The keys of a table.
 #[derive(Debug)]
 pub(super) struct Keys {
     pub(super) keys: &'static [Key],
-    /// Of each group exactly one key is given.
+    /// Groups of which exactly one key is required.
     pub(super) exactly_one: &'static [&'static [&'static str]],
-    /// Of each group one key at most is given.
+    /// Groups of which at most one key is allowed.
     pub(super) at_most_one: &'static [&'static [&'static str]],
     /// The first key needs the second.
     pub(super) needs: &'static [[&'static str; 2]],
-    /// What further rules follow from the table's key `kind`.
+    /// Further rules for each value of the key `kind` of the table.
     pub(super) kinds: &'static [Kind],
 }
 
@@ -35,12 +36,12 @@ pub(super) struct Kind {
 }
 
 /// A key.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Key {
     pub(super) name: &'static str,
     pub(super) form: Form,
     pub(super) presence: Presence,
-    /// What it means, as it stands in the schema.
+    /// Its meaning, as in the schema.
     pub(super) summary: &'static str,
 }
 
@@ -50,8 +51,8 @@ pub(super) enum Presence {
     Optional,
 }
 
-/// What a value has to be.
-#[derive(Debug)]
+/// The form of a value.
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Form {
     /// Any text.
     Text,
@@ -160,7 +161,7 @@ impl Keys {
         self.keys.iter().find(|key| key.name == name)
     }
 
-    /// What is wrong with a key that is not among them.
+    /// The problem of a key that is not in the table.
     pub(super) fn unknown(&self, around: &str, key: &str) -> Problem {
         let known = Vec::from_iter(self.keys.iter().map(|key| key.name));
         Problem::UnknownKey {
@@ -186,7 +187,7 @@ pub(super) fn nearest(name: &str, known: &[&str]) -> Option<String> {
     known.iter().find(part).map(|known| (*known).to_owned())
 }
 
-const fn required(name: &'static str, form: Form, summary: &'static str) -> Key {
+pub(super) const fn required(name: &'static str, form: Form, summary: &'static str) -> Key {
     Key {
         name,
         form,
@@ -195,7 +196,7 @@ const fn required(name: &'static str, form: Form, summary: &'static str) -> Key 
     }
 }
 
-const fn optional(name: &'static str, form: Form, summary: &'static str) -> Key {
+pub(super) const fn optional(name: &'static str, form: Form, summary: &'static str) -> Key {
     Key {
         name,
         form,
@@ -204,7 +205,7 @@ const fn optional(name: &'static str, form: Form, summary: &'static str) -> Key 
     }
 }
 
-const fn plain(keys: &'static [Key]) -> Keys {
+pub(super) const fn plain(keys: &'static [Key]) -> Keys {
     Keys {
         keys,
         exactly_one: &[],
@@ -214,18 +215,34 @@ const fn plain(keys: &'static [Key]) -> Keys {
     }
 }
 
+/// The keys of two lists, one after the other; N is the sum of their numbers.
+const fn joined<const N: usize>(first: &[Key], second: &[Key]) -> [Key; N] {
+    assert!(!first.is_empty() && first.len() + second.len() == N);
+    let mut keys = [first[0]; N];
+    let mut index = 1;
+    while index < N {
+        keys[index] = if index < first.len() {
+            first[index]
+        } else {
+            second[index - first.len()]
+        };
+        index += 1;
+    }
+    keys
+}
+
 /// The names of the kinds of a table, as its key `kind` has them.
 fn kinds(keys: &Keys) -> Vec<&'static str> {
     keys.kinds.iter().map(|kind| kind.name).collect()
 }
 
-const NUMBER: Form = Form::Number(Dimension::NONE, Range::Positive);
+pub(super) const NUMBER: Form = Form::Number(Dimension::NONE, Range::Positive);
 
-const fn positive(dimension: Dimension) -> Form {
+pub(super) const fn positive(dimension: Dimension) -> Form {
     Form::Number(dimension, Range::Positive)
 }
 
-const fn any(dimension: Dimension) -> Form {
+pub(super) const fn any(dimension: Dimension) -> Form {
     Form::Number(dimension, Range::Any)
 }
 
@@ -273,16 +290,20 @@ static INTERACTION: Keys = plain(&[
     required(
         "strength",
         positive(Dimension::REPULSION),
-        "Energy per area of both surfaces where they meet: k in E = ∫∫ k (1 − r²/r_c²)³ dS dS.",
+        "k in the energy per area w(d) = k r_c²/4 (1 − s²)³/s² of surfaces at a distance d, s = d/r_c, whose \
+         pressure grows without bound as they come near: k r_c/2 (1 − s²)² (1 + 2s²)/s³. Where k r_c is \
+         about the pressure that presses, they rest at two thirds of r_c.",
     ),
     required(
         "cutoff",
         positive(Dimension::LENGTH),
-        "Distance r_c from which on there is no force; edges need half of it or less.",
+        "Distance r_c from which on there is no force: some distance of nodes on a lattice, and less than \
+         the gaps that count.",
     ),
     optional(
         "between",
         Form::Pair,
-        "Names of two surfaces; by default every pair interacts.",
+        "Names of two surfaces; by default every pair interacts, and in a periodic box every surface \
+         with its own images; one name twice: only with these.",
     ),
 ]);

@@ -1,11 +1,16 @@
 //! Membranes in a box of fluid on a lattice, and what limits its steps.
 
+use super::barrier::Barrier;
 use super::explain::enclosed_radius;
-use super::{Flow, Hold, Scene, SurfaceScene};
+use super::{Flow, Scene, SurfaceScene};
 use crate::flow::lattice_boltzmann::{Kernel, Units, mach, memory};
 use crate::info::MeshInfo;
 use crate::scalar::Scalar;
+use helfrich::Images;
 use serde::Serialize;
+
+/// The names of the axes in messages.
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Membranes in a box of fluid, moved by the lattice Boltzmann method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -37,6 +42,8 @@ pub struct LatticeBoltzmann {
     pub precision: Scalar,
     /// Whether the discrete volume of each closed surface is kept to rounding.
     pub volume_correction: bool,
+    /// Whether vertices of fluid surfaces slide along them to keep the mesh even.
+    pub redistribution: bool,
 }
 
 impl LatticeBoltzmann {
@@ -60,6 +67,16 @@ impl LatticeBoltzmann {
         }
     }
 
+    /// The periodic images, along the axes without walls.
+    pub fn images(&self) -> Images<f64> {
+        let (size, walls) = (self.size(), self.walls());
+        let period = |axis: usize| if walls[axis] { 0.0 } else { size[axis] };
+        Images {
+            periods: [0, 1, 2].map(period),
+            own: true,
+        }
+    }
+
     /// The largest speed of the fluid, or of a wall, that there would be without membranes.
     pub fn largest_speed(&self) -> f64 {
         match self.flow {
@@ -71,8 +88,8 @@ impl LatticeBoltzmann {
         }
     }
 
-    /// What lattice units are in the scene's. The density is the fluid's or, without inertia, what
-    /// viscosity and step make of it: `μ step/(ν spacing²)`.
+    /// Lattice units in units of the scene. The density is that of the fluid or, without inertia, the one
+    /// that follows from viscosity and step: `μ step/(ν spacing²)`.
     pub fn units(&self) -> Units {
         Units {
             spacing: self.spacing,
@@ -114,8 +131,12 @@ impl LatticeBoltzmann {
         populations.unwrap_or(0) as u64 + nodes * (number * (6 + contrast) + 2 * labels)
     }
 
-    /// What limits the step, each by itself.
-    pub(super) fn step_limits(&self, membranes: &[Membrane]) -> Vec<StepLimit> {
+    /// The limits of the step, each by itself.
+    pub(super) fn step_limits(
+        &self,
+        membranes: &[Membrane],
+        barriers: &[Barrier],
+    ) -> Vec<StepLimit> {
         let Self {
             viscosity, spacing, ..
         } = *self;
@@ -148,12 +169,13 @@ impl LatticeBoltzmann {
             });
         }
         limits.extend(self.membrane_limits(membranes));
+        limits.push(self.barrier_limit(membranes, barriers));
         // What does not exist limits nothing.
         limits.retain(|limit| limit.step.is_finite());
         limits
     }
 
-    /// What of it membranes limit, whose forces are those at the start of a step.
+    /// The limits due to membranes, whose forces are those at the start of a step.
     pub(super) fn membrane_limits(&self, membranes: &[Membrane]) -> [StepLimit; 2] {
         // Forces a step that the fluid's viscosity, or its mass, can take up.
         let stiff = |of: fn(&Membrane) -> f64, most: f64| {
@@ -175,6 +197,22 @@ impl LatticeBoltzmann {
         ]
     }
 
+    /// What of it repulsions limit, where surfaces touch.
+    pub(super) fn barrier_limit(&self, membranes: &[Membrane], barriers: &[Barrier]) -> StepLimit {
+        // What is finer than the lattice moves together.
+        let edge = |membrane: &Membrane| membrane.edge.max(self.spacing);
+        let edge = membranes.iter().map(edge).fold(0.0, f64::max);
+        let pressure = self.pressure(membranes);
+        let stiffness = |barrier: &Barrier| barrier.stiffness(pressure, edge);
+        let stiffest = barriers.iter().map(stiffness).fold(0.0, f64::max);
+        let share = CONTACT.min(CONTACT_MASS / self.lattice_viscosity);
+        StepLimit {
+            name: "repulsion",
+            formula: "0.87 |p'(d)| edge² step/(μ spacing) ≤ 1 and 0.5/ν, p(d) = 10 P",
+            step: share * self.viscosity * self.spacing / stiffest,
+        }
+    }
+
     /// P, the pressure by which membranes and flow move the density.
     pub(super) fn pressure(&self, membranes: &[Membrane]) -> f64 {
         let viscous = self.viscosity * self.flow.rate().unwrap_or(0.0);
@@ -193,32 +231,38 @@ pub(super) const MACH: f64 = 0.1;
 /// Reynolds number by the density that only the lattice has. Without inertia steady shapes do not
 /// depend on it; at 0.65 a capsule's D(t) is late by 2 %.
 pub(super) const INERTIA: f64 = 0.2;
-/// Of the forces by which explicit steps begin to make membranes tremble about a half, by trials of
-/// capsules: viscosity takes up this much of a unit of `μ spacing/step`,
+/// Limits of explicit steps, about half of the forces with which membranes start to tremble, by trials
+/// of capsules: viscosity balances this part of a unit of `μ spacing/step`,
 pub(super) const MEMBRANES: f64 = 0.5;
-/// mass this much of one of `ρ spacing³/step²`, in the plane
+/// mass this part of a unit of `ρ spacing³/step²`, in the plane
 const PLANE: f64 = 0.25;
 /// and across it.
 const BENDING: f64 = 0.09;
+
+/// Of forces that hold a vertex by itself, fluid takes up this much of a unit of `μ spacing/step`,
+const CONTACT: f64 = 1.0;
+/// and its mass this much of one of `ρ spacing³/step²`, of which 2 throw back one that is spread over one
+/// node farther than it came.
+const CONTACT_MASS: f64 = 0.5;
 
 /// Membranes tremble in steps of this many times what their limits allow.
 pub(super) const TREMBLING: f64 = 2.0;
 /// D(L) − D(∞) over (a/L)³ of a capsule in shear between walls at a distance L: A. Guckenberger et al.,
 /// Comput. Phys. Commun. 207 (2016) 1. In cubes that are periodic too, 1.1 to 1.8 were found here.
-pub(crate) const FINITE_BOX: f64 = 2.4;
+pub const FINITE_BOX: f64 = 2.4;
 
 /// The longest step that something allows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StepLimit {
-    /// What allows no more.
+    /// The name of the limit.
     pub name: &'static str,
-    /// What has to hold.
+    /// The condition.
     pub formula: &'static str,
     /// The step at which it just holds, a time.
     pub step: f64,
 }
 
-/// What a lattice has to know of a surface.
+/// Properties of a surface that the lattice needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Membrane {
     /// a, that of the sphere of the same volume.
@@ -238,21 +282,14 @@ pub(super) struct Membrane {
 impl Membrane {
     /// A surface whose mesh has this radius, area and number of triangles.
     pub(super) fn new(surface: &SurfaceScene, radius: f64, area: f64, triangles: usize) -> Self {
-        let law = surface.elasticity.as_ref().map(|elasticity| elasticity.law);
-        let local = surface.local_area.as_ref();
-        let penalty = match surface.area.map(|area| area.hold) {
-            Some(Hold::Penalty(modulus)) => modulus,
-            _ => 0.0,
-        };
+        let stiffness = surface.effects.stiffness();
         Self {
             radius,
             edge: (4.0 * area / (3_f64.sqrt() * triangles as f64)).sqrt(),
-            bending: surface.bending.map_or(0.0, |bending| bending.modulus),
-            shear: law.map_or(0.0, |law| law.shear_modulus()),
-            dilation: law.map_or(0.0, |law| law.area_modulus())
-                + local.map_or(0.0, |local| local.modulus)
-                + penalty,
-            tension: surface.tension.map_or(0.0, f64::abs),
+            bending: stiffness.bending,
+            shear: stiffness.shear,
+            dilation: stiffness.area,
+            tension: stiffness.tension.abs(),
         }
     }
 
@@ -262,7 +299,7 @@ impl Membrane {
     }
 
     /// The pressure that it resists by.
-    fn pressure(&self) -> f64 {
+    pub(super) fn pressure(&self) -> f64 {
         let plane = self.shear.max(self.tension) / self.radius;
         plane.max(self.bending / self.radius.powi(3))
     }

@@ -1,22 +1,22 @@
-//! What effects ask of a mesh: seen once the mesh is known.
+//! Requirements of effects on a mesh, checked once the mesh is known.
 
 mod lattice;
 mod overlap;
 
 pub(super) use overlap::{check_apart, check_outside};
 
-use super::build::reduced_volume;
-use super::explain::{capillary_number, enclosed_radius};
+use super::effects::{MeshCheck, Reference};
+use super::explain::enclosed_radius;
 use super::problem::{Problem, SceneErrors};
-use super::{
-    Driver, Flow, Held, Hold, InPlaneLaw, Interaction, MeshSource, Reference, ReferenceSource,
-    SceneError, SceneFile, SurfaceScene, Target, VolumeTarget,
-};
-use crate::generate::Family;
+use super::{Driver, Flow, Interaction, MeshSource, SceneError, SceneFile, SurfaceScene};
+use crate::generate::{Family, ShapeDeviation};
 use crate::info::MeshInfo;
-use crate::method::BendingMethod;
+use crate::six::Six;
 use glam::DVec3;
 use helfrich::TriangleMesh;
+
+/// Of a repulsion's range, what edges may lose: it holds surfaces apart at more than half of it.
+const SAG: f64 = 0.25;
 
 pub(super) fn check_mesh(
     file: &SceneFile,
@@ -37,7 +37,12 @@ pub(super) fn check_mesh(
             ),
         );
     }
-    for key in needing_a_volume(scene) {
+    let effects = scene.effects.iter();
+    let needing_a_volume = effects.filter(|(_, effect)| effect.needs_volume());
+    let flows = scene.viscosity_ratio.is_some_and(|ratio| ratio != 1.0);
+    let of_the_fluid = flows.then_some("viscosity_ratio");
+    let keys = needing_a_volume.map(|(key, _)| key).chain(of_the_fluid);
+    for key in keys {
         match mesh.volume {
             None => problem(
                 key,
@@ -50,33 +55,35 @@ pub(super) fn check_mesh(
             Some(volume) if volume <= 0.0 => problem(
                 key,
                 format!(
-                    "the mesh of \"{}\" encloses {volume}: its triangles run clockwise seen from \
+                    "the mesh of \"{}\" encloses {}: its triangles run clockwise seen from \
                      outside: turn them over",
-                    scene.name
+                    scene.name,
+                    Six(volume)
                 ),
             ),
             Some(_) => {}
         }
     }
     if let [first, ..] = mesh.degenerate_triangles.as_slice() {
-        let initial = |reference: &Reference| reference.source == ReferenceSource::Initial;
-        let elasticity = scene.elasticity.as_ref();
-        let local_area = scene.local_area.as_ref();
-        let named = [
-            ("elasticity", elasticity.map(|law| initial(&law.reference))),
-            ("local_area", local_area.map(|law| initial(&law.reference))),
-        ];
-        for (key, _) in named.into_iter().filter(|(_, named)| *named == Some(true)) {
-            problem(
-                key,
-                format!(
-                    "triangle {first} of the mesh has no area, and no strain can be measured from \
-                     it: repair the mesh, or give `{key}` another reference"
-                ),
-            );
+        for (key, effect) in scene.effects.iter() {
+            if effect.reference().is_some_and(Reference::is_initial) {
+                problem(
+                    key,
+                    format!(
+                        "triangle {first} of the mesh has no area, and no strain can be measured from \
+                         it: repair the mesh, or give `{key}` another reference"
+                    ),
+                );
+            }
         }
     }
-    targets(scene, mesh, &mut problem);
+    if let Some(message) = too_large_or_small(scene, mesh) {
+        problem("", message);
+    } else {
+        for (key, message) in of_effects(scene, mesh, &file.scene.driver).contradictions {
+            problem(&key, message);
+        }
+    }
     if let Driver::LatticeBoltzmann(lattice) = &file.scene.driver {
         lattice::in_the_box(scene, mesh, lattice, &mut problem);
     }
@@ -139,22 +146,32 @@ pub(super) fn mesh_warnings(file: &SceneFile, surface: usize, mesh: &MeshInfo) -
         } = interaction;
         let concerned = between.is_none_or(|pair| pair.contains(&surface));
         let longest = mesh.edge_lengths[1];
-        if concerned && longest > 0.5 * cutoff {
+        let sag = 0.25 * longest * longest / enclosed_radius(mesh);
+        if concerned && sag > SAG * cutoff {
             let message = format!(
-                "the repulsion reaches {cutoff}, and edges of \"{}\" are up to {longest} long: a \
-                 surface can slip between the vertices of another: choose a longer `cutoff` or more \
-                 vertices, such that edges are half of it or less",
-                file.scene.surfaces[surface].name
+                "the repulsion reaches {}, and edges of \"{}\" are up to {} long: between its vertices a \
+                 surface can slip by e²/4a = {} into another: choose a longer `cutoff` or more vertices, \
+                 such that this is a quarter of it or less",
+                Six(*cutoff),
+                file.scene.surfaces[surface].name,
+                Six(longest),
+                Six(sag)
             );
             warn(&format!("interaction.{index}.cutoff"), message);
         }
     }
+    if let Some(scene) = file.scene.surfaces.get(surface)
+        && let Some(message) = off_its_shape(&scene.name, &scene.source, scene.scale, mesh)
+    {
+        warn(&format!("surface.{surface}.vertices"), message);
+    }
     let driver = &file.scene.driver;
-    if let (Some(flow), Some(scene)) = (driver.flow(), file.scene.surfaces.get(surface)) {
-        for (key, message) in in_flow(scene, mesh, driver) {
+    if let Some(scene) = file.scene.surfaces.get(surface) {
+        for (key, message) in of_effects(scene, mesh, driver).doubts {
             warn(&format!("surface.{surface}.{key}"), message);
         }
-        if let Some(message) = beyond_the_tube(scene, mesh, flow) {
+        let flow = driver.flow();
+        if let Some(message) = flow.and_then(|flow| beyond_the_tube(scene, mesh, flow)) {
             warn("driver.flow.radius", message);
         }
     }
@@ -168,71 +185,60 @@ pub(super) fn mesh_warnings(file: &SceneFile, surface: usize, mesh: &MeshInfo) -
     warnings
 }
 
-/// What is doubtful about a membrane in flow, each with its key.
-fn in_flow(scene: &SurfaceScene, mesh: &MeshInfo, driver: &Driver) -> Vec<(&'static str, String)> {
-    let mut found = Vec::new();
-    let name = &scene.name;
-    let law = scene.elasticity.as_ref().map(|elasticity| elasticity.law);
-    if let (Some(InPlaneLaw::NeoHookean { .. }), None) = (law, scene.bending)
-        && let Some(capillary) = capillary_number(scene, mesh, driver)
-        && capillary < WRINKLING
-    {
-        found.push((
-            "elasticity",
-            format!(
-                "\"{name}\" is neo-Hookean and has no bending, and with Ca_G = {capillary:.3}, below \
-                 about {WRINKLING}, the flow compresses it: it wrinkles at the scale of its mesh, more \
-                 so on a finer one: add [surface.bending]"
-            ),
-        ));
-    }
-    let [fewest, most] = mesh.valences;
-    let irregular = fewest <= 3 || most >= 9;
-    let uneven = match scene.source {
-        MeshSource::Shape {
-            family: Family::Irregular | Family::Hard,
-            ..
-        } => true,
-        _ => irregular || mesh.angles[0] < 10.0,
-    };
-    let consequence = match scene.bending.map(|bending| bending.method) {
-        Some(BendingMethod::GompperKroll) => {
-            "with method gompper-kroll (B) steps were 100 times shorter on irregular meshes, and came \
-             to nothing on slivers"
-        }
-        Some(BendingMethod::Meyer) => {
-            "with method meyer (C) steps were 200 times shorter on irregular meshes, and shorter still \
-             on slivers"
-        }
-        Some(BendingMethod::Farutin) => {
-            "with method farutin (E) deformations of the scale of the mesh grow without end on such \
-             meshes"
-        }
-        Some(BendingMethod::Belkin) if irregular => {
-            "with method belkin (D) capsules on irregular meshes were deformed too much, by 19 % with \
-             162 vertices and by 8 % with 642"
-        }
-        Some(BendingMethod::Loop) if irregular => {
-            "with method loop (S) capsules on irregular meshes came to a stop at once"
-        }
-        _ => return found,
-    };
-    if uneven {
-        let angle = mesh.angles[0];
-        found.push((
-            "bending.method",
-            format!(
-                "the mesh of \"{name}\" is uneven, with {fewest} to {most} neighbours of a vertex and \
-                 angles from {angle:.1}°: {consequence}: choose j4, or an even mesh"
-            ),
-        ));
-    }
-    found
+pub(super) fn obstacle_warning(
+    file: &SceneFile,
+    obstacle: usize,
+    mesh: &MeshInfo,
+) -> Option<SceneError> {
+    let scene = file.scene.obstacles.get(obstacle)?;
+    let message = off_its_shape(&scene.name, &scene.source, scene.scale, mesh)?;
+    let origin = file.origins.of(&format!("obstacle.{obstacle}.vertices"));
+    Some(file.source.error(&origin, Problem::Doubtful { message }))
 }
 
-/// Below this Ca_G neo-Hookean capsules without bending wrinkle at the scale of their mesh:
-/// E. Lac, D. Barthès-Biesel, N. A. Pelekasis, J. Tsamopoulos, J. Fluid Mech. 516 (2004) 303.
-const WRINKLING: f64 = 0.45;
+/// A generated mesh whose area or volume is not that of its shape.
+fn off_its_shape(name: &str, source: &MeshSource, scale: f64, mesh: &MeshInfo) -> Option<String> {
+    let MeshSource::Shape { shape, family, .. } = source else {
+        return None;
+    };
+    let deviation = ShapeDeviation::new(shape, scale, mesh);
+    let (value, quantity) = deviation.largest();
+    let remedy = match family {
+        Family::Regular => "",
+        _ => ", or the family \"regular\"",
+    };
+    deviation.is_beyond_limit().then(|| {
+        format!(
+            "the mesh of \"{name}\" has {:.1} % {} {quantity} than {shape}, beyond {:.1} %, the limit \
+             for {} vertices: what is computed is that of another shape: choose more `vertices`{remedy}",
+            100.0 * value.abs(),
+            if value < 0.0 { "less" } else { "more" },
+            100.0 * deviation.limit(),
+            mesh.vertices
+        )
+    })
+}
+
+/// Findings of the effects of a surface about its mesh.
+fn of_effects<'a>(
+    scene: &'a SurfaceScene,
+    mesh: &'a MeshInfo,
+    driver: &'a Driver,
+) -> MeshCheck<'a> {
+    let mut check = MeshCheck {
+        name: &scene.name,
+        effects: &scene.effects,
+        source: &scene.source,
+        mesh,
+        driver,
+        contradictions: Vec::new(),
+        doubts: Vec::new(),
+    };
+    for (_, effect) in scene.effects.iter() {
+        effect.check_mesh(&mut check);
+    }
+    check
+}
 
 /// A surface that reaches where a Poiseuille flow turns round, as a sphere about its position.
 fn beyond_the_tube(scene: &SurfaceScene, mesh: &MeshInfo, flow: &Flow) -> Option<String> {
@@ -260,68 +266,27 @@ fn beyond_the_tube(scene: &SurfaceScene, mesh: &MeshInfo, flow: &Flow) -> Option
     })
 }
 
-fn needing_a_volume(scene: &SurfaceScene) -> Vec<&'static str> {
-    let effects = [
-        ("volume", scene.volume.is_some()),
-        ("area_difference", scene.area_difference.is_some()),
-        ("pressure", scene.pressure.is_some()),
-        ("gravity", scene.gravity.is_some()),
-        (
-            "viscosity_ratio",
-            scene.viscosity_ratio.is_some_and(|ratio| ratio != 1.0),
-        ),
-    ];
-    let named = effects.into_iter().filter(|(_, named)| *named);
-    named.map(|(key, _)| key).collect()
-}
-
-/// Targets that no surface can have. Of several components the smallest is not known here.
-fn targets(scene: &SurfaceScene, mesh: &MeshInfo, problem: &mut impl FnMut(&str, String)) {
-    if mesh.components != 1 {
-        return;
-    }
-    let exact_area = scene.area.is_some_and(|area| area.hold == Hold::Exact);
-    let area = match scene.area {
-        Some(Held {
-            target: Target::Value(area),
-            ..
-        }) => area,
-        _ => mesh.area,
-    };
-    if let Some(held) = scene.volume
-        && exact_area
-        && held.hold == Hold::Exact
-    {
-        let volume = match held.target {
-            VolumeTarget::Value(volume) => Some(volume),
-            VolumeTarget::Initial => mesh.volume,
-            VolumeTarget::Reduced(_) => None,
-        };
-        if let Some(volume) = volume
-            && reduced_volume(volume, area) > 1.0
-        {
-            problem(
-                "volume",
-                format!(
-                    "area {area} and volume {volume} are both held, and their reduced volume is \
-                     {:.4}: no surface of that area encloses more than {:.6}",
-                    reduced_volume(volume, area),
-                    volume / reduced_volume(volume, area)
-                ),
-            );
-        }
-    }
+/// Numbers whose squares are none: everything that is computed with them would be 0 or infinite.
+fn too_large_or_small(scene: &SurfaceScene, mesh: &MeshInfo) -> Option<String> {
+    let longest = mesh.edge_lengths[1];
+    let area = longest * longest;
+    (!(area * area).is_normal()).then(|| {
+        format!(
+            "edges of \"{}\" are up to {} long, and squares of areas of that size are beyond the \
+             numbers of f64: choose other units, or another `scale`",
+            scene.name,
+            Six(longest)
+        )
+    })
 }
 
 pub(super) fn check_reference(
     file: &SceneFile,
     surface: usize,
+    effect: &str,
     mesh: &TriangleMesh,
     reference: &TriangleMesh,
 ) -> Result<(), SceneErrors> {
-    let Some(scene) = file.scene.surfaces.get(surface) else {
-        return Ok(());
-    };
     let counts = |mesh: &TriangleMesh| (mesh.vertex_count(), mesh.triangles().len());
     let [here, there] = [counts(mesh), counts(reference)];
     let message = if here != there {
@@ -341,12 +306,6 @@ pub(super) fn check_reference(
         )
     } else {
         return Ok(());
-    };
-    let initial = |reference: &Reference| reference.source == ReferenceSource::Initial;
-    let elasticity = scene.elasticity.as_ref();
-    let effect = match elasticity.is_some_and(|elasticity| !initial(&elasticity.reference)) {
-        true => "elasticity",
-        false => "local_area",
     };
     let origin = file
         .origins

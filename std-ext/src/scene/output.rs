@@ -1,11 +1,11 @@
-//! What is written, and how often.
+//! The outputs of a run and their intervals.
 
 use glam::DVec3;
 use serde::Serialize;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::PathBuf;
 
-/// What is written, and how often.
+/// The outputs of a run and their intervals.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Output {
     /// From one row of the series to the next.
@@ -16,7 +16,7 @@ pub struct Output {
     pub surfaces: bool,
     /// Whether pictures are written.
     pub pictures: bool,
-    /// What the pictures' colours show.
+    /// The field that pictures show as colours.
     pub picture_field: PictureField,
     /// Iterations, or steps in time, between two checkpoints.
     pub checkpoint_every: u64,
@@ -44,7 +44,7 @@ pub enum Every {
     Time(f64),
 }
 
-/// What a picture's colours show.
+/// A field that pictures show as colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PictureField {
@@ -110,7 +110,7 @@ impl Slice {
 pub struct Volume {
     /// Its name, and that of its files; `volume-1` and so on for those without one.
     pub name: String,
-    /// Of so many nodes along each axis one is written.
+    /// The stride along each axis: every stride-th node is written.
     pub stride: usize,
 }
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a scene, and how it is said.
+//! Problems of a scene, and their messages.
 
 use super::units::Dimension;
 use super::value::Origin;
@@ -17,7 +17,7 @@ pub struct SceneError {
     pub path: PathBuf,
     /// Where in it, or which override.
     pub place: Place,
-    /// What is wrong.
+    /// The problem.
     pub problem: Problem,
 }
 
@@ -109,7 +109,7 @@ impl fmt::Display for SceneError {
     }
 }
 
-/// What is wrong with a scene.
+/// A problem of a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
@@ -122,7 +122,7 @@ pub enum Problem {
     /// The text is no TOML.
     #[error("this is no TOML: {message}")]
     Syntax {
-        /// What the parser says.
+        /// The message of the parser.
         message: String,
     },
     /// A key that does not exist.
@@ -160,9 +160,9 @@ pub enum Problem {
         table: String,
         /// The key.
         key: &'static str,
-        /// What would be right.
+        /// The expected value.
         expected: String,
-        /// What the key means.
+        /// The meaning of the key.
         summary: &'static str,
     },
     /// None of several keys is there.
@@ -188,7 +188,7 @@ pub enum Problem {
         key: &'static str,
         /// The key it needs.
         other: &'static str,
-        /// What the needed key means.
+        /// The meaning of the required key.
         summary: &'static str,
     },
     /// A value of another kind.
@@ -196,9 +196,9 @@ pub enum Problem {
     WrongKind {
         /// The key.
         key: String,
-        /// What is there.
+        /// The value found.
         found: String,
-        /// What would be right.
+        /// The expected value.
         expected: String,
     },
     /// A name that does not exist.
@@ -220,7 +220,7 @@ pub enum Problem {
         key: String,
         /// The number, in the scene's units.
         value: String,
-        /// What is allowed, in words.
+        /// The allowed range, in words.
         range: String,
     },
     /// A unit of the wrong dimension.
@@ -252,7 +252,7 @@ pub enum Problem {
         text: String,
         /// Why not.
         reason: String,
-        /// What is needed, in words.
+        /// The expected value, in words.
         expected: String,
         /// A number that is right.
         example: &'static str,
@@ -282,7 +282,7 @@ pub enum Problem {
     /// Two surfaces, obstacles or outputs of one name.
     #[error("{what} {second} has the name \"{name}\" of {what} {first}: names have to differ")]
     RepeatedName {
-        /// What they are.
+        /// Their kind.
         what: &'static str,
         /// The name.
         name: String,
@@ -322,13 +322,13 @@ pub enum Problem {
     /// Things that are right alone and wrong together.
     #[error("{message}")]
     Contradiction {
-        /// What contradicts what, and what would be right.
+        /// The contradiction and a remedy.
         message: String,
     },
     /// Worth a warning.
     #[error("{message}")]
     Doubtful {
-        /// What, and why.
+        /// The doubt and its reason.
         message: String,
     },
 }
@@ -358,7 +358,7 @@ fn or_example(example: &str) -> String {
     }
 }
 
-/// What a number has to be, in words: its dimension, its unit in the scene.
+/// The expected number, in words: its dimension and its unit in the scene.
 pub(super) fn expected_number(dimension: Dimension, units: Units) -> String {
     match dimension.unit(units).as_str() {
         "" if units == Units::None => "a number".to_owned(),
@@ -419,7 +419,7 @@ fn floor(text: &str, at: usize) -> usize {
     at
 }
 
-/// Of a scene file, in bytes.
+/// The largest size of a scene file, in bytes.
 const LONGEST: u64 = 1 << 24;
 
 /// The text of a scene file, without a byte order mark.
@@ -433,6 +433,11 @@ pub(super) fn read_text(path: &Path) -> Result<String, SceneErrors> {
     };
     let bytes = read_whole(path, Some(LONGEST)).map_err(|error| {
         failure(match error.kind() {
+            std::io::ErrorKind::NotFound if path.extension().is_none() => {
+                "there is no such file, and no scene of that name comes with the program: \
+                 `helfrich scenes` lists them"
+                    .to_owned()
+            }
             std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
             _ if path.is_dir() => "is a directory: a scene file is needed".to_owned(),
             _ => format!("cannot be read: {error}"),

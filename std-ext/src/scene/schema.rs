@@ -58,7 +58,7 @@ fn object(keys: &'static Keys) -> Map<String, Value> {
     schema
 }
 
-/// What holds besides for a table of this kind: its other keys are not there.
+/// Further rules for a table of this kind: keys of other kinds are absent.
 fn of_kind(keys: &'static Keys, kind: &Kind) -> Map<String, Value> {
     let elsewhere = |name: &&str| !kind.has(name) && !keys.kinds_with(name).is_empty();
     let elsewhere = keys.keys.iter().map(|key| key.name).filter(elsewhere);
@@ -81,7 +81,7 @@ fn one(group: &&[&str]) -> Value {
     json!({ "oneOf": alone })
 }
 
-/// What a number with a unit looks like.
+/// The pattern of a number with a unit.
 const QUANTITY: &str = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*\S";
 
 fn form(form: &'static Form) -> Map<String, Value> {

@@ -1,8 +1,10 @@
-//! A surface of a scene, and the effects that act on it.
+//! A surface of a scene: its mesh and where it is put.
 
+use super::effects::Effects;
 use crate::generate::{AnyShape, Family};
-use crate::method::BendingMethod;
+use crate::io::{MeshFile, ReadError, read, read_welded};
 use serde::Serialize;
+use std::fmt;
 use std::path::PathBuf;
 
 /// One surface and the effects that act on it.
@@ -19,70 +21,36 @@ pub struct SurfaceScene {
     /// How the mesh is turned about its origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Orientation>,
-    /// Viscosity inside over viscosity outside, λ. Only flow drivers know viscosities.
+    /// Viscosity inside over that of the driver's fluid, which is outside of all surfaces, λ. Only flow
+    /// drivers know viscosities.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viscosity_ratio: Option<f64>,
-    /// Bending.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bending: Option<Bending>,
-    /// Elasticity in the surface's plane.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub elasticity: Option<Elasticity>,
-    /// Total area of each connected component.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub area: Option<Held<Target>>,
-    /// Area of each triangle.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub local_area: Option<LocalArea>,
-    /// Enclosed volume of each connected component.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub volume: Option<Held<VolumeTarget>>,
-    /// Difference of the areas of the bilayer's leaflets, through ∫H dS of each component.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub area_difference: Option<Held<AreaDifferenceTarget>>,
-    /// Surface tension σ, force per length: `E = σ A`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tension: Option<f64>,
-    /// Pressure inside minus pressure outside, Δp: `E = −Δp V`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pressure: Option<f64>,
-    /// Weight of what is inside, less that of what it displaces.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gravity: Option<Gravity>,
-    /// Viscosity of the membrane.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub membrane_viscosity: Option<MembraneViscosity>,
-    /// Opposite forces at the surface's two ends.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stretching: Option<Stretching>,
+    /// The effects that act on it.
+    #[serde(flatten)]
+    pub effects: Effects,
 }
 
 impl SurfaceScene {
     /// Whether the membrane has no memory of where its material was: vertices may be moved along
     /// it.
     pub fn is_fluid(&self) -> bool {
-        self.elasticity.is_none() && self.local_area.is_none()
+        !self.effects.iter().any(|(_, effect)| effect.is_solid())
     }
 
-    /// Whether anything acts on the surface by itself.
-    pub fn has_effects(&self) -> bool {
-        self.bending.is_some()
-            || self.elasticity.is_some()
-            || self.area.is_some()
-            || self.local_area.is_some()
-            || self.volume.is_some()
-            || self.area_difference.is_some()
-            || self.tension.is_some()
-            || self.pressure.is_some()
-            || self.gravity.is_some()
-            || self.membrane_viscosity.is_some()
-            || self.stretching.is_some()
+    /// Whether vertices may slide along the surface in a flow: it is fluid, and none is pulled.
+    pub fn slides(&self) -> bool {
+        self.is_fluid() && self.effects.stretching.is_none()
+    }
+
+    /// Whether bending or surface tension limits explicit steps in a flow.
+    pub fn is_stiff(&self) -> bool {
+        self.effects.bending.is_some() || self.effects.tension.is_some()
     }
 
     /// Whether all effects are gradients of energies: bending by a method in strong form is not.
     pub fn is_conservative(&self) -> bool {
-        self.bending
-            .is_none_or(|bending| bending.method.is_conservative())
+        let bending = self.effects.bending;
+        bending.is_none_or(|bending| bending.method.is_conservative())
     }
 }
 
@@ -121,11 +89,75 @@ pub enum MeshSource {
         /// Whether the mesh is scaled so that it encloses the shape's volume.
         match_volume: bool,
     },
-    /// Read from a mesh file: [`crate::io::read`].
-    File(PathBuf),
+    /// Read from a mesh file.
+    File(MeshFileSource),
 }
 
-fn as_text<S: serde::Serializer>(
+/// A mesh file, and whether vertices at the same point are one.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct MeshFileSource {
+    /// The file.
+    pub path: PathBuf,
+    /// Whether vertices at the same point are made one; `None` if nothing is said of it: then a mesh
+    /// that is cut where it need not be is refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weld: Option<bool>,
+}
+
+impl MeshFileSource {
+    /// Reads the file.
+    ///
+    /// # Errors
+    /// If it cannot be read, or its mesh is cut and nothing is said of that; see [`MeshSourceError`].
+    pub fn read(&self) -> Result<MeshFile, MeshSourceError> {
+        let Self { path, weld } = self;
+        if *weld == Some(true) {
+            return Ok(read_welded(path)?);
+        }
+        let file = read(path)?;
+        match file.split_vertices() {
+            count if count > 0 && weld.is_none() => Err(MeshSourceError::Split {
+                path: path.clone(),
+                count,
+            }),
+            _ => Ok(file),
+        }
+    }
+}
+
+impl fmt::Display for MeshFileSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let welded = if self.weld == Some(true) {
+            ", welded"
+        } else {
+            ""
+        };
+        write!(f, "{}{welded}", self.path.display())
+    }
+}
+
+/// Why a scene's mesh file cannot be used. The message is one line that starts with the file's name.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshSourceError {
+    /// It cannot be read, or welded.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// Vertices at its boundary are at the points of others there.
+    #[error(
+        "{}: the mesh is cut where it need not be: {count} vertices at its boundary are at the points of \
+         others there: `weld = true` beside `mesh` makes one vertex of each, `weld = false` leaves them \
+         apart", path.display()
+    )]
+    Split {
+        /// The file.
+        path: PathBuf,
+        /// How many vertices.
+        count: usize,
+    },
+}
+
+pub(super) fn as_text<S: serde::Serializer>(
     value: &impl std::fmt::Display,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
@@ -139,180 +171,4 @@ pub struct Orientation {
     pub axis: [f64; 3],
     /// The angle in degrees, right-handed about the axis.
     pub angle: f64,
-}
-
-/// Bending, `E = 2κ ∫ (H − H0)² dS`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Bending {
-    /// The method.
-    pub method: BendingMethod,
-    /// Bending modulus κ, an energy.
-    pub modulus: f64,
-    /// Spontaneous curvature H0 = c0/2, 1/length, positive on a sphere; 0 if there is none.
-    pub spontaneous_curvature: f64,
-}
-
-/// In-plane elasticity over a reference.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Elasticity {
-    /// The law.
-    pub law: InPlaneLaw,
-    /// The mesh without stress.
-    pub reference: Reference,
-}
-
-/// A law of in-plane elasticity, with its moduli in force per length.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case", tag = "name")]
-pub enum InPlaneLaw {
-    /// `W = G/2 (I1 − 1 + 1/(I2 + 1))`.
-    NeoHookean {
-        /// G.
-        shear_modulus: f64,
-    },
-    /// `W = G/4 (I1² + 2 I1 − 2 I2 + C I2²)`.
-    Skalak {
-        /// G.
-        shear_modulus: f64,
-        /// C.
-        area_ratio: f64,
-    },
-}
-
-impl InPlaneLaw {
-    /// Shear modulus G.
-    pub fn shear_modulus(&self) -> f64 {
-        match *self {
-            Self::NeoHookean { shear_modulus } | Self::Skalak { shear_modulus, .. } => {
-                shear_modulus
-            }
-        }
-    }
-
-    /// Area dilatation modulus at small strain: 3 G of neo-Hookean, (1 + 2 C) G of Skalak.
-    pub fn area_modulus(&self) -> f64 {
-        match *self {
-            Self::NeoHookean { shear_modulus } => 3.0 * shear_modulus,
-            Self::Skalak {
-                shear_modulus,
-                area_ratio,
-            } => (1.0 + 2.0 * area_ratio) * shear_modulus,
-        }
-    }
-}
-
-/// The positions at which a mesh is without stress.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Reference {
-    /// Where they come from.
-    pub source: ReferenceSource,
-    /// Factor by which they are scaled: a reference smaller than the surface stretches it.
-    pub scale: f64,
-}
-
-/// Where the positions of a reference come from. It is not turned or moved: stress does not care.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ReferenceSource {
-    /// The surface as it is at the start, with the surface's own scale.
-    Initial,
-    /// The surface's mesh generated on another shape, with its family, vertices and seed.
-    Shape(#[serde(serialize_with = "as_text")] AnyShape),
-    /// A mesh file with the triangles of the surface.
-    File(PathBuf),
-}
-
-/// A quantity of each connected component that is held at a target.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Held<T> {
-    /// How it is held.
-    pub hold: Hold,
-    /// At what.
-    pub target: T,
-}
-
-/// How a quantity is held at its target.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Hold {
-    /// As a constraint.
-    Exact,
-    /// By a penalty with this modulus. Area and volume F: `E = k/2 (F − F0)²/F0`, k a force per
-    /// length or a pressure. Area difference: `E = 2π k (M − M0)²/A` with `M = ∫H dS`, k an energy.
-    Penalty(f64),
-}
-
-/// A target area.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Target {
-    /// What it is at the start.
-    Initial,
-    /// This number, of each connected component.
-    Value(f64),
-}
-
-/// A target volume.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum VolumeTarget {
-    /// What it is at the start.
-    Initial,
-    /// This number, of each connected component.
-    Value(f64),
-    /// The reduced volume `v = 6√π V/A^{3/2}`, with the target area, or the initial area if the area
-    /// is not held.
-    Reduced(f64),
-}
-
-/// A target of ∫H dS.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum AreaDifferenceTarget {
-    /// What it is at the start.
-    Initial,
-    /// This number, a length, of each connected component.
-    Value(f64),
-    /// `∫H dS/√(4πA)`, 1 for a sphere, with the target area, or the initial area if the area is not
-    /// held.
-    Reduced(f64),
-}
-
-/// A penalty on the area of each triangle, `E = k/2 Σ (A − A0)²/A0`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LocalArea {
-    /// k, force per length.
-    pub modulus: f64,
-    /// Where A0 is measured.
-    pub reference: Reference,
-}
-
-/// Gravity and buoyancy.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Gravity {
-    /// Mass density inside minus outside.
-    pub density_difference: f64,
-    /// Acceleration, pointing down.
-    pub acceleration: [f64; 3],
-}
-
-/// Viscosities of the membrane: force times time over length.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct MembraneViscosity {
-    /// Of shear.
-    pub shear: f64,
-    /// Of dilation.
-    pub dilational: f64,
-}
-
-/// Opposite forces at the two ends of a surface, as by optical tweezers.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Stretching {
-    /// The direction of the forces, of any length above 0.
-    pub axis: [f64; 3],
-    /// Total force on each end. Several are a sequence: each from the equilibrium under the one
-    /// before it.
-    pub forces: Vec<f64>,
-    /// Fraction of the vertices over which the force on an end is spread.
-    pub fraction: f64,
 }

@@ -37,7 +37,7 @@ impl Dimension {
     pub(super) const VELOCITY: Self = Self::new(0, 1, -1);
     pub(super) const VISCOSITY: Self = Self::new(1, -2, 1);
 
-    /// What it is called in messages, and numbers with a unit that have it.
+    /// Its name in messages, and examples of numbers with a unit.
     const NAMES: [(Self, &'static str, &'static str); 17] = [
         (Self::NONE, "a number without a unit", "0.5"),
         (Self::LENGTH, "a length", "\"3.91 µm\""),

@@ -86,7 +86,7 @@ pub(super) enum Value {
     Switch(bool),
     List(Vec<Node>),
     Table(Table),
-    /// What no scene has, in words.
+    /// A value that no scene has, in words.
     Other(&'static str),
 }
 
@@ -104,7 +104,7 @@ pub(super) struct Entry {
     pub(super) node: Node,
 }
 
-/// What stands where there is no value.
+/// The name of a missing value.
 const NOTHING: &str = "nothing";
 
 impl Table {
@@ -132,7 +132,7 @@ impl Table {
 }
 
 impl Value {
-    /// What it is, in words with an article.
+    /// Its kind, in words with an article.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::Text(_) => "a text",
@@ -359,7 +359,7 @@ fn name_of(list: &str, index: usize, node: &Node) -> String {
     default_name(list, index)
 }
 
-/// What a surface, or another element of a list, is called that has no name.
+/// The default name of a surface, or of another element of a list.
 pub(super) fn default_name(list: &str, index: usize) -> String {
     format!("{list}-{}", index + 1)
 }

@@ -1,25 +1,23 @@
 //! From a scene to surfaces and effects.
 
+use super::once::said_once;
 use super::placed::{Placed, scale_to_volume};
-use super::stretch::Stretch;
 use super::{Between, Body, Obstacle, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
-use crate::effect::{Effect, EffectKind, Lumping, Viscosity};
+use crate::effect::Lumping;
+use crate::execute::Parallel;
 use crate::generate::GenerateError;
 use crate::info::MeshInfo;
-use crate::io::{ReadError, read};
 use crate::scene::{
-    self, AreaDifferenceTarget, Driver, Hold, InPlaneLaw, MeshSource, Reference, ReferenceSource,
-    SceneError, SceneErrors, SceneFile, SurfaceScene, Target, VolumeTarget,
+    self, Driver, EffectError, MeshSource, MeshSourceError, Preparation, Reference,
+    ReferenceSource, SceneError, SceneErrors, SceneFile, SurfaceScene,
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
 use helfrich::{
-    AreaDifference, Constraint, ConstraintError, Constraints, Gravity, InPlane, LoadError,
-    LocalArea, MembraneViscosity, NeoHookean, OsmoticPressure, Penalty, Quantity, ReferenceError,
-    Repulsion, Skalak, StrainEnergy, Surface, SurfaceError, SurfaceTension, Targets, TriangleMesh,
+    Constraint, ConstraintError, Constraints, Images, Quantity, Repulsion, Surface, SurfaceError,
+    TriangleMesh,
 };
-use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -38,9 +36,9 @@ pub enum BuildError {
         /// Why.
         source: GenerateError,
     },
-    /// A mesh file cannot be read.
+    /// A mesh file cannot be read, or is cut.
     #[error(transparent)]
-    Read(#[from] ReadError),
+    Read(#[from] MeshSourceError),
     /// A position is out of the range of numbers.
     #[error("surface \"{surface}\": {source}")]
     Positions {
@@ -49,31 +47,23 @@ pub enum BuildError {
         /// Which.
         source: SurfaceError,
     },
-    /// A reference shape cannot be used.
+    /// An effect cannot be made ready.
     #[error("surface \"{surface}\": {source}")]
-    Reference {
+    Effect {
         /// The surface's name.
         surface: String,
         /// Why.
-        source: ReferenceError,
+        source: EffectError,
     },
-    /// What is held exactly cannot be had from where the surface starts.
+    /// An exact constraint cannot be reached from the start of the surface.
     #[error("surface \"{surface}\": {}", unreachable(constraints, source))]
     Constraints {
         /// The surface's name.
         surface: String,
-        /// What is held, as scenes call it.
+        /// The constraints, by their names in scenes.
         constraints: Vec<&'static str>,
         /// Why not.
         source: ConstraintError,
-    },
-    /// The ends of a surface cannot be loaded.
-    #[error("surface \"{surface}\": {source}")]
-    Stretching {
-        /// The surface's name.
-        surface: String,
-        /// Why.
-        source: LoadError,
     },
 }
 
@@ -139,7 +129,7 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
                 .surface(&all_positions)
                 .zip(second.surface(&all_positions));
             if let Some((surface, second)) = surfaces {
-                warnings.extend(file.check_outside([index, other], surface, second)?);
+                warnings.extend(file.check_outside([index, other], surface, second));
             }
         }
     }
@@ -158,7 +148,9 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
             surface: obstacle.name.clone(),
             source,
         })?;
-        file.check_obstacle(index, &MeshInfo::new(surface))?;
+        let info = MeshInfo::new(surface);
+        file.check_obstacle(index, &info)?;
+        warnings.extend(file.obstacle_warning(index, &info));
         for (number, body) in bodies.iter().enumerate() {
             if let Some(body) = body.surface(&all_positions) {
                 file.check_apart(number, body, index, surface)?;
@@ -170,31 +162,41 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
             positions,
         });
     }
+    let images = scene.driver.images();
     let between = scene.interactions.iter().map(|interaction| {
         let scene::Interaction::Repulsion {
             strength,
             cutoff,
             between,
         } = *interaction;
-        let mut between =
+        let mut acting =
             between.map_or_else(|| Vec::from_iter(0..bodies.len()), |pair| pair.to_vec());
-        between.sort_unstable();
+        acting.sort_unstable();
+        acting.dedup();
         Between {
             repulsion: Repulsion {
                 modulus: strength,
                 range: cutoff,
+                images: Images {
+                    own: between.is_none_or(|[a, b]| a == b),
+                    ..images
+                },
             },
-            bodies: between,
+            bodies: acting,
             memory: RepulsionMemory::default(),
+            execution: Parallel::new(),
             evaluations: 0,
             time: Duration::ZERO,
         }
     });
     let between = between.collect();
+    let names = Vec::from_iter(scene.surfaces.iter().map(|surface| surface.name.as_str()));
+    let warnings = said_once(warnings, &names);
     let mut simulation = Simulation {
         bodies,
         between,
         obstacles,
+        images,
         groups,
         held,
         warnings,
@@ -221,146 +223,38 @@ impl Placed {
         let info = MeshInfo::new(surface);
         file.check_mesh(index, &info)?;
         warnings.extend(file.mesh_warnings(index, &info));
-        let mut constraints = Vec::new();
-        let mut effects = Vec::new();
-        if let Some(scene::Bending {
-            method,
-            modulus,
-            spontaneous_curvature,
-        }) = scene.bending
-        {
-            effects.push(Effect::bending(
-                method,
-                modulus,
-                spontaneous_curvature,
-                match file.scene.driver {
-                    Driver::Relax(_) => Lumping::Own,
-                    Driver::BoundaryIntegral(_) | Driver::LatticeBoltzmann(_) => Lumping::Thirds,
-                },
-                surface,
-            ));
-        }
-        if let Some(elasticity) = &scene.elasticity {
-            let reference = self.reference(file, index, &elasticity.reference)?;
-            effects.push(self.in_plane(
-                scene,
-                EffectKind::Elasticity,
-                elasticity.law,
-                &reference,
-                elasticity.reference.scale,
-            )?);
-        }
-        if let Some(local_area) = &scene.local_area {
-            let reference = self.reference(file, index, &local_area.reference)?;
-            let law = LocalArea {
-                area_modulus: local_area.modulus,
-            };
-            effects.push(self.law(
-                scene,
-                EffectKind::LocalArea,
-                law,
-                &reference,
-                local_area.reference.scale,
-            )?);
-        }
-        let areas = match scene.area {
-            Some(scene::Held {
-                target: Target::Value(area),
-                ..
-            }) => Targets::Same(area),
-            _ => Targets::measured(&Quantity::Area, surface),
+        let mut preparation = Preparation {
+            surface,
+            position: scene.position,
+            lumping: match file.scene.driver {
+                Driver::Relax(_) => Lumping::Own,
+                Driver::BoundaryIntegral(_) | Driver::LatticeBoltzmann(_) => Lumping::Thirds,
+            },
+            siblings: &scene.effects,
+            unstressed: Vec::new(),
+            forces: Vec::new(),
+            constraints: Vec::new(),
+            viscosity: None,
+            stretch: None,
         };
-        let mut hold = |hold, kind, quantity, targets: Targets<f64>| match hold {
-            Hold::Exact => constraints.push(Constraint {
-                functional: quantity,
-                targets,
-            }),
-            Hold::Penalty(modulus) => {
-                let penalty = Penalty::new(quantity, modulus, targets);
-                effects.push(Effect::conservative(kind, penalty, &self.mesh));
+        for (name, effect) in scene.effects.iter() {
+            if let Some(reference) = effect.reference() {
+                preparation.unstressed = self.reference(file, index, name, reference)?;
             }
-        };
-        if let Some(area) = scene.area {
-            hold(area.hold, EffectKind::Area, Quantity::Area, areas.clone());
+            let prepared = effect.prepare(&mut preparation);
+            prepared.map_err(|source| BuildError::Effect {
+                surface: scene.name.clone(),
+                source,
+            })?;
         }
-        if let Some(volume) = scene.volume {
-            let targets = match volume.target {
-                VolumeTarget::Initial => Targets::measured(&Quantity::Volume, surface),
-                VolumeTarget::Value(volume) => Targets::Same(volume),
-                VolumeTarget::Reduced(reduced) => {
-                    map(&areas, |area| reduced * area.powf(1.5) / (6.0 * PI.sqrt()))
-                }
-            };
-            hold(volume.hold, EffectKind::Volume, Quantity::Volume, targets);
-        }
-        if let Some(difference) = scene.area_difference {
-            let targets = match difference.target {
-                AreaDifferenceTarget::Initial => {
-                    Targets::measured(&Quantity::MeanCurvature, surface)
-                }
-                AreaDifferenceTarget::Value(integral) => Targets::Same(integral),
-                AreaDifferenceTarget::Reduced(reduced) => {
-                    map(&areas, |area| reduced * (4.0 * PI * area).sqrt())
-                }
-            };
-            match difference.hold {
-                Hold::Exact => constraints.push(Constraint {
-                    functional: Quantity::MeanCurvature,
-                    targets,
-                }),
-                Hold::Penalty(modulus) => effects.push(Effect::conservative(
-                    EffectKind::AreaDifference,
-                    AreaDifference::new(modulus, targets),
-                    &self.mesh,
-                )),
-            }
-        }
-        if let Some(tension) = scene.tension {
-            let method = SurfaceTension::new(tension);
-            effects.push(Effect::conservative(
-                EffectKind::Tension,
-                method,
-                &self.mesh,
-            ));
-        }
-        if let Some(pressure) = scene.pressure {
-            let method = OsmoticPressure::new(pressure);
-            effects.push(Effect::conservative(
-                EffectKind::Pressure,
-                method,
-                &self.mesh,
-            ));
-        }
-        if let Some(gravity) = scene.gravity {
-            let method = Gravity {
-                weight: gravity
-                    .acceleration
-                    .map(|acceleration| gravity.density_difference * acceleration),
-                level: scene.position,
-            };
-            effects.push(Effect::conservative(
-                EffectKind::Gravity,
-                method,
-                &self.mesh,
-            ));
-        }
-        let stretch = match &scene.stretching {
-            None => None,
-            Some(stretching) => {
-                let mut stretch =
-                    Stretch::new(surface, stretching).map_err(|source| BuildError::Stretching {
-                        surface: scene.name.clone(),
-                        source,
-                    })?;
-                let loads = stretch.set(0);
-                effects.push(Effect::conservative(
-                    EffectKind::Stretching,
-                    loads,
-                    &self.mesh,
-                ));
-                Some(stretch)
-            }
-        };
+        let Preparation {
+            forces: effects,
+            constraints,
+            viscosity,
+            stretch,
+            ..
+        } = preparation;
+        let (names, constraints): (Vec<_>, Vec<_>) = constraints.into_iter().unzip();
         let places = constraints.iter().map(|constraint: &Constraint<f64>| {
             let quantity = constraint.functional;
             let known = all_held.iter().position(|&held| held == quantity);
@@ -370,14 +264,6 @@ impl Placed {
             })
         });
         let places = places.collect();
-        let names = constraints
-            .iter()
-            .map(|constraint| match constraint.functional {
-                Quantity::Area => "area",
-                Quantity::Volume => "volume",
-                Quantity::MeanCurvature => "area_difference",
-            });
-        let names = names.collect();
         let mesh = Arc::new(self.mesh.clone());
         let mut held = Held::new(Arc::clone(&mesh), Constraints { constraints });
         // Not after a first row has been written.
@@ -395,10 +281,7 @@ impl Placed {
             mesh,
             vertices,
             effects,
-            viscosity: scene.membrane_viscosity.map(|viscosity| {
-                let scene::MembraneViscosity { shear, dilational } = viscosity;
-                Viscosity::new(MembraneViscosity { shear, dilational }, &self.mesh)
-            }),
+            viscosity,
             stretch,
         })
     }
@@ -408,6 +291,7 @@ impl Placed {
         &self,
         file: &SceneFile,
         index: usize,
+        effect: &str,
         reference: &Reference,
     ) -> Result<Vec<[f64; 3]>, BuildError> {
         match &reference.source {
@@ -427,97 +311,27 @@ impl Placed {
                 }
                 Ok(positions)
             }
-            ReferenceSource::File(path) => {
-                let reference = read(path)?;
-                file.check_reference(index, &self.mesh, &reference.mesh)?;
+            ReferenceSource::File(source) => {
+                let reference = source.read()?;
+                file.check_reference(index, effect, &self.mesh, &reference.mesh)?;
                 Ok(reference.positions)
             }
         }
     }
-
-    fn in_plane(
-        &self,
-        scene: &SurfaceScene,
-        kind: EffectKind,
-        law: InPlaneLaw,
-        reference: &[[f64; 3]],
-        scale: f64,
-    ) -> Result<Effect, BuildError> {
-        match law {
-            InPlaneLaw::NeoHookean { shear_modulus } => {
-                let law = NeoHookean { shear_modulus };
-                self.law(scene, kind, law, reference, scale)
-            }
-            InPlaneLaw::Skalak {
-                shear_modulus,
-                area_ratio,
-            } => {
-                let law = Skalak {
-                    shear_modulus,
-                    area_ratio,
-                };
-                self.law(scene, kind, law, reference, scale)
-            }
-        }
-    }
-
-    fn law<W>(
-        &self,
-        scene: &SurfaceScene,
-        kind: EffectKind,
-        law: W,
-        reference: &[[f64; 3]],
-        scale: f64,
-    ) -> Result<Effect, BuildError>
-    where
-        W: StrainEnergy<f64> + std::fmt::Debug + 'static,
-    {
-        let reference =
-            Surface::new(&self.mesh, reference).map_err(|source| BuildError::Positions {
-                surface: scene.name.clone(),
-                source,
-            })?;
-        let law = InPlane::new(law, &self.mesh, reference)
-            .and_then(|law| law.with_scaled_reference(scale))
-            .map_err(|source| BuildError::Reference {
-                surface: scene.name.clone(),
-                source,
-            })?;
-        Ok(Effect::conservative(kind, law, &self.mesh))
-    }
 }
 
-/// What the relaxation has to know of a surface.
+/// Properties of a surface that the relaxation needs.
 fn membrane(mesh: &Arc<TriangleMesh>, scene: &SurfaceScene) -> Membrane {
-    let elasticity = scene.elasticity.as_ref();
-    let penalty = |hold: Option<Hold>| match hold {
-        Some(Hold::Penalty(modulus)) => modulus,
-        _ => 0.0,
-    };
-    let in_plane = [
-        elasticity.map_or(0.0, |elasticity| elasticity.law.area_modulus()),
-        scene.local_area.as_ref().map_or(0.0, |law| law.modulus),
-        penalty(scene.area.map(|area| area.hold)),
-        scene.tension.unwrap_or(0.0).abs(),
-    ];
-    let solid = elasticity.is_some() || scene.local_area.is_some();
+    let stiffness = scene.effects.iter().map(|(_, effect)| effect.stiffness());
+    let in_plane = stiffness.map(|own| own.area.max(own.tension.abs()));
     Membrane {
         mesh: Arc::clone(mesh),
-        bending_modulus: scene.bending.map_or(0.0, |bending| bending.modulus),
-        in_plane_modulus: in_plane.into_iter().fold(0.0, f64::max),
-        motion: if solid {
-            Motion::Free
-        } else {
+        bending_modulus: scene.effects.stiffness().bending,
+        in_plane_modulus: in_plane.fold(0.0, f64::max),
+        motion: if scene.is_fluid() {
             Motion::AlongNormals
+        } else {
+            Motion::Free
         },
-    }
-}
-
-fn map(targets: &Targets<f64>, f: impl Fn(f64) -> f64) -> Targets<f64> {
-    match targets {
-        Targets::Same(target) => Targets::Same(f(*target)),
-        Targets::PerComponent(targets) => {
-            Targets::PerComponent(targets.iter().map(|&target| f(target)).collect())
-        }
     }
 }

@@ -2,7 +2,6 @@
 
 use super::build::BuildError;
 use crate::generate::{GeneratedMesh, generate};
-use crate::io::read;
 use crate::scene::{MeshSource, Orientation};
 use helfrich::{Surface, TriangleMesh};
 
@@ -25,7 +24,7 @@ pub(super) struct Placed {
     /// As the mesh comes, scaled.
     pub(super) unplaced: Vec<[f64; 3]>,
     pub(super) positions: Vec<[f64; 3]>,
-    /// Of a generated mesh: where on a shape each vertex belongs.
+    /// The points of the shape for the vertices of a generated mesh.
     pub(super) preimages: Option<Vec<[f64; 3]>>,
 }
 
@@ -60,8 +59,8 @@ impl Placed {
                 }
                 (mesh, positions, Some(preimages))
             }
-            MeshSource::File(path) => {
-                let file = read(path)?;
+            MeshSource::File(file) => {
+                let file = file.read()?;
                 (file.mesh, file.positions, None)
             }
         };

@@ -1,4 +1,4 @@
-//! What has been measured, kept for the next time.
+//! Measurements kept for later studies.
 //!
 //! A file is, in little-endian order: the 16 bytes `helfrich cache\r\n`; the format's version (u32);
 //! the SHA-256 of the body; the body. The body is, in the postcard encoding, the SHA-256 of the
@@ -6,10 +6,11 @@
 //! and machine that made it: times depend on both, results on the program.
 
 use crate::io::replace_file;
+use crate::lock::{Lock, LockError};
 use crate::provenance::Provenance;
+use crate::sha256::sha256;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -19,7 +20,7 @@ use std::time::{Duration, Instant};
 
 const MAGIC: [u8; 16] = *b"helfrich cache\r\n";
 /// Goes up whenever what entries mean changes.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Bytes of a SHA-256.
 const CHECKSUM: usize = 32;
 
@@ -39,11 +40,13 @@ pub struct Cache {
     /// Whether there is more than in the file.
     changed: bool,
     failure: Option<io::Error>,
-    /// What was found here.
+    /// The names of entries that were used.
     used: RefCell<BTreeSet<String>>,
+    /// The lock: a second process would overwrite the measurements of the first.
+    _lock: Lock,
 }
 
-/// What the body holds.
+/// The content of the body.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Content {
     program: [u8; 32],
@@ -66,17 +69,26 @@ pub struct LoadedCache {
 pub struct CacheError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem.
     pub problem: CacheProblem,
 }
 
-/// What can be wrong with a cache.
+/// Problems of a cache.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CacheProblem {
     /// The operating system refused to read or write the file.
     #[error("{0}")]
     Inaccessible(io::Error),
+    /// Another process measures for it.
+    #[error(
+        "{holder} keeps its measurements here: wait until it has ended, or name another file with \
+         `--cache`"
+    )]
+    Taken {
+        /// Which process, and where.
+        holder: String,
+    },
     /// The file starts otherwise: it is something else, and is left alone.
     #[error("is no cache of measurements, and is left as it is: another name is needed")]
     NotACache,
@@ -102,8 +114,16 @@ impl Cache {
     /// measured again.
     ///
     /// # Errors
-    /// If the file is something else, or cannot be read; see [`CacheProblem`].
+    /// If the file is something else, cannot be read, or another process has it open; see
+    /// [`CacheProblem`].
     pub fn open(path: &Path, provenance: &Provenance) -> Result<LoadedCache, CacheError> {
+        let lock = Lock::of_file(path).map_err(|error| CacheError {
+            path: path.to_owned(),
+            problem: match error {
+                LockError::Taken { holder, .. } => CacheProblem::Taken { holder },
+                LockError::Inaccessible { source, .. } => CacheProblem::Inaccessible(source),
+            },
+        })?;
         let empty = Content {
             program: provenance.program,
             machine: provenance.machine(),
@@ -133,6 +153,7 @@ impl Cache {
             changed: false,
             failure: None,
             used: RefCell::default(),
+            _lock: lock,
         };
         Ok(LoadedCache { cache, unused })
     }
@@ -153,7 +174,7 @@ impl Cache {
         self.used.borrow().len()
     }
 
-    /// What was measured under a name; `None` if nothing was, or something else.
+    /// The measurement with a name; `None` if there is none, or one of another type.
     pub fn get<V: DeserializeOwned>(&self, name: &str) -> Option<V> {
         let value = postcard::from_bytes(self.content.entries.get(name)?).ok()?;
         self.used.borrow_mut().insert(name.to_owned());
@@ -196,7 +217,7 @@ impl Cache {
             replace_file(&self.path, |out| {
                 out.write_all(&MAGIC)?;
                 out.write_all(&FORMAT.to_le_bytes())?;
-                out.write_all(&Sha256::digest(&body))?;
+                out.write_all(&sha256(&[&body]))?;
                 out.write_all(&body)
             })
         });
@@ -222,7 +243,7 @@ fn read(path: &Path, own: &Content) -> Result<Content, CacheProblem> {
     let (checksum, body) = rest
         .split_first_chunk::<CHECKSUM>()
         .ok_or(CacheProblem::Damaged)?;
-    if Sha256::digest(body).as_slice() != checksum {
+    if sha256(&[body]) != *checksum {
         return Err(CacheProblem::Damaged);
     }
     let content: Content = postcard::from_bytes(body).map_err(|_| CacheProblem::Damaged)?;

@@ -1,13 +1,14 @@
-//! What is compared with, and by how much methods are off.
+//! Exact values, and errors of methods.
 
 use super::{Quantity, Study, StudyError};
+use crate::execute::Parallel;
 use crate::generate::{AnyShape, Family, GeneratedMesh, generate};
 use crate::method::{BendingMethod, Evaluator, Fields};
 use crate::scalar::Scalar;
 use helfrich::shapes::{ExactPoint, Shape};
 use helfrich::{Real, Surface};
 
-/// What is so much smaller than a power of the largest curvature may vanish, but for errors.
+/// A quantity that is smaller than this part of a power of the largest curvature may vanish up to errors.
 const VANISHING: f64 = 0.05;
 
 /// Values at the vertices that are held to be right, and what errors are relative to.
@@ -52,10 +53,10 @@ impl Reference {
         reference
     }
 
-    /// What a method says of a surface, with κ = 1; where it says nothing, nothing is compared.
-    pub(crate) fn of(fields: &Fields<f64>) -> Self {
-        let all = |values: &[Option<f64>]| {
-            let numbers = values.iter().map(|value| value.unwrap_or(f64::NAN));
+    /// The results of a method on a surface, with κ = 1; without a result nothing is compared.
+    pub(crate) fn of<T: Real>(fields: &Fields<T>) -> Self {
+        let all = |values: &[Option<T>]| {
+            let numbers = values.iter().map(|&value| value.map_or(f64::NAN, double));
             numbers.collect::<Vec<_>>()
         };
         let densities = fields.force_density.iter();
@@ -66,13 +67,48 @@ impl Reference {
                 all(&fields.laplacian_of_mean),
             ],
             force_density: densities
-                .map(|density| density.unwrap_or([f64::NAN; 3]))
+                .map(|density| density.map_or([f64::NAN; 3], |density| density.map(double)))
                 .collect(),
             scales: [0.0; 4],
         };
         let sizes = reference.force_density.iter().map(|&density| norm(density));
-        reference.scales = reference.largest(sizes);
-        let [mean, gaussian, laplacian, density] = &mut reference.scales;
+        reference.scales = Self::natural(reference.largest(sizes));
+        reference
+    }
+
+    /// The same with errors relative to what another's are.
+    pub(crate) fn in_units_like(self, other: &Self) -> Self {
+        let scales = other.scales;
+        Self { scales, ..self }
+    }
+
+    /// Values of one quantity, f along these normals, relative to these largest ones; nothing is compared
+    /// where there is no number, nor of other quantities.
+    pub(crate) fn estimated(
+        quantity: Quantity,
+        values: Vec<f64>,
+        normals: &[[f64; 3]],
+        largest: [f64; 4],
+    ) -> Self {
+        let mut curvatures = [(); 3].map(|()| vec![f64::NAN; values.len()]);
+        let mut force_density = vec![[f64::NAN; 3]; values.len()];
+        match curvatures.get_mut(quantity as usize) {
+            Some(curvature) => *curvature = values,
+            None => {
+                let along = values.iter().zip(normals);
+                force_density = along.map(|(value, n)| n.map(|n| value * n)).collect();
+            }
+        }
+        Self {
+            curvatures,
+            force_density,
+            scales: Self::natural(largest),
+        }
+    }
+
+    /// The scales of relative errors, for these largest |H|, |K|, |Δ_S H| and |f|.
+    fn natural(mut scales: [f64; 4]) -> [f64; 4] {
+        let [mean, gaussian, laplacian, density] = &mut scales;
         let natural = [mean.powi(2), mean.powi(3), mean.powi(3)];
         for (scale, natural) in [gaussian, laplacian, density].into_iter().zip(natural) {
             // What vanishes on the surface itself, as f does on a sphere, is compared with what its
@@ -81,7 +117,7 @@ impl Reference {
                 *scale = natural;
             }
         }
-        reference
+        scales
     }
 
     /// At how many vertices there is a value.
@@ -111,14 +147,13 @@ impl Reference {
         [mean, gaussian, laplacian, density]
     }
 
-    /// What errors of a quantity are relative to.
+    /// The scale of relative errors of a quantity.
     pub(crate) fn scale(&self, quantity: Quantity) -> f64 {
         self.scales[quantity as usize]
     }
 
     /// The error at each vertex, relative; infinite where there is no number.
     pub(crate) fn at_vertices<T: Real>(&self, fields: &Fields<T>, quantity: Quantity) -> Vec<f64> {
-        let to_f64 = |value: T| value.to_f64().unwrap_or(f64::NAN);
         // No number, or none at all (on a closed surface, for want of an area), is an infinite
         // error: `max` would pass it over.
         let relative = |error: Option<f64>| {
@@ -134,7 +169,7 @@ impl Reference {
                 let errors = both.map(|(found, value)| {
                     relative(found.map(|found| {
                         norm(core::array::from_fn(|axis| {
-                            to_f64(found[axis]) - value[axis]
+                            double(found[axis]) - value[axis]
                         }))
                     }))
                 });
@@ -142,7 +177,7 @@ impl Reference {
             }
         };
         let both = found.iter().zip(&self.curvatures[quantity as usize]);
-        both.map(|(found, value)| relative(found.map(|found| (to_f64(found) - value).abs())))
+        both.map(|(found, value)| relative(found.map(|found| (double(found) - value).abs())))
             .collect()
     }
 
@@ -169,6 +204,10 @@ impl Reference {
     }
 }
 
+fn double<T: Real>(value: T) -> f64 {
+    value.to_f64().unwrap_or(f64::NAN)
+}
+
 fn norm(vector: [f64; 3]) -> f64 {
     let squares = vector.iter().map(|component| component.powi(2));
     squares.sum::<f64>().sqrt()
@@ -188,10 +227,10 @@ pub struct ErrorFields {
     pub family: Family,
     /// The mesh.
     pub mesh: GeneratedMesh,
-    /// What is compared.
+    /// The quantity compared.
     pub quantity: Quantity,
-    /// Of each method the error at each vertex, relative to the largest exact value; infinite where
-    /// it says nothing.
+    /// For each method the error at each vertex, relative to the largest exact value; infinite without a
+    /// result.
     pub methods: Vec<(BendingMethod, Vec<f64>)>,
 }
 
@@ -219,7 +258,11 @@ impl Study {
             let methods = self.methods.iter().copied();
             let methods = methods.filter(|&method| quantity.is_defined_by(method));
             let methods = methods.map(|method| {
-                let fields = Evaluator::new(method, self.modulus, &mesh.mesh).fields(surface);
+                let threads = Parallel::new();
+                let options = &self.options;
+                let mut evaluator =
+                    Evaluator::with_options(method, options, self.modulus, &mesh.mesh, threads);
+                let fields = evaluator.fields(surface);
                 (method, exact.at_vertices(&fields, quantity))
             });
             let methods = methods.collect();

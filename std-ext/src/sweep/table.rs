@@ -32,7 +32,7 @@ impl Swept {
             })
     }
 
-    /// What is worth knowing of the runs, and of how many of them each.
+    /// The warnings of the runs, each with the number of runs that have it.
     pub fn shared_warnings(&self) -> Vec<(&str, usize)> {
         let mut shared: Vec<(&str, usize)> = Vec::new();
         for warning in self.ended().flat_map(|(_, ended)| &ended.warnings) {

@@ -1,4 +1,4 @@
-//! What varies in a sweep: `KEY=VALUE,VALUE,…`.
+//! Keys that vary in a sweep: `KEY=VALUE,VALUE,…`.
 
 use std::str::FromStr;
 

@@ -6,9 +6,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt::Display;
 use glam::{DVec3, Vec3};
-use helfrich::bending::GompperKrollMemory;
 use helfrich::{
-    Conservative, Cotangent, Curvature, DualArea, Finding, GompperKroll, KantorNelson,
+    Conservative, Cotangent, Curvature, Curvatures, DualArea, Finding, GompperKroll, KantorNelson,
     LaplaceBeltrami, Method, Points, Prepared, Real, Rows, Serial, StrongForm, Surface,
     TriangleMesh,
 };
@@ -235,8 +234,8 @@ where
         .map(|point| point.map(|component| component / T::constant(radius)))
         .collect();
     let mut mean = vec![T::zero(); mesh.vertex_count()];
-    let mut memory = GompperKrollMemory::default();
-    gompper_kroll.mean_curvature(&Serial, surface, &mut memory, &normals, &mut mean);
+    let mut workspace = gompper_kroll.workspace(&mesh);
+    gompper_kroll.mean_curvature_along(&Serial, surface, &mut workspace, &normals, &mut mean);
     for &mean in &mean {
         near(mean, 1.0 / radius, "the mean curvature of B");
     }
@@ -318,15 +317,14 @@ fn strong_form<T: Real + Display>(solid: &Solid, surface: Surface<'_, T>) -> Vec
 fn cotangent<T: Real + Display>(surface: Surface<'_, T>) -> Vec<[T; 3]> {
     let mesh = surface.mesh();
     let operator = Cotangent::new(DualArea::Voronoi);
-    let plan = Method::<T>::plan(&operator, mesh);
-    let mut memory = Default::default();
+    let mut workspace = operator.workspace(mesh);
     let mut curvature = vec![Curvature::default(); mesh.vertex_count()];
-    operator.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
+    operator.curvatures(&Serial, surface, &mut workspace, &mut curvature);
     let mut laplacian = vec![[T::zero(); 3]; mesh.vertex_count()];
     let field = surface.positions();
-    operator.apply(&Serial, &plan, surface, &memory, field, &mut laplacian);
+    operator.apply(&Serial, surface, &workspace, field, &mut laplacian);
     let mut rows = Rows::new();
-    operator.assemble(&plan, surface, &memory, &mut rows);
+    operator.assemble(surface, &workspace, &mut rows);
     let mut product = vec![[T::zero(); 3]; mesh.vertex_count()];
     rows.apply(&Serial, field, &mut product);
     for (vertex, &position) in field.iter().enumerate() {

@@ -1,8 +1,9 @@
 //! The methods that laws are about, to be made for any scalar.
 
 use helfrich::{
-    Conservative, ControlPoints, Cotangent, DualArea, Energy, Force, GompperKroll, HeatKernel, Jet,
-    Juelicher, KantorNelson, LoopSubdivision, Paraboloid, Real, StrongForm,
+    Bandwidth, Conservative, ControlPoints, Cotangent, DualArea, Energy, Force, GompperKroll,
+    Hamann, HeatKernel, Jet, Juelicher, KantorNelson, LoopSubdivision, Paraboloid, Real,
+    StrongForm,
 };
 
 /// A bending method, to be made for any scalar.
@@ -91,8 +92,8 @@ impl ConservativeCandidate for SquaredLaplacian {
     type ConservativeMethod<T: Real> = GompperKroll<T>;
     fn name(self) -> &'static str {
         match self.0 {
-            DualArea::Voronoi => "Gompper-Kroll",
-            DualArea::Mixed => "Gompper-Kroll, mixed areas",
+            DualArea::Voronoi => "Gompper-Kroll, Voronoi areas",
+            DualArea::Mixed => "Gompper-Kroll",
             DualArea::Barycentric => "Gompper-Kroll, barycentric areas",
         }
     }
@@ -100,11 +101,7 @@ impl ConservativeCandidate for SquaredLaplacian {
         &["gompper_kroll"]
     }
     fn method<T: Real>(self, modulus: T) -> GompperKroll<T> {
-        let area = self.0;
-        GompperKroll {
-            area,
-            ..GompperKroll::new(modulus)
-        }
+        GompperKroll::with_areas(modulus, self.0)
     }
     fn switches_at_right_angles(self) -> bool {
         self.0 == DualArea::Mixed
@@ -125,6 +122,23 @@ impl ConservativeCandidate for LengthTimesAngle {
     }
     fn method<T: Real>(self, modulus: T) -> Juelicher<T> {
         Juelicher::new(modulus)
+    }
+}
+
+/// Hamann's method.
+#[derive(Clone, Copy, Debug)]
+pub struct AveragedNormal;
+
+impl ConservativeCandidate for AveragedNormal {
+    type ConservativeMethod<T: Real> = Hamann<T>;
+    fn name(self) -> &'static str {
+        "Hamann"
+    }
+    fn modules(self) -> &'static [&'static str] {
+        &["hamann"]
+    }
+    fn method<T: Real>(self, modulus: T) -> Hamann<T> {
+        Hamann::new(modulus)
     }
 }
 
@@ -191,20 +205,32 @@ impl Candidate for StrongCotangent {
     }
 }
 
-/// Method D.
+/// Method D, as published or with the bandwidth with which it converges.
 #[derive(Clone, Copy, Debug)]
-pub struct StrongHeatKernel;
+pub struct StrongHeatKernel {
+    /// See [`Bandwidth::MixedArea`].
+    pub published: bool,
+}
 
 impl Candidate for StrongHeatKernel {
     type Method<T: Real> = StrongForm<T, HeatKernel<T>>;
     fn name(self) -> &'static str {
-        "Belkin"
+        if self.published {
+            "Belkin, published bandwidth"
+        } else {
+            "Belkin"
+        }
     }
     fn modules(self) -> &'static [&'static str] {
         &["strong_form", "heat_kernel"]
     }
     fn method<T: Real>(self, modulus: T) -> Self::Method<T> {
-        StrongForm::belkin(modulus)
+        if self.published {
+            let operator = HeatKernel::new(Bandwidth::MixedArea(T::one()));
+            StrongForm::new(modulus, operator)
+        } else {
+            StrongForm::belkin(modulus)
+        }
     }
 }
 

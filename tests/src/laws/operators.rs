@@ -4,7 +4,7 @@
 use super::{Finite, OperatorLaw, ROOM};
 use crate::meshes::{GENERIC, Mesh, SplitMix64, difference, norm, rotation, small, turned};
 use crate::tolerance;
-use helfrich::{Curvature, Finding, LaplaceBeltrami, Method, Rows, Serial};
+use helfrich::{Curvature, Finding, LaplaceBeltrami, Method, Rows, Serial, Workspace};
 use helfrich_std::generate::{Family, generate};
 
 /// An operator that has measured a surface.
@@ -12,8 +12,7 @@ use helfrich_std::generate::{Family, generate};
 pub struct Measured<'a, L: Method<f64>> {
     mesh: &'a Mesh,
     operator: L,
-    plan: L::Plan,
-    memory: L::Memory,
+    workspace: Workspace<f64, L>,
     /// n, H, K and A at each vertex.
     pub curvature: Vec<Curvature<f64>>,
 }
@@ -21,15 +20,13 @@ pub struct Measured<'a, L: Method<f64>> {
 impl<'a, L: LaplaceBeltrami<f64>> Measured<'a, L> {
     /// Measures.
     pub fn new(operator: L, mesh: &'a Mesh) -> Self {
-        let plan = operator.plan(&mesh.connectivity);
-        let mut memory = L::Memory::default();
+        let mut workspace = operator.workspace(&mesh.connectivity);
         let mut curvature = vec![Curvature::default(); mesh.positions.len()];
-        operator.measure(&Serial, &plan, mesh.surface(), &mut memory, &mut curvature);
+        operator.curvatures(&Serial, mesh.surface(), &mut workspace, &mut curvature);
         Self {
             mesh,
             operator,
-            plan,
-            memory,
+            workspace,
             curvature,
         }
     }
@@ -39,14 +36,8 @@ impl<'a, L: LaplaceBeltrami<f64>> Measured<'a, L> {
         // Not zero before: the operator sets, it does not add.
         let mut laplacian = vec![[f64::NAN; D]; field.len()];
         let surface = self.mesh.surface();
-        self.operator.apply(
-            &Serial,
-            &self.plan,
-            surface,
-            &self.memory,
-            field,
-            &mut laplacian,
-        );
+        self.operator
+            .apply(&Serial, surface, &self.workspace, field, &mut laplacian);
         laplacian
     }
 
@@ -54,14 +45,8 @@ impl<'a, L: LaplaceBeltrami<f64>> Measured<'a, L> {
     pub fn apply_to_scalar(&self, field: &[f64]) -> Vec<f64> {
         let mut laplacian = vec![f64::NAN; field.len()];
         let surface = self.mesh.surface();
-        self.operator.apply_to_scalar(
-            &Serial,
-            &self.plan,
-            surface,
-            &self.memory,
-            field,
-            &mut laplacian,
-        );
+        self.operator
+            .apply_to_scalar(&Serial, surface, &self.workspace, field, &mut laplacian);
         laplacian
     }
 
@@ -70,15 +55,14 @@ impl<'a, L: LaplaceBeltrami<f64>> Measured<'a, L> {
         let mut findings = Vec::new();
         let surface = self.mesh.surface();
         let mut report = |finding| findings.push(finding);
-        self.operator
-            .inspect(&self.plan, surface, &self.memory, &mut report);
+        self.operator.inspect(surface, &self.workspace, &mut report);
         findings
     }
 
     /// Fills the rows.
     pub fn assemble(&self, rows: &mut Rows<f64>) {
         self.operator
-            .assemble(&self.plan, self.mesh.surface(), &self.memory, rows);
+            .assemble(self.mesh.surface(), &self.workspace, rows);
     }
 }
 
@@ -145,12 +129,11 @@ impl OperatorLaw for RowsAgree<'_> {
         measured.mesh = &moved;
         let Measured {
             operator,
-            plan,
-            memory,
+            workspace,
             curvature,
             ..
         } = &mut measured;
-        operator.measure(&Serial, plan, moved.surface(), memory, curvature);
+        operator.curvatures(&Serial, moved.surface(), workspace, curvature);
         measured.assemble(&mut rows);
         assert_eq!(
             places(&rows),

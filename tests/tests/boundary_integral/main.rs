@@ -1,6 +1,7 @@
 //! Layers of Stokes flow against exact solutions and brute force; ambient flows.
 
 mod double_layer;
+mod nested;
 mod panels;
 mod single_layer;
 

@@ -49,6 +49,36 @@ fn the_capsule_of_the_paper_deforms_as_published() {
     assert!((0.2..0.4).contains(&turns), "{turns} turns");
 }
 
+/// D and inclination in the steady state by the independent computation, on 1280 triangles: the four
+/// other sets of parameters that the README counts.
+#[test]
+fn steady_deformations_are_those_of_an_independent_computation() {
+    let [without, weak] = ["bending=", "bending.modulus=0.0025"];
+    for (law, rate, bending, expected, inclination) in [
+        ("neo-hookean", 0.3, weak, 0.3924, 25.2),
+        ("neo-hookean", 0.3, without, 0.3968, 25.2),
+        ("neo-hookean", 0.6, without, 0.5207, 19.8),
+        ("skalak", 0.6, without, 0.4293, 23.8),
+    ] {
+        let bending = format!("surface.capsule.{bending}");
+        let rate = format!("driver.flow.rate={rate}");
+        let law_set = format!("surface.capsule.elasticity.law={law}");
+        let mut overrides = vec![bending.as_str(), &rate, &law_set, "driver.strain=10"];
+        if law == "skalak" {
+            overrides.push("surface.capsule.elasticity.area_ratio=1");
+        }
+        let (_, series) = run_scene("capsule-shear.toml", &overrides);
+        let what = format!("{law}, {rate}, {bending}");
+        CAPSULE_REFERENCE.assert(last(&series, "deformation"), expected, 1.0, &what);
+        CAPSULE_INCLINATION.assert(
+            last(&series, "inclination"),
+            inclination,
+            inclination,
+            &what,
+        );
+    }
+}
+
 /// Loop subdivision on a fourth of the triangles.
 #[test]
 fn loop_subdivision_needs_few_triangles() {
@@ -134,6 +164,25 @@ fn a_pair_stays_symmetric_and_apart() {
     let heights = column(&series, "centroid_y_left");
     let highest = heights.iter().fold(0.0, |a: f64, &b| a.max(b));
     assert!(highest > 0.6, "they pass over each other: {highest}");
+}
+
+/// The shipped cell, on a coarse mesh: it tilts over the direction of the flow and on against the
+/// gradient, and nothing stops it on its way.
+#[test]
+fn a_red_blood_cell_tumbles() {
+    let overrides = [
+        "surface.cell.vertices=162",
+        "surface.cell.bending.method=gompper-kroll",
+        "driver.strain=4.5",
+    ];
+    let (summary, series) = run_scene("red-blood-cell-shear.toml", &overrides);
+    assert_eq!(summary.warnings, [""; 0]);
+    let inclination = last(&series, "inclination");
+    assert!((-90.0..-45.0).contains(&inclination), "{inclination}°");
+    let volumes = column(&series, "volume");
+    for &volume in &volumes {
+        CAPSULE_VOLUME.assert(volume, volumes[0], volumes[0], "volume");
+    }
 }
 
 /// Fluid and membrane resist side by side: what holds a small deformation up, 1/D after a short time,

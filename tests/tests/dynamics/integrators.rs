@@ -454,6 +454,32 @@ fn a_mode_that_grows_is_named() {
     assert_eq!(spectrum.vertex, 3);
 }
 
+/// Every mode decays. The second vertex feels the square of the first one's displacement, a term of
+/// even order: to differences it looks like a mode that grows if the sign of the mode alternates.
+#[test]
+fn terms_of_second_order_are_no_growth() {
+    for coupling in [1.0, 1e2, 1e3] {
+        let mut decay = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
+            for (i, (v, x)) in v.iter_mut().zip(x).enumerate() {
+                *v = x.map(|x| -(100.0 - 10.0 * i as f64) * x);
+            }
+            v[1][0] += coupling * x[0][0] * x[0][0];
+            Ok(())
+        };
+        let settings = Settings {
+            precision: 1e-6,
+            ..Settings::new(Scheme::Rkc2, 1.0)
+        };
+        let start = vec![[0.0; 3]; 10];
+        let mut run = Integrator::new(start, 0.0, settings).expect("a start");
+        for _ in 0..6 {
+            let spectrum = run.estimate_spectrum(&mut decay).expect("velocities");
+            assert_eq!(spectrum.growth, None, "{coupling}: {spectrum:?}");
+            assert!((100.0..=120.0).contains(&spectrum.radius), "{spectrum:?}");
+        }
+    }
+}
+
 #[test]
 fn what_goes_wrong_is_said_and_the_last_good_positions_stay() {
     for scheme in [Scheme::Rkc2, Scheme::Bs23, RK4] {

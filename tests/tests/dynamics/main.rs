@@ -1,7 +1,10 @@
 //! Drivers: relaxation, integration in time, and capsules in flow.
 
 mod capsules;
+mod contact;
+mod drops;
 mod immersed;
 mod integrators;
 mod relaxation;
 mod scenes;
+mod strong_form;

@@ -1,4 +1,5 @@
 //! Mesh files.
 
 mod readers;
+mod weld;
 mod writers;

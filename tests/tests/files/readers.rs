@@ -5,6 +5,7 @@ mod off;
 mod ply;
 mod solid;
 mod stl;
+mod vtp;
 
 use helfrich_std::io::{Format, parse, read};
 use solid::{Solid, icosahedron, in_order_of_appearance, tetrahedron};
@@ -114,7 +115,7 @@ fn messages_are_one_line_that_starts_with_the_file() {
         (folder, "is a directory: a mesh file is needed"),
         (
             &unknown,
-            "unknown format: .obj, .off, .stl and .ply files can be read",
+            "unknown format: .obj, .off, .stl, .ply and .vtp files can be read",
         ),
         (
             &broken,

@@ -23,7 +23,7 @@ fn folder() -> PathBuf {
 #[test]
 fn what_is_written_is_read_again_with_all_digits() {
     let file = discocyte(162);
-    for format in [Format::Obj, Format::Off, Format::Ply] {
+    for format in [Format::Obj, Format::Off, Format::Ply, Format::Vtp] {
         let mut bytes = Vec::new();
         write_to(&mut bytes, format, &file.positions, &file.mesh).unwrap();
         assert_eq!(parse(&bytes, format).unwrap(), file, "{format:?}");
@@ -69,7 +69,7 @@ fn files_are_named_by_their_ending() {
     };
     assert_eq!(
         message("mesh.vtk"),
-        "mesh.vtk: unknown format: .obj, .off, .stl and .ply files can be written"
+        "mesh.vtk: unknown format: .obj, .off, .stl, .ply and .vtp files can be written"
     );
     assert!(message("no/such/folder/mesh.obj").starts_with("no/such/folder/mesh.obj: "));
 }

@@ -218,8 +218,8 @@ fn correct(
         connectivity,
         positions,
     } = mesh;
-    prepared.with(|constraints, execution, plan, memory| {
-        constraints.correct(execution, plan, connectivity, positions, memory)
+    prepared.with(|constraints, execution, workspace| {
+        constraints.correct(execution, connectivity, positions, workspace)
     })
 }
 
@@ -405,9 +405,9 @@ fn what_cannot_be_corrected_is_refused_and_left() {
 
 fn project(constraints: &Constraints<f64>, mesh: &Mesh, field: &mut [[f64; 3]]) -> Vec<f64> {
     let mut prepared = Prepared::new(constraints.clone(), &mesh.connectivity);
-    prepared.with(|constraints, execution, plan, memory| {
-        constraints.project(execution, plan, mesh.surface(), memory, field);
-        memory.multipliers(0).to_vec()
+    prepared.with(|constraints, execution, workspace| {
+        constraints.project(execution, mesh.surface(), workspace, field);
+        workspace.memory().multipliers(0).to_vec()
     })
 }
 
@@ -494,10 +494,29 @@ fn corrections_in_single_precision() {
         *x *= 1.02;
     }
     let mut prepared = Prepared::new(constraints, &mesh.connectivity);
-    let reached = prepared.with(|constraints, execution, plan, memory| {
+    let reached = prepared.with(|constraints, execution, workspace| {
         let mesh = &mesh.connectivity;
-        constraints.correct(execution, plan, mesh, &mut positions, memory)
+        constraints.correct(execution, mesh, &mut positions, workspace)
     });
     let residual = f64::from(reached.unwrap().residual);
     tolerance::CONSTRAINED_SINGLE.assert(residual, 0.0, 1.0, "A/A0");
+}
+
+/// Everything is within rounding of an infinite target.
+#[test]
+fn infinite_targets_are_refused() {
+    let start = icosphere(1).map(bent);
+    for target in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+        let mut mesh = start.clone();
+        let mut constraints = holding(&ALL[..2], &mesh);
+        constraints.constraints[1].targets = Targets::from(target);
+        let mut prepared = Prepared::new(constraints, &mesh.connectivity);
+        let refused = correct(&mut prepared, &mut mesh);
+        let expected = ConstraintError::Target {
+            component: 0,
+            constraint: 1,
+        };
+        assert_eq!(refused.err(), Some(expected), "{target}");
+        assert_eq!(mesh.positions, start.positions);
+    }
 }

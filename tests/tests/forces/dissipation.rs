@@ -1,7 +1,7 @@
 //! Membrane viscosity: a quadratic potential's exact derivative, and flows known exactly.
 
 use autodiff::F1;
-use helfrich::{Dissipation, Finding, MembraneViscosity, Method, Prepared, Real, Surface};
+use helfrich::{Dissipation, Finding, MembraneViscosity, Prepared, Real, Surface};
 use helfrich_tests::laws::{imbalance, largest};
 use helfrich_tests::meshes::{
     GENERIC, Mesh, SplitMix64, cases, cross, difference, disc, dot, icosphere, norm, rotation,
@@ -214,7 +214,8 @@ fn sums_degenerate_triangles_and_single_precision() {
         assert!(power.is_finite() && force.iter().flatten().all(|f| f.is_finite()));
     }
     let mut found = 0;
-    VISCOSITIES[0].inspect(&(), pinched.surface(), &(), &mut |finding| {
+    let viscosity = Prepared::new(VISCOSITIES[0], &pinched.connectivity);
+    viscosity.inspect(pinched.surface(), &mut |finding| {
         found += usize::from(matches!(finding, Finding::DegenerateTriangle { .. }));
     });
     assert_eq!(found, 2);

@@ -496,7 +496,7 @@ fn references_that_do_not_fit_are_refused() {
 }
 
 #[test]
-#[should_panic(expected = "the reference has 80 triangles")]
+#[should_panic(expected = "prepared for a mesh of 42 vertices and 80 triangles")]
 fn a_method_for_another_mesh_does_not_go_unnoticed() {
     let sphere = icosphere(1);
     let law = Rubber.law(1.0);
@@ -594,11 +594,11 @@ fn laws_of_other_programs() {
     /// `W = I1²`.
     struct Squared;
     impl StrainEnergy<f64> for Squared {
-        fn density<L: helfrich::Lane<Scalar = f64>>(&self, strain: &Strain<L>) -> L {
+        fn density(&self, strain: &Strain<f64>) -> f64 {
             strain.first * strain.first
         }
-        fn derivatives<L: helfrich::Lane<Scalar = f64>>(&self, strain: &Strain<L>) -> [L; 2] {
-            [strain.first + strain.first, L::zero()]
+        fn derivatives(&self, strain: &Strain<f64>) -> [f64; 2] {
+            [strain.first + strain.first, 0.0]
         }
         fn shear_modulus(&self) -> f64 {
             0.0
@@ -616,4 +616,70 @@ fn laws_of_other_programs() {
     let expected = first * first * patch.surface().area();
     let found = energy(method, &patch.connectivity, &now.positions);
     tolerance::HOMOGENEOUS.assert(found, expected, expected, "E");
+}
+
+/// A flat right-angled triangle with sides of length `side` and its law at rest with sides of 1.
+fn one_triangle<W: StrainEnergy<f64>>(law: W, side: f64) -> (f64, [[f64; 3]; 3], Vec<Finding>) {
+    let mesh = TriangleMesh::new(3, vec![[0, 1, 2]]).unwrap();
+    let corners = |side: f64| [[0.0; 3], [side, 0.0, 0.0], [0.0, side, 0.0]];
+    let (rest, now) = (corners(1.0), corners(side));
+    let law = InPlane::new(law, &mesh, Surface::new(&mesh, &rest).unwrap()).unwrap();
+    let surface = Surface::new(&mesh, &now).unwrap();
+    let mut prepared = Prepared::new(law, &mesh);
+    let mut force = [[0.0; 3]; 3];
+    let energy = prepared.add_force_and_energy(surface, &mut force);
+    let mut findings = Vec::new();
+    prepared.inspect(surface, &mut |finding| findings.push(finding));
+    (energy, force, findings)
+}
+
+/// Tension G (1 − λ⁻⁶) of equal stretches λ on half a unit of area: `E = A0 G/2 (2 λ² − 3 + λ⁻⁴)`, and
+/// its derivative along x at the corner there, which is half of that by λ.
+#[test]
+fn neo_hookean_forces_at_the_end_of_the_range() {
+    for stretch in [1e3_f64, 1e40, 1e60, 1e74] {
+        let law = NeoHookean { shear_modulus: 2.0 };
+        let (energy, force, findings) = one_triangle(law, stretch);
+        let expected = -0.5 * (2.0 * stretch - 2.0 * stretch.powi(-5));
+        assert!(
+            (force[1][0] / expected - 1.0).abs() < 1e-12,
+            "{stretch}: {force:?}"
+        );
+        let expected = 0.5 * (2.0 * stretch * stretch - 3.0);
+        assert!(
+            (energy / expected - 1.0).abs() < 1e-12,
+            "{stretch}: {energy}"
+        );
+        assert!(findings.is_empty(), "{stretch}: {findings:?}");
+    }
+}
+
+/// W of Skalak's law is of the eighth power of the stretch: where it has no number, that is said.
+#[test]
+fn stretches_beyond_the_range_are_said() {
+    let law = Skalak {
+        shear_modulus: 1.0,
+        area_ratio: 1.0,
+    };
+    let (energy, force, findings) = one_triangle(law, 1e20);
+    assert!(energy.is_finite() && force.iter().flatten().all(|force| force.is_finite()));
+    assert!(findings.is_empty());
+    let (energy, _, findings) = one_triangle(law, 1e74);
+    assert!(!energy.is_finite());
+    assert_eq!(findings, [Finding::Overstretched { triangle: 0 }]);
+}
+
+/// A membrane without extent is no better than at rest.
+#[test]
+fn collapsed_membranes_have_more_energy_than_at_rest() {
+    let law = NeoHookean { shear_modulus: 2.0 };
+    let mut last = 0.0;
+    for stretch in [1.0, 0.1, 1e-10, 1e-38, 1e-60, 0.0] {
+        let (energy, _, findings) = one_triangle(law, stretch);
+        assert!(energy >= last, "{stretch}: {energy} below {last}");
+        last = energy;
+        let lost = findings.contains(&Finding::DegenerateTriangle { triangle: 0 });
+        assert_eq!(lost, stretch == 0.0, "{stretch}");
+    }
+    assert!(last.is_finite());
 }

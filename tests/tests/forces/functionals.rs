@@ -15,19 +15,18 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 
 fn values<T: Real>(functional: impl Functional<T>, mesh: &Mesh, positions: &[[T; 3]]) -> Vec<T> {
-    let plan = functional.plan(&mesh.connectivity);
+    let mut workspace = functional.workspace(&mesh.connectivity);
     let surface = Surface::new(&mesh.connectivity, positions).unwrap();
-    let mut values = vec![T::nan(); functional.component_count(&plan)];
-    let mut memory = Default::default();
-    functional.values(&Serial, &plan, surface, &mut memory, &mut values);
+    let mut values = vec![T::nan(); functional.component_count(&workspace)];
+    functional.values(&Serial, surface, &mut workspace, &mut values);
     values
 }
 
 fn gradient(functional: impl Functional<f64>, mesh: &Mesh, weights: &[f64]) -> Vec<[f64; 3]> {
-    let plan = functional.plan(&mesh.connectivity);
+    let mut workspace = functional.workspace(&mesh.connectivity);
     let mut gradient = vec![[0.0; 3]; mesh.positions.len()];
-    let (surface, mut memory) = (mesh.surface(), Default::default());
-    functional.add_gradient(&Serial, &plan, surface, &mut memory, weights, &mut gradient);
+    let surface = mesh.surface();
+    functional.add_gradient(&Serial, surface, &mut workspace, weights, &mut gradient);
     gradient
 }
 
@@ -149,8 +148,8 @@ fn mean_curvature_of_spheres_converges() {
 fn components_are_independent() {
     fn check(functional: impl Functional<f64> + Copy, open: bool) {
         let whole = several();
-        let plan = functional.plan(&whole.connectivity);
-        let components = functional.components(&plan).clone();
+        let workspace = functional.workspace(&whole.connectivity);
+        let components = functional.components(&workspace).clone();
         let all = values(functional, &whole, &whole.positions);
         let everything = gradient(functional, &whole, &vec![1.0; all.len()]);
         for (component, &value) in all.iter().enumerate() {
@@ -218,11 +217,11 @@ fn offsets_do_not_matter() {
 #[test]
 fn elements_are_grouped_by_component() {
     let mesh = several();
-    let plan: ComponentElements<3> = Method::<f64>::plan(&TotalArea, &mesh.connectivity);
-    let components = plan.components();
+    let elements: ComponentElements<3> = Method::<f64>::memory(&TotalArea, &mesh.connectivity);
+    let components = elements.components();
     let mut count = 0;
     for component in 0..components.count() {
-        for triangle in plan.of(component) {
+        for triangle in elements.of(component) {
             let at = |vertex: u32| components.of_vertex()[vertex as usize] as usize;
             assert!(triangle.iter().all(|&vertex| at(vertex) == component));
             count += 1;

@@ -1,5 +1,6 @@
 //! What acts on membranes besides bending.
 
+mod adhesion;
 mod constraints;
 mod dissipation;
 mod elasticity;

@@ -263,6 +263,61 @@ fn work_on_points_is_work_on_nodes() {
     }
 }
 
+/// What forces add at once is what they add once they are spread, and symmetric as work is.
+#[test]
+fn responses_are_those_of_spread_forces() {
+    let size = [40, 7, 8];
+    let points = scattered(30, size);
+    let mut random = SplitMix64::new(5);
+    let mut forces = || {
+        let rows = points.iter();
+        Vec::from_iter(rows.map(|_| [(); 3].map(|()| 1e-2 * random.symmetric())))
+    };
+    let (first, second) = (forces(), forces());
+    let work = |forces: &[[f64; 3]], velocities: &[[f64; 3]]| -> f64 {
+        let pairs = forces.iter().flatten().zip(velocities.iter().flatten());
+        pairs.map(|(force, velocity)| force * velocity).sum()
+    };
+    for (kernel, inertia) in KERNELS.into_iter().zip([true, false, true]) {
+        let mut lattice = lattice::<f64>(Setup {
+            inertia,
+            ..periodic(size, 0.1)
+        });
+        lattice.fill(stirred(size));
+        lattice.advance(1);
+        let mut immersed = Immersed::new(kernel);
+        immersed.place(&lattice, &points).unwrap();
+        let [mut before, mut after, mut added, mut other] =
+            [(); 4].map(|()| vec![[f64::NAN; 3]; points.len()]);
+        immersed.interpolate(&lattice, &mut before);
+        immersed.respond(&lattice, &first, &mut added);
+        immersed.respond(&lattice, &second, &mut other);
+        immersed.spread(&mut lattice, &first).unwrap();
+        immersed.interpolate(&lattice, &mut after);
+        for point in 0..points.len() {
+            for axis in 0..3 {
+                let expected = after[point][axis] - before[point][axis];
+                let what = format!("{kernel:?}, point {point}, axis {axis}");
+                tolerance::LATTICE_KERNEL.assert(added[point][axis], expected, 0.05, &what);
+            }
+        }
+        let there = work(&second, &added);
+        tolerance::LATTICE_WORK.assert(work(&first, &other), there, there, "work");
+        assert!(work(&first, &added) > 0.0);
+    }
+}
+
+#[test]
+#[should_panic(expected = "velocities are interpolated before forces are added")]
+fn responses_of_nodes_that_were_not_read_are_not_made_up() {
+    let lattice = lattice::<f64>(periodic([8, 8, 8], 0.1));
+    let mut immersed = Immersed::new(Kernel::Two);
+    immersed.place(&lattice, &[[4.0; 3]]).unwrap();
+    immersed.interpolate(&lattice, &mut [[0.0; 3]]);
+    immersed.place(&lattice, &[[5.0; 3]]).unwrap();
+    immersed.respond(&lattice, &[[1.0; 3]], &mut [[0.0; 3]]);
+}
+
 #[test]
 fn points_and_forces_do_not_depend_on_the_number_of_threads() {
     let run = |threads| {

@@ -78,12 +78,12 @@ fn fluids_inside_surfaces_have_their_viscosities() {
         lattice.fill(stirred(size));
         lattice
     });
-    // Through periodic sides, through a wall, and into each other, where the second counts.
-    for centres in [
-        [[0.4, 8.1, -7.0], [10.0, 9.0, 7.0]],
-        [[19.0, 2.0, 8.0], [14.5, 5.0, 6.0]],
+    // Through periodic sides and a wall, and the second in the first, through a side as well.
+    for (centres, radius) in [
+        ([[0.4, 8.1, -7.0], [10.0, 9.0, 7.0]], 4.3),
+        ([[19.0, 2.0, 8.0], [20.1, 3.0, 7.0]], 2.4),
     ] {
-        let balls = centres.map(|centre| sphere(4.3, centre));
+        let balls = [sphere(4.3, centres[0]), sphere(radius, centres[1])];
         let [first, second] = balls.each_ref().map(Mesh::surface);
         (moved.set_inner_viscosities(&[(first, 0.05), (second, 0.7)])).unwrap();
         let inside = balls.each_ref().map(|ball| {
@@ -117,4 +117,49 @@ fn fluids_inside_surfaces_have_their_viscosities() {
     moved.advance(2);
     fresh.advance(2);
     assert!(moved.state() == fresh.state(), "without surfaces");
+}
+
+/// Shells in each other, the innermost like the fluid outside, in every order of the surfaces: the
+/// viscosity is that of the innermost around a node.
+#[test]
+fn the_innermost_surface_says_which_fluid_there_is() {
+    let size = [20, 17, 15];
+    let setup = periodic(size, 0.1);
+    // Through the sides of the box.
+    let balls = [
+        (sphere(6.2, [19.0, 8.1, 7.7]), 0.5),
+        (sphere(4.1, [20.5, 8.0, 7.0]), 0.05),
+        (sphere(1.9, [20.9, 8.5, 7.5]), 0.1),
+    ];
+    let [mut fresh, nested] = [(); 2].map(|()| {
+        let mut lattice = lattice::<f64>(setup.clone());
+        lattice.fill(stirred(size));
+        lattice
+    });
+    let inside = balls.each_ref().map(|(ball, _)| {
+        let inside = fresh.inside(&ball.connectivity, &ball.positions);
+        inside.unwrap()
+    });
+    let viscosity = |[x, y, z]: [usize; 3]| {
+        let number = x + size[0] * (y + size[1] * z);
+        let mut containing = balls.iter().zip(&inside).rev();
+        let innermost = containing.find(|(_, inside)| inside[number]);
+        innermost.map_or(0.1, |((_, viscosity), _)| *viscosity)
+    };
+    fresh.set_viscosities(viscosity).unwrap();
+    fresh.advance(3);
+    for order in [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ] {
+        let mut nested = nested.clone();
+        let surfaces = order.map(|k| (balls[k].0.surface(), balls[k].1));
+        nested.set_inner_viscosities(&surfaces).unwrap();
+        nested.advance(3);
+        assert!(nested.state() == fresh.state(), "{order:?}");
+    }
 }

@@ -8,6 +8,7 @@ mod inside;
 mod momentum;
 mod reading;
 mod refused;
+mod viscous;
 
 use helfrich_std::flow::lattice_boltzmann::{Lattice, Node, Precision, Setup, Sides};
 use helfrich_tests::meshes::{Mesh, SplitMix64, icosphere};

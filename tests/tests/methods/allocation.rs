@@ -1,8 +1,9 @@
 //! Nothing is allocated after the first evaluation.
 
 use helfrich::{
-    Constraint, Constraints, Cotangent, Curvature, DualArea, InPlane, Interaction, LaplaceBeltrami,
-    Method, NeoHookean, Prepared, Quantity, Real, Repulsion, Rows, Serial, Surface, Targets,
+    Constraint, Constraints, Cotangent, Curvature, DualArea, Images, InPlane, Interaction,
+    LaplaceBeltrami, Method, NeoHookean, Prepared, Quantity, Real, Repulsion, Rows, Serial,
+    Surface, Targets,
 };
 use helfrich_tests::allocation::allocations;
 use helfrich_tests::laws::{
@@ -72,17 +73,16 @@ impl ConservativeLaw for Allocation {
 impl OperatorLaw for Allocation {
     fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
         let vertices = self.mesh.positions.len();
-        let plan = operator.plan(&self.mesh.connectivity);
-        let mut memory = L::Memory::default();
+        let mut workspace = operator.workspace(&self.mesh.connectivity);
         let mut curvature = vec![Curvature::default(); vertices];
         let mut rows = Rows::new();
         let mut laplacian = vec![[0.0; 3]; vertices];
         let mut evaluate = |mesh: &Mesh| {
             let surface = mesh.surface();
-            operator.measure(&Serial, &plan, surface, &mut memory, &mut curvature);
-            operator.assemble(&plan, surface, &memory, &mut rows);
+            operator.curvatures(&Serial, surface, &mut workspace, &mut curvature);
+            operator.assemble(surface, &workspace, &mut rows);
             let (field, result) = (&mesh.positions, &mut laplacian);
-            operator.apply(&Serial, &plan, surface, &memory, field, result);
+            operator.apply(&Serial, surface, &workspace, field, result);
             rows.apply(&Serial, field, result);
         };
         evaluate(&self.mesh);
@@ -107,12 +107,22 @@ fn nothing_is_allocated_after_the_first_evaluation() {
 
 #[test]
 fn repulsion_allocates_once() {
+    let box_around = Images {
+        periods: [3.0, 2.5, 0.0],
+        own: true,
+    };
+    for images in [Images::none(), box_around] {
+        check_repulsion(Repulsion {
+            modulus: 1.0,
+            range: 0.6,
+            images,
+        });
+    }
+}
+
+fn check_repulsion(repulsion: Repulsion<f64>) {
     let Allocation { mesh, moved } = Allocation::of(icosphere(2));
     let beside = moved.map(|[x, y, z]| [x + 1.5, y, z]);
-    let repulsion = Repulsion {
-        modulus: 1.0,
-        range: 0.6,
-    };
     let mut memory = Default::default();
     let mut evaluate = |surfaces: [Surface<'_, f64>; 2]| {
         let mut forces = [0, 1].map(|_| vec![[0.0; 3]; mesh.positions.len()]);
@@ -149,11 +159,11 @@ fn constraints_allocate_once() {
         let mut positions = from.positions.clone();
         let mesh = &mesh.connectivity;
         allocations(|| {
-            prepared.with(|constraints, execution, plan, memory| {
-                let corrected = constraints.correct(execution, plan, mesh, &mut positions, memory);
+            prepared.with(|constraints, execution, workspace| {
+                let corrected = constraints.correct(execution, mesh, &mut positions, workspace);
                 assert!(corrected.is_ok(), "{corrected:?}");
                 let surface = moved.surface();
-                constraints.project(execution, plan, surface, memory, &mut field);
+                constraints.project(execution, surface, workspace, &mut field);
             });
         })
     };
@@ -165,10 +175,10 @@ fn constraints_allocate_once() {
 fn stiffness_is_refilled_in_place() {
     let Allocation { mesh, moved } = Allocation::of(icosphere(2));
     let operator = Cotangent::new(DualArea::Mixed);
-    let plan = Method::<f64>::plan(&operator, &mesh.connectivity);
+    let workspace = operator.workspace(&mesh.connectivity);
     let mut rows = Rows::new();
-    operator.assemble_stiffness(&plan, mesh.surface(), &mut rows);
-    let count = allocations(|| operator.assemble_stiffness(&plan, moved.surface(), &mut rows));
+    operator.assemble_stiffness(mesh.surface(), &workspace, &mut rows);
+    let count = allocations(|| operator.assemble_stiffness(moved.surface(), &workspace, &mut rows));
     assert_eq!(count, 0);
 }
 

@@ -19,11 +19,8 @@ fn made(shape: &str, family: Family, vertices: usize) -> GeneratedMesh {
 
 fn mean_curvature(made: &GeneratedMesh) -> Vec<f64> {
     let mut prepared = Prepared::new(Juelicher::new(1.0), &made.mesh);
-    let mut mean = vec![0.0; made.mesh.vertex_count()];
-    prepared.with(|method, execution, plan, memory| {
-        method.mean_curvature(execution, plan, surface(made), memory, &mut mean);
-    });
-    mean
+    let curvature = prepared.curvatures(surface(made)).iter();
+    curvature.map(|vertex| vertex.mean).collect()
 }
 
 #[test]

@@ -45,9 +45,9 @@ fn dual_areas(kind: DualArea, mesh: &Mesh) -> Vec<f64> {
 
 fn stiffness(mesh: &Mesh) -> Rows<f64> {
     let operator = Cotangent::default();
-    let plan = Method::<f64>::plan(&operator, &mesh.connectivity);
+    let workspace = operator.workspace(&mesh.connectivity);
     let mut rows = Rows::new();
-    operator.assemble_stiffness(&plan, mesh.surface(), &mut rows);
+    operator.assemble_stiffness(mesh.surface(), &workspace, &mut rows);
     rows
 }
 
@@ -208,11 +208,13 @@ fn assert_sphere_exact(inscribed: Inscribed) -> (usize, usize) {
     let sums = cotangent_sums(&mesh);
 
     let mut of_b = vec![f64::NAN; vertices];
-    Prepared::new(GompperKroll::new(1.0), &mesh.connectivity).with(
-        |method, execution, _, memory| {
-            method.mean_curvature(execution, mesh.surface(), memory, &normals, &mut of_b);
-        },
-    );
+    Prepared::new(
+        GompperKroll::with_areas(1.0, DualArea::Voronoi),
+        &mesh.connectivity,
+    )
+    .with(|method, execution, workspace| {
+        method.mean_curvature_along(execution, mesh.surface(), workspace, &normals, &mut of_b);
+    });
     let laplacian = Measured::new(Cotangent::new(DualArea::Voronoi), &mesh).apply(&mesh.positions);
 
     let (mut compared, mut negative) = (0, 0);

@@ -1,11 +1,11 @@
 //! Method S: its gradient, its symmetries, and the orders at which it converges.
 
 use autodiff::F1;
-use helfrich::bending::{ConsistentMemory, LoopSubdivisionMemory};
+use helfrich::bending::ConsistentMemory;
 use helfrich::shapes::Shape;
 use helfrich::{
-    ControlPoints, Curvature, Finding, LoopSubdivision, Prepared, Serial, Subdivision, Surface,
-    TriangleMesh, VertexKind,
+    ControlPoints, Curvature, Curvatures, Finding, LoopSubdivision, Prepared, Serial, Subdivision,
+    Surface, TriangleMesh, VertexKind,
 };
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_tests::tolerance;
@@ -236,8 +236,8 @@ fn interpolated_surfaces_pass_through_the_nodes() {
     for (name, mesh, positions) in meshes() {
         let surface = Surface::new(&mesh, &positions).unwrap();
         let mut limit = vec![[0.0; 3]; positions.len()];
-        prepared(ControlPoints::Interpolated, &mesh).with(|method, execution, plan, memory| {
-            method.limit_positions(execution, plan, surface, memory, &mut limit);
+        prepared(ControlPoints::Interpolated, &mesh).with(|method, execution, workspace| {
+            method.limit_positions(execution, surface, workspace, &mut limit);
         });
         for (found, expected) in limit.iter().zip(&positions) {
             for axis in 0..3 {
@@ -339,11 +339,11 @@ fn errors_on_torus(vertices: usize) -> (usize, [f64; 4]) {
     method.force_density(surface, &mut lumped);
     let mut consistent = vec![[0.0; 3]; count];
     let mut curvature = vec![Curvature::default(); count];
-    let iterations = method.with(|method, execution, plan, memory| {
-        method.curvature(execution, plan, surface, memory, &mut curvature);
+    let iterations = method.with(|method, execution, workspace| {
+        method.curvatures(execution, surface, workspace, &mut curvature);
         let mut solver = ConsistentMemory::default();
         let density = &mut consistent;
-        method.consistent_force_density(execution, plan, surface, memory, &mut solver, density)
+        method.consistent_force_density(execution, surface, workspace, &mut solver, density)
     });
     assert!(iterations < 60, "{iterations}");
     let mut scale = 0.0f64;
@@ -383,9 +383,9 @@ fn errors_on_discocyte(vertices: usize) -> [f64; 3] {
     let surface = Surface::new(&made.mesh, &made.positions).unwrap();
     let mut curvature = vec![Curvature::default(); vertices];
     let mut method = prepared(ControlPoints::Hybrid, &made.mesh);
-    let (area, volume) = method.with(|method, execution, plan, memory| {
-        method.curvature(execution, plan, surface, memory, &mut curvature);
-        method.area_and_volume(execution, plan, surface, memory)
+    let (area, volume) = method.with(|method, execution, workspace| {
+        method.curvatures(execution, surface, workspace, &mut curvature);
+        method.area_and_volume(execution, surface, workspace)
     });
     let sum: f64 = curvature.iter().map(|vertex| vertex.area).sum();
     tolerance::SPLINE.assert(sum, area, area, "areas of the nodes");
@@ -409,11 +409,8 @@ fn errors_on_discocyte(vertices: usize) -> [f64; 3] {
 fn corners_of_refined_triangles_have_their_curvature() {
     for (mesh, positions) in [tetrahedron(), octahedron()] {
         let surface = Surface::new(&mesh, &positions).unwrap();
-        let mut curvature = vec![Curvature::default(); positions.len()];
         let mut bending = prepared(ControlPoints::default(), &mesh);
-        bending.with(|method, execution, plan, memory| {
-            method.curvature(execution, plan, surface, memory, &mut curvature);
-        });
+        let curvature = bending.curvatures(surface);
         let first = curvature[0];
         // Positive where normals point outward.
         let outward = dot(first.normal, positions[0]);
@@ -421,7 +418,7 @@ fn corners_of_refined_triangles_have_their_curvature() {
             first.mean * outward > 0.0 && first.gaussian > 0.0,
             "{first:?}"
         );
-        for vertex in &curvature {
+        for vertex in curvature {
             tolerance::SAME.assert(vertex.mean, first.mean, first.mean.abs(), "H");
             tolerance::SAME.assert(vertex.gaussian, first.gaussian, first.gaussian, "K");
         }
@@ -452,11 +449,10 @@ fn evaluations_repeat_and_single_precision_agrees() {
     for (twice, once) in doubled.iter().zip(&force) {
         assert_eq!(*twice, once.map(|f| f + f));
     }
-    let mut memory = LoopSubdivisionMemory::default();
     let loose = LoopSubdivision::new(1f32);
-    let plan = helfrich::Method::<f32>::plan(&loose, &made.mesh);
+    let mut workspace = helfrich::Method::workspace(&loose, &made.mesh);
     let single = Vec::from_iter(made.positions.iter().map(|x| x.map(|x| x as f32)));
     let surface = Surface::new(&made.mesh, &single).unwrap();
-    let found = helfrich::Energy::energy(&loose, &Serial, &plan, surface, &mut memory);
+    let found = helfrich::Energy::energy(&loose, &Serial, surface, &mut workspace);
     tolerance::LOOP_SINGLE.assert(f64::from(found), first, first, "energy");
 }

@@ -12,7 +12,10 @@ mod loop_subdivision;
 mod memory;
 mod paraboloid;
 mod precision;
+mod range;
+mod run_time;
 mod spontaneous;
+mod workspaces;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;

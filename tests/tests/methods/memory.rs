@@ -42,7 +42,7 @@ fn memory_is_bounded() {
         // Curvatures of 56 bytes and seven weights of the operator.
         ("C", bytes(StrongForm::meyer(1.0)), 200.0),
         // As many neighbours as the kernel reaches: 12 bytes each.
-        ("D", bytes(StrongForm::belkin(1.0)), 3500.0),
+        ("D", bytes(StrongForm::belkin(1.0)), 1800.0),
         ("E", bytes(StrongForm::farutin(1.0)), 260.0),
         // Three quadrature points for each of two patches; control points and the way to them.
         ("S", bytes(LoopSubdivision::new(1.0)), 2400.0),

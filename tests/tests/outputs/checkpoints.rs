@@ -203,3 +203,29 @@ proptest! {
         prop_assert!(checkpoint::read::<String>(&path, scene).is_err());
     }
 }
+
+/// The examples of NIST for SHA-256: of one block, of two, of none, and of a million letters.
+#[test]
+fn fingerprints_are_sha_256() {
+    let million = "a".repeat(1_000_000);
+    for (text, expected) in [
+        (
+            "abc",
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad",
+        ),
+        (
+            "abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq",
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1",
+        ),
+        (
+            "",
+            "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855",
+        ),
+        (
+            &million,
+            "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0",
+        ),
+    ] {
+        assert_eq!(Fingerprint::of(text).to_hex(), expected);
+    }
+}

@@ -4,12 +4,15 @@
     reason = "what fails in a helper fails the test that called it"
 )]
 
+use helfrich::Images;
 use helfrich_std::checkpoint::{self, Fingerprint};
 use helfrich_std::deformation::{
     Deformation, ShearPlane, TankTreading, extremes, first_plateau, roughness, taylor,
     wrinkle_indicator,
 };
-use helfrich_std::enclosure::{encloses, vertices_inside};
+use helfrich_std::enclosure::{
+    Inside, encloses, inside_of_images, inside_of_own_images, surroundings, vertices_inside,
+};
 use helfrich_std::flow::Ambient;
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::section::section;
@@ -393,6 +396,59 @@ fn a_membrane_that_treads_takes_its_period() {
     assert_close(state.axis_turns(), 0.0, 1.0, "the axis stays");
 }
 
+/// The same membrane, whose mesh stays while its material goes by, and drifts as a whole.
+#[test]
+fn material_that_goes_by_takes_its_period() {
+    let ball = icosphere(2);
+    let [a, b, c] = SEMI_AXES;
+    let drift = [0.4, -0.1, 0.2];
+    let stays = ball.map(|[x, y, z]| [a * x, b * y, c * z]);
+    let at = |time: f64| {
+        stays.map(|x| {
+            let x = moved(inclined(20.0)(x));
+            std::array::from_fn(|axis| x[axis] + time * drift[axis])
+        })
+    };
+    let velocities = Vec::from_iter(stays.positions.iter().map(|&[x, y, _]| {
+        let going = inclined(20.0)([a / b * y, -b / a * x, 0.0]);
+        std::array::from_fn(|axis| going[axis] + drift[axis])
+    }));
+    let start = at(0.0);
+    let mut state = TankTreading::new(start.surface(), &of(&start), plane(), 0.0);
+    for count in 1..=200 {
+        let time = f64::from(count) * 0.09;
+        let now = at(time);
+        state.update_by_velocities(time, now.surface(), &of(&now), &velocities);
+    }
+    tolerance::TANK_TREADING.assert(state.turns(), 18.0 / TAU, 1.0, "turns");
+    tolerance::TANK_TREADING.assert(state.period(), TAU, 1.0, "period");
+    assert_close(state.axis_turns(), 0.0, 1.0, "the axis stays");
+}
+
+/// A rigid body that turns, by velocities that change from step to step.
+#[test]
+fn material_that_turns_with_its_body_does_not_tread() {
+    let omega = |time: f64| 1.0 + 0.5 * time.cos();
+    let angle = |time: f64| time + 0.5 * time.sin();
+    let long = stretched(2, [1.0, 3.0, 1.0]);
+    let at = |time: f64| long.map(inclined(-angle(time).to_degrees()));
+    let start = at(0.0);
+    let mut state = TankTreading::new(start.surface(), &of(&start), plane(), 0.0);
+    for count in 1..=100 {
+        let time = f64::from(count) * 0.1;
+        let now = at(time);
+        let turning = now
+            .positions
+            .iter()
+            .map(|&[x, y, _]| [omega(time) * y, -omega(time) * x, 0.0]);
+        let velocities = Vec::from_iter(turning);
+        state.update_by_velocities(time, now.surface(), &of(&now), &velocities);
+    }
+    assert_close(state.axis_turns(), angle(10.0) / TAU, 1.0, "tumbling");
+    // Second order in steps of a tenth, the first of which has no rate before it.
+    tolerance::TANK_TREADING.assert(state.turns(), 0.0, 1.0, "treading");
+}
+
 /// A rigid body in shear: G. B. Jeffery, Proc. R. Soc. A 102 (1922) 161.
 #[test]
 fn a_body_that_tumbles_does_not_tread() {
@@ -563,6 +619,114 @@ fn closed_surfaces_enclose_what_is_inside() {
     let found = vertices_inside(within.surface(), mesh.surface());
     assert_eq!(found, Some((0, all)));
     assert_eq!(vertices_inside(mesh.surface(), within.surface()), None);
+}
+
+/// The innermost of the closed surfaces around each one, whatever their order; what lies across another
+/// one lies in none.
+#[test]
+fn surfaces_know_what_they_lie_in() {
+    let ball = |radius: f64, x: f64| {
+        icosphere(2).map(|[a, b, c]| [radius * a + x, radius * b, radius * c])
+    };
+    let open = hemisphere(2);
+    let balls = [
+        ball(3.0, 0.0),
+        ball(0.2, 0.1),
+        ball(0.7, 0.2),
+        ball(1.0, 3.0),
+        ball(1.5, 0.0),
+        ball(0.2, 9.0),
+        ball(0.1, 0.5),
+    ];
+    // The hemisphere of radius 1 lies in the fifth, and nothing in it.
+    let expected = [
+        None,
+        Some(2),
+        Some(4),
+        None,
+        Some(0),
+        None,
+        Some(2),
+        Some(4),
+    ];
+    let meshes = Vec::from_iter(balls.iter().chain([&open]));
+    let surfaces = |order: &[usize]| Vec::from_iter(order.iter().map(|&k| meshes[k].surface()));
+    for order in [[0, 1, 2, 3, 4, 5, 6, 7], [6, 4, 7, 2, 0, 3, 5, 1]] {
+        let found = surroundings(&surfaces(&order), &Images::none());
+        for (around, k) in found.into_iter().zip(order) {
+            assert_eq!(
+                around.map(|around| order[around]),
+                expected[k],
+                "surface {k}"
+            );
+        }
+    }
+}
+
+/// In a periodic box what lies in an image lies in the surface, wherever in the box it is; what lies across
+/// the wall of one lies in none.
+#[test]
+fn surfaces_lie_in_images_of_others() {
+    let ball = |radius: f64, x: f64| {
+        icosphere(2).map(|[a, b, c]| [radius * a + x, radius * b, radius * c])
+    };
+    let balls = [
+        ball(1.5, 0.0),
+        ball(0.5, 8.2),
+        ball(0.2, -7.7),
+        ball(0.4, 9.5),
+    ];
+    let images = Images {
+        periods: [8.0, 0.0, 0.0],
+        own: true,
+    };
+    let surfaces = Vec::from_iter(balls.iter().map(Mesh::surface));
+    let found = surroundings(&surfaces, &images);
+    assert_eq!(found, [None, Some(0), Some(1), None]);
+    assert_eq!(surroundings(&surfaces, &Images::none()), [None; 4]);
+}
+
+/// By an image as by the surface itself, wherever in the box both are; and by several of a short box.
+#[test]
+fn images_enclose_as_surfaces_do() {
+    let images = Images {
+        periods: [4.0, 0.0, 3.0],
+        own: true,
+    };
+    let sphere = icosphere(2);
+    let at =
+        |place: [f64; 3]| icosphere(1).map(|x| [0, 1, 2].map(|axis| 0.5 * x[axis] + place[axis]));
+    let direct = at([1.0, 0.25, 0.0]);
+    let direct = inside_of_images(direct.surface(), sphere.surface(), &images);
+    let [expected] = direct.try_into().expect("one");
+    assert!(!expected.is_by_image() && expected.count < 42);
+    for shift in [[4.0, 0.0, 0.0], [-8.0, 0.0, 3.0], [0.0, 0.0, -300.0]] {
+        let moved = at([1.0 + shift[0], 0.25, shift[2]]);
+        let found = inside_of_images(moved.surface(), sphere.surface(), &images);
+        let shift = shift.map(|length| 0.0 - length);
+        assert_eq!(found, [Inside { shift, ..expected }]);
+    }
+    // No period along y.
+    let beside = at([1.0, 4.25, 0.0]);
+    let found = inside_of_images(beside.surface(), sphere.surface(), &images);
+    assert_eq!(found, []);
+    // Half of it in the one, half of it in the next.
+    let touching = Images {
+        periods: [2.0, 0.0, 0.0],
+        own: false,
+    };
+    let found = inside_of_images(at([1.0, 0.0, 0.0]).surface(), sphere.surface(), &touching);
+    assert_eq!(
+        Vec::from_iter(found.iter().map(|inside| inside.shift[0])),
+        [-2.0, 0.0]
+    );
+    assert_eq!(inside_of_own_images(sphere.surface(), &images), []);
+    let long = sphere.map(|[x, y, z]| [2.2 * x, y, z]);
+    let found = inside_of_own_images(long.surface(), &images);
+    assert_eq!(
+        Vec::from_iter(found.iter().map(|inside| inside.shift[0])),
+        [-4.0, 4.0]
+    );
 }
 
 /// Little on smooth surfaces, less on finer meshes; about 1 where vertices go up and down in turn.

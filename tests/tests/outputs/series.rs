@@ -71,6 +71,58 @@ fn wherever_a_series_was_torn_the_resumed_one_is_the_same() {
     assert_eq!(SeriesTable::read(&path).unwrap().rows.len(), 7);
 }
 
+/// Taken away while a run writes it, a series is written anew: no row is lost.
+#[test]
+fn a_series_that_was_taken_away_is_there_again() {
+    let folder = TempDir::new().unwrap();
+    let [path, whole] = ["series.csv", "whole.csv"].map(|name| folder.path().join(name));
+    let whole = written(&whole, 6);
+    let mut series = Series::create(&path, &COLUMNS).unwrap();
+    for at in 0..6 {
+        if at % 2 == 1 {
+            fs::remove_file(&path).unwrap();
+        }
+        series.append(&row(at)).unwrap();
+    }
+    fs::remove_file(&path).unwrap();
+    assert_eq!(series.mark().unwrap(), 6);
+    assert_eq!(fs::read(&path).unwrap(), whole);
+    // With its folder gone it cannot be.
+    drop(folder);
+    let error = series.append(&row(6)).unwrap_err();
+    assert!(
+        matches!(error.problem, SeriesProblem::Inaccessible(_)),
+        "{error}"
+    );
+}
+
+/// What others write into a series is not mixed with the run's rows.
+#[test]
+fn a_series_that_another_program_has_changed_is_not_gone_on_with() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("series.csv");
+    for change in [&b"9.0,9.0,9.0\n"[..], b""] {
+        let mut series = Series::create(&path, &COLUMNS).unwrap();
+        (0..3).for_each(|at| series.append(&row(at)).unwrap());
+        let mut content = fs::read(&path).unwrap();
+        if change.is_empty() {
+            content.truncate(content.len() / 2);
+        }
+        content.extend(change);
+        fs::write(&path, &content).unwrap();
+        for problem in [
+            series.append(&row(3)).unwrap_err().problem,
+            series.mark().unwrap_err().problem,
+        ] {
+            assert!(
+                matches!(problem, SeriesProblem::Changed { .. }),
+                "{problem}"
+            );
+        }
+        assert_eq!(fs::read(&path).unwrap(), content);
+    }
+}
+
 #[test]
 fn what_is_no_series_is_refused() {
     let folder = TempDir::new().unwrap();

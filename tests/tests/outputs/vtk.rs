@@ -4,18 +4,18 @@
     reason = "what fails in a helper fails the test that called it"
 )]
 
+mod by_vtk;
+mod published;
+
 use super::{TIME, bits};
 use helfrich_std::io::{
     Collection, CollectionEntry, Grid, PointField, PointValues, VtkError, write_vti, write_vtp,
 };
 use helfrich_tests::meshes::{Mesh, bent, icosphere};
 use helfrich_tests::tolerance::GRID_POINT;
-use roxmltree::{Document, Node};
-use serde_json::Value;
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::{env, fs, io};
+use published::{Array, Data, Entry, Numbers, read};
+use std::fs;
+use std::path::Path;
 use tempfile::TempDir;
 
 /// A surface with a field of every kind, and values that text would lose.
@@ -83,65 +83,33 @@ fn flat(values: PointValues<'_>) -> (&'static str, usize, Vec<f64>) {
     }
 }
 
-/// The bytes of base64 (RFC 4648, section 4), padded, without a character too many.
-fn decoded(text: &str) -> Vec<u8> {
-    const ALPHABET: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    assert_eq!(text.len() % 4, 0);
-    let padding = text.len() - text.trim_end_matches('=').len();
-    assert!(padding <= 2);
-    let mut bytes = Vec::new();
-    for four in text.as_bytes().chunks(4) {
-        let mut bits = 0_u32;
-        for digit in four {
-            let value = ALPHABET.iter().position(|known| known == digit);
-            bits = bits << 6 | value.unwrap_or_else(|| usize::from(*digit != b'=') * 64) as u32;
-            assert!(value.is_some() || *digit == b'=', "{digit}");
+/// Every value of an array as an f64, as [`flat`] has them.
+fn numbers(array: &Array) -> (&'static str, usize, Vec<f64>) {
+    let components = array.components;
+    match &array.numbers {
+        Numbers::Double(values) => ("Float64", components, values.clone()),
+        Numbers::Single(values) => {
+            let wide = values.iter().map(|&x| f64::from(x)).collect();
+            ("Float32", components, wide)
         }
-        bytes.extend(&bits.to_be_bytes()[1..]);
-    }
-    bytes.truncate(bytes.len() - padding);
-    bytes
-}
-
-/// The numbers of a `DataArray`, whose header has to count its bytes.
-fn stored(array: Node<'_, '_>, kind: &str) -> Vec<f64> {
-    assert_eq!(array.tag_name().name(), "DataArray");
-    assert_eq!(array.attribute("format"), Some("binary"));
-    assert_eq!(array.attribute("type"), Some(kind));
-    let bytes = decoded(array.text().unwrap());
-    let (header, bytes) = bytes.split_at(8);
-    assert_eq!(
-        u64::from_le_bytes(header.try_into().unwrap()),
-        bytes.len() as u64
-    );
-    match kind {
-        "Float32" => bytes
-            .chunks(4)
-            .map(|four| f32::from_le_bytes(four.try_into().unwrap()).into())
-            .collect(),
-        "Float64" => bytes
-            .chunks(8)
-            .map(|eight| f64::from_le_bytes(eight.try_into().unwrap()))
-            .collect(),
-        "Int64" => bytes
-            .chunks(8)
-            .map(|eight| i64::from_le_bytes(eight.try_into().unwrap()) as f64)
-            .collect(),
-        other => panic!("{other}"),
+        Numbers::Integers(values) => panic!("{}: {values:?}", array.name),
     }
 }
 
-fn children<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Vec<Node<'a, 'input>> {
-    node.children()
-        .filter(|child| child.has_tag_name(name))
-        .collect()
-}
-
+/// A file that is as published, with these fields.
 #[track_caller]
-fn only_child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Node<'a, 'input> {
-    let found = children(node, name);
-    assert_eq!(found.len(), 1, "{name}");
-    found[0]
+fn published(path: &Path, fields: &[PointField<'_>]) -> Data {
+    let contents = read(&fs::read_to_string(path).unwrap()).unwrap();
+    assert_eq!(contents.time.map(f64::to_bits), Some(TIME.to_bits()));
+    assert_eq!(contents.fields.len(), fields.len());
+    for (array, field) in contents.fields.iter().zip(fields) {
+        assert_eq!(array.name, field.name);
+        let (kind, components, values) = flat(field.values);
+        let found = numbers(array);
+        assert_eq!((found.0, found.1), (kind, components), "{}", field.name);
+        assert_eq!(bits(&found.2), bits(&values), "{}", field.name);
+    }
+    contents.data
 }
 
 #[test]
@@ -150,113 +118,17 @@ fn a_surface_is_stored_bit_by_bit_as_vtk_documents_it() {
     let path = folder.path().join("surface.vtp");
     let example = Example::new();
     example.write(&path);
-    let text = fs::read_to_string(&path).unwrap();
-    let document = Document::parse(&text).unwrap();
-    let root = document.root_element();
-    assert!(root.has_tag_name("VTKFile"));
-    for (attribute, value) in [
-        ("type", "PolyData"),
-        ("version", "1.0"),
-        ("byte_order", "LittleEndian"),
-        ("header_type", "UInt64"),
-    ] {
-        assert_eq!(root.attribute(attribute), Some(value));
-    }
-    let data = only_child(root, "PolyData");
-    let time = only_child(only_child(data, "FieldData"), "DataArray");
-    assert_eq!(time.attribute("Name"), Some("TimeValue"));
-    assert_eq!(stored(time, "Float64"), [TIME]);
-    let piece = only_child(data, "Piece");
-    let count = |name: &str| piece.attribute(name).unwrap().parse::<usize>().unwrap();
-    let triangles = example.mesh.triangles();
-    assert_eq!(count("NumberOfPoints"), example.positions.len());
-    assert_eq!(count("NumberOfPolys"), triangles.len());
-    for other in ["NumberOfVerts", "NumberOfLines", "NumberOfStrips"] {
-        assert_eq!(count(other), 0);
-    }
-    let points = only_child(only_child(piece, "Points"), "DataArray");
-    assert_eq!(points.attribute("NumberOfComponents"), Some("3"));
-    let flat_positions = bits(example.positions.as_flattened());
-    assert_eq!(bits(&stored(points, "Float64")), flat_positions);
-    for array in children(only_child(piece, "Polys"), "DataArray") {
-        let expected: Vec<f64> = match array.attribute("Name") {
-            Some("connectivity") => triangles.as_flattened().iter().map(|&v| v.into()).collect(),
-            Some("offsets") => (1..=triangles.len()).map(|t| 3.0 * t as f64).collect(),
-            other => panic!("{other:?}"),
-        };
-        assert_eq!(stored(array, "Int64"), expected);
-    }
-    let arrays = children(only_child(piece, "PointData"), "DataArray");
-    assert_eq!(arrays.len(), example.fields().len());
-    for (array, field) in arrays.into_iter().zip(example.fields()) {
-        assert_eq!(array.attribute("Name"), Some(field.name));
-        let (kind, components, values) = flat(field.values);
-        let found = array.attribute("NumberOfComponents").unwrap_or("1");
-        assert_eq!(found, components.to_string());
-        assert_eq!(bits(&stored(array, kind)), bits(&values));
-    }
-}
-
-/// A Python that has VTK: `HELFRICH_PYTHON`, or else what is called `python3`.
-fn python_with_vtk() -> Option<PathBuf> {
-    let python = env::var_os("HELFRICH_PYTHON").unwrap_or_else(|| "python3".into());
-    let mut import = Command::new(&python);
-    import.args(["-c", "import vtk"]).stderr(Stdio::null());
-    import.status().ok()?.success().then(|| python.into())
-}
-
-/// What VTK reads from a file; none, said aloud, where there is no VTK.
-fn read_by_vtk(path: &Path) -> Option<Value> {
-    let Some(python) = python_with_vtk() else {
-        // Past the harness, which keeps what passing tests print to itself.
-        let message = "files read by VTK: SKIPPED, there is no Python with the package vtk \
-                       (HELFRICH_PYTHON names one)\n";
-        io::stderr().write_all(message.as_bytes()).unwrap();
-        return None;
+    let Data::Surface {
+        positions,
+        polygons,
+    } = published(&path, &example.fields())
+    else {
+        panic!("no surface");
     };
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/data/read_vtk.py");
-    let mut read = Command::new(python);
-    let output = read.arg(script).arg(path).output().unwrap();
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && errors.is_empty(), "{errors}");
-    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(found["complaints"], serde_json::json!([]));
-    Some(found)
-}
-
-/// Fields as VTK has read them.
-fn assert_same_fields(found: &Value, expected: &[PointField<'_>]) {
-    let arrays = found["point_data"].as_object().unwrap();
-    assert_eq!(arrays.len(), expected.len());
-    for field in expected {
-        let (kind, components, values) = flat(field.values);
-        let array = &arrays[field.name];
-        let kind = if kind == "Float64" { "double" } else { "float" };
-        assert_eq!(array["type"], kind);
-        assert_eq!(array["components"], components);
-        assert_eq!(array["values"], serde_json::json!(bits(&values)));
-    }
-    let time = &found["field_data"]["TimeValue"]["values"];
-    assert_eq!(time, &serde_json::json!([TIME.to_bits()]));
-}
-
-#[test]
-fn vtk_reads_a_surface_back() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("surface.vtp");
-    let example = Example::new();
-    example.write(&path);
-    let Some(found) = read_by_vtk(&path) else {
-        return;
-    };
-    assert_eq!(found["other_cells"], 0);
-    assert_eq!(
-        found["triangles"],
-        serde_json::json!(example.mesh.triangles())
-    );
-    let positions = bits(example.positions.as_flattened());
-    assert_eq!(found["positions"], serde_json::json!(positions));
-    assert_same_fields(&found, &example.fields());
+    assert_eq!(bits(&positions), bits(example.positions.as_flattened()));
+    let triangles = example.mesh.triangles().iter();
+    let triangles = Vec::from_iter(triangles.map(|corners| corners.map(i64::from).to_vec()));
+    assert_eq!(polygons, triangles);
 }
 
 /// Axes that are no rows of a symmetric matrix: rows and columns must not be confused.
@@ -270,41 +142,119 @@ fn oblique_grid() -> Grid {
     }
 }
 
+/// The grid's points, and numbers at them that text would lose.
+struct OnGrid {
+    points: Vec<[f64; 3]>,
+    pressure: Vec<f64>,
+    single: Vec<f32>,
+}
+
+impl OnGrid {
+    fn new() -> Self {
+        let points = Vec::from_iter(oblique_grid().points());
+        let pressure = Vec::from_iter(points.iter().map(|point| point[0] / 7.0));
+        let single = Vec::from_iter(pressure.iter().map(|&x| x as f32));
+        Self {
+            points,
+            pressure,
+            single,
+        }
+    }
+
+    fn fields(&self) -> [PointField<'_>; 3] {
+        [
+            ("velocity", PointValues::Vectors(&self.points)),
+            ("pressure", PointValues::Scalars(&self.pressure)),
+            ("density", PointValues::Scalars32(&self.single)),
+        ]
+        .map(|(name, values)| PointField { name, values })
+    }
+
+    fn write(&self, path: &Path) {
+        write_vti(path, &oblique_grid(), Some(TIME), &self.fields()).unwrap();
+    }
+}
+
+/// Where the points are follows from the attributes by what VTK publishes of them: the origin, and
+/// the matrix of directions times the spacings times the numbers of the point.
 #[test]
-fn vtk_reads_a_grid_back() {
+fn a_grid_is_stored_as_vtk_documents_it() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("slice.vti");
-    let grid = oblique_grid();
-    let points = Vec::from_iter(grid.points());
-    assert_eq!(points.len(), grid.point_count());
-    let pressure = Vec::from_iter(points.iter().map(|point| point[0] / 7.0));
-    let single = Vec::from_iter(pressure.iter().map(|&x| x as f32));
-    let fields = [
-        ("velocity", PointValues::Vectors(&points)),
-        ("pressure", PointValues::Scalars(&pressure)),
-        ("density", PointValues::Scalars32(&single)),
-    ]
-    .map(|(name, values)| PointField { name, values });
-    write_vti(&path, &grid, Some(TIME), &fields).unwrap();
-    let text = fs::read_to_string(&path).unwrap();
-    let document = Document::parse(&text).unwrap();
-    let data = only_child(document.root_element(), "ImageData");
-    assert_eq!(data.attribute("WholeExtent"), Some("0 3 0 2 0 1"));
-    let piece = only_child(data, "Piece");
-    assert_eq!(piece.attribute("Extent"), Some("0 3 0 2 0 1"));
-    let array = children(only_child(piece, "PointData"), "DataArray")[1];
-    assert_eq!(bits(&stored(array, "Float64")), bits(&pressure));
-    let Some(found) = read_by_vtk(&path) else {
-        return;
+    let example = OnGrid::new();
+    example.write(&path);
+    let Data::Grid {
+        counts,
+        origin,
+        spacings,
+        direction,
+    } = published(&path, &example.fields())
+    else {
+        panic!("no grid");
     };
-    assert_same_fields(&found, &fields);
-    assert_eq!(found["counts"], serde_json::json!(grid.counts));
-    assert_eq!(found["origin"], serde_json::json!(bits(&grid.origin)));
-    assert_eq!(found["spacings"], serde_json::json!(bits(&grid.spacings)));
-    for (found, point) in found["points"].as_array().unwrap().iter().zip(points) {
-        for (found, expected) in found.as_array().unwrap().iter().zip(point) {
-            GRID_POINT.assert(found.as_f64().unwrap(), expected, 1.0, "where a point is");
+    assert_eq!(counts, oblique_grid().counts);
+    for (at, point) in example.points.iter().enumerate() {
+        let numbers = [
+            at % counts[0],
+            at / counts[0] % counts[1],
+            at / counts[0] / counts[1],
+        ];
+        for axis in 0..3 {
+            let steps = (0..3).map(|k| direction[3 * axis + k] * spacings[k] * numbers[k] as f64);
+            let found = origin[axis] + steps.sum::<f64>();
+            GRID_POINT.assert(found, point[axis], 1.0, "where a point is");
         }
+    }
+}
+
+/// Files with a fault each, which a reader that overlooks it would let through.
+#[test]
+fn what_is_not_as_published_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("surface.vtp");
+    Example::new().write(&path);
+    let surface = fs::read_to_string(&path).unwrap();
+    OnGrid::new().write(&path);
+    let grid = fs::read_to_string(&path).unwrap();
+    for (text, old, new) in [
+        (&surface, "NumberOfPolys=\"80\"", "NumberOfPolys=\"79\""),
+        (&surface, "NumberOfPoints=\"42\"", "NumberOfPoints=\"41\""),
+        (&surface, "NumberOfVerts=\"0\"", ""),
+        (&surface, "NumberOfLines=\"0\"", "NumberOfLines=\"1\""),
+        (&surface, "NumberOfStrips", "NumberOfStripes"),
+        (&surface, "Name=\"offsets\"", "Name=\"ends\""),
+        (&surface, "Name=\"single\"", "Name=\"force\""),
+        (&surface, "type=\"Float32\" Name", "type=\"Float64\" Name"),
+        (&surface, "type=\"Int64\"", "type=\"Int32\""),
+        (
+            &surface,
+            "NumberOfComponents=\"3\"",
+            "NumberOfComponents=\"2\"",
+        ),
+        (&surface, "UInt64", "UInt32"),
+        (&surface, "LittleEndian", "BigEndian"),
+        (&surface, "format=\"binary\"", "format=\"ascii\""),
+        (&surface, "NumberOfTuples=\"1\"", "NumberOfTuples=\"2\""),
+        (&surface, "NumberOfTuples=\"1\"", ""),
+        (&surface, "<PointData>", "<PointData Scalars=\"none\">"),
+        (&surface, "<Polys>", "<Polys>1 2 3"),
+        (&surface, "Polys>", "Polygons>"),
+        (&surface, "Points>", "PointData>"),
+        (&surface, "</PolyData>", "</PolyData><PolyData/>"),
+        (&surface, "==</DataArray>", "</DataArray>"),
+        (&grid, "Extent=\"0 3 0 2 0 1\"", "Extent=\"0 3 0 2 0 2\""),
+        (
+            &grid,
+            "<Piece Extent=\"0 3 0 2 0 1\"",
+            "<Piece Extent=\"0 3 0 2 1 1\"",
+        ),
+        (&grid, " Spacing=", " Spacings="),
+        (&grid, "Direction=\"0.6 ", "Direction=\""),
+        (&grid, "ImageData", "RectilinearGrid"),
+    ] {
+        assert!(text.contains(old), "{old} is not in the file");
+        let found = read(&text.replace(old, new));
+        assert!(found.is_err(), "{old} as {new}: {found:?}");
     }
 }
 
@@ -384,18 +334,12 @@ fn the_index_of_a_run_names_every_file_at_its_time() {
             });
         }
         collection.write(&path).unwrap();
-        let text = fs::read_to_string(&path).unwrap();
-        let document = Document::parse(&text).unwrap();
-        let root = document.root_element();
-        assert_eq!(root.attribute("type"), Some("Collection"));
-        let found: Vec<CollectionEntry> = children(only_child(root, "Collection"), "DataSet")
-            .iter()
-            .map(|set| CollectionEntry {
-                time: set.attribute("timestep").unwrap().parse().unwrap(),
-                part: set.attribute("part").unwrap().parse().unwrap(),
-                file: set.attribute("file").unwrap().to_owned(),
-            })
-            .collect();
-        assert_eq!(found, collection.entries);
+        let contents = read(&fs::read_to_string(&path).unwrap()).unwrap();
+        let entries = collection.entries.iter().map(|entry| Entry {
+            time: entry.time,
+            part: entry.part,
+            file: entry.file.clone(),
+        });
+        assert_eq!(contents.data, Data::Index(entries.collect()));
     }
 }

@@ -279,12 +279,20 @@ fn ranges_are_checked() {
 fn units_are_converted_and_checked() {
     let tension = |value: &str| format!("tension.value = \"{value}\"");
     assert_eq!(
-        valid(&with(&tension("5.3 µN/m"))).scene.surfaces[0].tension,
-        Some(5.3)
+        valid(&with(&tension("5.3 µN/m"))).scene.surfaces[0]
+            .effects
+            .tension
+            .unwrap()
+            .value,
+        5.3
     );
     assert_eq!(
-        valid(&with(&tension("5.3 uN/m"))).scene.surfaces[0].tension,
-        Some(5.3)
+        valid(&with(&tension("5.3 uN/m"))).scene.surfaces[0]
+            .effects
+            .tension
+            .unwrap()
+            .value,
+        5.3
     );
     refused_effect(
         &tension("5.3 µN"),
@@ -322,7 +330,8 @@ fn units_are_converted_and_checked() {
     );
     // Every way in which TOML writes numbers.
     let surface = valid("units = \"none\"\ndriver.kind = \"relax\"\n[[surface]]\nmesh = \"a.ply\"\ntension.value = 1_000.5\nscale = 0x10").scene.surfaces.remove(0);
-    assert_eq!((surface.tension, surface.scale), (Some(1000.5), 16.0));
+    let found = surface.effects.tension.unwrap().value;
+    assert_eq!((found, surface.scale), (1000.5, 16.0));
     let none = with(&tension("5.3 µN/m")).replace("micro", "none");
     refused(
         &none,
@@ -349,6 +358,11 @@ fn contradictions_are_refused() {
         "[surface.bending]\nmethod = \"A\"\nmodulus = 1\nspontaneous_curvature = 1",
         [11, 25],
         &["kantor-nelson (A) has no spontaneous curvature: choose another method"],
+    );
+    refused_effect(
+        "[surface.bending]\nmethod = \"S\"\nmodulus = 1\nareas = \"voronoi\"",
+        [11, 9],
+        &["method loop has no option `areas`: gompper-kroll (B) and meyer (C) have"],
     );
     refused_effect(
         "tension.value = 1\nviscosity_ratio = 5",
@@ -404,6 +418,15 @@ fn contradictions_are_refused() {
         &with(elastic).replace("[driver]", "[driver]\nredistribution = true"),
         [3, 18],
         &["every surface is elastic: choose false or \"auto\""],
+    );
+    let flow = "[driver]\nredistribution = true\nviscosity = 1\nduration = 1";
+    let pulled = "[surface.bending]\nmethod = \"B\"\nmodulus = 1\n[surface.stretching]\naxis = [1, 0, 0]\nforce = 1\n";
+    refused(
+        &with(pulled)
+            .replace("[driver]", flow)
+            .replace("relax", "boundary-integral"),
+        [3, 18],
+        &["every surface is elastic, or pulled at its vertices: choose false"],
     );
     refused_effect(
         &format!("{elastic}reference = {{ shape = \"torus:2,1\" }}"),

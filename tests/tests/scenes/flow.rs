@@ -103,11 +103,12 @@ points = [2, 2]
         integrator: Integrator::Rk4 { step: 1e-5 },
         tolerance: 1e-5,
         volume_correction: false,
+        redistribution: false,
     };
     assert_eq!(driver(scene), expected);
     let surface = &scene.surfaces[0];
     assert_eq!(surface.viscosity_ratio, Some(5.0));
-    assert_eq!(surface.membrane_viscosity.unwrap().shear, 0.5);
+    assert_eq!(surface.effects.membrane_viscosity.unwrap().shear, 0.5);
     assert!(matches!(
         surface.source,
         MeshSource::Shape {
@@ -158,11 +159,21 @@ fn what_is_left_out_has_its_default() {
         integrator: Integrator::Rkc2,
         tolerance: 1e-4,
         volume_correction: true,
+        redistribution: false,
     };
     assert_eq!(driver(&scene), expected);
     assert_eq!(scene.output.every, Every::Time(0.01 * expected.duration));
     let soft = capsule(&[("bending = { method = \"B\", modulus = 0.1125 }\n", "")]);
     assert_eq!(driver(&valid(&soft).scene).integrator, Integrator::Bs23);
+    let drop = valid(&capsule(&[
+        ("bending = { method = \"B\", modulus = 0.1125 }", ""),
+        (
+            "elasticity = { law = \"neo-hookean\", shear_modulus = 1 }",
+            "tension.value = 1",
+        ),
+    ]));
+    assert_eq!(driver(&drop.scene).integrator, Integrator::Rkc2);
+    assert!(driver(&drop.scene).redistribution);
     let still = capsule(&[
         ("flow = { kind = \"shear\", rate = 0.15 }\n", ""),
         ("strain = 4", "duration = 3"),

@@ -1,10 +1,11 @@
 //! Membranes in a box of fluid: the driver lattice-boltzmann.
 
+mod contact;
 mod limits;
 mod refused;
 
 use super::schema::{conforms, json};
-use super::{capsule_in, parse, valid};
+use super::{capsule_in, mesh_file, parse, valid};
 use helfrich_std::flow::lattice_boltzmann::Kernel;
 use helfrich_std::info::MeshInfo;
 use helfrich_std::scalar::Scalar;
@@ -137,6 +138,7 @@ stride = 2
         kernel: Kernel::Four,
         precision: Scalar::F32,
         volume_correction: false,
+        redistribution: false,
     };
     assert_eq!(driver(scene), expected);
     // μ step/(ρ spacing²), 1.2e6 µm²/s of kinematic viscosity.
@@ -166,7 +168,7 @@ stride = 2
     assert_eq!(bump, &placed);
     let file = Obstacle {
         name: "obstacle-2".to_owned(),
-        source: MeshSource::File("folder/bump.ply".into()),
+        source: MeshSource::File(mesh_file("folder/bump.ply")),
         scale: 1.0,
         position: [0.0; 3],
         orientation: None,
@@ -206,6 +208,7 @@ fn what_is_left_out_has_its_default() {
         kernel: Kernel::Two,
         precision: Scalar::F64,
         volume_correction: true,
+        redistribution: false,
     };
     assert_eq!(found, expected);
     // a = 1 whatever the polyhedron encloses.

@@ -7,13 +7,15 @@ mod hostile;
 mod lattice;
 mod meshes;
 mod overrides;
+mod private;
 mod reading;
 mod schema;
+mod shipped;
 
 use helfrich::Surface;
 use helfrich_std::generate::generate;
 use helfrich_std::info::MeshInfo;
-use helfrich_std::scene::{MeshSource, Overrides, Place, SceneErrors, SceneFile};
+use helfrich_std::scene::{MeshFileSource, MeshSource, Overrides, Place, SceneErrors, SceneFile};
 use std::path::{Path, PathBuf};
 
 /// Where the shipped scenes are.
@@ -76,6 +78,14 @@ strain = 4
         text = text.replace(old, new);
     }
     text
+}
+
+/// A mesh file of which nothing else is said.
+fn mesh_file(path: &str) -> MeshFileSource {
+    MeshFileSource {
+        path: path.into(),
+        weld: None,
+    }
 }
 
 /// A scene with `effects` on its one surface, from line 8 on.

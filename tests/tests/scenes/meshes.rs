@@ -1,8 +1,10 @@
 //! What effects ask of meshes.
 
 use super::{generated, valid, with};
-use helfrich_std::generate::generate;
+use helfrich_std::generate::{AnyShape, generate};
 use helfrich_std::info::MeshInfo;
+use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::simulation::build;
 
 #[test]
 fn meshes_are_checked_when_they_are_known() {
@@ -91,6 +93,7 @@ fn families_have_the_same_triangles_on_every_shape() {
     }
 }
 
+/// Edges of a mesh lose e²/4a of the distance at which its vertices are held.
 #[test]
 fn repulsion_needs_short_edges() {
     let scene = |cutoff: f64| {
@@ -98,12 +101,12 @@ fn repulsion_needs_short_edges() {
             "tension.value = 1\n[[surface]]\nmesh = \"a.ply\"\ntension.value = 1\n[[interaction]]\nkind = \"repulsion\"\nstrength = 1\ncutoff = {cutoff}"
         ))
     };
-    let file = valid(&scene(0.3));
+    let file = valid(&scene(0.05));
     let info = generated(&file, 0);
     let [warning] = file.mesh_warnings(0, &info).try_into().unwrap();
     let message = warning.to_string();
     assert!(
-        message.starts_with("folder/cell.toml:15:10: the repulsion reaches 0.3"),
+        message.starts_with("folder/cell.toml:15:10: the repulsion reaches 0.05"),
         "{message}"
     );
     assert!(valid(&scene(3.0)).mesh_warnings(0, &info).is_empty());
@@ -121,9 +124,10 @@ fn references_have_the_triangles_of_their_surface() {
             .unwrap()
             .mesh
     };
-    file.check_reference(0, &mesh(642), &mesh(642)).unwrap();
+    file.check_reference(0, "elasticity", &mesh(642), &mesh(642))
+        .unwrap();
     let message = file
-        .check_reference(0, &mesh(642), &mesh(162))
+        .check_reference(0, "elasticity", &mesh(642), &mesh(162))
         .unwrap_err()
         .to_string();
     assert!(
@@ -134,8 +138,123 @@ fn references_have_the_triangles_of_their_surface() {
     turned.swap(3, 4);
     let turned = helfrich::TriangleMesh::new(642, turned).unwrap();
     let message = file
-        .check_reference(0, &mesh(642), &turned)
+        .check_reference(0, "elasticity", &mesh(642), &turned)
         .unwrap_err()
         .to_string();
     assert!(message.contains("triangle 3 of the reference"), "{message}");
+}
+
+/// A coarse mesh cuts the tips of a long shape off; a finer one, and the family that is advised, do not.
+#[test]
+fn generated_meshes_off_their_shape_are_said() {
+    let scene = |family: &str, vertices: usize| {
+        valid(&format!(
+            "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\nname = \"cigar\"\nshape = \
+             \"ellipsoid:1,1,10\"\nscale = 2\nfamily = \"{family}\"\nvertices = {vertices}\n\
+             tension.value = 1\n"
+        ))
+    };
+    let file = scene("relaxed", 162);
+    let mesh = generated(&file, 0);
+    let [warning] = file.mesh_warnings(0, &mesh).try_into().unwrap();
+    let message = warning.to_string();
+    assert!(
+        message.starts_with("folder/cell.toml:9:12: the mesh of \"cigar\" has "),
+        "{message}"
+    );
+    for part in [
+        " % less area than ellipsoid:1,1,10, beyond 13.4 %, the limit for 162 vertices",
+        "choose more `vertices`, or the family \"regular\"",
+    ] {
+        assert!(message.contains(part), "`{part}` is not in: {message}");
+    }
+    for (family, vertices) in [("regular", 162), ("relaxed", 642), ("irregular", 642)] {
+        let file = scene(family, vertices);
+        let warnings = file.mesh_warnings(0, &generated(&file, 0));
+        assert!(warnings.is_empty(), "{}", warnings[0]);
+    }
+
+    // 1 % less area than the exact one, as a mesh of 162 vertices may have.
+    let exact = "ellipsoid:2,2,20".parse::<AnyShape>().unwrap();
+    let mesh = MeshInfo {
+        area: 0.99 * exact.area(),
+        volume: Some(0.98 * exact.volume()),
+        ..mesh
+    };
+    assert!(file.mesh_warnings(0, &mesh).is_empty());
+    let explanation = file.scene.explain(&[mesh]).to_string();
+    for part in [
+        "area off the exact shape = -1 %",
+        "volume off the exact shape = -2 %",
+    ] {
+        assert!(
+            explanation.contains(part),
+            "`{part}` is not in:\n{explanation}"
+        );
+    }
+}
+
+/// A sphere of which each face has corners of its own, as renderers export it, as OBJ.
+fn split_sphere() -> String {
+    use helfrich_std::generate::Family;
+    let sphere = generate(&"sphere".parse().unwrap(), Family::Regular, 162, 1).unwrap();
+    let mut text = String::new();
+    for &corner in sphere.mesh.triangles().iter().flatten() {
+        let [x, y, z] = sphere.positions[corner as usize];
+        text += &format!("v {x} {y} {z}\n");
+    }
+    for face in 0..sphere.mesh.triangles().len() {
+        text += &format!("f {} {} {}\n", 3 * face + 1, 3 * face + 2, 3 * face + 3);
+    }
+    text
+}
+
+/// A mesh that is cut along all its edges is refused, as a surface, as a reference and where a lattice
+/// follows from its size, unless the scene says what is to become of it.
+#[test]
+fn split_vertices_are_refused_unless_the_scene_speaks_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("split.obj"), split_sphere()).unwrap();
+    let ready = |keys: &str, driver: &str| {
+        let text = format!(
+            "units = \"none\"\n[[surface]]\nmesh = \"split.obj\"\n{keys}\n[driver]\n{driver}\n"
+        );
+        let path = folder.path().join("scene.toml");
+        let file = SceneFile::parse(&text, &path, &Overrides::default());
+        let file = file.map_err(|errors| errors.to_string())?;
+        build(&file).map_err(|error| error.to_string())
+    };
+    let relax = "kind = \"relax\"";
+    let bending = "bending = { method = \"B\", modulus = 1 }";
+    let refused = |keys: &str, driver: &str| {
+        let message = ready(keys, driver).map(|_| ()).unwrap_err();
+        for part in [
+            "split.obj: the mesh is cut",
+            "798 vertices",
+            "`weld = true`",
+            "`weld = false`",
+        ] {
+            assert!(message.contains(part), "{part}: {message}");
+        }
+    };
+    refused(bending, relax);
+    let (simulation, positions) = ready(&format!("weld = true\n{bending}"), relax).unwrap();
+    assert_eq!(positions.len(), 162);
+    assert_eq!(simulation.bodies()[0].mesh().components().1, 1);
+    // As they are: 320 pieces, on which a method measures nothing.
+    let (simulation, _) = ready("weld = false\ntension = { value = 1 }", relax).unwrap();
+    assert_eq!(simulation.bodies()[0].mesh().components().1, 320);
+
+    let elastic = |reference: &str| {
+        format!(
+            "weld = true\nelasticity = {{ law = \"neo-hookean\", shear_modulus = 1, reference = {reference} }}"
+        )
+    };
+    refused(&elastic("{ mesh = \"split.obj\" }"), relax);
+    ready(&elastic("{ mesh = \"split.obj\", weld = true }"), relax).unwrap();
+
+    let lattice = "kind = \"lattice-boltzmann\"\nviscosity = 1\nflow = { kind = \"shear\", rate = 0.1 }\n\
+                   resolution = 3\nbox = [7, 7, 7]\nstrain = 1";
+    refused(bending, lattice);
+    ready(&format!("weld = true\n{bending}"), lattice).unwrap();
 }

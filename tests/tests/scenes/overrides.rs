@@ -13,7 +13,9 @@ fn overrides_take_away() {
         file.scene.surfaces[0].clone()
     };
     let without = surface(&["surface.0.bending="]);
-    assert_eq!((without.bending, without.tension), (None, Some(2.0)));
+    let names = Vec::from_iter(without.effects.names());
+    assert_eq!(names, ["tension"]);
+    assert_eq!(without.effects.tension.unwrap().value, 2.0);
     let same = surface(&[]);
     assert_eq!(
         surface(&["surface.cell.elasticity.reference.scale = "]),
@@ -41,6 +43,7 @@ fn overrides_replace_and_add() {
     };
     assert_eq!(
         one("surface.0.bending.modulus=0.3")
+            .effects
             .bending
             .unwrap()
             .modulus,
@@ -48,6 +51,7 @@ fn overrides_replace_and_add() {
     );
     assert_eq!(
         one("surface.cell.bending.modulus = 3")
+            .effects
             .bending
             .unwrap()
             .modulus,
@@ -55,6 +59,7 @@ fn overrides_replace_and_add() {
     );
     assert_eq!(
         one("surface.0.bending.modulus=2e-19 J")
+            .effects
             .bending
             .unwrap()
             .modulus,
@@ -62,16 +67,22 @@ fn overrides_replace_and_add() {
     );
     assert_eq!(
         one("surface.0.bending.modulus=\"2e-19 J\"")
+            .effects
             .bending
             .unwrap()
             .modulus,
         0.2
     );
     assert_eq!(
-        one("surface.0.bending.method=J").bending.unwrap().method,
+        one("surface.0.bending.method=J")
+            .effects
+            .bending
+            .unwrap()
+            .method,
         BendingMethod::Jet
     );
-    assert_eq!(one("surface.0.tension.value=3").tension, Some(3.0));
+    let tension = one("surface.0.tension.value=3").effects.tension;
+    assert_eq!(tension.unwrap().value, 3.0);
     assert_eq!(one("surface.0.position=[1,2,3]").position, [1.0, 2.0, 3.0]);
     assert_eq!(
         one("surface.0.shape=ellipsoid:1,2,3").source,
@@ -82,7 +93,7 @@ fn overrides_replace_and_add() {
     // The default name of a surface without one.
     let unnamed = text.replace("name = \"cell\"\n", "");
     let found = parse_with(&unnamed, &["surface.surface-1.tension.value=2"]).unwrap();
-    assert_eq!(found.scene.surfaces[0].tension, Some(2.0));
+    assert_eq!(found.scene.surfaces[0].effects.tension.unwrap().value, 2.0);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Right scenes.
 
-use super::{folder, generated, shipped, valid, with};
+use super::{folder, generated, mesh_file, shipped, valid, with};
+use helfrich::DualArea;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::scene::{
     AreaDifferenceTarget, Driver, Every, Hold, InPlaneLaw, Interaction, MeshSource, Overrides,
@@ -24,7 +25,7 @@ scale = 2
 position = [0, "5 µm", 0.5]
 orientation = { axis = [0, 0, 1], angle = 30 }
 viscosity_ratio = 1.0
-bending = { method = "B", modulus = "2e-19 J", spontaneous_curvature = -0.5 }
+bending = { method = "B", modulus = "2e-19 J", areas = "voronoi", spontaneous_curvature = -0.5 }
 area = { modulus = "5 N/m", target = "200 µm²" }
 volume = { constraint = "exact", reduced = 0.6 }
 area_difference = { modulus = 0.3, reduced = 1.2 }
@@ -108,13 +109,14 @@ checkpoint_every = 11
         ([0.0, 0.0, 1.0], 30.0)
     );
     assert_eq!(a.viscosity_ratio, Some(1.0));
-    let bending = a.bending.unwrap();
+    let bending = a.effects.bending.unwrap();
     assert_eq!(bending.method, BendingMethod::GompperKroll);
+    assert_eq!(bending.options.areas, Some(DualArea::Voronoi));
     assert_eq!(
         (bending.modulus, bending.spontaneous_curvature),
         (0.2, -0.5)
     );
-    let elasticity = a.elasticity.as_ref().unwrap();
+    let elasticity = a.effects.elasticity.as_ref().unwrap();
     let law = InPlaneLaw::Skalak {
         shear_modulus: 5.3,
         area_ratio: 1.0,
@@ -125,27 +127,33 @@ checkpoint_every = 11
         panic!("a shape");
     };
     assert_eq!(reference.to_string(), "sphere:3");
-    let area = a.area.unwrap();
+    let area = a.effects.area.unwrap();
     assert_eq!(
         (area.hold, area.target),
         (Hold::Penalty(5e6), Target::Value(200.0))
     );
-    let local = a.local_area.as_ref().unwrap();
-    let rest = ReferenceSource::File("folder/rest.ply".into());
+    let local = a.effects.local_area.as_ref().unwrap();
+    let rest = ReferenceSource::File(mesh_file("folder/rest.ply"));
     assert_eq!((local.modulus, &local.reference.source), (3.0, &rest));
-    let volume = a.volume.unwrap();
+    let volume = a.effects.volume.unwrap();
     assert_eq!(
         (volume.hold, volume.target),
         (Hold::Exact, VolumeTarget::Reduced(0.6))
     );
-    let difference = a.area_difference.unwrap();
+    let difference = a.effects.area_difference.unwrap();
     assert_eq!(difference.hold, Hold::Penalty(0.3));
     assert_eq!(difference.target, AreaDifferenceTarget::Reduced(1.2));
-    assert_eq!((a.tension, a.pressure), (Some(1e-3), Some(-0.5)));
-    let gravity = a.gravity.unwrap();
+    assert_eq!(
+        (
+            a.effects.tension.unwrap().value,
+            a.effects.pressure.unwrap().value
+        ),
+        (1e-3, -0.5)
+    );
+    let gravity = a.effects.gravity.unwrap();
     assert_eq!(gravity.density_difference, 5e-11);
     assert_eq!(gravity.acceleration, [0.0, 0.0, -9.81e6]);
-    let stretching = a.stretching.as_ref().unwrap();
+    let stretching = a.effects.stretching.as_ref().unwrap();
     assert_eq!(stretching.axis, [1.0, 0.0, 0.0]);
     assert_eq!(
         (&stretching.forces, stretching.fraction),
@@ -153,17 +161,21 @@ checkpoint_every = 11
     );
 
     assert_eq!(b.name, "surface-2");
-    assert_eq!(b.source, MeshSource::File("folder/cell.ply".into()));
+    assert_eq!(b.source, MeshSource::File(mesh_file("folder/cell.ply")));
     assert_eq!((b.scale, b.position), (1.0, [0.0; 3]));
-    assert_eq!(b.area.unwrap().hold, Hold::Exact);
-    assert_eq!(b.area.unwrap().target, Target::Initial);
-    assert_eq!(b.volume.unwrap().target, VolumeTarget::Value(50.0));
-    assert_eq!(b.volume.unwrap().hold, Hold::Penalty(2.0));
+    assert_eq!(b.effects.area.unwrap().hold, Hold::Exact);
+    assert_eq!(b.effects.area.unwrap().target, Target::Initial);
+    assert_eq!(b.effects.volume.unwrap().target, VolumeTarget::Value(50.0));
+    assert_eq!(b.effects.volume.unwrap().hold, Hold::Penalty(2.0));
     assert_eq!(
-        b.area_difference.unwrap().target,
+        b.effects.area_difference.unwrap().target,
         AreaDifferenceTarget::Initial
     );
-    assert!(b.bending.is_none() && b.elasticity.is_none() && b.stretching.is_none());
+    assert!(
+        b.effects.bending.is_none()
+            && b.effects.elasticity.is_none()
+            && b.effects.stretching.is_none()
+    );
 
     let repulsion = Interaction::Repulsion {
         strength: 0.1,

@@ -2,7 +2,8 @@
 
 use super::{folder, parse, shipped, with};
 use helfrich_std::scene::json_schema;
-use serde_json::Value;
+use regex_lite::Regex;
+use serde_json::{Value, json};
 
 #[test]
 fn schema_is_up_to_date() {
@@ -82,18 +83,165 @@ pub(super) fn conforms(schema: &Value, value: &Value) -> bool {
             "maxItems" => value
                 .as_array()
                 .is_none_or(|items| items.len() as f64 <= number()),
-            "minLength" => value.as_str().is_none_or(|text| !text.is_empty()),
+            "minLength" => value
+                .as_str()
+                .is_none_or(|text| text.chars().count() as f64 >= number()),
             "minimum" => value.as_f64().is_none_or(|value| value >= number()),
             "maximum" => value.as_f64().is_none_or(|value| value <= number()),
             "exclusiveMinimum" => value.as_f64().is_none_or(|value| value > number()),
-            // Regular expressions are left to others: texts are told from numbers by their type.
-            "pattern" => true,
+            // Found anywhere in the text, unless the pattern itself says where it begins and ends.
+            "pattern" => value
+                .as_str()
+                .is_none_or(|text| Regex::new(rule.as_str().unwrap()).unwrap().is_match(text)),
             other => panic!("keyword {other}"),
         }
     };
     match schema {
         Value::Bool(allowed) => *allowed,
         schema => schema.as_object().unwrap().iter().all(holds),
+    }
+}
+
+/// Values of each keyword that conform and that do not, by the text of JSON Schema 2020-12 (Validation
+/// and Core): a keyword for numbers or texts says nothing of other values.
+#[test]
+fn keywords_are_those_of_the_standard() {
+    let least = json!({ "minimum": 2 });
+    for (schema, right, wrong) in [
+        (
+            json!({ "const": 1 }),
+            vec![json!(1), json!(1.0)],
+            vec![json!(2), json!("1"), json!(true)],
+        ),
+        (
+            json!({ "enum": ["a", 1] }),
+            vec![json!("a"), json!(1)],
+            vec![json!("b"), json!(null)],
+        ),
+        (
+            json!({ "type": "object" }),
+            vec![json!({})],
+            vec![json!([]), json!("")],
+        ),
+        (json!({ "type": "array" }), vec![json!([])], vec![json!({})]),
+        (json!({ "type": "string" }), vec![json!("")], vec![json!(1)]),
+        (
+            json!({ "type": "boolean" }),
+            vec![json!(false)],
+            vec![json!(0), json!("false")],
+        ),
+        (
+            json!({ "type": "number" }),
+            vec![json!(1), json!(-1.5)],
+            vec![json!("1")],
+        ),
+        (
+            json!({ "type": "integer" }),
+            vec![json!(1)],
+            vec![json!(1.5), json!("1")],
+        ),
+        (
+            json!({ "anyOf": [least, { "type": "string" }] }),
+            vec![json!(2), json!("")],
+            vec![json!(1)],
+        ),
+        (
+            json!({ "allOf": [least, { "maximum": 3 }] }),
+            vec![json!(2), json!(3)],
+            vec![json!(1), json!(4)],
+        ),
+        (
+            json!({ "oneOf": [least, { "maximum": 3 }] }),
+            vec![json!(1), json!(4)],
+            vec![json!(2), json!("")],
+        ),
+        (
+            json!({ "not": least }),
+            vec![json!(1)],
+            vec![json!(2), json!("")],
+        ),
+        (
+            json!({ "if": { "required": ["a"] }, "then": { "required": ["b"] } }),
+            vec![json!({}), json!({ "a": 1, "b": 1 }), json!({ "b": 1 })],
+            vec![json!({ "a": 1 })],
+        ),
+        (
+            json!({ "required": ["a"] }),
+            vec![json!({ "a": null }), json!(1)],
+            vec![json!({ "b": 1 })],
+        ),
+        (
+            json!({ "dependentRequired": { "a": ["b"] } }),
+            vec![
+                json!({}),
+                json!({ "b": 1 }),
+                json!({ "a": 1, "b": 1 }),
+                json!([]),
+            ],
+            vec![json!({ "a": 1 })],
+        ),
+        (
+            json!({ "properties": { "a": least }, "additionalProperties": false }),
+            vec![json!({}), json!({ "a": 2 }), json!([])],
+            vec![json!({ "a": 1 }), json!({ "b": 2 })],
+        ),
+        (
+            json!({ "properties": { "a": false } }),
+            vec![json!({ "b": 1 })],
+            vec![json!({ "a": 1 })],
+        ),
+        (
+            json!({ "items": least }),
+            vec![json!([]), json!([2, 3]), json!({})],
+            vec![json!([2, 1])],
+        ),
+        (
+            json!({ "minItems": 2 }),
+            vec![json!([1, 1]), json!("")],
+            vec![json!([1])],
+        ),
+        (
+            json!({ "maxItems": 2 }),
+            vec![json!([1, 1]), json!("abc")],
+            vec![json!([1, 1, 1])],
+        ),
+        (
+            json!({ "minLength": 2 }),
+            vec![json!("µm"), json!(1), json!([])],
+            vec![json!("µ"), json!("")],
+        ),
+        (
+            json!({ "minimum": 2 }),
+            vec![json!(2), json!("1")],
+            vec![json!(1.9)],
+        ),
+        (
+            json!({ "maximum": 2 }),
+            vec![json!(2), json!("3")],
+            vec![json!(2.1)],
+        ),
+        (
+            json!({ "exclusiveMinimum": 0 }),
+            vec![json!(1e-300), json!("0")],
+            vec![json!(0), json!(-1)],
+        ),
+        (
+            json!({ "pattern": "b+" }),
+            vec![json!("abbc"), json!(1)],
+            vec![json!("ac"), json!("")],
+        ),
+        (
+            json!({ "pattern": "^(a|b)(:|$)" }),
+            vec![json!("a"), json!("b:1")],
+            vec![json!("ab"), json!(" a")],
+        ),
+    ] {
+        for value in right {
+            assert!(conforms(&schema, &value), "{schema}: {value}");
+        }
+        for value in wrong {
+            assert!(!conforms(&schema, &value), "{schema}: {value}");
+        }
     }
 }
 
@@ -117,9 +265,25 @@ fn shipped_scenes_conform_to_the_schema() {
         "position = [1, 2]",
         "mesh = \"a.ply\"",
         "scale = 0",
+        // By patterns alone.
+        "tension.value = \"a lot\"",
+        "tension.value = \"1\"",
+        "position = [\"1 µm\", 0, \"half a micron\"]",
+        "weld = true",
     ] {
         let text = with(wrong);
         assert!(!conforms(&schema, &json(&text)), "{wrong}");
         assert!(parse(&text).is_err(), "{wrong}");
+    }
+    for [shape, name] in [
+        ["cube:1", "cell"],
+        ["spheres", "cell"],
+        ["sphere:3", "1st"],
+        ["sphere:3", "a b"],
+    ] {
+        let text = with("").replace("\"cell\"", &format!("{name:?}"));
+        let text = text.replace("\"sphere:3\"", &format!("{shape:?}"));
+        assert!(!conforms(&schema, &json(&text)), "{shape} {name}");
+        assert!(parse(&text).is_err(), "{shape} {name}");
     }
 }

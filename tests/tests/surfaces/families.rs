@@ -1,7 +1,11 @@
 //! Mesh families: what is promised of every mesh, and of each family.
 
+use helfrich::Surface;
 use helfrich::shapes::Shape;
-use helfrich_std::generate::{AnyShape, Family, GenerateError, GeneratedMesh, generate};
+use helfrich_std::generate::{
+    AnyShape, Family, GenerateError, GeneratedMesh, ShapeDeviation, generate,
+};
+use helfrich_std::info::MeshInfo;
 use helfrich_tests::tolerance;
 use std::array::from_fn;
 
@@ -206,6 +210,68 @@ fn regular_and_relaxed_meshes_are_even() {
             };
             assert!(before > least, "{name}: {before}°");
         }
+    }
+}
+
+/// Area and volume against the exact ones, of prolates and oblates, in every family.
+///
+/// Inscribed meshes have less of both; even ones of the sphere lack 3h²/8 = √3 π/N = 0.2 % of volume, and
+/// the limits are two and four times that, rounded.
+#[test]
+fn meshes_carry_the_area_and_volume_of_long_and_flat_shapes() {
+    for aspect in [1.5, 2.5, 3.5, 5.0, 7.0, 10.0] {
+        let limit = if aspect > 5.0 { 0.01 } else { 0.005 };
+        for name in [
+            format!("ellipsoid:1,1,{aspect}"),
+            format!("ellipsoid:{aspect},{aspect},1"),
+            format!("ellipsoid:2,2.4,{}", 2.2 * aspect),
+        ] {
+            for family in Family::ALL {
+                let made = make(&name, family, 2562, 1);
+                let surface = Surface::new(&made.mesh, &made.positions).unwrap();
+                let info = MeshInfo::new(surface);
+                let deviation = ShapeDeviation::new(&made.shape, 1.0, &info);
+                for (value, what) in [(deviation.area, "area"), (deviation.volume, "volume")] {
+                    assert!(
+                        -limit < value && value < 0.0,
+                        "{family} on {name}: {:.3} % of {what}",
+                        100.0 * value
+                    );
+                }
+                assert!(!deviation.is_beyond_limit(), "{family} on {name}");
+            }
+        }
+    }
+}
+
+/// Against closed forms for two equal semi-axes, and against areas of inscribed meshes, freed of their
+/// error of second order, for the other shapes.
+#[test]
+fn areas_of_shapes() {
+    let pi = std::f64::consts::PI;
+    let close = |name: &str, expected: f64, tolerance: f64| {
+        let found = shape(name).area();
+        assert!(
+            (found / expected - 1.0).abs() < tolerance,
+            "{name}: {found} for {expected}"
+        );
+    };
+    close("sphere:3", 36.0 * pi, 1e-15);
+    close("ellipsoid:3e-90,3e-90,3e-90", 36e-180 * pi, 1e-14);
+    for aspect in [1.1f64, 2.0, 10.0, 1000.0] {
+        let eccentricity = (1.0 - aspect.powi(-2)).sqrt();
+        let prolate = 2.0 * pi * (1.0 + aspect / eccentricity * eccentricity.asin());
+        close(&format!("ellipsoid:1,{aspect},1"), prolate, 1e-12);
+        let square = aspect * aspect;
+        let oblate = 2.0 * pi * (square + eccentricity.atanh() / eccentricity);
+        close(&format!("ellipsoid:{aspect},{aspect},1"), oblate, 1e-12);
+    }
+    for name in ["ellipsoid:1,2,3", "torus", "discocyte:2"] {
+        let [coarse, fine] = [2562, 10242].map(|vertices| {
+            let made = make(name, Family::Smooth, vertices, 0);
+            Surface::new(&made.mesh, &made.positions).unwrap().area()
+        });
+        close(name, (4.0 * fine - coarse) / 3.0, 1e-5);
     }
 }
 

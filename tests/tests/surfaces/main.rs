@@ -1,7 +1,9 @@
 //! Meshes and surfaces: connectivity, geometry, subdivision, exact shapes and what is made on them.
 
+mod expected_errors;
 mod families;
 mod mesh;
+mod noise;
 mod points;
 mod reordering;
 mod shapes;

@@ -289,3 +289,30 @@ fn a_large_mesh() {
     assert_eq!(torus.euler_characteristic(), 0);
     assert_eq!(torus.components().1, 1);
 }
+
+/// Triangles are the same in every form that renderers and solvers give them.
+#[test]
+fn indices_come_in_every_form() {
+    let mesh = TriangleMesh::new(4, TETRAHEDRON.to_vec()).expect("a mesh");
+    let triangles = mesh.triangles();
+    let short = Vec::from_iter(triangles.iter().map(|t| t.map(|vertex| vertex as u16)));
+    let forms = [
+        TriangleMesh::from_indices(4, triangles),
+        TriangleMesh::from_indices(4, &triangles.to_vec()),
+        TriangleMesh::from_indices(4, triangles.as_flattened()),
+        TriangleMesh::from_indices(4, &short),
+        TriangleMesh::from_indices(4, short.as_flattened()),
+        TriangleMesh::from_indices(4, &[0_u32; 0]).and(TriangleMesh::from_indices(4, triangles)),
+    ];
+    let [forms @ .., empty] = forms;
+    for form in forms {
+        assert_eq!(form.as_ref(), Ok(&mesh));
+    }
+    assert_eq!(empty, Err(MeshError::Empty));
+    for indices in [1, 2, 4, 11] {
+        let given = TriangleMesh::from_indices(4, &triangles.as_flattened()[..indices]);
+        assert_eq!(given, Err(MeshError::IncompleteTriangle { indices }));
+        let given = TriangleMesh::from_indices(4, &short.as_flattened()[..indices]);
+        assert_eq!(given, Err(MeshError::IncompleteTriangle { indices }));
+    }
+}

@@ -23,7 +23,7 @@ where
     let surface = Surface::new(&mesh.connectivity, points).expect("finite positions");
     let method = candidate.method(P::Scalar::constant(1.0));
     let mut prepared = Prepared::new(method, &mesh.connectivity);
-    prepared.add_force(surface, force.coordinates_mut());
+    prepared.add_force(surface, force);
     prepared.energy(surface)
 }
 

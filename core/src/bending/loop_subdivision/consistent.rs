@@ -1,8 +1,9 @@
 //! Force density by the consistent mass matrix.
 
-use super::{LoopSubdivision, LoopSubdivisionMemory, LoopSubdivisionPlan, dot_of};
+use super::{Buffers, LoopSubdivision, LoopSubdivisionMemory, Plan, dot_of};
 use crate::element::Execution;
 use crate::lane::Lane;
+use crate::method::Workspace;
 use crate::real::Real;
 use crate::surface::Surface;
 use alloc::vec::Vec;
@@ -25,17 +26,18 @@ impl<T: Real> LoopSubdivision<T> {
     /// residual is 64 roundings of the force, or 500 times.
     ///
     /// # Panics
-    /// If `density` has fewer entries than the surface has vertices.
+    /// If `density` has fewer entries than the surface has vertices, or the surface another mesh
+    /// than that of the workspace.
     pub fn consistent_force_density(
         &self,
         execution: &impl Execution,
-        plan: &LoopSubdivisionPlan<T>,
         surface: Surface<'_, T>,
-        memory: &mut LoopSubdivisionMemory<T>,
+        workspace: &mut Workspace<T, Self>,
         solver: &mut ConsistentMemory<T>,
         density: &mut [[T; 3]],
     ) -> usize {
-        self.evaluate::<true>(execution, plan, surface, memory);
+        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        self.evaluate::<true>(execution, plan, surface, buffers);
         let count = plan.vertices;
         let zero = [T::zero(); 4];
         let ConsistentMemory {
@@ -49,7 +51,7 @@ impl<T: Real> LoopSubdivision<T> {
             vector.clear();
             vector.resize(count, zero);
         }
-        let forces = &memory.gathered;
+        let forces = &buffers.gathered;
         execution.map(&mut inverse_mass[..], |i, inverse| {
             *inverse = Lane::reciprocal_or_zero(forces[i][3]);
         });
@@ -74,8 +76,8 @@ impl<T: Real> LoopSubdivision<T> {
                     direction[axis] = inverse_mass[i] * residual[i][axis] + keep * direction[axis];
                 }
             });
-            plan.apply_mass(execution, direction, memory);
-            let image = &memory.gathered;
+            plan.apply_mass(execution, direction, buffers);
+            let image = &buffers.gathered;
             let work = execution.sum(count, |i| dot_of(direction[i], image[i]));
             let step = squared / work;
             execution.map(&mut solution[..], |i, solution| {
@@ -100,23 +102,18 @@ impl<T: Real> LoopSubdivision<T> {
     }
 }
 
-impl<T: Real> LoopSubdivisionPlan<T> {
-    /// Sets the first entries of `memory.gathered` to the mass matrix times a field on the control
+impl<T: Real> Plan<T> {
+    /// Sets the first entries of `buffers.gathered` to the mass matrix times a field on the control
     /// points.
-    fn apply_mass(
-        &self,
-        execution: &impl Execution,
-        field: &[[T; 4]],
-        memory: &mut LoopSubdivisionMemory<T>,
-    ) {
-        let (coarse, fine) = memory.controls.split_at_mut(self.vertices);
+    fn apply_mass(&self, execution: &impl Execution, field: &[[T; 4]], buffers: &mut Buffers<T>) {
+        let (coarse, fine) = buffers.controls.split_at_mut(self.vertices);
         coarse.copy_from_slice(field);
         self.patches.refine(execution, coarse, fine);
-        let LoopSubdivisionMemory {
+        let Buffers {
             controls, patches, ..
-        } = &mut *memory;
+        } = &mut *buffers;
         self.patches
             .apply_mass(execution, controls, &mut patches.blocks);
-        self.collect(execution, memory);
+        self.collect(execution, buffers);
     }
 }

@@ -76,7 +76,7 @@ impl<T: Real, const GRADIENT: bool> SlotKernel<Together<T>, &mut [Block<T>]>
                     .iter_mut()
                     .enumerate()
                 {
-                    block.energy += together.energy(lane);
+                    block.energy += self.modulus * together.energy(lane);
                     *areas = together.areas(lane);
                 }
                 if GRADIENT {
@@ -127,7 +127,8 @@ impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
             let geometry = Point::new(derivatives);
             let wanted = together.wanted[point];
             together.areas[point] = Several::splat(weight) * geometry.area;
-            together.energies[point] = geometry.energy(strength, wanted);
+            // Without the modulus: what overflows with it is infinite, and not masked.
+            together.energies[point] = geometry.energy(Several::splat(weight), wanted);
             if GRADIENT {
                 together.gradients[point] = geometry.gradient(strength, wanted);
             }

@@ -32,7 +32,7 @@ pub(super) const BLOCK: usize = 64;
 /// Marks a point of the refined mesh that no patch needs.
 const NONE: u32 = u32::MAX;
 
-/// What one node of a patch contributes at the quadrature points.
+/// Contributions of one node of a patch at the quadrature points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NodeBasis<T> {
     pub(super) values: [T; 3],
@@ -77,7 +77,7 @@ pub(super) fn derivatives<T: Real>(basis: &Basis) -> [T; 5] {
 /// All patches of a mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Patches<T> {
-    /// Where the nodes of each patch start.
+    /// Start of the nodes of each patch.
     offsets: Vec<usize>,
     /// Control points: vertices, and after them the points of refined triangles.
     nodes: Vec<u32>,
@@ -102,7 +102,7 @@ struct Place {
     entry: u32,
 }
 
-/// What the patches of a block give to their nodes.
+/// Contributions of the patches of a block to their nodes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block<T> {
     pub(super) energy: T,
@@ -258,7 +258,7 @@ impl<T: Real> Patches<T> {
             .map(|&(_, patch)| patch as usize)
     }
 
-    /// How many patches from this one on, before `last`, have the same bases: up to a vector of them.
+    /// Number of patches from this one on, before `last`, that have the same bases: up to a vector of them.
     #[inline(always)]
     pub(super) fn alike(&self, patch: usize, last: usize) -> usize {
         let tables = &self.tables[patch..last.min(patch + WIDTH)];

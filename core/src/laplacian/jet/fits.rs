@@ -8,7 +8,7 @@ use crate::laplacian::{Curvature, RowSlots};
 use crate::neighbourhood::{Surroundings, set_keys, set_nearest};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{dot, normalise, scale, sub, tangent_frame};
+use crate::vec3::{cross, dot, norm, normalise, scale, sub};
 use alloc::vec::Vec;
 
 /// Slope of the fitted surface against its frame from which on it is fitted again, upright.
@@ -21,14 +21,14 @@ const PENDING: usize = 32;
 /// The fits around all vertices.
 pub(super) struct Fits<'a, T> {
     pub(super) jet: &'a Jet<T>,
-    pub(super) plan: &'a Surroundings,
+    pub(super) surroundings: &'a Surroundings,
     pub(super) surface: Surface<'a, T>,
 }
 
-/// What a fit sets: the curvature, whose normal is the one to start from, the degree, and a row.
+/// Output of a fit: the curvature, whose normal is the one to start from, the degree, and a row.
 type FitSlots<'a, T> = ((&'a mut [Curvature<T>], &'a mut [u8]), RowSlots<'a, T>);
 
-/// What is needed to fit several vertices at once, padded with neighbours at the vertex itself, whose
+/// Memory to fit several vertices at once, padded with neighbours at the vertex itself, whose
 /// monomials are zero.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block<T> {
@@ -45,7 +45,7 @@ pub(super) struct Block<T> {
     fit: LeastSquares<T>,
 }
 
-/// What is found for each of the vertices of a block, apart from coefficients.
+/// Results for each vertex of a block, apart from coefficients.
 struct Found<T> {
     frame: [[Several<T>; 3]; 2],
     over_radius: Several<T>,
@@ -88,7 +88,7 @@ impl<'a, T: Real> SlotKernel<Block<T>, FitSlots<'a, T>> for Fits<'_, T> {
     fn set(&self, block: &mut Block<T>, start: usize, slots: FitSlots<'a, T>) {
         let mut slots = (start..).zip(slots.into_slots());
         let mut queue: Queue<'_, T> = [const { None }; PENDING];
-        let room = self.plan.room();
+        let room = self.surroundings.room();
         block.keys.resize(PENDING * room, 0);
         loop {
             let (mut order, mut count) = ([0; PENDING], 0);
@@ -138,13 +138,17 @@ impl<T: Real> Fits<'_, T> {
         vertex: usize,
         ((curvature, degree), (length, (columns, row))): <FitSlots<'b, T> as Slots>::Slot,
     ) -> Option<Pending<'b, T>> {
-        let surroundings = self.plan.of(vertex);
+        let surroundings = self.surroundings.of(vertex);
         let available = surroundings.len().min(columns.len());
         let normal = curvature.normal;
         let attempt = self.jet.first_attempt(self.jet.highest_degree(), available);
         (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
         (*degree, *length) = (0, 0);
         let attempt = attempt?;
+        // Without a normal there is no height to fit.
+        if normal == [T::zero(); 3] {
+            return None;
+        }
         set_keys(keys, self.surface, vertex as u32, surroundings);
         Some(Pending {
             vertex,
@@ -179,7 +183,10 @@ impl<T: Real> Fits<'_, T> {
                 continue;
             };
             let nearest = &mut pending.columns[..pending.attempt.neighbours];
-            let (room, surroundings) = (self.plan.room(), self.plan.of(pending.vertex));
+            let (room, surroundings) = (
+                self.surroundings.room(),
+                self.surroundings.of(pending.vertex),
+            );
             let keys = &block.keys[place * room..][..room];
             set_nearest(nearest, surroundings, keys, &mut block.ranks);
             block.set_differences(lane, self.surface, pending.vertex as u32, nearest);
@@ -265,7 +272,7 @@ impl<T: Real> Pending<'_, T> {
 }
 
 impl<T: Real> Block<T> {
-    /// Makes room for fits with so many neighbours, none of which is set, and coefficients.
+    /// Resizes for fits with `rows` neighbours, none of which is set, and `columns` coefficients.
     #[inline(always)]
     fn clear(&mut self, rows: usize, columns: usize) {
         for differences in &mut self.differences {
@@ -307,14 +314,22 @@ impl<T: Real> Block<T> {
         let rows = x.len();
         let columns = coefficient_count(degree);
         let (y, z) = (&y[..rows], &z[..rows]);
-        let mut farthest = Several::zero();
+        let [mut farthest, mut widest] = [Several::zero(); 2];
+        let mut outermost = [Several::zero(); 3];
         for row in 0..rows {
             let difference = [x[row], y[row], z[row]];
             let squared = dot(difference, difference);
             farthest = Several::select(farthest.less(squared), squared, farthest);
+            let height = dot(difference, normals);
+            let sideways = squared - height * height;
+            let wider = widest.less(sideways);
+            widest = Several::select(wider, sideways, widest);
+            for (outermost, coordinate) in outermost.iter_mut().zip(difference) {
+                *outermost = Several::select(wider, coordinate, *outermost);
+            }
         }
         let over_radius = farthest.sqrt().reciprocal_or_zero();
-        let frame = tangent_frame(normals);
+        let frame = frame_towards(scale(over_radius, outermost), normals);
         for values in [&mut *across, &mut *along, &mut *weights] {
             values.resize(rows, Several::zero());
         }
@@ -362,6 +377,17 @@ impl<T: Real> Block<T> {
         }
         rows
     }
+}
+
+/// Two unit vectors that form a right-handed frame with a unit vector `normal`, the first of them towards
+/// a point to the side of it; zeros if the point is none. Polynomials of a degree are the same in every
+/// frame, but the condition of a fit is not: of a frame that followed from the axes of the coordinates,
+/// the neighbours that are taken would depend on how the surface is turned.
+#[inline(always)]
+fn frame_towards<T: Real>(point: [Several<T>; 3], normal: [Several<T>; 3]) -> [[Several<T>; 3]; 2] {
+    let sideways = sub(point, scale(dot(point, normal), normal));
+    let first = scale(norm(sideways).reciprocal_or_zero(), sideways);
+    [first, cross(normal, first)]
 }
 
 impl<T: Real> Found<T> {

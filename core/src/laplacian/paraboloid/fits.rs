@@ -22,7 +22,7 @@ pub(super) struct Fits<'a, T> {
     pub(super) surface: Surface<'a, T>,
 }
 
-/// What a fit sets: the curvature, whose normal is the first guess, and a row.
+/// Output of a fit: the curvature, whose normal is the first guess, and a row.
 type FitSlots<'a, T> = (&'a mut [Curvature<T>], RaggedRowSlots<'a, T>);
 
 /// Memory for fits of one thread.
@@ -32,7 +32,7 @@ pub(super) struct Scratch<T> {
     block: Block<T>,
 }
 
-/// What is needed to fit several vertices at once, padded with neighbours at the vertex itself, of which
+/// Memory to fit several vertices at once, padded with neighbours at the vertex itself, of which
 /// every monomial is zero.
 #[derive(Clone, Debug, Default)]
 struct Block<T> {

@@ -98,6 +98,7 @@ fn what_a_method_does_not_define_is_empty() {
         ("E", [true, true, true]),
         ("S", [true, true, false]),
         ("juelicher", [true, false, false]),
+        ("hamann", [true, true, false]),
         ("j4", [true, true, true]),
         ("j6", [true, true, true]),
         ("J", [true, true, true]),
@@ -354,6 +355,10 @@ fn wrong_curvature_arguments() {
         (&["--method", "all"], "kantor-nelson (A)"),
         (&["--method", "A,B"], "kantor-nelson (A)"),
         (&["--scalar", "f16"], "f32, f32-pair and f64"),
+        (
+            &["--areas", "voronoi", "--method", "J"],
+            "method jet has no option `areas`",
+        ),
         (&["--modulus", "0"], "above 0"),
         (&["--modulus", "-2"], "above 0"),
         (&["--modulus", "x"], "above 0"),

@@ -70,7 +70,6 @@ fn folders_that_take_nothing_are_exit_code_3() {
         &["subdivide", mesh.path(), "--output", "/proc/out.obj"],
         &["run", text(&scene), "--out", "/proc/out"],
         &["study", "--vertices", "12", "--json", "/proc/out.json"],
-        &["study", "--stability", "--markdown", "/proc/out.md"],
     ] {
         let message = fail(3, arguments);
         assert!(message.contains("/proc/out"), "{arguments:?}: {message}");
@@ -106,10 +105,8 @@ fn a_disk_that_fills_up_loses_nothing() {
         } else {
             assert_eq!(output.status.code(), Some(0), "{message}");
         }
-        if filled.join("checkpoint").exists() {
+        if filled.exists() {
             more = [&set[..], &["--resume"]].concat();
-        } else {
-            let _ = fs::remove_dir_all(&filled);
         }
     }
     assert!(stopped > 2, "{stopped} of the runs found no room");
@@ -200,7 +197,7 @@ fn columns_have_different_names() {
 }
 
 #[test]
-fn surfaces_do_not_start_in_each_other() {
+fn surfaces_start_in_each_other_as_a_whole() {
     let other = |position: &str, radius: &str| {
         let other = format!(
             "[[surface]]\nname = \"other\"\nshape = \"sphere:{radius}\"\nvertices = 42\n\
@@ -209,14 +206,11 @@ fn surfaces_do_not_start_in_each_other() {
         FLOW.replace("[driver]", &other)
             .replace("column = \"deformation\"", "column = \"deformation_other\"")
     };
-    refused(
-        &other("[0.1, 0, 0]", "0.5"),
-        &[],
-        &[
-            "\"other\" is inside of \"capsule\"",
-            "viscosity ratios are 1 and 3",
-        ],
-    );
+    // As a whole: a nucleus.
+    let (_folder, scene) = folder_with(&other("[0.1, 0, 0]", "0.5"));
+    let check = crate::run(&["run", text(&scene), "--check"]);
+    assert_eq!(check.code, Some(0), "{}", check.stderr);
+    assert!(!check.stderr.contains("starts"), "{}", check.stderr);
     // Across it: worth a warning.
     let (_folder, scene) = folder_with(&other("[1, 0, 0]", "0.7"));
     let check = crate::run(&["run", text(&scene), "--check"]);
@@ -301,4 +295,61 @@ fn one_thread_or_two_leave_the_same_files() {
         }
         assert!(files(&one) == files(&all));
     }
+}
+
+/// What killed processes were writing is taken away by the next that writes beside it.
+#[test]
+fn unfinished_files_do_not_stay() {
+    let folder = TempDir::new().unwrap();
+    let names = ["rows.json", "report.html", "cache"].map(|name| folder.path().join(name));
+    let [rows, page, cache] = names.each_ref().map(|path| text(path));
+    let figures = folder.path().join("figures");
+    fs::create_dir(&figures).unwrap();
+    let [beside, among] = [folder.path(), &figures].map(|it| it.join(".helfrich-aB12cd"));
+    for path in [&beside, &among] {
+        fs::write(path, "half a fi").unwrap();
+    }
+    let page = [
+        "--html",
+        page,
+        "--figures",
+        text(&figures),
+        "--cache",
+        cache,
+    ];
+    let arguments = [
+        "study",
+        "--vertices",
+        "12,42",
+        "--method",
+        "B",
+        "--scalar",
+        "f64",
+    ];
+    crate::succeed(&[&arguments[..], &page, &["--json", rows]].concat());
+    for path in [&beside, &among] {
+        assert!(!path.exists(), "{}", path.display());
+    }
+    assert!(!folder.path().join("cache.lock").exists());
+}
+
+/// An output by the name of an input, or of another output, would be the end of it.
+#[test]
+fn outputs_do_not_replace_inputs() {
+    let (positions, triangles) = sheet();
+    let mesh = Fixture::new("sheet.obj", obj(&positions, &triangles));
+    let before = fs::read(mesh.path()).unwrap();
+    let other = mesh.beside("./sheet.obj");
+    for output in [mesh.path(), text(&other)] {
+        let message = fail(2, &["subdivide", mesh.path(), "--output", output]);
+        assert!(message.contains("would replace the mesh"), "{message}");
+    }
+    assert_eq!(fs::read(mesh.path()).unwrap(), before);
+    let both = mesh.beside("both");
+    let both = text(&both);
+    let message = fail(
+        2,
+        &["study", "--vertices", "12", "--json", both, "--html", both],
+    );
+    assert!(message.contains("two outputs have this name"), "{message}");
 }

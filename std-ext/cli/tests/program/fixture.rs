@@ -1,6 +1,7 @@
 //! Mesh files that tests make for themselves.
 
 use crate::text;
+use helfrich_std::generate::random::Random;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
@@ -47,6 +48,14 @@ pub(crate) fn obj(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> String {
         writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
     }
     text
+}
+
+/// Each coordinate with an error of this standard deviation: the sum of twelve uniform ones.
+pub(crate) fn disturbed(positions: &[[f64; 3]], deviation: f64) -> Vec<[f64; 3]> {
+    let mut random = Random::new(5);
+    let mut error = || (0..12).map(|_| random.unit()).sum::<f64>() - 6.0;
+    let moved = positions.iter().map(|x| x.map(|x| x + deviation * error()));
+    moved.collect()
 }
 
 pub(crate) fn off(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> String {

@@ -1,7 +1,8 @@
 //! `helfrich info`.
 
-use crate::fixture::{Fixture, off, ply, sheet};
-use crate::succeed;
+use crate::fixture::{Fixture, disturbed, obj, off, ply, sheet};
+use crate::{run, succeed};
+use helfrich_std::generate::{Family, generate};
 
 /// The value after a name.
 #[track_caller]
@@ -38,6 +39,7 @@ fn info_of_a_closed_mesh() {
         ("angles", "60.0000° … 60.0000°"),
         ("valences", "4 … 4"),
         ("degenerate triangles", "0"),
+        ("noise of positions", "none is seen"),
     ] {
         assert_eq!(value(&info, name), expected, "{name}");
     }
@@ -68,4 +70,77 @@ fn info_of_a_mesh_with_boundary() {
     ] {
         assert_eq!(value(&info, name), expected, "{name}");
     }
+}
+
+/// `info` says how large it is, `curvature` also what it takes away and what helps.
+#[test]
+fn noise_of_positions_is_told() {
+    let made = generate(&"sphere".parse().unwrap(), Family::Regular, 642, 1).unwrap();
+    let told = |positions: &[[f64; 3]]| {
+        let file = Fixture::new("cell.obj", obj(positions, made.mesh.triangles()));
+        let info = succeed(&["info", file.path()]);
+        let warned = run(&["curvature", file.path()]);
+        assert_eq!(warned.code, Some(0));
+        let info = value(&info, "noise of positions").to_owned();
+        (info, warned.stderr)
+    };
+    let (info, warned) = told(&made.positions);
+    assert_eq!(info, "none is seen");
+    assert_eq!(warned, "");
+    let (info, warned) = told(&disturbed(&made.positions, 1e-3));
+    let length = info.split(' ').next().unwrap().parse::<f64>().unwrap();
+    assert!((0.9e-3..1.1e-3).contains(&length), "{info}");
+    assert!(info.ends_with("mean edges)"), "{info}");
+    assert!(
+        warned.contains(&format!("noise of positions {info}")),
+        "{warned}"
+    );
+    assert!(warned.contains("take a coarser mesh"), "{warned}");
+    assert!(
+        warned.contains("642 × a vertex where a fourth derivative is lost in noise"),
+        "{warned}"
+    );
+    // Coordinates in f32 are worth a word, and at this distance no warning.
+    let single = made
+        .positions
+        .iter()
+        .map(|x| x.map(|x| f64::from(x as f32)));
+    let (_, warned) = told(&Vec::from_iter(single));
+    assert!(
+        warned.contains("note: ") && !warned.contains("warning: "),
+        "{warned}"
+    );
+}
+
+/// Faces with corners of their own are 1280 components only if nobody asks.
+#[test]
+fn split_vertices_are_said_and_welded() {
+    let sphere = generate(&"sphere".parse().unwrap(), Family::Regular, 642, 1).unwrap();
+    let triangles = sphere.mesh.triangles();
+    let corners = triangles.iter().flatten();
+    let positions = Vec::from_iter(corners.map(|&corner| sphere.positions[corner as usize]));
+    let apart = (0..positions.len() as u32).step_by(3);
+    let apart = Vec::from_iter(apart.map(|first| [first, first + 1, first + 2]));
+    let file = Fixture::new("split.obj", obj(&positions, &apart));
+    for arguments in [
+        &["info", file.path()][..],
+        &["curvature", file.path()],
+        &["subdivide", file.path(), "-o", "/dev/null"],
+    ] {
+        let message = run(arguments).stderr;
+        assert!(
+            message.contains("3198 vertices"),
+            "{arguments:?}: {message}"
+        );
+        assert!(message.contains("--weld"), "{arguments:?}: {message}");
+    }
+    let info = run(&["info", file.path()]).stdout;
+    assert_eq!(value(&info, "components"), "1280");
+    let info = succeed(&["info", "--weld", file.path()]);
+    assert_eq!(value(&info, "components"), "1");
+    assert_eq!(value(&info, "vertices"), "642");
+    let table = succeed(&["curvature", "--weld", file.path()]);
+    assert_eq!(table.lines().count(), 643);
+    let whole = run(&["info", "--weld", file.path()]);
+    assert!(whole.stderr.is_empty());
 }

@@ -1,8 +1,11 @@
 //! `helfrich recommend`.
 
-use crate::fixture::{Fixture, obj, sheet};
+use crate::fixture::{Fixture, disturbed, obj, sheet};
 use crate::{fail, run, succeed};
-use helfrich_std::generate::{Family, generate};
+use helfrich::Surface;
+use helfrich::shapes::Shape;
+use helfrich_std::generate::{Family, GeneratedMesh, generate};
+use helfrich_std::method::{BendingMethod, Evaluator};
 use serde_json::Value;
 
 fn mesh(shape: &str, family: Family, vertices: usize) -> Fixture {
@@ -204,4 +207,123 @@ fn wrong_wishes() {
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let one = Fixture::new("one.obj", obj(&corners, &[[0, 1, 2]]));
     assert!(fail(2, &["recommend", one.path()]).contains("no vertex"));
+}
+
+/// The exact H or f·n over the vertices, and the mean error of a method on other positions, relative to
+/// the largest of them.
+fn true_mean_error(
+    made: &GeneratedMesh,
+    positions: &[[f64; 3]],
+    method: BendingMethod,
+    quantity: &str,
+) -> f64 {
+    let surface = Surface::new(&made.mesh, positions).unwrap();
+    let fields = Evaluator::new(method, 1.0, &made.mesh).fields(surface);
+    let (mut errors, mut areas, mut largest) = (0.0, 0.0, 0.0_f64);
+    for (vertex, &preimage) in made.preimages.iter().enumerate() {
+        let exact = made.shape.at(preimage);
+        let (error, size) = match quantity {
+            "H" => (fields.mean[vertex].unwrap() - exact.mean, exact.mean),
+            _ => {
+                let density = exact.force_density(1.0);
+                let found = fields.force_density[vertex].unwrap();
+                let squares =
+                    (0..3).map(|axis| (found[axis] - density * exact.normal[axis]).powi(2));
+                (squares.sum::<f64>().sqrt(), density)
+            }
+        };
+        errors += fields.area[vertex] * error.abs();
+        areas += fields.area[vertex];
+        largest = largest.max(size.abs());
+    }
+    errors / areas / largest
+}
+
+/// What all methods share, no distance between them tells: errors of jets by noise are within a factor of
+/// 1.5 of the true ones, those of others no larger than is said.
+#[test]
+fn noise_counts() {
+    for (shape, vertices, edges, methods) in [
+        ("discocyte", 2562, 1e-4, "j4,j6,B,farutin"),
+        ("discocyte", 2562, 1e-3, "j4,j6,meyer,loop"),
+        ("ellipsoid:1,0.8,0.5", 1280, 1e-2, "j4,j6,juelicher"),
+    ] {
+        let made = generate(&shape.parse().unwrap(), Family::Irregular, vertices, 1).unwrap();
+        let area = Surface::new(&made.mesh, &made.positions).unwrap().area();
+        // Of equilateral triangles of the same mean area; the mean edge is some per cent longer.
+        let edge = (4.0 / 3_f64.sqrt() * area / made.mesh.triangles().len() as f64).sqrt();
+        let positions = disturbed(&made.positions, edges * edge);
+        let file = Fixture::new("cell.obj", obj(&positions, made.mesh.triangles()));
+        for quantity in ["H", "f"] {
+            let asked = ["--quantity", quantity, "--norm", "mean", "--scalar", "f64"];
+            let found = answer(&file, &[&asked[..], &["--method", methods]].concat());
+            let noise = &found["noise"];
+            let seen = [number(noise, "length") / edge, number(noise, "edges")];
+            for seen in seen {
+                assert!(
+                    (0.75..1.25).contains(&(seen / edges)),
+                    "{shape} {edges}: {noise}"
+                );
+            }
+            for candidate in found["candidates"].as_array().unwrap() {
+                let method: BendingMethod = candidate["method"].as_str().unwrap().parse().unwrap();
+                let truth = true_mean_error(&made, &positions, method, quantity);
+                let ratio = number(candidate, "expected") / truth;
+                let is_jet = matches!(method, BendingMethod::J4 | BendingMethod::J6);
+                assert_eq!(candidate["is_bound"], !is_jet);
+                let allowed = if is_jet {
+                    1.0 / 1.5..1.5
+                } else {
+                    1.0..f64::INFINITY
+                };
+                assert!(
+                    allowed.contains(&ratio),
+                    "{shape} {edges} {quantity}: {ratio}, {truth} {candidate}"
+                );
+            }
+        }
+    }
+}
+
+/// Where noise rules, finer meshes are no remedy.
+#[test]
+fn coarser_meshes_are_advised_where_noise_rules() {
+    let made = generate(&"sphere".parse().unwrap(), Family::Irregular, 2562, 1).unwrap();
+    let positions = disturbed(&made.positions, 1e-3 * 0.076);
+    let file = Fixture::new("cell.obj", obj(&positions, made.mesh.triangles()));
+    let asked = ["--method", "j6", "--scalar", "f64", "--norm", "mean"];
+    let of_mean = |error| [&asked[..], &["--quantity", "H", "--error", error]].concat();
+    let found = answer(&file, &of_mean("2%"));
+    assert!(found["choice"].is_null(), "{found}");
+    let [noise, all] = ["noise_error", "reference_error"].map(|key| number(&found, key));
+    assert!(noise > 0.9 * all && noise > 0.02, "{found}");
+    // H of the noise goes as 1/h², as the number of vertices does; eighths of a doubling are tried.
+    let needed = number(&found, "vertices_needed");
+    let expected = 2562.0 * 0.02 / noise;
+    let step = 2.0_f64.powf(-0.125);
+    assert!(
+        (step * expected..=expected.ceil()).contains(&needed),
+        "{found}"
+    );
+    let told = |error| succeed(&[&["recommend", file.path()], &of_mean(error)[..]].concat());
+    let said = told("2%");
+    assert!(said.contains("needs a coarser mesh"), "{said}");
+    assert!(said.contains("Noise of positions 7."), "{said}");
+    // So coarse a mesh would not resolve the shape.
+    let said = told("0.5%");
+    assert!(
+        said.contains("no number of vertices with the same noise"),
+        "{said}"
+    );
+    // Exact positions have none, and their answer says so.
+    let exact = Fixture::new("cell.obj", obj(&made.positions, made.mesh.triangles()));
+    let found = answer(
+        &exact,
+        &["--method", "j6", "--scalar", "f64", "--quantity", "H"],
+    );
+    assert_eq!(
+        found["noise"],
+        serde_json::json!({"length": 0.0, "edges": 0.0})
+    );
+    assert_eq!(number(&found, "noise_error"), 0.0);
 }

@@ -17,7 +17,7 @@ fn number(row: &Value, key: &str) -> f64 {
     row[key].as_f64().unwrap()
 }
 
-const METHODS: [&str; 9] = [
+const METHODS: [&str; 10] = [
     "kantor-nelson",
     "gompper-kroll",
     "meyer",
@@ -25,6 +25,7 @@ const METHODS: [&str; 9] = [
     "farutin",
     "loop",
     "juelicher",
+    "hamann",
     "j4",
     "j6",
 ];
@@ -34,7 +35,7 @@ fn defined(method: &str) -> &'static [&'static str] {
     match method {
         "kantor-nelson" => &["f"],
         "gompper-kroll" | "juelicher" => &["H", "f"],
-        "loop" => &["H", "K", "f"],
+        "loop" | "hamann" => &["H", "K", "f"],
         _ => &["H", "K", "LapH", "f"],
     }
 }
@@ -97,6 +98,7 @@ fn check_row(row: &Value, names: [&str; 5]) {
         "order_max",
         "order_mean",
         "ns_per_vertex",
+        "ns_scatter",
         "bytes_per_vertex",
     ];
     let found: BTreeSet<&str> = row
@@ -108,13 +110,20 @@ fn check_row(row: &Value, names: [&str; 5]) {
     assert_eq!(found, BTreeSet::from(keys));
     let labels = ["shape", "family", "scalar", "method", "quantity"];
     assert_eq!(labels.map(|key| row[key].as_str().unwrap()), names);
-    let [max, mean] = ["max", "mean"].map(|key| number(row, key));
-    assert!(0.0 < mean && mean <= max && max.is_finite(), "{row}");
     assert!(number(row, "ns_per_vertex") > 0.0);
     assert!(row["vertices"].is_u64());
+    // On so coarse a random mesh some one-ring determines no paraboloid, and no error is known.
+    if names[1] == "irregular" && names[3] == "hamann" && row["max"].is_null() {
+        return;
+    }
+    let [max, mean] = ["max", "mean"].map(|key| number(row, key));
+    assert!(0.0 < mean && mean <= max && max.is_finite(), "{row}");
 }
 
 fn check_order(coarse: &Value, fine: &Value) {
+    if coarse["max"].is_null() {
+        return;
+    }
     let refinement = (number(fine, "vertices") / number(coarse, "vertices")).sqrt();
     for (error, order) in [("max", "order_max"), ("mean", "order_mean")] {
         let expected = (number(coarse, error) / number(fine, error)).ln() / refinement.ln();
@@ -168,6 +177,7 @@ fn results(rows: &[Value]) -> Vec<Value> {
     let mut rows = rows.to_vec();
     for row in &mut rows {
         row["ns_per_vertex"] = Value::Null;
+        row["ns_scatter"] = Value::Null;
     }
     rows
 }
@@ -320,6 +330,16 @@ fn wrong_study_arguments() {
             &["--shape", "nope"],
             "sphere, ellipsoid, torus or discocyte",
         ),
+        (
+            &["--areas", "circumcentric"],
+            "mixed, voronoi or barycentric",
+        ),
+        (
+            &["--method", "S", "--areas", "voronoi"],
+            "gompper-kroll (B) and meyer (C) have",
+        ),
+        (&["--method", "B", "--bandwidth", "0.5"], "belkin (D) has"),
+        (&["--method", "D", "--bandwidth", "0"], "published"),
         (&["--shape", "torus:1,2"], "tube radius"),
         (&["--shape", "torus:1"], "torus:2,1"),
         (&["--shape", "sphere:nan"], "radius"),
@@ -381,4 +401,86 @@ fn a_study_refuses_before_it_computes() {
         assert!(message.contains(text(&path)), "{message}");
     }
     assert!(is_empty(&folder));
+}
+
+/// Of two studies with one cache, the second would take back what the first has measured.
+#[test]
+fn a_cache_is_of_one_study_at_a_time() {
+    let folder = TempDir::new().unwrap();
+    let cache = folder.path().join("cache");
+    let arguments = ["study", "--vertices", "12", "--cache", text(&cache)];
+    let lock = helfrich_std::lock::Lock::of_file(&cache).unwrap();
+    let message = fail(2, &arguments);
+    let holder = format!("process {}", std::process::id());
+    assert!(message.contains(&holder), "{message}");
+    drop(lock);
+    succeed(&arguments);
+    let left = fs::read_dir(folder.path()).unwrap();
+    assert_eq!(left.count(), 1);
+}
+
+/// Figures of two studies in one folder would be of neither.
+#[test]
+fn a_folder_of_figures_is_of_one_study_at_a_time() {
+    let folder = TempDir::new().unwrap();
+    let [figures, page] = ["figures", "page.html"].map(|name| folder.path().join(name));
+    let cache = folder.path().join("cache");
+    let arguments = [
+        "study",
+        "--vertices",
+        "12",
+        "--method",
+        "B",
+        "--cache",
+        text(&cache),
+        "--html",
+        text(&page),
+        "--figures",
+        text(&figures),
+    ];
+    fs::create_dir(&figures).unwrap();
+    let lock = helfrich_std::lock::Lock::of_folder(&figures).unwrap();
+    let message = fail(2, &arguments);
+    let holder = format!("process {}", std::process::id());
+    for part in [text(&figures), &holder] {
+        assert!(message.contains(part), "{message}");
+    }
+    assert!(!page.exists());
+    drop(lock);
+    succeed(&arguments);
+    assert!(page.exists() && !figures.join("lock").exists());
+}
+
+/// Options reach the methods that have them, and are said in the rows.
+#[test]
+fn options_of_methods_are_those_of_the_rows() {
+    let study = |options: &[&str]| {
+        let meshes = [
+            "--vertices",
+            "400",
+            "--family",
+            "irregular",
+            "--method",
+            "B,A",
+        ];
+        rows(&[&meshes[..], options].concat())
+    };
+    let of = |rows: &[Value], method: &str| -> Vec<Value> {
+        let own = rows.iter().filter(|row| row["method"] == method);
+        own.cloned().collect()
+    };
+    let error = |rows: &[Value]| Vec::from_iter(rows.iter().map(|row| row["max"].clone()));
+    let (default, voronoi) = (study(&[]), study(&["--areas", "voronoi"]));
+    let mixed = study(&["--areas", "mixed"]);
+    let [of_default, of_voronoi, of_mixed] =
+        [&default, &voronoi, &mixed].map(|rows| of(rows, "gompper-kroll"));
+    assert_eq!(error(&of_default), error(&of_mixed));
+    assert_ne!(error(&of_default), error(&of_voronoi));
+    assert!(of_voronoi.iter().all(|row| row["areas"] == "voronoi"));
+    assert!(of_default.iter().all(|row| row.get("areas").is_none()));
+    assert!(
+        of(&voronoi, "kantor-nelson")
+            .iter()
+            .all(|row| row.get("areas").is_none())
+    );
 }

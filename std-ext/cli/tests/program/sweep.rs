@@ -248,16 +248,57 @@ fn runs_that_have_ended_are_left_alone_and_others_added() {
         ["completed", "completed"]
     );
     assert_ne!(sweep.cell(1, "deformation"), sweep.cell(2, "deformation"));
-    // Of another scene than before: nothing is mixed.
-    let set = ["--vary", MODULI, "--resume", "--set", "driver.strain=0.2"];
-    let Run { stdout, .. } = sweep.ends(4, &set);
-    assert_eq!(stdout.matches("of another scene").count(), 2, "{stdout}");
+    // Of another scene than before, or of an end that is past: nothing is mixed.
+    for (set, reason) in [
+        ("driver.flow.rate=0.2", "of another scene"),
+        ("driver.strain=0.2", "has come to t = 2.66667 already"),
+    ] {
+        let set = ["--vary", MODULI, "--resume", "--set", set];
+        let Run { stdout, .. } = sweep.ends(4, &set);
+        assert_eq!(stdout.matches(reason).count(), 2, "{stdout}");
+        assert_eq!(files(&own), before);
+    }
+    // The same scene by another name is the same.
+    let scene = sweep.folder.path().join("./scene.toml");
+    let arguments = ["sweep", text(&scene), "--out", text(&sweep.out), "--vary"];
+    assert_eq!(
+        run(&[&arguments[..], &[MODULI, "--resume"]].concat()).code,
+        Some(0)
+    );
     assert_eq!(files(&own), before);
+    // A later end is gone on to.
+    sweep.ends(
+        0,
+        &["--vary", MODULI, "--resume", "--set", "driver.strain=0.5"],
+    );
+    assert_eq!(sweep.cell(1, "strain").parse(), Ok(0.5));
     // A run that was killed before its first checkpoint begins again.
     let torn = sweep.out.join("modulus=0.3");
     fs::create_dir(&torn).unwrap();
     fs::write(torn.join("series.csv"), "time,strain\n0.0,0.0\n").unwrap();
     sweep.ends(0, &["--vary", "surface.0.bending.modulus=0.3", "--resume"]);
+}
+
+/// Two sweeps in one folder would mix their tables.
+#[test]
+fn a_second_sweep_in_a_folder_is_refused() {
+    let sweep = Sweep::new();
+    let long = ["--vary", MODULI, "--set", "surface.0.vertices=642"];
+    let mut first = crate::command(&sweep.arguments(&long))
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    while !sweep.out.join("modulus=0.1/checkpoint").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let message = sweep.ends(2, &[&long[..], &["--resume"]].concat()).stderr;
+    let holder = format!("process {}", first.id());
+    assert!(message.contains(&holder), "{message}");
+    first.kill().unwrap();
+    first.wait().unwrap();
+    let short = ["--set", "driver.strain=0.1", "--resume"];
+    sweep.ends(0, &[&long[..], &short].concat());
 }
 
 #[cfg(unix)]

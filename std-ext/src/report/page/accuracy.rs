@@ -2,8 +2,8 @@
 
 use super::chart::{Axis, Chart, Curve, Point, Scale, mark};
 use super::costs;
-use super::text::{Table, count, csv_line, percent, signed, time};
-use super::{Page, QUANTITIES, about, called, each, short, style_of};
+use super::text::{Table, count, csv_line, percent, signed, time_of};
+use super::{Page, QUANTITIES, called, each, style_of};
 use crate::answer::{Norm, seconds};
 use crate::method::BendingMethod;
 use crate::scalar::Scalar;
@@ -154,12 +154,12 @@ fn write_legend(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     )?;
     for method in each(rows.iter().map(|row| row.method)) {
         let style = style_of(method);
-        let [name, what] = about(method);
+        let [name, what] = [method.title(), method.idea()];
         writeln!(
             out,
             "<label title=\"{method}\"><input type=\"checkbox\" checked data-method=\"{style}\">{}<b>{}</b> <span>{name}: {what}</span></label>",
             mark(style),
-            short(method),
+            method.label(),
         )?;
     }
     let scalars = each(rows.iter().map(|row| row.scalar));
@@ -175,7 +175,7 @@ fn write_legend(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
 /// The rows of one method in one number type on one family, coarse to fine.
 type Series<'a> = (BendingMethod, Scalar, Vec<&'a Row>);
 
-/// Those of all methods and number types.
+/// The series of all methods and number types.
 pub(super) fn series<'a>(rows: &'a [Row], family: &str, quantity: Quantity) -> Vec<Series<'a>> {
     let rows = rows
         .iter()
@@ -221,7 +221,7 @@ pub(super) fn curves(
         dashed: scalar == Scalar::F32,
         marked: true,
         label: if scalar == Scalar::F64 || !both {
-            short(method).to_owned()
+            method.label().to_owned()
         } else {
             String::new()
         },
@@ -245,12 +245,12 @@ fn error_chart(rows: &[Row], variant: &Variant<'_>, kind: &str) -> Chart {
             at: [at, error],
             says: format!(
                 "{} {}, N = {}: {} off, {} an evaluation ({} a vertex)",
-                short(row.method),
+                row.method.label(),
                 row.scalar,
                 count(row.vertices),
                 percent(error),
-                time(seconds(row)),
-                time(1e-9 * row.ns_per_vertex),
+                time_of(row, seconds(row)),
+                time_of(row, 1e-9 * row.ns_per_vertex),
             ),
         })
     };
@@ -313,11 +313,12 @@ fn error_table(page: &Page<'_>, variant: &Variant<'_>) -> Table {
             &"vertices",
             &"error",
             &"seconds",
+            &"scatter",
         ],
     );
     let mut lines = Vec::new();
     for (method, scalar, rows) in series {
-        let mut line = vec![format!("{} {scalar}", short(method))];
+        let mut line = vec![format!("{} {scalar}", method.label())];
         for &number in &numbers {
             let row = rows.iter().find(|row| row.vertices == number);
             line.push(row.map_or("–".to_owned(), |row| {
@@ -332,12 +333,13 @@ fn error_table(page: &Page<'_>, variant: &Variant<'_>) -> Table {
                         &number,
                         &norm.of(row),
                         &seconds(row),
+                        &row.ns_scatter,
                     ],
                 );
                 format!(
                     "{} <span>{}</span>",
                     percent(norm.of(row)),
-                    time(seconds(row))
+                    time_of(row, seconds(row))
                 )
             }));
         }

@@ -1,7 +1,7 @@
 //! The question answered: the cheapest method for an accuracy.
 
-use super::text::{Table, count, csv_line, significant, target, time};
-use super::{Page, QUANTITIES, TARGETS, about, called, each, short};
+use super::text::{Table, count, csv_line, significant, target, time_of};
+use super::{Page, QUANTITIES, TARGETS, called, each};
 use crate::answer::{Norm, Question, cheapest, for_everything, most_accurate, seconds};
 use crate::study::Row;
 use std::io::{self, Write};
@@ -103,11 +103,11 @@ fn write_everything(page: &Page<'_>, families: &[&str], out: &mut dyn Write) -> 
         out,
         "<p class=\"big\">Take <b>{}</b>, {} (<code>{method}</code>): it has curvature H and force f within 1 % {}, on {kinds} meshes, \
          from N = {} on, and takes {} an evaluation there.{only}</p>",
-        short(method),
-        about(method)[1],
+        method.label(),
+        method.idea(),
         strictly(norm),
         count(largest.vertices),
-        time(seconds(largest)),
+        time_of(largest, seconds(largest)),
     )
 }
 
@@ -117,14 +117,14 @@ fn cell(rows: &[Row], question: &Question<'_>) -> String {
         (Some(row), _) => format!(
             "<b class=\"s{}\">{}</b> <span>N = {}</span> <span>{}</span> <span>{}</span>",
             super::style_of(row.method),
-            short(row.method),
+            row.method.label(),
             count(row.vertices),
             row.scalar,
-            time(seconds(row)),
+            time_of(row, seconds(row)),
         ),
         (None, Some(row)) => format!(
             "<span class=\"none\">none; {} has {} % at N = {}</span>",
-            short(row.method),
+            row.method.label(),
             significant(100.0 * question.norm.of(row), 3),
             count(row.vertices)
         ),
@@ -158,6 +158,7 @@ fn table(rows: &[Row], families: &[&str], norm: Norm) -> Table {
             &"vertices",
             &"error",
             &"seconds",
+            &"scatter",
         ],
     );
     let mut lines = Vec::new();
@@ -187,6 +188,7 @@ fn table(rows: &[Row], families: &[&str], norm: Norm) -> Table {
                         &row.vertices,
                         &norm.of(row),
                         &seconds(row),
+                        &row.ns_scatter,
                     ],
                 );
             }

@@ -9,27 +9,31 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 /// Curves over a pair of axes.
-pub(super) struct Chart {
-    /// What is shown, in a line.
-    pub(super) title: String,
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// One line that describes the chart.
+    pub title: String,
     /// To the right, and upwards.
-    pub(super) axes: [Axis; 2],
+    pub axes: [Axis; 2],
     /// The curves; the first is drawn first.
-    pub(super) curves: Vec<Curve>,
+    pub curves: Vec<Curve>,
     /// Heights at which a line is drawn, with what it says.
-    pub(super) guides: Vec<(f64, String)>,
+    pub guides: Vec<(f64, String)>,
 }
 
 /// An axis.
-#[derive(Clone)]
-pub(super) struct Axis {
-    pub(super) label: &'static str,
-    pub(super) scale: Scale,
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// Its name, with the unit if there is one.
+    pub label: &'static str,
+    /// Its scale.
+    pub scale: Scale,
 }
 
-/// What numbers an axis has, and how they are called.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scale {
+/// The numbers at an axis, and their unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Plain numbers.
     Linear,
     /// Powers of ten.
     Count,
@@ -42,25 +46,32 @@ pub(super) enum Scale {
 }
 
 /// A curve.
-pub(super) struct Curve {
-    pub(super) name: String,
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// Its name in the legend.
+    pub name: String,
     /// Its style, from 0: colour and marks.
-    pub(super) style: usize,
-    pub(super) dashed: bool,
+    pub style: usize,
+    /// Whether its line is broken.
+    pub dashed: bool,
     /// Whether its points are to be seen, and not only to be found.
-    pub(super) marked: bool,
-    /// What stands at its last point; nothing if it is empty.
-    pub(super) label: String,
-    pub(super) points: Vec<Point>,
+    pub marked: bool,
+    /// The label at its last point; none if empty.
+    pub label: String,
+    /// Its points, joined in this order.
+    pub points: Vec<Point>,
 }
 
-/// A point, with what it says when it is touched.
-pub(super) struct Point {
-    pub(super) at: [f64; 2],
-    pub(super) says: String,
+/// A point of a curve.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Its numbers on both axes.
+    pub at: [f64; 2],
+    /// The text that appears where it is touched.
+    pub says: String,
 }
 
-/// What a label takes of the height: as much as the page's letters are high.
+/// The height of a label: that of the letters of the page.
 const LABEL_HEIGHT: f64 = 13.0;
 const WIDTH: f64 = 480.0;
 const HEIGHT: f64 = 350.0;
@@ -70,7 +81,7 @@ const TOP: f64 = 12.0;
 const BOTTOM: f64 = 304.0;
 
 /// The colours of the styles, on light ground; the page has its own for dark ground.
-pub(super) const COLOURS: [&str; 10] = [
+pub const COLOURS: [&str; 10] = [
     "#737373", "#c77700", "#00805f", "#8a5a16", "#b8488a", "#2f8fc4", "#7a55b0", "#d1481b",
     "#0059a8", "#222222",
 ];
@@ -90,7 +101,7 @@ const MARKS: [&str; 10] = [
 ];
 
 /// The mark of a style, for legends.
-pub(super) fn mark(style: usize) -> String {
+pub fn mark(style: usize) -> String {
     format!(
         "<svg viewBox=\"-8 -8 16 16\" class=\"key s{style}\" aria-hidden=\"true\"><path class=\"m\" d=\"{}\" transform=\"scale(5)\"/></svg>",
         MARKS[style % MARKS.len()]
@@ -182,12 +193,15 @@ impl Places {
 
 impl Chart {
     /// Whether there is anything to be seen.
-    pub(super) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.curves.iter().all(|curve| curve.points.is_empty())
     }
 
     /// Writes it as an SVG element; as a file of its own with `styled`.
-    pub(super) fn write_svg(&self, id: &str, styled: bool, out: &mut dyn Write) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// If `out` cannot be written to.
+    pub fn write_svg(&self, id: &str, styled: bool, out: &mut dyn Write) -> io::Result<()> {
         let values = |axis: usize| {
             let points = self.curves.iter().flat_map(|curve| &curve.points);
             points.map(move |point| point.at[axis])
@@ -354,7 +368,10 @@ impl Chart {
     }
 
     /// The same as pixels.
-    pub(super) fn draw(&self) -> Result<Canvas, PictureError> {
+    ///
+    /// # Errors
+    /// If there is nothing to draw.
+    pub fn draw(&self) -> Result<Canvas, PictureError> {
         let points = self.curves.iter().map(|curve| {
             let points = curve.points.iter().map(|point| point.at);
             points.collect::<Vec<_>>()
@@ -396,7 +413,7 @@ impl Chart {
     }
 }
 
-/// What an SVG file needs of the page's style.
+/// The part of the style of the page that an SVG file needs.
 fn style() -> String {
     let mut style = "svg{font:13px system-ui,sans-serif;fill:#222}.ground{fill:#fff}.grid{stroke:#e4e4e4;fill:none}.axis{stroke:#777;fill:none}.tick{font-size:12px}.guide{stroke:#999;stroke-dasharray:2 3;fill:none}.guide-t{font-size:11px;fill:#666}.l{fill:none;stroke-width:1.8}.m{stroke-width:.35}.dash .l{stroke-dasharray:5 3}.dash .m{fill:#fff}.bare .m{opacity:0}.n{font-weight:600}".to_owned();
     for (number, colour) in COLOURS.iter().enumerate() {

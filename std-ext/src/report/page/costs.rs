@@ -1,12 +1,12 @@
-//! What evaluations cost against the number of vertices.
+//! The cost of evaluations against the number of vertices.
 
 use super::accuracy::{columns, curves, series};
 use super::chart::{Axis, Chart, Point, Scale};
-use super::short;
-use super::text::{Table, bytes, count, csv_line, time};
+use super::text::{Table, bytes, count, csv_line, time_of};
 use crate::study::{Quantity, Row};
+use std::fmt::Display;
 
-/// What a row costs: time, or memory if it was measured.
+/// The cost of a row: time, or memory if it was measured.
 fn cost(row: &Row, kind: &str) -> Option<f64> {
     match kind {
         "cost" => Some(1e-9 * row.ns_per_vertex),
@@ -14,9 +14,9 @@ fn cost(row: &Row, kind: &str) -> Option<f64> {
     }
 }
 
-fn in_words(cost: f64, kind: &str) -> String {
+fn in_words(row: &Row, cost: f64, kind: &str) -> String {
     match kind {
-        "cost" => time(cost),
+        "cost" => time_of(row, cost),
         _ => bytes(cost),
     }
 }
@@ -32,10 +32,10 @@ pub(super) fn chart(rows: &[Row], family: &str, kind: &str) -> Chart {
             at: [row.vertices as f64, cost],
             says: format!(
                 "{} {}, N = {}: {} a vertex",
-                short(row.method),
+                row.method.label(),
                 row.scalar,
                 count(row.vertices),
-                in_words(cost, kind)
+                in_words(row, cost, kind)
             ),
         })
     };
@@ -62,19 +62,24 @@ pub(super) fn table(rows: &[Row], family: &str, kind: &str) -> Table {
         "cost" => "seconds_per_vertex",
         _ => "bytes_per_vertex",
     };
-    csv_line(
-        &mut csv,
-        &[&"method", &"scalar", &"family", &"vertices", &unit],
-    );
+    let mut names: Vec<&dyn Display> = vec![&"method", &"scalar", &"family", &"vertices", &unit];
+    if kind == "cost" {
+        names.push(&"scatter");
+    }
+    csv_line(&mut csv, &names);
     let mut lines = Vec::new();
     for (method, scalar, rows) in series {
-        let mut line = vec![format!("{} {scalar}", short(method))];
+        let mut line = vec![format!("{} {scalar}", method.label())];
         for &number in &numbers {
             let row = rows.iter().find(|row| row.vertices == number);
-            let cost = row.and_then(|row| cost(row, kind));
-            line.push(cost.map_or("–".to_owned(), |cost| {
-                csv_line(&mut csv, &[&method, &scalar, &family, &number, &cost]);
-                in_words(cost, kind)
+            let cost = row.and_then(|row| Some((row, cost(row, kind)?)));
+            line.push(cost.map_or("–".to_owned(), |(row, cost)| {
+                let mut cells: Vec<&dyn Display> = vec![&method, &scalar, &family, &number, &cost];
+                if kind == "cost" {
+                    cells.push(&row.ns_scatter);
+                }
+                csv_line(&mut csv, &cells);
+                in_words(row, cost, kind)
             }));
         }
         lines.push(line);

@@ -2,7 +2,7 @@
 
 use super::accuracy::open_family;
 use super::text::{count, escaped, percent, target};
-use super::{Page, about, called, short};
+use super::{Page, called};
 use crate::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -77,8 +77,8 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
                 escaped(method.name()),
                 percent(worst),
                 STANDARD.encode(png),
-                short(*method),
-                about(*method)[0],
+                method.label(),
+                method.title(),
                 percent(worst),
             )?;
         }

@@ -2,7 +2,8 @@
 
 use super::accuracy::{columns, series};
 use super::text::{Table, csv_line, digits};
-use super::{QUANTITIES, called, each, short};
+use super::{QUANTITIES, called, each};
+use crate::report::SCATTERED;
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 use std::io::{self, Write};
@@ -75,12 +76,14 @@ fn table(rows: &[Row], family: &str, quantity: Quantity, single: &[Scalar]) -> T
             own.map_or(&[][..], |series| &series.2)
         };
         for &scalar in single {
-            let mut line = vec![format!("{} {scalar}", short(method))];
+            let mut line = vec![format!("{} {scalar}", method.label())];
             for &number in &numbers {
                 let at = |scalar| of(scalar).iter().find(|row| row.vertices == number);
                 let pair = at(scalar).zip(at(Scalar::F64));
                 line.push(pair.map_or("–".to_owned(), |(single, double)| {
                     let error = single.max / double.max;
+                    let scattered = single.is_scattered() || double.is_scattered();
+                    let mark = if scattered { SCATTERED } else { "" };
                     let faster = double.ns_per_vertex / single.ns_per_vertex;
                     csv_line(
                         &mut csv,
@@ -100,7 +103,7 @@ fn table(rows: &[Row], family: &str, quantity: Quantity, single: &[Scalar]) -> T
                         ("no", "✗")
                     };
                     format!(
-                        "<b class=\"{class}\">{word} ×{}</b> <span>f64 takes ×{faster:.1}</span>",
+                        "<b class=\"{class}\">{word} ×{}</b> <span>f64 takes {mark}×{faster:.1}</span>",
                         digits(error)
                     )
                 }));

@@ -1,13 +1,15 @@
 //! Numbers and texts as the page has them.
 
 use super::chart::Scale;
+use crate::report::SCATTERED;
+use crate::study::Row;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
 /// A text without characters that HTML reads as its own.
-pub(super) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         match character {
@@ -22,12 +24,12 @@ pub(super) fn escaped(text: &str) -> String {
 }
 
 /// Two digits of a positive number; powers of ten where it is very large or small.
-pub(super) fn digits(value: f64) -> String {
+pub fn digits(value: f64) -> String {
     significant(value, 2)
 }
 
 /// So many digits of a positive number; powers of ten where it is very large or small.
-pub(super) fn significant(value: f64, digits: i32) -> String {
+pub fn significant(value: f64, digits: i32) -> String {
     if !value.is_finite() {
         return "∞".to_owned();
     }
@@ -70,17 +72,17 @@ fn raised(number: &str) -> String {
 }
 
 /// A share of 1 in per cent.
-pub(super) fn percent(share: f64) -> String {
+pub fn percent(share: f64) -> String {
     format!("{} %", digits(100.0 * share))
 }
 
 /// A power of ten in per cent, as it is asked for.
-pub(super) fn target(share: f64) -> String {
+pub fn target(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 1))
 }
 
 /// Seconds in a unit that suits them.
-pub(super) fn time(seconds: f64) -> String {
+pub fn time(seconds: f64) -> String {
     let (value, unit) = match seconds {
         seconds if seconds < 1e-6 => (1e9 * seconds, "ns"),
         seconds if seconds < 1e-3 => (1e6 * seconds, "µs"),
@@ -90,8 +92,14 @@ pub(super) fn time(seconds: f64) -> String {
     format!("{} {unit}", digits(value))
 }
 
+/// Seconds that were measured for a row, marked where the runs scatter.
+pub(super) fn time_of(row: &Row, seconds: f64) -> String {
+    let mark = if row.is_scattered() { SCATTERED } else { "" };
+    format!("{mark}{}", time(seconds))
+}
+
 /// Bytes in a unit that suits them.
-pub(super) fn bytes(count: f64) -> String {
+pub fn bytes(count: f64) -> String {
     let (value, unit) = match count {
         count if count < 1e3 => (count, "B"),
         count if count < 1e6 => (1e-3 * count, "kB"),
@@ -101,7 +109,7 @@ pub(super) fn bytes(count: f64) -> String {
 }
 
 /// A whole number, its thousands apart.
-pub(super) fn count(number: usize) -> String {
+pub fn count(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {
@@ -113,8 +121,8 @@ pub(super) fn count(number: usize) -> String {
     text
 }
 
-/// What stands at a mark of an axis.
-pub(super) fn number_label(value: f64, scale: Scale) -> String {
+/// The label of a mark on an axis.
+pub fn number_label(value: f64, scale: Scale) -> String {
     let power = |value: f64| {
         let exponent = value.log10().round() as i32;
         if (-3..=3).contains(&exponent) && (value.log10() - f64::from(exponent)).abs() < 1e-9 {
@@ -144,18 +152,24 @@ pub(super) fn number_label(value: f64, scale: Scale) -> String {
 }
 
 /// A table of texts; the first column of each row is its head.
-pub(super) struct Table {
-    /// What it shows.
-    pub(super) caption: String,
-    pub(super) head: Vec<String>,
-    pub(super) rows: Vec<Vec<String>>,
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// The line above it.
+    pub caption: String,
+    /// The names of its columns.
+    pub head: Vec<String>,
+    /// Its cells.
+    pub rows: Vec<Vec<String>>,
     /// The same in full precision: a head and lines.
-    pub(super) csv: String,
+    pub csv: String,
 }
 
 impl Table {
     /// Writes it, with its numbers as a file to be had, named after `id`.
-    pub(super) fn write(&self, id: &str, out: &mut dyn Write) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// If `out` cannot be written to.
+    pub fn write(&self, id: &str, out: &mut dyn Write) -> io::Result<()> {
         // Above what scrolls, and not as wide as that.
         writeln!(
             out,
@@ -189,7 +203,10 @@ impl Table {
     }
 
     /// The same, folded away under what it is called.
-    pub(super) fn write_folded(&self, id: &str, out: &mut dyn Write) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// If `out` cannot be written to.
+    pub fn write_folded(&self, id: &str, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "<details><summary>The numbers</summary>")?;
         self.write(id, out)?;
         writeln!(out, "</details>")
@@ -197,7 +214,7 @@ impl Table {
 }
 
 /// A line of CSV; numbers with as many digits as tell them from every other.
-pub(super) fn csv_line(text: &mut String, cells: &[&dyn std::fmt::Display]) {
+pub fn csv_line(text: &mut String, cells: &[&dyn std::fmt::Display]) {
     for (number, cell) in cells.iter().enumerate() {
         let comma = if number == 0 { "" } else { "," };
         let _ = write!(text, "{comma}{cell}");
@@ -206,7 +223,7 @@ pub(super) fn csv_line(text: &mut String, cells: &[&dyn std::fmt::Display]) {
 }
 
 /// An order of convergence, always with its sign.
-pub(super) fn signed(order: f64) -> String {
+pub fn signed(order: f64) -> String {
     if order.is_finite() {
         format!("{order:+.1}").replace('-', "−")
     } else {

@@ -8,6 +8,8 @@ use super::super::{
 };
 use super::Builder;
 use crate::method::BendingMethod;
+use crate::series::{ITERATION, TIME};
+use crate::six::Six;
 
 impl Builder<'_> {
     /// The driver; none if it cannot be told which.
@@ -39,7 +41,10 @@ impl Builder<'_> {
             _ => Scheme::Overdamped,
         };
         if let (Scheme::Minimise, Some(surface)) = (scheme, strong_form) {
-            let method = surface.bending.map_or("", |bending| bending.method.name());
+            let method = surface
+                .effects
+                .bending
+                .map_or("", |bending| bending.method.name());
             self.contradiction(
                 &driver.origin_of("scheme"),
                 format!(
@@ -50,22 +55,39 @@ impl Builder<'_> {
                 ),
             );
         }
-        let fluid = surfaces.iter().any(SurfaceScene::is_fluid);
-        let redistribution = driver.switch("redistribution");
-        if let (Some(true), false) = (redistribution, fluid) {
-            self.contradiction(
-                &driver.origin_of("redistribution"),
-                "redistribution moves vertices along fluid membranes, and every surface is elastic: \
-                 choose false or \"auto\""
-                    .to_owned(),
-            );
-        }
         Relax {
             scheme,
             residual: driver.number("residual").unwrap_or(1e-5),
             iterations: driver.count("iterations").unwrap_or(10_000),
-            redistribution: redistribution.unwrap_or(fluid),
+            redistribution: self.redistribution(driver, surfaces, SurfaceScene::is_fluid),
+            energy_error: driver.number("energy_error").unwrap_or(0.01),
         }
+    }
+
+    /// Whether vertices are moved along those surfaces where that `may` be done.
+    pub(super) fn redistribution(
+        &mut self,
+        driver: Reader<'_>,
+        surfaces: &[SurfaceScene],
+        may: impl Fn(&SurfaceScene) -> bool,
+    ) -> bool {
+        let possible = surfaces.iter().any(may);
+        let wanted = driver.switch("redistribution");
+        if let (Some(true), false) = (wanted, possible) {
+            let why = if surfaces.iter().any(SurfaceScene::is_fluid) {
+                "elastic, or pulled at its vertices"
+            } else {
+                "elastic"
+            };
+            self.contradiction(
+                &driver.origin_of("redistribution"),
+                format!(
+                    "redistribution moves vertices along fluid membranes, and every surface is {why}: \
+                     choose false or \"auto\""
+                ),
+            );
+        }
+        wanted.unwrap_or(possible)
     }
 
     fn boundary_integral(
@@ -83,20 +105,22 @@ impl Builder<'_> {
             );
         }
         self.volumes_kept(driver, surfaces);
+        let duration = self.duration(driver, flow);
         BoundaryIntegral {
             viscosity: driver.needed("viscosity"),
             flow,
-            duration: self.duration(driver, flow),
-            integrator: self.integrator(driver, surfaces),
+            duration,
+            integrator: self.integrator(driver, surfaces, duration),
             tolerance: driver.number("tolerance").unwrap_or(1e-4),
             volume_correction: driver.switch("volume_correction").unwrap_or(true),
+            redistribution: self.redistribution(driver, surfaces, SurfaceScene::slides),
         }
     }
 
     /// Volumes that nothing keeps.
     pub(super) fn volumes_kept(&mut self, driver: Reader<'_>, surfaces: &[SurfaceScene]) {
         let exact = |surface: &SurfaceScene| {
-            let hold = surface.volume.map(|volume| volume.hold);
+            let hold = surface.effects.volume.map(|volume| volume.hold);
             hold == Some(Hold::Exact)
         };
         if driver.switch("volume_correction") == Some(false) && !surfaces.iter().all(exact) {
@@ -121,11 +145,27 @@ impl Builder<'_> {
             Some(strain) => self.time_of(strain, driver, "strain", flow, "duration"),
             None => driver.needed("duration"),
         };
+        if let Some(rate) = flow.rate()
+            && duration.is_finite()
+            && rate * duration > MOST_STRAIN
+        {
+            self.contradiction(
+                &driver.origin_of(key),
+                format!(
+                    "the run would go on to a strain of {}: {MOST_STRAIN:e} is the most that it would \
+                     come to the end of; choose a shorter `{key}`",
+                    Six(rate * duration)
+                ),
+            );
+        }
         // A placeholder has its error already.
         if driver.has(key) && !duration.is_nan() && !(0.01 * duration).is_normal() {
             self.contradiction(
                 &driver.origin_of(key),
-                format!("the run would last {duration}: choose other units of time"),
+                format!(
+                    "the run would last {}: choose other units of time",
+                    Six(duration)
+                ),
             );
         }
         duration
@@ -196,8 +236,9 @@ impl Builder<'_> {
             self.contradiction(
                 &flow.origin_of("gradient"),
                 format!(
-                    "the trace of this gradient is {trace}, and an incompressible fluid's is 0: the \
-                     diagonal's entries have to add up to 0"
+                    "the trace of this gradient is {}, and an incompressible fluid's is 0: the \
+                     diagonal's entries have to add up to 0",
+                    Six(trace)
                 ),
             );
         }
@@ -210,7 +251,27 @@ impl Builder<'_> {
         Flow::Linear { gradient }
     }
 
-    fn integrator(&mut self, driver: Reader<'_>, surfaces: &[SurfaceScene]) -> Integrator {
+    /// Steps that are so short that nobody would see the end.
+    pub(super) fn endless(&mut self, driver: Reader<'_>, duration: f64, step: f64) {
+        if duration.is_finite() && duration / step > MOST_STEPS {
+            self.contradiction(
+                &driver.origin_of("step"),
+                format!(
+                    "the run would take {} steps of {}: {MOST_STEPS:e} are the most that it would come \
+                     to the end of; choose a longer `step`, or a shorter run",
+                    Six(duration / step),
+                    Six(step)
+                ),
+            );
+        }
+    }
+
+    fn integrator(
+        &mut self,
+        driver: Reader<'_>,
+        surfaces: &[SurfaceScene],
+        duration: f64,
+    ) -> Integrator {
         let name = driver.text("integrator");
         if driver.has("step") && name != Some("rk4") {
             self.contradiction(
@@ -229,13 +290,13 @@ impl Builder<'_> {
                             .to_owned(),
                     );
                 }
-                Integrator::Rk4 {
-                    step: driver.needed("step"),
-                }
+                let step = driver.needed("step");
+                self.endless(driver, duration, step);
+                Integrator::Rk4 { step }
             }
             Some("rkc2") => Integrator::Rkc2,
             Some("bs23") => Integrator::Bs23,
-            _ if surfaces.iter().any(|surface| surface.bending.is_some()) => Integrator::Rkc2,
+            _ if surfaces.iter().any(SurfaceScene::is_stiff) => Integrator::Rkc2,
             _ => Integrator::Bs23,
         }
     }
@@ -243,9 +304,10 @@ impl Builder<'_> {
     pub(super) fn output(&mut self, output: Option<Reader<'_>>, driver: Option<&Driver>) -> Output {
         let switch = |key| output.and_then(|output| output.switch(key));
         let tables = |key| output.map_or_else(Vec::new, |output| output.tables(key));
-        let against = match driver.and_then(Driver::flow).and_then(Flow::rate) {
-            Some(_) => "strain",
-            None => "time",
+        let against = match driver {
+            Some(Driver::Relax(_)) => ITERATION,
+            Some(driver) if driver.flow().and_then(Flow::rate).is_some() => "strain",
+            _ => TIME,
         };
         let plot = |plot: Reader<'_>| Plot {
             column: plot.text("column").unwrap_or_default().to_owned(),
@@ -316,7 +378,26 @@ impl Builder<'_> {
                     Some(self.time_of(strain, output, "strain_interval", *flow, "interval"))
                 });
                 let hundredth = 0.01 * duration;
-                Every::Time(interval.or(strain).unwrap_or(hundredth))
+                let interval = interval.or(strain).unwrap_or(hundredth);
+                if let Some(output) = output
+                    && duration / interval > MOST_ROWS
+                {
+                    let strain = output.has("strain_interval");
+                    let key = if strain {
+                        "strain_interval"
+                    } else {
+                        "interval"
+                    };
+                    self.contradiction(
+                        &output.origin_of(key),
+                        format!(
+                            "the run would write {} rows: {MOST_ROWS:e} are the most that it would come \
+                             to the end of; choose a longer `{key}`",
+                            Six(duration / interval)
+                        ),
+                    );
+                }
+                Every::Time(interval)
             }
         }
     }
@@ -423,18 +504,28 @@ impl Builder<'_> {
     }
 }
 
+/// The most rows of a series: at a thousand a second it takes three hours to write them.
+const MOST_ROWS: f64 = 1e7;
+
+/// The most steps of a run: at a millisecond a step it takes four months.
+const MOST_STEPS: f64 = 1e10;
+
+/// The most strain of a run, in steps of half a unit of strain, the longest that are taken.
+const MOST_STRAIN: f64 = 0.5 * MOST_STEPS;
+
 /// The trace of a gradient that was written with its digits in full, relative to its entries.
 const TRACE: f64 = 1e-9;
 
 /// The most points of a slice.
 const POINTS: usize = 4_000_000;
 
-/// Of a scene whose driver cannot be read.
+/// The driver of a scene whose driver cannot be read.
 pub(super) const PLACEHOLDER: Driver = Driver::Relax(Relax {
     scheme: Scheme::Overdamped,
     residual: f64::NAN,
     iterations: 0,
     redistribution: false,
+    energy_error: f64::NAN,
 });
 
 fn conservative_methods() -> String {

@@ -1,15 +1,17 @@
 //! The driver lattice-boltzmann from its values.
 
+use super::super::barrier::Barrier;
 use super::super::lattice::{MACH, Membrane};
 use super::super::reader::Reader;
 use super::super::value::{Origin, default_name};
 use super::super::{
-    Driver, Every, Flow, LatticeBoltzmann, MeshSource, Obstacle, Output, Scene, SurfaceScene,
+    Driver, Every, Flow, LatticeBoltzmann, MeshFileSource, MeshSource, Obstacle, Output, Scene,
+    SurfaceScene,
 };
 use super::Builder;
 use crate::flow::lattice_boltzmann::Kernel;
 use crate::generate::{self, AnyShape};
-use crate::io::{free_memory, read};
+use crate::io::free_memory;
 use crate::scalar::Scalar;
 use helfrich::Surface;
 use helfrich::shapes::Shape;
@@ -29,7 +31,7 @@ const VISCOSITIES: RangeInclusive<f64> = 0.02..=1.0;
 /// More nodes than this are in no machine's memory.
 const NODES: f64 = 1e10;
 
-/// Of the longest step that all limits allow the one that is taken.
+/// The chosen step over the longest step that all limits allow.
 const MARGIN: f64 = 0.9;
 
 impl Builder<'_> {
@@ -92,12 +94,13 @@ impl Builder<'_> {
                 _ => Scalar::F64,
             },
             volume_correction: driver.switch("volume_correction").unwrap_or(true),
+            redistribution: self.redistribution(driver, surfaces, SurfaceScene::slides),
         };
         self.step(driver, &mut lattice, &membranes);
         lattice
     }
 
-    /// What is doubtful about the lattice, whatever the meshes: once its step is known.
+    /// Doubts about the lattice that do not depend on meshes, once its step is known.
     pub(super) fn lattice_doubts(&mut self, driver: Reader<'_>, scene: &Scene) {
         let Driver::LatticeBoltzmann(lattice) = scene.driver else {
             return;
@@ -158,7 +161,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What is doubtful about a surface in a box.
+    /// Doubts about a surface in a box.
     pub(super) fn in_a_box(
         &mut self,
         surface: &SurfaceScene,
@@ -195,14 +198,6 @@ impl Builder<'_> {
             );
             self.doubt(&reader.origin_of("viscosity_ratio"), message);
         }
-        if surface.gravity.is_some() && lattice.walls() == [false; 3] {
-            let message = format!(
-                "\"{name}\" has a weight, and in a box without walls nothing carries it: fluid and \
-                 surface fall faster and faster; choose the flow \"channel\", or the driver \
-                 \"boundary-integral\""
-            );
-            self.doubt(&reader.origin_of("gravity"), message);
-        }
     }
 
     /// Flows that have no place in a box.
@@ -224,7 +219,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What the surfaces are like as far as that can be known; none if it cannot of one of them.
+    /// Properties of the surfaces, as far as they are known; none if those of one surface are not.
     fn membranes(&mut self, surfaces: &[SurfaceScene], readers: &[Reader<'_>]) -> Vec<Membrane> {
         let mut membranes = Vec::with_capacity(surfaces.len());
         for (surface, reader) in surfaces.iter().zip(readers) {
@@ -242,7 +237,7 @@ impl Builder<'_> {
                     let characteristic = shape.euler_characteristic().unsigned_abs() as usize;
                     Ok((shape.volume(), area(shape), 2 * (vertices - characteristic)))
                 }
-                MeshSource::File(path) => measure(path),
+                MeshSource::File(file) => measure(file),
             };
             match measured {
                 Ok((volume, area, triangles)) => {
@@ -335,7 +330,7 @@ impl Builder<'_> {
             .map(|density| density * lattice.spacing.powi(2) / lattice.viscosity);
         let Some(unit) = unit else {
             if !given {
-                lattice.step = MARGIN * shortest(lattice, membranes);
+                lattice.step = MARGIN * shortest(lattice, membranes, &self.barriers);
             }
             return;
         };
@@ -351,7 +346,7 @@ impl Builder<'_> {
             (true, false) => lattice.lattice_viscosity = lattice.step / unit,
             (false, true) => lattice.step = lattice.lattice_viscosity * unit,
             (false, false) => {
-                let longest = MARGIN * shortest(lattice, membranes);
+                let longest = MARGIN * shortest(lattice, membranes, &self.barriers);
                 lattice.step = longest.min(lattice.lattice_viscosity * unit);
                 lattice.lattice_viscosity = lattice.step / unit;
             }
@@ -384,9 +379,13 @@ impl Builder<'_> {
         let LatticeBoltzmann {
             step,
             lattice_viscosity,
+            duration,
             ..
         } = *lattice;
         let beyond = |value: f64| !value.is_nan() && !value.is_normal();
+        if !beyond(step) {
+            self.endless(reader, duration, step);
+        }
         if beyond(step) || beyond(lattice_viscosity) {
             self.contradiction(
                 reader.origin(),
@@ -483,8 +482,8 @@ fn default_viscosity(surfaces: &[SurfaceScene]) -> f64 {
 }
 
 /// The shortest of the steps that something limits.
-fn shortest(lattice: &LatticeBoltzmann, membranes: &[Membrane]) -> f64 {
-    let limits = lattice.step_limits(membranes);
+fn shortest(lattice: &LatticeBoltzmann, membranes: &[Membrane], barriers: &[Barrier]) -> f64 {
+    let limits = lattice.step_limits(membranes, barriers);
     limits
         .iter()
         .map(|limit| limit.step)
@@ -514,10 +513,10 @@ fn area(shape: &AnyShape) -> f64 {
 }
 
 /// Volume, area and number of triangles of a mesh file; why not, if they are not to be had.
-fn measure(path: &std::path::Path) -> Result<(f64, f64, usize), String> {
-    let file = read(path).map_err(|error| error.to_string())?;
+fn measure(source: &MeshFileSource) -> Result<(f64, f64, usize), String> {
+    let file = source.read().map_err(|error| error.to_string())?;
     let surface = Surface::new(&file.mesh, &file.positions).map_err(|error| error.to_string())?;
     let volume = surface.volume().filter(|&volume| volume > 0.0);
-    let volume = volume.ok_or_else(|| format!("{} encloses no volume", path.display()))?;
+    let volume = volume.ok_or_else(|| format!("{} encloses no volume", source.path.display()))?;
     Ok((volume, surface.area(), file.mesh.triangles().len()))
 }

@@ -1,7 +1,9 @@
 //! The driver, the flow, and what limits the step.
 
+use super::super::barrier::Barrier;
+use super::super::lattice::Membrane;
 use super::super::units::Dimension;
-use super::super::{Driver, Every, Flow, Integrator, Scene, Scheme};
+use super::super::{BoundaryIntegral, Driver, Every, Flow, Integrator, Scene, Scheme};
 use super::{Active, Parameter, Parameters};
 use crate::generate::Family;
 use crate::info::MeshInfo;
@@ -20,14 +22,12 @@ pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
             let parameters = vec![
                 number.plain("residual", relax.residual),
                 number.plain("iterations", relax.iterations as f64),
+                number.plain("energy_error", relax.energy_error),
             ];
             (scheme.to_owned(), parameters)
         }
         Driver::BoundaryIntegral(integral) => {
-            let volume = match integral.volume_correction {
-                true => "volumes kept to rounding",
-                false => "volumes not corrected",
-            };
+            let kept = kept(integral.volume_correction, integral.redistribution);
             let mut parameters = vec![
                 number.of("viscosity", integral.viscosity, Dimension::VISCOSITY),
                 number.of("duration", integral.duration, Dimension::TIME),
@@ -35,14 +35,11 @@ pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
             if let Some(rate) = integral.flow.rate() {
                 parameters.push(number.plain("strain", rate * integral.duration));
             }
-            let choice = format!("Stokes flow without walls, Reynolds number 0, {volume}");
+            let choice = format!("Stokes flow without walls, Reynolds number 0, {kept}");
             (choice, parameters)
         }
         Driver::LatticeBoltzmann(lattice) => {
-            let volume = match lattice.volume_correction {
-                true => "volumes kept to rounding",
-                false => "volumes not corrected",
-            };
+            let kept = kept(lattice.volume_correction, lattice.redistribution);
             let mut parameters = vec![
                 number.of("viscosity", lattice.viscosity, Dimension::VISCOSITY),
                 number.of("duration", lattice.duration, Dimension::TIME),
@@ -57,7 +54,7 @@ pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
                 }
                 None => "Stokes flow",
             };
-            (format!("{inertia} in a box, {volume}"), parameters)
+            (format!("{inertia} in a box, {kept}"), parameters)
         }
     };
     Active {
@@ -65,6 +62,19 @@ pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
         choice,
         parameters,
     }
+}
+
+/// Corrections of positions besides the flow.
+fn kept(volumes: bool, meshes: bool) -> String {
+    let volumes = match volumes {
+        true => "volumes kept to rounding",
+        false => "volumes not corrected",
+    };
+    let meshes = match meshes {
+        true => ", vertices of fluid surfaces slide along them",
+        false => "",
+    };
+    format!("{volumes}{meshes}")
 }
 
 /// The ambient flow, if there is a fluid.
@@ -118,27 +128,38 @@ pub(super) fn integrator(scene: &Scene, number: &Parameters) -> Option<Active> {
     let Driver::BoundaryIntegral(integral) = &scene.driver else {
         return None;
     };
-    let bends = |surface: &&SurfaceScene| surface.bending.is_some();
+    let bends = |surface: &&SurfaceScene| surface.effects.bending.is_some();
     let bends = scene.surfaces.iter().find(bends);
+    let tense = |surface: &&SurfaceScene| surface.effects.tension.is_some();
+    let tense = scene.surfaces.iter().find(tense);
     let mut parameters = Vec::new();
     let tolerance = number.plain("tolerance", integral.tolerance);
     let (name, why) = match integral.integrator {
         Integrator::Rkc2 => {
             parameters.push(tolerance);
-            let why = match bends {
-                Some(surface) => format!(
+            let why = match (bends, tense) {
+                (Some(surface), _) => format!(
                     "\"{}\" bends, which limits other explicit steps by the cube of an edge",
                     surface.name
                 ),
-                None => "as asked for: nothing bends, and bs23 would do".to_owned(),
+                (None, Some(surface)) => format!(
+                    "\"{}\" has a surface tension, which limits other explicit steps by an edge",
+                    surface.name
+                ),
+                (None, None) => "as asked for: nothing bends, and bs23 would do".to_owned(),
             };
             ("rkc2", why)
         }
         Integrator::Bs23 => {
             parameters.push(tolerance);
-            let why = match bends {
-                Some(_) => "as asked for: where a surface bends rkc2 takes fewer evaluations",
-                None => "nothing bends, and elasticity limits explicit steps by an edge alone",
+            let why = match (bends, tense) {
+                (Some(_), _) => "as asked for: where a surface bends rkc2 takes fewer evaluations",
+                (None, Some(_)) => {
+                    "as asked for: where a surface has a tension rkc2 takes fewer evaluations"
+                }
+                (None, None) => {
+                    "nothing bends, and elasticity limits explicit steps by an edge alone"
+                }
             };
             ("bs23", why.to_owned())
         }
@@ -166,7 +187,7 @@ pub(super) fn interval(scene: &Scene, number: &Parameters) -> Option<Parameter> 
     }
 }
 
-/// What limits the step, in words.
+/// The limit of the step, in words.
 pub(super) fn step_limit(scene: &Scene, spectral_radius: Option<f64>) -> String {
     let Driver::BoundaryIntegral(_) = &scene.driver else {
         return "none: relax has no time, and chooses its steps itself; without a flow there is no \
@@ -178,10 +199,17 @@ pub(super) fn step_limit(scene: &Scene, spectral_radius: Option<f64>) -> String 
             let number = Parameters(scene.units);
             let step = number.of("Δt", 2.5 / radius, Dimension::TIME);
             let radius = number.of("ρ", radius, Dimension::RATE);
+            let repulsion = match scene.interactions.is_empty() {
+                true => "",
+                false => {
+                    ", or up to 0.15 |p'(d)| d/μ of repulsions, p(d) ten times the largest of μγ̇, G/a, κ/a³ \
+                     and σ/a"
+                }
+            };
             format!(
                 "estimate {step} of bs23 and rk4, 2.5/ρ with the spectral radius {radius}; rkc2 takes \
                  √(1 + 1.54 Δt ρ) stages for any Δt (ρ = max{{0.355 (K_s + G)/(μ h), 2.65 κ/(μ h³)}} \
-                 of method B on icospheres with edges h, λ = 1; the run estimates it anew)"
+                 of method B on icospheres with edges h, λ = 1{repulsion}; the run estimates it anew)"
             )
         }
         None => {
@@ -197,16 +225,26 @@ pub(super) fn spectral_radius(scene: &Scene, meshes: &[MeshInfo]) -> Option<f64>
     let Driver::BoundaryIntegral(integral) = &scene.driver else {
         return None;
     };
-    // Repulsion is as stiff as it is near, which nobody knows beforehand.
-    if !scene.interactions.is_empty() {
-        return None;
-    }
     let surfaces = scene.surfaces.iter().zip(meshes);
     let mut radii = surfaces.map(|(surface, mesh)| of_one(surface, mesh, integral.viscosity));
-    radii.try_fold(0.0, |largest, radius| Some(radius?.max(largest)))
+    let radius = radii.try_fold(0.0, |largest: f64, radius| Some(radius?.max(largest)))?;
+    Some(radius.max(of_repulsion(scene, meshes, integral)))
 }
 
-/// Of one surface; none where there is no formula.
+/// Of the repulsions, where surfaces are pressed together by the largest pressure of flow and membranes; 0
+/// without any.
+fn of_repulsion(scene: &Scene, meshes: &[MeshInfo], driver: &BoundaryIntegral) -> f64 {
+    let membranes = scene.surfaces.iter().zip(meshes);
+    let membranes = membranes.map(|(surface, mesh)| Membrane::of(surface, mesh));
+    let flow = driver.viscosity * driver.flow.rate().unwrap_or(0.0);
+    let (pressure, edge) = membranes.fold((flow, f64::INFINITY), |(pressure, edge), membrane| {
+        (membrane.pressure().max(pressure), membrane.edge.min(edge))
+    });
+    let rate = |interaction| Barrier::of(interaction).rate(pressure, edge, driver.viscosity);
+    scene.interactions.iter().map(rate).fold(0.0, f64::max)
+}
+
+/// The value for one surface; none where there is no formula.
 ///
 /// `ρ/γ̇ = (1/Ca) max{0.355 (K_s/G + 1)(a/h), 2.65 b (a/h)³}` as measured for method B on icospheres,
 /// with `Ca = μγ̇a/G` and `b = κ/(a²G)`: flow and size drop out of it.
@@ -215,20 +253,24 @@ fn of_one(surface: &SurfaceScene, mesh: &MeshInfo, viscosity: f64) -> Option<f64
         return None;
     };
     let even = matches!(family, Family::Regular | Family::Smooth | Family::Relaxed);
-    let method = surface.bending.map(|bending| bending.method);
+    let method = surface.effects.bending.map(|bending| bending.method);
     let known = method.is_none_or(|method| method == BendingMethod::GompperKroll);
-    if !even || !known || surface.tension.is_some() {
+    if !even || !known || surface.effects.tension.is_some() {
         return None;
     }
-    let in_plane = surface.elasticity.as_ref();
+    let in_plane = surface.effects.elasticity.as_ref();
     let in_plane = in_plane.map_or(0.0, |elasticity| {
         elasticity.law.area_modulus() + elasticity.law.shear_modulus()
     });
     let local_area = surface
+        .effects
         .local_area
         .as_ref()
         .map_or(0.0, |local| local.modulus);
-    let bending = surface.bending.map_or(0.0, |bending| bending.modulus);
+    let bending = surface
+        .effects
+        .bending
+        .map_or(0.0, |bending| bending.modulus);
     // The edge of an equilateral triangle of mean area.
     let edge = (4.0 * mesh.area / (3_f64.sqrt() * mesh.triangles as f64)).sqrt();
     let stretch = 0.355 * (in_plane + local_area) / edge;

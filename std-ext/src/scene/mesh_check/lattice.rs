@@ -1,9 +1,10 @@
 //! Meshes in a box of fluid on a lattice: what is impossible, what leaves the range in which the
 //! method is right.
 
+use super::super::barrier::Barrier;
 use super::super::build::{BOX, rounded};
 use super::super::explain::enclosed_radius;
-use super::super::lattice::{COMPRESSION, FINITE_BOX, INERTIA, Membrane, TREMBLING};
+use super::super::lattice::{AXES, COMPRESSION, FINITE_BOX, INERTIA, Membrane, TREMBLING};
 use super::super::{Flow, LatticeBoltzmann, SceneFile, SurfaceScene};
 use crate::info::MeshInfo;
 
@@ -13,8 +14,6 @@ const EDGES: [f64; 2] = [0.3, 1.5];
 
 /// Reynolds numbers beyond which inertia is seen in D.
 const REYNOLDS: f64 = 0.1;
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A surface that the lattice does not see, or that does not fit between its walls.
 pub(super) fn in_the_box(
@@ -117,7 +116,7 @@ pub(super) fn off_the_nodes(
     })
 }
 
-/// What is doubtful about a membrane on a lattice, each with the path of the key that is concerned.
+/// Doubts about a membrane on a lattice, each with the path of its key.
 pub(super) fn doubts(
     file: &SceneFile,
     index: usize,
@@ -200,9 +199,12 @@ pub(super) fn doubts(
         let wall = matches!(lattice.flow, Flow::Channel { .. }) && lattice.walls()[axis];
         !wall && size[axis] < needed - lattice.spacing
     };
+    // Many in a periodic box are a suspension, and its box is no stand-in for unbounded fluid.
+    let alone = file.scene.surfaces.len() == 1;
     if let Some(axis) = (0..3)
         .filter(free)
         .min_by(|&a, &b| size[a].total_cmp(&size[b]))
+        .filter(|_| alone)
     {
         let ratio = size[axis] / membrane.radius;
         let what = match lattice.walls()[axis] {
@@ -250,8 +252,10 @@ pub(super) fn doubts(
         ));
     }
 
+    let barriers = Vec::from_iter(file.scene.interactions.iter().map(Barrier::of));
     let stiff = lattice.membrane_limits(&[membrane]);
-    for limit in stiff {
+    let barrier = lattice.barrier_limit(&[membrane], &barriers);
+    for limit in stiff.into_iter().chain([barrier]) {
         let most = TREMBLING * limit.step;
         if lattice.step > most {
             let path = first_written(file, ["driver.step", of_the_nodes]);

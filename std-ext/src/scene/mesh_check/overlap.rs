@@ -1,8 +1,8 @@
 //! Surfaces and obstacles that start where another one is.
 
 use super::super::problem::{Problem, SceneErrors};
-use super::super::{Driver, SceneError, SceneFile};
-use crate::enclosure::vertices_inside;
+use super::super::{SceneError, SceneFile};
+use crate::enclosure::{Inside, inside_of_images};
 use helfrich::Surface;
 
 pub(in crate::scene) fn check_apart(
@@ -18,14 +18,20 @@ pub(in crate::scene) fn check_apart(
     let (Some(name), Some(solid_name)) = names else {
         return Ok(());
     };
-    let message = if let Some((vertex, count)) = vertices_inside(body, solid) {
+    let images = file.scene.driver.images();
+    let message = if let [inside, ..] = inside_of_images(body, solid, &images).as_slice() {
         format!(
-            "\"{name}\" starts inside the obstacle \"{solid_name}\", with {count} vertices, {vertex} \
-             the first: no fluid is there: move one of them"
+            "\"{name}\" starts inside the obstacle \"{solid_name}\", with {} vertices, {} the \
+             first{}: no fluid is there: move one of them",
+            inside.count,
+            inside.first,
+            through(inside)
         )
-    } else if vertices_inside(solid, body).is_some() {
+    } else if let [inside, ..] = inside_of_images(solid, body, &images).as_slice() {
         format!(
-            "the obstacle \"{solid_name}\" is inside of \"{name}\", or reaches into it: move one of them"
+            "the obstacle \"{solid_name}\" is inside of \"{name}\", or reaches into it{}: move one \
+             of them",
+            through(inside)
         )
     } else {
         return Ok(());
@@ -37,41 +43,34 @@ pub(in crate::scene) fn check_apart(
     Err(error.into())
 }
 
+/// A surface that starts across another one; one that lies in it as a whole was put there.
 pub(in crate::scene) fn check_outside(
     file: &SceneFile,
     [index, other]: [usize; 2],
     inner: Surface<'_, f64>,
     outer: Surface<'_, f64>,
-) -> Result<Option<SceneError>, SceneErrors> {
-    let scenes = [index, other].map(|number| file.scene.surfaces.get(number));
-    let ([Some(scene), Some(around)], Some((vertex, count))) =
-        (scenes, vertices_inside(inner, outer))
-    else {
-        return Ok(None);
-    };
-    let (name, around_name) = (&scene.name, &around.name);
+) -> Option<SceneError> {
+    let [scene, around] = [index, other].map(|number| file.scene.surfaces.get(number));
+    let (name, around_name) = (&scene?.name, &around?.name);
+    let found = inside_of_images(inner, outer, &file.scene.driver.images());
+    let is_across = |inside: &&Inside| inside.count < inner.positions().len();
+    let inside = found.iter().find(is_across)?;
     let origin = file.origins.of(&format!("surface.{index}.position"));
-    if count < inner.positions().len() {
-        let message = format!(
-            "\"{name}\" starts across \"{around_name}\", with {count} vertices inside of it, {vertex} \
-             the first: move one of them"
-        );
-        return Ok(Some(
-            file.source.error(&origin, Problem::Doubtful { message }),
-        ));
-    }
-    let contrast = [scene, around].map(|scene| scene.viscosity_ratio.unwrap_or(1.0));
-    if contrast == [1.0; 2] || !matches!(file.scene.driver, Driver::BoundaryIntegral(_)) {
-        return Ok(None);
-    }
     let message = format!(
-        "\"{name}\" is inside of \"{around_name}\", and their viscosity ratios are {} and {}: the \
-         driver \"boundary-integral\" has one viscosity outside of all surfaces: leave \
-         `viscosity_ratio` out, or put them beside each other",
-        contrast[0], contrast[1]
+        "\"{name}\" starts across \"{around_name}\", with {} vertices inside of it, {} the first{}: \
+         move one of them",
+        inside.count,
+        inside.first,
+        through(inside)
     );
-    let error = file
-        .source
-        .error(&origin, Problem::Contradiction { message });
-    Err(error.into())
+    Some(file.source.error(&origin, Problem::Doubtful { message }))
+}
+
+/// The way that surfaces meet, where it is not the direct one.
+fn through(inside: &Inside) -> &'static str {
+    if inside.is_by_image() {
+        ", through the ends of the periodic box"
+    } else {
+        ""
+    }
 }

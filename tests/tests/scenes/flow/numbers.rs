@@ -108,13 +108,22 @@ fn overrides_change_flow_surface_and_law() {
     let surface = &scene.surfaces[0];
     assert_eq!(driver(&scene).flow, Flow::Shear { rate: 0.3 });
     assert_eq!(driver(&scene).duration, 10.0 / 0.3);
-    assert_eq!(surface.bending.unwrap().modulus, 0.0025);
+    assert_eq!(surface.effects.bending.unwrap().modulus, 0.0025);
     assert!(matches!(
         surface.source,
         MeshSource::Shape { vertices: 2562, .. }
     ));
     assert_eq!(surface.viscosity_ratio, Some(5.0));
-    assert_eq!(surface.elasticity.as_ref().unwrap().law.area_modulus(), 3.0);
+    assert_eq!(
+        surface
+            .effects
+            .elasticity
+            .as_ref()
+            .unwrap()
+            .law
+            .area_modulus(),
+        3.0
+    );
     let flow = driver(&set(&["driver.flow.kind=extension"])).flow;
     assert_eq!(flow, Flow::Extension { rate: 0.15 });
     let slice =
@@ -227,6 +236,25 @@ fn group(explanation: &Explanation, name: &str, formula: &str) -> Option<f64> {
     groups.iter().find(found).map(|group| group.value)
 }
 
+/// The membrane's viscosities over the fluid's, on a sphere of two units.
+#[test]
+fn boussinesq_numbers_are_those_of_the_membrane() {
+    let explanation = explained(&capsule(&[
+        ("sphere:1", "sphere:2"),
+        (
+            "match_volume = true",
+            "match_volume = true\nmembrane_viscosity = { shear = 6, dilational = 3 }",
+        ),
+    ]));
+    for (name, formula, expected) in [
+        ("Boussinesq number, shear", "η_s/(μa)", 3.0),
+        ("Boussinesq number, dilation", "η_d/(μa)", 1.5),
+    ] {
+        let found = group(&explanation, name, formula).unwrap_or_else(|| panic!("{formula}"));
+        tolerance::SCENE_NUMBER.assert(found, expected, expected, formula);
+    }
+}
+
 /// The numbers of the paper's case by both conventions, and those of the theory.
 #[test]
 fn groups_are_named_by_both_conventions() {
@@ -237,7 +265,7 @@ fn groups_are_named_by_both_conventions() {
         ("bending number by G", "b = κ/(a² G)", 0.1125),
         ("bending number by E_s = 3 G", "κ/(a² E_s)", 0.0375),
         ("capillary number by κ", "Ca_κ = μγ̇a³/κ", 4.0 / 3.0),
-        ("viscosity inside over outside", "λ", 1.0),
+        ("viscosity inside over that of the driver", "λ", 1.0),
         (
             "expected D, theory for Ca_G → 0",
             "(25/12) Ca_G/(1 + 11 b)",
@@ -343,6 +371,19 @@ fn the_step_limit_is_estimated() {
             explanation.step_limit
         );
     }
+    // p(0.9 r_c) = 10 G/a, and −p' d = 18.816 p there, times 0.14921 at the wave that gives way fastest.
+    let second = "\n[[surface]]\nname = \"other\"\nshape = \"sphere:1\"\nfamily = \"regular\"\n\
+                  vertices = 642\nmatch_volume = true\nposition = [3, 0, 0]\nelasticity = { law = \"neo-hookean\", \
+                  shear_modulus = 1 }\n[[interaction]]\nkind = \"repulsion\"\ncutoff = 0.5\n";
+    let (q, cutoff) = (0.81_f64, 0.5);
+    let part = 0.5 * cutoff * (1.0 - q).powi(2) * (1.0 + 2.0 * q) / q.powf(1.5);
+    let text = capsule(&[("modulus = 0.1125", "modulus = 1e-4")])
+        + second
+        + &format!("strength = {}\n", 10.0 / part);
+    let file = valid(&text);
+    let infos = [0, 1].map(|surface| generated(&file, surface));
+    let found = file.scene.explain(&infos).spectral_radius.expect("one");
+    assert!((found / (0.14921 * 188.16) - 1.0).abs() < 1e-3, "{found}");
     for text in [
         capsule(&[("\"B\"", "\"J\"")]),
         capsule(&[("\"regular\"", "\"irregular\"")]),

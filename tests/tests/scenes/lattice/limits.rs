@@ -213,6 +213,47 @@ fn what_leaves_the_valid_range_is_warned_of() {
     }
 }
 
+/// A repulsion by which p(r_c/2) = 27/8 k r_c is ten times P = G/a: there −p' is 11/3 p/(r_c/2), and a vertex
+/// on nodes 1/6 apart is held by √3/2 (1/6)² of it.
+#[test]
+fn the_repulsion_limits_the_step() {
+    let cutoff = 0.03;
+    let repelled = |step: &str| {
+        let nodes = format!("resolution = 6\n{step}");
+        let strength = 10.0 * 8.0 / (27.0 * cutoff);
+        capsule(&[
+            ("modulus = 0.1125", "modulus = 1e-4"),
+            ("resolution = 6", &nodes),
+        ]) + &format!(
+            "[[interaction]]\nkind = \"repulsion\"\nstrength = {strength}\ncutoff = {cutoff}\n"
+        )
+    };
+    let stiffness = 0.75_f64.sqrt() / 36.0 * (11.0 / 3.0) * 10.0 / (0.5 * cutoff);
+    let expected = 1.0 / (6.0 * stiffness);
+    let text = repelled("");
+    let explanation = explained(&text);
+    let limits = explanation
+        .lattice
+        .as_ref()
+        .expect("a lattice")
+        .limits
+        .iter();
+    let found = limits.min_by(|a, b| a.step.total_cmp(&b.step)).unwrap();
+    assert_eq!(found.name, "repulsion");
+    tolerance::SCENE_NUMBER.assert(found.step, expected, expected, "step");
+    assert!(explanation.step_limit.starts_with("repulsion"));
+    let step = driver(&valid(&text).scene).step;
+    assert!((0.8..=0.9).contains(&(step / expected)), "{step}");
+    assert_eq!(warnings(&text), [""; 0]);
+    for (factor, count) in [(1.9, 0), (2.1, 1)] {
+        let said = warnings(&repelled(&format!("step = {}", factor * expected)));
+        assert_eq!(said.len(), count, "{said:?}");
+        let names =
+            |warning: &String| warning.contains("which the repulsion of \"capsule\" allows");
+        assert!(said.iter().all(names), "{said:?}");
+    }
+}
+
 /// The edge of an equilateral triangle of the mean area.
 fn mean_edge(mesh: &MeshInfo) -> f64 {
     (4.0 * mesh.area / (3_f64.sqrt() * mesh.triangles as f64)).sqrt()

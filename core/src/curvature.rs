@@ -1,0 +1,55 @@
+//! Curvatures at vertices.
+
+use crate::element::Execution;
+use crate::mesh::VertexKind;
+use crate::method::{Method, Workspace};
+use crate::real::Real;
+use crate::surface::Surface;
+
+/// Normal, curvatures and area of a surface at one vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Curvature<T> {
+    /// Outward unit normal n; 0 at a vertex without any.
+    pub normal: [T; 3],
+    /// Mean curvature H = (c₁ + c₂)/2, positive on a sphere.
+    pub mean: T,
+    /// Gaussian curvature K = c₁ c₂.
+    pub gaussian: T,
+    /// The area that belongs to the vertex: K and H are averages over it.
+    pub area: T,
+    /// Interior, boundary or isolated. Operators that need a full ring of triangles define H and K at
+    /// interior vertices only, and set them to 0 elsewhere.
+    pub kind: VertexKind,
+}
+
+/// A method or operator that measures curvatures.
+///
+/// Laws: curvatures follow rotations, translations and relabellings; they scale as 1/length (H) and
+/// 1/length² (K).
+///
+/// ```
+/// use helfrich::{Cotangent, DualArea, Prepared, Surface, TriangleMesh};
+///
+/// let mesh = TriangleMesh::new(4, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
+/// let points = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]];
+/// let mut cotangent = Prepared::new(Cotangent::new(DualArea::Voronoi), &mesh);
+/// let curvature = cotangent.curvatures(Surface::new(&mesh, &points)?);
+///
+/// // Inscribed in a sphere of radius √3, the mean curvature is 1/√3 on any mesh.
+/// assert!(curvature.iter().all(|vertex| (vertex.mean - 1.0 / 3.0_f64.sqrt()).abs() < 1e-14));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Curvatures<T: Real>: Method<T> {
+    /// Measures the surface: sets `curvature`, one entry per vertex.
+    ///
+    /// # Panics
+    /// If `curvature` has fewer entries than the surface has vertices, or the surface another mesh
+    /// than that of the workspace.
+    fn curvatures(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        curvature: &mut [Curvature<T>],
+    );
+}

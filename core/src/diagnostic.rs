@@ -1,0 +1,200 @@
+//! Findings: what makes an evaluation less trustworthy, and where.
+
+use crate::mesh::TriangleMesh;
+use alloc::vec::Vec;
+
+/// Something that makes an evaluation less trustworthy than usual, and where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Finding {
+    /// The area that the method gives to this vertex is zero: the vertex was left out.
+    ZeroArea {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The signed area that the method gives to this vertex is negative, and was used as it is.
+    NegativeArea {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The neighbours of this vertex do not carry the fit that was asked for, but one of lower degree.
+    ReducedDegree {
+        /// The vertex.
+        vertex: u32,
+        /// The degree that was fitted.
+        degree: u8,
+    },
+    /// The neighbours of this vertex carry no fit at all: it was left out.
+    TooFewNeighbours {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The signed area that the method gives to this vertex is less than a thirty-second of the
+    /// triangles around it: what is divided by it is amplified.
+    SmallArea {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The signed area of this vertex is zero or negative, and was replaced by a mixed one.
+    ClampedArea {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The neighbours of this vertex lie near a conic section through it and determine the fit
+    /// badly: it amplifies what the neighbours deviate from a paraboloid.
+    Amplified {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The longest edge at this vertex is more than eight times the shortest (for methods that reach
+    /// farther, at a vertex within two edges, or a triangle there is thin): formulas that take the
+    /// mesh to be even are off by powers of that.
+    Uneven {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// This vertex has fewer than four or more than nine neighbours: formulas that are exact for six
+    /// have an error there that refinement does not reduce.
+    UnusualValence {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// A triangle at this vertex faces against the others around it: the surface folds back.
+    Folded {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The position of this vertex is stored with so few digits for the distance of its neighbours
+    /// that a fourth derivative is lost in rounding: its error is of the order of 1/R³, R the radius
+    /// of the sphere with the same area. Keep positions near the origin or in pairs, see
+    /// [`Surface::with_remainders`](crate::Surface::with_remainders).
+    RoundedPosition {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The vertices lie so far off a smooth surface for the distance of the neighbours of this one that
+    /// a fourth derivative is lost in the noise, see [`Noise`](crate::Noise): its error is of the order of 1/R³ or
+    /// larger, R the radius of the sphere with the same area. Finer meshes of the same noise are worse.
+    NoisyPosition {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The triangles around this vertex are so small that a fourth derivative, of the order of the
+    /// mean curvature over their area, leaves the range of the scalar: it is unknown, and set to 0.
+    /// Choose a unit of length nearer to the size of the surface.
+    OutOfRange {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// This triangle is stretched so far that the energy or the forces of an in-plane law leave the
+    /// range of the scalar: they are infinite or no numbers.
+    Overstretched {
+        /// The triangle.
+        triangle: u32,
+    },
+    /// This triangle has no area and contributes nothing.
+    DegenerateTriangle {
+        /// The triangle.
+        triangle: u32,
+    },
+    /// The height of this triangle is less than a thirty-second of its longest edge (a needle below
+    /// 1.8°, a cap above 176.4°): what is divided by its area is amplified.
+    ThinTriangle {
+        /// The triangle.
+        triangle: u32,
+    },
+}
+
+/// The findings of one evaluation, with a flag for each vertex that they concern.
+///
+/// A vertex is flagged if it, one of its triangles or one of its neighbours is found fault with:
+/// a force reads the curvatures of the neighbours.
+///
+/// ```
+/// use helfrich::{GompperKroll, Prepared, Surface, TriangleMesh};
+///
+/// let mesh = TriangleMesh::new(4, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
+/// // Two vertices almost in one place.
+/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1e-4, 1e-4]];
+/// let surface = Surface::new(&mesh, &points)?;
+/// let mut bending = Prepared::new(GompperKroll::new(1.0), &mesh);
+/// bending.add_force_and_energy(surface, &mut [[0.0; 3]; 4]);
+///
+/// let quality = bending.quality(surface);
+/// assert!(!quality.findings().is_empty());
+/// assert!(quality.flagged()[0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Quality {
+    findings: Vec<Finding>,
+    flagged: Vec<bool>,
+}
+
+impl Quality {
+    /// Gathers the findings that `inspect` reports of an evaluation on `mesh`.
+    ///
+    /// # Panics
+    /// If a finding names a vertex or triangle that the mesh has not.
+    pub fn gather(mesh: &TriangleMesh, inspect: impl FnOnce(&mut dyn FnMut(Finding))) -> Self {
+        let mut findings = Vec::new();
+        inspect(&mut |finding| findings.push(finding));
+        let mut flagged = alloc::vec![false; mesh.vertex_count()];
+        let mut flag = |vertex: u32| {
+            flagged[vertex as usize] = true;
+            for &neighbour in mesh.one_ring(vertex as usize) {
+                flagged[neighbour as usize] = true;
+            }
+        };
+        for finding in &findings {
+            match finding.place() {
+                Place::Vertex(vertex) => flag(vertex),
+                Place::Triangle(triangle) => {
+                    mesh.triangles()[triangle as usize]
+                        .into_iter()
+                        .for_each(&mut flag);
+                }
+            }
+        }
+        Self { findings, flagged }
+    }
+
+    /// The findings, in the order in which the method reports them.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// Whether each vertex is concerned.
+    pub fn flagged(&self) -> &[bool] {
+        &self.flagged
+    }
+}
+
+/// The place of a finding.
+enum Place {
+    Vertex(u32),
+    Triangle(u32),
+}
+
+impl Finding {
+    fn place(self) -> Place {
+        match self {
+            Self::ZeroArea { vertex }
+            | Self::NegativeArea { vertex }
+            | Self::SmallArea { vertex }
+            | Self::ClampedArea { vertex }
+            | Self::ReducedDegree { vertex, .. }
+            | Self::TooFewNeighbours { vertex }
+            | Self::Amplified { vertex }
+            | Self::Uneven { vertex }
+            | Self::UnusualValence { vertex }
+            | Self::Folded { vertex }
+            | Self::OutOfRange { vertex }
+            | Self::RoundedPosition { vertex }
+            | Self::NoisyPosition { vertex } => Place::Vertex(vertex),
+            Self::DegenerateTriangle { triangle }
+            | Self::Overstretched { triangle }
+            | Self::ThinTriangle { triangle } => Place::Triangle(triangle),
+        }
+    }
+}

@@ -1,0 +1,281 @@
+//! Short-range repulsion.
+
+mod face;
+mod near;
+
+use super::Interaction;
+use super::cells::Cells;
+use super::images::{Images, NearImages};
+use crate::element::{Corners, ElementKernel, Execution};
+use crate::lane::Lane;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::vec3::{Vec3, add, scale, sub};
+use alloc::vec::Vec;
+use face::Felt;
+use near::{Bounds, NearFace, NearVertex};
+
+/// Short-range repulsion of different surfaces: a pressure between them that grows without bound as
+/// the gap closes.
+///
+/// Each vertex has the energy of its distance d from each other surface, with a third of the triangles
+/// around it as its area, and of each pair of surfaces both halves count:
+///
+/// `E = ½ Σ_i A_i w(d_i)`, `w(d) = k r_c²/4 (1 − s²)³/s²` with s = d/r_c for d < r_c, 0 beyond.
+///
+/// Parallel surfaces at a distance h have the energy w(h) per area, and the pressure
+/// `p(h) = k r_c/2 (1 − s²)² (1 + 2s²)/s³`: 0.29 k r_c at 0.8 r_c, 0.75 k r_c at 0.7 r_c, 3.4 k r_c at
+/// 0.5 r_c, and `k r_c/(2s³)` where they all but touch. Where k r_c is about the pressure that presses,
+/// surfaces come to rest at some two thirds of the range. Distances are those from triangles, not
+/// from vertices: the barrier has no holes, whatever the length of edges against the range. Where
+/// surfaces touch, the energy is infinite.
+///
+/// Where several points of a surface are near, d is more than the least distance: w is added over the
+/// triangles, taken away for their sides and given back for their corners, each by its own nearest
+/// point. A point of the surface that is nearest for several of them so counts once, as by Euler's
+/// formula, and forces are continuous where another one becomes the nearest. The areas belong to the
+/// surfaces as they are, and the force is the exact gradient, theirs included. Both sides of a surface
+/// repel, and nothing acts between parts of one surface.
+///
+/// In a periodic box surfaces act on the images of others as on these, and on images of themselves
+/// if [`Images::own`] says so. All images within the range are taken: of a box shorter than the range
+/// several of the same surface, which takes time as the cube of their number along an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Repulsion<T> {
+    /// k, energy per area squared.
+    pub modulus: T,
+    /// r_c, a length; nothing happens unless it is positive and finite.
+    pub range: T,
+    /// The periodic box, if there is one.
+    pub images: Images<T>,
+}
+
+/// Memory of [`Repulsion`].
+#[derive(Clone, Debug, Default)]
+pub struct RepulsionMemory<T> {
+    bounds: Vec<Bounds<T>>,
+    /// The widened boxes of others and of images that meet the box of one surface.
+    near: Vec<Bounds<T>>,
+    /// In the order of cells, surfaces, vertices.
+    vertices: Vec<NearVertex<T>>,
+    /// In the order of cells, surfaces, triangles.
+    faces: Vec<NearFace<T>>,
+    /// Areas of one surface's vertices.
+    areas: Vec<T>,
+    /// Potential at each near vertex, and its part of minus the gradient.
+    sums: Vec<[T; 4]>,
+    /// What near vertices do to the corners of each near triangle.
+    reactions: Vec<[Vec3<T>; 3]>,
+    /// −∂E/∂A of one surface's vertices.
+    weights: Vec<[T; 1]>,
+}
+
+impl<T> RepulsionMemory<T> {
+    /// How many vertices the last evaluation found near the box of another surface or an image: 0 if
+    /// it ended there.
+    pub fn candidates(&self) -> usize {
+        self.vertices.len()
+    }
+}
+
+/// What is needed to go through near pairs.
+struct Pairs<'a, T> {
+    repulsion: &'a Repulsion<T>,
+    over_range: T,
+    cells: Cells<T>,
+    images: NearImages<T>,
+}
+
+impl<T: Real> Pairs<'_, T> {
+    /// Calls `act` with what a vertex feels of a triangle, and of its images. Seen from the
+    /// triangle it is the same, to the last bit.
+    #[inline(always)]
+    fn each_felt(&self, vertex: &NearVertex<T>, face: &NearFace<T>, mut act: impl FnMut(Felt<T>)) {
+        let itself = vertex.surface == face.surface;
+        if itself && !self.repulsion.images.own {
+            return;
+        }
+        let apart = sub(vertex.position, face.position);
+        let apart = add(apart, sub(vertex.remainder, face.remainder));
+        let (offset, reach) = (face.centre, face.reach);
+        self.images
+            .each_within(apart, offset, reach, |apart, is_another| {
+                if itself && !is_another {
+                    return;
+                }
+                if let Some(felt) = face.triangle.felt(scale(self.over_range, apart)) {
+                    act(felt);
+                }
+            });
+    }
+}
+
+impl<T: Real> Repulsion<T> {
+    /// 1/r_c; 0 where there is no range.
+    fn over_range(&self) -> T {
+        self.range.reciprocal_or_zero().max(T::zero())
+    }
+
+    /// Finds what is near, sets `sums` and returns the energy. Each vertex goes through its triangles
+    /// in their order, so that sums do not depend on who takes which vertices.
+    fn measure(
+        &self,
+        execution: &impl Execution,
+        surfaces: &[Surface<'_, T>],
+        memory: &mut RepulsionMemory<T>,
+    ) -> (T, Option<Pairs<'_, T>>) {
+        let Some(pairs) = self.find(execution, surfaces, memory) else {
+            return (T::zero(), None);
+        };
+        let RepulsionMemory {
+            vertices,
+            faces,
+            sums,
+            ..
+        } = memory;
+        let (vertices, faces) = (vertices.as_slice(), faces.as_slice());
+        sums.clear();
+        sums.resize(vertices.len(), [T::zero(); 4]);
+        execution.map(&mut sums[..], |k, sum| {
+            let vertex = &vertices[k];
+            pairs.cells.each_near(faces, vertex.cell, |face| {
+                pairs.each_felt(vertex, face, |felt| {
+                    let [x, y, z] = felt.force;
+                    for (sum, term) in sum.iter_mut().zip([felt.potential, x, y, z]) {
+                        *sum += term;
+                    }
+                });
+            });
+        });
+        let energy = execution.sum(vertices.len(), |k| vertices[k].area * sums[k][0]);
+        let energy = self.half_potential() * energy;
+        // Of surfaces that touch, infinite terms may have met with both signs.
+        let energy = if energy.is_nan() {
+            T::infinity()
+        } else {
+            energy
+        };
+        (energy, Some(pairs))
+    }
+
+    /// Half of the unit of potentials, `k r_c²/4`.
+    fn half_potential(&self) -> T {
+        T::constant(0.125) * self.modulus * self.range * self.range
+    }
+
+    /// Half of the unit of forces per area, `k r_c/2`.
+    fn half_push(&self) -> T {
+        T::constant(0.25) * self.modulus * self.range
+    }
+
+    /// Sets `reactions`, each triangle going through its vertices.
+    fn react(execution: &impl Execution, pairs: &Pairs<'_, T>, memory: &mut RepulsionMemory<T>) {
+        let RepulsionMemory {
+            vertices,
+            faces,
+            reactions,
+            ..
+        } = memory;
+        let (vertices, faces) = (vertices.as_slice(), faces.as_slice());
+        reactions.clear();
+        reactions.resize(faces.len(), [[T::zero(); 3]; 3]);
+        execution.map(&mut reactions[..], |k, reaction| {
+            let face = &faces[k];
+            pairs.cells.each_near(vertices, face.cell, |vertex| {
+                pairs.each_felt(vertex, face, |felt| {
+                    for (sum, force) in reaction.iter_mut().zip(felt.corners) {
+                        *sum = add(*sum, scale(vertex.area, force));
+                    }
+                });
+            });
+        });
+    }
+}
+
+/// What the change of a triangle's area gives to its corners: `⅓ Σ w ∂A`.
+struct AreaForce;
+
+impl<T: Real> ElementKernel<T, 3, 1, 3> for AreaForce {
+    #[inline(always)]
+    fn evaluate(
+        &self,
+        _first: usize,
+        corners: &Corners<T, 3>,
+        weights: &[[T; 1]; 3],
+    ) -> [[T; 3]; 3] {
+        let sixth = T::constant(1.0 / 6.0) * (weights[0][0] + weights[1][0] + weights[2][0]);
+        corners.triangle().outward_edges(sixth)
+    }
+}
+
+impl<T: Real> Interaction<T> for Repulsion<T> {
+    type Memory = RepulsionMemory<T>;
+
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        surfaces: &[Surface<'_, T>],
+        memory: &mut RepulsionMemory<T>,
+    ) -> T {
+        self.measure(execution, surfaces, memory).0
+    }
+
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        surfaces: &[Surface<'_, T>],
+        memory: &mut RepulsionMemory<T>,
+        forces: &mut [&mut [[T; 3]]],
+    ) -> T {
+        assert!(
+            forces.len() >= surfaces.len(),
+            "there are {} slices of forces for {} surfaces",
+            forces.len(),
+            surfaces.len()
+        );
+        let (energy, pairs) = self.measure(execution, surfaces, memory);
+        let Some(pairs) = pairs else {
+            return energy;
+        };
+        Self::react(execution, &pairs, memory);
+        let RepulsionMemory {
+            vertices,
+            faces,
+            sums,
+            reactions,
+            weights,
+            ..
+        } = memory;
+        let zero = T::zero();
+        let push = self.half_push();
+        for (face, reaction) in faces.iter().zip(&*reactions) {
+            if *reaction != [[zero; 3]; 3] {
+                let force = &mut *forces[face.surface as usize];
+                for (&corner, &reaction) in face.corners.iter().zip(reaction) {
+                    let force = &mut force[corner as usize];
+                    *force = add(*force, scale(push, reaction));
+                }
+            }
+        }
+        let half_potential = self.half_potential();
+        for (k, (surface, force)) in surfaces.iter().zip(forces).enumerate() {
+            let felt = || {
+                let both = vertices.iter().zip(&*sums);
+                both.filter(|(vertex, sum)| vertex.surface as usize == k && sum[0] != zero)
+            };
+            if felt().next().is_none() {
+                continue;
+            }
+            weights.clear();
+            weights.resize(surface.positions().len(), [zero]);
+            for (near, &[potential, x, y, z]) in felt() {
+                let vertex = near.vertex as usize;
+                weights[vertex] = [-half_potential * potential];
+                force[vertex] = add(force[vertex], scale(push * near.area, [x, y, z]));
+            }
+            let triangles = surface.mesh().triangles();
+            execution.scatter(&AreaForce, *surface, triangles, weights, force);
+        }
+        energy
+    }
+}

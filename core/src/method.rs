@@ -1,0 +1,285 @@
+//! Methods: energy, nodal force, force density; the workspace of a method; sums of methods.
+
+use crate::diagnostic::Finding;
+use crate::element::Execution;
+use crate::mesh::TriangleMesh;
+use crate::mesh_identity::MeshIdentity;
+use crate::real::Real;
+use crate::surface::Surface;
+use core::fmt;
+
+/// A method or effect: a value with public parameters. Everything that follows from a mesh, and the
+/// memory of an evaluation, is in its [`Workspace`].
+///
+/// [`Prepared`](crate::Prepared) holds the two together.
+pub trait Method<T: Real>: Sized {
+    /// Results that follow from the connectivity, and memory for one evaluation at a time. It grows
+    /// at the first evaluation and is reused by the following ones; after an evaluation it holds
+    /// the results of that evaluation.
+    type Memory: Clone + fmt::Debug;
+
+    /// Makes the memory for a mesh: works out what follows from the connectivity.
+    fn memory(&self, mesh: &TriangleMesh) -> Self::Memory;
+
+    /// Makes a workspace for surfaces with the mesh `mesh`.
+    fn workspace(&self, mesh: &TriangleMesh) -> Workspace<T, Self> {
+        Workspace::new(self, mesh)
+    }
+
+    /// Checks the parameters: a modulus or a spontaneous curvature has to be a finite number.
+    ///
+    /// # Errors
+    /// The first parameter that is not.
+    fn check(&self) -> Result<(), ParameterError> {
+        Ok(())
+    }
+
+    /// Reports what made the last evaluation in `workspace` less trustworthy than usual; nothing is
+    /// counted unless this is called.
+    ///
+    /// # Panics
+    /// If the surface has another mesh than that of the workspace.
+    fn inspect(
+        &self,
+        surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
+        _report: &mut dyn FnMut(Finding),
+    ) {
+        workspace.for_mesh(surface.mesh());
+    }
+}
+
+/// The data that a method keeps for one mesh: results that follow from the connectivity alone, and
+/// memory for one evaluation at a time. Made by [`Method::workspace`]; memory grows at the first
+/// evaluation and is reused by the following ones.
+///
+/// A workspace serves surfaces with the mesh it was made for, or an equal one. Every evaluation
+/// checks that.
+///
+/// # Panics
+/// An evaluation for a surface with another mesh panics. The message names the method, both meshes,
+/// and the remedy: a workspace of that other mesh.
+pub struct Workspace<T: Real, M: Method<T>> {
+    mesh: MeshIdentity,
+    memory: M::Memory,
+}
+
+impl<T: Real, M: Method<T>> Workspace<T, M> {
+    pub(crate) fn new(method: &M, mesh: &TriangleMesh) -> Self {
+        Self {
+            mesh: MeshIdentity::of(mesh),
+            memory: method.memory(mesh),
+        }
+    }
+
+    /// The results of the last evaluation.
+    pub fn memory(&self) -> &M::Memory {
+        &self.memory
+    }
+
+    /// The memory, for an evaluation on the mesh `mesh`: the first line of every implementation.
+    ///
+    /// # Panics
+    /// If the workspace was made for another mesh.
+    #[inline]
+    #[track_caller]
+    pub fn for_mesh(&self, mesh: &TriangleMesh) -> &M::Memory {
+        self.mesh.expect::<M>(mesh, REMEDY);
+        &self.memory
+    }
+
+    /// The memory, to be changed by an evaluation on the mesh `mesh`.
+    ///
+    /// # Panics
+    /// If the workspace was made for another mesh.
+    #[inline]
+    #[track_caller]
+    pub fn for_mesh_mut(&mut self, mesh: &TriangleMesh) -> &mut M::Memory {
+        self.mesh.expect::<M>(mesh, REMEDY);
+        &mut self.memory
+    }
+}
+
+impl<T: Real, M: Method<T>> Clone for Workspace<T, M> {
+    fn clone(&self) -> Self {
+        Self {
+            mesh: self.mesh,
+            memory: self.memory.clone(),
+        }
+    }
+}
+
+impl<T: Real, M: Method<T>> fmt::Debug for Workspace<T, M> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut shown = formatter.debug_struct("Workspace");
+        shown.field("mesh", &self.mesh);
+        shown.field("memory", &self.memory).finish()
+    }
+}
+
+/// The end of the message about a workspace.
+const REMEDY: &str = "make a workspace of that mesh, by Method::workspace or Prepared::new";
+
+/// A parameter of a method that is NaN or infinite: no energy or force follows from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the {parameter} is not a finite number")]
+pub struct ParameterError {
+    /// The parameter in words.
+    pub parameter: &'static str,
+}
+
+impl ParameterError {
+    /// Nothing, if the value of this parameter is finite.
+    pub(crate) fn unless_finite<T: Real>(
+        parameter: &'static str,
+        value: T,
+    ) -> Result<(), ParameterError> {
+        if value.is_finite() {
+            Ok(())
+        } else {
+            Err(Self { parameter })
+        }
+    }
+}
+
+/// An energy of a surface.
+///
+/// Laws: invariant under translation, rotation and relabelling of the surface, to rounding.
+pub trait Energy<T: Real>: Method<T> {
+    /// The energy E.
+    ///
+    /// # Panics
+    /// If the surface has another mesh than that of the workspace.
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+    ) -> T;
+}
+
+/// Nodal forces F_i: what the membrane exerts on its surroundings at vertex i, in units of force.
+///
+/// Laws: rotate with the surface, do not change under its translation, follow a relabelling.
+pub trait Force<T: Real>: Method<T> {
+    /// Adds the nodal forces to `force`, one entry a vertex.
+    ///
+    /// # Panics
+    /// If `force` has fewer entries than the surface has vertices, or the surface another mesh than
+    /// that of the workspace.
+    fn add_force(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        force: &mut [[T; 3]],
+    );
+}
+
+/// Force density f: force per area of membrane, as methods in strong form find it.
+///
+/// Integrated over the area that belongs to a vertex it is the nodal force.
+pub trait ForceDensity<T: Real>: Method<T> {
+    /// Sets `density`, one entry a vertex.
+    ///
+    /// # Panics
+    /// If `density` has fewer entries than the surface has vertices, or the surface another mesh
+    /// than that of the workspace.
+    fn force_density(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        density: &mut [[T; 3]],
+    );
+}
+
+/// A force that is the exact negative gradient of its own discrete energy.
+///
+/// Laws: F_i = −∂E/∂x_i, exact but for rounding; therefore ΣF = 0 and Σ x × F = 0, unless the energy is
+/// one of something outside, as weight and loads are.
+pub trait Conservative<T: Real>: Energy<T> + Force<T> {
+    /// Adds the nodal forces to `force` and returns the energy, in one evaluation.
+    ///
+    /// # Panics
+    /// If `force` has fewer entries than the surface has vertices, or the surface another mesh than
+    /// that of the workspace.
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        force: &mut [[T; 3]],
+    ) -> T {
+        self.add_force(execution, surface, workspace, force);
+        self.energy(execution, surface, workspace)
+    }
+}
+
+/// The sum of two methods; longer sums nest: `(a, (b, c))`.
+impl<T: Real, A: Method<T>, B: Method<T>> Method<T> for (A, B) {
+    type Memory = (Workspace<T, A>, Workspace<T, B>);
+
+    fn memory(&self, mesh: &TriangleMesh) -> Self::Memory {
+        (self.0.workspace(mesh), self.1.workspace(mesh))
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        self.0.check()?;
+        self.1.check()
+    }
+
+    fn inspect(
+        &self,
+        surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        let (first, second) = workspace.for_mesh(surface.mesh());
+        self.0.inspect(surface, first, report);
+        self.1.inspect(surface, second, report);
+    }
+}
+
+impl<T: Real, A: Energy<T>, B: Energy<T>> Energy<T> for (A, B) {
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+    ) -> T {
+        let (first, second) = workspace.for_mesh_mut(surface.mesh());
+        self.0.energy(execution, surface, first) + self.1.energy(execution, surface, second)
+    }
+}
+
+impl<T: Real, A: Force<T>, B: Force<T>> Force<T> for (A, B) {
+    fn add_force(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        force: &mut [[T; 3]],
+    ) {
+        let (first, second) = workspace.for_mesh_mut(surface.mesh());
+        self.0.add_force(execution, surface, first, force);
+        self.1.add_force(execution, surface, second, force);
+    }
+}
+
+impl<T: Real, A: Conservative<T>, B: Conservative<T>> Conservative<T> for (A, B) {
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        force: &mut [[T; 3]],
+    ) -> T {
+        let (first, second) = workspace.for_mesh_mut(surface.mesh());
+        self.0
+            .add_force_and_energy(execution, surface, first, force)
+            + self
+                .1
+                .add_force_and_energy(execution, surface, second, force)
+    }
+}

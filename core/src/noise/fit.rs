@@ -1,0 +1,315 @@
+//! Fits of height functions whose columns come in the order of their degree, so that what each degree
+//! takes of the heights is known.
+//!
+//! G. H. Golub and C. F. Van Loan, Matrix Computations, section 5.2: Gram–Schmidt, modified.
+
+use crate::lane::Lane;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::vec3::{Vec3, dot, normalise, scale, sub, tangent_frame};
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Slope of the fitted surface against its frame from which on it is fitted again, upright.
+const LEAN: f64 = 0.1;
+
+/// Number of times a fit is tilted: after the second time the slope is far below [`LEAN`].
+const TILTS: usize = 3;
+
+/// Sums into which a scalar product is divided, so that none has to wait for the last.
+const SUMS: usize = 8;
+
+/// A polynomial that is fitted to heights over a tangent plane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Model<T> {
+    /// Its degree.
+    pub(super) degree: usize,
+    /// β of the weights `exp(−β |x_j − x_i|²/ρ²)`, ρ the distance of the farthest neighbour.
+    pub(super) sharpness: T,
+    /// Whether it has no constant term, and goes through the vertex.
+    pub(super) interpolates: bool,
+}
+
+impl<T> Model<T> {
+    /// The place of a degree's first column; degree 0 has none if the polynomial interpolates.
+    pub(super) fn start(&self, degree: usize) -> usize {
+        (degree * (degree + 1) / 2).saturating_sub(usize::from(self.interpolates))
+    }
+
+    fn columns(&self) -> usize {
+        self.start(self.degree + 1)
+    }
+}
+
+/// A fit around one vertex: an orthonormal basis of the weighted monomials, and the heights in it. The
+/// first columns are those of a fit of lower degree.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HeightFit<T> {
+    /// Neighbours' positions relative to the vertex, in radii.
+    offsets: Vec<Vec3<T>>,
+    radius: T,
+    weights: Vec<T>,
+    /// Column after column, by rising degree, then the weighted heights: orthonormal columns, and
+    /// what the polynomial leaves of the heights.
+    columns: Vec<T>,
+    /// 1 over the length of each column before.
+    scales: Vec<T>,
+    /// The rows of the triangular factor, each with its part of the heights at the end.
+    upper: Vec<T>,
+    coefficients: Vec<T>,
+}
+
+impl<T: Real> HeightFit<T> {
+    /// Takes up the neighbours of a vertex, which are in the order of their distances. A polynomial that
+    /// does not interpolate takes the vertex itself, too.
+    pub(super) fn gather(
+        &mut self,
+        surface: Surface<'_, T>,
+        vertex: u32,
+        neighbours: &[(T, u32)],
+        model: &Model<T>,
+    ) {
+        self.radius = neighbours.last().map_or(T::zero(), |last| last.0.sqrt());
+        let over = self.radius.reciprocal_or_zero();
+        self.offsets.clear();
+        if !model.interpolates {
+            self.offsets.push([T::zero(); 3]);
+        }
+        let seen = surface.seen_from(vertex);
+        let offsets = neighbours.iter();
+        self.offsets
+            .extend(offsets.map(|&(_, neighbour)| scale(over, seen.difference(neighbour))));
+    }
+
+    /// Fits heights over the plane of `normal`, which is tilted until the polynomial hardly leans.
+    /// Returns the smallest entry of the triangular factor's diagonal, of columns of length 1; 0 if
+    /// there are too few neighbours.
+    pub(super) fn fit(&mut self, normal: &mut Vec3<T>, model: &Model<T>) -> T {
+        let columns = model.columns();
+        if self.offsets.len() <= columns {
+            return T::zero();
+        }
+        let mut least = T::zero();
+        for _ in 0..=TILTS {
+            let frame = tangent_frame(*normal);
+            self.set_columns(*normal, frame, model);
+            least = self.factorise(columns);
+            if least <= T::zero() {
+                break;
+            }
+            self.solve(columns);
+            let first = model.start(1);
+            let [p, q] = [0, 1].map(|place| self.coefficients[first + place]);
+            if p * p + q * q <= T::constant(LEAN * LEAN) {
+                break;
+            }
+            let along = sub(*normal, scale(p, frame[0]));
+            *normal = normalise(sub(along, scale(q, frame[1])));
+        }
+        least
+    }
+
+    /// Sets weighted monomials, degree after degree, and heights.
+    fn set_columns(&mut self, normal: Vec3<T>, frame: [Vec3<T>; 2], model: &Model<T>) {
+        let rows = self.offsets.len();
+        let columns = model.columns();
+        self.weights.clear();
+        let weight = |offset: &Vec3<T>| (-model.sharpness * dot(*offset, *offset)).exp();
+        self.weights.extend(self.offsets.iter().map(weight));
+        self.columns.clear();
+        self.columns.resize(rows * (columns + 1), T::zero());
+        let degrees = usize::from(model.interpolates)..=model.degree;
+        for (row, (&offset, &weight)) in self.offsets.iter().zip(&self.weights).enumerate() {
+            let [x, y] = frame.map(|axis| dot(offset, axis));
+            // x^(degree − e) y^e, from those of the degree below.
+            let mut monomials = [T::zero(); 9];
+            monomials[0] = weight;
+            if model.interpolates {
+                (monomials[0], monomials[1]) = (weight * x, weight * y);
+            }
+            for degree in degrees.clone() {
+                let start = model.start(degree);
+                for (place, &monomial) in monomials[..=degree].iter().enumerate() {
+                    self.columns[(start + place) * rows + row] = monomial;
+                }
+                monomials[degree + 1] = monomials[degree] * y;
+                for monomial in &mut monomials[..=degree] {
+                    *monomial *= x;
+                }
+            }
+            self.columns[columns * rows + row] = weight * dot(offset, normal);
+        }
+    }
+
+    /// Makes the columns orthonormal, and carries the heights along.
+    fn factorise(&mut self, columns: usize) -> T {
+        let rows = self.offsets.len();
+        let width = columns + 1;
+        self.upper.clear();
+        self.upper.resize(columns * width, T::zero());
+        self.scales.clear();
+        for column in self.columns.chunks_exact_mut(rows).take(columns) {
+            let over = product(column, column).sqrt().reciprocal_or_zero();
+            column.iter_mut().for_each(|entry| *entry *= over);
+            self.scales.push(over);
+        }
+        let mut least = T::one();
+        for place in 0..columns {
+            let (front, back) = self.columns.split_at_mut((place + 1) * rows);
+            let column = &mut front[place * rows..];
+            let upper = &mut self.upper[place * width + place..];
+            let norm = product(column, column).sqrt();
+            let over = norm.reciprocal_or_zero();
+            column.iter_mut().for_each(|entry| *entry *= over);
+            least = least.min(norm);
+            upper[0] = norm;
+            for (other, upper) in back.chunks_exact_mut(rows).zip(&mut upper[1..]) {
+                let along = product(column, other);
+                *upper = along;
+                for (entry, &unit) in other.iter_mut().zip(&*column) {
+                    *entry -= along * unit;
+                }
+            }
+        }
+        least
+    }
+
+    /// Sets the coefficients of the monomials, heights and places in radii.
+    fn solve(&mut self, columns: usize) {
+        let width = columns + 1;
+        let mut coefficients = core::mem::take(&mut self.coefficients);
+        self.combine(
+            columns,
+            |place| self.upper[place * width + columns],
+            &mut coefficients,
+        );
+        self.coefficients = coefficients;
+    }
+
+    /// Sets the coefficients of the polynomial of the first `count` monomials that has these parts along
+    /// the orthonormal columns.
+    fn combine(&self, count: usize, part: impl Fn(usize) -> T, coefficients: &mut Vec<T>) {
+        let width = self.scales.len() + 1;
+        coefficients.clear();
+        coefficients.resize(count, T::zero());
+        for place in (0..count).rev() {
+            let upper = &self.upper[place * width..][..count];
+            let mut sum = part(place);
+            for (&above, &known) in upper[place + 1..].iter().zip(&coefficients[place + 1..]) {
+                sum -= above * known;
+            }
+            coefficients[place] = sum / upper[place];
+        }
+        for (coefficient, &scale) in coefficients.iter_mut().zip(&self.scales) {
+            *coefficient *= scale;
+        }
+    }
+
+    /// Sets `coefficients` to those of the polynomial of a degree up to the model's that is fitted to the
+    /// heights and, on top of them, to `errors` at the fit's vertices, in order; in radii.
+    pub(super) fn coefficients_with(
+        &self,
+        model: &Model<T>,
+        degree: usize,
+        errors: impl Fn(usize) -> T,
+        coefficients: &mut Vec<T>,
+    ) {
+        let (rows, columns) = (self.offsets.len(), model.columns());
+        let over = self.radius.reciprocal_or_zero();
+        let weighted = self.weights.iter().enumerate();
+        let weighted = Vec::from_iter(weighted.map(|(row, &weight)| weight * over * errors(row)));
+        let part = |place: usize| {
+            let along = product(&self.columns[place * rows..][..rows], &weighted);
+            self.upper[place * (columns + 1) + columns] + along
+        };
+        self.combine(model.start(degree + 1), part, coefficients);
+    }
+
+    /// The row of a linear functional of the coefficients up to a degree, given by its first factors, the
+    /// others 0: what it is of any values at the fit's vertices.
+    pub(super) fn row(&self, model: &Model<T>, degree: usize, functional: &[T]) -> Vec<T> {
+        let (rows, count) = (self.offsets.len(), model.start(degree + 1));
+        let width = model.columns() + 1;
+        let mut row = vec![T::zero(); rows];
+        let mut solved = Vec::with_capacity(count);
+        for place in 0..count {
+            let factor = functional.get(place).copied().unwrap_or(T::zero());
+            let mut sum = factor * self.scales[place];
+            for (before, &known) in solved.iter().enumerate() {
+                sum -= self.upper[before * width + place] * known;
+            }
+            let value = sum / self.upper[place * width + place];
+            let column = &self.columns[place * rows..][..rows];
+            for (entry, &unit) in row.iter_mut().zip(column) {
+                *entry += value * unit;
+            }
+            solved.push(value);
+        }
+        for (entry, &weight) in row.iter_mut().zip(&self.weights) {
+            *entry *= weight;
+        }
+        row
+    }
+
+    /// The distance of the farthest neighbour.
+    pub(super) fn radius(&self) -> T {
+        self.radius
+    }
+
+    /// The height of the last fitted polynomial above the vertex; 0 if it goes through it.
+    pub(super) fn constant(&self, model: &Model<T>) -> T {
+        match model.interpolates {
+            true => T::zero(),
+            false => self.radius * self.coefficients[0],
+        }
+    }
+
+    /// For each of the highest three degrees of an interpolating fit and for the residual: the squares of
+    /// the heights' parts, and what noise of variance 1 in every position's height, the vertex's own
+    /// among them, is expected to add to those.
+    pub(super) fn spectrum(&self, model: &Model<T>) -> [[T; 2]; 4] {
+        let rows = self.offsets.len();
+        let columns = model.columns();
+        let mut spectrum = [[T::zero(); 2]; 4];
+        let all = product(&self.weights, &self.weights);
+        // Heights are w_j (ε_j − ε_i).
+        let mut left = all + all;
+        let lowest = model.start(model.degree - 2);
+        let squared = self.radius * self.radius;
+        for (place, column) in self.columns.chunks_exact(rows).take(columns).enumerate() {
+            let mut gain = product(column, &self.weights);
+            gain *= gain;
+            for (&entry, &weight) in column.iter().zip(&self.weights) {
+                gain += (entry * weight) * (entry * weight);
+            }
+            left -= gain;
+            if place < lowest {
+                continue;
+            }
+            let begun = |back: &usize| place >= model.start(model.degree - back);
+            let degree = (0..2).filter(begun).count();
+            let part = self.upper[place * (columns + 1) + columns];
+            spectrum[degree][0] += squared * part * part;
+            spectrum[degree][1] += gain;
+        }
+        let residual = &self.columns[columns * rows..];
+        spectrum[3] = [squared * product(residual, residual), left.max(T::zero())];
+        spectrum
+    }
+}
+
+/// A scalar product.
+fn product<T: Real>(a: &[T], b: &[T]) -> T {
+    let mut sums = [T::zero(); SUMS];
+    let (whole_a, rest_a) = a.as_chunks::<SUMS>();
+    let (whole_b, rest_b) = b.as_chunks::<SUMS>();
+    for (a, b) in whole_a.iter().zip(whole_b) {
+        for k in 0..SUMS {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    for (k, (&a, &b)) in rest_a.iter().zip(rest_b).enumerate() {
+        sums[k] += a * b;
+    }
+    sums.into_iter().sum()
+}

@@ -1,0 +1,252 @@
+//! Curvatures and bending forces from polynomials that are fitted to more vertices than they have
+//! coefficients.
+
+use super::fit::{HeightFit, Model};
+use super::{normals, smoothing};
+use crate::element::Execution;
+use crate::lane::Lane;
+use crate::neighbourhood::Neighbourhood;
+use crate::real::Real;
+use crate::surface::Surface;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::array::from_fn;
+
+/// Least diagonal entry of the triangular factor with which a fit is accepted.
+const CONDITIONING: f64 = 1e-3;
+
+/// The degrees of the polynomials: of one orthogonal basis, the lower one is its beginning.
+const DEGREES: [usize; 2] = [4, 6];
+
+/// Regression jets: least-squares polynomials of degrees 4 and 6 with a constant term, of the heights of k
+/// neighbours over the tangent plane, weighted `exp(−4 r²/ρ²)`.
+///
+/// They stand noise of the positions, which jets through the vertex pass on: the standard deviation that
+/// noise leaves in H falls as k⁻³ᐟ², in Δ_S H as k⁻⁵ᐟ². What the shape loses grows with the neighbourhood's
+/// radius, as its 6th power in H for degree 6 and the 4th for degree 4.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Regression {
+    /// Neighbours k of a fit, 28 at least; fewer, but no less than 64, where the surface turns away.
+    pub neighbours: usize,
+}
+
+/// Regression jets around every vertex of a surface, and of R copies of it with other heights.
+#[derive(Clone, Debug)]
+pub struct RegressionFits<T, const R: usize> {
+    around: Vec<Around<T, R>>,
+}
+
+/// The fit around one vertex; without neighbours where there is none.
+#[derive(Clone, Debug)]
+struct Around<T, const R: usize> {
+    /// The vertex itself, then its neighbours.
+    vertices: Vec<u32>,
+    /// H and K of each copy, for both degrees.
+    curvatures: [[[T; 2]; R]; 2],
+    /// Rows of the Laplace–Beltrami operator, for both degrees.
+    laplacians: [Vec<T>; 2],
+    /// The row of the constant term of degree 4.
+    average: Vec<T>,
+}
+
+/// Fields of R copies of a surface, one entry a vertex; not a number where there is no fit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RegressionFields<T, const R: usize> {
+    /// H, positive on a sphere.
+    pub mean: Vec<[T; R]>,
+    /// K.
+    pub gaussian: Vec<[T; R]>,
+    /// Δ_S H, of the fitted H.
+    pub laplacian_of_mean: Vec<[T; R]>,
+    /// The bending force density 2[Δ_S H + 2H(H² − K)] along the normal, for κ = 1.
+    pub force_density: Vec<[T; R]>,
+}
+
+impl Regression {
+    /// Fits around every vertex: copy m has its vertices `errors[vertex][m]` above the surface's.
+    /// Neighbourhoods and tangent planes are those of the surface itself.
+    ///
+    /// # Panics
+    /// If `errors` has fewer entries than the surface has vertices.
+    pub fn fit<T: Real, const R: usize>(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        errors: &[[T; R]],
+    ) -> RegressionFits<T, R> {
+        let normals = normals(surface);
+        let model = Model {
+            degree: DEGREES[1],
+            sharpness: T::constant(4.0),
+            interpolates: false,
+        };
+        let none = Around {
+            vertices: Vec::new(),
+            curvatures: [[[T::nan(); 2]; R]; 2],
+            laplacians: [Vec::new(), Vec::new()],
+            average: Vec::new(),
+        };
+        let mut around = vec![none; surface.mesh().vertex_count()];
+        let mut memory: Vec<(Neighbourhood<T>, HeightFit<T>)> = Vec::new();
+        execution.map_with(
+            &mut memory,
+            &mut around[..],
+            |(near, fit), place, around| {
+                let vertex = place as u32;
+                let count = smoothing::reach(surface, &normals, vertex, self.neighbours, near);
+                let neighbours = &near.found[..count];
+                fit.gather(surface, vertex, neighbours, &model);
+                let mut normal = normals[place];
+                if fit.fit(&mut normal, &model) >= T::constant(CONDITIONING) {
+                    around.vertices.push(vertex);
+                    let found = neighbours.iter().map(|&(_, neighbour)| neighbour);
+                    around.vertices.extend(found);
+                    around.take(fit, &model, errors);
+                }
+            },
+        );
+        RegressionFits { around }
+    }
+}
+
+impl<T: Real, const R: usize> Around<T, R> {
+    /// Takes curvatures and rows from a fit.
+    fn take(&mut self, fit: &HeightFit<T>, model: &Model<T>, errors: &[[T; R]]) {
+        let mut coefficients = Vec::new();
+        for (which, degree) in DEGREES.into_iter().enumerate() {
+            for copy in (0..R).rev() {
+                let error = |row: usize| errors[self.vertices[row] as usize][copy];
+                fit.coefficients_with(model, degree, error, &mut coefficients);
+                let slopes = Slopes::new(&coefficients, fit.radius());
+                self.curvatures[which][copy] = slopes.curvatures();
+            }
+            fit.coefficients_with(model, degree, |_| T::zero(), &mut coefficients);
+            let functional = Slopes::new(&coefficients, fit.radius()).laplacian(fit.radius());
+            self.laplacians[which] = fit.row(model, degree, &functional);
+        }
+        self.average = fit.row(model, DEGREES[0], &[T::one()]);
+    }
+}
+
+/// Derivatives of a height function.
+struct Slopes<T> {
+    /// z_x and z_y.
+    first: [T; 2],
+    /// z_xx, z_xy and z_yy.
+    second: [T; 3],
+}
+
+impl<T: Real> Slopes<T> {
+    /// From the coefficients of 1, x, y, x², xy, y², in radii.
+    fn new(coefficients: &[T], radius: T) -> Self {
+        let two = T::constant(2.0);
+        let factors = [two, T::one(), two];
+        Self {
+            first: [coefficients[1], coefficients[2]],
+            second: from_fn(|k| factors[k] * coefficients[3 + k] / radius),
+        }
+    }
+
+    /// 1 + z_x² + z_y².
+    fn metric(&self) -> T {
+        let [p, q] = self.first;
+        T::one() + p * p + q * q
+    }
+
+    /// What the inverse of the metric makes of second derivatives, times [`Self::metric`].
+    fn trace(&self) -> [T; 3] {
+        let [p, q] = self.first;
+        let two = T::constant(2.0);
+        [T::one() + q * q, -two * p * q, T::one() + p * p]
+    }
+
+    /// H and K.
+    fn curvatures(&self) -> [T; 2] {
+        let [r, s, t] = self.second;
+        let [along_r, along_s, along_t] = self.trace();
+        let square = self.metric();
+        let twice = (along_r * r + along_s * s + along_t * t) / (square * square.sqrt());
+        let gaussian = (r * t - s * s) / (square * square);
+        [-T::constant(0.5) * twice, gaussian]
+    }
+
+    /// The Laplace–Beltrami operator as factors of a field's coefficients:
+    /// `g^{ab} φ_ab + 2H z_c φ_c/√g`, heights above the surface counted along its normal.
+    fn laplacian(&self, radius: T) -> [T; 6] {
+        let [mean, _] = self.curvatures();
+        let two = T::constant(2.0);
+        let over = (self.metric() * radius * radius).recip();
+        let [along_r, along_s, along_t] = self.trace().map(|factor| factor * over);
+        let along = two * mean / (self.metric().sqrt() * radius);
+        let [p, q] = self.first.map(|slope| slope * along);
+        [T::zero(), p, q, two * along_r, along_s, two * along_t]
+    }
+}
+
+impl<T: Real, const R: usize> RegressionFits<T, R> {
+    /// Neighbours of a fit, on average.
+    pub fn neighbours(&self) -> T {
+        let fitted = self.around.iter().map(|around| around.vertices.len());
+        let fitted = fitted.filter(|&count| count > 0);
+        let (sum, count) = fitted.fold((0, 0), |(sum, count), more| (sum + more - 1, count + 1));
+        T::constant(sum as f64) * T::constant(f64::from(count)).reciprocal_or_zero()
+    }
+
+    /// What polynomials of degree 4 say, and what those of degree 6.
+    pub fn fields(&self, execution: &impl Execution) -> [RegressionFields<T, R>; 2] {
+        [0, 1].map(|which| {
+            let curvature = |kind: usize| {
+                let around = self.around.iter();
+                let values = around.map(|around| from_fn(|m| around.curvatures[which][m][kind]));
+                Vec::from_iter(values)
+            };
+            let [mean, gaussian] = [curvature(0), curvature(1)];
+            let laplacian_of_mean =
+                self.apply(execution, &mean, |around| &around.laplacians[which]);
+            let two = T::constant(2.0);
+            let force = |vertex: usize| {
+                from_fn(|m| {
+                    let [h, k] = [mean[vertex][m], gaussian[vertex][m]];
+                    two * (laplacian_of_mean[vertex][m] + two * h * (h * h - k))
+                })
+            };
+            let force_density = (0..mean.len()).map(force).collect();
+            RegressionFields {
+                mean,
+                gaussian,
+                laplacian_of_mean,
+                force_density,
+            }
+        })
+    }
+
+    /// A field's values on polynomials of degree 4 that are fitted to it around every vertex. Applied again
+    /// and again it takes away ever longer waves; a field itself, unlike positions, is not differentiated
+    /// any more.
+    pub fn average(&self, execution: &impl Execution, field: &[[T; R]]) -> Vec<[T; R]> {
+        self.apply(execution, field, |around| &around.average)
+    }
+
+    fn apply(
+        &self,
+        execution: &impl Execution,
+        field: &[[T; R]],
+        row: impl Fn(&Around<T, R>) -> &[T] + Sync,
+    ) -> Vec<[T; R]> {
+        let mut result = vec![[T::nan(); R]; self.around.len()];
+        let mut memory: Vec<()> = Vec::new();
+        execution.map_with(&mut memory, &mut result[..], |(), vertex, result| {
+            let around = &self.around[vertex];
+            if around.vertices.is_empty() {
+                return;
+            }
+            *result = [T::zero(); R];
+            for (&other, &entry) in around.vertices.iter().zip(row(around)) {
+                for (sum, &value) in result.iter_mut().zip(&field[other as usize]) {
+                    *sum += entry * value;
+                }
+            }
+        });
+        result
+    }
+}

@@ -1,0 +1,77 @@
+//! Positions on polynomials that are fitted to more vertices than they have coefficients.
+
+use super::fit::{HeightFit, Model};
+use super::normals;
+use crate::element::Execution;
+use crate::neighbourhood::Neighbourhood;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::vec3::{Vec3, add, dot, scale};
+use alloc::vec::Vec;
+
+/// Neighbours that a fit keeps, however much the surface turns.
+const LEAST: usize = 64;
+
+/// Least cosine between the normals of a vertex and of the neighbours beyond those.
+const UPRIGHT: f64 = 0.35;
+
+/// Moves each vertex along its normal onto a polynomial fitted to its neighbourhood: a least-squares jet
+/// of degree 4 with a constant term, weighted `exp(−4 r²/ρ²)`.
+///
+/// Applied again and again it takes away ever longer waves of noise. What the shape loses grows with the
+/// sixth power of a neighbourhood's radius: several times with few neighbours is gentler than once with
+/// many. Positions along the surface stay as they are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Smoothing {
+    /// Neighbours k of a fit; fewer, but no less than 64, where the surface turns away.
+    pub neighbours: usize,
+}
+
+impl Smoothing {
+    /// Sets `smooth` to the positions after smoothing, one entry a vertex. A vertex whose neighbours do
+    /// not carry a fit stays where it is.
+    ///
+    /// # Panics
+    /// If `smooth` has fewer entries than the surface has vertices.
+    pub fn apply<T: Real>(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        smooth: &mut [[T; 3]],
+    ) {
+        let normals = normals(surface);
+        let model = Model {
+            degree: 4,
+            sharpness: T::constant(4.0),
+            interpolates: false,
+        };
+        let mut memory: Vec<(Neighbourhood<T>, HeightFit<T>)> = Vec::new();
+        let smooth = &mut smooth[..surface.mesh().vertex_count()];
+        execution.map_with(&mut memory, smooth, |(near, fit), vertex, position| {
+            *position = surface.positions()[vertex];
+            let here = normals[vertex];
+            let count = reach(surface, &normals, vertex as u32, self.neighbours, near);
+            fit.gather(surface, vertex as u32, &near.found[..count], &model);
+            let mut normal = here;
+            if fit.fit(&mut normal, &model) > T::epsilon().sqrt() {
+                *position = add(*position, scale(fit.constant(&model), normal));
+            }
+        });
+    }
+}
+
+/// Finds the nearest neighbours of a vertex; how many of them a fit takes.
+pub(super) fn reach<T: Real>(
+    surface: Surface<'_, T>,
+    normals: &[Vec3<T>],
+    vertex: u32,
+    neighbours: usize,
+    near: &mut Neighbourhood<T>,
+) -> usize {
+    near.nearest(surface, vertex, neighbours);
+    let here = normals[vertex as usize];
+    let turned = |&(_, other): &(T, u32)| dot(normals[other as usize], here) < T::constant(UPRIGHT);
+    let upright = near.found.iter().position(turned);
+    let count = upright.map_or(near.found.len(), |count| count.max(LEAST));
+    count.min(near.found.len())
+}

@@ -1,0 +1,103 @@
+# Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
+function __fish_helfrich_global_optspecs
+    string join \n h/help V/version
+end
+
+function __fish_helfrich_needs_command
+    # Figure out if the current invocation already has a command.
+    set -l cmd (commandline -opc)
+    set -e cmd[1]
+    argparse -s (__fish_helfrich_global_optspecs) -- $cmd 2>/dev/null
+    or return
+    if set -q argv[1]
+        # Also print the command, so this can be used to figure out what it is.
+        echo $argv[1]
+        return 1
+    end
+    return 0
+end
+
+function __fish_helfrich_using_subcommand
+    set -l cmd (__fish_helfrich_needs_command)
+    test -z "$cmd"
+    and return 1
+    contains -- $cmd[1] $argv
+end
+
+complete -c helfrich -n "__fish_helfrich_needs_command" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c helfrich -n "__fish_helfrich_needs_command" -s V -l version -d 'Print version'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "study" -d 'Compare bending methods with exact shapes: error and time side by side'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "recommend" -d 'Recommend a method for a mesh file, by measurements on that mesh'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "curvature" -d 'Curvatures and force density at every vertex of a mesh file, as CSV'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "info" -d 'Show counts, topology, area, volume and quality of a mesh file'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "subdivide" -d 'Refine a mesh file by Loop\'s rules: four triangles for each triangle and level'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "run" -d 'Run a scene: surfaces, the effects that act on each, and what drives them'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "sweep" -d 'Run a scene with every combination of some values, and compare'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "scenes" -d 'The scenes that come with the program, which `run`, `sweep` and `explain` take by name'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "explain" -d 'Explain a scene without running it: effects, dimensionless groups, memory, step limits'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l shape -d 'sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R]' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l method -d 'Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh). By default A,B,C' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l areas -d 'Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l family -d 'Mesh families: regular, smooth, relaxed, irregular, hard, or `all`' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l vertices -d 'Numbers of vertices, in any order; 10·4^k + 2 except for irregular meshes and the torus. By default 642,2562,10242,40962' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l scalar -d 'Number types: f32, f32-pair (positions in pairs of f32), f64. By default f64, on a page f32,f64' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l modulus -d 'Bending modulus κ' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l seed -d 'Seed of the random mesh families' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l html -d 'Write a page to this file: which method is the cheapest for an accuracy, with figures, tables and pictures; by default of all methods' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l figures -d 'Also write every figure of the page as SVG and PNG to this folder' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l json -d 'Also write the rows as JSON to this file; `-` for standard output, instead of the table' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l cache -d 'Where measurements are kept for the next time, as if interrupted; for pages by default in the user\'s folder of caches' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l fresh -d 'Measure everything again'
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l error -d 'How large the error may be, as in `1%` or `0.01`, relative to the largest value on the surface' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l quantity -d 'Quantity that has to be accurate: H, K, LapH or f' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l norm -d 'Where: `max`, at every vertex, or `mean`, on average' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l method -d 'Methods to choose from, by name or letter; by default all' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l areas -d 'Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l scalar -d 'Number types to choose from: f32, f32-pair, f64' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l json -d 'Also write the answer as JSON to this file; `-` for standard output, instead of the table' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l weld -d 'Make one vertex of all that are at the same point, bit for bit: files of renderers often have corners of their own for each face'
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l method -d 'Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh)' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l modulus -d 'Bending modulus κ' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l areas -d 'Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scalar -d 'Number type: f32, f32-pair (positions in pairs of f32) or f64' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l csv -d 'Write to this file instead of standard output (`-`)' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l weld -d 'Make one vertex of all that are at the same point, bit for bit: files of renderers often have corners of their own for each face'
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Make one vertex of all that are at the same point, bit for bit: files of renderers often have corners of their own for each face'
+complete -c helfrich -n "__fish_helfrich_using_subcommand info" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l levels -d 'How often to refine' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s o -l output -d 'Write to this file; `.obj`, `.off`, `.stl`, `.ply` or `.vtp` tells the format' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l weld -d 'Make one vertex of all that are at the same point, bit for bit: files of renderers often have corners of their own for each face'
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l limit -d 'Put the vertices on the smooth surface that further refinement would lead to'
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or takes it away, as in `surface.vesicle.bending=`; as often as needed' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l out -d 'The folder that everything is written to; the scene\'s name without `.toml` if there is none' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l resume -d 'Go on with the run that is in the folder, from its last checkpoint'
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l check -d 'Only say what is wrong with the scene, if anything is'
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or takes it away, as in `surface.vesicle.bending=`; as often as needed' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l out -d 'The folder that everything is written to, a folder a run in it' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l vary -d 'A key and its values, as in `surface.0.bending.method=meyer,juelicher`; as often as needed, the last varies fastest. Commas inside brackets, braces and quotation marks belong to a value' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l columns -d 'Columns of the series to show and to plot; those of the scene\'s plots if there are none' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l resume -d 'Go on with the runs that are in the folder; those that have ended are left as they are'
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand scenes" -l out -d 'Write them to this folder, to change them, with what they need and their JSON schema. Files that are there are left alone' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand scenes" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or takes it away, as in `surface.vesicle.bending=`; as often as needed' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "study" -d 'Compare bending methods with exact shapes: error and time side by side'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "recommend" -d 'Recommend a method for a mesh file, by measurements on that mesh'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "curvature" -d 'Curvatures and force density at every vertex of a mesh file, as CSV'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "info" -d 'Show counts, topology, area, volume and quality of a mesh file'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "subdivide" -d 'Refine a mesh file by Loop\'s rules: four triangles for each triangle and level'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "run" -d 'Run a scene: surfaces, the effects that act on each, and what drives them'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "sweep" -d 'Run a scene with every combination of some values, and compare'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "scenes" -d 'The scenes that come with the program, which `run`, `sweep` and `explain` take by name'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "explain" -d 'Explain a scene without running it: effects, dimensionless groups, memory, step limits'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'

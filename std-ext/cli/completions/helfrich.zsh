@@ -1,0 +1,332 @@
+#compdef helfrich
+
+autoload -U is-at-least
+
+_helfrich() {
+    typeset -A opt_args
+    typeset -a _arguments_options
+    local ret=1
+
+    if is-at-least 5.2; then
+        _arguments_options=(-s -S -C)
+    else
+        _arguments_options=(-s -C)
+    fi
+
+    local context curcontext="$curcontext" state line
+    _arguments "${_arguments_options[@]}" : \
+'-h[Print help (see more with '\''--help'\'')]' \
+'--help[Print help (see more with '\''--help'\'')]' \
+'-V[Print version]' \
+'--version[Print version]' \
+":: :_helfrich_commands" \
+"*::: :->helfrich" \
+&& ret=0
+    case $state in
+    (helfrich)
+        words=($line[1] "${words[@]}")
+        (( CURRENT += 1 ))
+        curcontext="${curcontext%:*:*}:helfrich-command-$line[1]:"
+        case $line[1] in
+            (study)
+_arguments "${_arguments_options[@]}" : \
+'--shape=[sphere\[\:R\], ellipsoid\[\:a,b,c\], torus\[\:R,r\] or discocyte\[\:R\]]:SHAPE:_default' \
+'*--method=[Methods by name or letter, or \`all\`\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh). By default A,B,C]:METHOD:_default' \
+'--areas=[Areas of vertices, of gompper-kroll and meyer\: mixed, voronoi or barycentric. By default mixed]:AREAS:_default' \
+'--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
+'*--family=[Mesh families\: regular, smooth, relaxed, irregular, hard, or \`all\`]:FAMILY:_default' \
+'*--vertices=[Numbers of vertices, in any order; 10·4^k + 2 except for irregular meshes and the torus. By default 642,2562,10242,40962]:VERTICES:_default' \
+'*--scalar=[Number types\: f32, f32-pair (positions in pairs of f32), f64. By default f64, on a page f32,f64]:SCALAR:_default' \
+'--modulus=[Bending modulus κ]:MODULUS:_default' \
+'--seed=[Seed of the random mesh families]:SEED:_default' \
+'--html=[Write a page to this file\: which method is the cheapest for an accuracy, with figures, tables and pictures; by default of all methods]:FILE:_files' \
+'--figures=[Also write every figure of the page as SVG and PNG to this folder]:FOLDER:_files' \
+'--json=[Also write the rows as JSON to this file; \`-\` for standard output, instead of the table]:JSON:_files' \
+'--cache=[Where measurements are kept for the next time, as if interrupted; for pages by default in the user'\''s folder of caches]:FILE:_files' \
+'--fresh[Measure everything again]' \
+'-h[Print help]' \
+'--help[Print help]' \
+&& ret=0
+;;
+(recommend)
+_arguments "${_arguments_options[@]}" : \
+'--error=[How large the error may be, as in \`1%\` or \`0.01\`, relative to the largest value on the surface]:ERROR:_default' \
+'--quantity=[Quantity that has to be accurate\: H, K, LapH or f]:QUANTITY:_default' \
+'--norm=[Where\: \`max\`, at every vertex, or \`mean\`, on average]:NORM:_default' \
+'*--method=[Methods to choose from, by name or letter; by default all]:METHOD:_default' \
+'--areas=[Areas of vertices, of gompper-kroll and meyer\: mixed, voronoi or barycentric. By default mixed]:AREAS:_default' \
+'--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
+'*--scalar=[Number types to choose from\: f32, f32-pair, f64]:SCALAR:_default' \
+'--json=[Also write the answer as JSON to this file; \`-\` for standard output, instead of the table]:JSON:_files' \
+'--weld[Make one vertex of all that are at the same point, bit for bit\: files of renderers often have corners of their own for each face]' \
+'-h[Print help]' \
+'--help[Print help]' \
+':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
+&& ret=0
+;;
+(curvature)
+_arguments "${_arguments_options[@]}" : \
+'--method=[Method by name or letter\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh)]:METHOD:_default' \
+'--modulus=[Bending modulus κ]:MODULUS:_default' \
+'--areas=[Areas of vertices, of gompper-kroll and meyer\: mixed, voronoi or barycentric. By default mixed]:AREAS:_default' \
+'--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
+'--scalar=[Number type\: f32, f32-pair (positions in pairs of f32) or f64]:SCALAR:_default' \
+'--csv=[Write to this file instead of standard output (\`-\`)]:CSV:_files' \
+'--weld[Make one vertex of all that are at the same point, bit for bit\: files of renderers often have corners of their own for each face]' \
+'-h[Print help]' \
+'--help[Print help]' \
+':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
+&& ret=0
+;;
+(info)
+_arguments "${_arguments_options[@]}" : \
+'--weld[Make one vertex of all that are at the same point, bit for bit\: files of renderers often have corners of their own for each face]' \
+'-h[Print help]' \
+'--help[Print help]' \
+':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
+&& ret=0
+;;
+(subdivide)
+_arguments "${_arguments_options[@]}" : \
+'--levels=[How often to refine]:LEVELS:_default' \
+'-o+[Write to this file; \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` tells the format]:OUTPUT:_files' \
+'--output=[Write to this file; \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` tells the format]:OUTPUT:_files' \
+'--weld[Make one vertex of all that are at the same point, bit for bit\: files of renderers often have corners of their own for each face]' \
+'--limit[Put the vertices on the smooth surface that further refinement would lead to]' \
+'-h[Print help]' \
+'--help[Print help]' \
+':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
+&& ret=0
+;;
+(run)
+_arguments "${_arguments_options[@]}" : \
+'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or takes it away, as in \`surface.vesicle.bending=\`; as often as needed]:PATH=VALUE:_default' \
+'--out=[The folder that everything is written to; the scene'\''s name without \`.toml\` if there is none]:OUT:_files' \
+'--resume[Go on with the run that is in the folder, from its last checkpoint]' \
+'(--resume --out)--check[Only say what is wrong with the scene, if anything is]' \
+'-h[Print help]' \
+'--help[Print help]' \
+':scene -- TOML file, or the name of a scene that comes with the program\: see `helfrich scenes`:_files' \
+&& ret=0
+;;
+(sweep)
+_arguments "${_arguments_options[@]}" : \
+'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or takes it away, as in \`surface.vesicle.bending=\`; as often as needed]:PATH=VALUE:_default' \
+'--out=[The folder that everything is written to, a folder a run in it]:OUT:_files' \
+'*--vary=[A key and its values, as in \`surface.0.bending.method=meyer,juelicher\`; as often as needed, the last varies fastest. Commas inside brackets, braces and quotation marks belong to a value]:PATH=VALUE,VALUE:_default' \
+'*--columns=[Columns of the series to show and to plot; those of the scene'\''s plots if there are none]:COLUMNS:_default' \
+'--resume[Go on with the runs that are in the folder; those that have ended are left as they are]' \
+'-h[Print help]' \
+'--help[Print help]' \
+':scene -- TOML file, or the name of a scene that comes with the program\: see `helfrich scenes`:_files' \
+&& ret=0
+;;
+(scenes)
+_arguments "${_arguments_options[@]}" : \
+'--out=[Write them to this folder, to change them, with what they need and their JSON schema. Files that are there are left alone]:FOLDER:_files' \
+'-h[Print help]' \
+'--help[Print help]' \
+&& ret=0
+;;
+(explain)
+_arguments "${_arguments_options[@]}" : \
+'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or takes it away, as in \`surface.vesicle.bending=\`; as often as needed]:PATH=VALUE:_default' \
+'-h[Print help]' \
+'--help[Print help]' \
+':scene -- TOML file, or the name of a scene that comes with the program\: see `helfrich scenes`:_files' \
+&& ret=0
+;;
+(help)
+_arguments "${_arguments_options[@]}" : \
+":: :_helfrich__subcmd__help_commands" \
+"*::: :->help" \
+&& ret=0
+
+    case $state in
+    (help)
+        words=($line[1] "${words[@]}")
+        (( CURRENT += 1 ))
+        curcontext="${curcontext%:*:*}:helfrich-help-command-$line[1]:"
+        case $line[1] in
+            (study)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
+(recommend)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
+(curvature)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
+(info)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
+(subdivide)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
+(run)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
+(sweep)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
+(scenes)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
+(explain)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
+(help)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
+        esac
+    ;;
+esac
+;;
+        esac
+    ;;
+esac
+}
+
+(( $+functions[_helfrich_commands] )) ||
+_helfrich_commands() {
+    local commands; commands=(
+'study:Compare bending methods with exact shapes\: error and time side by side' \
+'recommend:Recommend a method for a mesh file, by measurements on that mesh' \
+'curvature:Curvatures and force density at every vertex of a mesh file, as CSV' \
+'info:Show counts, topology, area, volume and quality of a mesh file' \
+'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
+'run:Run a scene\: surfaces, the effects that act on each, and what drives them' \
+'sweep:Run a scene with every combination of some values, and compare' \
+'scenes:The scenes that come with the program, which \`run\`, \`sweep\` and \`explain\` take by name' \
+'explain:Explain a scene without running it\: effects, dimensionless groups, memory, step limits' \
+'help:Print this message or the help of the given subcommand(s)' \
+    )
+    _describe -t commands 'helfrich commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__curvature_commands] )) ||
+_helfrich__subcmd__curvature_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich curvature commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__explain_commands] )) ||
+_helfrich__subcmd__explain_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich explain commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help_commands] )) ||
+_helfrich__subcmd__help_commands() {
+    local commands; commands=(
+'study:Compare bending methods with exact shapes\: error and time side by side' \
+'recommend:Recommend a method for a mesh file, by measurements on that mesh' \
+'curvature:Curvatures and force density at every vertex of a mesh file, as CSV' \
+'info:Show counts, topology, area, volume and quality of a mesh file' \
+'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
+'run:Run a scene\: surfaces, the effects that act on each, and what drives them' \
+'sweep:Run a scene with every combination of some values, and compare' \
+'scenes:The scenes that come with the program, which \`run\`, \`sweep\` and \`explain\` take by name' \
+'explain:Explain a scene without running it\: effects, dimensionless groups, memory, step limits' \
+'help:Print this message or the help of the given subcommand(s)' \
+    )
+    _describe -t commands 'helfrich help commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__curvature_commands] )) ||
+_helfrich__subcmd__help__subcmd__curvature_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help curvature commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__explain_commands] )) ||
+_helfrich__subcmd__help__subcmd__explain_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help explain commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__help_commands] )) ||
+_helfrich__subcmd__help__subcmd__help_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help help commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__info_commands] )) ||
+_helfrich__subcmd__help__subcmd__info_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help info commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__recommend_commands] )) ||
+_helfrich__subcmd__help__subcmd__recommend_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help recommend commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__run_commands] )) ||
+_helfrich__subcmd__help__subcmd__run_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help run commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__scenes_commands] )) ||
+_helfrich__subcmd__help__subcmd__scenes_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help scenes commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__study_commands] )) ||
+_helfrich__subcmd__help__subcmd__study_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help study commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__subdivide_commands] )) ||
+_helfrich__subcmd__help__subcmd__subdivide_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help subdivide commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__sweep_commands] )) ||
+_helfrich__subcmd__help__subcmd__sweep_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help sweep commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__info_commands] )) ||
+_helfrich__subcmd__info_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich info commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__recommend_commands] )) ||
+_helfrich__subcmd__recommend_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich recommend commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__run_commands] )) ||
+_helfrich__subcmd__run_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich run commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__scenes_commands] )) ||
+_helfrich__subcmd__scenes_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich scenes commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__study_commands] )) ||
+_helfrich__subcmd__study_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich study commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__subdivide_commands] )) ||
+_helfrich__subcmd__subdivide_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich subdivide commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__sweep_commands] )) ||
+_helfrich__subcmd__sweep_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich sweep commands' commands "$@"
+}
+
+if [ "$funcstack[1]" = "_helfrich" ]; then
+    _helfrich "$@"
+else
+    compdef _helfrich helfrich
+fi

@@ -1,0 +1,7 @@
+//! The program `helfrich`: see the library of this package.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    helfrich_cli::program()
+}

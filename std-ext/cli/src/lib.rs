@@ -1,0 +1,515 @@
+//! The program `helfrich`: parses its arguments, calls the library, prints.
+//!
+//! A library of its own for the sake of the repository's other programs: they speak to a terminal and
+//! write files as this one does ([`terminal`]), and make the same page with more on it ([`study`]).
+
+mod recommend;
+pub mod study;
+pub mod terminal;
+
+use cap::Cap;
+use clap::{CommandFactory, Parser, Subcommand};
+use helfrich::{Bandwidth, DualArea, Finding, Surface};
+use helfrich_std::execute::Parallel;
+use helfrich_std::info::MeshInfo;
+use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, read_welded, write};
+use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, MethodOptions};
+use helfrich_std::noise::noise_of;
+use helfrich_std::report;
+use helfrich_std::run::{End, check, run};
+use helfrich_std::scalar::{HeldPositions, Scalar};
+use helfrich_std::scene::{Overrides, SHIPPED, Scene, SceneFile, ShippedScene, shipped_files};
+use helfrich_std::simulation::{Simulation, build};
+use helfrich_std::subdivide::{Target, subdivide};
+use helfrich_std::sweep::{Outcome, Sweep, Vary};
+use recommend::{RecommendArguments, recommend_method};
+use std::alloc::System;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::Ordering;
+use study::{StudyArguments, study};
+use terminal::{Failure, ProgressBar, file_named, interruption, print, save, say};
+
+/// Counts, so that studies can say what memory a method takes.
+#[global_allocator]
+static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
+
+/// How many bytes the program has allocated.
+fn allocated() -> usize {
+    ALLOCATOR.allocated()
+}
+
+/// Bending of triangulated membranes: compares methods, measures curvature, relaxes scenes.
+///
+/// Exit codes: 0 done; 2 the arguments or an input file are at fault; 3 an output could not be
+/// written; 4 a run ended before its equilibrium; 130 it was interrupted, and can be resumed.
+#[derive(Parser)]
+#[command(name = "helfrich", version, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compare bending methods with exact shapes: error and time side by side.
+    Study(StudyArguments),
+    /// Recommend a method for a mesh file, by measurements on that mesh.
+    Recommend(RecommendArguments),
+    /// Curvatures and force density at every vertex of a mesh file, as CSV.
+    Curvature(CurvatureArguments),
+    /// Show counts, topology, area, volume and quality of a mesh file.
+    Info(MeshArguments),
+    /// Refine a mesh file by Loop's rules: four triangles for each triangle and level.
+    Subdivide(SubdivideArguments),
+    /// Run a scene: surfaces, the effects that act on each, and what drives them.
+    Run(RunArguments),
+    /// Run a scene with every combination of some values, and compare.
+    Sweep(SweepArguments),
+    /// The scenes that come with the program, which `run`, `sweep` and `explain` take by name.
+    Scenes(ScenesArguments),
+    /// Explain a scene without running it: effects, dimensionless groups, memory, step limits.
+    Explain(SceneArguments),
+}
+
+#[derive(clap::Args)]
+struct SceneArguments {
+    /// TOML file, or the name of a scene that comes with the program: see `helfrich scenes`.
+    scene: PathBuf,
+    /// Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or takes it away, as in
+    /// `surface.vesicle.bending=`; as often as needed.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+}
+
+#[derive(clap::Args)]
+struct ScenesArguments {
+    /// Write them to this folder, to change them, with what they need and their JSON schema. Files that
+    /// are there are left alone.
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+}
+
+#[derive(clap::Args)]
+struct RunArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// The folder that everything is written to; the scene's name without `.toml` if there is none.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Go on with the run that is in the folder, from its last checkpoint.
+    #[arg(long)]
+    resume: bool,
+    /// Only say what is wrong with the scene, if anything is.
+    #[arg(long, conflicts_with_all = ["resume", "out"])]
+    check: bool,
+}
+
+#[derive(clap::Args)]
+struct SweepArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// The folder that everything is written to, a folder a run in it.
+    #[arg(long)]
+    out: PathBuf,
+    /// A key and its values, as in `surface.0.bending.method=meyer,juelicher`; as often as needed, the
+    /// last varies fastest. Commas inside brackets, braces and quotation marks belong to a value.
+    #[arg(long, value_name = "PATH=VALUE,VALUE", required = true)]
+    vary: Vec<Vary>,
+    /// Columns of the series to show and to plot; those of the scene's plots if there are none.
+    #[arg(long, value_delimiter = ',')]
+    columns: Vec<String>,
+    /// Go on with the runs that are in the folder; those that have ended are left as they are.
+    #[arg(long)]
+    resume: bool,
+}
+
+#[derive(clap::Args)]
+struct MeshArguments {
+    /// OBJ, OFF, STL, PLY or VTP file.
+    mesh: PathBuf,
+    /// Make one vertex of all that are at the same point, bit for bit: files of renderers often have
+    /// corners of their own for each face.
+    #[arg(long)]
+    weld: bool,
+}
+
+#[derive(clap::Args)]
+struct CurvatureArguments {
+    #[command(flatten)]
+    input: MeshArguments,
+    /// Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C),
+    /// belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh).
+    #[arg(long, default_value = "meyer")]
+    method: BendingMethod,
+    /// Bending modulus κ.
+    #[arg(long, default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
+    modulus: f64,
+    #[command(flatten)]
+    options: OptionArguments,
+    /// Number type: f32, f32-pair (positions in pairs of f32) or f64.
+    #[arg(long, default_value = "f64")]
+    scalar: Scalar,
+    /// Write to this file instead of standard output (`-`).
+    #[arg(long)]
+    csv: Option<PathBuf>,
+}
+
+#[derive(clap::Args)]
+struct SubdivideArguments {
+    #[command(flatten)]
+    input: MeshArguments,
+    /// How often to refine.
+    #[arg(long, default_value_t = 1)]
+    levels: u32,
+    /// Put the vertices on the smooth surface that further refinement would lead to.
+    #[arg(long)]
+    limit: bool,
+    /// Write to this file; `.obj`, `.off`, `.stl`, `.ply` or `.vtp` tells the format.
+    #[arg(long, short)]
+    output: PathBuf,
+}
+
+/// Options of methods, each for those that have it.
+#[derive(Debug, clap::Args)]
+pub(crate) struct OptionArguments {
+    /// Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed.
+    #[arg(long, value_parser = MethodOptions::parse_areas)]
+    areas: Option<DualArea>,
+    /// Bandwidth of belkin's heat kernel: a number of mean areas of a vertex; `converging`, which is
+    /// max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex.
+    #[arg(long, value_parser = MethodOptions::parse_bandwidth)]
+    bandwidth: Option<Bandwidth<f64>>,
+}
+
+impl OptionArguments {
+    /// The options, if one of the methods at least has each.
+    fn checked(&self, methods: &[BendingMethod]) -> Result<MethodOptions, Failure> {
+        let options = MethodOptions {
+            areas: self.areas,
+            bandwidth: self.bandwidth,
+        };
+        options.check_any(methods).map_err(Failure::input)?;
+        Ok(options)
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("a finite number above 0 is needed".to_owned()),
+    }
+}
+
+/// The program's commands and their arguments: for its manual, and for completions of shells.
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
+
+/// Runs the program with the arguments that it was given.
+pub fn program() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Study(arguments) => study(&arguments),
+        Command::Recommend(arguments) => recommend_method(&arguments),
+        Command::Curvature(arguments) => curvature(&arguments),
+        Command::Info(arguments) => info(&arguments),
+        Command::Subdivide(arguments) => subdivide_file(&arguments),
+        Command::Run(arguments) => run_scene(&arguments),
+        Command::Sweep(arguments) => sweep(&arguments),
+        Command::Scenes(arguments) => scenes(&arguments),
+        Command::Explain(arguments) => explain_scene(&arguments),
+    };
+    terminal::ended(result)
+}
+
+/// Refuses an output that would replace an input, which is called `what`.
+fn refuse_replacing(input: &Path, what: &str, output: &Path, new: &str) -> Result<(), Failure> {
+    if matches!((input.canonicalize(), output.canonicalize()), (Ok(a), Ok(b)) if a == b) {
+        let output = output.display();
+        let message = format!("{output}: {new} would replace {what}: choose another name for it");
+        return Err(Failure::Input(message.into()));
+    }
+    Ok(())
+}
+
+/// Reads a mesh file, welded if that is asked for. That it should be is said.
+fn load(MeshArguments { mesh: path, weld }: &MeshArguments) -> Result<MeshFile, Failure> {
+    if *weld {
+        return read_welded(path).map_err(Failure::input);
+    }
+    let file = read(path).map_err(Failure::input)?;
+    let split = file.split_vertices();
+    if split > 0 {
+        say(format_args!(
+            "warning: {}: the mesh is cut where it need not be: {split} vertices at its boundary are at \
+             the points of others there; --weld makes one vertex of each",
+            path.display()
+        ));
+    }
+    Ok(file)
+}
+
+fn info(arguments: &MeshArguments) -> Result<(), Failure> {
+    let path = &arguments.mesh;
+    let MeshFile { positions, mesh } = load(arguments)?;
+    let surface = Surface::new(&mesh, &positions).map_err(|error| Failure::mesh(path, error))?;
+    let info = MeshInfo::new(surface);
+    let noise = noise_of(surface);
+    print(|out| report::mesh_info(&info, &noise, out))
+}
+
+fn subdivide_file(arguments: &SubdivideArguments) -> Result<(), Failure> {
+    refuse_replacing(
+        &arguments.input.mesh,
+        "the mesh",
+        &arguments.output,
+        "the refined mesh",
+    )?;
+    let file = load(&arguments.input)?;
+    // Not after the work.
+    check_replaceable(&arguments.output)
+        .map_err(|error| Failure::output(arguments.output.display(), &error))?;
+    let target = if arguments.limit {
+        Target::Limit
+    } else {
+        Target::Controls
+    };
+    let fine = subdivide(file, arguments.levels, target).map_err(|error| {
+        Failure::Input(format!("{}: {error}", arguments.input.mesh.display()).into())
+    })?;
+    write(&arguments.output, &fine.positions, &fine.mesh).map_err(|error| match error {
+        WriteError::Unwritable { .. } => Failure::Output(error.to_string()),
+        _ => Failure::input(error),
+    })
+}
+
+fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
+    let CurvatureArguments {
+        modulus, scalar, ..
+    } = arguments;
+    if !scalar.holds(*modulus) {
+        let message = format!("the bending modulus {modulus} is out of the range of {scalar}");
+        return Err(Failure::Input(message.into()));
+    }
+    if let Some(csv) = file_named(arguments.csv.as_ref()) {
+        refuse_replacing(&arguments.input.mesh, "the mesh", csv, "the table")?;
+    }
+    let options = arguments.options.checked(&[arguments.method])?;
+    let file = load(&arguments.input)?;
+    match arguments.scalar {
+        Scalar::F32 | Scalar::F32Pair => curvature_in::<f32>(arguments, &options, &file),
+        Scalar::F64 => curvature_in::<f64>(arguments, &options, &file),
+    }
+}
+
+fn curvature_in<T: Evaluated>(
+    arguments: &CurvatureArguments,
+    options: &MethodOptions,
+    file: &MeshFile,
+) -> Result<(), Failure> {
+    let held = HeldPositions::<T>::new(arguments.scalar, &file.positions);
+    let surface = held.surface(&file.mesh).map_err(|error| {
+        Failure::mesh(
+            &arguments.input.mesh,
+            format!("{error} in {}", arguments.scalar),
+        )
+    })?;
+    let modulus = T::constant(arguments.modulus);
+    let (method, threads) = (arguments.method, Parallel::new());
+    let mut evaluator = Evaluator::with_options(method, options, modulus, &file.mesh, threads);
+    let fields = evaluator.fields(surface);
+    warn(&arguments.input.mesh, &evaluator.findings(surface));
+    // As the file has them: noise of f64 may be nothing in f32.
+    if let Ok(surface) = Surface::new(&file.mesh, &file.positions) {
+        tell_noise(&arguments.input.mesh, surface);
+    }
+    let csv = |out: &mut dyn Write| report::curvature_csv(held.positions(), &fields, out);
+    match file_named(arguments.csv.as_ref()) {
+        Some(path) => save(path, csv),
+        None => print(csv),
+    }
+}
+
+/// The scene of a file with its overrides, made ready. What is probably not meant is said here.
+fn scene(arguments: &SceneArguments) -> Result<(Scene, Simulation, Vec<[f64; 3]>), Failure> {
+    let overrides = Overrides::new(&arguments.set).map_err(Failure::input)?;
+    let file = SceneFile::read(&arguments.scene, &overrides).map_err(Failure::input)?;
+    let (simulation, positions) = build(&file).map_err(Failure::input)?;
+    for warning in simulation.warnings() {
+        say(format_args!("warning: {warning}"));
+    }
+    Ok((file.scene, simulation, positions))
+}
+
+fn scenes(arguments: &ScenesArguments) -> Result<(), Failure> {
+    let Some(folder) = &arguments.out else {
+        return print(|out| {
+            SHIPPED
+                .iter()
+                .try_for_each(|scene| writeln!(out, "{:28} {}", scene.name, scene.title()))
+        });
+    };
+    let failure = |error| Failure::output(folder.display(), &error);
+    fs::create_dir_all(folder).map_err(failure)?;
+    for (name, text) in shipped_files() {
+        let path = folder.join(name);
+        // A scene that has been changed is worth more than the one that comes with the program.
+        if path.symlink_metadata().is_ok() {
+            say(format_args!(
+                "warning: {}: is there, and is left as it is",
+                path.display()
+            ));
+        } else {
+            save(&path, |out| out.write_all(text.as_bytes()))?;
+        }
+    }
+    Ok(())
+}
+
+fn explain_scene(arguments: &SceneArguments) -> Result<(), Failure> {
+    let (scene, simulation, positions) = scene(arguments)?;
+    let bodies = simulation.bodies().iter();
+    let infos = bodies.filter_map(|body| Some(MeshInfo::new(body.surface(&positions)?)));
+    let explanation = scene.explain(&Vec::from_iter(infos));
+    print(|out| write!(out, "{explanation}"))
+}
+
+fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
+    let (scene, simulation, positions) = scene(&arguments.scene)?;
+    let path = &arguments.scene.scene;
+    if arguments.check {
+        check(&scene, (simulation, positions)).map_err(Failure::input)?;
+        return print(|out| writeln!(out, "{}: is a valid scene", path.display()));
+    }
+    let folder = match &arguments.out {
+        Some(folder) => folder.clone(),
+        None => match ShippedScene::named(path) {
+            Some(scene) => PathBuf::from(scene.name),
+            None => PathBuf::from(path.file_stem().unwrap_or_default()),
+        },
+    };
+    let known = simulation.warnings().len();
+    let stop = interruption();
+    let mut bar = ProgressBar::default();
+    let outcome = run(
+        &scene,
+        (simulation, positions),
+        &folder,
+        arguments.resume,
+        &|| stop.load(Ordering::Relaxed),
+        &mut |progress| {
+            bar.show(progress.fraction, &progress.message);
+        },
+    );
+    bar.clear();
+    let summary = outcome.map_err(|error| {
+        if error.is_output() {
+            Failure::Output(error.to_string())
+        } else {
+            Failure::input(error)
+        }
+    })?;
+    print(|out| report::run_table(&summary, &folder, out))?;
+    // Those of the scene have been said, and so has what is the reason of the end.
+    for warning in summary.warnings.iter().skip(known) {
+        if !summary.message.contains(warning) {
+            say(format_args!("warning: {warning}"));
+        }
+    }
+    match summary.end {
+        End::Converged | End::Completed => Ok(()),
+        End::Interrupted => Err(Failure::Unfinished(130)),
+        _ => {
+            say(format_args!("error: {}", summary.message));
+            Err(Failure::Unfinished(4))
+        }
+    }
+}
+
+fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
+    let sweep = Sweep {
+        scene: arguments.scene.scene.clone(),
+        set: arguments.scene.set.clone(),
+        vary: arguments.vary.clone(),
+        columns: arguments.columns.clone(),
+    };
+    let stop = interruption();
+    let mut bar = ProgressBar::default();
+    let swept = sweep.run(
+        &arguments.out,
+        arguments.resume,
+        &|| stop.load(Ordering::Relaxed),
+        &mut |progress| {
+            let [case, cases] = progress.case;
+            let (number, message) = (case + 1, &progress.run.message);
+            let message = format!("{number} of {cases}, {}: {message}", progress.name);
+            bar.show(progress.fraction(), &message);
+        },
+    );
+    bar.clear();
+    let swept = swept.map_err(|error| {
+        if error.is_output() {
+            Failure::Output(error.to_string())
+        } else {
+            Failure::input(error)
+        }
+    })?;
+    for warning in &swept.warnings {
+        say(format_args!("warning: {warning}"));
+    }
+    for (warning, runs) in swept.shared_warnings() {
+        let all = swept.cases.len();
+        say(format_args!("warning: {runs} of {all} runs: {warning}"));
+    }
+    print(|out| report::sweep_table(&swept, &arguments.out, out))?;
+    let ends = swept.cases.iter().map(|(_, outcome)| match outcome {
+        Outcome::Ended(ended) => Some(ended.end),
+        _ => None,
+    });
+    if stop.load(Ordering::Relaxed) {
+        return Err(Failure::Unfinished(130));
+    }
+    let failed = |end: &Option<End>| !matches!(end, Some(End::Converged | End::Completed));
+    match ends.filter(failed).count() {
+        0 => Ok(()),
+        count => {
+            let all = swept.cases.len();
+            say(format_args!(
+                "error: {count} of {all} runs did not come to their end"
+            ));
+            Err(Failure::Unfinished(4))
+        }
+    }
+}
+
+/// How far off a smooth surface the vertices lie, if that is seen, and where it takes f away.
+fn tell_noise(path: &Path, surface: Surface<'_, f64>) {
+    let noise = noise_of(surface);
+    if !noise.is_seen() {
+        return;
+    }
+    let mut findings = Vec::new();
+    noise.inspect(surface, &mut |finding| findings.push(finding));
+    warn(path, &findings);
+    let (path, seen) = (path.display(), report::noise_of_positions(&noise));
+    if findings.is_empty() {
+        say(format_args!("note: {path}: noise of positions {seen}"));
+    } else {
+        say(format_args!(
+            "warning: {path}: noise of positions {seen}: finer meshes of the same noise are worse; smooth \
+             the positions, take a coarser mesh, or let `helfrich recommend` measure what is left"
+        ));
+    }
+}
+
+/// One line for each kind of finding, with how many there are and where the first is.
+fn warn(path: &Path, findings: &[Finding]) {
+    for (count, first) in report::first_of_each_kind(findings) {
+        say(format_args!(
+            "warning: {}: {count} × {first}",
+            path.display()
+        ));
+    }
+}

@@ -1,0 +1,120 @@
+//! How the programs of the repository end, what they say, and how they write.
+
+mod progress_bar;
+
+pub use progress_bar::ProgressBar;
+
+use helfrich_std::io::{check_replaceable, replace_file};
+use std::error::Error;
+use std::fmt::Display;
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The reason why a program ends early.
+#[derive(Debug)]
+pub enum Failure {
+    /// Exit code 2.
+    Input(Box<dyn Error>),
+    /// Exit code 3.
+    Output(String),
+    /// A run that ended early and has said so; its exit code.
+    Unfinished(u8),
+}
+
+impl Failure {
+    /// Arguments or an input file are at fault.
+    pub fn input(error: impl Error + 'static) -> Self {
+        Self::Input(Box::new(error))
+    }
+
+    /// A mesh file is at fault.
+    pub fn mesh(path: &Path, error: impl Display) -> Self {
+        Self::Input(format!("{}: {error}", path.display()).into())
+    }
+
+    /// An output could not be written.
+    pub fn output(target: impl Display, error: &io::Error) -> Self {
+        Self::Output(format!("{target}: {error}"))
+    }
+}
+
+/// The exit code of a program; what ended it early is said.
+pub fn ended(result: Result<(), Failure>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Unfinished(code)) => ExitCode::from(code),
+        Err(Failure::Input(error)) => {
+            say(format_args!("error: {error}"));
+            ExitCode::from(2)
+        }
+        Err(Failure::Output(message)) => {
+            say(format_args!("error: {message}"));
+            ExitCode::from(3)
+        }
+    }
+}
+
+/// Writes a line to standard error. If nobody listens there, the exit code still tells:
+/// `eprintln!` would panic instead.
+pub fn say(line: impl Display) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Writes to standard output; a reader that has seen enough is no error.
+///
+/// # Errors
+/// If it cannot be written to.
+pub fn print(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    match write(&mut out).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::output("standard output", &error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes a file as a whole or not at all.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn save(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    replace_file(path, write).map_err(|error| Failure::output(path.display(), &error))
+}
+
+/// The file that an option names; none for `-`, standard output.
+pub fn file_named(option: Option<&PathBuf>) -> Option<&Path> {
+    let path = option.filter(|path| path.as_os_str() != "-")?;
+    Some(path)
+}
+
+/// Checks before the work starts that outputs can be written, each to a file of its own.
+///
+/// # Errors
+/// If one cannot be, or two have the same name.
+pub fn check_outputs<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+    let paths = Vec::from_iter(paths);
+    for (at, path) in paths.iter().enumerate() {
+        if paths[..at].contains(path) {
+            let message = format!("{}: two outputs have this name", path.display());
+            return Err(Failure::Input(message.into()));
+        }
+        check_replaceable(path).map_err(|error| Failure::output(path.display(), &error))?;
+    }
+    Ok(())
+}
+
+/// Becomes true when the program is asked to stop.
+pub fn interruption() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&stop);
+    // Without a handler an interrupt ends the run at once: the last checkpoint remains.
+    let _ = ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed));
+    stop
+}

@@ -1,0 +1,95 @@
+//! A bar that shows how far a program is.
+
+use std::io::{self, IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+/// Characters of the bar,
+const BAR: usize = 30;
+/// and of a line, which terminals of any width hold.
+const LINE: usize = 79;
+/// The shortest time between two pictures of the bar.
+const EVERY: Duration = Duration::from_millis(100);
+
+/// A bar on standard error; nothing where that is no terminal.
+#[derive(Debug)]
+pub struct ProgressBar {
+    started: Instant,
+    drawn: Option<Instant>,
+    visible: bool,
+}
+
+impl Default for ProgressBar {
+    fn default() -> Self {
+        Self {
+            started: Instant::now(),
+            drawn: None,
+            visible: io::stderr().is_terminal(),
+        }
+    }
+}
+
+impl ProgressBar {
+    /// Shows the fraction of the work that is done, from 0 to 1, and a message.
+    pub fn show(&mut self, fraction: f64, message: &str) {
+        let soon = self.drawn.is_some_and(|drawn| drawn.elapsed() < EVERY);
+        if !self.visible || soon {
+            return;
+        }
+        self.drawn = Some(Instant::now());
+        let line = line(fraction, self.started.elapsed(), message);
+        self.write(&line);
+    }
+
+    /// Takes the bar away.
+    pub fn clear(&mut self) {
+        if self.drawn.take().is_some() {
+            self.write("");
+        }
+    }
+
+    /// Replaces the line. That nobody sees it does not matter.
+    fn write(&self, line: &str) {
+        let mut out = io::stderr().lock();
+        let _ = write!(out, "\r\x1b[2K{line}").and_then(|()| out.flush());
+    }
+}
+
+impl Drop for ProgressBar {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+/// The line: bar, share, times that have passed and remain, message.
+fn line(fraction: f64, elapsed: Duration, message: &str) -> String {
+    let fraction = fraction.clamp(0.0, 1.0);
+    let full = (fraction * BAR as f64) as usize;
+    let bar = "█".repeat(full) + &"░".repeat(BAR - full);
+    let remaining = if fraction > 0.0 {
+        let seconds = elapsed.as_secs_f64() * (1.0 / fraction - 1.0);
+        clock(seconds as u64)
+    } else {
+        "–".to_owned()
+    };
+    let percent = (100.0 * fraction) as u32;
+    let line = format!(
+        "{bar} {percent:>3} %  {} (still {remaining})  {message}",
+        clock(elapsed.as_secs())
+    );
+    line.chars()
+        .map(|character| {
+            if character.is_control() {
+                ' '
+            } else {
+                character
+            }
+        })
+        .take(LINE)
+        .collect()
+}
+
+/// Hours, minutes and seconds.
+fn clock(seconds: u64) -> String {
+    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    format!("{hours:02}:{minutes:02}:{seconds:02}")
+}

@@ -1,0 +1,87 @@
+//! `helfrich run --check`: it refuses all that a run would refuse before it writes anything.
+
+use crate::run::{FLOW, LATTICE, SCENE};
+use crate::{fail, text};
+use std::fs;
+use tempfile::TempDir;
+
+/// Scenes that no run begins, with a value of each that is at fault, and what the message says.
+#[test]
+fn what_a_run_refuses_at_once_a_check_refuses() {
+    let unreadable = "output.plot=[{column = \"deformation\", published = \"none.csv\"}]";
+    for (scene, set, hint) in [
+        (
+            FLOW,
+            "output.plot=[{column = \"inclinaton\"}]",
+            "inclination",
+        ),
+        (FLOW, unreadable, "none.csv"),
+        (
+            SCENE,
+            "output.plot=[{column = \"deformation\"}]",
+            "smallest_angle",
+        ),
+        (
+            FLOW,
+            "output.strain_interval=1e-300",
+            "longer `strain_interval`",
+        ),
+        (FLOW, "output={interval = 1e-9}", "longer `interval`"),
+        (
+            LATTICE,
+            "output.strain_interval=1e-300",
+            "longer `strain_interval`",
+        ),
+        (FLOW, "driver.strain=1e300", "shorter `strain`"),
+        (FLOW, "driver.tolerance=1e-300", "has to be larger"),
+        (
+            FLOW,
+            "driver={kind=\"boundary-integral\", viscosity=1, strain=6, integrator=\"rk4\", \
+                step=1e-300, flow={kind=\"shear\", rate=0.3}}",
+            "longer `step`",
+        ),
+        (LATTICE, "driver.step=1e-30", "longer `step`"),
+        (
+            SCENE,
+            "surface.vesicle.volume.reduced=1e-300",
+            "reduced volume of 1e-300",
+        ),
+        (
+            SCENE,
+            "surface.vesicle.volume={modulus=1, reduced=1e-300}",
+            "lost in rounding",
+        ),
+        (
+            SCENE,
+            "surface.vesicle.volume={modulus=1, target=1e-300}",
+            "lost in rounding",
+        ),
+        (
+            SCENE,
+            "surface.vesicle.volume={modulus=1, target=1e300}",
+            "never reached",
+        ),
+        (
+            SCENE,
+            "surface.vesicle.area={modulus=1, target=1e-300}",
+            "target area of 1e-300",
+        ),
+        (
+            SCENE,
+            "surface.vesicle.area_difference={modulus=1, reduced=1e300}",
+            "never reached",
+        ),
+    ] {
+        let folder = TempDir::new().unwrap();
+        let path = folder.path().join("scene.toml");
+        fs::write(&path, scene).unwrap();
+        let out = folder.path().join("out");
+        let said = [["--check"].as_slice(), &["--out", text(&out)]].map(|more| {
+            let message = fail(2, &[&["run", text(&path), "--set", set], more].concat());
+            assert!(message.contains(hint), "{set}: {message}");
+            message
+        });
+        assert_eq!(said[0], said[1]);
+        assert!(!out.exists(), "{set}");
+    }
+}

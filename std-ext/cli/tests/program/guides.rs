@@ -1,0 +1,147 @@
+//! The guides: their links lead somewhere, their commands exist, their scenes pass the check.
+
+use crate::{run, succeed, text};
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// The root of the repository.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// Every Markdown file of the root and of `docs`, with its text.
+fn guides() -> Vec<(PathBuf, String)> {
+    let mut guides = Vec::new();
+    for folder in [root(), root().join("docs")] {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension == "md") {
+                let text = fs::read_to_string(&path).unwrap();
+                guides.push((path, text));
+            }
+        }
+    }
+    assert!(guides.len() >= 9, "{guides:?}");
+    guides
+}
+
+/// The blocks of one language.
+fn blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
+    let parts = text.split("\n```").skip(1).step_by(2);
+    let block = |part: &'a str| {
+        let (first, rest) = part.split_once('\n')?;
+        (first == language).then_some(rest)
+    };
+    parts.filter_map(block).collect()
+}
+
+/// A heading as a fragment of an address: `## Speed, memory` is `speed-memory`.
+fn fragment(heading: &str) -> String {
+    let lower = heading.trim_start_matches('#').trim().to_lowercase();
+    let kept = |&c: &char| c.is_alphanumeric() || c == ' ' || c == '-' || c == '_';
+    lower
+        .chars()
+        .filter(kept)
+        .collect::<String>()
+        .replace(' ', "-")
+}
+
+#[test]
+fn links_lead_to_files_and_headings() {
+    let mut count = 0;
+    for (path, text) in guides() {
+        let targets = text.split("](").skip(1);
+        for target in targets.filter_map(|rest| rest.split_once(')').map(|(target, _)| target)) {
+            if target.contains("://") {
+                continue;
+            }
+            let (file, heading) = target.split_once('#').unwrap_or((target, ""));
+            let file = match file {
+                "" => path.clone(),
+                file => path.parent().unwrap().join(file),
+            };
+            assert!(file.exists(), "{}: {target}", path.display());
+            if !heading.is_empty() {
+                let text = fs::read_to_string(&file).unwrap();
+                let mut headings = text.lines().filter(|line| line.starts_with('#'));
+                let found = headings.any(|line| fragment(line) == heading);
+                assert!(found, "{}: {target}", path.display());
+            }
+            count += 1;
+        }
+    }
+    assert!(count > 30, "{count} links");
+}
+
+/// The arguments of the program in a line of a console, if it runs the program.
+fn arguments(line: &str) -> Option<&str> {
+    let line = line.split(" #").next()?.trim();
+    let starts = ["helfrich ", "cargo run --release -- "];
+    starts.iter().find_map(|start| line.strip_prefix(start))
+}
+
+#[test]
+fn commands_and_their_options_exist() {
+    let mut helps = HashMap::new();
+    let mut count = 0;
+    for (path, guide) in guides() {
+        let consoles = blocks(&guide, "console");
+        let commands = consoles.iter().flat_map(|block| block.lines());
+        for command in commands.filter_map(arguments) {
+            let mut words = command.split_whitespace();
+            let name = words.next().unwrap();
+            let help = helps
+                .entry(name.to_owned())
+                .or_insert_with(|| succeed(&[name, "--help"]));
+            for word in words {
+                let option = word.split('=').next().unwrap();
+                let mut known = help.split_whitespace().map(|it| it.trim_end_matches(','));
+                let found = !option.starts_with("--") || known.any(|it| it == option);
+                assert!(found, "{}: {command}: {option}", path.display());
+                let found = !word.starts_with("std-ext/") || root().join(word).exists();
+                assert!(found, "{}: {command}: {word}", path.display());
+            }
+            count += 1;
+        }
+    }
+    assert!(count > 10, "{count} commands");
+}
+
+#[test]
+fn examples_exist() {
+    let mut count = 0;
+    for (path, guide) in guides() {
+        for rest in guide.split("--example ").skip(1) {
+            let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
+            let file = format!("examples/{}.rs", &rest[..end.unwrap()]);
+            let found = ["core", "std-ext"].map(|package| root().join(package).join(&file));
+            let found = found.iter().any(|file| file.exists());
+            assert!(found, "{}: {file}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count > 2, "{count} examples");
+}
+
+#[test]
+fn scenes_pass_the_check() {
+    let folder = TempDir::new().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let mut count = 0;
+    for (path, guide) in guides() {
+        for block in blocks(&guide, "toml") {
+            let units = if block.contains("units") {
+                ""
+            } else {
+                "units = \"none\"\n"
+            };
+            fs::write(&scene, format!("{units}{block}")).unwrap();
+            let found = run(&["run", "--check", text(&scene)]);
+            assert_eq!(found.code, Some(0), "{}: {}", path.display(), found.stderr);
+            count += 1;
+        }
+    }
+    assert!(count >= 2, "{count} scenes");
+}

@@ -1,0 +1,320 @@
+//! Evaluation of a method that was chosen at run time.
+
+use super::fields::{Describe, Fields};
+use super::ordered::Ordered;
+use super::{BendingMethod, MethodOptions, Settings, Visitor, choose};
+use crate::execute::Parallel;
+use helfrich::{
+    Conservative, Execution, Finding, Jet, LaplaceBeltrami, Noise, Prepared, Quality, Real, Serial,
+    StrongForm, Surface, TriangleMesh,
+};
+use std::fmt;
+
+/// A bending method made ready for one mesh.
+#[derive(Debug)]
+pub struct Evaluator<T: Real> {
+    prepared: Box<dyn Evaluate<T>>,
+    ordered: Option<Ordered<T>>,
+    force: Vec<[T; 3]>,
+}
+
+impl<T: Real> Evaluator<T> {
+    /// Prepares `method` with bending modulus `modulus` for a mesh, with default options and on all
+    /// threads that there are.
+    pub fn new(method: BendingMethod, modulus: T, mesh: &TriangleMesh) -> Self
+    where
+        T: Evaluated,
+    {
+        let options = MethodOptions::default();
+        Self::with_options(method, &options, modulus, mesh, Parallel::new())
+    }
+
+    /// Prepares `method` with those of the options that it has, on a number of threads, on which no
+    /// bit depends.
+    pub fn with_options(
+        method: BendingMethod,
+        options: &MethodOptions,
+        modulus: T,
+        mesh: &TriangleMesh,
+        threads: Parallel,
+    ) -> Self
+    where
+        T: Evaluated,
+    {
+        T::evaluator(method, options, modulus, mesh, threads)
+    }
+
+    /// The same with loops of the caller's choice.
+    fn with_execution<X>(
+        method: BendingMethod,
+        options: &MethodOptions,
+        modulus: T,
+        mesh: &TriangleMesh,
+        execution: X,
+    ) -> Self
+    where
+        X: Execution + Copy + fmt::Debug + 'static,
+    {
+        let ordered = Ordered::of(mesh);
+        let vertices = mesh.vertex_count();
+        let mesh = ordered.as_ref().map_or(mesh, Ordered::mesh);
+        let settings = Settings {
+            modulus,
+            spontaneous_curvature: T::zero(),
+            options,
+            mesh,
+        };
+        let prepared = choose(method, settings, Preparing { mesh, execution });
+        Self {
+            prepared,
+            ordered,
+            force: vec![[T::zero(); 3]; vertices],
+        }
+    }
+
+    /// One evaluation as a simulation makes it: nodal forces with the energy for conservative
+    /// methods, force densities with the curvatures for those in strong form.
+    pub fn evaluate(&mut self, surface: Surface<'_, T>) {
+        match &mut self.ordered {
+            None => {
+                self.force.fill([T::zero(); 3]);
+                self.prepared.evaluate(surface, &mut self.force);
+            }
+            Some(ordered) => {
+                let (surface, force) = ordered.parts(surface);
+                force.fill([T::zero(); 3]);
+                self.prepared.evaluate(surface, force);
+                ordered.put_back(&mut self.force);
+            }
+        }
+    }
+
+    /// Nodal forces of the last evaluation, or force densities for methods in strong form.
+    pub fn force(&self) -> &[[T; 3]] {
+        &self.force
+    }
+
+    /// The energy of a surface.
+    pub fn energy(&mut self, surface: Surface<'_, T>) -> T {
+        match &mut self.ordered {
+            None => self.prepared.energy(surface),
+            Some(ordered) => self.prepared.energy(ordered.parts(surface).0),
+        }
+    }
+
+    /// Evaluates, and collects all that the method says.
+    pub fn fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
+        self.evaluate(surface);
+        self.last_fields(surface)
+    }
+
+    /// [`Self::fields`] of the last evaluation, which was of this surface: nothing is evaluated.
+    pub fn last_fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
+        match &mut self.ordered {
+            None => Fields::collect(&mut *self.prepared, surface, &self.force),
+            Some(ordered) => {
+                let (surface, force) = ordered.parts(surface);
+                let fields = Fields::collect(&mut *self.prepared, surface, force);
+                ordered.undo(&fields)
+            }
+        }
+    }
+
+    /// Findings about the last evaluation, which was of this surface, including noise of its positions, with
+    /// a flag for each vertex: see [`Prepared::quality`].
+    pub fn quality(&self, surface: Surface<'_, T>) -> Quality {
+        Quality::gather(surface.mesh(), |report| {
+            self.inspect(surface, report);
+            Noise::of(&Parallel::new(), surface).inspect(surface, report);
+        })
+    }
+
+    /// Findings about the last evaluation, which was of this surface, without noise; this costs little.
+    pub fn findings(&self, surface: Surface<'_, T>) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        self.inspect(surface, &mut |finding| findings.push(finding));
+        findings
+    }
+
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        let Some(ordered) = &self.ordered else {
+            return self.prepared.inspect(surface, report);
+        };
+        let (mut positions, mut remainders) = (Vec::new(), Vec::new());
+        let order = ordered.order();
+        let surface = order.of_surface(surface, ordered.mesh(), &mut positions, &mut remainders);
+        self.prepared.inspect(surface, &mut |finding| {
+            report(order.undo_finding(finding));
+        });
+    }
+}
+
+/// A number type that methods are evaluated in.
+pub trait Evaluated: Real {
+    /// See [`Evaluator::with_options`]: on one alone, as any number type can be evaluated.
+    fn evaluator(
+        method: BendingMethod,
+        options: &MethodOptions,
+        modulus: Self,
+        mesh: &TriangleMesh,
+        _threads: Parallel,
+    ) -> Evaluator<Self> {
+        Evaluator::with_execution(method, options, modulus, mesh, Serial)
+    }
+}
+
+// Functions without parameters of type: methods are compiled here, and not again in every crate that
+// evaluates them.
+impl Evaluated for f32 {
+    fn evaluator(
+        method: BendingMethod,
+        options: &MethodOptions,
+        modulus: f32,
+        mesh: &TriangleMesh,
+        threads: Parallel,
+    ) -> Evaluator<f32> {
+        Evaluator::with_execution(method, options, modulus, mesh, threads)
+    }
+}
+
+impl Evaluated for f64 {
+    fn evaluator(
+        method: BendingMethod,
+        options: &MethodOptions,
+        modulus: f64,
+        mesh: &TriangleMesh,
+        threads: Parallel,
+    ) -> Evaluator<f64> {
+        Evaluator::with_execution(method, options, modulus, mesh, threads)
+    }
+}
+
+impl Evaluator<f64> {
+    /// Jets of the highest degree, 8: slow, and no method of scenes; what the others are compared with
+    /// where nothing is known exactly.
+    pub fn reference(modulus: f64, mesh: &TriangleMesh) -> Self {
+        let jet = Jet {
+            degree: 8,
+            neighbours: 96,
+            most_neighbours: 192,
+            sharpness: 7.0,
+            conditioning: 0.003,
+        };
+        let method = StrongForm::new(modulus, jet);
+        Self {
+            prepared: Preparing {
+                mesh,
+                execution: Parallel::new(),
+            }
+            .strong_form(method),
+            ordered: None,
+            force: vec![[0.0; 3]; mesh.vertex_count()],
+        }
+    }
+}
+
+/// A method prepared for a mesh, behind one dispatch.
+struct Preparing<'a, X> {
+    mesh: &'a TriangleMesh,
+    execution: X,
+}
+
+impl<T, X> Visitor<T> for Preparing<'_, X>
+where
+    T: Real,
+    X: Execution + fmt::Debug + 'static,
+{
+    type Output = Box<dyn Evaluate<T>>;
+
+    fn conservative<M>(self, method: M) -> Self::Output
+    where
+        M: Conservative<T> + Describe<T> + fmt::Debug + 'static,
+    {
+        let prepared = Prepared::with_execution(method, self.mesh, self.execution);
+        Box::new(WithEnergy(prepared))
+    }
+
+    fn strong_form<L>(self, method: StrongForm<T, L>) -> Self::Output
+    where
+        L: LaplaceBeltrami<T> + fmt::Debug + Sync + 'static,
+    {
+        let prepared = Prepared::with_execution(method, self.mesh, self.execution);
+        Box::new(InStrongForm(prepared))
+    }
+}
+
+/// The interface of every prepared method.
+pub(super) trait Evaluate<T: Real>: fmt::Debug {
+    /// Adds nodal forces to `force`, or sets it to force densities: see [`Evaluator::evaluate`].
+    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]);
+
+    /// Sets what the method says in `fields`, from what [`Self::evaluate`] made of `force`.
+    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>);
+
+    /// See [`helfrich::Energy::energy`].
+    fn energy(&mut self, surface: Surface<'_, T>) -> T;
+
+    /// See [`helfrich::Method::inspect`].
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding));
+}
+
+#[derive(Debug)]
+struct WithEnergy<T, M, X>(Prepared<T, M, X>)
+where
+    T: Real,
+    M: Conservative<T>;
+
+impl<T, M, X> Evaluate<T> for WithEnergy<T, M, X>
+where
+    T: Real,
+    M: Conservative<T> + Describe<T> + fmt::Debug,
+    X: Execution + fmt::Debug,
+{
+    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
+        self.0.add_force_and_energy(surface, force);
+    }
+
+    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
+        fields.set_density(force);
+        self.0.with(|method, execution, workspace| {
+            method.describe(execution, surface, workspace, fields);
+        });
+    }
+
+    fn energy(&mut self, surface: Surface<'_, T>) -> T {
+        self.0.energy(surface)
+    }
+
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        self.0.inspect(surface, report);
+    }
+}
+
+#[derive(Debug)]
+struct InStrongForm<T, L, X>(Prepared<T, StrongForm<T, L>, X>)
+where
+    T: Real,
+    L: LaplaceBeltrami<T> + Sync;
+
+impl<T, L, X> Evaluate<T> for InStrongForm<T, L, X>
+where
+    T: Real,
+    X: Execution + fmt::Debug,
+    L: LaplaceBeltrami<T> + fmt::Debug + Sync,
+{
+    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
+        self.0.force_density(surface, force);
+    }
+
+    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
+        fields.set_strong_form(surface.mesh(), self.0.memory(), force);
+    }
+
+    fn energy(&mut self, surface: Surface<'_, T>) -> T {
+        self.0.energy(surface)
+    }
+
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        self.0.inspect(surface, report);
+    }
+}

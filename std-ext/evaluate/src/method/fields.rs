@@ -1,0 +1,169 @@
+//! Per-vertex results of a method.
+
+use super::evaluator::Evaluate;
+use helfrich::bending::StrongFormMemory;
+use helfrich::{
+    Cotangent, Curvature, Curvatures, DualArea, Execution, Finding, GompperKroll, Hamann,
+    Juelicher, KantorNelson, LoopSubdivision, Method, Prepared, Real, Surface, TriangleMesh,
+    VertexKind, Workspace,
+};
+
+/// All that a method says of a surface, a value a vertex; `None` where it says nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fields<T> {
+    /// Mixed area.
+    pub area: Vec<T>,
+    /// Outward unit normal; 0 where there is none.
+    pub normal: Vec<[T; 3]>,
+    /// Mean curvature H, positive on a sphere.
+    pub mean: Vec<Option<T>>,
+    /// Gaussian curvature K.
+    pub gaussian: Vec<Option<T>>,
+    /// Δ_S H.
+    pub laplacian_of_mean: Vec<Option<T>>,
+    /// Force density f; for methods with nodal forces, F over the mixed area.
+    pub force_density: Vec<Option<[T; 3]>>,
+}
+
+/// The fields beside force and area that a method with an energy defines.
+pub(crate) trait Describe<T: Real>: Method<T> {
+    /// Sets them; the normals that are there are those of the cotangent operator.
+    fn describe(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        fields: &mut Fields<T>,
+    );
+}
+
+/// A method and how its curvatures are taken over.
+macro_rules! describe {
+    ($($method:ident: $($set:ident)?;)*) => {
+        $(impl<T: Real> Describe<T> for $method<T> {
+            fn describe(
+                &self,
+                _execution: &impl Execution,
+                _surface: Surface<'_, T>,
+                _workspace: &mut Workspace<T, Self>,
+                _fields: &mut Fields<T>,
+            ) {
+                $(_fields.$set(&measured(self, _execution, _surface, _workspace));)?
+            }
+        })*
+    };
+}
+
+describe! {
+    KantorNelson:;
+    GompperKroll: set_mean;
+    Juelicher: set_mean;
+    Hamann: set_curvature;
+    LoopSubdivision: set_curvature;
+}
+
+/// n, H, K and A by the method itself.
+fn measured<T: Real, M: Curvatures<T>>(
+    method: &M,
+    execution: &impl Execution,
+    surface: Surface<'_, T>,
+    workspace: &mut Workspace<T, M>,
+) -> Vec<Curvature<T>> {
+    let mut curvature = vec![Curvature::default(); surface.mesh().vertex_count()];
+    method.curvatures(execution, surface, workspace, &mut curvature);
+    curvature
+}
+
+fn where_defined<V: Copy>(values: &[V], defined: impl Fn(usize) -> bool) -> Vec<Option<V>> {
+    values
+        .iter()
+        .enumerate()
+        .map(|(vertex, &value)| defined(vertex).then_some(value))
+        .collect()
+}
+
+impl<T: Real> Fields<T> {
+    /// All that a method says of the surface that it has been evaluated on, with this force.
+    pub(super) fn collect(
+        prepared: &mut dyn Evaluate<T>,
+        surface: Surface<'_, T>,
+        force: &[[T; 3]],
+    ) -> Self {
+        let vertices = surface.mesh().vertex_count();
+        let mut cotangent = Prepared::new(Cotangent::new(DualArea::Mixed), surface.mesh());
+        let curvature = cotangent.curvatures(surface);
+        let mut fields = Fields {
+            area: curvature.iter().map(|vertex| vertex.area).collect(),
+            normal: curvature.iter().map(|vertex| vertex.normal).collect(),
+            mean: vec![None; vertices],
+            gaussian: vec![None; vertices],
+            laplacian_of_mean: vec![None; vertices],
+            force_density: vec![None; vertices],
+        };
+        prepared.collect(surface, force, &mut fields);
+        // A vertex that was left out: the method's 0 there is no curvature.
+        prepared.inspect(surface, &mut |finding| match finding {
+            Finding::ZeroArea { vertex } | Finding::TooFewNeighbours { vertex } => {
+                fields.clear(vertex as usize);
+            }
+            Finding::OutOfRange { vertex } => fields.clear_fourth_derivative(vertex as usize),
+            _ => {}
+        });
+        fields
+    }
+
+    /// Nothing is said of a vertex, but for a nodal force over a mixed area that is not 0.
+    fn clear(&mut self, vertex: usize) {
+        self.mean[vertex] = None;
+        self.gaussian[vertex] = None;
+        self.laplacian_of_mean[vertex] = None;
+        if self.area[vertex] <= T::zero() {
+            self.force_density[vertex] = None;
+        }
+    }
+
+    /// Nothing is said of a vertex that takes a fourth derivative.
+    fn clear_fourth_derivative(&mut self, vertex: usize) {
+        self.laplacian_of_mean[vertex] = None;
+        self.force_density[vertex] = None;
+    }
+
+    pub(super) fn set_density(&mut self, force: &[[T; 3]]) {
+        let over = |force: [T; 3], area: T| {
+            let density = force.map(|component| component / area);
+            let defined = area > T::zero() && density.iter().all(|component| component.is_finite());
+            defined.then_some(density)
+        };
+        self.force_density = force
+            .iter()
+            .zip(&self.area)
+            .map(|(&force, &area)| over(force, area))
+            .collect();
+    }
+
+    fn set_mean(&mut self, curvature: &[Curvature<T>]) {
+        let interior = |vertex: usize| curvature[vertex].kind == VertexKind::Interior;
+        let mean: Vec<T> = curvature.iter().map(|vertex| vertex.mean).collect();
+        self.mean = where_defined(&mean, interior);
+    }
+
+    fn set_curvature(&mut self, curvature: &[Curvature<T>]) {
+        let interior = |vertex: usize| curvature[vertex].kind == VertexKind::Interior;
+        let gaussian: Vec<T> = curvature.iter().map(|vertex| vertex.gaussian).collect();
+        self.normal = curvature.iter().map(|vertex| vertex.normal).collect();
+        self.set_mean(curvature);
+        self.gaussian = where_defined(&gaussian, interior);
+    }
+
+    pub(super) fn set_strong_form<W>(
+        &mut self,
+        mesh: &TriangleMesh,
+        memory: &StrongFormMemory<T, W>,
+        density: &[[T; 3]],
+    ) {
+        let surrounded = |vertex| mesh.is_surrounded(vertex);
+        self.set_curvature(memory.curvature());
+        self.laplacian_of_mean = where_defined(memory.laplacian_of_mean(), surrounded);
+        self.force_density = where_defined(density, surrounded);
+    }
+}

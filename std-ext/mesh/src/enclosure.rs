@@ -1,0 +1,138 @@
+//! Points inside closed surfaces.
+
+use glam::DVec3;
+use helfrich::{Images, Surface};
+use std::f64::consts::PI;
+
+/// Whether a closed surface winds around a point, by its solid angle from there: A. Van Oosterom and J.
+/// Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125. Correct to rounding at any distance. Open surfaces
+/// enclose nothing.
+pub fn encloses(surface: Surface<'_, f64>, point: [f64; 3]) -> bool {
+    if !surface.mesh().is_closed() {
+        return false;
+    }
+    let at = DVec3::from(point);
+    let place = |vertex: u32| DVec3::from(surface.positions()[vertex as usize]) - at;
+    let angle = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(place);
+        let [x, y, z] = [a, b, c].map(DVec3::length);
+        // a·(b × c), by edges: seen from afar, the three are all but parallel.
+        let doubled = a.dot((b - a).cross(c - a));
+        2.0 * doubled.atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
+    };
+    let triangles = surface.mesh().triangles().iter();
+    triangles.map(angle).sum::<f64>().abs() > 2.0 * PI
+}
+
+/// Vertices of a surface that are inside another one, or inside an image of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inside {
+    /// The first of these vertices.
+    pub first: usize,
+    /// Their number.
+    pub count: usize,
+    /// The shift, in whole periods along each axis, that moves the surface into the other one; zero if
+    /// they overlap without a shift.
+    pub shift: [f64; 3],
+}
+
+impl Inside {
+    /// Whether the overlap is with an image.
+    pub fn is_by_image(&self) -> bool {
+        self.shift != [0.0; 3]
+    }
+}
+
+/// The first vertex of one surface that is inside another, and the number of such vertices; none if
+/// there is none.
+pub fn vertices_inside(inner: Surface<'_, f64>, outer: Surface<'_, f64>) -> Option<(usize, usize)> {
+    let found = shifted_inside(inner, outer, corners(outer), [0.0; 3])?;
+    Some((found.first, found.count))
+}
+
+/// Vertices of one surface inside another surface and its images in a periodic box, with an entry for
+/// each image that contains some.
+pub fn inside_of_images(
+    inner: Surface<'_, f64>,
+    outer: Surface<'_, f64>,
+    images: &Images<f64>,
+) -> Vec<Inside> {
+    let [low, high] = corners(inner);
+    let [outer_low, outer_high] = corners(outer);
+    let along = |axis: usize| {
+        let [low, high] = [outer_low[axis] - high[axis], outer_high[axis] - low[axis]];
+        let period = images.period(axis).unwrap_or_default();
+        let shifts = images.shifts(axis, low, high).into_iter();
+        let counts = shifts.flat_map(|[first, last]| first as i64..=last as i64);
+        counts.map(move |count| count as f64 * period)
+    };
+    let plane = along(0).flat_map(|x| along(1).map(move |y| [x, y]));
+    let shifts = plane.flat_map(|[x, y]| along(2).map(move |z| [x, y, z]));
+    let corners = [outer_low, outer_high];
+    shifts
+        .filter_map(|shift| shifted_inside(inner, outer, corners, shift))
+        .collect()
+}
+
+/// Vertices of a surface inside its own images in a periodic box, with an entry for each image that
+/// contains some.
+pub fn inside_of_own_images(surface: Surface<'_, f64>, images: &Images<f64>) -> Vec<Inside> {
+    let mut found = Vec::new();
+    if images.is_periodic() {
+        found = inside_of_images(surface, surface, images);
+        found.retain(Inside::is_by_image);
+    }
+    found
+}
+
+/// Vertices of a surface that are inside another one after a translation by `shift`; `low` and
+/// `high` are the corners of the box around the other.
+fn shifted_inside(
+    inner: Surface<'_, f64>,
+    outer: Surface<'_, f64>,
+    [low, high]: [DVec3; 2],
+    shift: [f64; 3],
+) -> Option<Inside> {
+    let in_the_box = |point: &DVec3| point.cmpge(low).all() && point.cmple(high).all();
+    let mut inside = (0..inner.positions().len()).filter(|&vertex| {
+        let point = DVec3::from(inner.positions()[vertex]) + DVec3::from(shift);
+        in_the_box(&point) && encloses(outer, point.into())
+    });
+    let first = inside.next()?;
+    Some(Inside {
+        first,
+        count: 1 + inside.count(),
+        shift,
+    })
+}
+
+/// Opposite corners of the bounding box of a surface.
+fn corners(surface: Surface<'_, f64>) -> [DVec3; 2] {
+    let points = || surface.positions().iter().copied().map(DVec3::from);
+    let low = points().fold(DVec3::INFINITY, DVec3::min);
+    [low, points().fold(DVec3::NEG_INFINITY, DVec3::max)]
+}
+
+/// For each surface, the surface that contains all of it, or an image of which does: the innermost, if
+/// there are several.
+pub fn surroundings(surfaces: &[Surface<'_, f64>], images: &Images<f64>) -> Vec<Option<usize>> {
+    let lies_in = |inner: usize, outer: usize| {
+        let all = surfaces[inner].positions().len();
+        let is_whole = |inside: &Inside| inside.count == all;
+        inner != outer
+            && inside_of_images(surfaces[inner], surfaces[outer], images)
+                .iter()
+                .any(is_whole)
+    };
+    let count = surfaces.len();
+    let around = |inner| (0..count).filter(move |&outer| lies_in(inner, outer));
+    let around = Vec::from_iter((0..count).map(|inner| Vec::from_iter(around(inner))));
+    // The innermost lies in all the others.
+    let innermost = |outer: &Vec<usize>| {
+        outer
+            .iter()
+            .copied()
+            .max_by_key(|&outer| around[outer].len())
+    };
+    around.iter().map(innermost).collect()
+}

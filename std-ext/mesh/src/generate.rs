@@ -1,0 +1,284 @@
+//! Families of meshes on every exact shape, seeded and reproducible.
+//!
+//! A mesh depends only on its shape, family, number of vertices and seed: not on the machine, the
+//! number of threads, or elementary functions of the platform.
+
+mod any_shape;
+mod carlson;
+mod delaunay;
+mod deviation;
+mod hard;
+mod icosphere;
+mod irregular;
+mod lattice;
+pub mod random;
+mod relaxed;
+
+pub use any_shape::{AnyShape, ParseShapeError};
+pub use deviation::ShapeDeviation;
+
+use glam::DVec3;
+use helfrich::shapes::Shape;
+use helfrich::{MeshError, TriangleMesh};
+use std::fmt;
+use std::str::FromStr;
+
+/// The distribution of the vertices of a mesh over a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Family {
+    /// An icosahedron refined by edge midpoints, in a generic rotation, mapped to the shape; on the
+    /// torus a triangular lattice of its two angles. Does not depend on the seed.
+    Regular,
+    /// An icosahedron refined by Loop's rules, in a generic rotation: its limit positions, put on the
+    /// sphere and mapped to the shape. The connectivity of the regular mesh, without the kinks that
+    /// edge midpoints leave along the icosahedron's edges; on the torus the same as the regular mesh.
+    /// Does not depend on the seed.
+    Smooth,
+    /// The regular mesh with its edges as springs, relaxed along the surface: edges become even, and
+    /// on the torus, where each row keeps its number of vertices, the triangles more equilateral.
+    /// Springs are stiffer where the surface turns far under an edge, so that tips and rims keep
+    /// their vertices. Does not depend on the seed.
+    Relaxed,
+    /// Well-spaced random points and their Delaunay triangulation: from 2562 vertices on, valences
+    /// from 3 or 4 up to 9 or more, about 12, and some angles below 12°.
+    Irregular,
+    /// The regular mesh with every vertex displaced by up to 30 % of an edge, 1 % of them almost
+    /// onto a neighbour (needles) and 1 % almost onto an edge (caps): angles from 0.7° to 176°. On
+    /// coarse meshes, whose triangles are bent, fewer of the needles and caps find a place.
+    Hard,
+}
+
+impl Family {
+    /// All families.
+    pub const ALL: [Self; 5] = [
+        Self::Regular,
+        Self::Smooth,
+        Self::Relaxed,
+        Self::Irregular,
+        Self::Hard,
+    ];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Regular => "regular",
+            Self::Smooth => "smooth",
+            Self::Relaxed => "relaxed",
+            Self::Irregular => "irregular",
+            Self::Hard => "hard",
+        }
+    }
+}
+
+impl fmt::Display for Family {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+/// A name that is not the name of a family.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no mesh family `{name}`: choose regular, smooth, relaxed, irregular or hard")]
+pub struct ParseFamilyError {
+    /// The name.
+    pub name: String,
+}
+
+impl FromStr for Family {
+    type Err = ParseFamilyError;
+
+    fn from_str(name: &str) -> Result<Self, ParseFamilyError> {
+        let found = Self::ALL.into_iter().find(|family| family.name() == name);
+        found.ok_or_else(|| ParseFamilyError { name: name.into() })
+    }
+}
+
+/// A closed mesh, oriented outward, inscribed in an exact shape.
+#[derive(Clone, Debug)]
+pub struct GeneratedMesh {
+    /// The connectivity.
+    pub mesh: TriangleMesh,
+    /// The vertices: exactly `shape.position(preimage)`.
+    pub positions: Vec<[f64; 3]>,
+    /// The vertices' pre-images, at which the shape gives the exact curvatures.
+    pub preimages: Vec<[f64; 3]>,
+    /// The shape on which the vertices lie.
+    pub shape: AnyShape,
+}
+
+/// Reason why a mesh cannot be generated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GenerateError {
+    /// Refinement of an icosahedron does not give this number.
+    #[error(
+        "no {family} mesh of {asked} vertices exists on the {shape}: an icosahedron refines to \
+         10·4^k + 2, the nearest are {} and {}", nearest[0], nearest[1]
+    )]
+    NoSuchRefinement {
+        /// The family.
+        family: Family,
+        /// The shape's name.
+        shape: &'static str,
+        /// The requested number of vertices.
+        asked: usize,
+        /// The nearest possible numbers below and above; the same number twice at the ends of the range.
+        nearest: [usize; 2],
+    },
+    /// Fewer or more vertices than can be meshed.
+    #[error(
+        "{asked} vertices on the {shape} are out of range: between {least} and {most} are needed"
+    )]
+    OutOfRange {
+        /// The shape's name.
+        shape: &'static str,
+        /// The requested number of vertices.
+        asked: usize,
+        /// The smallest number allowed.
+        least: usize,
+        /// The largest number allowed.
+        most: usize,
+    },
+    /// The points are too few to resolve the shape of the surface.
+    #[error("{vertices} vertices are too few for a mesh on the {shape}: {source}")]
+    TooCoarse {
+        /// The shape's name.
+        shape: &'static str,
+        /// The number of vertices placed.
+        vertices: usize,
+        /// The problem of the mesh.
+        source: MeshError,
+    },
+    /// Coordinates that are not finite, or too large or small to be triangulated.
+    #[error("the {shape}'s proportions are too extreme for its points to be triangulated in f64")]
+    TooExtreme {
+        /// The shape's name.
+        shape: &'static str,
+    },
+}
+
+/// The largest number of vertices of a mesh: a closed mesh has about twice as many triangles.
+const MOST_VERTICES: usize = TriangleMesh::LIMIT / 2 - 4;
+
+/// The mesh of a family on a shape.
+///
+/// The number of vertices must be 10·4^k + 2 on sphere-like shapes, except for
+/// [`Family::Irregular`], which has exactly the requested number on every shape. Lattices of the
+/// torus come within 1 % of it, from 200 vertices on: see [`GeneratedMesh::mesh`] for the number.
+///
+/// # Errors
+/// If there is no mesh of that many vertices; see [`GenerateError`].
+pub fn generate(
+    shape: &AnyShape,
+    family: Family,
+    vertices: usize,
+    seed: u64,
+) -> Result<GeneratedMesh, GenerateError> {
+    check(shape, family, vertices)?;
+    let draft = match family {
+        Family::Regular => regular(shape, family, vertices)?,
+        Family::Smooth => match shape {
+            AnyShape::Torus(_) => regular(shape, family, vertices)?,
+            _ => {
+                let level = refinement_level(shape, family, vertices)?;
+                icosphere::smooth(level).map_err(|source| GenerateError::TooCoarse {
+                    shape: shape.name(),
+                    vertices,
+                    source,
+                })?
+            }
+        },
+        Family::Relaxed => match shape {
+            AnyShape::Torus(torus) => relaxed::lattice(torus, vertices),
+            _ => relaxed::icosphere(shape, refinement_level(shape, family, vertices)?),
+        },
+        Family::Irregular => irregular::scatter(shape, vertices, seed)?,
+        Family::Hard => {
+            let draft = regular(shape, family, vertices)?;
+            return hard::disturb(draft.finish(shape)?, seed);
+        }
+    };
+    draft.finish(shape)
+}
+
+/// Whether a mesh can have this number of vertices, without making it.
+///
+/// # Errors
+/// If there is no mesh of that many vertices; see [`GenerateError`].
+pub fn check(shape: &AnyShape, family: Family, vertices: usize) -> Result<(), GenerateError> {
+    let torus = matches!(shape, AnyShape::Torus(_));
+    let least = if torus {
+        lattice::LEAST_VERTICES
+    } else {
+        icosphere::LEAST_VERTICES
+    };
+    if !(least..=MOST_VERTICES).contains(&vertices) {
+        return Err(GenerateError::OutOfRange {
+            shape: shape.name(),
+            asked: vertices,
+            least,
+            most: MOST_VERTICES,
+        });
+    }
+    if !torus && family != Family::Irregular {
+        refinement_level(shape, family, vertices)?;
+    }
+    Ok(())
+}
+
+fn regular(shape: &AnyShape, family: Family, vertices: usize) -> Result<Draft, GenerateError> {
+    Ok(match shape {
+        AnyShape::Torus(torus) => {
+            let size = lattice::Size::nearest(torus, vertices);
+            let [rows, columns] = [size.rows, size.columns].map(|count| count << size.level);
+            lattice::lattice(torus, rows, columns)
+        }
+        _ => icosphere::icosphere(refinement_level(shape, family, vertices)?),
+    })
+}
+
+fn refinement_level(shape: &AnyShape, family: Family, asked: usize) -> Result<u32, GenerateError> {
+    icosphere::level(asked).map_err(|nearest| GenerateError::NoSuchRefinement {
+        family,
+        shape: shape.name(),
+        asked,
+        nearest,
+    })
+}
+
+/// A mesh in the making: pre-images, and triangles that are not checked yet.
+struct Draft {
+    preimages: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Draft {
+    fn finish(self, shape: &AnyShape) -> Result<GeneratedMesh, GenerateError> {
+        let vertices = self.preimages.len();
+        let mesh = TriangleMesh::new(vertices, self.triangles).map_err(|source| {
+            GenerateError::TooCoarse {
+                shape: shape.name(),
+                vertices,
+                source,
+            }
+        })?;
+        let preimages = Vec::from_iter(self.preimages.iter().map(DVec3::to_array));
+        let positions = preimages.iter().map(|&p| shape.position(p)).collect();
+        Ok(GeneratedMesh {
+            mesh,
+            positions,
+            preimages,
+            shape: *shape,
+        })
+    }
+}
+
+/// The position of a pre-image, as a vector.
+fn position(shape: &impl Shape<f64>, preimage: DVec3) -> DVec3 {
+    shape.position(preimage.to_array()).into()
+}
+
+/// The pre-image of a point near the surface, as a vector.
+fn preimage(shape: &impl Shape<f64>, position: DVec3) -> DVec3 {
+    shape.preimage(position.to_array()).into()
+}

@@ -1,0 +1,104 @@
+//! Properties of a mesh: counts, topology, measures and quality.
+
+use helfrich::{Surface, VertexKind};
+
+/// Properties of a mesh, by [`MeshInfo::new`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshInfo {
+    /// Vertices, including isolated ones.
+    pub vertices: usize,
+    /// Vertices in no triangle.
+    pub isolated_vertices: usize,
+    /// Edges.
+    pub edges: usize,
+    /// Edges with one triangle only.
+    pub boundary_edges: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// Connected components, not counting isolated vertices.
+    pub components: usize,
+    /// V − E + F over the vertices in use.
+    pub euler_characteristic: i64,
+    /// Total area.
+    pub area: f64,
+    /// Enclosed volume of a closed mesh; negative if its triangles run clockwise.
+    pub volume: Option<f64>,
+    /// Smallest and largest angle, in degrees.
+    pub angles: [f64; 2],
+    /// Fewest and most neighbours of a vertex in use.
+    pub valences: [usize; 2],
+    /// Smallest and largest edge length.
+    pub edge_lengths: [f64; 2],
+    /// The lowest and the highest coordinates.
+    pub corners: [[f64; 3]; 2],
+    /// Triangles without area to the rounding of f64, lowest first.
+    pub degenerate_triangles: Vec<usize>,
+}
+
+impl MeshInfo {
+    /// Measures a surface.
+    pub fn new(surface: Surface<'_, f64>) -> Self {
+        let mesh = surface.mesh();
+        let used = |vertex: &usize| mesh.vertex_kind(*vertex) != VertexKind::Isolated;
+        let isolated_vertices = mesh.vertex_count() - (0..mesh.vertex_count()).filter(used).count();
+        let length = |edge: &[u32; 2]| {
+            let [x, y, z] = surface.difference(edge[0], edge[1]);
+            x.hypot(y).hypot(z)
+        };
+        let edge_lengths = range(mesh.edges().iter().map(length));
+        let all = 0..mesh.triangles().len();
+        let angles = range(
+            all.clone()
+                .flat_map(|triangle| surface.triangle_angles(triangle)),
+        );
+        let valences = (0..mesh.vertex_count())
+            .filter(used)
+            .map(|vertex| mesh.valence(vertex));
+        Self {
+            vertices: mesh.vertex_count(),
+            isolated_vertices,
+            edges: mesh.edges().len(),
+            boundary_edges: mesh.boundary_edge_count(),
+            triangles: mesh.triangles().len(),
+            components: mesh.components().1 - isolated_vertices,
+            euler_characteristic: mesh.euler_characteristic(),
+            area: surface.area(),
+            volume: surface.volume(),
+            angles: angles.map(f64::to_degrees),
+            valences: [
+                valences.clone().min().unwrap_or(0),
+                valences.max().unwrap_or(0),
+            ],
+            edge_lengths,
+            corners: corners(surface.positions()),
+            degenerate_triangles: all
+                .filter(|&triangle| is_degenerate(surface, triangle))
+                .collect(),
+        }
+    }
+}
+
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    })
+}
+
+fn corners(positions: &[[f64; 3]]) -> [[f64; 3]; 2] {
+    let ranges: [_; 3] = std::array::from_fn(|axis| range(positions.iter().map(|x| x[axis])));
+    [0, 1].map(|end| ranges.map(|range| range[end]))
+}
+
+/// Whether an area is no larger than the rounding error of its cross product.
+fn is_degenerate(surface: Surface<'_, f64>, triangle: usize) -> bool {
+    let [a, b, c] = surface.mesh().triangles()[triangle];
+    let squared = |from, to| {
+        surface
+            .difference(from, to)
+            .iter()
+            .map(|component| component * component)
+            .sum::<f64>()
+    };
+    let longest = squared(a, b).max(squared(b, c)).max(squared(c, a));
+    surface.triangle_area(triangle) <= 4.0 * f64::EPSILON * longest
+}

@@ -1,0 +1,388 @@
+//! Mesh files: reads and writes OBJ, OFF, STL (ASCII and binary), PLY (ASCII and binary) and VTP.
+//!
+//! Coordinates keep the unit that the file has, and all the digits of an `f64`. Polygons are split
+//! into the fan of triangles around their first corner: (a, b, c, d, …) becomes (a, b, c),
+//! (a, c, d), …, which is correct for convex polygons. Normals, colours, textures and everything else
+//! besides positions and faces are skipped.
+//!
+//! Surfaces with fields on them, and fields on grids, are also written for VTK and ParaView: [`write_vtp`],
+//! [`write_vti`], [`Collection`].
+//!
+//! A file is read completely and parsed from memory; it may take up to half of the free memory. From
+//! pipes and devices at most 1 GiB is read. For any bytes the parsers return a mesh or an error, in
+//! time and memory proportional to the length of the file. A byte order mark before a text is skipped.
+
+mod builder;
+mod obj;
+mod off;
+mod ply;
+mod replace;
+mod stl;
+mod text;
+mod vti;
+mod vtk;
+mod vtp;
+mod weld;
+mod whole;
+mod write;
+mod xml;
+
+pub use replace::{UNFINISHED, check_replaceable, remove_unfinished, replace_file};
+pub use vti::{Grid, write_vti};
+pub use vtk::{PointField, PointValues, VtkError};
+pub use vtp::{Collection, CollectionEntry, write_vtp};
+pub use whole::{free_memory, read_whole, without_mark};
+pub use write::{WriteError, write, write_to};
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use builder::Builder;
+use helfrich::{MeshError, TriangleMesh};
+
+/// The content of a mesh file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
+    /// Positions of the vertices, in the unit of length of the file; all coordinates are finite.
+    pub positions: Vec<[f64; 3]>,
+    /// The triangles over these vertices.
+    pub mesh: TriangleMesh,
+}
+
+/// The formats that can be read and written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// Wavefront OBJ: `v` and `f` statements. Everything else is skipped, including free-form surfaces.
+    Obj,
+    /// Object File Format, text, three coordinates per vertex: `OFF`, and the variants with normals,
+    /// colours or texture coordinates behind the position (`COFF`, `NOFF`, `STOFF`, …).
+    Off,
+    /// Stereolithography, ASCII or binary. Corners with the same coordinates, bit for bit, become
+    /// one vertex, numbered in the order in which they first appear; −0 counts as 0.
+    Stl,
+    /// Polygon File Format (Stanford), ASCII or binary, little or big endian.
+    Ply,
+    /// Polygons of VTK's PolyData in XML: as text, in base64 or appended, raw or compressed by
+    /// zlib, with pieces one after another. Fields, lines and single vertices are skipped.
+    Vtp,
+}
+
+impl Format {
+    /// The format for the ending of a file name, in upper or lower case.
+    pub fn from_extension(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "obj" => Some(Self::Obj),
+            "off" => Some(Self::Off),
+            "stl" => Some(Self::Stl),
+            "ply" => Some(Self::Ply),
+            "vtp" => Some(Self::Vtp),
+            _ => None,
+        }
+    }
+
+    /// The format for the first word of a file. OBJ and binary STL have no such word.
+    pub fn from_content(bytes: &[u8]) -> Option<Self> {
+        match text::Text::new(without_mark(bytes)).statement()? {
+            b"ply" => Some(Self::Ply),
+            b"<?xml" | b"<VTKFile" => Some(Self::Vtp),
+            b"solid" => Some(Self::Stl),
+            header if off::is_header(header) => Some(Self::Off),
+            _ => None,
+        }
+    }
+}
+
+/// Reason why a file could not be read. The message is one line that starts with the name of the file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// There is no such file.
+    #[error("{}: there is no such file", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The path names a directory.
+    #[error("{}: is a directory: a mesh file is needed", path.display())]
+    Directory {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// The operating system refused to read the file.
+    #[error("{}: cannot be read: {error}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The error of the operating system.
+        error: std::io::Error,
+    },
+    /// Neither the ending of the name nor the first word identifies the format.
+    #[error("{}: unknown format: .obj, .off, .stl, .ply and .vtp files can be read", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The content is not a mesh.
+    #[error("{}: {error}", path.display())]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// The problem and its place.
+        error: ParseError,
+    },
+    /// Vertices at the same point cannot be made one.
+    #[error("{}: {error} once vertices at the same point are one", path.display())]
+    Weld {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        error: MeshError,
+    },
+}
+
+/// Reason why bytes are not a mesh, with its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ParseError {
+    /// The places of the problem; none if it concerns the whole file.
+    pub places: Vec<Place>,
+    /// The problem there.
+    pub problem: Problem,
+}
+
+/// A place in a file, such as `line 1042 (face 17)` or `byte 934 (vertex 71)`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The position in the file.
+    pub position: Position,
+    /// The part of the mesh that is described there.
+    pub element: Option<Element>,
+}
+
+/// A position in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Position {
+    /// Line of a text, from 1.
+    Line(usize),
+    /// Byte of a binary file, from 0.
+    Byte(usize),
+}
+
+/// A part of a mesh, counted as the format counts its vertices: from 1 in OBJ, from 0 elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// A vertex.
+    Vertex(usize),
+    /// A face, before it is split into triangles.
+    Face(usize),
+}
+
+/// Problems of the content of a mesh file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The file is empty.
+    #[error("the file is empty")]
+    EmptyFile,
+    /// The content is not what the format requires at this place.
+    #[error("expected {expected}, found {found}")]
+    Expected {
+        /// The expected content.
+        expected: &'static str,
+        /// The content found: the word in backquotes, or the end of the line or file.
+        found: String,
+    },
+    /// A PLY header lacks something.
+    #[error("the header declares no {missing}")]
+    Undeclared {
+        /// The declaration that is missing.
+        missing: &'static str,
+    },
+    /// The file ends before everything that its header announces.
+    #[error("the file is truncated: it ends after {found} of {announced} {what}")]
+    Truncated {
+        /// The missing items, in the plural.
+        what: &'static str,
+        /// The expected number.
+        announced: usize,
+        /// The number of complete items found.
+        found: usize,
+    },
+    /// The length of a binary STL file does not match its number of faces.
+    #[error(
+        "a binary STL file of {faces} faces has {} bytes, but there are {length}: it is truncated or damaged", 84 + 50 * faces
+    )]
+    WrongLength {
+        /// The number of faces that the header announces.
+        faces: u64,
+        /// The file's length in bytes.
+        length: usize,
+    },
+    /// A coordinate is NaN, infinite, or too large for an `f64`.
+    #[error("coordinate {axis} is {found}: a finite number is needed")]
+    NotFinite {
+        /// `'x'`, `'y'` or `'z'`.
+        axis: char,
+        /// The content found.
+        found: String,
+    },
+    /// A face has fewer than three corners.
+    #[error("a face of {corners} corners: three or more are needed")]
+    TooFewCorners {
+        /// The number of corners.
+        corners: usize,
+    },
+    /// A face names a vertex that does not exist.
+    #[error(
+        "the face names vertex {vertex}, but there are {vertices} vertices, numbered from {first}"
+    )]
+    VertexOutOfRange {
+        /// The vertex, as the file names it.
+        vertex: i64,
+        /// The number of vertices.
+        vertices: usize,
+        /// The first vertex's number: 1 in OBJ, 0 elsewhere.
+        first: usize,
+    },
+    /// Two corners of a face are the same vertex, by number or, in STL, by position.
+    #[error("corners {} and {} of the face are a repeated vertex: all have to differ", corners[0], corners[1])]
+    RepeatedVertex {
+        /// The corners, counted from 1.
+        corners: [usize; 2],
+    },
+    /// The faces do not form a mesh.
+    #[error("{error}{}", numbering(error))]
+    Mesh {
+        /// The reason.
+        error: MeshError,
+    },
+}
+
+/// [`MeshError`] counts from 0 and after polygons were split: said wherever it gives a number.
+fn numbering(error: &MeshError) -> &'static str {
+    match error {
+        MeshError::Empty | MeshError::TooLarge { .. } | MeshError::IncompleteTriangle { .. } => "",
+        _ => " (triangles and vertices counted from 0)",
+    }
+}
+
+/// The expected form of a corner, for error messages, where vertices count from 0.
+const CORNER: &str = "a vertex number from 0 to 4294967295";
+
+impl Problem {
+    fn truncated(what: &'static str, announced: usize, found: usize) -> Self {
+        Self::Truncated {
+            what,
+            announced,
+            found,
+        }
+    }
+
+    fn at(self, position: Position, element: Option<Element>) -> ParseError {
+        ParseError {
+            places: vec![Place { position, element }],
+            problem: self,
+        }
+    }
+
+    fn anywhere(self) -> ParseError {
+        ParseError {
+            places: Vec::new(),
+            problem: self,
+        }
+    }
+}
+
+impl std::error::Error for ParseError {}
+
+impl fmt::Display for ParseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (at, place) in self.places.iter().enumerate() {
+            write!(f, "{}{place}", if at == 0 { "" } else { " and " })?;
+        }
+        let separator = if self.places.is_empty() { "" } else { ": " };
+        write!(f, "{separator}{}", self.problem)
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.position {
+            Position::Line(line) => write!(f, "line {line}")?,
+            Position::Byte(byte) => write!(f, "byte {byte}")?,
+        }
+        match self.element {
+            Some(Element::Vertex(vertex)) => write!(f, " (vertex {vertex})"),
+            Some(Element::Face(face)) => write!(f, " (face {face})"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Reads a mesh file. The ending of its name identifies the format, or else its first word.
+///
+/// # Errors
+/// If the file cannot be read, if its format is unknown, or if its content is not an oriented manifold
+/// with finite coordinates; see [`ReadError`] and [`Problem`].
+pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
+    let bytes = read_whole(path, None).map_err(|error| {
+        let path = path.to_owned();
+        match error.kind() {
+            std::io::ErrorKind::NotFound => ReadError::Missing { path },
+            _ if path.is_dir() => ReadError::Directory { path },
+            _ => ReadError::Unreadable { path, error },
+        }
+    })?;
+    let format = Format::from_extension(path)
+        .or_else(|| Format::from_content(&bytes))
+        .ok_or_else(|| ReadError::UnknownFormat {
+            path: path.to_owned(),
+        })?;
+    parse(&bytes, format).map_err(|error| ReadError::Parse {
+        path: path.to_owned(),
+        error,
+    })
+}
+
+/// Reads a mesh file, and makes one vertex of all that are at the same point: [`MeshFile::welded`].
+///
+/// # Errors
+/// If the file cannot be read, or its mesh then is no manifold; see [`ReadError`].
+pub fn read_welded(path: &Path) -> Result<MeshFile, ReadError> {
+    read(path)?.welded().map_err(|error| ReadError::Weld {
+        path: path.to_owned(),
+        error,
+    })
+}
+
+/// The mesh in a file's bytes.
+///
+/// # Errors
+/// If the bytes are not a mesh in this format, or not an oriented manifold with finite coordinates; see
+/// [`Problem`].
+pub fn parse(bytes: &[u8], format: Format) -> Result<MeshFile, ParseError> {
+    if bytes.is_empty() {
+        return Err(Problem::EmptyFile.anywhere());
+    }
+    let text = without_mark(bytes);
+    match format {
+        Format::Obj => obj::parse(text),
+        Format::Off => off::parse(text),
+        Format::Stl => stl::parse(bytes),
+        Format::Ply => ply::parse(text),
+        Format::Vtp => vtp::parse(text),
+    }
+}
+
+/// A coordinate, if it is finite; `found` says what the file has.
+fn finite(value: f64, axis: usize, found: impl FnOnce() -> String) -> Result<f64, Problem> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Problem::NotFinite {
+            axis: ['x', 'y', 'z'][axis],
+            found: found(),
+        })
+    }
+}

@@ -1,0 +1,129 @@
+//! Stereolithography files, ASCII and binary.
+//!
+//! Source: 3D Systems, Stereolithography Interface Specification (1989). A binary file has a
+//! header of 80 bytes, the number n of faces (u32), and 50 bytes a face, little endian: its
+//! normal and three corners (f32), and 2 bytes of attributes. Normals are skipped.
+
+use std::io::{self, Write};
+
+use glam::DVec3;
+
+use super::text::Text;
+use super::weld::Weld;
+use super::{Builder, MeshFile, ParseError, Position, Problem, finite, without_mark};
+
+/// The header and the number of faces, and one face, in bytes.
+const HEADER: usize = 84;
+const FACE: usize = 50;
+
+/// The number of faces that a binary file's header announces, if it is as long as a header.
+fn announced_faces(bytes: &[u8]) -> Option<u64> {
+    let count = bytes.get(80..HEADER)?.first_chunk()?;
+    Some(u64::from(u32::from_le_bytes(*count)))
+}
+
+pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    // A binary header may start with `solid` too: only the length tells.
+    match announced_faces(bytes) {
+        Some(faces) if HEADER as u64 + FACE as u64 * faces == bytes.len() as u64 => binary(bytes),
+        Some(faces) if bytes.contains(&0) => {
+            let length = bytes.len();
+            Err(Problem::WrongLength { faces, length }.anywhere())
+        }
+        _ => ascii(without_mark(bytes)),
+    }
+}
+
+fn binary(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let mut builder = Builder::new(0);
+    builder.reserve(bytes.len() / (2 * FACE), bytes.len() / FACE, bytes.len());
+    let mut weld = Weld::default();
+    for (face, record) in bytes[HEADER..].chunks_exact(FACE).enumerate() {
+        let position = Position::Byte(HEADER + FACE * face);
+        let mut numbers = record[12..48].chunks_exact(4).map(|number| {
+            let mut bytes = [0; 4];
+            bytes.copy_from_slice(number);
+            f32::from_le_bytes(bytes)
+        });
+        let mut corners = [0; 3];
+        for corner in &mut corners {
+            let mut point = [0.0; 3];
+            for ((axis, coordinate), number) in point.iter_mut().enumerate().zip(&mut numbers) {
+                *coordinate = finite(f64::from(number), axis, || number.to_string())
+                    .map_err(|problem| problem.at(position, Some(builder.next_face())))?;
+            }
+            *corner = weld.vertex(point, &mut builder.positions);
+        }
+        builder.add_face(&corners, position)?;
+    }
+    builder.finish()
+}
+
+/// Binary. The header must not start with `solid`, by which other readers know a text.
+pub(super) fn write(
+    out: &mut dyn Write,
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+) -> io::Result<()> {
+    out.write_all(&[0; HEADER - 4])?;
+    // The limit of a mesh is below 2³².
+    out.write_all(&(triangles.len() as u32).to_le_bytes())?;
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|vertex| DVec3::from(positions[vertex as usize]));
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        for point in [normal, a, b, c] {
+            for coordinate in point.to_array() {
+                out.write_all(&(coordinate as f32).to_le_bytes())?;
+            }
+        }
+        out.write_all(&[0; 2])?;
+    }
+    Ok(())
+}
+
+fn ascii(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let mut text = Text::new(bytes);
+    let mut builder = Builder::new(0);
+    let mut weld = Weld::default();
+    keyword(&mut text, "solid", "`solid` (or a binary STL file)")?;
+    loop {
+        let word = text.statement();
+        if is(word, "facet") {
+            let position = text.position();
+            let face = builder.next_face();
+            keyword(&mut text, "outer", "`outer loop`")?;
+            let mut corners = [0; 3];
+            for corner in &mut corners {
+                keyword(&mut text, "vertex", "`vertex`")?;
+                let first = text.word();
+                let point = text.coordinates(first, face)?;
+                *corner = weld.vertex(point, &mut builder.positions);
+            }
+            keyword(&mut text, "endloop", "`endloop`")?;
+            keyword(&mut text, "endfacet", "`endfacet`")?;
+            builder.add_face(&corners, position)?;
+        } else if is(word, "endsolid") {
+            // Another solid may follow.
+            match text.statement() {
+                None => return builder.finish(),
+                word if is(word, "solid") => {}
+                word => return Err(text.expected("`solid` or the end of the file", word, None)),
+            }
+        } else {
+            return Err(text.expected("`facet` or `endsolid`", word, None));
+        }
+    }
+}
+
+/// The next statement has to start with this keyword.
+fn keyword(text: &mut Text<'_>, keyword: &str, expected: &'static str) -> Result<(), ParseError> {
+    match text.statement() {
+        word if is(word, keyword) => Ok(()),
+        word => Err(text.expected(expected, word, None)),
+    }
+}
+
+/// Whether a word is this keyword, in upper or lower case.
+fn is(word: Option<&[u8]>, keyword: &str) -> bool {
+    word.is_some_and(|word| word.eq_ignore_ascii_case(keyword.as_bytes()))
+}

@@ -1,0 +1,333 @@
+//! Arrays of numbers in files of VTK: as text, in base64, or appended at the end of the file; as they
+//! are, or compressed.
+//!
+//! Source: *VTK file formats* (docs.vtk.org, XML formats). Compressed data begin with the number of
+//! blocks, the length of a block, that of the last one (0 for a whole one), and the lengths of all of
+//! them compressed.
+
+use super::super::xml::{Tag, line_of};
+use super::super::{ParseError, Position, Problem};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
+use std::borrow::Cow;
+
+/// How the numbers of a file are stored.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Storage<'a> {
+    pub(super) file: &'a [u8],
+    pub(super) big_endian: bool,
+    /// Bytes of a length: 4 or 8.
+    pub(super) header: usize,
+    pub(super) compressed: bool,
+    /// The data behind the `_` at the end of the file, and whether it is base64.
+    pub(super) appended: Option<(&'a [u8], bool)>,
+}
+
+/// An array as its tag describes it.
+#[derive(Clone, Debug)]
+pub(super) struct Array<'a> {
+    /// Where its tag begins.
+    at: usize,
+    number: Number,
+    format: Format<'a>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Format<'a> {
+    /// Words, which begin at this byte.
+    Text(&'a [u8], usize),
+    Base64(&'a [u8]),
+    /// From this byte on.
+    Appended(usize),
+}
+
+/// A type of numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Number {
+    Float(usize),
+    Signed(usize),
+    Unsigned(usize),
+}
+
+/// Numbers that were read.
+#[derive(Clone, Debug)]
+pub(super) struct Numbers<T> {
+    pub(super) values: Vec<T>,
+    at: usize,
+    /// Where the text begins.
+    text: Option<usize>,
+}
+
+impl<T> Numbers<T> {
+    /// Where a number stands.
+    pub(super) fn position(&self, file: &[u8], index: usize) -> Position {
+        let place = self.text.and_then(|start| {
+            let (place, _) = words(&file[start..]).nth(index)?;
+            Some(start + place)
+        });
+        line_of(file, place.unwrap_or(self.at))
+    }
+
+    /// Where the array stands.
+    pub(super) fn first_position(&self, file: &[u8]) -> Position {
+        line_of(file, self.at)
+    }
+}
+
+/// The words of a text up to the next tag, with where they begin.
+fn words(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    let end = text.iter().position(|&byte| byte == b'<');
+    let text = &text[..end.unwrap_or(text.len())];
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let start = at
+            + text[at..]
+                .iter()
+                .position(|byte| !byte.is_ascii_whitespace())?;
+        let rest = &text[start..];
+        let length = rest.iter().position(u8::is_ascii_whitespace);
+        at = start + length.unwrap_or(rest.len());
+        Some((start, &text[start..at]))
+    })
+}
+
+impl<'a> Array<'a> {
+    /// The array of a `DataArray` tag.
+    pub(super) fn new(file: &'a [u8], tag: &Tag<'a>) -> Result<Self, ParseError> {
+        let wrong = |expected, attribute: &str| {
+            let found = tag.attribute(attribute).unwrap_or("none");
+            let found = format!("`{}`", found.escape_debug());
+            Problem::Expected { expected, found }.at(line_of(file, tag.start), None)
+        };
+        let number = tag.attribute("type").and_then(Number::named);
+        let number = number.ok_or_else(|| wrong("a type of numbers such as Float64", "type"))?;
+        let content = &file[tag.end..];
+        let end = content.iter().position(|&byte| byte == b'<');
+        let content = &content[..end.unwrap_or(content.len())];
+        let format = match tag.attribute("format") {
+            Some("ascii") => Format::Text(content, tag.end),
+            Some("binary") => Format::Base64(content),
+            Some("appended") => {
+                let offset = tag.attribute("offset").and_then(|text| text.parse().ok());
+                Format::Appended(offset.ok_or_else(|| wrong("an offset", "offset"))?)
+            }
+            _ => return Err(wrong("the format ascii, binary or appended", "format")),
+        };
+        Ok(Self {
+            at: tag.start,
+            number,
+            format,
+        })
+    }
+
+    /// The numbers as coordinates.
+    pub(super) fn floats(&self, storage: &Storage<'_>) -> Result<Numbers<f64>, ParseError> {
+        let number = self.number;
+        self.numbers(storage, "a number", |bytes| number.float(bytes))
+    }
+
+    /// The numbers as indices, which have to be whole.
+    pub(super) fn indices(&self, storage: &Storage<'_>) -> Result<Numbers<i64>, ParseError> {
+        if let Number::Float(_) = self.number {
+            let problem = Problem::Expected {
+                expected: "a type of whole numbers such as Int64",
+                found: "one of fractions".to_owned(),
+            };
+            return Err(problem.at(line_of(storage.file, self.at), None));
+        }
+        let number = self.number;
+        self.numbers(storage, "a whole number", |bytes| number.integer(bytes))
+    }
+
+    fn numbers<T: std::str::FromStr>(
+        &self,
+        storage: &Storage<'_>,
+        expected: &'static str,
+        read: impl Fn([u8; 8]) -> T,
+    ) -> Result<Numbers<T>, ParseError> {
+        let here = line_of(storage.file, self.at);
+        let text = match self.format {
+            Format::Text(_, start) => Some(start),
+            _ => None,
+        };
+        let mut numbers = Numbers {
+            values: Vec::new(),
+            at: self.at,
+            text,
+        };
+        let payload = match self.format {
+            Format::Text(content, start) => {
+                for (place, word) in words(content) {
+                    let value = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+                    numbers.values.push(value.ok_or_else(|| {
+                        let shown = String::from_utf8_lossy(&word[..word.len().min(40)]);
+                        let found = format!("`{}`", shown.escape_debug());
+                        let place = line_of(storage.file, start + place);
+                        Problem::Expected { expected, found }.at(place, None)
+                    })?);
+                }
+                return Ok(numbers);
+            }
+            Format::Base64(content) => storage.payload(&decoded(content), here),
+            Format::Appended(offset) => {
+                let rest = storage
+                    .appended
+                    .and_then(|(bytes, base64)| Some((bytes.get(offset..)?, base64)));
+                match rest {
+                    Some((bytes, true)) => storage.payload(&decoded(bytes), here),
+                    Some((bytes, false)) => storage.payload(bytes, here),
+                    None => Err(Problem::Expected {
+                        expected: "appended data",
+                        found: "the end of the file".to_owned(),
+                    }
+                    .at(here, None)),
+                }
+            }
+        }?;
+        let size = self.number.size();
+        numbers.values.reserve(payload.len() / size);
+        for stored in payload.chunks_exact(size) {
+            let mut bytes = [0; 8];
+            bytes[..size].copy_from_slice(stored);
+            if storage.big_endian {
+                bytes[..size].reverse();
+            }
+            numbers.values.push(read(bytes));
+        }
+        Ok(numbers)
+    }
+}
+
+impl Storage<'_> {
+    /// The bytes that follow a header, whole ones of it.
+    fn payload(&self, bytes: &[u8], here: Position) -> Result<Vec<u8>, ParseError> {
+        let truncated = || {
+            let problem = Problem::Expected {
+                expected: "data as long as their header says",
+                found: "less, or what is no base64".to_owned(),
+            };
+            problem.at(here, None)
+        };
+        let mut rest = bytes;
+        if !self.compressed {
+            let length = self.length(&mut rest).ok_or_else(truncated)?;
+            return Ok(rest.get(..length).ok_or_else(truncated)?.to_vec());
+        }
+        let next = |rest: &mut &[u8]| self.length(rest).ok_or_else(truncated);
+        let [blocks, size, last] = [next(&mut rest)?, next(&mut rest)?, next(&mut rest)?];
+        if blocks > rest.len() / self.header {
+            return Err(truncated());
+        }
+        let (lengths, mut rest) = rest.split_at(blocks * self.header);
+        let mut payload = Vec::new();
+        for (block, mut length) in lengths.chunks_exact(self.header).enumerate() {
+            let length = next(&mut length)?;
+            let (compressed, after) = rest.split_at_checked(length).ok_or_else(truncated)?;
+            rest = after;
+            let size = if block + 1 == blocks && last > 0 {
+                last
+            } else {
+                size
+            };
+            let whole = decompress_to_vec_zlib_with_limit(compressed, size);
+            match whole {
+                Ok(whole) if whole.len() == size => payload.extend(whole),
+                _ => {
+                    let problem = Problem::Expected {
+                        expected: "blocks compressed by zlib, as long as their header says",
+                        found: "damaged ones".to_owned(),
+                    };
+                    return Err(problem.at(here, None));
+                }
+            }
+        }
+        Ok(payload)
+    }
+
+    /// The next length of a header.
+    fn length(&self, rest: &mut &[u8]) -> Option<usize> {
+        let (stored, after) = rest.split_at_checked(self.header)?;
+        *rest = after;
+        let mut bytes = [0; 8];
+        bytes[..self.header].copy_from_slice(stored);
+        if self.big_endian {
+            bytes[..self.header].reverse();
+        }
+        usize::try_from(u64::from_le_bytes(bytes)).ok()
+    }
+}
+
+/// Base64 as VTK writes it: headers and data may be encoded one after the other, each with its own
+/// padding. What is none, and what follows it, is left out.
+fn decoded(text: &[u8]) -> Vec<u8> {
+    let end = text.iter().position(|&byte| byte == b'<');
+    let text = &text[..end.unwrap_or(text.len())];
+    let text: Cow<'_, [u8]> = if text.iter().any(u8::is_ascii_whitespace) {
+        let kept = text.iter().filter(|byte| !byte.is_ascii_whitespace());
+        kept.copied().collect()
+    } else {
+        text.into()
+    };
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
+    let mut rest = &text[..];
+    while !rest.is_empty() {
+        let padding = rest.iter().position(|&byte| byte == b'=');
+        let length = padding.map_or(rest.len(), |at| (at / 4 + 1) * 4);
+        let Some((part, after)) = rest.split_at_checked(length) else {
+            return bytes;
+        };
+        match STANDARD.decode(part) {
+            Ok(decoded) => bytes.extend(decoded),
+            Err(_) => return bytes,
+        }
+        rest = after;
+    }
+    bytes
+}
+
+impl Number {
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "Float32" => Self::Float(4),
+            "Float64" => Self::Float(8),
+            "Int8" => Self::Signed(1),
+            "Int16" => Self::Signed(2),
+            "Int32" => Self::Signed(4),
+            "Int64" => Self::Signed(8),
+            "UInt8" => Self::Unsigned(1),
+            "UInt16" => Self::Unsigned(2),
+            "UInt32" => Self::Unsigned(4),
+            "UInt64" => Self::Unsigned(8),
+            _ => return None,
+        })
+    }
+
+    /// In bytes.
+    fn size(self) -> usize {
+        match self {
+            Self::Float(size) | Self::Signed(size) | Self::Unsigned(size) => size,
+        }
+    }
+
+    /// The number with these bytes in little-endian order, padded with zeros.
+    fn float(self, bytes: [u8; 8]) -> f64 {
+        match self {
+            Self::Float(4) => {
+                let [a, b, c, d, ..] = bytes;
+                f32::from_le_bytes([a, b, c, d]).into()
+            }
+            Self::Float(_) => f64::from_le_bytes(bytes),
+            _ => self.integer(bytes) as f64,
+        }
+    }
+
+    /// The same of whole numbers; those beyond `i64` are negative, which no index is.
+    fn integer(self, bytes: [u8; 8]) -> i64 {
+        let shift = 64 - 8 * self.size() as u32;
+        match self {
+            Self::Signed(_) => i64::from_le_bytes(bytes) << shift >> shift,
+            _ => i64::from_le_bytes(bytes),
+        }
+    }
+}

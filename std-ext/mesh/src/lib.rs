@@ -1,0 +1,12 @@
+//! Meshes for [`helfrich`]: files, generators, inspection and sections.
+//!
+//! * [`io`]: mesh files. [`generate`]: mesh families on exact shapes.
+//! * [`info`]: properties of a mesh. [`subdivide`]: refined meshes.
+//! * [`section`]: sections of a surface by a plane. [`enclosure`]: points inside closed surfaces.
+
+pub mod enclosure;
+pub mod generate;
+pub mod info;
+pub mod io;
+pub mod section;
+pub mod subdivide;

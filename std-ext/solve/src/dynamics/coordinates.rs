@@ -1,0 +1,260 @@
+//! The geometry of membranes at some positions, and what constraints forbid there.
+
+use super::frame::Frame;
+use super::vector::{self, Vector};
+use super::{Membrane, Motion};
+
+/// Properties of the membranes at some positions that steps need.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Coordinates {
+    /// Outward unit normals: see [`geometry`].
+    pub(super) normals: Vec<Vector>,
+    /// A third of the areas around.
+    pub(super) areas: Vec<f64>,
+    /// The directions that constraints forbid, as forces on the numbers of the frame: orthonormal for M⁻¹
+    /// in each group.
+    forbidden: Vec<Vec<f64>>,
+}
+
+/// Where a membrane's vertices and numbers are among those of all.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) first_vertex: usize,
+    pub(super) vertices: usize,
+    pub(super) first_number: usize,
+    pub(super) width: usize,
+}
+
+impl Place {
+    /// The places of membranes that follow each other.
+    pub(super) fn of(membranes: &[Membrane]) -> Vec<Self> {
+        let (mut first_vertex, mut first_number) = (0, 0);
+        let mut place = |membrane: &Membrane| {
+            let vertices = membrane.mesh.vertex_count();
+            let width = match membrane.motion {
+                Motion::AlongNormals => 1,
+                Motion::Free => 3,
+            };
+            let place = Self {
+                first_vertex,
+                vertices,
+                first_number,
+                width,
+            };
+            first_vertex += vertices;
+            first_number += width * vertices;
+            place
+        };
+        membranes.iter().map(&mut place).collect()
+    }
+
+    pub(super) fn vertices(&self) -> std::ops::Range<usize> {
+        self.first_vertex..self.first_vertex + self.vertices
+    }
+
+    pub(super) fn numbers(&self) -> std::ops::Range<usize> {
+        self.first_number..self.first_number + self.width * self.vertices
+    }
+}
+
+/// How many numbers there are.
+pub(super) fn number_count(places: &[Place]) -> usize {
+    places.last().map_or(0, |place| place.numbers().end)
+}
+
+/// Unit normals, the sum of the area vectors around (which is ∂V/∂x) over its length, 0 where it
+/// vanishes; and a third of the areas around.
+pub(super) fn geometry(
+    membranes: &[Membrane],
+    places: &[Place],
+    positions: &[Vector],
+) -> (Vec<Vector>, Vec<f64>) {
+    let mut normals = vec![[0.0; 3]; positions.len()];
+    let mut areas = vec![0.0; positions.len()];
+    for (membrane, place) in membranes.iter().zip(places) {
+        for triangle in membrane.mesh.triangles() {
+            let corners = triangle.map(|vertex| place.first_vertex + vertex as usize);
+            let [a, b, c] = corners.map(|vertex| positions[vertex]);
+            let doubled = vector::cross(vector::sub(b, a), vector::sub(c, a));
+            let share = vector::norm(doubled) / 6.0;
+            for corner in corners {
+                normals[corner] = vector::add(normals[corner], doubled);
+                areas[corner] += share;
+            }
+        }
+    }
+    for normal in &mut normals {
+        *normal = vector::unit(*normal);
+    }
+    (normals, areas)
+}
+
+impl Coordinates {
+    /// The geometry at these positions, without constraints.
+    pub(super) fn new(membranes: &[Membrane], places: &[Place], positions: &[Vector]) -> Self {
+        let (normals, areas) = geometry(membranes, places, positions);
+        Self {
+            normals,
+            areas,
+            forbidden: Vec::new(),
+        }
+    }
+
+    /// The triangle, with its membrane, that looks the other way than the surface around it.
+    pub(super) fn folded(
+        &self,
+        membranes: &[Membrane],
+        places: &[Place],
+        positions: &[Vector],
+    ) -> Option<(usize, usize)> {
+        for (index, (membrane, place)) in membranes.iter().zip(places).enumerate() {
+            let folds = |triangle: &[u32; 3]| {
+                let corners = triangle.map(|vertex| place.first_vertex + vertex as usize);
+                let [a, b, c] = corners.map(|vertex| positions[vertex]);
+                let area = vector::cross(vector::sub(b, a), vector::sub(c, a));
+                let [u, v, w] = corners.map(|vertex| self.normals[vertex]);
+                vector::dot(area, vector::add(vector::add(u, v), w)) < 0.0
+            };
+            if let Some(triangle) = membrane.mesh.triangles().iter().position(folds) {
+                return Some((index, triangle));
+            }
+        }
+        None
+    }
+
+    /// The least sine of all angles, with the membrane and its triangle.
+    pub(super) fn narrowest(
+        &self,
+        membranes: &[Membrane],
+        places: &[Place],
+        positions: &[Vector],
+    ) -> (f64, usize, usize) {
+        let mut least = (1.0, 0, 0);
+        for (index, (membrane, place)) in membranes.iter().zip(places).enumerate() {
+            for (k, triangle) in membrane.mesh.triangles().iter().enumerate() {
+                let corners = triangle.map(|vertex| place.first_vertex + vertex as usize);
+                let [a, b, c] = corners.map(|vertex| positions[vertex]);
+                let edges = [vector::sub(b, a), vector::sub(c, b), vector::sub(a, c)];
+                let doubled = vector::norm(vector::cross(edges[0], edges[1]));
+                let mut squares = edges.map(|edge| vector::dot(edge, edge));
+                squares.sort_by(f64::total_cmp);
+                // Opposite to the shortest side.
+                let sine = doubled / (squares[1] * squares[2]).sqrt();
+                if sine < least.0 || sine.is_nan() {
+                    least = (sine, index, k);
+                }
+            }
+        }
+        least
+    }
+
+    /// Whether the surface has turned so far that its normals are better directions.
+    pub(super) fn turned(&self, places: &[Place], frame: &Frame) -> bool {
+        let turned = |place: &Place| {
+            let mut sum = 0.0;
+            let mut least = 1.0f64;
+            for vertex in place.vertices() {
+                let cosine = vector::dot(self.normals[vertex], frame.directions()[vertex]);
+                sum += self.areas[vertex] * (1.0 - cosine * cosine);
+                // Vertices in no triangle have no normal, now or before.
+                if self.areas[vertex] > 0.0 {
+                    least = least.min(cosine);
+                }
+            }
+            let area: f64 = self.areas[place.vertices()].iter().sum();
+            sum > LARGEST_TURN * LARGEST_TURN * area || least < LEAST_COSINE
+        };
+        places.iter().any(|place| place.width == 1 && turned(place))
+    }
+
+    /// Calls `each` with a number's index, its group and 1/area, or 0 where there is no area.
+    fn for_each(&self, places: &[Place], groups: &[u32], mut each: impl FnMut(usize, usize, f64)) {
+        for place in places {
+            for (k, vertex) in place.vertices().enumerate() {
+                let over = reciprocal_or_zero(self.areas[vertex]);
+                for entry in 0..place.width {
+                    let number = place.first_number + place.width * k + entry;
+                    each(number, groups[vertex] as usize, over);
+                }
+            }
+        }
+    }
+
+    /// Forbids the directions of these gradients, each by itself in every group of vertices.
+    pub(super) fn forbid(&mut self, places: &[Place], groups: &[u32], gradients: Vec<Vec<f64>>) {
+        let group_count = group_count(groups);
+        for mut field in gradients {
+            let mut before = vec![0.0; group_count];
+            self.for_each(places, groups, |number, group, over| {
+                before[group] += field[number] * field[number] * over;
+            });
+            // Twice: rounding leaves something of the others after the first time.
+            for _ in 0..2 {
+                self.take_out(places, groups, &mut field);
+            }
+            let mut after = vec![0.0; group_count];
+            self.for_each(places, groups, |number, group, over| {
+                after[group] += field[number] * field[number] * over;
+            });
+            let factors: Vec<f64> = after
+                .iter()
+                .zip(&before)
+                .map(|(&after, &before)| {
+                    // Area and volume of a sphere have one gradient between them.
+                    if after > DEPENDENT * before {
+                        after.sqrt().recip()
+                    } else {
+                        0.0
+                    }
+                })
+                .collect();
+            self.for_each(places, groups, |number, group, _| {
+                field[number] *= factors[group];
+            });
+            self.forbidden.push(field);
+        }
+    }
+
+    /// Takes from forces what constraints forbid: `f −= b (b·M⁻¹f)`.
+    pub(super) fn take_out(&self, places: &[Place], groups: &[u32], force: &mut [f64]) {
+        for forbidden in &self.forbidden {
+            let mut products = vec![0.0; group_count(groups)];
+            self.for_each(places, groups, |number, group, over| {
+                products[group] += forbidden[number] * force[number] * over;
+            });
+            self.for_each(places, groups, |number, group, _| {
+                force[number] -= products[group] * forbidden[number];
+            });
+        }
+    }
+
+    /// Takes from displacements what would change the constrained values: `d −= M⁻¹ b (b·d)`.
+    pub(super) fn keep(&self, places: &[Place], groups: &[u32], displacement: &mut [f64]) {
+        for forbidden in &self.forbidden {
+            let mut products = vec![0.0; group_count(groups)];
+            self.for_each(places, groups, |number, group, _| {
+                products[group] += forbidden[number] * displacement[number];
+            });
+            self.for_each(places, groups, |number, group, over| {
+                displacement[number] -= products[group] * forbidden[number] * over;
+            });
+        }
+    }
+}
+
+/// The root-mean-square angle, in radians, by which a surface may turn against its directions.
+const LARGEST_TURN: f64 = 0.15;
+
+/// The least cosine between a normal and its direction.
+const LEAST_COSINE: f64 = 0.7;
+
+/// The share of a squared gradient that has to be its own, for it to count.
+const DEPENDENT: f64 = 1e-10;
+
+fn group_count(groups: &[u32]) -> usize {
+    groups.iter().max().map_or(0, |&group| group as usize + 1)
+}
+
+pub(super) fn reciprocal_or_zero(value: f64) -> f64 {
+    if value > 0.0 { value.recip() } else { 0.0 }
+}

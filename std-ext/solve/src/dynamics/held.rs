@@ -1,0 +1,77 @@
+//! Constraints of one membrane, as [`Problem`](super::Problem)s need them.
+
+use helfrich::{
+    ConstraintError, Constraints, Correction, Functional, Prepared, Quantity, Surface, TriangleMesh,
+};
+use std::sync::Arc;
+
+/// The exact constraints of one membrane, with the memory of their evaluation.
+#[derive(Debug)]
+pub struct Held {
+    mesh: Arc<TriangleMesh>,
+    constraints: Prepared<f64, Constraints<f64>>,
+    quantities: Vec<Prepared<f64, Quantity>>,
+    groups: Vec<u32>,
+    ones: Vec<f64>,
+}
+
+impl Held {
+    /// Prepares constraints for a mesh.
+    pub fn new(mesh: Arc<TriangleMesh>, constraints: Constraints<f64>) -> Self {
+        let prepare = |quantity: Quantity| Prepared::new(quantity, &mesh);
+        let quantities = constraints.constraints.iter().map(|c| c.functional);
+        let quantities = quantities.map(prepare).collect();
+        let (groups, count) = mesh.components();
+        Self {
+            constraints: Prepared::new(constraints, &mesh),
+            quantities,
+            groups,
+            ones: vec![1.0; count],
+            mesh,
+        }
+    }
+
+    /// Number of functionals that are held.
+    pub fn count(&self) -> usize {
+        self.quantities.len()
+    }
+
+    /// The connected component of each vertex, each of which has values of its own.
+    pub fn groups(&self) -> &[u32] {
+        &self.groups
+    }
+
+    /// The constraints, to change their targets.
+    pub fn constraints_mut(&mut self) -> &mut Constraints<f64> {
+        self.constraints.method_mut()
+    }
+
+    /// Moves positions to where every functional has its target.
+    ///
+    /// # Errors
+    /// If that fails: see [`Constraints::correct`].
+    pub fn restore(
+        &mut self,
+        positions: &mut [[f64; 3]],
+    ) -> Result<Correction<f64>, ConstraintError> {
+        let mesh = &self.mesh;
+        self.constraints.with(|method, execution, workspace| {
+            method.correct(execution, mesh, positions, workspace)
+        })
+    }
+
+    /// Sets `gradient` to that of one of the functionals; 0 where positions do not fit the mesh or
+    /// are not finite.
+    ///
+    /// # Panics
+    /// If there is no such functional, or `gradient` has fewer entries than the mesh has vertices.
+    pub fn gradient(&mut self, index: usize, positions: &[[f64; 3]], gradient: &mut [[f64; 3]]) {
+        gradient.fill([0.0; 3]);
+        if let Ok(surface) = Surface::new(&self.mesh, positions) {
+            let ones = &self.ones;
+            self.quantities[index].with(|quantity, execution, workspace| {
+                quantity.add_gradient(execution, surface, workspace, ones, gradient);
+            });
+        }
+    }
+}

@@ -1,0 +1,702 @@
+//! Explicit integration in time: `x' = v(x, t)`.
+//!
+//! An [`Integrator`] moves positions with the velocities of a [`RightHandSide`]. There are three schemes:
+//! stabilised steps with many stages for stiff problems, such as bending; an embedded pair of third
+//! order for others; and the classical scheme of fourth order with a fixed step. The spectral radius,
+//! a measure of stiffness, is estimated during the run.
+//!
+//! The state is plain data: a stored and restored run continues bit for bit.
+
+mod bs23;
+mod rk4;
+mod rkc2;
+mod settings;
+mod spectral_radius;
+
+pub use settings::{Scheme, Settings, SetupError, SpectralRadius};
+pub use spectral_radius::Spectrum;
+
+use super::vector::{Vector, dot};
+use serde::{Deserialize, Serialize};
+
+/// The share of the allowed error that step control aims at: that of the paper of [`rkc2`].
+const SAFETY: f64 = 0.8;
+
+/// The limits of the change of a step.
+const FACTOR: std::ops::RangeInclusive<f64> = 0.1..=10.0;
+
+/// The error, in units of what is allowed, below which a step grows by no more than [`FACTOR`].
+const LEAST_ERROR: f64 = 5e-4;
+
+/// The factor by which a step is shortened if its velocities fail.
+const RETREAT: f64 = 0.25;
+
+/// Accepted steps between two estimates of the spectral radius.
+const OUTDATED: usize = 25;
+
+/// The relative change of a proposed step that is allowed to reach an output time.
+const SLACK: f64 = 1e-6;
+
+/// The floor of steps, in units of the time in which positions move by the error allowed, and of
+/// the first trial, for what is at rest.
+const FLOOR: f64 = 1e-8;
+
+/// Velocities as functions of positions and time.
+///
+/// They must depend on positions and time alone, to the last bit, for a run to continue bit for
+/// bit.
+pub trait RightHandSide {
+    /// Sets `velocities` to v(x, t).
+    ///
+    /// # Errors
+    /// The reason why there are none. The step is then repeated with a shorter length.
+    fn evaluate(
+        &mut self,
+        positions: &[[f64; 3]],
+        time: f64,
+        velocities: &mut [[f64; 3]],
+    ) -> Result<(), String>;
+
+    /// Corrects the positions at the end of a step for quantities that steps conserve only up to their
+    /// error, for example volumes.
+    fn restore(&mut self, _positions: &mut [[f64; 3]]) {}
+}
+
+impl<F> RightHandSide for F
+where
+    F: FnMut(&[[f64; 3]], f64, &mut [[f64; 3]]) -> Result<(), String>,
+{
+    fn evaluate(
+        &mut self,
+        positions: &[[f64; 3]],
+        time: f64,
+        velocities: &mut [[f64; 3]],
+    ) -> Result<(), String> {
+        self(positions, time, velocities)
+    }
+}
+
+/// Failure of a run; the positions stay the last good ones.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Failure {
+    /// A velocity is not finite.
+    #[error("the velocity of vertex {vertex} is not a finite number at time {time:e}")]
+    NotFinite {
+        /// The first such vertex.
+        vertex: usize,
+        /// When.
+        time: f64,
+    },
+    /// The right-hand side had a reason not to give velocities.
+    #[error("there are no velocities at time {time:e}: {reason}")]
+    Refused {
+        /// Why.
+        reason: String,
+        /// When.
+        time: f64,
+    },
+    /// The error is too large for every step.
+    #[error(
+        "at time {time:e} a step of {tried:e} still has {error:.2} times the error that is allowed, and one below {floor:e} is too short to get anywhere"
+    )]
+    StepBelowFloor {
+        /// When.
+        time: f64,
+        /// The last step tried.
+        tried: f64,
+        /// Its error in units of that allowed.
+        error: f64,
+        /// The shortest step that makes sense.
+        floor: f64,
+    },
+}
+
+/// The state of a run: plain data. A stored and restored run continues bit for bit, if numbers are stored
+/// without loss.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    time: f64,
+    positions: Vec<Vector>,
+    /// The velocities at `positions`; empty before the first evaluation.
+    velocities: Vec<Vector>,
+    /// The step that is proposed; `None` before the first.
+    step: Option<f64>,
+    /// The last step that was not shortened.
+    previous: Option<Previous>,
+    spectrum: Option<Spectrum>,
+    /// Accepted steps since the spectrum was estimated.
+    age: usize,
+    /// The last iterate of power iteration; empty before the first.
+    mode: Vec<Vector>,
+    accepted: usize,
+    rejected: usize,
+    evaluations: usize,
+}
+
+/// The memory of the step controller.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Previous {
+    step: f64,
+    /// In units of that allowed.
+    error: f64,
+}
+
+/// Report of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepReport {
+    /// The time after the step.
+    pub time: f64,
+    /// The step; 0 if there was none.
+    pub step: f64,
+    /// The step that is proposed next, within its limits, output times aside; `None` before there was one.
+    pub next_step: Option<f64>,
+    /// The error estimate in units of that allowed; 0 for [`Scheme::Rk4`], which has none.
+    pub error: f64,
+    /// Number of stages.
+    pub stages: usize,
+    /// Number of accepted steps so far.
+    pub accepted: usize,
+    /// Number of rejected steps so far.
+    pub rejected: usize,
+    /// Number of evaluations so far, those for the spectral radius included.
+    pub evaluations: usize,
+    /// The last estimate of the spectrum, unless it was not asked for.
+    pub spectrum: Option<Spectrum>,
+    /// The longest stable step of the scheme, on the negative real axis, for [`Scheme::Rkc2`] with
+    /// the largest number of stages; `None` if the spectral radius is not known or 0.
+    pub step_limit: Option<f64>,
+}
+
+/// Integration of positions in time.
+#[derive(Debug)]
+pub struct Integrator {
+    settings: Settings,
+    state: State,
+    work: Work,
+}
+
+/// Where a step begins.
+#[derive(Clone, Copy)]
+struct Start<'a> {
+    time: f64,
+    positions: &'a [Vector],
+    velocities: &'a [Vector],
+}
+
+/// Memory of a step, and what it arrives at.
+#[derive(Debug)]
+struct Work {
+    end: Vec<Vector>,
+    end_velocities: Vec<Vector>,
+    stages: [Vec<Vector>; 3],
+}
+
+/// A right-hand side that is counted, and whose velocities are finite.
+struct Checked<'a, R: ?Sized> {
+    inner: &'a mut R,
+    evaluations: &'a mut usize,
+}
+
+impl<R: RightHandSide + ?Sized> Checked<'_, R> {
+    fn evaluate(
+        &mut self,
+        positions: &[Vector],
+        time: f64,
+        velocities: &mut [Vector],
+    ) -> Result<(), Failure> {
+        *self.evaluations += 1;
+        let evaluated = self.inner.evaluate(positions, time, velocities);
+        evaluated.map_err(|reason| Failure::Refused { reason, time })?;
+        match first_bad(velocities) {
+            Some(vertex) => Err(Failure::NotFinite { vertex, time }),
+            None => Ok(()),
+        }
+    }
+
+    /// The same at the end of a step, where positions are restored.
+    fn arrive(
+        &mut self,
+        positions: &mut [Vector],
+        time: f64,
+        velocities: &mut [Vector],
+    ) -> Result<(), Failure> {
+        self.inner.restore(positions);
+        self.evaluate(positions, time, velocities)
+    }
+}
+
+/// The first vector that is not finite.
+fn first_bad(field: &[Vector]) -> Option<usize> {
+    let bad = |vector: &Vector| !vector.iter().all(|entry| entry.is_finite());
+    field.iter().position(bad)
+}
+
+/// `√(Σ|a_i|²/N)`.
+fn root_mean_square(field: impl ExactSizeIterator<Item = Vector>) -> f64 {
+    let count = field.len().max(1);
+    (field.map(|a| dot(a, a)).sum::<f64>() / count as f64).sqrt()
+}
+
+impl Integrator {
+    /// Positions at a time.
+    ///
+    /// # Errors
+    /// If settings are invalid, or a position or the time is not finite.
+    pub fn new(
+        positions: Vec<[f64; 3]>,
+        time: f64,
+        settings: Settings,
+    ) -> Result<Self, SetupError> {
+        let state = State {
+            time,
+            positions,
+            velocities: Vec::new(),
+            step: None,
+            previous: None,
+            spectrum: None,
+            age: 0,
+            mode: Vec::new(),
+            accepted: 0,
+            rejected: 0,
+            evaluations: 0,
+        };
+        Self::resume(state, settings)
+    }
+
+    /// Restores a stored state.
+    ///
+    /// # Errors
+    /// As [`Self::new`], or if parts of the state do not belong together.
+    pub fn resume(state: State, settings: Settings) -> Result<Self, SetupError> {
+        settings.check()?;
+        let count = state.positions.len();
+        for part in [&state.velocities, &state.mode] {
+            let found = part.len();
+            if found != 0 && found != count {
+                let positions = count;
+                return Err(SetupError::CountMismatch { found, positions });
+            }
+        }
+        let bad = [&state.positions, &state.velocities, &state.mode];
+        let bad = bad.into_iter().find_map(|field| first_bad(field));
+        if let Some(vertex) = bad.or((!state.time.is_finite()).then_some(0)) {
+            return Err(SetupError::NotFinite { vertex });
+        }
+        let field = || vec![[0.0; 3]; count];
+        let work = Work {
+            end: field(),
+            end_velocities: field(),
+            stages: [field(), field(), field()],
+        };
+        Ok(Self {
+            settings,
+            state,
+            work,
+        })
+    }
+
+    /// The state to store so that the run can be continued.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The settings of the run.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The current time.
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    /// The positions at that time.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.state.positions
+    }
+
+    /// Their velocities, of the positions that were restored; empty before the first step.
+    pub fn velocities(&self) -> &[[f64; 3]] {
+        &self.state.velocities
+    }
+
+    /// Must be called after parameters of the right-hand side have changed between two steps: velocities,
+    /// step and spectrum are then computed again.
+    pub fn right_hand_side_changed(&mut self) {
+        self.state.velocities.clear();
+        self.state.step = None;
+        self.state.previous = None;
+        self.state.spectrum = None;
+    }
+
+    /// Estimates the spectrum at the current positions, as steps do with [`SpectralRadius::Estimated`].
+    ///
+    /// # Errors
+    /// If there are no velocities.
+    pub fn estimate_spectrum(
+        &mut self,
+        right_hand_side: &mut (impl RightHandSide + ?Sized),
+    ) -> Result<Spectrum, Failure> {
+        self.arrive(right_hand_side)?;
+        let state = &mut self.state;
+        let start = Start {
+            time: state.time,
+            positions: &state.positions,
+            velocities: &state.velocities,
+        };
+        let mut checked = Checked {
+            inner: right_hand_side,
+            evaluations: &mut state.evaluations,
+        };
+        let (settings, work) = (&self.settings, &mut self.work);
+        let spectrum =
+            spectral_radius::estimate(&mut checked, start, settings, &mut state.mode, work)?;
+        state.spectrum = Some(spectrum);
+        state.age = 0;
+        Ok(spectrum)
+    }
+
+    /// Takes one accepted step, which ends at `until` at the latest. A step shortened to end there does
+    /// not affect the following steps. A time that has passed, or is not finite, changes nothing.
+    ///
+    /// # Errors
+    /// If there are no velocities here, nor at the end of any step that is long enough to get
+    /// anywhere, or if the error of every such step is too large. Time and positions stay what they
+    /// were.
+    pub fn step(
+        &mut self,
+        right_hand_side: &mut (impl RightHandSide + ?Sized),
+        until: f64,
+    ) -> Result<StepReport, Failure> {
+        let remaining = until - self.state.time;
+        if !remaining.is_finite() || remaining <= 0.0 {
+            return Ok(self.report(0.0, 0.0, 0));
+        }
+        self.arrive(right_hand_side)?;
+        let mut fresh = false;
+        let mut first = None;
+        loop {
+            let estimated = self.settings.spectral_radius == SpectralRadius::Estimated;
+            let outdated = self.state.age >= OUTDATED || (fresh && self.state.age > 0);
+            if estimated && (outdated || self.state.spectrum.is_none()) {
+                self.estimate_spectrum(right_hand_side)?;
+            }
+            let wished = match (self.settings.scheme, self.state.step) {
+                (Scheme::Rk4 { step }, _) | (_, Some(step)) => step,
+                (_, None) => self.first_step(right_hand_side, remaining)?,
+            };
+            let longest = self.settings.longest_step.unwrap_or(f64::INFINITY);
+            let limit = self.step_limit().unwrap_or(f64::INFINITY);
+            let proposed = wished.min(longest).min(limit);
+            self.state.step = Some(proposed);
+            let shortened = remaining < proposed * (1.0 - SLACK);
+            let last = remaining <= proposed * (1.0 + SLACK);
+            let end_time = if last {
+                until
+            } else {
+                self.state.time + proposed
+            };
+            let step = end_time - self.state.time;
+            let stages = self.stages(step);
+            let floor = self.floor(*first.get_or_insert(step));
+            let error = match self.attempt(right_hand_side, end_time, stages) {
+                Ok(error) => error / (self.settings.tolerance * self.settings.length),
+                Err(failure) => {
+                    self.state.rejected += 1;
+                    fresh = true;
+                    let shorter = RETREAT * step;
+                    let fixed = matches!(self.settings.scheme, Scheme::Rk4 { .. });
+                    if fixed || shorter < floor {
+                        return Err(failure);
+                    }
+                    self.state.step = Some(shorter);
+                    continue;
+                }
+            };
+            // Not `error > 1`: what is not a number is no step.
+            if error <= 1.0 {
+                self.accept(end_time);
+                if !shortened {
+                    self.choose_step(step, error);
+                }
+                return Ok(self.report(step, error, stages));
+            }
+            self.state.rejected += 1;
+            fresh = true;
+            let factor = if error.is_finite() {
+                (SAFETY / error.cbrt()).max(*FACTOR.start())
+            } else {
+                *FACTOR.start()
+            };
+            let shorter = factor * step;
+            if shorter < floor {
+                return Err(Failure::StepBelowFloor {
+                    time: self.state.time,
+                    tried: step,
+                    error,
+                    floor,
+                });
+            }
+            self.state.step = Some(shorter);
+        }
+    }
+
+    /// Steps until a time is reached, exactly; `each` sees every step and may stop there by `false`.
+    /// Returns the last report.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn run(
+        &mut self,
+        right_hand_side: &mut (impl RightHandSide + ?Sized),
+        until: f64,
+        mut each: impl FnMut(&Self, &StepReport) -> bool,
+    ) -> Result<StepReport, Failure> {
+        loop {
+            let report = self.step(right_hand_side, until)?;
+            let arrived = report.step == 0.0 || self.state.time >= until;
+            if !each(self, &report) || arrived {
+                return Ok(report);
+            }
+        }
+    }
+
+    /// Evaluates the first velocities.
+    fn arrive(
+        &mut self,
+        right_hand_side: &mut (impl RightHandSide + ?Sized),
+    ) -> Result<(), Failure> {
+        let state = &mut self.state;
+        if state.velocities.len() == state.positions.len() {
+            return Ok(());
+        }
+        let mut checked = Checked {
+            inner: right_hand_side,
+            evaluations: &mut state.evaluations,
+        };
+        checked.evaluate(&state.positions, state.time, &mut self.work.end_velocities)?;
+        state.velocities.clone_from(&self.work.end_velocities);
+        Ok(())
+    }
+
+    /// A step of the scheme, without a judgement; returns the error estimate.
+    fn attempt(
+        &mut self,
+        right_hand_side: &mut (impl RightHandSide + ?Sized),
+        end_time: f64,
+        stages: usize,
+    ) -> Result<f64, Failure> {
+        let state = &mut self.state;
+        let start = Start {
+            time: state.time,
+            positions: &state.positions,
+            velocities: &state.velocities,
+        };
+        let mut checked = Checked {
+            inner: right_hand_side,
+            evaluations: &mut state.evaluations,
+        };
+        let work = &mut self.work;
+        match self.settings.scheme {
+            Scheme::Rkc2 => rkc2::advance(&mut checked, start, end_time, stages, work),
+            Scheme::Bs23 => bs23::advance(&mut checked, start, end_time, work),
+            Scheme::Rk4 { .. } => rk4::advance(&mut checked, start, end_time, work).map(|()| 0.0),
+        }
+    }
+
+    fn accept(&mut self, end_time: f64) {
+        let (state, work) = (&mut self.state, &mut self.work);
+        state.time = end_time;
+        std::mem::swap(&mut state.positions, &mut work.end);
+        std::mem::swap(&mut state.velocities, &mut work.end_velocities);
+        state.accepted += 1;
+        state.age += 1;
+    }
+
+    /// The next step by the last two errors: the controller of the paper of [`rkc2`], after H. A.
+    /// Watts, J. Comput. Appl. Math. 12 (1985) 93. The error is of third order for both schemes.
+    fn choose_step(&mut self, step: f64, error: f64) {
+        if matches!(self.settings.scheme, Scheme::Rk4 { .. }) {
+            return;
+        }
+        let error = error.max(LEAST_ERROR);
+        let trend = self.state.previous.map_or(1.0, |previous| {
+            step / previous.step * (previous.error / error).cbrt()
+        });
+        let factor = SAFETY * trend / error.cbrt();
+        let factor = factor.clamp(*FACTOR.start(), *FACTOR.end());
+        self.state.step = Some(factor * step);
+        self.state.previous = Some(Previous { step, error });
+    }
+
+    /// The first step: from how far velocities change in a step of Euler's, as in that paper.
+    fn first_step(
+        &mut self,
+        right_hand_side: &mut (impl RightHandSide + ?Sized),
+        remaining: f64,
+    ) -> Result<f64, Failure> {
+        let longest = self.settings.longest_step.unwrap_or(f64::INFINITY);
+        let longest = longest.min(remaining);
+        let allowed = self.settings.tolerance * self.settings.length;
+        let state = &mut self.state;
+        let speed = root_mean_square(state.velocities.iter().copied());
+        let mut trial = longest.min(0.1 * self.settings.length / speed);
+        if let Some(radius) = state.radius(&self.settings) {
+            trial = trial.min(radius.recip());
+        }
+        // Nothing moves, and nobody says how soon it might.
+        if !trial.is_finite() {
+            return Ok(longest);
+        }
+        let mut checked = Checked {
+            inner: right_hand_side,
+            evaluations: &mut state.evaluations,
+        };
+        let work = &mut self.work;
+        for (end, (x, v)) in work
+            .end
+            .iter_mut()
+            .zip(state.positions.iter().zip(&state.velocities))
+        {
+            *end = super::vector::add(*x, super::vector::scale(trial, *v));
+        }
+        let time = state.time + trial;
+        match checked.evaluate(&work.end, time, &mut work.end_velocities) {
+            Ok(()) => {}
+            // The first step will find out how short it has to be.
+            Err(_) => return Ok(RETREAT * trial),
+        }
+        let changes = work.end_velocities.iter().zip(&state.velocities);
+        let change = root_mean_square(changes.map(|(a, b)| super::vector::sub(*a, *b)));
+        let error = trial * change / allowed;
+        Ok((0.1 * trial / error.sqrt()).min(longest))
+    }
+
+    fn stages(&self, step: f64) -> usize {
+        match self.settings.scheme {
+            Scheme::Rkc2 => {
+                let radius = self.state.radius(&self.settings).unwrap_or(0.0);
+                rkc2::stages(step, radius).min(self.settings.largest_stages())
+            }
+            Scheme::Bs23 => 3,
+            Scheme::Rk4 { .. } => 4,
+        }
+    }
+
+    /// The longest stable step of the scheme, by the last estimate of the spectrum; `None` if the
+    /// spectral radius is not known or 0.
+    pub fn step_limit(&self) -> Option<f64> {
+        let radius = self.state.radius(&self.settings)?;
+        let interval = match self.settings.scheme {
+            Scheme::Rkc2 => {
+                let stages = self.settings.largest_stages() as f64;
+                (stages * stages - 1.0) / rkc2::STABILITY
+            }
+            Scheme::Bs23 => bs23::STABILITY,
+            Scheme::Rk4 { .. } => rk4::STABILITY,
+        };
+        let limit = interval / radius;
+        limit.is_finite().then_some(limit)
+    }
+
+    /// The shortest step that makes sense after a first trial of this length: it is more than a
+    /// rounding of the time, and positions move at all.
+    fn floor(&self, first: f64) -> f64 {
+        let speed = root_mean_square(self.state.velocities.iter().copied());
+        let moving = self.settings.tolerance * self.settings.length / speed;
+        let rounding = 16.0 * f64::EPSILON * self.state.time.abs();
+        (FLOOR * moving.min(first)).max(rounding)
+    }
+
+    fn report(&self, step: f64, error: f64, stages: usize) -> StepReport {
+        let state = &self.state;
+        let step_limit = self.step_limit();
+        let limits = [self.settings.longest_step, step_limit];
+        let limit = limits.into_iter().flatten().fold(f64::INFINITY, f64::min);
+        StepReport {
+            time: state.time,
+            step,
+            next_step: state.step.map(|step| step.min(limit)),
+            error,
+            stages,
+            accepted: state.accepted,
+            rejected: state.rejected,
+            evaluations: state.evaluations,
+            spectrum: state.spectrum,
+            step_limit,
+        }
+    }
+}
+
+impl State {
+    /// The spectral radius, if it is known.
+    fn radius(&self, settings: &Settings) -> Option<f64> {
+        match settings.spectral_radius {
+            SpectralRadius::Estimated => self.spectrum.map(|spectrum| spectrum.radius),
+            SpectralRadius::Given(radius) => Some(radius),
+            SpectralRadius::Unknown => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Integrator, Scheme, Settings, State, StepReport};
+
+    /// Vertices of a chain that are drawn to their neighbours, turned, and kept from the origin.
+    fn chain(x: &[[f64; 3]], time: f64, v: &mut [[f64; 3]]) -> Result<(), String> {
+        for i in 0..x.len() {
+            let [before, after] = [i.saturating_sub(1), (i + 1).min(x.len() - 1)];
+            let size: f64 = x[i].iter().map(|x| x * x).sum();
+            for axis in 0..3 {
+                let drawn = 40.0 * (x[before][axis] - 2.0 * x[i][axis] + x[after][axis]);
+                v[i][axis] = drawn + (1.0 - size) * x[i][axis];
+            }
+            v[i][0] -= time.cos() * x[i][1];
+            v[i][1] += time.cos() * x[i][0];
+        }
+        Ok(())
+    }
+
+    fn positions() -> Vec<[f64; 3]> {
+        let position = |i: u32| {
+            let s = f64::from(i);
+            [(3.0 * s).sin(), 0.2 + s.cos(), 0.1 * (7.0 * s).sin()]
+        };
+        (0..30).map(position).collect()
+    }
+
+    #[test]
+    fn a_stored_state_continues_bit_for_bit() {
+        for scheme in [Scheme::Rkc2, Scheme::Bs23, Scheme::Rk4 { step: 0.03 }] {
+            let settings = Settings::new(scheme, 1.0);
+            let mut whole = Integrator::new(positions(), 0.25, settings).expect("a start");
+            let mut expected = Vec::new();
+            for output in [1.0, 1.001, 2.0] {
+                whole
+                    .run(&mut chain, output, |_, report| {
+                        expected.push(*report);
+                        true
+                    })
+                    .expect("no failure");
+                assert_eq!(whole.time(), output);
+            }
+
+            let mut parts = Integrator::new(positions(), 0.25, settings).expect("a start");
+            let mut reports: Vec<StepReport> = Vec::new();
+            for output in [1.0, 1.001, 2.0] {
+                while parts.time() < output {
+                    reports.push(parts.step(&mut chain, output).expect("no failure"));
+                    let bytes = postcard::to_stdvec(parts.state()).expect("encodes");
+                    let state: State = postcard::from_bytes(&bytes).expect("decodes");
+                    parts = Integrator::resume(state, settings).expect("a state");
+                }
+            }
+            assert!(expected.len() > 30, "the spectrum is found anew on the way");
+            assert_eq!(reports, expected, "{scheme:?}");
+            assert_eq!(parts.state(), whole.state(), "{scheme:?}");
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! A preconditioner that turns forces into displacements that are smooth over many edges.
+
+use super::cholesky::{Factor, Pattern};
+use super::{Membrane, vector};
+use helfrich::TriangleMesh;
+
+/// The approximate inverse of a membrane's stiffness: bending resists with `κ Δ²`, in-plane
+/// elasticity and tension with `−K Δ`.
+///
+/// With cotangent stiffness S, lumped areas M and a shift σ = 1/R², R the radius of the sphere of the
+/// same area, `P = (κ L + K M)⁻¹ M L⁻¹`, `L = S + σ M`: symmetric and positive definite, the inverse
+/// of `κ L M⁻¹ L + K L`. The shift stands for the stiffness of the longest waves and keeps
+/// translations finite.
+#[derive(Clone, Debug)]
+pub(super) struct Preconditioner {
+    pattern: Pattern,
+    /// L, and `κ L + K M` where K is not 0.
+    factors: Option<(Factor, Option<Factor>)>,
+    areas: Vec<f64>,
+    modulus: f64,
+}
+
+impl Preconditioner {
+    pub(super) fn new(mesh: &TriangleMesh) -> Self {
+        Self {
+            pattern: Pattern::new(mesh),
+            factors: None,
+            areas: Vec::new(),
+            modulus: 1.0,
+        }
+    }
+
+    /// Takes over the geometry of a membrane.
+    pub(super) fn set(&mut self, membrane: &Membrane, positions: &[[f64; 3]]) {
+        let mesh = &*membrane.mesh;
+        let mut stiffness = vec![0.0; mesh.edges().len()];
+        let mut areas = vec![0.0; mesh.vertex_count()];
+        let corners = |triangle: &[u32; 3]| triangle.map(|vertex| positions[vertex as usize]);
+        for triangle in mesh.triangles() {
+            let [a, b, c] = corners(triangle);
+            let area = 0.5 * vector::norm(vector::cross(vector::sub(b, a), vector::sub(c, a)));
+            for &vertex in triangle {
+                areas[vertex as usize] += area / 3.0;
+            }
+        }
+        let total: f64 = areas.iter().sum();
+        let mean = total / mesh.triangles().len() as f64;
+        for (edge, value) in stiffness.iter_mut().enumerate() {
+            let [a, b] = mesh.edges()[edge];
+            let (left, right) = mesh.edge_triangles(edge);
+            for triangle in [Some(left), right].into_iter().flatten() {
+                let triangle = mesh.triangles()[triangle as usize];
+                let apex = triangle.into_iter().find(|&v| v != a && v != b);
+                let [p, q, r] = [a, b, apex.unwrap_or(a)].map(|v| positions[v as usize]);
+                let (u, v) = (vector::sub(p, r), vector::sub(q, r));
+                let area = 0.5 * vector::norm(vector::cross(u, v));
+                // A triangle's matrix is positive semi-definite whatever it is divided by: slivers
+                // are kept from governing the rest.
+                *value -= vector::dot(u, v) / (4.0 * area.max(LEAST_AREA * mean));
+            }
+        }
+        let shift = 4.0 * std::f64::consts::PI / total;
+        for area in &mut areas {
+            // Vertices in no triangle, and those of triangles without area.
+            *area = area.max(LEAST_AREA * mean);
+        }
+        let mut diagonal: Vec<f64> = areas.iter().map(|area| shift * area).collect();
+        for (&[a, b], &value) in mesh.edges().iter().zip(&stiffness) {
+            diagonal[a as usize] -= value;
+            diagonal[b as usize] -= value;
+        }
+        let (bending, in_plane) = (membrane.bending_modulus, membrane.in_plane_modulus);
+        let pattern = &self.pattern;
+        let smooth = Factor::new(pattern, &diagonal, &stiffness);
+        self.factors = smooth.and_then(|smooth| {
+            if in_plane == 0.0 {
+                return Some((smooth, None));
+            }
+            for (entry, area) in diagonal.iter_mut().zip(&areas) {
+                *entry = bending * *entry + in_plane * area;
+            }
+            for entry in &mut stiffness {
+                *entry *= bending;
+            }
+            Factor::new(pattern, &diagonal, &stiffness).map(|stiff| (smooth, Some(stiff)))
+        });
+        self.modulus = if bending > 0.0 { bending } else { in_plane };
+        self.areas = areas;
+    }
+
+    /// Replaces nodal forces, `width` numbers a vertex, by displacements. Where there is no
+    /// factorisation, every vertex is on its own.
+    pub(super) fn apply(&mut self, width: usize, vector: &mut [f64]) {
+        let over = self.modulus.recip();
+        match &mut self.factors {
+            None => {
+                // What the shortest waves allow.
+                for (entries, area) in vector.chunks_exact_mut(width).zip(&self.areas) {
+                    entries.iter_mut().for_each(|entry| *entry *= over * area);
+                }
+            }
+            Some((smooth, stiff)) => {
+                smooth.solve(&self.pattern, vector, width);
+                let over = if stiff.is_some() { 1.0 } else { over };
+                for (entries, area) in vector.chunks_exact_mut(width).zip(&self.areas) {
+                    entries.iter_mut().for_each(|entry| *entry *= over * area);
+                }
+                let second = stiff.as_mut().unwrap_or(smooth);
+                second.solve(&self.pattern, vector, width);
+            }
+        }
+    }
+}
+
+/// The area below which a triangle counts as this large, in mean areas of a triangle.
+const LEAST_AREA: f64 = 1e-3;

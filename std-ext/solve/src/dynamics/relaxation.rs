@@ -1,0 +1,641 @@
+//! Steps of a relaxation.
+
+use super::coordinates::Place;
+use super::frame::Frame;
+use super::preconditioner::Preconditioner;
+use super::redistribution::redistribute;
+use super::secants::Secants;
+use super::vector::Vector;
+use super::{Evaluation, Membrane, Problem, Settings};
+use serde::{Deserialize, Serialize};
+
+mod direction;
+mod newton;
+mod outcome;
+mod point;
+mod search;
+
+pub use outcome::{Failure, Outcome, SetupError};
+use point::Point;
+use search::Trial;
+
+/// The share of the gain of a step that a redistribution of vertices may cost.
+const SPENT: f64 = 0.5;
+
+/// Steps between two attempts to redistribute vertices: initially and after the surface has turned away
+/// from its frame, and at most.
+const WAIT: std::ops::RangeInclusive<usize> = 4..=256;
+
+/// Membranes on their way to equilibrium.
+#[derive(Debug)]
+pub struct Relaxation {
+    membranes: Vec<Membrane>,
+    places: Vec<Place>,
+    settings: Settings,
+    state: State,
+    preconditioners: Vec<Preconditioner>,
+    frame: Frame,
+    here: Option<Point>,
+}
+
+/// The state of a relaxation: plain data. A stored and restored run continues bit for bit, if numbers are
+/// stored without loss.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    positions: Vec<Vector>,
+    iteration: usize,
+    evaluations: usize,
+    redistributions: usize,
+    secants: Secants,
+    /// The positions of the last frame; empty before the first.
+    anchor: Vec<Vector>,
+    /// The positions of the last preconditioner; empty before the first.
+    reference: Vec<Vector>,
+    /// `None` before the first evaluation.
+    lowest_energy: Option<f64>,
+    progress: Option<Progress>,
+    /// Whether the last step was a Newton step.
+    newton: bool,
+    /// Steps until the next redistribution, and between the last two.
+    wait: usize,
+    last_wait: usize,
+    /// The smallest allowed sine of an angle; `None` before the first evaluation.
+    least_sine: Option<f64>,
+    outcome: Option<Outcome>,
+}
+
+/// The best result so far, and the step of its last significant improvement.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Progress {
+    residual: f64,
+    energy: f64,
+    iteration: usize,
+}
+
+/// Report of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepReport {
+    /// Number of steps so far.
+    pub iteration: usize,
+    /// Number of evaluations so far.
+    pub evaluations: usize,
+    /// The energy after the step; see [`Evaluation::energy`].
+    pub energy: f64,
+    /// The distance from equilibrium: the root mean square of the force per area without the parts that
+    /// constraints balance, and without tangential parts on fluid membranes, in units of
+    /// `κ/R³ + K/R`, with the moduli of [`Membrane`] and the radius R of the sphere with the area of
+    /// the membrane; the largest among the membranes. This scale is the stiffness of the membrane, so
+    /// that the residual is independent of units, size and number of vertices.
+    pub residual: f64,
+    /// Length of the step relative to the proposed one; 0 if there was none.
+    pub step: f64,
+    /// Whether vertices were redistributed along the surface.
+    pub redistributed: bool,
+    /// The end of the relaxation, once reached.
+    pub outcome: Option<Outcome>,
+}
+
+impl Relaxation {
+    /// Membranes at these positions, one membrane after the other.
+    ///
+    /// # Errors
+    /// If the number of positions differs from that of vertices, or a membrane has no stiffness.
+    pub fn new(
+        membranes: Vec<Membrane>,
+        positions: Vec<[f64; 3]>,
+        settings: Settings,
+    ) -> Result<Self, SetupError> {
+        let state = State {
+            positions,
+            iteration: 0,
+            evaluations: 0,
+            redistributions: 0,
+            secants: Secants::default(),
+            anchor: Vec::new(),
+            reference: Vec::new(),
+            lowest_energy: None,
+            progress: None,
+            newton: false,
+            wait: *WAIT.start(),
+            last_wait: *WAIT.start(),
+            least_sine: None,
+            outcome: None,
+        };
+        Self::resume(membranes, state, settings)
+    }
+
+    /// Restores a stored state.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn resume(
+        membranes: Vec<Membrane>,
+        state: State,
+        settings: Settings,
+    ) -> Result<Self, SetupError> {
+        let places = Place::of(&membranes);
+        let vertices = places.last().map_or(0, |place| place.vertices().end);
+        let made = [&state.anchor, &state.reference].map(Vec::len);
+        let made = made.into_iter().filter(|&count| count > 0);
+        for count in made.chain([state.positions.len()]) {
+            if count != vertices {
+                return Err(SetupError::CountMismatch {
+                    positions: count,
+                    vertices,
+                });
+            }
+        }
+        for (index, membrane) in membranes.iter().enumerate() {
+            let (bending, in_plane) = (membrane.bending_modulus, membrane.in_plane_modulus);
+            let sum = bending + in_plane;
+            if !(bending >= 0.0 && in_plane >= 0.0 && sum > 0.0 && sum.is_finite()) {
+                return Err(SetupError::Modulus {
+                    membrane: index,
+                    bending,
+                    in_plane,
+                });
+            }
+        }
+        let preconditioners = membranes
+            .iter()
+            .map(|membrane| Preconditioner::new(&membrane.mesh))
+            .collect();
+        let mut relaxation = Self {
+            membranes,
+            places,
+            settings,
+            state,
+            preconditioners,
+            frame: Frame::default(),
+            here: None,
+        };
+        if !relaxation.state.anchor.is_empty() {
+            relaxation.set_frame();
+        }
+        if !relaxation.state.reference.is_empty() {
+            relaxation.set_preconditioners();
+        }
+        Ok(relaxation)
+    }
+
+    /// The state to store so that the run can be continued.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The positions, one membrane after the other.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.state.positions
+    }
+
+    /// The end of the relaxation, if reached.
+    pub fn outcome(&self) -> Option<Outcome> {
+        self.state.outcome
+    }
+
+    /// Number of redistributions of vertices along the surface.
+    pub fn redistributions(&self) -> usize {
+        self.state.redistributions
+    }
+
+    /// Must be called after parameters or targets of the problem have changed between two steps: energies
+    /// before and after cannot be compared. A relaxation that had ended continues.
+    pub fn problem_changed(&mut self) {
+        self.here = None;
+        self.state.secants.clear();
+        self.state.lowest_energy = None;
+        self.state.progress = None;
+        self.state.wait = *WAIT.start();
+        self.state.last_wait = *WAIT.start();
+        self.state.outcome = None;
+    }
+
+    /// Must be called after the tolerance or the limit of steps has changed between two steps: a
+    /// relaxation that had ended without a failure continues.
+    pub fn settings_changed(&mut self) {
+        if !matches!(self.state.outcome, Some(Outcome::Failed(_))) {
+            self.state.outcome = None;
+        }
+    }
+
+    /// Evaluates the start, with constraints at their targets, before the first step. The first step does
+    /// not repeat this evaluation.
+    pub fn start(&mut self, problem: &mut (impl Problem + ?Sized)) -> StepReport {
+        let here = match self.here.take() {
+            Some(here) => here,
+            None => match self.arrive(problem) {
+                Ok(here) => here,
+                Err((failure, evaluation)) => return self.fail(failure, evaluation),
+            },
+        };
+        let report = self.report(&here, 0.0, false);
+        self.here = Some(here);
+        report
+    }
+
+    /// Takes one step; after the end nothing moves.
+    pub fn step(&mut self, problem: &mut (impl Problem + ?Sized)) -> StepReport {
+        let here = match self.here.take() {
+            Some(here) => here,
+            None => match self.arrive(problem) {
+                Ok(here) => here,
+                Err((failure, report)) => return self.fail(failure, report),
+            },
+        };
+        if self.state.outcome.is_none() {
+            self.state.outcome = self.ended(problem, &here);
+        }
+        if self.state.outcome.is_some() {
+            let report = self.report(&here, 0.0, false);
+            self.here = Some(here);
+            return report;
+        }
+        let here = match self.turn(problem, here) {
+            Ok(here) => here,
+            Err((failure, evaluation)) => return self.fail(failure, evaluation),
+        };
+        self.refresh_preconditioners(&here.positions);
+        let (next, step, redistributed) = match self.advance(problem, &here) {
+            Ok(Trial { point, step }) => {
+                let (point, redistributed) = self.spread(problem, &here, point);
+                (point, step, redistributed)
+            }
+            Err(outcome) => {
+                self.state.outcome = Some(outcome);
+                (here, 0.0, false)
+            }
+        };
+        self.state.positions.clone_from(&next.positions);
+        let energy = next.evaluation.energy;
+        self.state.lowest_energy = self.state.lowest_energy.map(|lowest| lowest.min(energy));
+        if self.state.outcome.is_none() {
+            self.state.iteration += 1;
+            self.state.outcome = self.ended(problem, &next);
+        }
+        let report = self.report(&next, step, redistributed);
+        self.here = Some(next);
+        report
+    }
+
+    /// Steps until the relaxation has ended; `each` sees every step and may stop it by `false`.
+    pub fn run(
+        &mut self,
+        problem: &mut (impl Problem + ?Sized),
+        mut each: impl FnMut(&Self, &StepReport) -> bool,
+    ) -> StepReport {
+        loop {
+            let report = self.step(problem);
+            if !each(self, &report) || report.outcome.is_some() {
+                return report;
+            }
+        }
+    }
+
+    fn report(&self, point: &Point, step: f64, redistributed: bool) -> StepReport {
+        StepReport {
+            iteration: self.state.iteration,
+            evaluations: self.state.evaluations,
+            energy: point.evaluation.energy,
+            residual: point.residual,
+            step,
+            redistributed,
+            outcome: self.state.outcome,
+        }
+    }
+
+    /// The report of a relaxation that failed at its start.
+    fn fail(&mut self, failure: Failure, evaluation: Evaluation) -> StepReport {
+        self.state.outcome = Some(Outcome::Failed(failure));
+        StepReport {
+            iteration: self.state.iteration,
+            evaluations: self.state.evaluations,
+            energy: evaluation.energy,
+            residual: f64::INFINITY,
+            step: 0.0,
+            redistributed: false,
+            outcome: self.state.outcome,
+        }
+    }
+
+    /// The first point. Constraints are not restored where a run is resumed, so that it stays on its
+    /// way.
+    fn arrive(
+        &mut self,
+        problem: &mut (impl Problem + ?Sized),
+    ) -> Result<Point, (Failure, Evaluation)> {
+        let resumed = self.state.lowest_energy.is_some();
+        let positions = self.state.positions.clone();
+        let evaluations = self.state.evaluations;
+        let point = self.evaluate(problem, positions, !resumed)?;
+        if resumed {
+            self.state.evaluations = evaluations;
+        } else {
+            self.state.positions.clone_from(&point.positions);
+            self.state.lowest_energy = Some(point.evaluation.energy);
+        }
+        Ok(point)
+    }
+
+    /// Chooses the frame anew where the surface has turned away from it.
+    fn turn(
+        &mut self,
+        problem: &mut (impl Problem + ?Sized),
+        here: Point,
+    ) -> Result<Point, (Failure, Evaluation)> {
+        if !here.coordinates.turned(&self.places, &self.frame) {
+            return Ok(here);
+        }
+        self.state.anchor.clone_from(&here.positions);
+        self.state.last_wait = *WAIT.start();
+        self.state.wait = self.state.wait.min(*WAIT.start());
+        self.set_frame();
+        self.evaluate(problem, here.positions, false)
+    }
+
+    fn set_frame(&mut self) {
+        self.frame = Frame::new(&self.membranes, &self.places, &self.state.anchor);
+    }
+
+    fn ended(&mut self, problem: &mut (impl Problem + ?Sized), point: &Point) -> Option<Outcome> {
+        if point.residual <= self.settings.tolerance {
+            return Some(Outcome::Converged);
+        }
+        let State {
+            progress,
+            iteration,
+            ..
+        } = &mut self.state;
+        let Evaluation {
+            energy,
+            energy_scale,
+        } = point.evaluation;
+        let now = Progress {
+            residual: point.residual,
+            energy,
+            iteration: *iteration,
+        };
+        let best = progress.get_or_insert(now);
+        let falls =
+            problem.is_conservative() && energy < best.energy - 1e3 * f64::EPSILON * energy_scale;
+        if falls || point.residual < 0.99 * best.residual {
+            *best = Progress {
+                residual: best.residual.min(point.residual),
+                energy: best.energy.min(energy),
+                iteration: *iteration,
+            };
+        }
+        let idle = *iteration - best.iteration;
+        if *iteration >= self.settings.iteration_limit {
+            return Some(Outcome::IterationLimit);
+        }
+        if idle < self.settings.patience {
+            return None;
+        }
+        // Steps may have become so small because a triangle is at its limit.
+        let (sine, membrane, triangle) =
+            point
+                .coordinates
+                .narrowest(&self.membranes, &self.places, &point.positions);
+        let least = self.state.least_sine.unwrap_or(0.0);
+        Some(if sine < 1.1 * least {
+            Outcome::Failed(Failure::Distorted {
+                membrane,
+                triangle,
+                degrees: sine.asin().to_degrees(),
+            })
+        } else {
+            Outcome::Stagnated
+        })
+    }
+
+    /// Spreads the vertices of fluid membranes anew if it is time and costs little: part of what the
+    /// step gained for problems with an energy, nothing of it for the others.
+    fn spread(
+        &mut self,
+        problem: &mut (impl Problem + ?Sized),
+        before: &Point,
+        point: Point,
+    ) -> (Point, bool) {
+        if !self.settings.redistribution || self.state.newton {
+            return (point, false);
+        }
+        if self.state.wait > 1 {
+            self.state.wait -= 1;
+            return (point, false);
+        }
+        let mut positions = point.positions.clone();
+        let (membranes, places) = (&self.membranes, &self.places);
+        let moves = redistribute(membranes, places, &point.coordinates, &mut positions);
+        let spread = if moves {
+            self.evaluate(problem, positions, true).ok()
+        } else {
+            None
+        };
+        let cheap = |spread: &Point| {
+            let [e0, e1, e2] = [before, &point, spread].map(|point| point.evaluation.energy);
+            let [r0, r1, r2] = [before, &point, spread].map(|point| point.residual);
+            if problem.is_conservative() {
+                e2 <= e1 + SPENT * (e0 - e1).max(0.0)
+            } else {
+                r2 <= r0.max(r1)
+            }
+        };
+        // Less and less often, or a relaxation that is nearly at its end would be disturbed forever.
+        self.state.last_wait = (2 * self.state.last_wait).min(*WAIT.end());
+        self.state.wait = self.state.last_wait;
+        match spread.filter(cheap) {
+            Some(spread) => {
+                self.state.redistributions += 1;
+                (spread, true)
+            }
+            None => (point, false),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Held, Membrane, Motion, Problem, Settings};
+    use super::{Evaluation, Failure, Outcome, Relaxation, SetupError, State, StepReport};
+    use helfrich::{Constraint, Constraints, Juelicher, Prepared, Quantity, Surface, TriangleMesh};
+    use helfrich_mesh::generate::{AnyShape, Family, generate};
+    use std::sync::Arc;
+
+    /// Jülicher's bending energy with area and volume held.
+    struct Vesicle {
+        mesh: Arc<TriangleMesh>,
+        bending: Prepared<f64, Juelicher<f64>>,
+        held: Held,
+        groups: Vec<u32>,
+        /// The evaluation that goes wrong.
+        broken: Option<usize>,
+        evaluations: usize,
+    }
+
+    impl Vesicle {
+        /// A vesicle of reduced volume 0.9, from an ellipsoid.
+        fn new() -> (Self, Vec<[f64; 3]>) {
+            let shape: AnyShape = "ellipsoid:1,1,1.9".parse().expect("a shape");
+            let generated = generate(&shape, Family::Relaxed, 162, 0).expect("a mesh");
+            let mesh = Arc::new(generated.mesh);
+            let area = Surface::new(&mesh, &generated.positions)
+                .expect("fits")
+                .area();
+            let sphere = area * (area / std::f64::consts::PI).sqrt() / 6.0;
+            let hold = |functional, target: f64| Constraint {
+                functional,
+                targets: target.into(),
+            };
+            let constraints = Constraints {
+                constraints: vec![
+                    hold(Quantity::Area, area),
+                    hold(Quantity::Volume, 0.9 * sphere),
+                ],
+            };
+            let vesicle = Self {
+                bending: Prepared::new(Juelicher::new(1.0), &mesh),
+                held: Held::new(Arc::clone(&mesh), constraints),
+                groups: vec![0; mesh.vertex_count()],
+                mesh,
+                broken: None,
+                evaluations: 0,
+            };
+            (vesicle, generated.positions)
+        }
+
+        fn membranes(&self) -> Vec<Membrane> {
+            vec![Membrane {
+                mesh: Arc::clone(&self.mesh),
+                bending_modulus: 1.0,
+                in_plane_modulus: 0.0,
+                motion: Motion::AlongNormals,
+            }]
+        }
+    }
+
+    impl Problem for Vesicle {
+        fn is_conservative(&self) -> bool {
+            true
+        }
+
+        fn evaluate(&mut self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) -> Evaluation {
+            self.evaluations += 1;
+            force.fill([0.0; 3]);
+            let surface = Surface::new(&self.mesh, positions).expect("finite");
+            let energy = self.bending.add_force_and_energy(surface, force);
+            if self.broken.is_some_and(|broken| self.evaluations >= broken) {
+                force[7][1] = f64::NAN;
+            }
+            Evaluation::new(energy)
+        }
+
+        fn constraint_count(&self) -> usize {
+            self.held.count()
+        }
+
+        fn groups(&self) -> &[u32] {
+            &self.groups
+        }
+
+        fn constraint_gradients(
+            &mut self,
+            positions: &[[f64; 3]],
+            gradients: &mut [Vec<[f64; 3]>],
+        ) {
+            for (index, gradient) in gradients.iter_mut().enumerate() {
+                self.held.gradient(index, positions, gradient);
+            }
+        }
+
+        fn restore(&mut self, positions: &mut [[f64; 3]]) -> f64 {
+            let corrected = self.held.restore(positions);
+            corrected.map_or(f64::INFINITY, |correction| correction.residual)
+        }
+    }
+
+    #[test]
+    fn a_stored_state_continues_bit_for_bit() {
+        let (mut vesicle, positions) = Vesicle::new();
+        let membranes = vesicle.membranes();
+        let settings = Settings::default();
+        let mut whole =
+            Relaxation::new(membranes.clone(), positions.clone(), settings).expect("a start");
+        let mut expected = Vec::new();
+        let end = whole.run(&mut vesicle, |_, report| {
+            expected.push(*report);
+            true
+        });
+        assert_eq!(end.outcome, Some(Outcome::Converged));
+
+        // Stored and taken up again after every single step, by a problem that remembers nothing.
+        let mut parts = Relaxation::new(membranes.clone(), positions, settings).expect("a start");
+        let mut reports: Vec<StepReport> = Vec::new();
+        while reports.last().is_none_or(|report| report.outcome.is_none()) {
+            let (mut vesicle, _) = Vesicle::new();
+            reports.push(parts.step(&mut vesicle));
+            let bytes = postcard::to_stdvec(parts.state()).expect("encodes");
+            let state: State = postcard::from_bytes(&bytes).expect("decodes");
+            parts = Relaxation::resume(membranes.clone(), state, settings).expect("a state");
+        }
+        assert_eq!(reports, expected);
+        assert_eq!(parts.positions(), whole.positions());
+        assert_eq!(parts.state(), whole.state());
+    }
+
+    #[test]
+    fn what_goes_wrong_is_said_and_the_last_good_positions_stay() {
+        let (mut vesicle, positions) = Vesicle::new();
+        vesicle.broken = Some(6);
+        let mut relaxation =
+            Relaxation::new(vesicle.membranes(), positions, Settings::default()).expect("a start");
+        let end = relaxation.run(&mut vesicle, |_, _| true);
+        let expected = Failure::NotFinite {
+            membrane: 0,
+            vertex: 7,
+        };
+        assert_eq!(end.outcome, Some(Outcome::Failed(expected)));
+        assert!(end.iteration > 0 && end.energy.is_finite());
+        vesicle.broken = None;
+        let surface = Surface::new(&vesicle.mesh, relaxation.positions()).expect("finite");
+        let energy = vesicle.bending.energy(surface);
+        assert_eq!(energy, end.energy);
+    }
+
+    #[test]
+    fn targets_out_of_reach_are_said() {
+        let (mut vesicle, positions) = Vesicle::new();
+        // More volume than a sphere of this area has.
+        vesicle.held.constraints_mut().constraints[1].targets = 100.0.into();
+        let mut relaxation =
+            Relaxation::new(vesicle.membranes(), positions, Settings::default()).expect("a start");
+        let outcome = relaxation.step(&mut vesicle).outcome;
+        assert!(
+            matches!(
+                outcome,
+                Some(Outcome::Failed(Failure::ConstraintsLost { .. }))
+            ),
+            "{outcome:?}"
+        );
+    }
+
+    #[test]
+    fn settings_that_make_no_sense_are_refused() {
+        let (vesicle, mut positions) = Vesicle::new();
+        let mut membranes = vesicle.membranes();
+        membranes[0].bending_modulus = 0.0;
+        let refused = Relaxation::new(membranes, positions.clone(), Settings::default());
+        assert!(matches!(
+            refused.map(|_| ()),
+            Err(SetupError::Modulus { membrane: 0, .. })
+        ));
+        positions.pop();
+        let refused = Relaxation::new(vesicle.membranes(), positions, Settings::default());
+        assert!(matches!(
+            refused.map(|_| ()),
+            Err(SetupError::CountMismatch {
+                positions: 161,
+                vertices: 162
+            })
+        ));
+    }
+}

@@ -1,0 +1,126 @@
+//! Steps of Newton's for forces without an energy.
+//!
+//! Secants take the stiffness to be symmetric and positive definite. That of a method in strong form
+//! is neither on some meshes: steps by secants then go around the equilibrium. Newton's do not ask:
+//! D. A. Knoll and D. E. Keyes, J. Comput. Phys. 193 (2004) 357. They get as near as forces are
+//! continuous: those of methods that choose the vertices they fit by distance jump where the choice
+//! changes.
+
+use super::point::Point;
+use super::search::Trial;
+use super::{Failure, Relaxation};
+use crate::dynamics::Problem;
+use crate::dynamics::vector::{self, Vector};
+use crate::flow::Gmres;
+
+/// Steps without a lower residual after which Newton's are tried, and tried again: an attempt takes as
+/// many evaluations as a hundred steps.
+const IDLE: [usize; 2] = [20, 100];
+
+/// The residual of a linear solution, relative: a step of Newton's may leave as much of the force.
+const LINEAR_TOLERANCE: f64 = 1e-2;
+
+/// Directions of a linear solution, and evaluations for it, at most.
+const DIRECTIONS: usize = 150;
+const PRODUCTS: usize = 300;
+
+/// Displacements for derivatives, root mean square, in mean edges: half of the digits.
+const DISPLACEMENT: f64 = 1e-7;
+
+/// The share of a linear decrease of the residual that has to come true.
+const SUFFICIENT: f64 = 1e-4;
+
+/// How often a step may be halved.
+const HALVINGS: usize = 8;
+
+impl Relaxation {
+    /// Whether it is time to try steps of Newton's, or to go on with them.
+    pub(super) fn newton_is_due(&self, problem: &(impl Problem + ?Sized)) -> bool {
+        if problem.is_conservative() || !self.settings.preconditioned {
+            return false;
+        }
+        let best = self.state.progress.map(|progress| progress.iteration);
+        let idle = best.map_or(0, |best| self.state.iteration - best);
+        self.state.newton || IDLE.contains(&idle)
+    }
+
+    /// The next point by a step of Newton's; none if there is none with a lower residual.
+    pub(super) fn newton(
+        &mut self,
+        problem: &mut (impl Problem + ?Sized),
+        here: &Point,
+    ) -> Option<Trial> {
+        self.state.secants.clear();
+        let right = packed(&here.force);
+        let mut solution = vec![[0.0; 3]; right.len()];
+        let mut solver = Gmres::new(LINEAR_TOLERANCE);
+        (solver.restart, solver.products) = (DIRECTIONS, PRODUCTS);
+        let mut failed = false;
+        let mut apply = |y: &[Vector], product: &mut [Vector]| {
+            product.fill([0.0; 3]);
+            if failed {
+                return;
+            }
+            let force = &y.as_flattened()[..here.force.len()];
+            match self.softening(problem, here, force) {
+                Ok(found) => product.as_flattened_mut()[..found.len()].copy_from_slice(&found),
+                Err(_) => failed = true,
+            }
+        };
+        let solved = solver.solve(&mut apply, &right, &mut solution);
+        if failed || !solved.residual.is_finite() {
+            return None;
+        }
+        let force = &solution.as_flattened()[..here.force.len()];
+        let direction = self.preconditioned(problem, here, force);
+        let displacement = self.frame.expand(&self.places, &here.positions, &direction);
+        let mut step = self.longest_step(&here.positions, &displacement).min(1.0);
+        for _ in 0..HALVINGS {
+            let positions = moved(&here.positions, &displacement, step);
+            if let Ok(point) = self.evaluate(problem, positions, true)
+                && point.residual <= (1.0 - SUFFICIENT * step) * here.residual
+            {
+                return Some(Trial { point, step });
+            }
+            step *= 0.5;
+        }
+        None
+    }
+
+    /// By how much the force falls along the displacement that the preconditioner makes of a force.
+    fn softening(
+        &mut self,
+        problem: &mut (impl Problem + ?Sized),
+        here: &Point,
+        force: &[f64],
+    ) -> Result<Vec<f64>, Failure> {
+        let direction = self.preconditioned(problem, here, force);
+        let displacement = self.frame.expand(&self.places, &here.positions, &direction);
+        let squares: f64 = displacement.iter().map(|d| vector::dot(*d, *d)).sum();
+        let area: f64 = here.coordinates.areas.iter().sum();
+        if squares == 0.0 {
+            return Ok(vec![0.0; force.len()]);
+        }
+        // Sums over vertices of squared displacements and of squared edges.
+        let step = DISPLACEMENT * (area / squares).sqrt();
+        let positions = moved(&here.positions, &displacement, step);
+        let there = self.evaluate(problem, positions, false);
+        let there = there.map_err(|(failure, _)| failure)?;
+        let falls = here.force.iter().zip(&there.force);
+        Ok(falls.map(|(here, there)| (here - there) / step).collect())
+    }
+}
+
+fn moved(positions: &[Vector], displacement: &[Vector], step: f64) -> Vec<Vector> {
+    let pairs = positions.iter().zip(displacement);
+    pairs
+        .map(|(x, d)| vector::add(*x, vector::scale(step, *d)))
+        .collect()
+}
+
+/// Numbers three by three, the last filled up with 0.
+fn packed(numbers: &[f64]) -> Vec<Vector> {
+    let mut fields = vec![[0.0; 3]; numbers.len().div_ceil(3)];
+    fields.as_flattened_mut()[..numbers.len()].copy_from_slice(numbers);
+    fields
+}

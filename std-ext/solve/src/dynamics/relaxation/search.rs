@@ -1,0 +1,217 @@
+//! How far a step goes.
+
+use super::point::Point;
+use super::{Failure, Outcome, Relaxation};
+use crate::dynamics::Problem;
+use crate::dynamics::vector::{self, Vector};
+
+/// Armijo's constant: the share of the linear decrease that has to come true.
+const SUFFICIENT: f64 = 1e-4;
+
+/// Wolfe's constant: the share of the force along a step that may be left at its end.
+const CURVATURE: f64 = 0.9;
+
+/// How far beyond its zero the force along a step may be at its end, where the energy does not
+/// decide, as a share of that at its start.
+const OVERSHOOT: f64 = 0.5;
+
+/// The largest growth of the residual in a step that no energy decides on: instabilities of a shape
+/// may grow, those of a step that is too long may not.
+const LARGEST_GROWTH: f64 = 1.5;
+
+/// The largest change of an edge in a step, as a share of its length: triangles do not turn over.
+const LARGEST_STRAIN: f64 = 0.5;
+
+/// Trials for one step; each is at least a factor 10 below the one before.
+const TRIALS: usize = 24;
+
+/// How often a step that was too short is doubled.
+const EXPANSIONS: usize = 6;
+
+/// Rounding of an energy, in units of the last place of its scale.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// A point that is to become the next one, and how far it is.
+pub(super) struct Trial {
+    pub(super) point: Point,
+    pub(super) step: f64,
+}
+
+/// Why a trial is too far.
+#[derive(Clone, Copy, Debug)]
+enum TooFar {
+    Bad(Failure),
+    /// The step at which the trials so far put the best place.
+    Rises(f64),
+}
+
+impl Relaxation {
+    /// The longest step along a displacement that no edge suffers from.
+    pub(super) fn longest_step(&self, positions: &[Vector], displacement: &[Vector]) -> f64 {
+        let mut largest = 0.0f64;
+        for (membrane, place) in self.membranes.iter().zip(&self.places) {
+            let [x, d] = [positions, displacement].map(|all| &all[place.vertices()]);
+            for &[a, b] in membrane.mesh.edges() {
+                let [a, b] = [a as usize, b as usize];
+                let (edge, change) = (vector::sub(x[b], x[a]), vector::sub(d[b], d[a]));
+                let length = vector::dot(edge, edge);
+                if length > 0.0 {
+                    largest = largest.max(vector::dot(change, change) / length);
+                }
+            }
+        }
+        LARGEST_STRAIN / largest.sqrt()
+    }
+
+    /// Finds the next point along the best direction known; if there is none, along the
+    /// preconditioned force.
+    pub(super) fn advance(
+        &mut self,
+        problem: &mut (impl Problem + ?Sized),
+        here: &Point,
+    ) -> Result<Trial, Outcome> {
+        let newton = self.newton_is_due(problem);
+        if newton {
+            let trial = self.newton(problem, here);
+            self.state.newton = trial.is_some();
+            if let Some(trial) = trial {
+                return Ok(trial);
+            }
+        }
+        loop {
+            let direction = self.direction(problem, here);
+            let slope = vector::product(&here.force, &direction);
+            let steep = slope > 0.0 && slope.is_finite();
+            let found = if steep {
+                self.search(problem, here, &direction, slope)
+            } else {
+                Err((Failure::StepBelowFloor { step: 1.0 }, 0.0))
+            };
+            match found {
+                Ok(trial) => {
+                    let mut step = direction;
+                    step.iter_mut().for_each(|entry| *entry *= trial.step);
+                    let mut fall = here.force.clone();
+                    vector::add_scaled(&mut fall, -1.0, &trial.point.force);
+                    self.state.secants.push(self.settings.memory, step, fall);
+                    return Ok(trial);
+                }
+                Err(_) if !self.state.secants.is_empty() => self.state.secants.clear(),
+                Err((failure, gain)) => {
+                    let rounding = 1e3 * ROUNDING * here.evaluation.energy_scale;
+                    let lost = problem.is_conservative() && gain <= rounding;
+                    // Without an energy, the best that there is if neither way leads on.
+                    return Err(if lost || newton {
+                        Outcome::Stagnated
+                    } else {
+                        Outcome::Failed(failure)
+                    });
+                }
+            }
+        }
+    }
+
+    /// Searches along a direction. An error comes with the decrease of the energy that was expected
+    /// of the first trial.
+    fn search(
+        &mut self,
+        problem: &mut (impl Problem + ?Sized),
+        here: &Point,
+        direction: &[f64],
+        slope: f64,
+    ) -> Result<Trial, (Failure, f64)> {
+        let displacement = self.frame.expand(&self.places, &here.positions, direction);
+        let longest = self.longest_step(&here.positions, &displacement);
+        let mut step = longest.min(1.0);
+        let gain = step * slope;
+        let mut short: Option<Trial> = None;
+        let mut expansions = 0;
+        let mut failure = Failure::StepBelowFloor { step };
+        for _ in 0..TRIALS {
+            let moved = |(x, d): (&Vector, &Vector)| vector::add(*x, vector::scale(step, *d));
+            let positions = here
+                .positions
+                .iter()
+                .zip(&displacement)
+                .map(moved)
+                .collect();
+            let trial = self.evaluate(problem, positions, true);
+            let judged = match trial {
+                Ok(point) => {
+                    let left = vector::product(&point.force, direction);
+                    match self.too_far(problem, here, &point, step, slope, left) {
+                        Some(shorter) => Err(TooFar::Rises(shorter)),
+                        None => Ok((point, left)),
+                    }
+                }
+                Err((failure, _)) => Err(TooFar::Bad(failure)),
+            };
+            match judged {
+                Ok((point, left)) => {
+                    let trial = Trial { point, step };
+                    let enough =
+                        left <= CURVATURE * slope || step >= longest || expansions >= EXPANSIONS;
+                    if enough {
+                        return Ok(trial);
+                    }
+                    // Where it was too far before, a step that is merely short will do.
+                    if expansions == 0 && step < longest.min(1.0) {
+                        return Ok(trial);
+                    }
+                    expansions += 1;
+                    step = (2.0 * step).min(longest);
+                    short = Some(trial);
+                }
+                Err(reason) => {
+                    if let Some(trial) = short {
+                        return Ok(trial);
+                    }
+                    step = match reason {
+                        TooFar::Bad(bad) => {
+                            failure = bad;
+                            0.25 * step
+                        }
+                        TooFar::Rises(shorter) => {
+                            failure = Failure::StepBelowFloor { step };
+                            shorter
+                        }
+                    };
+                }
+            }
+        }
+        Err((failure, gain))
+    }
+
+    /// Whether a point is too far along a direction: then a better step.
+    fn too_far(
+        &self,
+        problem: &(impl Problem + ?Sized),
+        here: &Point,
+        there: &Point,
+        step: f64,
+        slope: f64,
+        left: f64,
+    ) -> Option<f64> {
+        // Where the force along the way vanishes if it falls evenly.
+        let secant = step * (slope / (slope - left)).clamp(0.1, 0.7);
+        if !problem.is_conservative() {
+            let wild = there.residual > LARGEST_GROWTH * here.residual;
+            return (wild || left < -OVERSHOOT * slope).then_some(secant);
+        }
+        let (before, after) = (here.evaluation, there.evaluation);
+        let rounding = ROUNDING * before.energy_scale.max(after.energy_scale);
+        let rise = after.energy - before.energy;
+        if rise <= -SUFFICIENT * step * slope {
+            return None;
+        }
+        // W. W. Hager and H. Zhang, SIAM J. Optim. 16 (2005) 170: where the energy is rounding, the
+        // force decides.
+        let lowest = self.state.lowest_energy.unwrap_or(before.energy);
+        if after.energy <= lowest + rounding && left >= -OVERSHOOT * slope {
+            return None;
+        }
+        let parabola = 0.5 * step * slope / (slope + rise / step);
+        let shorter = if rise > rounding { parabola } else { secant };
+        Some(shorter.clamp(0.1 * step, 0.7 * step))
+    }
+}

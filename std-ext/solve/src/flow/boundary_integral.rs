@@ -1,0 +1,15 @@
+//! Layers of Stokes flow on triangulated surfaces.
+//!
+//! C. Pozrikidis, Boundary Integral and Singularity Methods for Linearized Viscous Flow, Cambridge
+//! University Press 1992, chapters 2, 4 and 5.
+
+pub mod alone;
+mod double_layer;
+mod geometry;
+mod kernel;
+mod panel;
+mod single_layer;
+mod sums;
+
+pub use double_layer::DoubleLayer;
+pub use single_layer::SingleLayer;

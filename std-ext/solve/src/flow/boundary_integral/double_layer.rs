@@ -1,0 +1,413 @@
+//! The double layer on surfaces between fluids of different viscosities.
+
+use super::geometry::{Geometry, Near};
+use super::kernel::{Kernel, SolidAngle, Stresslet, StressletPressure, source};
+use super::panel::Panel;
+use super::sums;
+use crate::flow::{Gmres, Solved};
+use glam::DVec3;
+use helfrich::TriangleMesh;
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+use std::ops::Range;
+
+/// `−6/(8π)`, the factors of T and of the integral.
+const FACTOR: f64 = -0.75 / PI;
+
+/// The velocity that fluids of other viscosities inside closed surfaces contribute.
+///
+/// With λ_j the viscosity inside surface j over that of the fluid outside of all surfaces, and Λ_j
+/// the same of the fluid around surface j, which is 1 unless it lies in another one, the velocity on
+/// the surfaces obeys
+///
+/// `u(x₀) = b(x₀) + Σ_j (Λ_j − λ_j)/(8π) ∫_j [u(x) − u(x₀)]·T(x − x₀)·n dS`, `T(r) = −6 r r r/r⁵`,
+///
+/// where n points outward and b is the ambient flow plus the [single layer](super::SingleLayer) of the
+/// outer viscosity. [`Self::solve`] solves this linear equation. At other points of the fluid
+///
+/// `λ u(x₀) = b(x₀) + Σ_j (Λ_j − λ_j)/(8π) ∫_j u(x)·T(x − x₀)·n dS`,
+///
+/// λ the viscosity there over that of the outer fluid, [`Self::viscosity_ratios`]; and the pressure
+/// is the sum of those of b and `μ Σ_j (Λ_j − λ_j)/(2π) ∫_j u·∇∇(1/r)·n dS`, μ the outer viscosity, on
+/// both sides.
+///
+/// Surfaces are outside each other or, with [`Self::set_surroundings`], nested. Positions and velocities
+/// are those of all surfaces, one after the other; surfaces with λ = Λ take no time.
+///
+/// # Nested surfaces
+/// The reciprocal theorem in the fluid of each viscosity, added up, has the stresses of both sides of a
+/// surface in the single layer and the difference of viscosities in the double layer; on surface i
+/// (Λ_i + λ_i)/2 takes the place of λ, and the integrals are principal values. There `∫_j T·n dS` is
+/// 0 outside of j, −4π on it and −8π inside: what is taken away with u(x₀) is
+/// `u(x₀) (Λ_i − λ_i)/2` of surface i and `u(x₀) Σ (Λ_j − λ_j) = u(x₀) (1 − Λ_i)` of those around it,
+/// whose terms cancel but for the first and the last. All in all the factor of u(x₀) is 1 on every
+/// surface, nested or not.
+///
+/// # Quadrature
+/// Triangles are flat, u is linear on them, and points are those of the single layer. Of triangles
+/// that it halves, what u is at their nearest point is integrated exactly here, and the rest in
+/// parts. Triangles around x₀ lie in planes through it and give nothing. The error is of second order
+/// in the edge length whatever the distance of surfaces; that of the pressure is as there.
+///
+/// Results do not depend on the number of threads.
+#[derive(Clone, Debug)]
+pub struct DoubleLayer {
+    /// Number of threads.
+    pub threads: NonZeroUsize,
+    viscosity_ratios: Vec<f64>,
+    /// Λ − λ of each surface.
+    drops: Vec<f64>,
+    /// The surfaces, each after the one that contains it.
+    order: Vec<usize>,
+    /// Whether each surface is closed.
+    closed: Vec<bool>,
+    geometry: Geometry,
+    velocities: Vec<DVec3>,
+    /// For each edge its middle, a third of the triangles' normals times area and Λ − λ, and the
+    /// velocity.
+    sources: Vec<[f64; 9]>,
+}
+
+impl DoubleLayer {
+    /// The double layer on these surfaces, which are outside each other, before velocities are set.
+    /// Viscosity ratios must be positive and finite.
+    ///
+    /// # Panics
+    /// If there is not one viscosity ratio per surface, or 2³² vertices or more.
+    pub fn new<'a>(
+        meshes: impl IntoIterator<Item = &'a TriangleMesh>,
+        viscosity_ratios: &[f64],
+        threads: NonZeroUsize,
+    ) -> Self {
+        let mut closed = Vec::new();
+        let geometry = Geometry::new(meshes.into_iter().inspect(|mesh| {
+            closed.push(mesh.is_closed());
+        }));
+        assert_eq!(
+            viscosity_ratios.len(),
+            geometry.surfaces.len(),
+            "one viscosity ratio a surface"
+        );
+        Self {
+            threads,
+            viscosity_ratios: viscosity_ratios.to_vec(),
+            drops: viscosity_ratios.iter().map(|ratio| 1.0 - ratio).collect(),
+            order: (0..closed.len()).collect(),
+            closed,
+            geometry,
+            velocities: Vec::new(),
+            sources: Vec::new(),
+        }
+    }
+
+    /// Sets, for each surface, the innermost surface that contains all of it, whose fluid surrounds it.
+    /// Open surfaces have the surrounding fluid on both sides. Set positions afterwards.
+    ///
+    /// # Panics
+    /// If there is not one entry per surface, or if surfaces contain each other in a cycle.
+    pub fn set_surroundings(&mut self, surroundings: &[Option<usize>]) {
+        let count = self.viscosity_ratios.len();
+        assert_eq!(surroundings.len(), count, "one entry a surface");
+        let depth = |surface: usize| {
+            let chain =
+                std::iter::successors(surroundings[surface], |&around| surroundings[around]);
+            let depth = chain.take(count + 1).count();
+            assert!(depth < count, "surface {surface} lies in itself");
+            depth
+        };
+        self.order.sort_by_key(|&surface| depth(surface));
+        for (surface, around) in surroundings.iter().enumerate() {
+            let outside = around.map_or(1.0, |around| self.viscosity_ratios[around]);
+            self.drops[surface] = match self.closed[surface] {
+                true => outside - self.viscosity_ratios[surface],
+                false => 0.0,
+            };
+        }
+        self.velocities.clear();
+    }
+
+    /// Number of vertices of all surfaces.
+    pub fn vertex_count(&self) -> usize {
+        self.geometry.vertex_count()
+    }
+
+    /// Sets positions; all velocities are zero then.
+    ///
+    /// # Panics
+    /// If there is not one position per vertex.
+    pub fn set_positions(&mut self, positions: &[[f64; 3]]) {
+        self.geometry.place(positions);
+        self.velocities.clear();
+        self.velocities.resize(positions.len(), DVec3::ZERO);
+        self.sources.clear();
+        for (edge, drop) in edges(&self.geometry, &self.drops) {
+            let [one, other] = self.geometry.normals(edge);
+            let normal = drop / 6.0 * (one + other);
+            let middle = self.geometry.middle(edge);
+            self.sources.push(source(&[middle, normal, DVec3::ZERO]));
+        }
+    }
+
+    /// Sets the velocity u at every vertex.
+    ///
+    /// # Panics
+    /// If there is not one velocity per vertex, or no positions have been set.
+    pub fn set_velocities(&mut self, velocity: &[[f64; 3]]) {
+        self.assert_placed();
+        assert_eq!(
+            velocity.len(),
+            self.vertex_count(),
+            "one velocity per vertex"
+        );
+        let rows = velocity.iter().copied().map(DVec3::from);
+        self.velocities.clear();
+        self.velocities.extend(rows);
+        let edges = edges(&self.geometry, &self.drops);
+        for ((edge, _), source) in edges.zip(&mut self.sources) {
+            let velocity = self.geometry.mean(edge, &self.velocities);
+            source[6..].copy_from_slice(&velocity.to_array());
+        }
+    }
+
+    /// Adds `Σ_j (Λ_j − λ_j)/(8π) ∫_j [u(x) − u(x₀)]·T(x − x₀)·n dS` at every vertex x₀.
+    ///
+    /// # Panics
+    /// If there is not one velocity per vertex, or no positions have been set.
+    pub fn add_at_vertices(&self, sum: &mut [[f64; 3]]) {
+        self.assert_placed();
+        assert_eq!(sum.len(), self.vertex_count(), "one velocity per vertex");
+        let geometry = &self.geometry;
+        let target = |vertex: usize| source(&[geometry.position(vertex), self.velocities[vertex]]);
+        sums::add(
+            Stresslet,
+            self.threads,
+            &self.sources,
+            FACTOR,
+            sum,
+            target,
+            |vertex| {
+                let at = geometry.position(vertex);
+                self.lacking(geometry.near_vertex(vertex), at, self.velocities[vertex])
+            },
+        );
+    }
+
+    /// Adds `Σ_j (Λ_j − λ_j)/(8π) ∫_j u(x)·T(x − x₀)·n dS` at points of the fluid x₀, on either side of
+    /// the surfaces. The velocity there is the sum of everything over [`Self::viscosity_ratios`].
+    ///
+    /// # Panics
+    /// If the numbers of points and velocities differ, or no positions have been set.
+    pub fn add_at_points(&self, points: &[[f64; 3]], sum: &mut [[f64; 3]]) {
+        self.assert_placed();
+        assert_eq!(sum.len(), points.len(), "one velocity a point");
+        let target = |point: usize| source(&[points[point].into(), DVec3::ZERO]);
+        sums::add(
+            Stresslet,
+            self.threads,
+            &self.sources,
+            FACTOR,
+            sum,
+            target,
+            |point| {
+                let at = points[point].into();
+                let near = self.geometry.near_point(at, 1);
+                let near = near.map(|number| (number, Near::Across));
+                self.lacking(near, at, DVec3::ZERO)
+            },
+        );
+    }
+
+    /// Adds the pressure at points of the fluid, on either side of the surfaces, for an outer fluid
+    /// of viscosity μ. The result is not divided by a viscosity ratio.
+    ///
+    /// # Panics
+    /// If the numbers of points and pressures differ, or no positions have been set.
+    pub fn add_pressure_at_points(
+        &self,
+        viscosity: f64,
+        points: &[[f64; 3]],
+        pressure: &mut [f64],
+    ) {
+        self.assert_placed();
+        assert_eq!(pressure.len(), points.len(), "one pressure a point");
+        sums::add(
+            StressletPressure,
+            self.threads,
+            &self.sources,
+            viscosity / (2.0 * PI),
+            pressure.as_chunks_mut().0,
+            |point| points[point],
+            |point| {
+                let at = points[point].into();
+                let lacking = |number| {
+                    let panel = self.geometry.panel(number);
+                    let drop = self.drop(number);
+                    let values = panel.of(&self.velocities);
+                    let [near] = panel.stresslet_pressures(at, values);
+                    let sources = sources(panel, drop, values);
+                    let [far] = by_middles(StressletPressure, points[point], &sources);
+                    drop * near - far
+                };
+                [self.geometry.near_point(at, 2).map(lacking).sum()]
+            },
+        );
+    }
+
+    /// Sets each entry to the viscosity at a point of the fluid over that of the outer fluid: λ_j of
+    /// the innermost surface j that it is inside of, and 1 outside of all. Whether a point is inside
+    /// is the solid angle under which it sees the surface, to rounding right at any distance.
+    ///
+    /// # Panics
+    /// If the numbers of points and ratios differ, or no positions have been set.
+    pub fn viscosity_ratios(&self, points: &[[f64; 3]], ratios: &mut [f64]) {
+        self.assert_placed();
+        assert_eq!(ratios.len(), points.len(), "one ratio a point");
+        ratios.fill(1.0);
+        let mut turns = vec![[0.0]; points.len()];
+        for &surface in &self.order {
+            let drop = self.drops[surface];
+            if drop == 0.0 {
+                continue;
+            }
+            let triangles = &self.geometry.surfaces[surface].triangles;
+            turns.fill([0.0]);
+            sums::add(
+                SolidAngle,
+                self.threads,
+                self.sources_of(surface),
+                (4.0 * PI * drop).recip(),
+                &mut turns,
+                |point| points[point],
+                |point| self.lacking_angle(triangles, points[point].into()),
+            );
+            for (entry, [turns]) in ratios.iter_mut().zip(&turns) {
+                if *turns > 0.5 {
+                    *entry = self.viscosity_ratios[surface];
+                }
+            }
+        }
+    }
+
+    /// The sources on a surface where viscosities differ.
+    fn sources_of(&self, surface: usize) -> &[[f64; 9]] {
+        let parts = self.geometry.surfaces.iter().zip(&self.drops);
+        let before = parts.take(surface).filter(|&(_, &drop)| drop != 0.0);
+        let first = before.map(|(part, _)| part.edges.len()).sum::<usize>();
+        &self.sources[first..][..self.geometry.surfaces[surface].edges.len()]
+    }
+
+    /// Solves `u = b + Σ_j (Λ_j − λ_j)/(8π) ∫_j [u − u(x₀)]·T·n dS` on the surfaces: `right` is b, and
+    /// `velocity` u, its first guess before. The velocities of the layer are u then, converged or
+    /// not.
+    ///
+    /// # Panics
+    /// If there is not one entry of `right` and `velocity` per vertex, or no positions have been set.
+    pub fn solve(
+        &mut self,
+        gmres: &mut Gmres,
+        right: &[[f64; 3]],
+        velocity: &mut [[f64; 3]],
+    ) -> Solved {
+        let mut apply = |velocity: &[[f64; 3]], product: &mut [[f64; 3]]| {
+            self.set_velocities(velocity);
+            product.fill([0.0; 3]);
+            self.add_at_vertices(product);
+            let rows = product.as_flattened_mut().iter_mut();
+            for (product, velocity) in rows.zip(velocity.as_flattened()) {
+                *product = velocity - *product;
+            }
+        };
+        let solved = gmres.solve(&mut apply, right, velocity);
+        self.set_velocities(velocity);
+        solved
+    }
+
+    fn assert_placed(&self) {
+        assert_eq!(
+            self.velocities.len(),
+            self.vertex_count(),
+            "positions are set before velocities"
+        );
+    }
+
+    /// Λ − λ of the surface of a triangle.
+    fn drop(&self, number: usize) -> f64 {
+        let surface = self
+            .geometry
+            .surfaces
+            .partition_point(|part| part.triangles.end <= number);
+        self.drops[surface]
+    }
+
+    /// The correction by near triangles at a point with this velocity.
+    fn lacking(
+        &self,
+        near: impl Iterator<Item = (usize, Near)>,
+        at: DVec3,
+        velocity: DVec3,
+    ) -> [f64; 3] {
+        let target = source(&[at, velocity]);
+        let mut sum = DVec3::ZERO;
+        for (number, near) in near {
+            let drop = self.drop(number);
+            if drop == 0.0 {
+                continue;
+            }
+            let panel = self.geometry.panel(number);
+            let values = panel.of(&self.velocities);
+            let relative = values.map(|value| value - velocity);
+            let better = match near {
+                Near::Beside => panel.stresslets_beside(at, relative),
+                Near::Across => panel.stresslets(at, relative),
+            };
+            let far = by_middles(Stresslet, target, &sources(panel, drop, values));
+            sum += drop * DVec3::from(better) - DVec3::from(far);
+        }
+        sum.to_array()
+    }
+
+    /// The correction by near triangles of a surface to its solid angle times Λ − λ.
+    fn lacking_angle(&self, range: &Range<usize>, at: DVec3) -> [f64; 1] {
+        let near = self.geometry.near_point(at, 1);
+        let lacking = |number| {
+            let panel = self.geometry.panel(number);
+            let drop = self.drop(number);
+            let sources = sources(panel, drop, [DVec3::ZERO; 3]);
+            let [far] = by_middles(SolidAngle, at.to_array(), &sources);
+            drop * panel.solid_angle(at) - far
+        };
+        [near
+            .filter(|number| range.contains(number))
+            .map(lacking)
+            .sum()]
+    }
+}
+
+/// The edges with sources, and Λ − λ of each.
+fn edges(geometry: &Geometry, drops: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+    let surfaces = geometry.surfaces.iter().zip(drops);
+    surfaces
+        .filter(|&(_, &drop)| drop != 0.0)
+        .flat_map(|(part, &drop)| part.edges.clone().map(move |edge| (edge, drop)))
+}
+
+/// The contribution of a triangle to the midpoints of its edges.
+fn sources(panel: Panel<'_>, drop: f64, velocities: [DVec3; 3]) -> [[f64; 9]; 3] {
+    let normal = drop / 6.0 * panel.doubled_normal();
+    panel
+        .points(velocities)
+        .map(|(x, u)| source(&[x, normal, u]))
+}
+
+/// The contribution of one triangle to the sum over all sources.
+fn by_middles<K: Kernel<T, 9, N>, const T: usize, const N: usize>(
+    kernel: K,
+    target: [f64; T],
+    sources: &[[f64; 9]; 3],
+) -> [f64; N] {
+    let mut sum = [0.0; N];
+    for source in sources {
+        sum = kernel.add(pulp::Scalar, target, source, sum);
+    }
+    sum
+}

@@ -1,0 +1,285 @@
+//! The lattice Boltzmann method: viscous fluid with inertia in a box, with walls, obstacles and
+//! membranes.
+//!
+//! Everything is in lattice units: the distance of nodes, the time of a step and the density at
+//! rest are 1, and the speed of sound is 1/√3. [`Units`] converts. Node (i, j, k) is at
+//! (i + ½, j + ½, k + ½); a box of n cells reaches from 0 to n, and that is where its walls are.
+//!
+//! Nineteen populations a node (D3Q19) relax with two times, Λ = 3/16, to the equilibrium of second
+//! order in the velocity, or of first order, which is Stokes flow as far as the fluid's slight
+//! compressibility goes: density deviates from 1 by 3 times the pressure.
+//! The error is of second order in the distance of nodes, and in the Mach number.
+//!
+//! T. Krüger et al., The Lattice Boltzmann Method, Springer 2017.
+
+mod boundary;
+mod collision;
+mod error;
+mod force;
+mod immersed;
+mod obstacle;
+mod reading;
+mod setup;
+mod stencil;
+mod units;
+mod vectors;
+mod viscosity;
+mod voxel;
+
+pub use error::LatticeError;
+pub use immersed::{Immersed, Kernel};
+pub use reading::Node;
+pub use setup::{Setup, Sides};
+pub use units::{Units, mach, memory, reynolds};
+
+use boundary::Links;
+use collision::{Fluid, Slab};
+use force::{NodalForces, NodalVelocities};
+use pulp::Arch;
+use serde::{Deserialize, Serialize};
+use std::array;
+use stencil::{Layout, Q, VELOCITIES, along, opposite, weight, wrapped};
+use vectors::Vectors;
+use viscosity::NodalViscosities;
+
+/// The numbers that a lattice computes with: `f32` and `f64`.
+///
+/// Populations are stored as what they deviate by from rest, so that `f32` rounds at 6·10⁻⁸ of the
+/// deviations.
+pub trait Precision: Vectors {}
+
+impl Precision for f32 {}
+impl Precision for f64 {}
+
+fn number<T: Precision>(value: T) -> f64 {
+    value.to_f64().unwrap_or(f64::NAN)
+}
+
+/// The state that changes from step to step. A lattice of the same setup, forces, viscosities and
+/// obstacles continues from it bit for bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State<T> {
+    cells: [usize; 3],
+    steps: u64,
+    populations: Vec<T>,
+}
+
+/// Fluid on the nodes of a box.
+///
+/// Populations are kept once: a step reads each from its place and writes to the same place, so
+/// that planes are shared out among threads without any copy (pattern "AA").
+#[derive(Clone, Debug)]
+pub struct Lattice<T> {
+    setup: Setup,
+    layout: Layout,
+    state: State<T>,
+    force: [f64; 3],
+    forces: Option<NodalForces<T>>,
+    /// The velocities at the start of the last step, if they were to be kept.
+    velocities: Option<NodalVelocities<T>>,
+    viscosities: Option<NodalViscosities<T>>,
+    /// For each node the surface that it lies in, 0 in the fluid.
+    labels: Option<Vec<u16>>,
+    obstacles: usize,
+    links: Links<T>,
+}
+
+impl<T: Precision> Lattice<T> {
+    /// Fluid at rest.
+    ///
+    /// # Errors
+    /// If a parameter is impossible, or there is not enough memory.
+    pub fn new(setup: Setup) -> Result<Self, LatticeError> {
+        let layout = Layout::new::<T>(setup.cells)?;
+        setup.check()?;
+        let mut populations = Vec::new();
+        (populations.try_reserve_exact(layout.slots())).map_err(|_| LatticeError::NoMemory {
+            bytes: layout.slots() * size_of::<T>(),
+        })?;
+        populations.resize(layout.slots(), T::zero());
+        Ok(Self {
+            links: Links::new(&layout, &setup.sides, None),
+            state: State {
+                cells: setup.cells,
+                steps: 0,
+                populations,
+            },
+            layout,
+            setup,
+            force: [0.0; 3],
+            forces: None,
+            velocities: None,
+            viscosities: None,
+            labels: None,
+            obstacles: 0,
+        })
+    }
+
+    /// The setup of the lattice.
+    pub fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// Number of nodes along each axis.
+    pub fn cells(&self) -> [usize; 3] {
+        self.layout.cells
+    }
+
+    /// Number of steps since the start.
+    pub fn steps(&self) -> u64 {
+        self.state.steps
+    }
+
+    /// Memory in bytes that all of this takes.
+    pub fn bytes(&self) -> usize {
+        let forces = self.forces.as_ref().map_or(0, |_| 3 * size_of::<T>());
+        let velocities = self.velocities.as_ref().map_or(0, |_| 3 * size_of::<T>());
+        let viscosities = self.viscosities.as_ref().map_or(0, |_| size_of::<T>());
+        let labels = self.labels.as_ref().map_or(0, |_| size_of::<u16>());
+        self.layout.slots() * size_of::<T>()
+            + self.layout.nodes() * (forces + velocities + viscosities + labels)
+            + self.links.bytes()
+    }
+
+    /// The state to store in order to continue later.
+    pub fn state(&self) -> &State<T> {
+        &self.state
+    }
+
+    /// Goes on from a stored state. Forces on walls and obstacles are 0 until the next step.
+    ///
+    /// # Errors
+    /// If it is that of a lattice of another size.
+    pub fn restore(&mut self, state: State<T>) -> Result<(), LatticeError> {
+        if state.cells != self.state.cells
+            || state.populations.len() != self.state.populations.len()
+        {
+            return Err(LatticeError::OtherState {
+                found: state.cells,
+                populations: state.populations.len(),
+                cells: self.state.cells,
+                expected: self.state.populations.len(),
+            });
+        }
+        self.state = state;
+        self.links.forget();
+        Ok(())
+    }
+
+    /// Sets density and velocity of every node, in equilibrium but for the forces.
+    pub fn fill(&mut self, mut node: impl FnMut([usize; 3]) -> Node) {
+        let odd = self.odd();
+        for number in 0..self.layout.nodes() {
+            let cell = self.layout.cell(number);
+            let Node { density, velocity } = node(cell);
+            let force = self.force_at(number);
+            let (mass, inertia) = if self.setup.inertia {
+                (density, 1.0)
+            } else {
+                (1.0, 0.0)
+            };
+            let squared: f64 = velocity.iter().map(|u| u * u).sum();
+            for direction in 0..Q {
+                let along_u = along(direction, velocity);
+                let linear = mass * along_u - 0.5 * along(direction, force);
+                let quadratic = mass * inertia * (4.5 * along_u * along_u - 1.5 * squared);
+                let deviation = weight(direction) * (density - 1.0 + 3.0 * linear + quadratic);
+                let place = self.layout.place(odd, direction, cell);
+                self.state.populations[place] = T::constant(deviation);
+            }
+        }
+    }
+
+    /// Goes on by a number of steps.
+    pub fn advance(&mut self, steps: u64) {
+        for _ in 0..steps {
+            self.step(None);
+        }
+    }
+
+    /// Goes on by one step and keeps the velocities that it began with, with the half of all forces
+    /// that a [`Node`] has, in the rows along x that have forces on single nodes. They come from the
+    /// collisions: it takes no second look at the populations.
+    ///
+    /// They are rounded to the lattice's numbers, and there until the next such step.
+    pub fn advance_keeping_velocities(&mut self) {
+        let layout = &self.layout;
+        let mut kept = (self.velocities.take()).unwrap_or_else(|| NodalVelocities::new(layout));
+        kept.keep(self.forces.as_ref());
+        self.step(Some(&mut kept));
+        self.velocities = Some(kept);
+    }
+
+    fn step(&mut self, velocities: Option<&mut NodalVelocities<T>>) {
+        let odd = self.odd();
+        let fluid = Fluid {
+            tripled_viscosity: T::constant(3.0 * self.setup.viscosity),
+            viscosities: self.viscosities.as_ref(),
+            force: self.force.map(T::constant),
+            forces: self.forces.as_ref(),
+            inertia: if self.setup.inertia {
+                T::one()
+            } else {
+                T::zero()
+            },
+        };
+        let layout = self.layout;
+        let share = layout.cells[2].div_ceil(self.setup.threads.get());
+        let mut planes = planes(&layout, odd, &mut self.state.populations);
+        let mut velocities = velocities.map(|velocities| velocities.slabs(share));
+        std::thread::scope(|scope| {
+            let slab = |(number, planes)| Slab {
+                planes,
+                first: number * share,
+                odd,
+                layout,
+                fluid,
+                velocities: velocities.as_mut().and_then(Iterator::next),
+            };
+            let mut slabs = planes.chunks_mut(share).enumerate().map(slab);
+            let own = slabs.next();
+            for slab in slabs {
+                scope.spawn(move || Arch::new().dispatch(slab));
+            }
+            if let Some(slab) = own {
+                Arch::new().dispatch(slab);
+            }
+        });
+        self.links.bounce_back(&mut self.state.populations, odd);
+        self.state.steps += 1;
+    }
+
+    fn kept_velocities(&self) -> Option<&NodalVelocities<T>> {
+        self.velocities.as_ref()
+    }
+
+    fn is_periodic(&self, axis: usize) -> bool {
+        self.setup.sides[axis] == Sides::Periodic
+    }
+
+    fn odd(&self) -> bool {
+        self.state.steps % 2 == 1
+    }
+
+    fn assert_inside(&self, cell: [usize; 3]) {
+        let cells = self.layout.cells;
+        let inside = (0..3).all(|axis| cell[axis] < cells[axis]);
+        assert!(inside, "there is no node {cell:?} among {cells:?}");
+    }
+}
+
+/// For each plane, the sheets in which its nodes find the populations of each direction.
+fn planes<'a, T>(layout: &Layout, odd: bool, populations: &'a mut [T]) -> Vec<[&'a mut [T]; Q]> {
+    let count = layout.cells[2];
+    let mut planes = Vec::from_iter((0..count).map(|_| array::from_fn(|_| <&mut [T]>::default())));
+    for (number, sheet) in populations.chunks_exact_mut(layout.sheet).enumerate() {
+        let (z, stored) = (number / Q, number % Q);
+        if odd {
+            let direction = opposite(stored);
+            planes[wrapped(z, VELOCITIES[direction][2], count)][direction] = sheet;
+        } else {
+            planes[z][stored] = sheet;
+        }
+    }
+    planes
+}

@@ -1,0 +1,620 @@
+//! Points that move with the fluid, and the forces on it that they carry.
+//!
+//! C. S. Peskin, Acta Numerica 11 (2002) 479; the kernel of three points: A. M. Roma, C. S. Peskin,
+//! M. J. Berger, J. Comput. Phys. 153 (1999) 509.
+
+mod response;
+
+use crate::flow::lattice_boltzmann::force::{ForceSlab, NodalVelocities, checked_force};
+use crate::flow::lattice_boltzmann::reading::{Moments, Row};
+use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
+use serde::{Deserialize, Serialize};
+use std::array;
+
+/// Fewer points than this take less time than to start a thread.
+const POINTS_A_THREAD: usize = 1024;
+
+/// Fewer nodes than this between two parts of a row take less time than another part: they share
+/// cache lines with them.
+const NODES_LEFT_OUT: usize = 16;
+
+/// How a point is spread over the nodes around it: a product φ(x) φ(y) φ(z) of the distances.
+///
+/// Each satisfies Σ φ = 1 and Σ r φ = 0 over the nodes for every point: forces and torques are
+/// conserved, and linear fields are interpolated exactly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kernel {
+    /// 1 − |r|: linear interpolation. The sharpest; edges of membranes at most 1.5 nodes long.
+    Two,
+    /// Continuously differentiable, with Σ φ² = 1/2.
+    Three,
+    /// Continuously differentiable, with Σ φ² = 3/8, and as much on even nodes as on odd ones.
+    Four,
+}
+
+impl Kernel {
+    /// Number of nodes along each axis.
+    pub fn points(self) -> usize {
+        match self {
+            Self::Two => 2,
+            Self::Three => 3,
+            Self::Four => 4,
+        }
+    }
+
+    /// φ at a distance in units of the distance of nodes; 0 beyond half of [`Self::points`].
+    pub fn weight(self, distance: f64) -> f64 {
+        let r = distance.abs();
+        match self {
+            Self::Two => (1.0 - r).max(0.0),
+            Self::Three if r <= 0.5 => (1.0 + (1.0 - 3.0 * r * r).sqrt()) / 3.0,
+            Self::Three if r <= 1.5 => {
+                let s = 1.0 - r;
+                (5.0 - 3.0 * r - (1.0 - 3.0 * s * s).sqrt()) / 6.0
+            }
+            Self::Four if r <= 1.0 => (3.0 - 2.0 * r + (1.0 + 4.0 * r * (1.0 - r)).sqrt()) / 8.0,
+            Self::Four if r <= 2.0 => {
+                let squared = 12.0 * r - 7.0 - 4.0 * r * r;
+                (5.0 - 2.0 * r - squared.sqrt()) / 8.0
+            }
+            Self::Three | Self::Four => 0.0,
+        }
+    }
+
+    /// The first node that a coordinate reaches, and [`Self::weight`] there and at those that follow:
+    /// one square root serves all of them.
+    fn weights(self, coordinate: f64) -> (f64, [f64; 4]) {
+        match self {
+            Self::Two => {
+                let first = (coordinate - 0.5).floor();
+                let r = coordinate - 0.5 - first;
+                (first, [1.0 - r, r, 0.0, 0.0])
+            }
+            Self::Three => {
+                let middle = coordinate.floor();
+                let r = coordinate - 0.5 - middle;
+                let root = (1.0 - 3.0 * r * r).sqrt();
+                let [before, after] = [-r, r].map(|r| (2.0 + 3.0 * r - root) / 6.0);
+                (middle - 1.0, [before, (1.0 + root) / 3.0, after, 0.0])
+            }
+            Self::Four => {
+                let before = (coordinate - 0.5).floor();
+                let r = coordinate - 0.5 - before;
+                let root = (1.0 + 4.0 * r * (1.0 - r)).sqrt();
+                let [far, near] = [-root, root].map(|root| (3.0 - 2.0 * r + root) / 8.0);
+                let [after_near, after_far] =
+                    [root, -root].map(|root| (1.0 + 2.0 * r + root) / 8.0);
+                (before - 1.0, [far, near, after_near, after_far])
+            }
+        }
+    }
+}
+
+/// Points in the fluid, such as the vertices of membranes.
+///
+/// A step of membranes is: [`Self::place`] the vertices, [`Lattice::clear_forces`],
+/// [`Self::spread`] their forces, [`Lattice::advance_keeping_velocities`],
+/// [`Self::interpolate_kept`], and move the vertices.
+///
+/// Points may lie anywhere on periodic axes. Between walls all of their nodes must be there: half a
+/// node of distance from the wall for two points, 1 for three, 3/2 for four. Nodes inside obstacles
+/// are nodes like any others: what is spread to them does not reach the fluid.
+#[derive(Clone, Debug)]
+pub struct Immersed {
+    kernel: Kernel,
+    /// The size of the lattice in which the points were placed.
+    cells: [usize; 3],
+    stencils: Vec<Stencil>,
+    rows: Rows,
+    /// The values at the nodes of all parts of rows.
+    nodes: Vec<[f64; 3]>,
+    /// ½/ρ of each: the velocity that a unit force adds.
+    responses: Vec<f64>,
+}
+
+/// The nodes of a point.
+#[derive(Clone, Copy, Debug)]
+struct Stencil {
+    /// The first along each axis, in the lattice.
+    first: [usize; 3],
+    weights: [[f64; 4]; 3],
+}
+
+/// Parts of rows along x that contain all nodes of all points.
+#[derive(Clone, Debug, Default)]
+struct Rows {
+    /// For each row of the lattice, counted along y, then z, its parts: two, for where a closed
+    /// membrane goes in and out.
+    parts: Vec<[Part; 2]>,
+    /// All parts, in their order.
+    runs: Vec<Row>,
+    /// Number of nodes in all parts.
+    nodes: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    start: usize,
+    end: usize,
+    /// Where its velocities start among those of all parts.
+    offset: usize,
+}
+
+impl Part {
+    /// Behind all others.
+    const NONE: Self = Self {
+        start: usize::MAX,
+        end: usize::MAX,
+        offset: 0,
+    };
+
+    fn extend(&mut self, start: usize, end: usize) {
+        (self.start, self.end) = (self.start.min(start), self.end.max(end));
+    }
+}
+
+/// Has nodes covered by parts in their order, with something between them.
+fn cover([first, second]: &mut [Part; 2], start: usize, end: usize) {
+    let own = Part {
+        start,
+        end,
+        offset: 0,
+    };
+    if first.start == usize::MAX {
+        *first = own;
+    } else if second.start == usize::MAX && start > first.end + NODES_LEFT_OUT {
+        *second = own;
+    } else if second.start == usize::MAX && end + NODES_LEFT_OUT < first.start {
+        (*first, *second) = (own, *first);
+    } else {
+        let before = start.saturating_sub(first.end);
+        let behind = second.start.saturating_sub(end);
+        if before <= behind {
+            first.extend(start, end);
+        } else {
+            second.extend(start, end);
+        }
+        if second.start != usize::MAX && first.end + NODES_LEFT_OUT >= second.start {
+            first.extend(second.start, second.end);
+            *second = Part::NONE;
+        }
+    }
+}
+
+impl Immersed {
+    /// No points as yet.
+    pub fn new(kernel: Kernel) -> Self {
+        Self {
+            kernel,
+            cells: [0; 3],
+            stencils: Vec::new(),
+            rows: Rows::default(),
+            nodes: Vec::new(),
+            responses: Vec::new(),
+        }
+    }
+
+    /// Number of points.
+    pub fn count(&self) -> usize {
+        self.stencils.len()
+    }
+
+    /// Puts the points where they are, in lattice units.
+    ///
+    /// # Errors
+    /// If a coordinate is not finite, or a point is too near to a wall. Then there are no points.
+    pub fn place<T: Precision>(
+        &mut self,
+        lattice: &Lattice<T>,
+        points: &[[f64; 3]],
+    ) -> Result<(), LatticeError> {
+        self.cells = lattice.cells();
+        self.stencils.clear();
+        self.responses.clear();
+        for (number, &point) in points.iter().enumerate() {
+            match self.stencil(lattice, number, point) {
+                Ok(stencil) => self.stencils.push(stencil),
+                Err(error) => {
+                    self.stencils.clear();
+                    return Err(error);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn stencil<T: Precision>(
+        &self,
+        lattice: &Lattice<T>,
+        point: usize,
+        position: [f64; 3],
+    ) -> Result<Stencil, LatticeError> {
+        let count = self.kernel.points();
+        let mut stencil = Stencil {
+            first: [0; 3],
+            weights: [[0.0; 4]; 3],
+        };
+        for (axis, coordinate) in position.into_iter().enumerate() {
+            let cells = self.cells[axis];
+            if !coordinate.is_finite() {
+                return Err(LatticeError::PointNotFinite { point, axis });
+            }
+            let (first, weights) = self.kernel.weights(coordinate);
+            stencil.weights[axis] = weights;
+            stencil.first[axis] = if first >= 0.0 && first + count as f64 <= cells as f64 {
+                first as usize
+            } else if lattice.is_periodic(axis) {
+                first.rem_euclid(cells as f64) as usize % cells
+            } else {
+                return Err(LatticeError::NearWall {
+                    point,
+                    axis,
+                    coordinate,
+                    cells,
+                    distance: 0.5 * (count - 1) as f64,
+                });
+            };
+        }
+        Ok(stencil)
+    }
+
+    /// Adds to the forces on nodes those that the points exert on the fluid.
+    ///
+    /// # Errors
+    /// If one is not finite; then nothing is added.
+    ///
+    /// # Panics
+    /// If there is not one force per point, or they were placed in a lattice of another size.
+    pub fn spread<T: Precision>(
+        &self,
+        lattice: &mut Lattice<T>,
+        forces: &[[f64; 3]],
+    ) -> Result<(), LatticeError> {
+        assert_eq!(forces.len(), self.count(), "one force a point");
+        self.assert_size(lattice);
+        for &force in forces {
+            checked_force(force)?;
+        }
+        let share = lattice.cells()[2].div_ceil(self.threads(lattice));
+        let slabs = lattice.nodal_forces().slabs(share);
+        // Each thread takes from all points, in their order, what falls into its planes: sums do not
+        // depend on the number of threads.
+        std::thread::scope(|scope| {
+            let mut slabs = slabs.into_iter();
+            let own = slabs.next();
+            for slab in slabs {
+                scope.spawn(move || self.spread_into(slab, forces));
+            }
+            if let Some(slab) = own {
+                self.spread_into(slab, forces);
+            }
+        });
+        Ok(())
+    }
+
+    fn spread_into<T: Precision>(&self, slab: ForceSlab<'_, T>, forces: &[[f64; 3]]) {
+        match self.kernel {
+            Kernel::Two => self.spread_by::<T, 2>(slab, forces),
+            Kernel::Three => self.spread_by::<T, 3>(slab, forces),
+            Kernel::Four => self.spread_by::<T, 4>(slab, forces),
+        }
+    }
+
+    fn spread_by<T: Precision, const POINTS: usize>(
+        &self,
+        mut slab: ForceSlab<'_, T>,
+        forces: &[[f64; 3]],
+    ) {
+        for (stencil, force) in self.stencils.iter().zip(forces) {
+            let [x, y, z] = stencil.nodes::<POINTS>(self.cells);
+            let [across_x, across_y, across_z] = stencil.weights;
+            for (z, across_z) in z.into_iter().zip(across_z) {
+                if !slab.planes.contains(&z) {
+                    continue;
+                }
+                for (y, across_y) in y.into_iter().zip(across_y) {
+                    let weight = across_y * across_z;
+                    for (row, force) in slab.row(y, z).into_iter().zip(force) {
+                        let share = weight * force;
+                        let add = |node: &mut T, across| *node += T::constant(share * across);
+                        match row.get_mut(x[0]..x[0] + POINTS) {
+                            Some(nodes) => {
+                                for (node, across) in nodes.iter_mut().zip(across_x) {
+                                    add(node, across);
+                                }
+                            }
+                            // Round the end of the row.
+                            None => {
+                                for (x, across) in x.into_iter().zip(across_x) {
+                                    add(&mut row[x], across);
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sets the velocities of the fluid at the points, with the half of all forces that a
+    /// [`Node`](super::Node) has: from the populations, node by node.
+    ///
+    /// # Panics
+    /// If there is not one velocity per point, or they were placed in a lattice of another size.
+    pub fn interpolate<T: Precision>(&mut self, lattice: &Lattice<T>, velocities: &mut [[f64; 3]]) {
+        assert_eq!(velocities.len(), self.count(), "one velocity a point");
+        self.assert_size(lattice);
+        self.rows.cover(self.cells, self.kernel, &self.stencils);
+        let threads = self.threads(lattice);
+        self.nodes.resize(self.rows.nodes, [0.0; 3]);
+        self.responses.resize(self.rows.nodes, 0.0);
+        let share = self.rows.runs.len().div_ceil(threads).max(1);
+        std::thread::scope(|scope| {
+            let mut left = self.nodes.as_mut_slice();
+            let mut responses = self.responses.as_mut_slice();
+            for runs in self.rows.runs.chunks(share) {
+                let nodes = runs.iter().map(|run| run.count).sum();
+                let own = left.split_off_mut(..nodes).unwrap_or_default();
+                let own_responses = responses.split_off_mut(..nodes).unwrap_or_default();
+                let mut run = move || read_velocities(lattice, runs, own, own_responses);
+                // The last share is this thread's own.
+                if left.is_empty() {
+                    run();
+                } else {
+                    scope.spawn(run);
+                }
+            }
+        });
+        self.interpolate_nodes(threads, velocities);
+    }
+
+    /// Sets what lies on the points to what lies on the nodes around them.
+    fn interpolate_nodes(&self, threads: usize, velocities: &mut [[f64; 3]]) {
+        share_points(
+            threads,
+            velocities,
+            &self.stencils,
+            |stencils, velocities| match self.kernel {
+                Kernel::Two => self.interpolate_by::<2>(stencils, velocities),
+                Kernel::Three => self.interpolate_by::<3>(stencils, velocities),
+                Kernel::Four => self.interpolate_by::<4>(stencils, velocities),
+            },
+        );
+    }
+
+    fn interpolate_by<const POINTS: usize>(
+        &self,
+        stencils: &[Stencil],
+        velocities: &mut [[f64; 3]],
+    ) {
+        for (stencil, velocity) in stencils.iter().zip(velocities) {
+            let [x, y, z] = stencil.nodes::<POINTS>(self.cells);
+            let [across_x, across_y, across_z] = stencil.weights;
+            let mut sum = [0.0; 3];
+            for k in 0..POINTS {
+                for j in 0..POINTS {
+                    let weight = across_y[j] * across_z[k];
+                    let part = self.rows.part(x[0], y[j] + self.cells[1] * z[k]);
+                    for i in 0..POINTS {
+                        let weight = weight * across_x[i];
+                        let node = self.nodes[part.offset + x[i] - part.start];
+                        for (sum, node) in sum.iter_mut().zip(node) {
+                            *sum += weight * node;
+                        }
+                    }
+                }
+            }
+            *velocity = sum;
+        }
+    }
+
+    /// Sets the velocities at the points with which the last step began, which was
+    /// [`Lattice::advance_keeping_velocities`]: those that [`Self::interpolate`] would have found
+    /// before it, to the rounding of the lattice's numbers, in less time.
+    ///
+    /// # Panics
+    /// If there is not one velocity per point, they were placed in a lattice of another size, or their
+    /// forces were not [spread](Self::spread) before that step.
+    pub fn interpolate_kept<T: Precision>(
+        &self,
+        lattice: &Lattice<T>,
+        velocities: &mut [[f64; 3]],
+    ) {
+        assert_eq!(velocities.len(), self.count(), "one velocity a point");
+        self.assert_size(lattice);
+        let Some(kept) = lattice.kept_velocities() else {
+            assert!(self.stencils.is_empty(), "no step has kept velocities");
+            return;
+        };
+        share_points(
+            self.threads(lattice),
+            velocities,
+            &self.stencils,
+            |stencils, velocities| match self.kernel {
+                Kernel::Two => self.interpolate_kept_by::<T, 2>(kept, stencils, velocities),
+                Kernel::Three => self.interpolate_kept_by::<T, 3>(kept, stencils, velocities),
+                Kernel::Four => self.interpolate_kept_by::<T, 4>(kept, stencils, velocities),
+            },
+        );
+    }
+
+    fn interpolate_kept_by<T: Precision, const POINTS: usize>(
+        &self,
+        kept: &NodalVelocities<T>,
+        stencils: &[Stencil],
+        velocities: &mut [[f64; 3]],
+    ) {
+        for (stencil, velocity) in stencils.iter().zip(velocities) {
+            let [x, y, z] = stencil.nodes::<POINTS>(self.cells);
+            let [across_x, across_y, across_z] = stencil.weights;
+            *velocity = [0.0; 3];
+            for (z, across_z) in z.into_iter().zip(across_z) {
+                for (y, across_y) in y.into_iter().zip(across_y) {
+                    let weight = across_y * across_z;
+                    let Some(axes) = kept.row(y + self.cells[1] * z) else {
+                        panic!("velocities have not been kept at the points");
+                    };
+                    for (sum, row) in velocity.iter_mut().zip(axes) {
+                        let mut along = 0.0;
+                        match row.get(x[0]..x[0] + POINTS) {
+                            Some(nodes) => {
+                                for (&node, across) in nodes.iter().zip(across_x) {
+                                    along += across * number(node);
+                                }
+                            }
+                            // Round the end of the row.
+                            None => {
+                                for (x, across) in x.into_iter().zip(across_x) {
+                                    along += across * number(row[x]);
+                                }
+                            }
+                        }
+                        *sum += weight * along;
+                    }
+                }
+            }
+        }
+    }
+
+    /// As many threads as are worth starting.
+    fn threads<T: Precision>(&self, lattice: &Lattice<T>) -> usize {
+        let most = self.count() / POINTS_A_THREAD;
+        most.clamp(1, lattice.setup.threads.get())
+    }
+
+    fn assert_size<T: Precision>(&self, lattice: &Lattice<T>) {
+        // Without points there is nothing that could lie elsewhere.
+        assert!(
+            self.stencils.is_empty() || self.cells == lattice.cells(),
+            "the points were placed in a lattice of {:?} nodes, not of {:?}",
+            self.cells,
+            lattice.cells()
+        );
+    }
+}
+
+/// Sets the velocities of points, a share on each thread.
+fn share_points(
+    threads: usize,
+    velocities: &mut [[f64; 3]],
+    stencils: &[Stencil],
+    set: impl Fn(&[Stencil], &mut [[f64; 3]]) + Sync,
+) {
+    let share = velocities.len().div_ceil(threads).max(1);
+    std::thread::scope(|scope| {
+        let mut shares = velocities.chunks_mut(share).zip(stencils.chunks(share));
+        let own = shares.next();
+        let set = &set;
+        for (velocities, stencils) in shares {
+            scope.spawn(move || set(stencils, velocities));
+        }
+        if let Some((velocities, stencils)) = own {
+            set(stencils, velocities);
+        }
+    });
+}
+
+impl Stencil {
+    /// The nodes along each axis.
+    fn nodes<const POINTS: usize>(&self, cells: [usize; 3]) -> [[usize; POINTS]; 3] {
+        array::from_fn(|axis| {
+            array::from_fn(|k| {
+                let mut node = self.first[axis] + k;
+                // Once at most, but on an axis with fewer nodes than the kernel; no division.
+                while node >= cells[axis] {
+                    node -= cells[axis];
+                }
+                node
+            })
+        })
+    }
+}
+
+impl Rows {
+    /// The part of a row with this node of a stencil: all of the stencil's nodes in the row are in
+    /// the same one.
+    fn part(&self, x: usize, row: usize) -> Part {
+        let parts = self.parts[row];
+        parts[usize::from(x >= parts[1].start)]
+    }
+
+    /// Finds the parts anew.
+    fn cover(&mut self, cells: [usize; 3], kernel: Kernel, stencils: &[Stencil]) {
+        let [length, rows, planes] = cells;
+        let count = kernel.points();
+        self.parts.clear();
+        self.parts.resize(rows * planes, [Part::NONE; 2]);
+        for stencil in stencils {
+            let [_, y, z] = stencil.nodes::<4>(cells);
+            let first = stencil.first[0];
+            let (start, end) = if first + count <= length {
+                (first, first + count)
+            } else {
+                (0, length)
+            };
+            for &z in &z[..count] {
+                for &y in &y[..count] {
+                    cover(&mut self.parts[y + rows * z], start, end);
+                }
+            }
+        }
+        self.runs.clear();
+        self.nodes = 0;
+        for (row, parts) in self.parts.iter_mut().enumerate() {
+            for part in parts.iter_mut().filter(|part| part.start != usize::MAX) {
+                part.offset = self.nodes;
+                let count = part.end - part.start;
+                self.nodes += count;
+                self.runs.push(Row {
+                    start: [part.start, row % rows, row / rows],
+                    count,
+                });
+            }
+        }
+    }
+}
+
+/// The velocities of some rows, one after the other, and what a force adds to them.
+fn read_velocities<T: Precision>(
+    lattice: &Lattice<T>,
+    runs: &[Row],
+    velocities: &mut [[f64; 3]],
+    responses: &mut [f64],
+) {
+    let mut moments = vec![Moments::default(); velocities.len()];
+    let mut left = moments.as_mut_slice();
+    for &run in runs {
+        let own = left.split_off_mut(..run.count).unwrap_or_default();
+        lattice.read(run, own);
+    }
+    for ((velocity, response), moments) in velocities.iter_mut().zip(responses).zip(&moments) {
+        *velocity = lattice.velocity(moments);
+        *response = 0.5 / lattice.inertial_density(moments);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Kernel;
+
+    #[test]
+    fn weights_of_a_coordinate_are_those_of_distances() {
+        for kernel in [Kernel::Two, Kernel::Three, Kernel::Four] {
+            for step in -40..=40 {
+                let coordinate = 0.025 * f64::from(step);
+                let (first, weights) = kernel.weights(coordinate);
+                for (k, found) in weights.into_iter().enumerate() {
+                    let expected = match k < kernel.points() {
+                        true => kernel.weight(coordinate - 0.5 - (first + k as f64)),
+                        false => 0.0,
+                    };
+                    assert!(
+                        (found - expected).abs() < 4.0 * f64::EPSILON,
+                        "{kernel:?} at {coordinate}, node {k}: found {found}, expected {expected}"
+                    );
+                }
+            }
+        }
+    }
+}

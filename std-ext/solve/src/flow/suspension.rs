@@ -1,0 +1,322 @@
+//! Membranes suspended in Stokes flow.
+
+use super::{
+    Ambient, DoubleLayer, Effort, Fluid, Gmres, KeptVolumes, Membranes, Redistribution, SingleLayer,
+};
+use crate::dynamics::integrate::RightHandSide;
+use helfrich::TriangleMesh;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// The relative residual of solutions, small enough for derivatives by differences.
+pub const SOLUTION_TOLERANCE: f64 = 1e-8;
+
+/// Membranes suspended in unbounded fluid. Their velocity is that of the ambient flow plus that due to
+/// their forces, by the boundary integrals of Stokes flow.
+///
+/// Where viscosities differ inside and outside, or membranes are viscous themselves, forces depend on
+/// the velocities, which are then the solution of a linear system: `u = b + K u`.
+#[derive(Debug)]
+pub struct Suspension {
+    ambient: Option<Ambient>,
+    single: SingleLayer,
+    /// The double layer, only where viscosities differ.
+    double: Option<DoubleLayer>,
+    volumes: KeptVolumes,
+    redistribution: Redistribution,
+    /// The last velocities of the material.
+    material: Vec<[f64; 3]>,
+    forces: Vec<[f64; 3]>,
+    solver: Gmres,
+    /// The last solution, from which the next one starts.
+    guess: Vec<[f64; 3]>,
+    products: u64,
+    single_layers: Effort,
+    double_layers: Effort,
+}
+
+impl Suspension {
+    /// Membranes with these meshes in fluid of viscosity μ. The viscosity inside each is μ times the ratio
+    /// of its mesh. Only ratios other than 1 take time; their meshes must be closed. Membranes are
+    /// outside each other unless [`Self::set_surroundings`] states otherwise.
+    ///
+    /// # Panics
+    /// If there is not one viscosity ratio per mesh, or 2³² vertices or more.
+    pub fn new(
+        meshes: &[Arc<TriangleMesh>],
+        viscosity: f64,
+        viscosity_ratios: &[f64],
+        ambient: Option<Ambient>,
+        threads: NonZeroUsize,
+    ) -> Self {
+        let borrowed = || meshes.iter().map(|mesh| &**mesh);
+        let single = SingleLayer::new(borrowed(), viscosity, threads);
+        // Viscous membranes are stiff; contrasts of viscosity take a tenth of it.
+        let mut solver = Gmres::new(SOLUTION_TOLERANCE);
+        (solver.restart, solver.products) = (100, 500);
+        let contrast = viscosity_ratios.iter().any(|&ratio| ratio != 1.0);
+        Self {
+            ambient,
+            double: contrast.then(|| DoubleLayer::new(borrowed(), viscosity_ratios, threads)),
+            forces: vec![[0.0; 3]; single.vertex_count()],
+            single,
+            volumes: KeptVolumes::default(),
+            redistribution: Redistribution::default(),
+            material: Vec::new(),
+            solver,
+            guess: Vec::new(),
+            products: 0,
+            single_layers: Effort::default(),
+            double_layers: Effort::default(),
+        }
+    }
+
+    /// Sets, for each membrane, the membrane that contains it: see [`DoubleLayer::set_surroundings`].
+    ///
+    /// # Panics
+    /// If there is not one entry per membrane, or if membranes contain each other in a cycle.
+    pub fn set_surroundings(&mut self, surroundings: &[Option<usize>]) {
+        if let Some(double) = &mut self.double {
+            double.set_surroundings(surroundings);
+        }
+    }
+
+    /// Keeps these volumes: velocities do not change them, and [`Self::restore_volumes`] removes the error
+    /// of a step.
+    pub fn keep_volumes(&mut self, volumes: KeptVolumes) {
+        self.volumes = volumes;
+    }
+
+    /// Lets the vertices of these membranes slide along them.
+    pub fn redistribute(&mut self, redistribution: Redistribution) {
+        self.redistribution = redistribution;
+    }
+
+    /// Sets the velocities of all vertices: those of the material, plus the sliding of vertices.
+    ///
+    /// # Errors
+    /// The reason why the membranes give no forces.
+    ///
+    /// # Panics
+    /// If there is not one position and one velocity per vertex.
+    pub fn set_velocities(
+        &mut self,
+        membranes: &mut impl Membranes,
+        positions: &[[f64; 3]],
+        velocities: &mut [[f64; 3]],
+    ) -> Result<(), String> {
+        self.set_material_velocities(membranes, positions, velocities)?;
+        self.material.clear();
+        self.material.extend_from_slice(velocities);
+        self.redistribution.slide(positions, velocities);
+        self.volumes.correct(positions, velocities);
+        Ok(())
+    }
+
+    /// Sets the velocities of the material, which are those of the fluid.
+    fn set_material_velocities(
+        &mut self,
+        membranes: &mut impl Membranes,
+        positions: &[[f64; 3]],
+        velocities: &mut [[f64; 3]],
+    ) -> Result<(), String> {
+        membranes.set_forces(positions, &mut self.forces)?;
+        velocities.fill([0.0; 3]);
+        if let Some(ambient) = &self.ambient {
+            ambient.add_velocity(positions, velocities);
+        }
+        let start = Instant::now();
+        self.single.set_forces(positions, &self.forces);
+        self.single.add_at_vertices(velocities);
+        self.single_layers.add(start);
+        if self.double.is_some() || membranes.are_viscous() {
+            self.solve(membranes, positions, velocities)?;
+        }
+        Ok(())
+    }
+
+    /// Solves `u = b + K u` for u.
+    fn solve(
+        &mut self,
+        membranes: &mut impl Membranes,
+        positions: &[[f64; 3]],
+        velocities: &mut [[f64; 3]],
+    ) -> Result<(), String> {
+        let Self {
+            single,
+            double,
+            forces,
+            solver,
+            guess,
+            products,
+            single_layers,
+            double_layers,
+            ..
+        } = self;
+        if guess.len() != velocities.len() {
+            guess.clear();
+            guess.extend_from_slice(velocities);
+        }
+        if let Some(double) = double {
+            double.set_positions(positions);
+        }
+        let mut apply = |u: &[[f64; 3]], product: &mut [[f64; 3]]| {
+            product.fill([0.0; 3]);
+            if let Some(double) = double {
+                let start = Instant::now();
+                double.set_velocities(u);
+                double.add_at_vertices(product);
+                double_layers.add(start);
+            }
+            if membranes.are_viscous() {
+                forces.fill([0.0; 3]);
+                membranes.add_viscous_forces(positions, u, forces);
+                let start = Instant::now();
+                single.set_forces(positions, forces);
+                single.add_at_vertices(product);
+                single_layers.add(start);
+            }
+            let entries = product.as_flattened_mut().iter_mut();
+            for (product, u) in entries.zip(u.as_flattened()) {
+                *product = u - *product;
+            }
+        };
+        let solved = solver.solve(&mut apply, velocities, guess);
+        *products += solved.products as u64;
+        velocities.copy_from_slice(guess);
+        if solved.converged {
+            return Ok(());
+        }
+        Err(format!(
+            "after {} products the velocities that viscosity makes depend on themselves are still \
+             wrong by {:.1e} of their size, and {:.0e} is needed",
+            solved.products, solved.residual, solver.tolerance
+        ))
+    }
+
+    /// Velocity and pressure at points of the fluid, on either side of the membranes.
+    ///
+    /// The pressure is that due to the forces of membranes plus that of the ambient flow. It jumps across
+    /// a membrane by the normal force per area.
+    ///
+    /// # Errors
+    /// The reason why there is no flow.
+    ///
+    /// # Panics
+    /// If there is not one position per vertex.
+    pub fn fluid_at(
+        &mut self,
+        membranes: &mut impl Membranes,
+        positions: &[[f64; 3]],
+        points: &[[f64; 3]],
+    ) -> Result<Fluid, String> {
+        // What is looked at in between changes nothing.
+        let guess = self.guess.clone();
+        let mut moving = vec![[0.0; 3]; positions.len()];
+        let evaluated = self.set_material_velocities(membranes, positions, &mut moving);
+        let solution = std::mem::replace(&mut self.guess, guess);
+        evaluated?;
+        let mut fluid = Fluid {
+            velocity: vec![[0.0; 3]; points.len()],
+            pressure: vec![0.0; points.len()],
+        };
+        if let Some(ambient) = &self.ambient {
+            ambient.add_velocity(points, &mut fluid.velocity);
+            for (pressure, &point) in fluid.pressure.iter_mut().zip(points) {
+                *pressure += ambient.pressure(point, self.single.viscosity);
+            }
+        }
+        membranes.set_forces(positions, &mut self.forces)?;
+        if membranes.are_viscous() {
+            membranes.add_viscous_forces(positions, &solution, &mut self.forces);
+        }
+        self.single.set_forces(positions, &self.forces);
+        self.single.add_at_points(points, &mut fluid.velocity);
+        self.single
+            .add_pressure_at_points(points, &mut fluid.pressure);
+        if let Some(double) = &mut self.double {
+            double.set_positions(positions);
+            double.set_velocities(&solution);
+            double.add_at_points(points, &mut fluid.velocity);
+            double.add_pressure_at_points(self.single.viscosity, points, &mut fluid.pressure);
+            let mut ratios = vec![1.0; points.len()];
+            double.viscosity_ratios(points, &mut ratios);
+            for (velocity, ratio) in fluid.velocity.iter_mut().zip(ratios) {
+                *velocity = velocity.map(|component| component / ratio);
+            }
+        }
+        Ok(fluid)
+    }
+
+    /// Moves positions so that volumes have their initial values.
+    pub fn restore_volumes(&mut self, positions: &mut [[f64; 3]]) {
+        self.volumes.restore(positions);
+    }
+
+    /// The effort of boundary integrals so far, of each that is used.
+    pub fn efforts(&self) -> Vec<(&'static str, Effort)> {
+        let mut efforts = vec![("single_layer", self.single_layers)];
+        if self.double.is_some() {
+            efforts.push(("double_layer", self.double_layers));
+        }
+        efforts.extend(self.redistribution.effort());
+        efforts
+    }
+
+    /// Products that solutions took so far.
+    pub fn products(&self) -> u64 {
+        self.products
+    }
+
+    /// The last solution, from which the next one starts; empty before the first. A run that continues
+    /// bit for bit stores it.
+    pub fn guess(&self) -> &[[f64; 3]] {
+        &self.guess
+    }
+
+    /// Restores a stored solution.
+    pub fn set_guess(&mut self, guess: Vec<[f64; 3]>) {
+        self.guess = guess;
+    }
+
+    /// The velocities of the material at the last evaluation; empty before the first.
+    pub fn material_velocities(&self) -> &[[f64; 3]] {
+        &self.material
+    }
+
+    /// The relative error of velocities that do not come from a linear system.
+    pub fn precision(&self) -> f64 {
+        self.redistribution.precision()
+    }
+
+    /// Whether fluids of several viscosities meet.
+    pub fn has_contrast(&self) -> bool {
+        self.double.is_some()
+    }
+}
+
+/// The right-hand side of an integration in time: the velocities of these membranes.
+#[derive(Debug)]
+pub struct Moving<'a, M> {
+    /// The fluid.
+    pub suspension: &'a mut Suspension,
+    /// The membranes that move.
+    pub membranes: &'a mut M,
+}
+
+impl<M: Membranes> RightHandSide for Moving<'_, M> {
+    fn evaluate(
+        &mut self,
+        positions: &[[f64; 3]],
+        _time: f64,
+        velocities: &mut [[f64; 3]],
+    ) -> Result<(), String> {
+        self.suspension
+            .set_velocities(self.membranes, positions, velocities)
+    }
+
+    fn restore(&mut self, positions: &mut [[f64; 3]]) {
+        self.suspension.restore_volumes(positions);
+    }
+}

@@ -1,0 +1,107 @@
+//! Volumes that do not change.
+
+use crate::dynamics::Held;
+use glam::DVec3;
+use helfrich::{Constraint, Constraints, Quantity, Surface, Targets, TriangleMesh};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Constant volumes of closed membranes, each component by itself.
+///
+/// A flow keeps them up to discretisation errors. Velocities are corrected along the normals n
+/// of the vertices, so that the volume V of the polyhedron has no rate of change,
+/// `u_i −= n_i (Σ_j ∂V/∂x_j·u_j)/(Σ_j ∂V/∂x_j·n_j)`; after each step positions are corrected for
+/// the rest, which is of the order of the step's error.
+#[derive(Debug, Default)]
+pub struct KeptVolumes(Vec<KeptVolume>);
+
+/// The volume of one surface's components.
+#[derive(Debug)]
+struct KeptVolume {
+    vertices: Range<usize>,
+    held: Held,
+    components: usize,
+    gradient: Vec<[f64; 3]>,
+}
+
+impl KeptVolumes {
+    /// Keeps the volume of each component of the closed meshes that are to be `kept`, at its value for
+    /// these positions of all meshes, one after the other. Positions that are not finite keep nothing.
+    ///
+    /// # Panics
+    /// If there are fewer positions than vertices.
+    pub fn new(
+        meshes: &[Arc<TriangleMesh>],
+        kept: impl Fn(usize) -> bool,
+        positions: &[[f64; 3]],
+    ) -> Self {
+        let mut volumes = Vec::new();
+        let mut first = 0;
+        for (number, mesh) in meshes.iter().enumerate() {
+            let vertices = first..first + mesh.vertex_count();
+            first = vertices.end;
+            let Ok(surface) = Surface::new(mesh, &positions[vertices.clone()]) else {
+                continue;
+            };
+            if !(kept(number) && mesh.is_closed()) {
+                continue;
+            }
+            let constraints = vec![Constraint {
+                functional: Quantity::Volume,
+                targets: Targets::measured(&Quantity::Volume, surface),
+            }];
+            let (_, components) = mesh.components();
+            volumes.push(KeptVolume {
+                held: Held::new(Arc::clone(mesh), Constraints { constraints }),
+                components,
+                gradient: vec![[0.0; 3]; vertices.len()],
+                vertices,
+            });
+        }
+        Self(volumes)
+    }
+
+    /// Removes the part of velocities that changes volumes.
+    ///
+    /// # Panics
+    /// If there is not one position and one velocity per vertex.
+    pub fn correct(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]]) {
+        for volume in &mut self.0 {
+            volume.correct(positions, velocities);
+        }
+    }
+
+    /// Moves positions so that volumes have their initial values. If that fails, positions stay, and the
+    /// volume shows the error.
+    ///
+    /// # Panics
+    /// If there is not one position per vertex.
+    pub fn restore(&mut self, positions: &mut [[f64; 3]]) {
+        for volume in &mut self.0 {
+            let _ = volume.held.restore(&mut positions[volume.vertices.clone()]);
+        }
+    }
+}
+
+impl KeptVolume {
+    fn correct(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]]) {
+        let gradient = &mut self.gradient;
+        let positions = &positions[self.vertices.clone()];
+        let velocities = &mut velocities[self.vertices.clone()];
+        self.held.gradient(0, positions, gradient);
+        let mut sums = vec![[0.0; 2]; self.components];
+        let groups = self.held.groups();
+        for ((&group, &gradient), &velocity) in groups.iter().zip(&*gradient).zip(&*velocities) {
+            let gradient = DVec3::from(gradient);
+            let [rate, area] = &mut sums[group as usize];
+            *rate += gradient.dot(velocity.into());
+            *area += gradient.length();
+        }
+        for ((&group, &gradient), velocity) in groups.iter().zip(&*gradient).zip(velocities) {
+            let [rate, area] = sums[group as usize];
+            let normal = DVec3::from(gradient).normalize_or_zero();
+            let speed = if area > 0.0 { rate / area } else { 0.0 };
+            *velocity = (DVec3::from(*velocity) - speed * normal).to_array();
+        }
+    }
+}

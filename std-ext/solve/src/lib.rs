@@ -1,0 +1,9 @@
+//! Solvers for the membranes of [`helfrich`].
+//!
+//! * [`dynamics`]: relaxation to equilibrium and integration in time, for any forces.
+//! * [`flow`]: viscous fluids, set in motion by the forces of membranes.
+//! * [`deformation`]: deformation and orientation of bodies in flow.
+
+pub mod deformation;
+pub mod dynamics;
+pub mod flow;

@@ -1,0 +1,166 @@
+//! Folders and files that one process at a time writes to.
+//!
+//! A [`Lock`] is a small file that a process keeps locked while it writes. The operating system lets
+//! go of it whenever the process ends, killed or not: no stale lock is left, though the file may be.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+/// The name of a folder's lock.
+pub const LOCK: &str = "lock";
+
+/// The longest description of a process that is read, in bytes.
+const LONGEST: u64 = 200;
+
+/// A folder or file to which only this process writes, as long as this value exists.
+#[derive(Debug)]
+pub struct Lock {
+    path: PathBuf,
+    file: File,
+    /// Whether the file was there before, left by a process that was killed.
+    found: bool,
+    warning: Option<String>,
+}
+
+/// Why a lock cannot be had. The message is one line that starts with the name of what is locked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LockError {
+    /// Another process writes there.
+    #[error(
+        "{}: {holder} is writing here: wait until it has ended, or choose another place",
+        place.display()
+    )]
+    Taken {
+        /// The folder or file.
+        place: PathBuf,
+        /// Which process, and where.
+        holder: String,
+    },
+    /// The lock cannot be opened or written.
+    #[error("{}: {source}", path.display())]
+    Inaccessible {
+        /// The lock's file.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: io::Error,
+    },
+}
+
+impl Lock {
+    /// Locks a folder, which has to be there.
+    ///
+    /// # Errors
+    /// If another process writes there, or no file can be made there; see [`LockError`].
+    pub fn of_folder(folder: &Path) -> Result<Self, LockError> {
+        Self::at(folder.join(LOCK), folder)
+    }
+
+    /// Locks a file that is replaced as a whole, through a file beside it.
+    ///
+    /// # Errors
+    /// If another process writes there, or no file can be made there; see [`LockError`].
+    pub fn of_file(file: &Path) -> Result<Self, LockError> {
+        let mut name = file.file_name().unwrap_or_default().to_owned();
+        name.push(".lock");
+        Self::at(file.with_file_name(name), file)
+    }
+
+    /// Whether the lock's file was there before: a process that wrote here was killed.
+    pub fn was_found(&self) -> bool {
+        self.found
+    }
+
+    /// A warning that the file system has no locks, so that other processes are not kept out.
+    pub fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
+    }
+
+    fn at(path: PathBuf, place: &Path) -> Result<Self, LockError> {
+        let inaccessible = |source| LockError::Inaccessible {
+            path: path.clone(),
+            source,
+        };
+        loop {
+            let found = path.exists();
+            let mut options = OpenOptions::new();
+            options.read(true).write(true).create(true).truncate(false);
+            let mut file = options.open(&path).map_err(inaccessible)?;
+            let warning = match file.try_lock() {
+                Ok(()) => None,
+                Err(TryLockError::WouldBlock) => {
+                    return Err(LockError::Taken {
+                        place: place.to_owned(),
+                        holder: holder(&mut file),
+                    });
+                }
+                Err(TryLockError::Error(error)) => Some(format!(
+                    "{}: this file system has no locks ({error}): nothing keeps another process from \
+                     writing here as well",
+                    place.display()
+                )),
+            };
+            // Whoever had the lock until now may have taken its file away.
+            if !same_file(&path, &file) {
+                continue;
+            }
+            let sign = || -> io::Result<()> {
+                file.set_len(0)?;
+                (&file).write_all(this_process().as_bytes())
+            };
+            sign().map_err(inaccessible)?;
+            return Ok(Self {
+                path,
+                file,
+                found,
+                warning,
+            });
+        }
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // While the lock is held: nobody else has it open and believes to have it. A file that stays
+        // is no harm.
+        let _ = self.file.set_len(0);
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Whether an open file is still the one of that name.
+#[cfg(unix)]
+fn same_file(path: &Path, file: &File) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let here = fs::metadata(path).map(|it| (it.dev(), it.ino()));
+    let open = file.metadata().map(|it| (it.dev(), it.ino()));
+    matches!((here, open), (Ok(here), Ok(open)) if here == open)
+}
+
+#[cfg(not(unix))]
+fn same_file(path: &Path, _file: &File) -> bool {
+    path.exists()
+}
+
+/// Who has signed a lock.
+fn holder(file: &mut File) -> String {
+    let mut text = String::new();
+    let read = file
+        .rewind()
+        .and_then(|()| file.take(LONGEST).read_to_string(&mut text));
+    match (read, text.trim()) {
+        (Ok(_), text) if !text.is_empty() => text.to_owned(),
+        _ => "another process".to_owned(),
+    }
+}
+
+/// This process, in words.
+fn this_process() -> String {
+    let process = std::process::id();
+    // Folders are shared between machines.
+    match fs::read_to_string("/proc/sys/kernel/hostname") {
+        Ok(host) => format!("process {process} on {}", host.trim()),
+        Err(_) => format!("process {process}"),
+    }
+}

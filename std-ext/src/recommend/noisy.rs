@@ -1,0 +1,170 @@
+//! What noise of the positions does to errors: measured by adding more of it.
+//!
+//! All methods share the positions and their noise, so that distances between methods do not tell it. But
+//! noise is small beside an edge, and its effect nearly linear: noise of the same standard deviation once
+//! more changes a result by as much as the noise that is there has changed it. What the mesh does to a
+//! method without noise is that of the positions after smoothing, as often as it takes.
+
+use super::estimate::{Estimate, along_normal};
+use crate::generate::random::Random;
+use crate::method::{BendingMethod, Evaluator, Fields};
+use crate::noise;
+use crate::study::Quantity;
+use helfrich::{Noise, Surface, SurfaceError, TriangleMesh};
+
+/// Copies of the positions with noise added.
+pub(super) const REPLICAS: usize = 2;
+
+/// Neighbours with which positions are smoothed, and how often, until noise is small; of the last stages
+/// the neighbours are those of [`widest`].
+const STAGES: [(usize, usize); 4] = [(48, 2), (64, 2), (64, 4), (64, 4)];
+const LAST_STAGES: [usize; 4] = [4, 4, 8, 8];
+
+/// How much smoothing has to leave of what noise does to J6 on average, at most.
+const LEFT: f64 = 0.3;
+
+/// Part of the largest value up to which noise may change means over patches.
+const PATCH_NOISE: f64 = 0.05;
+
+/// Patches are this part of a mesh, and from seven vertices to so many large: features of a shape that a
+/// mesh of 2562 vertices resolves are larger.
+const PATCHES: usize = 366;
+const LARGEST_PATCH: usize = 64;
+
+/// Positions with noise: smoothed, and with more of it.
+pub(super) struct Noisy {
+    /// Without most of the noise.
+    pub(super) smooth: Vec<[f64; 3]>,
+    /// With noise of the same standard deviation added, each time other numbers of a seed.
+    pub(super) replicas: [Vec<[f64; 3]>; REPLICAS],
+    /// The nearest that is known of the positions with noise.
+    pub(super) estimate: Estimate,
+}
+
+/// J6 on one set of positions, as means over patches and at vertices.
+struct Glimpse {
+    values: [Vec<f64>; 4],
+    patches: [Vec<f64>; 4],
+}
+
+impl Noisy {
+    /// Smooths positions until noise matters little for a quantity.
+    pub(super) fn new(
+        mesh: &TriangleMesh,
+        positions: &[[f64; 3]],
+        noise: Noise<f64>,
+        quantity: Quantity,
+    ) -> Result<Self, SurfaceError> {
+        let mut random = Random::new(1);
+        let replicas = [(); REPLICAS].map(|()| disturbed(positions, noise.length, &mut random));
+        let estimate = Estimate::new(mesh, positions, noise, quantity)?;
+        let scale = estimate.reference.scale(quantity);
+        let patches = patches(mesh);
+        let mut jets = Evaluator::new(BendingMethod::J6, 1.0, mesh);
+        let mut glimpse = |positions: &[[f64; 3]]| {
+            let fields = jets.fields(Surface::new(mesh, positions)?);
+            Ok::<_, SurfaceError>(Glimpse::new(&fields, &patches))
+        };
+        let which = quantity as usize;
+        let before = distance(
+            &glimpse(positions)?.values[which],
+            &glimpse(&replicas[0])?.values[which],
+        );
+        // The same smoothing of the same positions with more noise says what is left of it.
+        let mut pair = [positions.to_vec(), replicas[0].clone()];
+        let widest = widest(mesh);
+        let last = LAST_STAGES.map(|times| (widest, times));
+        for (neighbours, times) in STAGES.into_iter().chain(last) {
+            for positions in &mut pair {
+                for _ in 0..times {
+                    *positions = smoothed(mesh, positions, neighbours)?;
+                }
+            }
+            let [here, there] = [glimpse(&pair[0])?, glimpse(&pair[1])?];
+            let left = distance(&here.values[which], &there.values[which]);
+            let uncertain = root_mean_square(&here.patches[which], &there.patches[which]);
+            if left <= LEFT * before && uncertain <= PATCH_NOISE * scale {
+                break;
+            }
+        }
+        let [smooth, _] = pair;
+        Ok(Self {
+            smooth,
+            replicas,
+            estimate,
+        })
+    }
+}
+
+/// Neighbours that span no more than a fortieth of a mesh.
+fn widest(mesh: &TriangleMesh) -> usize {
+    (mesh.vertex_count() / 40).clamp(64, 128)
+}
+
+/// Each coordinate with an error of this standard deviation: a sum of twelve uniform ones is normal enough.
+fn disturbed(positions: &[[f64; 3]], deviation: f64, random: &mut Random) -> Vec<[f64; 3]> {
+    let mut error = || (0..12).map(|_| random.unit()).sum::<f64>() - 6.0;
+    let moved = positions.iter().map(|x| x.map(|x| x + deviation * error()));
+    moved.collect()
+}
+
+fn smoothed(
+    mesh: &TriangleMesh,
+    positions: &[[f64; 3]],
+    neighbours: usize,
+) -> Result<Vec<[f64; 3]>, SurfaceError> {
+    let surface = Surface::new(mesh, positions)?;
+    Ok(noise::smoothed(surface, neighbours))
+}
+
+/// Around each vertex those reached first along edges, and itself.
+fn patches(mesh: &TriangleMesh) -> Vec<Vec<u32>> {
+    let size = (mesh.vertex_count() / PATCHES).clamp(7, LARGEST_PATCH);
+    let mut reached = vec![u32::MAX; mesh.vertex_count()];
+    let patch = |centre: usize| {
+        let mut patch = vec![centre as u32];
+        reached[centre] = centre as u32;
+        let mut next = 0;
+        while next < patch.len() && patch.len() < size {
+            for &neighbour in mesh.one_ring(patch[next] as usize) {
+                if reached[neighbour as usize] != centre as u32 {
+                    reached[neighbour as usize] = centre as u32;
+                    patch.push(neighbour);
+                }
+            }
+            next += 1;
+        }
+        patch
+    };
+    (0..mesh.vertex_count()).map(patch).collect()
+}
+
+impl Glimpse {
+    fn new(fields: &Fields<f64>, patches: &[Vec<u32>]) -> Self {
+        let values = along_normal(fields);
+        let mean_over = |values: &Vec<f64>| {
+            let mean = |patch: &Vec<u32>| {
+                let values = patch.iter().map(|&vertex| values[vertex as usize]);
+                mean(values)
+            };
+            patches.iter().map(mean).collect()
+        };
+        let patches = values.each_ref().map(mean_over);
+        Self { values, patches }
+    }
+}
+
+/// The mean of those that are numbers; none if there is none.
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let known = values.filter(|value| value.is_finite());
+    let (sum, count) = known.fold((0.0, 0_u32), |(sum, count), value| (sum + value, count + 1));
+    sum / f64::from(count)
+}
+
+fn distance(here: &[f64], there: &[f64]) -> f64 {
+    mean(here.iter().zip(there).map(|(a, b)| (a - b).abs()))
+}
+
+fn root_mean_square(here: &[f64], there: &[f64]) -> f64 {
+    mean(here.iter().zip(there).map(|(a, b)| (a - b).powi(2))).sqrt()
+}

@@ -1,0 +1,114 @@
+//! What a run and its continuation have in common.
+
+use super::RunError;
+use crate::checkpoint::Fingerprint;
+use crate::scene::{
+    Driver, MeshFileSource, MeshSource, Reference, ReferenceSource, Relax, Scene, SurfaceEffect,
+    SurfaceScene,
+};
+use crate::simulation::Simulation;
+use helfrich::TriangleMesh;
+use std::fmt::Write as _;
+
+/// The fingerprint of all that the numbers of a run depend on until it is stopped, to the last bit:
+/// the scene and the meshes that it names, whatever their files are called.
+///
+/// Titles, outputs and the end of a run do not matter.
+///
+/// # Errors
+/// If the file of a reference cannot be read.
+pub(crate) fn fingerprint(
+    scene: &Scene,
+    simulation: &Simulation,
+    positions: &[[f64; 3]],
+) -> Result<Fingerprint, RunError> {
+    let mut surfaces = scene.surfaces.clone();
+    let mut obstacles = scene.obstacles.clone();
+    let mut references = Vec::new();
+    for surface in &mut surfaces {
+        forget(&mut surface.source);
+        for reference in own_references(surface) {
+            if let ReferenceSource::File(file) = &mut reference.source {
+                references.push(std::mem::take(file));
+            }
+        }
+    }
+    for obstacle in &mut obstacles {
+        forget(&mut obstacle.source);
+    }
+    let driver = endless(scene.driver, simulation.load_count());
+    let parts = (
+        scene.units,
+        &surfaces,
+        &scene.interactions,
+        &obstacles,
+        driver,
+    );
+    let mut text = serde_json::to_string(&parts).unwrap_or_default();
+    for body in simulation.bodies() {
+        add_triangles(body.mesh(), &mut text);
+    }
+    add_positions(positions, &mut text);
+    for obstacle in simulation.obstacles() {
+        add_triangles(&obstacle.mesh, &mut text);
+        add_positions(&obstacle.positions, &mut text);
+    }
+    for file in references {
+        let reference = file.read()?;
+        add_triangles(&reference.mesh, &mut text);
+        add_positions(&reference.positions, &mut text);
+    }
+    Ok(Fingerprint::of(&text))
+}
+
+/// A driver without what says when it ends. Of a sequence of loads, each begins where the one before
+/// it ended.
+fn endless(driver: Driver, loads: usize) -> Driver {
+    match driver {
+        Driver::Relax(relax) => {
+            // What an equilibrium is judged by changes nothing on the way.
+            let judged = Relax {
+                energy_error: 0.0,
+                ..relax
+            };
+            Driver::Relax(match loads {
+                1 => Relax {
+                    residual: 0.0,
+                    iterations: 0,
+                    ..judged
+                },
+                _ => judged,
+            })
+        }
+        Driver::BoundaryIntegral(mut driver) => {
+            driver.duration = 0.0;
+            Driver::BoundaryIntegral(driver)
+        }
+        Driver::LatticeBoltzmann(mut driver) => {
+            driver.duration = 0.0;
+            Driver::LatticeBoltzmann(driver)
+        }
+    }
+}
+
+fn forget(source: &mut MeshSource) {
+    if let MeshSource::File(file) = source {
+        *file = MeshFileSource::default();
+    }
+}
+
+fn own_references(surface: &mut SurfaceScene) -> impl Iterator<Item = &mut Reference> {
+    let effects = surface.effects.iter_mut();
+    effects.filter_map(SurfaceEffect::reference_mut)
+}
+
+fn add_triangles(mesh: &TriangleMesh, text: &mut String) {
+    // Writing to a string cannot fail.
+    let _ = write!(text, "{:?}", mesh.triangles());
+}
+
+fn add_positions(positions: &[[f64; 3]], text: &mut String) {
+    for coordinate in positions.as_flattened() {
+        let _ = write!(text, "{:x},", coordinate.to_bits());
+    }
+}

@@ -1,0 +1,130 @@
+//! How a run ended, and what it leaves to say so.
+
+use super::remedy::remedy;
+use super::{EnergyEstimate, Flagged};
+use crate::scene::{Relax, Scene};
+use crate::simulation::{Cost, messages_once};
+use serde::{Deserialize, Serialize};
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// Every load came to its equilibrium.
+    Converged,
+    /// Forces vanish, but the energy is not known well enough, or so much of it lies on flagged vertices
+    /// that this is no equilibrium of the surface.
+    Unresolved,
+    /// It went on to the end of its duration.
+    Completed,
+    /// The last load did not: the limit of iterations was reached.
+    IterationLimit,
+    /// The last load did not: nothing improves any more.
+    Stagnated,
+    /// It went wrong; what is kept is the last good state.
+    Failed,
+    /// It was asked to stop, and can be taken up again.
+    Interrupted,
+}
+
+impl End {
+    /// What it is called in tables and in `summary.json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::Unresolved => "unresolved",
+            Self::Completed => "completed",
+            Self::IterationLimit => "iteration-limit",
+            Self::Stagnated => "stagnated",
+            Self::Failed => "failed",
+            Self::Interrupted => "interrupted",
+        }
+    }
+
+    /// Whether a relaxation came as near to its equilibrium as it ever will.
+    pub(super) fn is_reached(self) -> bool {
+        matches!(
+            self,
+            Self::Converged | Self::Stagnated | Self::IterationLimit
+        )
+    }
+}
+
+/// What a run leaves in `summary.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// The scene's title.
+    pub title: String,
+    /// How it ended.
+    pub end: End,
+    /// The same in words.
+    pub message: String,
+    /// Iterations, or steps in time, in all.
+    pub iterations: u64,
+    /// Evaluations of the velocities in all, those for the spectral radius included; of drivers in
+    /// time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub right_hand_sides: Option<u64>,
+    /// Seconds in all, resumed runs included.
+    pub seconds: f64,
+    /// The names of the last row's numbers, and these; a number that is not finite is null.
+    pub last: Vec<(String, f64)>,
+    /// What each effect has cost.
+    pub effects: Vec<Cost>,
+    /// What the bending methods find fault with at the end, surface by surface.
+    pub flagged: Vec<Flagged>,
+    /// How well the energies of closed surfaces are known at the end of a relaxation.
+    pub energy_estimates: Vec<EnergyEstimate>,
+    /// What is worth knowing besides.
+    pub warnings: Vec<String>,
+    /// The version of the program.
+    pub version: &'static str,
+    /// What a continuation has to have in common with the run, as hexadecimal digits.
+    pub fingerprint: String,
+    /// The scene as run.
+    pub scene: Scene,
+}
+
+/// The end of a relaxation, and its message, where an energy rests on flagged vertices or is not known
+/// as well as is asked for: that is no equilibrium.
+pub(super) fn judge(
+    (end, message): (End, String),
+    scene: &Scene,
+    relax: Relax,
+    flagged: &[Flagged],
+    estimates: &[EnergyEstimate],
+) -> (End, String) {
+    let mut doubts = Vec::new();
+    let mut remedies: Vec<String> = Vec::new();
+    for surface in &scene.surfaces {
+        let flagged = flagged.iter().filter(|it| it.surface == surface.name);
+        let flagged = flagged.filter(|flagged| flagged.rules());
+        let own = estimates.iter().filter(|it| it.surface == surface.name);
+        let off = own.filter(|estimate| !estimate.is_within(relax.energy_error));
+        let before = doubts.len();
+        doubts.extend(flagged.map(Flagged::message));
+        doubts.extend(off.map(|estimate| estimate.message(relax.energy_error)));
+        let remedy = remedy(surface);
+        if doubts.len() > before && !remedies.contains(&remedy) {
+            remedies.push(remedy);
+        }
+    }
+    if doubts.is_empty() {
+        return (end, message);
+    }
+    let names = scene.surfaces.iter().map(|surface| surface.name.as_str());
+    let doubts = messages_once(doubts, &Vec::from_iter(names)).join("; ");
+    let remedies = remedies.join("; ");
+    match end {
+        End::Converged => {
+            let message = format!(
+                "the forces vanish, but the energy is not to be trusted: {doubts}: {remedies}"
+            );
+            (End::Unresolved, message)
+        }
+        // What helps where nothing improves helps here.
+        End::Stagnated if message.contains(&remedies) => (end, format!("{message}; {doubts}")),
+        End::Stagnated | End::IterationLimit => (end, format!("{message}; {doubts}: {remedies}")),
+        _ => (end, message),
+    }
+}

@@ -1,0 +1,354 @@
+//! The effects that act on one surface: one file each, and one line each in the list below.
+//!
+//! The file of an effect holds everything that scenes know of it: its keys, how they are read, what
+//! contradicts it, what it needs of the mesh, how it is explained and how it is made ready. The table of
+//! keys, the schema, the messages, `explain` and the simulation follow from the list.
+
+mod adhesion;
+mod area;
+mod area_difference;
+mod bending;
+mod elasticity;
+mod gravity;
+mod held;
+mod local_area;
+mod membrane_viscosity;
+mod prepare;
+mod pressure;
+mod reference;
+mod stretching;
+mod tension;
+mod volume;
+
+pub use adhesion::Adhesion;
+pub use area::{HeldArea, Target};
+pub use area_difference::{AreaDifferenceTarget, HeldAreaDifference};
+pub use bending::Bending;
+pub use elasticity::{Elasticity, InPlaneLaw};
+pub use gravity::Gravity;
+pub use held::Hold;
+pub use local_area::LocalArea;
+pub use membrane_viscosity::MembraneViscosity;
+pub use prepare::EffectError;
+pub(crate) use prepare::Preparation;
+pub use pressure::Pressure;
+pub use reference::{Reference, ReferenceSource};
+pub(crate) use stretching::Stretch;
+pub use stretching::Stretching;
+pub use tension::Tension;
+pub(super) use volume::reduced_volume;
+pub use volume::{HeldVolume, VolumeTarget};
+
+use super::build::Builder;
+use super::explain::{Group, Parameter, Parameters};
+use super::keys::{Form, Key, Keys, optional};
+use super::reader::Reader;
+use super::{Driver, MeshSource};
+use crate::info::MeshInfo;
+use helfrich::Quantity;
+use serde::Serialize;
+use std::f64::consts::PI;
+use std::fmt;
+
+/// Defines [`Effects`] and what follows from the list of effects, in the order of the list: this is the
+/// order of keys, of `explain`, of forces and of columns.
+macro_rules! effects {
+    ($($(#[$documentation:meta])* $name:ident: $effect:ty,)*) => {
+        /// The effects that act on a surface. An effect that is `None` does not exist.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+        pub struct Effects {
+            $($(#[$documentation])*
+            #[serde(skip_serializing_if = "Option::is_none")]
+            pub $name: Option<$effect>,)*
+        }
+
+        $(impl Named for $effect {
+            const NAME: &'static str = stringify!($name);
+        })*
+
+        /// The keys of the effects in the table of a surface.
+        pub(super) const KEYS: &[Key] = &[$(key::<$effect>()),*];
+
+        impl Effects {
+            /// The names of all effects: their keys in a scene.
+            pub const NAMES: &[&str] = &[$(stringify!($name)),*];
+
+            /// Reads the effects of a surface with this mesh.
+            pub(super) fn read(
+                surface: Reader<'_>,
+                source: &MeshSource,
+                builder: &mut Builder<'_>,
+            ) -> Self {
+                Self {
+                    $($name: surface
+                        .table(stringify!($name))
+                        .map(|table| Described::read(table, source, builder)),)*
+                }
+            }
+
+            /// The effects that are on, each with its name.
+            pub(crate) fn iter(&self) -> impl Iterator<Item = (&'static str, &dyn SurfaceEffect)> {
+                let all: [(&'static str, Option<&dyn SurfaceEffect>); Self::NAMES.len()] = [
+                    $((stringify!($name), self.$name.as_ref().map(|effect| effect as _))),*
+                ];
+                all.into_iter().filter_map(|(name, effect)| Some((name, effect?)))
+            }
+
+            /// The effects that are on, to be changed.
+            pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut dyn SurfaceEffect> {
+                let all: [Option<&mut dyn SurfaceEffect>; Self::NAMES.len()] = [
+                    $(self.$name.as_mut().map(|effect| effect as _)),*
+                ];
+                all.into_iter().flatten()
+            }
+        }
+    };
+}
+
+effects! {
+    /// Bending.
+    bending: Bending,
+    /// Elasticity in the surface's plane.
+    elasticity: Elasticity,
+    /// Area of each triangle.
+    local_area: LocalArea,
+    /// Total area of each connected component.
+    area: HeldArea,
+    /// Enclosed volume of each connected component.
+    volume: HeldVolume,
+    /// Difference of the areas of the bilayer's leaflets, through ∫H dS of each component.
+    area_difference: HeldAreaDifference,
+    /// Surface tension.
+    tension: Tension,
+    /// Pressure inside minus pressure outside.
+    pressure: Pressure,
+    /// Weight of the enclosed fluid minus that of the fluid that it displaces.
+    gravity: Gravity,
+    /// Adhesion to a wall.
+    adhesion: Adhesion,
+    /// Viscosity of the membrane.
+    membrane_viscosity: MembraneViscosity,
+    /// Opposite forces at the surface's two ends.
+    stretching: Stretching,
+}
+
+/// The key of an effect in a scene; it also ends the names of its columns.
+pub(crate) trait Named {
+    const NAME: &'static str;
+}
+
+/// The table of an effect in a scene file.
+trait Described: Named + Sized {
+    /// The description of the table in the schema.
+    const SUMMARY: &'static str;
+    /// The keys of the table.
+    const KEYS: &'static Keys;
+
+    /// Reads a table that has been compared with [`Self::KEYS`]; the surface has this mesh.
+    fn read(table: Reader<'_>, source: &MeshSource, builder: &mut Builder<'_>) -> Self;
+}
+
+const fn key<E: Described>() -> Key {
+    optional(E::NAME, Form::Table(E::KEYS), E::SUMMARY)
+}
+
+/// An effect of a scene. Methods that an effect has no use for have defaults.
+pub(crate) trait SurfaceEffect: fmt::Debug {
+    /// Reports what contradicts the effect or is doubtful about it, before any mesh is known.
+    fn check(&self, _check: &mut Check<'_, '_>) {}
+
+    /// Reports what contradicts the effect or is doubtful about it on the mesh of the surface.
+    fn check_mesh(&self, _check: &mut MeshCheck<'_>) {}
+
+    /// Whether the effect needs an enclosed volume.
+    fn needs_volume(&self) -> bool {
+        false
+    }
+
+    /// The positions without stress, of effects that have such.
+    fn reference(&self) -> Option<&Reference> {
+        None
+    }
+
+    /// [`Self::reference`], to be changed.
+    fn reference_mut(&mut self) -> Option<&mut Reference> {
+        None
+    }
+
+    /// Whether the effect remembers where the material was, so that vertices are part of it.
+    fn is_solid(&self) -> bool {
+        false
+    }
+
+    /// The number of each component that its energy depends on, or that it holds.
+    fn quantity(&self) -> Option<Quantity> {
+        None
+    }
+
+    /// Moduli against deformation.
+    fn stiffness(&self) -> Stiffness {
+        Stiffness::default()
+    }
+
+    /// Memory of the prepared effect in bytes, for each vertex.
+    fn bytes(&self, _mesh: &MeshInfo) -> u64 {
+        0
+    }
+
+    /// The law or method, and the parameters.
+    fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>);
+
+    /// Adds the dimensionless groups that the effect forms with the others.
+    fn groups(&self, _groups: &mut Groups<'_>) {}
+
+    /// Makes the effect ready for the mesh of its surface.
+    ///
+    /// # Errors
+    /// If the mesh or its positions do not allow it.
+    fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError>;
+}
+
+/// Moduli by which an effect resists deformation; 0 where it does not.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Stiffness {
+    /// Bending modulus, an energy.
+    pub(crate) bending: f64,
+    /// Modulus against changes of area, force per length.
+    pub(crate) area: f64,
+    /// Modulus against shear in the plane, force per length.
+    pub(crate) shear: f64,
+    /// Surface tension, force per length; it has a sign.
+    pub(crate) tension: f64,
+}
+
+impl Effects {
+    /// The names of the effects that are on.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.iter().map(|(name, _)| name)
+    }
+
+    /// Whether no effect is on.
+    pub fn is_empty(&self) -> bool {
+        self.iter().next().is_none()
+    }
+
+    /// The moduli of all effects together.
+    pub(crate) fn stiffness(&self) -> Stiffness {
+        self.iter().fold(Stiffness::default(), |sum, (_, effect)| {
+            let own = effect.stiffness();
+            Stiffness {
+                bending: sum.bending + own.bending,
+                area: sum.area + own.area,
+                shear: sum.shear + own.shear,
+                tension: sum.tension + own.tension,
+            }
+        })
+    }
+}
+
+/// The context of checks of effects before any mesh is known.
+pub(crate) struct Check<'a, 'b> {
+    pub(super) builder: &'a mut Builder<'b>,
+    /// The name of the surface.
+    pub(super) name: &'a str,
+    /// All effects of the surface.
+    pub(super) effects: &'a Effects,
+    /// The table of the surface.
+    pub(super) surface: Reader<'a>,
+    /// The driver, if it could be read.
+    pub(super) driver: Option<&'a Driver>,
+}
+
+impl Check<'_, '_> {
+    /// The driver, if it has a fluid.
+    fn fluid(&self) -> Option<&Driver> {
+        self.driver
+            .filter(|driver| !matches!(driver, Driver::Relax(_)))
+    }
+
+    /// Whether the driver has neither time nor fluid.
+    fn relaxes(&self) -> bool {
+        matches!(self.driver, Some(Driver::Relax(_)))
+    }
+
+    /// Reports a contradiction at a key `effect` or `effect.key`.
+    fn contradiction(&mut self, path: &str, message: String) {
+        let origin = self.origin(path);
+        self.builder.contradiction(&origin, message);
+    }
+
+    /// Reports a doubt at a key `effect` or `effect.key`.
+    fn doubt(&mut self, path: &str, message: String) {
+        let origin = self.origin(path);
+        self.builder.doubt(&origin, message);
+    }
+
+    fn origin(&self, path: &str) -> super::value::Origin {
+        match path.split_once('.') {
+            Some((effect, key)) => match self.surface.table(effect) {
+                Some(table) => table.origin_of(key),
+                None => self.surface.origin_of(effect),
+            },
+            None => self.surface.origin_of(path),
+        }
+    }
+}
+
+/// The context of checks of effects once the mesh is known.
+pub(crate) struct MeshCheck<'a> {
+    /// The name of the surface.
+    pub(super) name: &'a str,
+    /// All effects of the surface.
+    pub(super) effects: &'a Effects,
+    /// Where the mesh comes from.
+    pub(super) source: &'a MeshSource,
+    /// The mesh, scaled as the scene says.
+    pub(super) mesh: &'a MeshInfo,
+    /// The driver.
+    pub(super) driver: &'a Driver,
+    /// Contradictions, each with its key below the surface.
+    pub(super) contradictions: Vec<(String, String)>,
+    /// Doubts, each with its key below the surface.
+    pub(super) doubts: Vec<(String, String)>,
+}
+
+impl MeshCheck<'_> {
+    fn contradiction(&mut self, path: &str, message: String) {
+        self.contradictions.push((path.to_owned(), message));
+    }
+
+    fn doubt(&mut self, path: &str, message: String) {
+        self.doubts.push((path.to_owned(), message));
+    }
+}
+
+/// The dimensionless groups of a surface, and what they are made of.
+pub(crate) struct Groups<'a> {
+    /// All effects of the surface.
+    pub(super) effects: &'a Effects,
+    /// The mesh, scaled as the scene says.
+    pub(super) mesh: &'a MeshInfo,
+    /// The driver.
+    pub(super) driver: &'a Driver,
+    pub(super) found: Vec<Group>,
+}
+
+impl Groups<'_> {
+    pub(super) fn add(&mut self, name: &'static str, formula: &'static str, value: f64) {
+        self.found.push(Group {
+            name,
+            formula,
+            value,
+        });
+    }
+
+    /// R, the radius of the sphere of the same area.
+    fn radius(&self) -> f64 {
+        (self.mesh.area / (4.0 * PI)).sqrt()
+    }
+
+    /// The bending modulus κ, if the surface bends.
+    fn bending_modulus(&self) -> Option<f64> {
+        Some(self.effects.bending?.modulus)
+    }
+}

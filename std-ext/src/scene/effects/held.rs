@@ -1,0 +1,131 @@
+//! Quantities of each connected component that are held at a target.
+
+use super::super::keys::{Form, Key, optional};
+use super::super::units::Dimension;
+use super::{MeshCheck, Parameter, Parameters, Preparation, Reader};
+use crate::six::Six;
+use helfrich::{Quantity, Targets};
+use serde::Serialize;
+
+/// How a quantity is held at its target.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Hold {
+    /// As a constraint.
+    Exact,
+    /// By a penalty with this modulus. Area and volume F: `E = k/2 (F − F0)²/F0`, k a force per
+    /// length or a pressure. Area difference: `E = 2π k (M − M0)²/A` with `M = ∫H dS`, k an energy.
+    Penalty(f64),
+}
+
+impl Hold {
+    /// Whether the quantity is held as a constraint.
+    pub fn is_exact(self) -> bool {
+        self == Self::Exact
+    }
+
+    /// The modulus of the penalty, if there is one.
+    pub fn modulus(self) -> Option<f64> {
+        match self {
+            Self::Exact => None,
+            Self::Penalty(modulus) => Some(modulus),
+        }
+    }
+
+    pub(super) fn read(table: Reader<'_>) -> Self {
+        table.number("modulus").map_or(Self::Exact, Self::Penalty)
+    }
+
+    /// How it is held, at which target: none is what it is at the start.
+    pub(super) fn explain(
+        self,
+        target: Option<Parameter>,
+        number: &Parameters,
+        dimension: Dimension,
+    ) -> (String, Vec<Parameter>) {
+        let kind = if self.is_exact() { "exact" } else { "penalty" };
+        let initial = match target {
+            None => ", at what it is at the start",
+            Some(_) => "",
+        };
+        let modulus = self.modulus();
+        let modulus = modulus.map(|modulus| number.of("modulus", modulus, dimension));
+        let parameters = modulus.into_iter().chain(target);
+        (format!("{kind}{initial}"), parameters.collect())
+    }
+}
+
+/// The key that chooses a constraint instead of a penalty.
+pub(super) const CONSTRAINT: Key = optional(
+    "constraint",
+    Form::Choice(|| vec!["exact"]),
+    "\"exact\": held as a constraint, instead of by a modulus.",
+);
+
+/// Exactly one of these says how a quantity is held.
+pub(super) const EITHER: &[&[&str]] = &[&["constraint", "modulus"]];
+
+/// The message about an effect that works against a quantity that is held exactly.
+pub(super) fn idle(effect: &str, surface: &str, held: &str) -> String {
+    format!(
+        "`{effect}` does nothing to \"{surface}\", whose {held} is held exactly: leave one of them out"
+    )
+}
+
+/// The message about a constraint where only forces move membranes.
+pub(super) fn no_constraint_in_flow(effect: &str, surface: &str) -> String {
+    format!(
+        "in a flow the `{effect}` of \"{surface}\" cannot be held exactly: only forces move membranes \
+         there; give a `modulus`, as large as needed"
+    )
+}
+
+/// Least ratio of a target to the value on the mesh: sums over a mesh are rounded by ε of the value at
+/// the start, and constraints hold to 1e-10 of their targets.
+pub(super) const LEAST_RATIO: f64 = f64::EPSILON / 1e-10;
+
+impl MeshCheck<'_> {
+    /// Reports a target so far from the mesh that it is lost in rounding, or never reached.
+    pub(super) fn compare(&mut self, key: &str, what: &str, target: f64, has: f64, least: f64) {
+        let ratio = target.abs() / has;
+        if ratio < least || ratio > LEAST_RATIO.recip() {
+            let message = format!(
+                "the {what} of {} is {} times {}, that of the mesh of \"{}\" where it starts: such a \
+                 target is lost in rounding, or never reached: choose one that is nearer",
+                Six(target),
+                Six(ratio),
+                Six(has),
+                self.name
+            );
+            self.contradiction(key, message);
+        }
+    }
+}
+
+impl Preparation<'_> {
+    /// Holds area or volume at targets.
+    pub(super) fn hold(
+        &mut self,
+        name: &'static str,
+        hold: Hold,
+        quantity: Quantity,
+        targets: Targets<f64>,
+    ) {
+        match hold {
+            Hold::Exact => self.constrain(name, quantity, targets),
+            Hold::Penalty(modulus) => {
+                self.conservative(name, helfrich::Penalty::new(quantity, modulus, targets));
+            }
+        }
+    }
+}
+
+/// Targets that follow from others, component by component.
+pub(super) fn map(targets: &Targets<f64>, f: impl Fn(f64) -> f64) -> Targets<f64> {
+    match targets {
+        Targets::Same(target) => Targets::Same(f(*target)),
+        Targets::PerComponent(targets) => {
+            Targets::PerComponent(targets.iter().map(|&target| f(target)).collect())
+        }
+    }
+}

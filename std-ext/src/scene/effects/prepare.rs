@@ -1,0 +1,87 @@
+//! Effects made ready for the mesh of their surface.
+
+use super::{Effects, Stretch};
+use crate::effect::{Effect, Lumping, Viscosity};
+use helfrich::{
+    Conservative, Constraint, LoadError, Quantity, ReferenceError, Surface, SurfaceError, Targets,
+    TriangleMesh,
+};
+use std::fmt;
+
+/// Why an effect cannot be made ready for a mesh. The message is one line.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EffectError {
+    /// A position of a reference is out of the range of numbers.
+    #[error(transparent)]
+    Positions(#[from] SurfaceError),
+    /// A reference cannot be used.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// The ends of a surface cannot be loaded.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// A vertex starts on the wall that the surface is to adhere to, or behind it.
+    #[error(
+        "vertex {vertex} starts at the height {height:.6} above the wall of `adhesion`: place the surface \
+         in front of the wall, on the side of its `normal`"
+    )]
+    BehindWall {
+        /// The vertex.
+        vertex: usize,
+        /// Its height above the wall.
+        height: f64,
+    },
+}
+
+/// A surface at the start, and the effects that have been made ready for it so far.
+pub(crate) struct Preparation<'a> {
+    /// The surface where it starts.
+    pub(crate) surface: Surface<'a, f64>,
+    /// The place of the mesh's origin.
+    pub(crate) position: [f64; 3],
+    /// How force densities become nodal forces.
+    pub(crate) lumping: Lumping,
+    /// All effects of the surface.
+    pub(crate) siblings: &'a Effects,
+    /// The positions of the reference of the effect that is being prepared.
+    pub(crate) unstressed: Vec<[f64; 3]>,
+    /// Effects with forces that depend on positions.
+    pub(crate) forces: Vec<Effect>,
+    /// Constraints, each with the name of its effect.
+    pub(crate) constraints: Vec<(&'static str, Constraint<f64>)>,
+    /// The viscosity of the membrane.
+    pub(crate) viscosity: Option<Viscosity>,
+    /// The loads of a stretched surface.
+    pub(crate) stretch: Option<Stretch>,
+}
+
+impl Preparation<'_> {
+    /// The mesh of the surface.
+    pub(super) fn mesh(&self) -> &TriangleMesh {
+        self.surface.mesh()
+    }
+
+    /// Adds an effect whose force is the gradient of its energy.
+    pub(super) fn conservative<M>(&mut self, name: &'static str, method: M)
+    where
+        M: Conservative<f64> + fmt::Debug + 'static,
+    {
+        let effect = Effect::conservative(name, method, self.surface.mesh());
+        self.forces.push(effect);
+    }
+
+    /// Adds a quantity that is held exactly.
+    pub(super) fn constrain(
+        &mut self,
+        name: &'static str,
+        functional: Quantity,
+        targets: Targets<f64>,
+    ) {
+        let constraint = Constraint {
+            functional,
+            targets,
+        };
+        self.constraints.push((name, constraint));
+    }
+}

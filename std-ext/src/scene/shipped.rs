@@ -1,0 +1,92 @@
+//! Scenes that come with the library, by name.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+/// The folder that messages give for what comes with the library.
+const FOLDER: &str = "<helfrich>";
+
+/// A scene that comes with the library.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShippedScene {
+    /// The name, with which it can be run: that of its file without `.toml`.
+    pub name: &'static str,
+    /// The file's content.
+    pub text: &'static str,
+}
+
+macro_rules! scenes {
+    ($($name:literal)*) => {
+        [$(ShippedScene {
+            name: $name,
+            text: include_str!(concat!("../../scenes/", $name, ".toml")),
+        }),*]
+    };
+}
+
+/// All scenes that come with the library.
+pub const SHIPPED: [ShippedScene; 13] = scenes![
+    "budding"
+    "capsule-constriction"
+    "capsule-pair"
+    "capsule-shear"
+    "capsule-shear-lattice"
+    "red-blood-cell-relax"
+    "red-blood-cell-shear"
+    "red-blood-cell-stretched"
+    "vesicle-oblate-0.7"
+    "vesicle-oblate-unstable-0.9"
+    "vesicle-prolate-0.8"
+    "vesicle-prolate-0.9"
+    "vesicle-shear"
+];
+
+/// Further files, which scenes name.
+const FILES: [(&str, &str); 2] = [
+    (
+        "capsule-shear-published.csv",
+        include_str!("../../scenes/capsule-shear-published.csv"),
+    ),
+    (
+        "scene.schema.json",
+        include_str!("../../scenes/scene.schema.json"),
+    ),
+];
+
+impl ShippedScene {
+    /// The scene that a path names: one without a folder, where there is no file of that name.
+    pub fn named(path: &Path) -> Option<Self> {
+        let is = |scene: &Self| path.as_os_str() == OsStr::new(scene.name);
+        let found = SHIPPED.into_iter().find(is)?;
+        (!path.is_file()).then_some(found)
+    }
+
+    /// The title that the scene gives itself.
+    pub fn title(self) -> &'static str {
+        let line = self.text.lines().find_map(|line| {
+            let (_, title) = line.strip_prefix("title")?.split_once('"')?;
+            title.strip_suffix('"')
+        });
+        line.unwrap_or_default()
+    }
+
+    /// The path that messages give, and that files the scene names are relative to.
+    pub fn path(self) -> PathBuf {
+        Path::new(FOLDER).join(format!("{}.toml", self.name))
+    }
+}
+
+/// Files that belong to the scenes, each with its name and content: all that is needed to run them from
+/// a folder.
+pub fn shipped_files() -> impl Iterator<Item = (String, &'static str)> {
+    let scenes = SHIPPED.iter();
+    let scenes = scenes.map(|scene| (format!("{}.toml", scene.name), scene.text));
+    scenes.chain(FILES.map(|(name, text)| (name.to_owned(), text)))
+}
+
+/// The content of a file that a shipped scene names.
+pub(crate) fn shipped_file(path: &Path) -> Option<&'static [u8]> {
+    let name = path.strip_prefix(FOLDER).ok()?;
+    let is = |(known, _): &(&str, &str)| name.as_os_str() == OsStr::new(known);
+    Some(FILES.into_iter().find(is)?.1.as_bytes())
+}

@@ -1,0 +1,52 @@
+//! Surfaces that have gone into each other.
+
+use super::Simulation;
+use crate::enclosure::{Inside, inside_of_images, inside_of_own_images};
+use helfrich::Surface;
+
+/// A surface that has gone into another one, an obstacle, or its own image: a part of it is inside. One
+/// that is inside as a whole was put there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crossing {
+    /// The name of the surface.
+    pub surface: String,
+    /// The name of what it has gone into; its own image if there is none.
+    pub into: Option<String>,
+    /// The vertices inside.
+    pub inside: Inside,
+}
+
+impl Simulation {
+    /// All pairs of surfaces that cross at these positions, including images in a periodic box, each pair
+    /// once.
+    pub fn crossings(&self, positions: &[[f64; 3]]) -> Vec<Crossing> {
+        let surfaces = self.bodies.iter().filter_map(|body| {
+            let surface = body.surface(positions)?;
+            Some((body.name(), surface))
+        });
+        let surfaces = Vec::from_iter(surfaces);
+        let obstacles = self.obstacles.iter().filter_map(|obstacle| {
+            let surface = Surface::new(&obstacle.mesh, &obstacle.positions).ok()?;
+            Some((obstacle.name.as_str(), surface))
+        });
+        let others = Vec::from_iter(surfaces.iter().copied().chain(obstacles));
+        let mut crossings = Vec::new();
+        for (number, &(name, surface)) in surfaces.iter().enumerate() {
+            let mut add = |into: Option<&str>, found: Vec<Inside>| {
+                let vertices = surface.positions().len();
+                let crossing = found.into_iter().find(|inside| inside.count < vertices);
+                crossings.extend(crossing.map(|inside| Crossing {
+                    surface: name.to_owned(),
+                    into: into.map(str::to_owned),
+                    inside,
+                }));
+            };
+            for (_, (other, around)) in others.iter().enumerate().filter(|(k, _)| *k != number) {
+                let found = inside_of_images(surface, *around, &self.images);
+                add(Some(other), found);
+            }
+            add(None, inside_of_own_images(surface, &self.images));
+        }
+        crossings
+    }
+}

@@ -1,0 +1,134 @@
+//! How long an evaluation takes: the median of several, and how far they scatter.
+
+use std::time::{Duration, Instant};
+
+/// The scatter above which a median says little: the quartiles are further apart than this share of
+/// it. On an otherwise idle machine they are a few hundredths apart; what is compared differs by tenths
+/// and more.
+pub const MOST_SCATTER: f64 = 0.25;
+
+/// How long runs are repeated, and how often at most.
+const WHILE: Duration = Duration::from_millis(40);
+const MOST: usize = 1000;
+
+/// Time that several runs took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Timing {
+    /// The median.
+    pub(crate) median: Duration,
+    /// The distance of the quartiles over the median; 0 of a single run.
+    pub(crate) scatter: f64,
+}
+
+impl Timing {
+    /// Runs as often as fits into a short while, three times at least; less often where a run is long
+    /// enough for what disturbs it to be short: twice from 0.1 s on, and once from 0.4 s on, unless they
+    /// and the `first` run contradict each other. Memory is warm: there was a run before, which took
+    /// `first`.
+    pub(crate) fn of_runs(first: Duration, mut run: impl FnMut()) -> Self {
+        let start = Instant::now();
+        let mut times = Vec::new();
+        while is_more_needed(first, &times, start.elapsed()) {
+            let one = Instant::now();
+            run();
+            times.push(one.elapsed());
+        }
+        Self::of(times)
+    }
+
+    /// Takes one run and more together.
+    fn of(mut times: Vec<Duration>) -> Self {
+        times.sort_unstable();
+        let last = times.len() - 1;
+        let median = times[last / 2];
+        let range = times[last - last / 4] - times[last / 4];
+        Self {
+            median,
+            scatter: share(range, median),
+        }
+    }
+}
+
+/// Whether `scatter` leaves the median without much of a meaning.
+pub(crate) fn is_scattered(scatter: f64) -> bool {
+    scatter.is_nan() || scatter > MOST_SCATTER
+}
+
+fn share(part: Duration, whole: Duration) -> f64 {
+    if part.is_zero() {
+        0.0
+    } else {
+        part.as_secs_f64() / whole.as_secs_f64()
+    }
+}
+
+/// Whether one more run is needed after these, which took `elapsed` together.
+fn is_more_needed(first: Duration, times: &[Duration], elapsed: Duration) -> bool {
+    let fewest = match first.as_millis() {
+        400.. => 1,
+        100.. => 2,
+        _ => 3,
+    };
+    let (Some(&shortest), Some(&longest)) = (times.iter().min(), times.iter().max()) else {
+        return true;
+    };
+    let (shortest, longest) = (shortest.min(first), longest.max(first));
+    let contradicted = is_scattered(share(longest - shortest, shortest));
+    let fewest = if contradicted { 3 } else { fewest };
+    times.len() < fewest || (elapsed < WHILE && times.len() < MOST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn milliseconds(times: &[u64]) -> Vec<Duration> {
+        times.iter().copied().map(Duration::from_millis).collect()
+    }
+
+    #[test]
+    fn medians_and_quartiles_of_known_times() {
+        for (times, median, scatter) in [
+            (&[7][..], 7, 0.0),
+            (&[10, 12], 10, 0.2),
+            (&[12, 10, 11], 11, 2.0 / 11.0),
+            (&[50, 10, 11, 12, 13], 12, 2.0 / 12.0),
+            (&[10, 10, 10, 10, 90, 10, 10, 10, 10], 10, 0.0),
+            (&[10, 20, 10, 20, 10, 20, 10, 20, 10], 10, 1.0),
+            (&[0, 0, 0], 0, 0.0),
+        ] {
+            let timing = Timing::of(milliseconds(times));
+            assert_eq!(timing.median, Duration::from_millis(median), "{times:?}");
+            assert!(
+                (timing.scatter - scatter).abs() < 1e-12,
+                "{times:?}: {timing:?}"
+            );
+        }
+        // Half of them in no time at all: how far the rest is off is no share of that.
+        assert!(is_scattered(Timing::of(milliseconds(&[0, 0, 5])).scatter));
+    }
+
+    #[test]
+    fn a_quarter_is_the_limit() {
+        let scattered = |times: &[u64]| is_scattered(Timing::of(milliseconds(times)).scatter);
+        assert!(!scattered(&[100, 90, 115]));
+        assert!(scattered(&[100, 90, 116]));
+        assert!(is_scattered(f64::NAN) && is_scattered(f64::INFINITY));
+    }
+
+    #[test]
+    fn long_runs_are_repeated_where_they_contradict_each_other() {
+        let long = Duration::from_secs(1);
+        let more = |first: u64, times: &[u64]| {
+            is_more_needed(Duration::from_millis(first), &milliseconds(times), long)
+        };
+        assert!(more(500, &[]) && !more(500, &[500]) && more(500, &[800]) && more(900, &[500]));
+        assert!(more(200, &[200]) && !more(200, &[200, 210]) && more(200, &[200, 300]));
+        assert!(more(20, &[20, 20]) && !more(20, &[20, 90, 20]));
+        assert!(!more(900, &[500, 900, 500]));
+        let short = milliseconds(&[1; 5]);
+        assert!(is_more_needed(short[0], &short, Duration::from_millis(5)));
+        let many = vec![Duration::from_nanos(1); MOST];
+        assert!(!is_more_needed(many[0], &many, Duration::from_millis(5)));
+    }
+}

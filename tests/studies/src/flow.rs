@@ -1,0 +1,439 @@
+//! One capsule in shear flow, by both solvers and every bending method: data; [`crate::report`] shows
+//! it.
+//!
+//! The case is that of Guckenberger, Schraml, Chen, Leonetti and Gekle, Comput. Phys. Commun. 207
+//! (2016) 1, section 5: a neo-Hookean sphere of radius a with Ca = μγ̇a/G = 0.15, κ/(a²G) = 0.1125 and
+//! the same fluid inside and outside.
+
+mod compared;
+
+pub use compared::{Boxes, Resolved, boxes, largest_deviation, published, resolved};
+
+use helfrich_std::method::BendingMethod;
+use helfrich_std::run::{End, Progress, RunError, run};
+use helfrich_std::scalar::Scalar;
+use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::series::SeriesTable;
+use helfrich_std::simulation::build;
+use helfrich_std::study::Cache;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+/// The paper's Ca = μγ̇a/G.
+pub const CAPILLARY_NUMBER: f64 = 0.15;
+
+/// The paper's bending modulus, in units of a²G.
+pub const BENDING: f64 = 0.1125;
+
+/// A modulus that keeps the membrane from wrinkling and hardly does more.
+pub const LITTLE_BENDING: f64 = 0.0025;
+
+/// Lattices finer than this many nodes a radius leak between the vertices of the coarse mesh, whose
+/// edges are 1.5 nodes long there. Bending holds back the step of a finer mesh with its squared edges:
+/// with much of it the coarse one has to do.
+const FINE: f64 = 8.0;
+
+/// The solver that moves the capsule.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "solver")]
+pub enum Solver {
+    /// Boundary integrals in unbounded fluid.
+    BoundaryIntegral,
+    /// A lattice in a cube, with two walls that move.
+    LatticeBoltzmann {
+        /// Number of nodes along the capsule's radius.
+        resolution: f64,
+        /// Length of the cube's edges in radii.
+        size: f64,
+        /// Number type of the lattice.
+        precision: Scalar,
+    },
+}
+
+impl fmt::Display for Solver {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BoundaryIntegral => write!(formatter, "boundary integral"),
+            Self::LatticeBoltzmann {
+                resolution,
+                size,
+                precision,
+            } => write!(
+                formatter,
+                "lattice, {resolution} nodes a radius, {size} radii, {precision}"
+            ),
+        }
+    }
+}
+
+/// One run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FlowCase {
+    /// The solver.
+    #[serde(flatten)]
+    pub solver: Solver,
+    /// The bending method.
+    pub method: BendingMethod,
+    /// κ/(a²G).
+    pub bending: f64,
+    /// Number of vertices of the capsule.
+    pub vertices: usize,
+}
+
+/// The result of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FlowRow {
+    /// The case that was run.
+    #[serde(flatten)]
+    pub case: FlowCase,
+    /// How it ended.
+    pub end: End,
+    /// The same in words.
+    pub message: String,
+    /// Taylor deformation at the end, by the ellipsoid of the same inertia.
+    pub deformation: f64,
+    /// Inclination to the flow at the end, in degrees.
+    pub inclination: f64,
+    /// Volume at the end over that at the start, less 1.
+    pub volume_change: f64,
+    /// Deformation over γ̇t.
+    pub transient: Vec<[f64; 2]>,
+    /// Steps in time.
+    pub steps: u64,
+    /// Time that the run took.
+    pub seconds: f64,
+}
+
+/// All of a row but its case.
+#[derive(Serialize, Deserialize)]
+struct Found {
+    end: End,
+    message: String,
+    deformation: f64,
+    inclination: f64,
+    volume_change: f64,
+    transient: Vec<[f64; 2]>,
+    steps: u64,
+    seconds: f64,
+}
+
+impl Found {
+    fn of(self, case: FlowCase) -> FlowRow {
+        let Self {
+            end,
+            message,
+            deformation,
+            inclination,
+            volume_change,
+            transient,
+            steps,
+            seconds,
+        } = self;
+        FlowRow {
+            case,
+            end,
+            message,
+            deformation,
+            inclination,
+            volume_change,
+            transient,
+            steps,
+            seconds,
+        }
+    }
+}
+
+/// A study of flow.
+#[derive(Clone, Debug)]
+pub struct FlowStudy {
+    /// The bending methods, by boundary integrals.
+    pub methods: Vec<BendingMethod>,
+    /// The methods that run on a lattice, too.
+    pub lattice_methods: Vec<BendingMethod>,
+    /// κ/(a²G) of the runs that are about the lattice.
+    pub bendings: Vec<f64>,
+    /// Resolutions of the lattice for the first method: number of nodes along the radius.
+    pub resolutions: Vec<f64>,
+    /// Cubes for it: lengths of the edges in radii. The first is that of all other runs.
+    pub sizes: Vec<f64>,
+    /// γ̇t at the end.
+    pub strain: f64,
+}
+
+impl Default for FlowStudy {
+    /// All of it: a quarter of an hour.
+    fn default() -> Self {
+        Self {
+            methods: BendingMethod::ALL.to_vec(),
+            lattice_methods: BendingMethod::ALL.to_vec(),
+            bendings: vec![BENDING, LITTLE_BENDING],
+            resolutions: vec![6.0, 10.0],
+            sizes: vec![7.0, 10.0],
+            strain: 5.0,
+        }
+    }
+}
+
+/// How far a study of flow has come.
+#[derive(Clone, Debug)]
+pub struct FlowProgress<'a> {
+    /// From 0 to 1, by what runs are expected to take.
+    pub fraction: f64,
+    /// The running case.
+    pub case: &'a FlowCase,
+    /// How far it is.
+    pub run: &'a Progress,
+}
+
+/// Why there is no study of flow.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FlowStudyError {
+    /// A case is no valid scene.
+    #[error("{case}: {message}")]
+    Scene {
+        /// The case.
+        case: String,
+        /// The problem.
+        message: String,
+    },
+    /// A run cannot begin, or its output cannot be written.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// There is no room for the runs.
+    #[error("a folder for the runs: {0}")]
+    Folder(#[from] io::Error),
+}
+
+impl fmt::Display for FlowCase {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            formatter,
+            "{}, {}, b = {}",
+            self.solver, self.method, self.bending
+        )
+    }
+}
+
+impl FlowStudy {
+    /// Every method by boundary integrals and on one lattice: some minutes.
+    pub fn brief() -> Self {
+        Self {
+            bendings: vec![BENDING],
+            resolutions: vec![6.0],
+            sizes: vec![7.0],
+            ..Self::default()
+        }
+    }
+
+    /// All runs: every method by both solvers; then method B, on each lattice and in both number
+    /// types, with much and with little bending.
+    pub fn cases(&self) -> Vec<FlowCase> {
+        let lattice = |resolution: f64, size: f64| Solver::LatticeBoltzmann {
+            resolution,
+            size,
+            precision: Scalar::F64,
+        };
+        let of = |solver: Solver, method: BendingMethod, bending: f64| FlowCase {
+            solver,
+            method,
+            bending,
+            vertices: match solver {
+                Solver::LatticeBoltzmann { resolution, .. }
+                    if resolution > FINE && bending < BENDING =>
+                {
+                    2562
+                }
+                _ => 642,
+            },
+        };
+        let mut cases = Vec::new();
+        let mut add = |case: FlowCase| {
+            if !cases.contains(&case) {
+                cases.push(case);
+            }
+        };
+        // Method by method beside each other; then what is only of the solvers.
+        let first = self.resolutions.first().zip(self.sizes.first());
+        for &method in &self.methods {
+            add(of(Solver::BoundaryIntegral, method, BENDING));
+            if let Some((&resolution, &size)) = first
+                && self.lattice_methods.contains(&method)
+            {
+                add(of(lattice(resolution, size), method, BENDING));
+            }
+        }
+        let method = BendingMethod::GompperKroll;
+        for &bending in &self.bendings {
+            add(of(Solver::BoundaryIntegral, method, bending));
+            for &resolution in &self.resolutions {
+                for &size in &self.sizes {
+                    let case = of(lattice(resolution, size), method, bending);
+                    // The same mesh without the lattice.
+                    add(FlowCase {
+                        solver: Solver::BoundaryIntegral,
+                        ..case
+                    });
+                    add(case);
+                }
+            }
+            if let Some((&resolution, &size)) = first {
+                let single = Solver::LatticeBoltzmann {
+                    resolution,
+                    size,
+                    precision: Scalar::F32,
+                };
+                add(of(single, method, bending));
+            }
+        }
+        cases
+    }
+
+    /// Runs all of it.
+    ///
+    /// # Errors
+    /// If a run cannot begin, or there is no room on the disk. A run that fails is a row that says so.
+    pub fn run(
+        &self,
+        interrupted: &dyn Fn() -> bool,
+        progress: &mut dyn FnMut(&FlowProgress<'_>),
+    ) -> Result<Vec<FlowRow>, FlowStudyError> {
+        self.run_with(None, interrupted, progress)
+    }
+
+    /// The same, but for the runs that came to an end before; takes those that do so now.
+    ///
+    /// # Errors
+    /// If a run cannot begin, or there is no room on the disk.
+    pub fn run_with(
+        &self,
+        mut cache: Option<&mut Cache>,
+        interrupted: &dyn Fn() -> bool,
+        progress: &mut dyn FnMut(&FlowProgress<'_>),
+    ) -> Result<Vec<FlowRow>, FlowStudyError> {
+        let cases = self.cases();
+        let folder = tempfile::tempdir()?;
+        let total: f64 = cases.iter().map(FlowCase::weight).sum();
+        let mut before = 0.0;
+        let mut rows = Vec::new();
+        for (number, case) in cases.iter().enumerate() {
+            if interrupted() {
+                break;
+            }
+            let mut tell = |run: &Progress| {
+                progress(&FlowProgress {
+                    fraction: (before + case.weight() * run.fraction) / total,
+                    case,
+                    run,
+                });
+            };
+            let key = format!("flow {case}, {} vertices, {}", case.vertices, self.strain);
+            let known = cache.as_deref().and_then(|cache| cache.get::<Found>(&key));
+            let found = match known {
+                Some(found) => found,
+                None => {
+                    let folder = folder.path().join(number.to_string());
+                    let found = case.run(self.strain, &folder, interrupted, &mut tell)?;
+                    if let Some(cache) = &mut cache
+                        && found.end != End::Interrupted
+                    {
+                        cache.insert(key, &found);
+                    }
+                    found
+                }
+            };
+            rows.push(found.of(*case));
+            before += case.weight();
+        }
+        Ok(rows)
+    }
+}
+
+impl FlowCase {
+    /// About what it takes, in some unit.
+    fn weight(&self) -> f64 {
+        match self.solver {
+            Solver::BoundaryIntegral => 3e7 * (self.vertices as f64 / 642.0).powi(2),
+            Solver::LatticeBoltzmann {
+                resolution, size, ..
+            } => (resolution * size).powi(3) * 15.0 * resolution.powi(2),
+        }
+    }
+
+    fn file(&self, strain: f64) -> Result<SceneFile, FlowStudyError> {
+        let family = match self.method {
+            // Where its surface is as smooth as it can be.
+            BendingMethod::Loop => "smooth",
+            _ => "regular",
+        };
+        let mut keys = vec![
+            format!("driver.strain={strain}"),
+            format!("surface.0.bending.method={}", self.method),
+            format!("surface.0.bending.modulus={}", self.bending),
+            format!("surface.0.vertices={}", self.vertices),
+            format!("surface.0.family={family}"),
+            "output.pictures=false".to_owned(),
+            "output.surfaces=false".to_owned(),
+            "output.slice=".to_owned(),
+            "output.plot=".to_owned(),
+        ];
+        let text = match self.solver {
+            Solver::BoundaryIntegral => include_str!("../../../std-ext/scenes/capsule-shear.toml"),
+            Solver::LatticeBoltzmann {
+                resolution,
+                size,
+                precision,
+            } => {
+                keys.push(format!("driver.resolution={resolution}"));
+                keys.push(format!("driver.box=[{size}, {size}, {size}]"));
+                keys.push(format!("driver.precision={precision}"));
+                include_str!("../../../std-ext/scenes/capsule-shear-lattice.toml")
+            }
+        };
+        let problem = |error: &dyn fmt::Display| FlowStudyError::Scene {
+            case: self.to_string(),
+            message: error.to_string(),
+        };
+        let overrides = Overrides::new(keys).map_err(|error| problem(&error))?;
+        SceneFile::parse(text, Path::new("capsule.toml"), &overrides).map_err(|e| problem(&e))
+    }
+
+    fn run(
+        &self,
+        strain: f64,
+        folder: &Path,
+        interrupted: &dyn Fn() -> bool,
+        progress: &mut dyn FnMut(&Progress),
+    ) -> Result<Found, FlowStudyError> {
+        let file = self.file(strain)?;
+        let ready = build(&file).map_err(|error| FlowStudyError::Scene {
+            case: self.to_string(),
+            message: error.to_string(),
+        })?;
+        let summary = run(&file.scene, ready, folder, false, interrupted, progress)?;
+        let series = SeriesTable::read(&folder.join("series.csv")).map_err(RunError::Series)?;
+        let column = |name: &str| {
+            let place = series.columns.iter().position(|column| column == name);
+            let rows = series.rows.iter();
+            Vec::from_iter(rows.map(|row| place.map_or(f64::NAN, |place| row[place])))
+        };
+        let ends = |name: &str| {
+            let column = column(name);
+            [column.first(), column.last()].map(|end| end.copied().unwrap_or(f64::NAN))
+        };
+        let [start, end] = ends("volume");
+        let transient = column("strain").into_iter().zip(column("deformation"));
+        Ok(Found {
+            end: summary.end,
+            message: summary.message,
+            deformation: ends("deformation")[1],
+            inclination: ends("inclination")[1],
+            volume_change: end / start - 1.0,
+            transient: transient.map(|(strain, value)| [strain, value]).collect(),
+            steps: summary.iterations,
+            seconds: summary.seconds,
+        })
+    }
+}

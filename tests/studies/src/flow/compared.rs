@@ -1,0 +1,134 @@
+//! Results of the runs, beside published ones, and extrapolated to an infinite box and a fine lattice.
+
+use super::{FlowRow, Solver};
+use helfrich_std::plots::{PublishedCurve, parsed};
+use helfrich_std::scalar::Scalar;
+use serde::Serialize;
+
+/// Published results for the case of the article: D over γ̇t, the curve of the article first.
+pub fn published() -> Vec<PublishedCurve> {
+    // That it can be read is a law.
+    parsed(include_bytes!(
+        "../../../../std-ext/scenes/capsule-shear-published.csv"
+    ))
+    .unwrap_or_default()
+}
+
+/// The largest difference of a run's D(t) from that of a curve at its points, as far as the run goes;
+/// none if no point is that early.
+pub fn largest_deviation(row: &FlowRow, curve: &PublishedCurve) -> Option<f64> {
+    let deviation = |&[strain, value]: &[f64; 2]| {
+        let after = row.transient.iter().position(|point| point[0] >= strain)?;
+        let [x1, y1] = row.transient[after];
+        let [x0, y0] = row.transient[after.saturating_sub(1)];
+        let share = if x1 > x0 {
+            (strain - x0) / (x1 - x0)
+        } else {
+            0.0
+        };
+        Some((y0 + share * (y1 - y0) - value).abs())
+    };
+    let deviations = curve.points.iter().filter_map(deviation);
+    deviations.reduce(f64::max)
+}
+
+/// D in unbounded fluid, from two boxes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Boxes {
+    /// κ/(a²G).
+    pub bending: f64,
+    /// Number of nodes along the radius a.
+    pub resolution: f64,
+    /// Number of vertices of the capsule.
+    pub vertices: usize,
+    /// Lengths L of the boxes, in radii.
+    pub sizes: [f64; 2],
+    /// D in each.
+    pub deformations: [f64; 2],
+    /// c of `D(L) = D(∞) + c (a/L)³`.
+    pub coefficient: f64,
+    /// D(∞).
+    pub unbounded: f64,
+}
+
+/// D in unbounded fluid without the error of the lattice, from two resolutions.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Resolved {
+    /// κ/(a²G).
+    pub bending: f64,
+    /// Numbers of nodes along the radius a.
+    pub resolutions: [f64; 2],
+    /// Number of vertices of the capsule on the finer one.
+    pub vertices: usize,
+    /// D(∞) on each.
+    pub deformations: [f64; 2],
+    /// D of `D(h) = D + c h/a`, with h the distance of nodes: linear, as kernels make a membrane
+    /// thicker by some share of h.
+    pub resolved: f64,
+}
+
+/// Every pair of boxes that runs of the same capsule in f64 have, next to each other in size.
+pub fn boxes(rows: &[FlowRow]) -> Vec<Boxes> {
+    let mut found = Vec::new();
+    for row in rows {
+        let Some((resolution, size)) = lattice(row) else {
+            continue;
+        };
+        let larger = rows.iter().filter_map(|other| {
+            let (same, larger) = lattice(other)?;
+            let alike = same == resolution
+                && other.case.bending == row.case.bending
+                && other.case.method == row.case.method
+                && other.case.vertices == row.case.vertices;
+            (alike && larger > size).then_some((other, larger))
+        });
+        let Some((other, larger)) = larger.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            continue;
+        };
+        let coefficient = (row.deformation - other.deformation) / (size.powi(-3) - larger.powi(-3));
+        found.push(Boxes {
+            bending: row.case.bending,
+            resolution,
+            vertices: row.case.vertices,
+            sizes: [size, larger],
+            deformations: [row.deformation, other.deformation],
+            coefficient,
+            unbounded: other.deformation - coefficient * larger.powi(-3),
+        });
+    }
+    found
+}
+
+/// Every pair of resolutions with the same bending, next to each other.
+pub fn resolved(boxes: &[Boxes]) -> Vec<Resolved> {
+    let mut found = Vec::new();
+    for coarse in boxes {
+        let finer = boxes
+            .iter()
+            .filter(|fine| fine.bending == coarse.bending && fine.resolution > coarse.resolution);
+        let Some(fine) = finer.min_by(|a, b| a.resolution.total_cmp(&b.resolution)) else {
+            continue;
+        };
+        let [a, b] = [coarse.resolution, fine.resolution];
+        found.push(Resolved {
+            bending: coarse.bending,
+            resolutions: [a, b],
+            vertices: fine.vertices,
+            deformations: [coarse.unbounded, fine.unbounded],
+            resolved: (b * fine.unbounded - a * coarse.unbounded) / (b - a),
+        });
+    }
+    found
+}
+
+/// Resolution and size of a lattice of f64.
+fn lattice(row: &FlowRow) -> Option<(f64, f64)> {
+    match row.case.solver {
+        Solver::LatticeBoltzmann {
+            resolution,
+            size,
+            precision: Scalar::F64,
+        } => Some((resolution, size)),
+        _ => None,
+    }
+}

@@ -1,0 +1,202 @@
+//! The program `helfrich-studies`: studies of helfrich itself.
+
+use clap::{Parser, Subcommand};
+use helfrich_cli::study::{
+    CacheArguments, StudyArguments, full_page, keep, left_off, methods, show_rows, unique,
+};
+use helfrich_cli::terminal::{
+    Failure, ProgressBar, check_outputs, ended, file_named, interruption, save, say,
+};
+use helfrich_std::method::BendingMethod;
+use helfrich_std::study::{Cache, Progress};
+use helfrich_studies::effects::{EffectCosts, effect_costs};
+use helfrich_studies::flow::{FlowRow, FlowStudy, FlowStudyError};
+use helfrich_studies::report;
+use helfrich_studies::stability::{Group, Stability};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::Ordering;
+
+/// Studies of helfrich itself: hard cases, a capsule in flow, the cost of effects.
+///
+/// Exit codes: 0 done; 2 the arguments or an input file are at fault; 3 an output could not be
+/// written; 4 a hard case was not passed; 130 it was interrupted.
+#[derive(Parser)]
+#[command(name = "helfrich-studies", version, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Whether every method and formula stands hard cases, in every number type: two minutes.
+    Stability(StabilityArguments),
+    /// A capsule in shear flow, by every method with boundary integrals and on a lattice, beside
+    /// published results: a quarter of an hour.
+    Flow(FlowArguments),
+    /// Measure the cost of each effect of a capsule in shear flow.
+    Effects(EffectArguments),
+    /// The page of `helfrich study --html` with larger meshes, every number type, the capsule in flow
+    /// and the cost of effects: some minutes.
+    Page(Box<StudyArguments>),
+}
+
+#[derive(clap::Args)]
+struct StabilityArguments {
+    /// With a mesh of a million vertices among the hard cases, which takes minutes and 4 GB.
+    #[arg(long)]
+    large: bool,
+    /// Only one group of hard cases: geometry, cancellation, dynamics, threads or input.
+    #[arg(long)]
+    group: Option<Group>,
+    /// Also write the table as Markdown to this file.
+    #[arg(long)]
+    markdown: Option<PathBuf>,
+    /// Also write the rows as JSON to this file; `-` for standard output, instead of the table.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+#[derive(clap::Args)]
+struct FlowArguments {
+    /// Methods by name or letter; by default all but jet, which is one of j4 and j6.
+    #[arg(long, value_delimiter = ',', value_parser = methods)]
+    method: Vec<Vec<BendingMethod>>,
+    #[command(flatten)]
+    kept: CacheArguments,
+    /// Also write the rows as JSON to this file; `-` for standard output, instead of the table.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+#[derive(clap::Args)]
+struct EffectArguments {
+    #[command(flatten)]
+    kept: CacheArguments,
+    /// Also write the costs as JSON to this file; `-` for standard output, instead of the table.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    ended(match Arguments::parse().command {
+        Command::Stability(arguments) => stability(&arguments),
+        Command::Flow(arguments) => flow(&arguments),
+        Command::Effects(arguments) => effects(&arguments),
+        Command::Page(arguments) => page(&arguments),
+    })
+}
+
+fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {
+    let json = file_named(arguments.json.as_ref());
+    check_outputs(json.into_iter().chain(arguments.markdown.as_deref()))?;
+    let table = Stability {
+        large: arguments.large,
+        group: arguments.group,
+    };
+    let mut bar = ProgressBar::default();
+    let rows = table.run(&mut |Progress { done, total, at }| {
+        bar.show(done as f64 / total as f64, at);
+    });
+    bar.clear();
+    let rows = rows.map_err(Failure::input)?;
+    show_rows(arguments.json.as_ref(), &rows, |out| {
+        report::stability_table(&rows, out)
+    })?;
+    if let Some(path) = &arguments.markdown {
+        save(path, |out| report::stability_markdown(&rows, out))?;
+    }
+    match rows.iter().filter(|row| !row.passed).count() {
+        0 => Ok(()),
+        failed => {
+            say(format_args!(
+                "error: {failed} rows of the table did not pass"
+            ));
+            Err(Failure::Unfinished(4))
+        }
+    }
+}
+
+fn flow(arguments: &FlowArguments) -> Result<(), Failure> {
+    let mut study = FlowStudy::default();
+    if !arguments.method.is_empty() {
+        study.methods = unique(arguments.method.concat());
+        study.lattice_methods.clone_from(&study.methods);
+    }
+    check_outputs(file_named(arguments.json.as_ref()))?;
+    let stop = interruption();
+    let interrupted = || stop.load(Ordering::Relaxed);
+    let mut cache = arguments.kept.open(None)?;
+    let rows = flow_rows(&study, cache.as_mut(), &interrupted);
+    keep(cache.as_mut());
+    let rows = rows?;
+    show_rows(arguments.json.as_ref(), &rows, |out| {
+        report::flow_tables(&rows, out)
+    })?;
+    match interrupted() {
+        true => Err(left_off(cache.as_ref())),
+        false => Ok(()),
+    }
+}
+
+fn effects(arguments: &EffectArguments) -> Result<(), Failure> {
+    check_outputs(file_named(arguments.json.as_ref()))?;
+    let stop = interruption();
+    let interrupted = || stop.load(Ordering::Relaxed);
+    let mut cache = arguments.kept.open(None)?;
+    let costs = measured_effects(cache.as_mut(), &interrupted);
+    keep(cache.as_mut());
+    match costs? {
+        None => Err(left_off(cache.as_ref())),
+        Some(costs) => show_rows(arguments.json.as_ref(), &costs, |out| {
+            report::effect_table(&costs, out)
+        }),
+    }
+}
+
+fn page(arguments: &StudyArguments) -> Result<(), Failure> {
+    full_page(arguments, &mut |mut cache, interrupted| {
+        let flow = flow_rows(&FlowStudy::brief(), cache.as_deref_mut(), interrupted)?;
+        let Some(effects) = measured_effects(cache, interrupted)? else {
+            return Ok(Vec::new());
+        };
+        let section = report::page_section(&flow, &effects)
+            .map_err(|error| Failure::output("the page", &error))?;
+        Ok(vec![section])
+    })
+}
+
+fn flow_rows(
+    study: &FlowStudy,
+    cache: Option<&mut Cache>,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<Vec<FlowRow>, Failure> {
+    let mut bar = ProgressBar::default();
+    let rows = study.run_with(cache, interrupted, &mut |progress| {
+        bar.show(progress.fraction, &progress.case.to_string());
+    });
+    rows.map_err(of_flow)
+}
+
+/// Vertices of the capsule whose effects are taken away: enough that they, and not what surrounds
+/// them, take the time.
+const EFFECTS_AT: usize = 642;
+
+fn measured_effects(
+    cache: Option<&mut Cache>,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<Option<EffectCosts>, Failure> {
+    let mut bar = ProgressBar::default();
+    let costs = effect_costs(EFFECTS_AT, cache, interrupted, &mut |share, at| {
+        bar.show(share, at);
+    });
+    costs.map_err(of_flow)
+}
+
+fn of_flow(error: FlowStudyError) -> Failure {
+    match error {
+        FlowStudyError::Scene { .. } => Failure::input(error),
+        _ => Failure::Output(error.to_string()),
+    }
+}

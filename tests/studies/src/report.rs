@@ -1,0 +1,11 @@
+//! How data is shown: tables, Markdown, and parts of the page of a study. Nothing is computed here.
+
+mod effects;
+mod flow;
+mod section;
+mod stability;
+
+pub use effects::effect_table;
+pub use flow::flow_tables;
+pub use section::page_section;
+pub use stability::{stability_markdown, stability_table};

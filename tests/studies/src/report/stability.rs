@@ -1,0 +1,233 @@
+//! The stability table, for the terminal and as Markdown.
+
+use crate::stability::{Bound, Course, Evaluation, Group, Outcome, Row};
+use helfrich_std::scalar::Scalar;
+use std::io::{self, Write};
+
+/// Writes the rows as text: a block for each case, a line for each method or formula, a column for
+/// each number type.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn stability_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
+    for group in rows.chunk_by(|a, b| a.group == b.group) {
+        let (name, meaning) = group[0].group.describe();
+        writeln!(out, "\n{}: {meaning}", name.to_uppercase())?;
+        legend(group[0].group, |line| writeln!(out, "  {line}"))?;
+        for case in group.chunk_by(|a, b| a.case == b.case) {
+            writeln!(out, "\n{} · {}", case[0].case, case[0].meaning)?;
+            for subject in lines(case) {
+                write!(out, "  {:28}", subject[0].subject)?;
+                for scalar in columns(case) {
+                    write!(out, "  {:30}", cell(&subject, scalar))?;
+                }
+                writeln!(out)?;
+            }
+        }
+    }
+    let failed = rows.iter().filter(|row| !row.passed).count();
+    writeln!(
+        out,
+        "\n{} of {} rows passed",
+        rows.len() - failed,
+        rows.len()
+    )
+}
+
+/// Writes the rows as Markdown, the same way.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "# Numerical stability\n")?;
+    writeln!(
+        out,
+        "Written by `cargo run --release --package helfrich-studies -- stability --markdown \
+         docs/STABILITY.md`; `--large` adds a mesh of a million nodes. Each row is a test: \
+         `tests/studies/tests/studies/stability.rs` makes the same table and fails where a row does not pass.\n"
+    )?;
+    for group in rows.chunk_by(|a, b| a.group == b.group) {
+        let (name, meaning) = group[0].group.describe();
+        writeln!(out, "## {}\n\n{meaning}\n", capitalised(name))?;
+        legend(group[0].group, |line| writeln!(out, "* {line}"))?;
+        for case in group.chunk_by(|a, b| a.case == b.case) {
+            let (name, meaning) = (capitalised(case[0].case), case[0].meaning);
+            writeln!(out, "\n### {name}\n\n{meaning}\n")?;
+            let scalars = columns(case);
+            write!(out, "| |")?;
+            scalars
+                .iter()
+                .try_for_each(|scalar| write!(out, " {scalar} |"))?;
+            writeln!(out, "\n|---|{}", "---|".repeat(scalars.len()))?;
+            for subject in lines(case) {
+                write!(out, "| {} |", subject[0].subject)?;
+                for &scalar in &scalars {
+                    write!(out, " {} |", cell(&subject, scalar).replace('|', "\\|"))?;
+                }
+                writeln!(out)?;
+            }
+        }
+        writeln!(out)?;
+    }
+    writeln!(out, "{BUILDS}")?;
+    let failed = rows.iter().filter(|row| !row.passed).count();
+    writeln!(out, "{} of {} rows pass.", rows.len() - failed, rows.len())
+}
+
+/// The comparison of builds, outside the table.
+const BUILDS: &str = "## Builds
+
+`.ci/builds` makes this table with a build without optimisation, a release build, and one for the \
+machine's own instructions (`-C target-cpu=native`), checksums of every force among its numbers, and \
+compares them: the distance allowed is 0 units in the last place. Runs of whole scenes are compared \
+between the latter two. It takes half an hour, and is no part of `.ci/run`.
+";
+
+/// The legend of the cells of a group.
+fn legend(group: Group, mut line: impl FnMut(&str) -> io::Result<()>) -> io::Result<()> {
+    match group {
+        Group::Geometry => {
+            line(
+                "`×2.1`: the error of f is 2.1 times that on the clean mesh. `1e-2`: the \
+                 error is 1e-2, and there is no clean mesh.",
+            )?;
+            line(
+                "`×3e4, else ×1.5 (90 flagged)`: the quality report flags 90 vertices; over the others the error is 1.5 times that on the clean mesh.",
+            )?;
+            line(
+                "`finite`: all results are finite; there is no exact result to compare \
+                  with.",
+            )
+        }
+        Group::Input => line("The message of the refusal."),
+        Group::Cancellation | Group::Threads => {
+            line("`0.12 ≤ 4`: the error found, and the largest allowed.")
+        }
+        Group::Dynamics => {
+            line(
+                "`completed, D = 0.148, volume 2e-16`: the Taylor deformation at the end, and the largest change of a volume.",
+            )?;
+            line("`(7 % off)`: D differs by 7 % from the run with which it is compared.")?;
+            line("`says: …`: the first warning. `failed: …`, `stagnated: …`: the reason.")?;
+            line("`3.2 ≤ 64`: the value found, and the largest allowed.")
+        }
+    }
+}
+
+/// The number types of a case; runs are in f64.
+fn columns(case: &[Row]) -> Vec<Scalar> {
+    let mut scalars = Scalar::ALL.to_vec();
+    if case.iter().all(|row| row.group == Group::Dynamics) {
+        scalars.retain(|&scalar| case.iter().any(|row| row.scalar == scalar));
+    }
+    scalars
+}
+
+/// The rows of each method or formula, in the order of their first.
+fn lines(case: &[Row]) -> Vec<Vec<&Row>> {
+    let mut lines: Vec<Vec<&Row>> = Vec::new();
+    for row in case {
+        match lines.iter_mut().find(|line| line[0].subject == row.subject) {
+            Some(line) => line.push(row),
+            None => lines.push(vec![row]),
+        }
+    }
+    lines
+}
+
+fn cell(subject: &[&Row], scalar: Scalar) -> String {
+    let Some(row) = subject.iter().find(|row| row.scalar == scalar) else {
+        return "–".to_owned();
+    };
+    let found = match &row.outcome {
+        Outcome::Evaluated(found) => evaluation(found),
+        Outcome::Refused(message) => first_line(message),
+        Outcome::Ran(course) => course_of(course),
+        Outcome::Measured(value) => match row.bound {
+            Bound::AtMost(most) => format!("{value:.2} ≤ {most}"),
+            _ => format!("{value:.1e}"),
+        },
+    };
+    if row.passed {
+        found
+    } else {
+        format!("FAILED: {found}")
+    }
+}
+
+/// A run in a line.
+fn course_of(course: &Course) -> String {
+    let mut text = course.end.name().to_owned();
+    if !course.is_complete() {
+        text += &format!(": {}", course.message);
+    }
+    if !course.finite {
+        text += ", not finite";
+    }
+    if let Some(deformation) = course.deformation {
+        text += &format!(", D = {deformation:.3}");
+    }
+    if let Some(error) = course.error {
+        text += &format!(" ({:.0} % off)", 100.0 * error);
+    }
+    text += &format!(", volume {:.0e}", course.volume_change);
+    if let Some(warning) = course.warnings.first() {
+        text += &format!("; says: {}", first_line(warning));
+    }
+    text
+}
+
+/// The first line of a message, without its place in a scene that nobody sees.
+fn first_line(message: &str) -> String {
+    let line = message.lines().next().unwrap_or_default();
+    let place = |start: &str| line.starts_with(start).then(|| line.split_once(": "));
+    let placed = ["scene.toml", "--set"].into_iter().find_map(place);
+    match placed.flatten() {
+        Some((_, rest)) => rest.to_owned(),
+        None => line.to_owned(),
+    }
+}
+
+fn evaluation(found: &Evaluation) -> String {
+    if !found.finite {
+        return "not finite".to_owned();
+    }
+    let mut text = match (found.growth, found.error) {
+        (Some(growth), _) => format!("×{}", short(growth)),
+        (None, Some(error)) => format!("{error:.0e}"),
+        (None, None) => "finite".to_owned(),
+    };
+    if let Some(unflagged) = found.unflagged_growth
+        && found.growth != Some(unflagged)
+    {
+        text += &format!(", else ×{}", short(unflagged));
+    }
+    if found.flagged > 0 {
+        let all = found.growth.is_some() && found.unflagged_growth.is_none();
+        let all = if all { "all " } else { "" };
+        text += &format!(" ({all}{} flagged)", found.flagged);
+    }
+    for (defect, what) in [(found.moved, "moved"), (found.scaled, "scaled")] {
+        if let Some(defect) = defect.filter(|defect| *defect != 0.0) {
+            text += &format!(", {what}: {defect:.0e}");
+        }
+    }
+    text
+}
+
+/// Two digits.
+fn short(value: f64) -> String {
+    if (0.1..100.0).contains(&value) {
+        format!("{value:.1}")
+    } else {
+        format!("{value:.0e}")
+    }
+}
+
+fn capitalised(name: &str) -> String {
+    let mut letters = name.chars();
+    let first = letters
+        .next()
+        .map(|letter| letter.to_uppercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
+}

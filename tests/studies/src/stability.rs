@@ -1,0 +1,372 @@
+//! Whether methods and formulas stand hard cases: data; [`crate::report`] shows it.
+//!
+//! A table of rows, each with what was found and the bound that it has to keep. Every row is a
+//! test: the tests call [`Stability::run`] and ask each row whether it passed.
+
+mod cancellation;
+mod double_double;
+mod dynamics;
+mod geometry;
+mod input;
+mod kernels;
+mod specimen;
+mod threads;
+
+pub use double_double::DoubleDouble;
+pub use dynamics::Course;
+
+use helfrich_std::scalar::Scalar;
+use helfrich_std::study::Progress;
+use serde::Serialize;
+use std::error::Error;
+use std::fmt;
+use std::str::FromStr;
+
+/// The subject of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Group {
+    /// A bending method on a hard surface.
+    Geometry,
+    /// A mesh or surface that has to be refused.
+    Input,
+    /// The rounding error of a formula on its worst cases.
+    Cancellation,
+    /// A run of a hard scene.
+    Dynamics,
+    /// Results on one thread and on two.
+    Threads,
+}
+
+impl Group {
+    /// All groups, in the order of the table.
+    pub const ALL: [Self; 5] = [
+        Self::Geometry,
+        Self::Cancellation,
+        Self::Dynamics,
+        Self::Threads,
+        Self::Input,
+    ];
+
+    /// The name, and in a sentence what is measured and allowed.
+    pub fn describe(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Geometry => (
+                "geometry",
+                "Largest error of the force density over the vertices, as a multiple of \
+                 the error on the clean mesh. A method must be stable or flag the vertices \
+                 where it is not; in the latter case the multiple over the other vertices \
+                 counts. All results must be finite. A translation and a scaling without \
+                 rounding must not change a bit.",
+            ),
+            Self::Input => (
+                "input",
+                "Invalid input is refused with a message that names the reason.",
+            ),
+            Self::Cancellation => (
+                "cancellation",
+                "Largest error of a formula, compared with the same code in twice the \
+                 precision at the same positions. The unit is the change that one unit in \
+                 the last place causes, of the longest edge in each coordinate and of the \
+                 result. A formula with avoidable cancellation has errors of thousands.",
+            ),
+            Self::Dynamics => (
+                "dynamics",
+                "Whole runs of scenes, in f64 except for lattices in f32. Each run must \
+                 reach its end with finite numbers and a constant volume, or report the \
+                 problem: before it starts, by a warning, or by stopping with the reason.",
+            ),
+            Self::Threads => (
+                "threads",
+                "The number of values of a result that differ between one thread and two \
+                 threads in any bit.",
+            ),
+        }
+    }
+}
+
+/// A name that no group has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no group `{name}`: the groups are {}", Group::ALL.map(|group| group.describe().0).join(", "))]
+pub struct UnknownGroup {
+    name: String,
+}
+
+impl FromStr for Group {
+    type Err = UnknownGroup;
+
+    fn from_str(name: &str) -> Result<Self, UnknownGroup> {
+        let found = Self::ALL
+            .into_iter()
+            .find(|group| group.describe().0 == name);
+        found.ok_or_else(|| UnknownGroup {
+            name: name.to_owned(),
+        })
+    }
+}
+
+/// One case for one method or formula in one number type.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// The subject of the row.
+    pub group: Group,
+    /// The case's name.
+    pub case: &'static str,
+    /// The meaning of the case, in a sentence.
+    pub meaning: &'static str,
+    /// The method or formula.
+    pub subject: &'static str,
+    /// The number type.
+    pub scalar: Scalar,
+    /// The result.
+    pub outcome: Outcome,
+    /// The bound on the result.
+    pub bound: Bound,
+    /// Whether it does.
+    pub passed: bool,
+}
+
+/// The result of a row.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// Numbers for every vertex.
+    Evaluated(Evaluation),
+    /// An error, with this message.
+    Refused(String),
+    /// One number; the row's group or case says of what.
+    Measured(f64),
+    /// A run, to its end or as far as it came.
+    Ran(Course),
+}
+
+/// The result of a method on a hard surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// Whether energy, forces, curvatures, normals and areas all are finite.
+    pub finite: bool,
+    /// Largest error of f over the vertices, relative to the largest |f|; `None` where f is not
+    /// known exactly.
+    pub error: Option<f64>,
+    /// The error over that on the clean mesh; `None` if there is no such mesh.
+    pub growth: Option<f64>,
+    /// The same over the vertices that the quality report does not flag; `None` if it flags all.
+    pub unflagged_growth: Option<f64>,
+    /// Largest change of f, relative to the largest |f|, by a translation that rounds nothing.
+    pub moved: Option<f64>,
+    /// The same by a scaling that rounds nothing.
+    pub scaled: Option<f64>,
+    /// How many findings there are.
+    pub findings: usize,
+    /// How many vertices are flagged.
+    pub flagged: usize,
+    /// A checksum of all bits of f: builds and numbers of threads that differ in none agree.
+    pub checksum: u64,
+}
+
+/// The bound of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bound {
+    /// Everything is finite and invariant, and the error grows by this factor at most.
+    Stable(f64),
+    /// The same over the vertices that are not flagged; where f is not known exactly, something is
+    /// reported.
+    Reported(f64),
+    /// Everything is finite and invariant, and the error exceeds that on the clean mesh by this at most.
+    Adds(f64),
+    /// The case is refused, with a message that contains this.
+    Refused(&'static str),
+    /// The case is refused, with a message that contains both.
+    RefusedForBoth(&'static str, &'static str),
+    /// The number is this at most.
+    AtMost(f64),
+    /// A run comes to its end with finite numbers, and changes no volume by more than this part.
+    Runs {
+        /// The part.
+        volume: f64,
+    },
+    /// The same, and nothing was worth a warning.
+    RunsInSilence {
+        /// The part.
+        volume: f64,
+    },
+    /// The same without a word on volumes, and in the second half the deformation differs by this
+    /// part at most from that at the end.
+    Steady {
+        /// The part.
+        most: f64,
+    },
+    /// A run comes to its end with finite numbers, and its deformation differs by this part at most
+    /// from that of the run it is compared with.
+    RunsNear {
+        /// The part.
+        most: f64,
+    },
+    /// The same, or else all its numbers are finite, and a warning or its last message contains what
+    /// explains the difference.
+    RunsNearOrSays {
+        /// The part.
+        most: f64,
+        /// A part of the message.
+        why: &'static str,
+    },
+    /// All numbers of a run are finite, and a warning or its last message contains this.
+    Says(&'static str),
+    /// All numbers of a run are finite, and it stopped with a message that contains this.
+    Stops(&'static str),
+}
+
+impl Bound {
+    /// Whether an outcome keeps the bound.
+    pub fn allows(self, outcome: &Outcome) -> bool {
+        // Written so that what is not a number passes nowhere.
+        match (self, outcome) {
+            (Self::Stable(most), Outcome::Evaluated(found)) => {
+                found.is_sound() && found.growth.is_none_or(|growth| growth <= most)
+            }
+            (Self::Adds(most), Outcome::Evaluated(found)) => {
+                // error/growth is the error on the clean mesh.
+                let pair = found.error.zip(found.growth);
+                let adds = pair.map(|(error, growth)| error - error / growth);
+                found.is_sound() && adds.is_some_and(|adds| adds <= most)
+            }
+            (Self::Reported(most), Outcome::Evaluated(found)) => {
+                let told = match found.unflagged_growth {
+                    Some(growth) => growth <= most,
+                    None => found.findings > 0,
+                };
+                found.is_sound() && told
+            }
+            (Self::Refused(part), Outcome::Refused(message)) => message.contains(part),
+            (Self::RefusedForBoth(one, other), Outcome::Refused(message)) => {
+                message.contains(one) && message.contains(other)
+            }
+            (Self::AtMost(most), Outcome::Measured(value)) => *value <= most,
+            (bound, Outcome::Ran(course)) => dynamics::allows(bound, course).unwrap_or(false),
+            _ => false,
+        }
+    }
+}
+
+impl Evaluation {
+    /// Finite, and the same after a translation and a scaling that round nothing.
+    fn is_sound(&self) -> bool {
+        let unchanged = |defect: Option<f64>| defect.is_none_or(|defect| defect == 0.0);
+        self.finite && unchanged(self.moved) && unchanged(self.scaled)
+    }
+}
+
+impl Row {
+    /// A row, which passed if the bound allows the outcome.
+    pub fn new(
+        group: Group,
+        (case, meaning): (&'static str, &'static str),
+        (subject, scalar): (&'static str, Scalar),
+        outcome: Outcome,
+        bound: Bound,
+    ) -> Self {
+        let passed = bound.allows(&outcome);
+        Self {
+            group,
+            case,
+            meaning,
+            subject,
+            scalar,
+            outcome,
+            bound,
+            passed,
+        }
+    }
+}
+
+impl fmt::Display for Row {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            case,
+            subject,
+            scalar,
+            outcome,
+            bound,
+            ..
+        } = self;
+        write!(
+            formatter,
+            "{case}: {subject} in {scalar}: {outcome:?}, bound {bound:?}"
+        )
+    }
+}
+
+/// The approximate cost of a run, in evaluations of a method on a hard surface.
+const RUN: usize = 20;
+
+/// The extent of the table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stability {
+    /// Whether the mesh of a million vertices is among the cases; it takes minutes.
+    pub large: bool,
+    /// The one group of rows that is wanted; `None` for all.
+    pub group: Option<Group>,
+}
+
+/// Why the table cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[error("the case `{case}` cannot be made: {source}")]
+pub struct StabilityError {
+    /// The case.
+    case: &'static str,
+    /// Why.
+    source: Box<dyn Error + Send + Sync>,
+}
+
+impl Stability {
+    /// Makes the table, row after row; `progress` hears of every step.
+    ///
+    /// # Errors
+    /// If a mesh cannot be made, or there is no room for a run.
+    pub fn run(self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StabilityError> {
+        let wanted = |group| self.group.is_none_or(|only| only == group);
+        let evaluations = match wanted(Group::Geometry) {
+            true => geometry::count(self.large),
+            false => 0,
+        };
+        let runs = match wanted(Group::Dynamics) {
+            true => dynamics::count(),
+            false => 0,
+        };
+        let total = (evaluations + RUN * runs + 1) as u64;
+        let mut rows = Vec::new();
+        if wanted(Group::Geometry) {
+            rows = geometry::rows(self.large, &mut |done, at| {
+                let done = done as u64;
+                progress(Progress { done, total, at });
+            })?;
+        }
+        let mut dynamics = Vec::new();
+        if wanted(Group::Dynamics) {
+            let mut run = 0;
+            dynamics = dynamics::rows(&mut |at| {
+                let done = (evaluations + RUN * run) as u64;
+                progress(Progress { done, total, at });
+                run += 1;
+            })?;
+        }
+        progress(Progress {
+            done: total - 1,
+            total,
+            at: "formulas in twice the precision, threads, input",
+        });
+        if wanted(Group::Cancellation) {
+            rows.extend(cancellation::rows());
+            rows.extend(kernels::rows());
+        }
+        rows.extend(dynamics);
+        if wanted(Group::Threads) {
+            rows.extend(threads::rows()?);
+        }
+        if wanted(Group::Input) {
+            rows.extend(input::rows());
+        }
+        Ok(rows)
+    }
+}

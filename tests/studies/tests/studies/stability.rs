@@ -1,0 +1,559 @@
+//! The stability table: every row passes, and no row is missing. What is not in the table: that
+//! whatever is accepted gives finite numbers, and that each kind of finding is found.
+
+use helfrich::{
+    DualArea, Finding, GompperKroll, Jet, KantorNelson, Prepared, Quality, StrongForm, Surface,
+    TriangleMesh,
+};
+use helfrich_std::method::{BendingMethod, Evaluated, Evaluator};
+use helfrich_std::run::End;
+use helfrich_std::scalar::Scalar;
+use helfrich_studies::stability::{
+    Bound, Course, DoubleDouble, Evaluation, Group, Outcome, Row, Stability,
+};
+use helfrich_tests::laws::largest;
+use helfrich_tests::meshes::{
+    Inscribed, Mesh, SplitMix64, hemisphere, icosahedron, icosphere, octahedron, sheet, tetrahedron,
+};
+use helfrich_tests::tolerance;
+use num_traits::ToPrimitive;
+use std::collections::{HashMap, HashSet};
+use std::sync::LazyLock;
+
+/// The table without its largest mesh, made once for all tests.
+static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
+    let table = Stability::default().run(&mut |_| ());
+    table.expect("every mesh of the table can be made")
+});
+
+fn failures(rows: &[Row]) -> Vec<String> {
+    let failed = rows.iter().filter(|row| !row.passed);
+    failed.map(Row::to_string).collect()
+}
+
+#[test]
+fn every_row_passes() {
+    let failed = failures(&TABLE);
+    assert!(
+        failed.is_empty(),
+        "{} rows:\n{}",
+        failed.len(),
+        failed.join("\n")
+    );
+}
+
+/// It takes minutes and 4 GB: `cargo test --release --package helfrich-studies -- --ignored`, or
+/// `helfrich-studies stability --group geometry --large`. Not part of `.ci/run`: CONTRIBUTING says when to run it.
+#[test]
+#[ignore = "minutes and 4 GB: by hand, see CONTRIBUTING"]
+fn a_million_nodes() {
+    let table = Stability {
+        large: true,
+        group: Some(Group::Geometry),
+    };
+    let rows = table.run(&mut |_| ()).expect("meshes");
+    let rows = Vec::from_iter(rows.into_iter().filter(|row| row.case == "a million nodes"));
+    assert_eq!(rows.len(), BendingMethod::ALL.len() * Scalar::ALL.len());
+    assert_eq!(failures(&rows), Vec::<String>::new());
+}
+
+#[test]
+fn every_case_has_every_method_in_every_number_type() {
+    let mut cases: HashMap<&str, HashSet<(&str, Scalar)>> = HashMap::new();
+    for row in TABLE.iter().filter(|row| row.group == Group::Geometry) {
+        let new = cases
+            .entry(row.case)
+            .or_default()
+            .insert((row.subject, row.scalar));
+        assert!(new, "twice: {row}");
+    }
+    assert!(cases.len() >= 18, "{} cases", cases.len());
+    let all = BendingMethod::ALL.into_iter();
+    let all = all.flat_map(|method| Scalar::ALL.map(|scalar| (method.name(), scalar)));
+    let all = HashSet::from_iter(all);
+    for (case, found) in cases {
+        assert_eq!(found, all, "{case}");
+    }
+}
+
+/// Errors by noise are in proportion to it, for it is small against edges, and all methods are linear in
+/// small displacements: ten times the noise, ten times the error, as far as what is there without noise is
+/// small beside it.
+#[test]
+fn errors_grow_in_proportion_to_noise() {
+    let mut compared = 0;
+    for row in TABLE.iter().filter(|row| row.case == "noise of 1e-2 edges") {
+        let less = |other: &&Row| {
+            other.case == "noise of 1e-3 edges"
+                && (other.subject, other.scalar) == (row.subject, row.scalar)
+        };
+        let less = TABLE.iter().find(less).expect("the same with less noise");
+        let of = |row: &Row| match row.outcome {
+            Outcome::Evaluated(found) => found.error.zip(found.growth).expect("a clean mesh"),
+            ref other => panic!("{row}: {other:?}"),
+        };
+        let ([(error, _), (small, growth)], clean) = ([of(row), of(less)], of(less).0 / of(less).1);
+        assert!(error <= 1.25 * 10.0 * small, "{row}");
+        if growth > 4.0 {
+            assert!(error >= 10.0 * (small - clean) / 1.25, "{row}");
+            compared += 1;
+        }
+    }
+    assert!(compared >= 15, "{compared}");
+}
+
+/// The cases that there have to be, whatever else there is.
+#[test]
+fn every_hard_run_is_there() {
+    let rows = TABLE.iter().filter(|row| row.group == Group::Dynamics);
+    let cases: HashSet<&str> = rows.map(|row| row.case).collect();
+    for case in [
+        "low Ca without bending",
+        "high Ca",
+        "bending from 1e-4 to 1",
+        "viscosity ratio from 0.05 to 50",
+        "100 γ̇t of tank-treading",
+        "fixed steps at the limit",
+        "methods on an irregular mesh in flow",
+        "methods on slivers in flow",
+        "a mode that grows, and one that is too stiff",
+        "capsules pressed together",
+        "vesicle of reduced volume 0.6",
+        "restart in mid-run",
+        "contradictory demands",
+        "energy of a relaxation",
+        "volume without correction",
+        "momentum and torque",
+        "on a lattice",
+    ] {
+        assert!(cases.contains(case), "no case `{case}`");
+    }
+    for case in [
+        "methods on an irregular mesh in flow",
+        "methods on slivers in flow",
+        "momentum and torque",
+    ] {
+        let of_case = TABLE.iter().filter(|row| row.case == case);
+        let subjects = Vec::from_iter(of_case.map(|row| row.subject));
+        // Not measured yet: Hamann's method on bad meshes in flow.
+        let missing = (case != "momentum and torque").then_some(BendingMethod::Hamann);
+        let methods = BendingMethod::ALL.into_iter();
+        let methods = methods.filter(|&method| Some(method) != missing);
+        let expected = Vec::from_iter(methods.map(BendingMethod::name));
+        assert_eq!(subjects, expected, "{case}");
+    }
+    let threads = TABLE.iter().filter(|row| row.group == Group::Threads);
+    assert!(threads.count() >= 5);
+}
+
+/// What is stiffer, or more viscous inside, is deformed less.
+#[test]
+fn deformations_fall_as_capsules_resist_more() {
+    for case in ["bending from 1e-4 to 1", "viscosity ratio from 0.05 to 50"] {
+        let rows = TABLE.iter().filter(|row| row.case == case);
+        let deformations = Vec::from_iter(rows.map(|row| match &row.outcome {
+            Outcome::Ran(course) => course.deformation.expect("a flow"),
+            other => panic!("{case}: {other:?}"),
+        }));
+        assert!(deformations.len() >= 4, "{case}");
+        assert!(
+            deformations.is_sorted_by(|a, b| a > b),
+            "{case}: {deformations:?}"
+        );
+    }
+}
+
+#[test]
+fn bounds_refuse_runs_that_break_them() {
+    let good = Course {
+        end: End::Completed,
+        message: "the end is reached".to_owned(),
+        warnings: Vec::new(),
+        finite: true,
+        volume_change: 1e-15,
+        deformation: Some(0.2),
+        unsteadiness: Some(0.01),
+        error: Some(0.05),
+    };
+    let all = [
+        Bound::Runs { volume: 1e-12 },
+        Bound::RunsInSilence { volume: 1e-12 },
+        Bound::Steady { most: 0.02 },
+        Bound::RunsNear { most: 0.1 },
+        Bound::RunsNearOrSays {
+            most: 0.1,
+            why: "too stiff",
+        },
+        Bound::Says("the end"),
+    ];
+    let stops = Bound::Stops("too stiff");
+    let allows = |bound: Bound, course: &Course| bound.allows(&Outcome::Ran(course.clone()));
+    for bound in all {
+        assert!(allows(bound, &good), "{bound:?}");
+        let infinite = Course {
+            finite: false,
+            ..good.clone()
+        };
+        assert!(!allows(bound, &infinite), "{bound:?}");
+        assert!(!bound.allows(&Outcome::Refused("the end".into())));
+    }
+    let stopped = Course {
+        end: End::Failed,
+        message: "the forces are too stiff".to_owned(),
+        ..good.clone()
+    };
+    for bound in all {
+        let told = matches!(bound, Bound::RunsNearOrSays { .. });
+        assert_eq!(allows(bound, &stopped), told, "{bound:?}");
+    }
+    assert!(allows(stops, &stopped));
+    assert!(!allows(stops, &good));
+    let wrong = [
+        Course {
+            volume_change: f64::NAN,
+            ..good.clone()
+        },
+        Course {
+            warnings: vec!["doubtful".to_owned()],
+            ..good.clone()
+        },
+        Course {
+            unsteadiness: Some(0.03),
+            ..good.clone()
+        },
+        Course {
+            error: Some(f64::NAN),
+            ..good.clone()
+        },
+        Course {
+            error: None,
+            ..good.clone()
+        },
+        Course {
+            message: String::new(),
+            ..good.clone()
+        },
+        // Something is said, but not what explains the difference.
+        Course {
+            end: End::Failed,
+            message: "the step became too short".to_owned(),
+            warnings: vec!["doubtful".to_owned()],
+            error: Some(0.9),
+            ..good
+        },
+    ];
+    let pairs = [
+        (0, 0),
+        (1, 0),
+        (1, 1),
+        (2, 2),
+        (3, 3),
+        (3, 4),
+        (4, 3),
+        (4, 4),
+        (4, 6),
+        (5, 5),
+    ];
+    for (bound, course) in pairs {
+        let (bound, course) = (all[bound], &wrong[course]);
+        assert!(!allows(bound, course), "{bound:?} allows {course:?}");
+    }
+    assert!(Bound::RefusedForBoth("a", "b").allows(&Outcome::Refused("b, a".into())));
+    assert!(!Bound::RefusedForBoth("a", "b").allows(&Outcome::Refused("a".into())));
+}
+
+/// A bound that everything keeps would be none.
+#[test]
+fn bounds_refuse_what_breaks_them() {
+    let good = Evaluation {
+        finite: true,
+        error: Some(0.1),
+        growth: Some(2.0),
+        unflagged_growth: Some(1.0),
+        moved: Some(0.0),
+        scaled: Some(0.0),
+        findings: 3,
+        flagged: 4,
+        checksum: 0,
+    };
+    let allows = |bound: Bound, found| bound.allows(&Outcome::Evaluated(found));
+    assert!(allows(Bound::Adds(0.05), good));
+    assert!(!allows(Bound::Adds(0.0499), good));
+    assert!(allows(Bound::Stable(2.0), good));
+    assert!(allows(Bound::Reported(1.0), good));
+    assert!(!allows(Bound::Stable(1.9), good));
+    assert!(!allows(Bound::Reported(0.9), good));
+    let unknown = Evaluation {
+        growth: None,
+        ..good
+    };
+    assert!(!allows(Bound::Adds(10.0), unknown));
+    for bound in [
+        Bound::Stable(10.0),
+        Bound::Reported(10.0),
+        Bound::Adds(10.0),
+    ] {
+        let bad = [
+            Evaluation {
+                finite: false,
+                ..good
+            },
+            Evaluation {
+                moved: Some(1e-16),
+                ..good
+            },
+            Evaluation {
+                scaled: Some(f64::NAN),
+                ..good
+            },
+            Evaluation {
+                growth: Some(f64::NAN),
+                unflagged_growth: Some(f64::NAN),
+                ..good
+            },
+        ];
+        for found in bad {
+            assert!(!allows(bound, found), "{bound:?} allows {found:?}");
+        }
+        assert!(!bound.allows(&Outcome::Refused("no".into())));
+    }
+    let silent = Evaluation {
+        findings: 0,
+        unflagged_growth: None,
+        ..good
+    };
+    assert!(!allows(Bound::Reported(10.0), silent));
+    assert!(!Bound::Refused("why").allows(&Outcome::Refused("because".into())));
+    assert!(!Bound::AtMost(1.0).allows(&Outcome::Measured(f64::NAN)));
+}
+
+/// Numbers of every size that the type has, with some coordinates alike.
+fn wild(random: &mut SplitMix64, count: usize, exponents: [i32; 2]) -> Vec<[f64; 3]> {
+    let [low, high] = exponents;
+    // A few sizes a surface: that some edges are far smaller than others is the point.
+    let sizes = [0; 3].map(|_| low + random.below((high - low) as usize) as i32);
+    let mut coordinate = || {
+        let size = sizes[random.below(3)];
+        match random.below(8) {
+            0 => 0.0,
+            1 => 2.0_f64.powi(size),
+            _ => random.symmetric() * 2.0_f64.powi(size),
+        }
+    };
+    let mut positions =
+        Vec::from_iter((0..count).map(|_| [coordinate(), coordinate(), coordinate()]));
+    for _ in 0..random.below(3) {
+        positions[random.below(count)] = positions[random.below(count)];
+    }
+    positions
+}
+
+fn assert_finite<T: Evaluated>(mesh: &TriangleMesh, positions: &[[T; 3]], what: &str) {
+    let Ok(surface) = Surface::new(mesh, positions) else {
+        return;
+    };
+    for method in BendingMethod::ALL {
+        let mut evaluator = Evaluator::<T>::new(method, T::one(), mesh);
+        let fields = evaluator.fields(surface);
+        let numbers = fields
+            .mean
+            .iter()
+            .chain(&fields.gaussian)
+            .chain(&fields.laplacian_of_mean);
+        let vectors = fields
+            .normal
+            .iter()
+            .chain(fields.force_density.iter().flatten());
+        let vectors = vectors.chain(evaluator.force()).flatten();
+        let mut all = numbers.flatten().chain(&fields.area).chain(vectors);
+        assert!(
+            all.all(|value| value.is_finite()),
+            "{method}, {what}: {fields:?} {positions:?}"
+        );
+        evaluator.findings(surface);
+        let energy = evaluator.energy(surface);
+        assert!(
+            energy.is_finite(),
+            "{method}, {what}: energy {energy:?} {positions:?}"
+        );
+    }
+}
+
+/// No infinity and no NaN leaves the library on a surface that it accepted.
+#[test]
+fn what_is_accepted_gives_finite_numbers() {
+    let mut random = SplitMix64::new(2026);
+    let meshes = [
+        tetrahedron(),
+        octahedron(),
+        icosahedron(),
+        icosphere(1),
+        hemisphere(1),
+        sheet(3),
+    ];
+    for trial in 0..300 {
+        let mesh = &meshes[random.below(meshes.len())].connectivity;
+        let vertices = mesh.vertex_count();
+        let single = wild(&mut random, vertices, [-149, 29]);
+        let single = Vec::from_iter(single.iter().map(|x| x.map(|x| x as f32)));
+        assert_finite(mesh, &single, &format!("f32, trial {trial}"));
+        let double = wild(&mut random, vertices, [-1074, 253]);
+        assert_finite(mesh, &double, &format!("f64, trial {trial}"));
+    }
+}
+
+fn quality_of(mesh: &Mesh, method: impl helfrich::Force<f64>) -> Quality {
+    let mut prepared = Prepared::new(method, &mesh.connectivity);
+    prepared.add_force(mesh.surface(), &mut vec![[0.0; 3]; mesh.positions.len()]);
+    prepared.quality(mesh.surface())
+}
+
+/// Each kind of finding on a surface that has it, and on none that has not.
+#[test]
+fn every_kind_of_finding_is_found() {
+    let sphere = icosphere(3);
+    let replaced = |vertex: usize, position: [f64; 3]| {
+        let mut mesh = sphere.clone();
+        mesh.positions[vertex] = position;
+        mesh
+    };
+    let beside = sphere.connectivity.one_ring(100)[0];
+    let near = |part: f64| {
+        let (from, to) = (sphere.positions[100], sphere.positions[beside as usize]);
+        replaced(
+            100,
+            [0, 1, 2].map(|axis| to[axis] + part * (from[axis] - to[axis])),
+        )
+    };
+    type Kind = fn(&Finding) -> bool;
+    let vertex: [(&str, Mesh, Kind); 4] = [
+        ("uneven", near(0.1), |f| matches!(f, Finding::Uneven { .. })),
+        ("thin", near(0.01), |f| {
+            matches!(f, Finding::ThinTriangle { .. })
+        }),
+        ("degenerate", near(0.0), |f| {
+            matches!(f, Finding::DegenerateTriangle { .. })
+        }),
+        ("folded", near(-1.5), |f| {
+            matches!(f, Finding::Folded { .. })
+        }),
+    ];
+    for (name, mesh, kind) in &vertex {
+        let quality = quality_of(mesh, KantorNelson::new(1.0));
+        assert!(
+            quality.findings().iter().any(kind),
+            "{name}: {:?}",
+            quality.findings()
+        );
+        assert!(quality.flagged()[100], "{name}");
+        let far = sphere.positions.iter().position(|x| {
+            x.iter()
+                .zip(&sphere.positions[100])
+                .map(|(a, b)| a * b)
+                .sum::<f64>()
+                < -0.5
+        });
+        assert!(
+            !quality.flagged()[far.expect("a sphere has an opposite side")],
+            "{name}: far"
+        );
+    }
+    for method in BendingMethod::ALL {
+        let mut evaluator = Evaluator::new(method, 1.0, &sphere.connectivity);
+        evaluator.evaluate(sphere.surface());
+        assert_eq!(
+            evaluator.findings(sphere.surface()),
+            [],
+            "{method} on a sphere"
+        );
+    }
+
+    let (mesh, at) = (&sphere.connectivity, |offset: f32| {
+        Vec::from_iter(
+            sphere
+                .positions
+                .iter()
+                .map(|x| x.map(|x| x as f32 + offset)),
+        )
+    });
+    let rounded = |positions: &[[f32; 3]]| {
+        let mut jets = Prepared::new(StrongForm::new(1.0, Jet::j4()), mesh);
+        let surface = Surface::new(mesh, positions).expect("positions");
+        jets.add_force(surface, &mut vec![[0.0; 3]; positions.len()]);
+        jets.quality(surface).findings().len()
+    };
+    assert_eq!(rounded(&at(0.0)), 0);
+    assert_eq!(rounded(&at(1e4)), sphere.positions.len());
+
+    let count =
+        |quality: Quality, kind: Kind| quality.findings().iter().filter(|f| kind(f)).count();
+    let few = quality_of(&tetrahedron(), GompperKroll::new(1.0));
+    assert_eq!(
+        count(few, |f| matches!(f, Finding::UnusualValence { .. })),
+        4
+    );
+
+    // Of areas and fits: on points that are spread at random over a sphere, with obtuse fans.
+    let obtuse = Inscribed {
+        seed: 11,
+        amplitude: 0.9,
+        refinement: 3,
+        exponent: 0,
+    };
+    let obtuse = obtuse.mesh();
+    let clamped = |quality| count(quality, |f| matches!(f, Finding::ClampedArea { .. }));
+    let negative = |quality| count(quality, |f| matches!(f, Finding::NegativeArea { .. }));
+    let mixed = quality_of(&obtuse, GompperKroll::new(1.0));
+    let voronoi = quality_of(&obtuse, GompperKroll::with_areas(1.0, DualArea::Voronoi));
+    assert!(clamped(mixed.clone()) > 0, "mixed areas");
+    assert_eq!(
+        clamped(mixed),
+        negative(voronoi.clone()),
+        "the same vertices"
+    );
+    assert!(count(voronoi, |f| matches!(f, Finding::SmallArea { .. })) > 0);
+    let fits = quality_of(&obtuse, StrongForm::farutin(1.0));
+    assert!(count(fits, |f| matches!(f, Finding::Amplified { .. })) > 0);
+    let small = quality_of(&tetrahedron(), StrongForm::j6(1.0));
+    assert_eq!(
+        count(small, |f| matches!(f, Finding::TooFewNeighbours { .. })),
+        4
+    );
+    let coarse = quality_of(&icosahedron(), StrongForm::j6(1.0));
+    assert_eq!(
+        count(coarse, |f| matches!(f, Finding::ReducedDegree { .. })),
+        12
+    );
+}
+
+/// The double-double arithmetic that formulas are checked with passes through every operation of
+/// a method: a force in it agrees with f64 to the digits of f64, and is not the same.
+#[test]
+fn double_double_is_more_than_double() {
+    let mesh = icosphere(1).map(|[x, y, z]| [x + 0.2 * y * z, 0.8 * y, 0.7 * z]);
+    let fine = Vec::from_iter(mesh.positions.iter().map(|x| x.map(DoubleDouble::of)));
+    for method in BendingMethod::ALL {
+        let mut double = Evaluator::<f64>::new(method, 1.0, &mesh.connectivity);
+        double.evaluate(mesh.surface());
+        let mut twice = Evaluator::new(method, DoubleDouble::of(1.0), &mesh.connectivity);
+        twice.evaluate(Surface::new(&mesh.connectivity, &fine).expect("finite"));
+        let scale = largest(double.force());
+        let pairs = double
+            .force()
+            .iter()
+            .flatten()
+            .zip(twice.force().iter().flatten());
+        let mut different = 0;
+        for (&found, &exact) in pairs {
+            let error = (DoubleDouble::of(found) - exact)
+                .to_f64()
+                .expect("a number");
+            tolerance::INVARIANCE.assert(error, 0.0, scale, method.name());
+            different += usize::from(error != 0.0);
+        }
+        assert!(
+            different > mesh.positions.len(),
+            "{method}: {different} differ"
+        );
+    }
+}

@@ -1,0 +1,193 @@
+//! Surfaces that meet in a box of fluid, through its ends as inside of it.
+
+use crate::scenes::run_file;
+use helfrich_std::dynamics::Problem;
+use helfrich_std::run::End;
+use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::simulation::{Crossing, Simulation, build};
+use helfrich_tests::meshes::norm;
+use helfrich_tests::tolerance;
+use std::path::Path;
+
+/// Capsules of radius 1 in a box of fluid at rest that is periodic along all axes.
+fn row(places: &[[f64; 3]], lengths: [f64; 3], more: &str) -> SceneFile {
+    let surfaces = places.iter().enumerate().map(|(number, place)| {
+        format!(
+            "[[surface]]\nname = \"c{number}\"\nshape = \"sphere:1\"\nfamily = \"regular\"\n\
+             vertices = 162\nposition = {place:?}\n\
+             elasticity = {{ law = \"skalak\", shear_modulus = 1, area_ratio = 1 }}\n"
+        )
+    });
+    let surfaces: String = surfaces.collect();
+    let text = format!(
+        "units = \"none\"\n{surfaces}{more}\n[driver]\nkind = \"lattice-boltzmann\"\nviscosity = 1\n\
+         flow = {{ kind = \"quiescent\" }}\nspacing = 0.25\nbox = {lengths:?}\nduration = 0.01\n\
+         [output]\ninterval = 0.01\npictures = false\nsurfaces = false\n"
+    );
+    let none = Overrides::default();
+    let file = SceneFile::parse(&text, Path::new("row.toml"), &none);
+    file.unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+const REPULSION: &str = "[[interaction]]\nkind = \"repulsion\"\nstrength = 3\ncutoff = 0.7\n";
+
+fn ready(file: &SceneFile) -> (Simulation, Vec<[f64; 3]>) {
+    build(file).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What says that surfaces are in each other, without how they got there.
+fn said(warnings: impl Iterator<Item = String>, what: &str) -> Vec<String> {
+    let direct = |warning: String| {
+        let through =
+            [", through", " through"].map(|word| format!("{word} the ends of the periodic box"));
+        through
+            .iter()
+            .fold(warning, |text, words| text.replace(words, ""))
+    };
+    warnings
+        .filter(|warning| warning.contains(what))
+        .map(direct)
+        .collect()
+}
+
+/// The same energy, forces and warnings, before and in a run.
+#[test]
+fn an_overlap_through_the_ends_is_one_inside() {
+    let lengths = [6.0, 6.0, 7.0];
+    let inside = row(&[[0.0; 3], [1.5, 0.0, 0.5]], lengths, REPULSION);
+    let through = row(&[[0.0; 3], [-4.5, 6.0, -6.5]], lengths, REPULSION);
+    let files = [&inside, &through];
+    let [within, across] = files.map(|file| {
+        let (mut simulation, positions) = ready(file);
+        let mut force = vec![[0.0; 3]; positions.len()];
+        let energy = simulation.evaluate(&positions, &mut force).energy;
+        let warnings = simulation.warnings().iter().map(ToString::to_string);
+        // Places in the text of the scene differ.
+        let said = said(warnings, "starts across");
+        let messages = said.iter().map(|warning| {
+            let start = warning.find("\"c").expect("a name");
+            let end = warning.find('\n').unwrap_or(warning.len());
+            warning[start..end].to_owned()
+        });
+        (energy, force, Vec::from_iter(messages))
+    });
+    assert!(within.0 > 0.1, "{}", within.0);
+    tolerance::SAME.assert(across.0, within.0, within.0, "E");
+    let largest = within.1.iter().map(|&f| norm(f)).fold(0.0, f64::max);
+    for (a, b) in within.1.iter().flatten().zip(across.1.iter().flatten()) {
+        tolerance::SAME.assert(*a, *b, largest, "F");
+    }
+    // Of both surfaces, and said once.
+    assert_eq!(within.2.len(), 1, "{:?}", within.2);
+    assert_eq!(within.2, across.2);
+    // In each other they would be thrown apart.
+    let [within, across] = [inside, through].map(|mut file| {
+        file.scene.interactions.clear();
+        let (summary, _) = run_file(file);
+        said(summary.warnings.into_iter(), "has gone into")
+    });
+    assert_eq!(within.len(), 2, "{within:?}");
+    assert_eq!(within, across);
+}
+
+/// Both overlaps of a row of three are said, in one warning.
+#[test]
+fn every_pair_that_starts_across_is_named() {
+    let places = [[0.0; 3], [1.5, 0.0, 0.0], [3.0, 0.0, 0.0]];
+    let (simulation, _) = ready(&row(&places, [8.0, 4.0, 4.0], ""));
+    let warnings = simulation.warnings().iter().map(ToString::to_string);
+    let said = said(warnings, "starts across");
+    let [warning] = said.as_slice() else {
+        panic!("{said:?}");
+    };
+    assert!(warning.contains("\"c0\" starts across \"c1\""), "{warning}");
+    assert!(
+        warning.contains("(and so for \"c1\" and \"c2\")"),
+        "{warning}"
+    );
+}
+
+/// Eight capsules in shear, with 40 % of the volume but for a layer at the walls, on meshes so coarse
+/// that vertices are farther from each other than the repulsion reaches: none goes into another, or into an
+/// image, and the lattice takes the forces in steps that they allow.
+#[test]
+fn dense_suspensions_stay_apart() {
+    let length = 4.4;
+    let places = Vec::from_iter((0..8).map(|k| {
+        let along = |axis: u32| 0.5 * length * (f64::from(k >> axis & 1) - 0.5);
+        [along(0), 0.93 * along(1), along(2)]
+    }));
+    let surfaces = places.iter().enumerate().map(|(number, place)| {
+        format!(
+            "[[surface]]\nname = \"c{number}\"\nshape = \"sphere:1\"\nfamily = \"regular\"\n\
+             vertices = 42\nmatch_volume = true\nposition = {place:?}\n\
+             orientation = {{ axis = [1, 2, 3], angle = {} }}\n\
+             elasticity = {{ law = \"skalak\", shear_modulus = 1, area_ratio = 1 }}\n\
+             bending = {{ method = \"gompper-kroll\", modulus = 0.01 }}\n",
+            40 * number
+        )
+    });
+    let surfaces: String = surfaces.collect();
+    let text = format!(
+        "units = \"none\"\n{surfaces}[[interaction]]\nkind = \"repulsion\"\nstrength = 3\ncutoff = 0.3\n\
+         [driver]\nkind = \"lattice-boltzmann\"\nviscosity = 1\nflow = {{ kind = \"shear\", rate = 0.3 }}\n\
+         spacing = 0.25\nbox = [{length}, 5, {length}]\nprecision = \"f32\"\nstrain = 1\n\
+         [output]\nstrain_interval = 0.25\npictures = false\nsurfaces = false\n"
+    );
+    let none = Overrides::default();
+    let file = SceneFile::parse(&text, Path::new("dense.toml"), &none);
+    let (summary, _) = run_file(file.unwrap_or_else(|errors| panic!("{errors}")));
+    assert_eq!(summary.end, End::Completed, "{}", summary.message);
+    let gone = said(summary.warnings.into_iter(), "has gone into");
+    assert_eq!(gone, [""; 0]);
+}
+
+/// As far from the image of the first as from each other: nothing pushes any of them along, one alone
+/// included.
+#[test]
+fn a_symmetric_row_is_not_pushed() {
+    for count in [1, 3] {
+        let distance = 2.25;
+        let places = Vec::from_iter((0..count).map(|k| [f64::from(k) * distance, 0.0, 0.0]));
+        let lengths = [f64::from(count) * distance, 4.0, 4.0];
+        let (mut simulation, positions) = ready(&row(&places, lengths, REPULSION));
+        assert_eq!(simulation.crossings(&positions), []);
+        let acting = simulation.resolve(&positions);
+        let repulsion = acting.last().expect("the repulsion");
+        assert!(repulsion.between && repulsion.energy > 0.0);
+        for body in simulation.bodies() {
+            let force = &repulsion.force[body.vertices()];
+            let net = [0, 1, 2].map(|axis| force.iter().map(|f| f[axis]).sum::<f64>());
+            let scale = force.iter().map(|&f| norm(f)).sum::<f64>();
+            assert!(scale > 0.0);
+            tolerance::SAME.assert(norm(net), 0.0, scale, "net force");
+        }
+    }
+}
+
+/// Drawn out along the box, a surface reaches into the next image, and that one into it.
+#[test]
+fn surfaces_are_seen_in_their_own_images() {
+    let (simulation, mut positions) = ready(&row(&[[0.3, 0.0, 0.0]], [2.5, 4.0, 4.0], ""));
+    assert_eq!(simulation.crossings(&positions), []);
+    for position in &mut positions {
+        position[0] *= 1.3;
+    }
+    let crossings = simulation.crossings(&positions);
+    let [
+        Crossing {
+            surface,
+            into,
+            inside,
+        },
+    ] = crossings.as_slice()
+    else {
+        panic!("{crossings:?}");
+    };
+    assert_eq!((surface.as_str(), into), ("c0", &None));
+    assert_eq!(inside.shift.map(f64::abs), [2.5, 0.0, 0.0]);
+    assert!(inside.is_by_image() && inside.count > 0);
+    // Along the others it is short, and where nothing is periodic there is no image.
+    let (simulation, _) = ready(&row(&[[0.3, 0.0, 0.0]], [4.0; 3], ""));
+    assert_eq!(simulation.crossings(&positions), []);
+}

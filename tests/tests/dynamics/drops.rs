@@ -1,0 +1,146 @@
+//! Fluid surfaces in shear flow: their meshes stay even, and what they say of a drop is right.
+
+use crate::scenes::{column, run_file};
+use helfrich_std::run::{End, run};
+use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::simulation::build;
+use helfrich_tests::tolerance::DROP_TAYLOR;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+const BOUNDARY_INTEGRAL: &str = "kind = \"boundary-integral\"";
+
+/// A drop on a regular mesh and the fluid around it; more lines of the surface and of the driver.
+fn drop(surface: &str, driver: &str) -> SceneFile {
+    drop_of("regular", surface, driver)
+}
+
+fn drop_of(family: &str, surface: &str, driver: &str) -> SceneFile {
+    let text = format!(
+        r#"
+        units = "none"
+        [[surface]]
+        shape = "sphere:1"
+        family = "{family}"
+        match_volume = true
+        viscosity_ratio = 1
+        {surface}
+        [driver]
+        viscosity = 1
+        flow = {{ kind = "shear", rate = 1 }}
+        {driver}
+        [output]
+        surfaces = false
+        pictures = false
+        strain_interval = 0.05
+    "#
+    );
+    let file = SceneFile::parse(&text, Path::new("drop.toml"), &Overrides::default());
+    file.unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+/// D of a drop by linear theory: J. M. Rallison, J. Fluid Mech. 98 (1980) 625, section 4, whose limit
+/// is that of G. I. Taylor, Proc. R. Soc. A 146 (1934) 501; λ = 1.
+fn taylor(capillary: f64, strain: f64) -> f64 {
+    let time = strain / (2.1875 * capillary);
+    35.0 / 32.0 * capillary * (1.0 - (-time).exp())
+}
+
+/// For fifty times as long as the drop takes to its shape, on every family of even meshes.
+#[test]
+fn a_drop_deforms_as_theory_has_it_and_stays_so() {
+    let driver = format!("{BOUNDARY_INTEGRAL}\nstrain = 2");
+    for family in ["regular", "smooth", "relaxed"] {
+        let file = drop_of(family, "vertices = 642\ntension = { value = 50 }", &driver);
+        let (summary, series) = run_file(file);
+        let deformation = column(&series, "deformation");
+        let strains = column(&series, "strain");
+        assert_eq!(strains.len(), 41, "{family}");
+        for (&strain, &found) in strains.iter().zip(&deformation).skip(1) {
+            let expected = taylor(0.02, strain);
+            let what = format!("{family}: D at γ̇t = {strain}");
+            DROP_TAYLOR.assert(found, expected, expected, &what);
+        }
+        let angles = column(&series, "smallest_angle");
+        assert!(angles.iter().all(|&angle| angle > 50.0), "{angles:?}");
+        assert_eq!(summary.warnings, [""; 0], "{family}");
+    }
+}
+
+/// By each driver with a fluid: a drop whose surface goes around, its mesh even or carried along.
+#[test]
+fn meshes_of_drops_stay_even_and_narrow_triangles_are_said() {
+    let lattice = "kind = \"lattice-boltzmann\"\nresolution = 4\nbox = [5, 5, 5]";
+    for driver in [BOUNDARY_INTEGRAL, lattice] {
+        let surface = "vertices = 162\ntension = { value = 5 }";
+        let with = |more: &str| {
+            let driver = format!("{driver}\nstrain = 4\n{more}");
+            let (summary, series) = run_file(drop(surface, &driver));
+            let angle = *column(&series, "smallest_angle").last().expect("a row");
+            let narrow = |warning: &&String| warning.contains("have become narrow");
+            (angle, summary.warnings.iter().filter(narrow).count())
+        };
+        let (angle, warnings) = with("");
+        assert!(angle > 40.0, "{driver}: {angle}°");
+        assert_eq!(warnings, 0, "{driver}");
+        let (angle, warnings) = with("redistribution = false");
+        assert!(angle < 20.0, "{driver}: {angle}°");
+        assert_eq!(warnings, 1, "{driver}");
+    }
+}
+
+/// Surfaces whose material has a reference are moved as if there were no redistribution.
+#[test]
+fn elastic_surfaces_are_not_redistributed() {
+    let elasticity = "elasticity = { law = \"neo-hookean\", shear_modulus = 1 }";
+    for law in [
+        elasticity,
+        "tension = { value = 1 }\nlocal_area = { modulus = 1 }",
+    ] {
+        let with = |more: &str| {
+            let driver = format!("{BOUNDARY_INTEGRAL}\nstrain = 0.3\n{more}");
+            let (_, series) = run_file(drop(&format!("vertices = 42\n{law}"), &driver));
+            series
+                .rows
+                .concat()
+                .into_iter()
+                .map(f64::to_bits)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(with(""), with("redistribution = false"), "{law}");
+    }
+}
+
+/// Interrupted in between and taken up again, with sliding vertices and marks of the material.
+#[test]
+fn drops_go_on_from_their_stored_bits() {
+    let lattice = "kind = \"lattice-boltzmann\"\nresolution = 3\nbox = [4, 4, 4]";
+    for driver in [BOUNDARY_INTEGRAL, lattice] {
+        let surface = "vertices = 42\ntension = { value = 5 }";
+        let file = drop(surface, &format!("{driver}\nstrain = 0.4"));
+        let folder = TempDir::new().expect("a folder");
+        let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
+        let run = |out: &Path, resume: bool, stop: usize| {
+            let built = build(&file).expect("a simulation");
+            let steps = std::cell::Cell::new(0);
+            let interrupted = || {
+                steps.set(steps.get() + 1);
+                steps.get() >= stop
+            };
+            let summary = run(&file.scene, built, out, resume, &interrupted, &mut |_| {});
+            summary.unwrap_or_else(|error| panic!("{error}")).end
+        };
+        assert_eq!(run(&whole, false, usize::MAX), End::Completed);
+        let mut end = run(&parts, false, 3);
+        while end == End::Interrupted {
+            end = run(&parts, true, 5);
+        }
+        assert_eq!(end, End::Completed);
+        let [whole, parts] = [whole, parts].map(|out| {
+            let series = out.join("series.csv");
+            fs::read_to_string(series).expect("a series")
+        });
+        assert_eq!(whole, parts, "{driver}");
+    }
+}

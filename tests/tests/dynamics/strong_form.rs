@@ -1,0 +1,45 @@
+//! Relaxation by forces without an energy.
+
+use crate::scenes::{last, scenes};
+use helfrich_std::run::{End, Summary, run};
+use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::series::SeriesTable;
+use helfrich_std::simulation::build;
+use tempfile::TempDir;
+
+/// The flat vesicle that is shipped, by jets of degree 4 on a mesh of this family.
+fn relaxed(family: &str) -> (Summary, SeriesTable) {
+    let family = format!("surface.vesicle.family={family}");
+    let overrides = [
+        "surface.vesicle.bending.method=j4",
+        "surface.vesicle.vertices=642",
+        // Forces are of interest: of so many vertices the energy is known to 5 %.
+        "driver.energy_error=0.1",
+        "output.pictures=false",
+        "output.surfaces=false",
+        family.as_str(),
+    ];
+    let overrides = Overrides::new(overrides).expect("overrides");
+    let file = SceneFile::read(&scenes().join("vesicle-oblate-0.7.toml"), &overrides);
+    let file = file.unwrap_or_else(|errors| panic!("{errors}"));
+    let folder = TempDir::new().expect("a folder");
+    let out = folder.path().join("out");
+    let built = build(&file).expect("a simulation");
+    let summary = run(&file.scene, built, &out, false, &|| false, &mut |_| {});
+    let summary = summary.unwrap_or_else(|error| panic!("{error}"));
+    let series = SeriesTable::read(&out.join("series.csv")).expect("a series");
+    (summary, series)
+}
+
+/// Secants go around the equilibrium on a mesh that is stretched along the rim, with residuals of 1 to
+/// 100; Newton's steps get there, for forces are continuous where fits do not depend on how the surface
+/// is turned.
+#[test]
+fn jets_get_to_equilibrium_on_stretched_meshes() {
+    for family in ["smooth", "relaxed"] {
+        let (summary, series) = relaxed(family);
+        assert_eq!(summary.end, End::Converged, "{}", summary.message);
+        let residual = last(&series, "residual");
+        assert!(residual < 1e-5, "{family}: {residual:e}");
+    }
+}

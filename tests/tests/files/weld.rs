@@ -1,0 +1,83 @@
+//! Split vertices, and meshes put together again.
+
+use helfrich_std::io::MeshFile;
+use helfrich_tests::meshes::{Mesh, disc, icosphere};
+
+/// Each face with corners of its own, as renderers export it.
+fn split(mesh: &Mesh) -> MeshFile {
+    let triangles = mesh.connectivity.triangles().iter();
+    let corners = triangles
+        .flatten()
+        .map(|&corner| mesh.positions[corner as usize]);
+    let positions = Vec::from_iter(corners);
+    let apart = (0..positions.len() as u32)
+        .step_by(3)
+        .map(|k| [k, k + 1, k + 2]);
+    let apart = Mesh::new(positions, apart.collect());
+    MeshFile {
+        positions: apart.positions,
+        mesh: apart.connectivity,
+    }
+}
+
+/// A sphere, and a disc, whose own boundary stays, with the same triangles over the same points.
+#[test]
+fn split_meshes_are_put_together() {
+    for mesh in [icosphere(2), disc(3)] {
+        let split = split(&mesh);
+        let faces = mesh.connectivity.triangles().len();
+        assert_eq!(split.mesh.components().1, faces);
+        assert_eq!(split.split_vertices(), 3 * faces - mesh.positions.len());
+        let welded = split.welded().expect("a mesh");
+        assert_eq!(welded.split_vertices(), 0);
+        assert_eq!(welded.positions.len(), mesh.positions.len());
+        assert_eq!(welded.mesh.components().1, 1);
+        let points = |positions: &[[f64; 3]], triangles: &[[u32; 3]]| {
+            let corners = triangles.iter().flatten();
+            Vec::from_iter(corners.map(|&corner| positions[corner as usize]))
+        };
+        assert_eq!(
+            points(&welded.positions, welded.mesh.triangles()),
+            points(&mesh.positions, mesh.connectivity.triangles())
+        );
+    }
+}
+
+/// What is whole stays as it is.
+#[test]
+fn whole_meshes_have_no_split_vertices() {
+    let mesh = icosphere(1);
+    let file = MeshFile {
+        positions: mesh.positions.clone(),
+        mesh: mesh.connectivity.clone(),
+    };
+    assert_eq!(file.split_vertices(), 0);
+    assert_eq!(file.welded().expect("a mesh"), file);
+}
+
+/// Two tetrahedra that touch in a vertex are no manifold when that is one.
+#[test]
+fn what_only_touches_is_refused() {
+    let tetrahedron = |from: f64, to: f64, first: u32| {
+        let positions = vec![
+            [0.0; 3],
+            [to, from, from],
+            [from, to, from],
+            [from, from, to],
+        ];
+        let triangles = [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
+        (positions, triangles.map(|t| t.map(|corner| first + corner)))
+    };
+    let ((mut positions, mut triangles), (others, more)) = {
+        let (positions, triangles) = tetrahedron(0.0, 1.0, 0);
+        ((positions, triangles.to_vec()), tetrahedron(0.0, -1.0, 4))
+    };
+    positions.extend(others);
+    triangles.extend(more.map(|[a, b, c]| [a, c, b]));
+    let mesh = Mesh::new(positions, triangles);
+    let file = MeshFile {
+        positions: mesh.positions,
+        mesh: mesh.connectivity,
+    };
+    assert!(file.welded().is_err());
+}

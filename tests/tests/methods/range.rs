@@ -1,0 +1,175 @@
+//! Sizes near the end of a number type's range: results scale, or a finding says that they do not.
+
+use helfrich::{Finding, GompperKroll, Prepared, StrongForm, Surface, TriangleMesh};
+use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, Fields};
+use helfrich_tests::laws::{
+    Candidate, ConservativeCandidate, ConservativeLaw, Law, for_each, for_each_conservative,
+};
+use helfrich_tests::meshes::{Mesh, bent, icosphere};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// A surface's fields with the vertices that a finding names.
+fn measured<T: Evaluated>(method: BendingMethod, mesh: &Mesh, size: T) -> (Fields<T>, Vec<bool>) {
+    let scaled = |position: &[f64; 3]| position.map(|x| T::constant(x) * size);
+    let positions = Vec::from_iter(mesh.positions.iter().map(scaled));
+    let surface = Surface::new(&mesh.connectivity, &positions).expect("positions");
+    let mut evaluator = Evaluator::new(method, T::one(), &mesh.connectivity);
+    let fields = evaluator.fields(surface);
+    let quality = evaluator.quality(surface);
+    (fields, quality.flagged().to_vec())
+}
+
+/// Scaling by a power of two leaves every digit: H is divided by it and f by its cube, unless a finding
+/// names the vertex. No field is ever 0 because numbers were too small or too large.
+fn results_scale_or_say_so<T: Evaluated>(exponents: impl Iterator<Item = i32>) {
+    let mesh = icosphere(3).map(bent);
+    let all: Vec<BendingMethod> = BendingMethod::ALL.into();
+    let exponents: Vec<i32> = exponents.collect();
+    for method in all {
+        let (unit, _) = measured(method, &mesh, T::one());
+        for &exponent in &exponents {
+            let size = T::constant(2.0).powi(exponent);
+            let (fields, flagged) = measured(method, &mesh, size);
+            for (vertex, flagged) in flagged.into_iter().enumerate() {
+                if flagged {
+                    continue;
+                }
+                let near = |found: T, expected: T, what: &str| {
+                    // Sums are taken in the same order; elementary functions of ratios alone round.
+                    let error = (found - expected).abs();
+                    let bound = T::constant(64.0) * T::epsilon() * expected.abs();
+                    assert!(
+                        error <= bound || error < T::constant(1e-3),
+                        "{method} at 2^{exponent}, vertex {vertex}: {what} is {found:?}, not \
+                         {expected:?} over the size"
+                    );
+                };
+                match (fields.mean[vertex], unit.mean[vertex]) {
+                    (None, None) => {}
+                    (Some(found), Some(expected)) => near(found * size, expected, "H"),
+                    (found, _) => panic!("{method} at 2^{exponent}: H {found:?} at {vertex}"),
+                }
+                match (fields.force_density[vertex], unit.force_density[vertex]) {
+                    (None, None) => {}
+                    (Some(found), Some(expected)) => {
+                        for (found, expected) in found.into_iter().zip(expected) {
+                            near(found * size * size * size, expected, "f");
+                        }
+                    }
+                    (found, _) => panic!("{method} at 2^{exponent}: f {found:?} at {vertex}"),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn single_precision() {
+    results_scale_or_say_so::<f32>((-75..=25).step_by(10));
+}
+
+#[test]
+fn double_precision() {
+    results_scale_or_say_so::<f64>((-600..=250).step_by(50));
+}
+
+/// The jet's H of a small sphere is 1/R, and not 0: 1e-12 in f32, 1e-90 in f64.
+#[test]
+fn jets_of_small_spheres() {
+    fn mean<T: Evaluated>(radius: f64) -> Vec<f64> {
+        let (fields, _) = measured(BendingMethod::J4, &icosphere(3), T::constant(radius));
+        let mean = fields.mean.iter().map(|mean| mean.expect("H").to_f64());
+        mean.map(|mean| mean.expect("a number") * radius).collect()
+    }
+    for mean in mean::<f32>(1e-12).into_iter().chain(mean::<f64>(1e-90)) {
+        assert!((mean - 1.0).abs() < 2e-3, "H R = {mean}");
+    }
+}
+
+/// What is out of range is no curvature, and is said.
+#[test]
+fn what_is_out_of_range_is_said() {
+    let mesh = icosphere(3).map(bent);
+    let positions = Vec::from_iter(mesh.positions.iter().map(|x| x.map(|x| x as f32 * 1e-14)));
+    let surface = Surface::new(&mesh.connectivity, &positions).expect("positions");
+    let mut evaluator = Evaluator::new(BendingMethod::J6, 1.0, &mesh.connectivity);
+    let fields = evaluator.fields(surface);
+    let findings = evaluator.findings(surface);
+    assert!(fields.force_density.iter().all(Option::is_none));
+    assert!(
+        findings
+            .iter()
+            .any(|finding| matches!(finding, Finding::OutOfRange { .. }))
+    );
+}
+
+/// The message of a panic; none if there was no panic.
+fn refusal(evaluate: impl FnOnce()) -> Option<String> {
+    let payload = catch_unwind(AssertUnwindSafe(evaluate)).err()?;
+    Some(payload.downcast_ref::<String>().expect("a message").clone())
+}
+
+/// No energy of 0 from a modulus that is no number.
+#[test]
+fn moduli_that_are_no_numbers_are_refused() {
+    struct Refused(Mesh);
+    impl Law for Refused {
+        fn check<C: Candidate>(&mut self, candidate: C) {
+            for modulus in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let message = refusal(|| {
+                    Prepared::new(candidate.method(modulus), &self.0.connectivity);
+                });
+                let message = message.unwrap_or_else(|| panic!("{}: {modulus}", candidate.name()));
+                assert!(message.contains("modulus"), "{message}");
+            }
+        }
+    }
+    for_each(&mut Refused(icosphere(1)));
+    let mesh = icosphere(1);
+    let mut bent = GompperKroll::new(1.0);
+    bent.spontaneous_curvature = f64::NAN.into();
+    let message = refusal(|| drop(Prepared::new(bent.clone(), &mesh.connectivity)));
+    assert!(
+        message
+            .expect("a refusal")
+            .contains("spontaneous curvature")
+    );
+    let mut changed = Prepared::new(StrongForm::meyer(1.0), &mesh.connectivity);
+    changed.method_mut().modulus = f64::NAN;
+    assert!(refusal(|| _ = changed.energy(mesh.surface())).is_some());
+}
+
+/// An energy that overflows is infinite, and not 0.
+#[test]
+fn energies_that_overflow_are_not_zero() {
+    struct Overflows(Mesh);
+    impl ConservativeLaw for Overflows {
+        fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+            let method = candidate.method(f64::MAX / 8.0);
+            let energy = Prepared::new(method, &self.0.connectivity).energy(self.0.surface());
+            assert!(energy.abs() > 1e300, "{}: {energy}", candidate.name());
+        }
+    }
+    for_each_conservative(&mut Overflows(icosphere(2).map(bent)));
+}
+
+/// Of another mesh with as many vertices and triangles a plan would give numbers.
+#[test]
+fn surfaces_of_another_mesh_are_refused() {
+    struct Refused(Mesh, TriangleMesh);
+    impl Law for Refused {
+        fn check<C: Candidate>(&mut self, candidate: C) {
+            let surface = Surface::new(&self.1, &self.0.positions).expect("positions");
+            let mut prepared = Prepared::new(candidate.method(1.0), &self.0.connectivity);
+            let message = refusal(|| _ = prepared.energy(surface));
+            let message = message.unwrap_or_else(|| panic!("{}", candidate.name()));
+            assert!(message.contains("another mesh"), "{message}");
+            prepared.energy(self.0.surface());
+        }
+    }
+    let mesh = icosphere(2);
+    let mut triangles = mesh.connectivity.triangles().to_vec();
+    triangles.rotate_left(1);
+    let other = TriangleMesh::new(mesh.positions.len(), triangles).expect("a mesh");
+    for_each(&mut Refused(mesh, other));
+}

@@ -1,0 +1,14 @@
+//! Private modules of helfrich-std with their own tests: compiled here, so that the library need not be
+//! compiled a second time for them.
+
+use helfrich_std::scene::Units;
+
+#[expect(dead_code, reason = "the library uses what the tests do not")]
+#[path = "../../../std-ext/src/scene/units.rs"]
+mod units;
+
+#[path = "../../../std-ext/src/six.rs"]
+mod six;
+
+#[path = "../../../std-ext/src/sweep/vary.rs"]
+mod vary;

@@ -1,0 +1,226 @@
+//! Errors that `recommend` expects on positions with noise, against the true ones on shapes and meshes that
+//! nothing was adjusted to.
+
+use helfrich::shapes::{Discocyte, ExactPoint, Shape, Torus};
+use helfrich::{Noise, Surface, TriangleMesh};
+use helfrich_std::answer::Norm;
+use helfrich_std::execute::Parallel;
+use helfrich_std::generate::random::Random;
+use helfrich_std::generate::{AnyShape, Family, generate};
+use helfrich_std::method::{BendingMethod, Evaluator, MethodOptions};
+use helfrich_std::recommend::{Recommendation, Wish, recommend};
+use helfrich_std::scalar::Scalar;
+use helfrich_std::study::Quantity;
+use helfrich_tests::star::Star;
+
+/// A mesh, and what is exactly known at its vertices.
+struct Case {
+    name: String,
+    mesh: TriangleMesh,
+    exact: Vec<ExactPoint<f64>>,
+}
+
+/// A star of five harmonics of degrees 2 to 5.
+fn star(seed: u64) -> Star {
+    let mut random = Random::new(1000 + seed);
+    let term = |k: u64| {
+        let degree = 2 + (k + seed) % 4;
+        let amplitude = 0.25 * (random.unit() - 0.3) / (degree as f64 - 0.5);
+        (amplitude, degree as usize, random.on_sphere().to_array())
+    };
+    Star {
+        terms: (0..5).map(term).collect(),
+    }
+}
+
+impl Case {
+    fn of_star(seed: u64, family: Family, vertices: usize) -> Self {
+        let sphere = "sphere".parse().expect("a shape");
+        let made = generate(&sphere, family, vertices, seed).expect("a mesh");
+        let star = star(seed);
+        Self {
+            name: format!("star {seed}, {family}, {vertices}"),
+            mesh: made.mesh,
+            exact: made.preimages.iter().map(|&at| star.at(at)).collect(),
+        }
+    }
+
+    fn of_shape(shape: &AnyShape, family: Family, vertices: usize) -> Self {
+        let made = generate(shape, family, vertices, 1).expect("a mesh");
+        Self {
+            name: format!("{shape}, {family}, {vertices}"),
+            mesh: made.mesh,
+            exact: made.preimages.iter().map(|&at| shape.at(at)).collect(),
+        }
+    }
+
+    fn positions(&self) -> Vec<[f64; 3]> {
+        self.exact.iter().map(|point| point.position).collect()
+    }
+
+    fn mean_edge(&self) -> f64 {
+        let positions = self.positions();
+        let surface = Surface::new(&self.mesh, &positions).expect("positions");
+        let edges = self.mesh.edges().iter();
+        let lengths = edges.map(|&[from, to]| {
+            let [x, y, z] = surface.difference(from, to);
+            x.hypot(y).hypot(z)
+        });
+        lengths.sum::<f64>() / self.mesh.edges().len() as f64
+    }
+
+    /// Normal errors of this standard deviation in every coordinate: the method of Box and Muller, in
+    /// Marsaglia's form.
+    fn disturbed(&self, deviation: f64) -> Vec<[f64; 3]> {
+        let mut random = Random::new(777);
+        let mut error = || {
+            let point = random.in_disc();
+            let square = point.length_squared();
+            deviation * point.x * (-2.0 * square.ln() / square).sqrt()
+        };
+        let positions = self.positions().into_iter();
+        positions.map(|x| x.map(|x| x + error())).collect()
+    }
+
+    /// The mean error of a method on other positions, relative to the largest value of the shape.
+    fn truth(&self, positions: &[[f64; 3]], method: BendingMethod, quantity: Quantity) -> f64 {
+        let surface = Surface::new(&self.mesh, positions).expect("positions");
+        let fields = Evaluator::new(method, 1.0, &self.mesh).fields(surface);
+        let (mut errors, mut areas, mut largest) = (0.0, 0.0, 0.0_f64);
+        for (vertex, exact) in self.exact.iter().enumerate() {
+            let (error, size) = match quantity {
+                Quantity::Mean => (fields.mean[vertex].expect("H") - exact.mean, exact.mean),
+                _ => {
+                    let density = exact.force_density(1.0);
+                    let found = fields.force_density[vertex].expect("f");
+                    let squares =
+                        (0..3).map(|axis| (found[axis] - density * exact.normal[axis]).powi(2));
+                    (squares.sum::<f64>().sqrt(), density)
+                }
+            };
+            errors += fields.area[vertex] * error.abs();
+            areas += fields.area[vertex];
+            largest = largest.max(size.abs());
+        }
+        errors / areas / largest
+    }
+
+    fn recommendation(&self, positions: &[[f64; 3]], quantity: Quantity) -> Recommendation {
+        let wish = Wish {
+            quantity,
+            norm: Norm::Mean,
+            target: 0.01,
+            methods: vec![BendingMethod::J4, BendingMethod::J6],
+            options: MethodOptions::default(),
+            scalars: vec![Scalar::F64],
+        };
+        let found = recommend(&self.mesh, positions, &wish, &|| false, &mut |_| {});
+        found.expect("a reference").expect("an answer")
+    }
+
+    /// Expected over true mean errors of J4 and J6, for noise of this part of a mean edge.
+    fn ratios(&self, part: f64, quantity: Quantity) -> ([f64; 2], Recommendation) {
+        let positions = self.disturbed(part * self.mean_edge());
+        let found = self.recommendation(&positions, quantity);
+        let ratios = [BendingMethod::J4, BendingMethod::J6].map(|method| {
+            let mut candidates = found.candidates.iter();
+            let candidate = candidates.find(|candidate| candidate.method == method);
+            let expected = candidate.expect("a candidate").expected;
+            expected / self.truth(&positions, method, quantity)
+        });
+        (ratios, found)
+    }
+}
+
+fn torus(aspect: f64) -> AnyShape {
+    AnyShape::Torus(Torus::new(1.0, aspect).expect("radii"))
+}
+
+/// A disc with other coefficients than a red blood cell's: its rim is twice as narrow.
+fn disc() -> AnyShape {
+    let disc = Discocyte::with_coefficients(1.0, [0.4, 1.0, -0.4]);
+    AnyShape::Discocyte(disc.expect("coefficients"))
+}
+
+#[track_caller]
+fn assert_expected(case: &Case, part: f64, quantity: Quantity) {
+    let (ratios, found) = case.ratios(part, quantity);
+    for ratio in ratios {
+        assert!(
+            (1.0 / 1.5..1.5).contains(&ratio),
+            "{}, {part}, {}: {ratios:?}",
+            case.name,
+            quantity.symbol()
+        );
+    }
+    // Noise rules f here: more vertices would be worse.
+    if quantity == Quantity::ForceDensity && found.noise_error > 0.5 {
+        let needed = found.vertices_needed;
+        let vertices = case.mesh.vertex_count() as f64;
+        assert!(needed.is_none_or(|needed| needed < vertices), "{needed:?}");
+    }
+}
+
+/// The largest f is found though f itself is lost in noise.
+#[test]
+fn the_force_of_a_star_with_noise() {
+    let case = Case::of_star(1, Family::Irregular, 2562);
+    assert_expected(&case, 1e-2, Quantity::ForceDensity);
+}
+
+/// No noise of exact vertices, on shapes of many waves.
+#[test]
+fn exact_stars_have_no_noise() {
+    for seed in 1..=4 {
+        for family in Family::ALL {
+            for vertices in [162, 642, 2562] {
+                let case = Case::of_star(seed, family, vertices);
+                let positions = case.positions();
+                let surface = Surface::new(&case.mesh, &positions).expect("positions");
+                let found = Noise::of(&Parallel::new(), surface);
+                assert_eq!(found, Noise::default(), "{}", case.name);
+            }
+        }
+    }
+}
+
+/// Everything outside the factor of 1.5, as lines.
+fn outside(cases: &[Case]) -> Vec<String> {
+    let mut outside = Vec::new();
+    for case in cases {
+        for part in [1e-4, 1e-3, 1e-2] {
+            for quantity in [Quantity::Mean, Quantity::ForceDensity] {
+                let (ratios, found) = case.ratios(part, quantity);
+                if ratios.iter().any(|ratio| !(1.0 / 1.5..1.5).contains(ratio)) {
+                    let (name, symbol, noise) = (&case.name, quantity.symbol(), found.noise);
+                    outside.push(format!("{name}, {part}, {symbol}: {ratios:?}, {noise:?}\n"));
+                }
+            }
+        }
+    }
+    outside
+}
+
+/// Known to be outside, with 2562 vertices: f on tubes of 0.3 and 0.4 (0.5) and the disc (0.6) at 1e-2
+/// edges, whose largest value is taken too large; and J6 where noise is hardly larger than what the mesh
+/// does, H on a tube of 0.3 at 1e-4 (0.5).
+#[test]
+#[ignore = "half an hour: by hand, when the estimates of noise change"]
+fn everything_held_out() {
+    let mut cases = Vec::new();
+    let ellipsoids = [
+        "ellipsoid:1,1,2.5",
+        "ellipsoid:1,1,0.4",
+        "ellipsoid:1,0.7,0.4",
+    ];
+    for family in Family::ALL {
+        for vertices in [642, 2562, 10242] {
+            cases.extend((1..=4).map(|seed| Case::of_star(seed, family, vertices)));
+            let shapes = ellipsoids.map(|name| name.parse().expect("a shape"));
+            let all = shapes.into_iter().chain([torus(0.3), torus(0.5), disc()]);
+            cases.extend(all.map(|shape| Case::of_shape(&shape, family, vertices)));
+        }
+    }
+    let outside = outside(&cases);
+    assert!(outside.is_empty(), "{}", outside.concat());
+}

@@ -1,0 +1,242 @@
+//! Noise of positions is seen where there is some, and only there.
+
+use helfrich::shapes::Shape;
+use helfrich::{
+    Finding, Noise, Prepared, Regression, Serial, Smoothing, StrongForm, Surface, TriangleMesh,
+};
+use helfrich_std::execute::Parallel;
+use helfrich_std::generate::random::Random;
+use helfrich_std::generate::{Family, GeneratedMesh, generate};
+
+fn mesh(shape: &str, family: Family, vertices: usize) -> Option<GeneratedMesh> {
+    let shape = shape.parse().expect("a shape");
+    generate(&shape, family, vertices, 1).ok()
+}
+
+fn noise(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> Noise<f64> {
+    let surface = Surface::new(mesh, positions).expect("positions");
+    Noise::of(&Parallel::new(), surface)
+}
+
+fn mean_edge(made: &GeneratedMesh) -> f64 {
+    let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
+    let edges = made.mesh.edges().iter();
+    let lengths = edges.map(|&[from, to]| {
+        let [x, y, z] = surface.difference(from, to);
+        x.hypot(y).hypot(z)
+    });
+    lengths.sum::<f64>() / made.mesh.edges().len() as f64
+}
+
+/// Each coordinate with an error of this standard deviation: the sum of twelve uniform ones.
+fn disturbed(positions: &[[f64; 3]], deviation: f64) -> Vec<[f64; 3]> {
+    let mut random = Random::new(5);
+    let mut error = || (0..12).map(|_| random.unit()).sum::<f64>() - 6.0;
+    let moved = positions.iter().map(|x| x.map(|x| x + deviation * error()));
+    moved.collect()
+}
+
+/// The shape itself is no noise, however coarse and uneven its mesh.
+#[test]
+fn exact_meshes_have_none() {
+    let shapes = [
+        "sphere",
+        "discocyte",
+        "ellipsoid:1,0.8,0.6",
+        "ellipsoid:0.5,0.5,2.5",
+        "torus",
+        "torus:1,0.4",
+    ];
+    let mut meshes = 0;
+    for shape in shapes {
+        for family in Family::ALL {
+            for vertices in [42, 162, 300, 642, 1280, 2000, 2562] {
+                let Some(made) = mesh(shape, family, vertices) else {
+                    continue;
+                };
+                meshes += 1;
+                let found = noise(&made.mesh, &made.positions);
+                assert_eq!(found, Noise::default(), "{shape}, {family}, {vertices}");
+            }
+        }
+    }
+    assert!(meshes > 100, "{meshes}");
+}
+
+/// Of 2562 independent errors some 1500 degrees of freedom are left by the fits, so that chance is a
+/// few per cent; at 1e-4 edges S₆ and R of the shape itself are no smaller than the noise.
+#[test]
+fn noise_is_found() {
+    for shape in ["discocyte", "ellipsoid:1,0.8,0.5", "torus"] {
+        for family in [Family::Irregular, Family::Hard] {
+            let made = mesh(shape, family, 2562).expect("a mesh");
+            let edge = mean_edge(&made);
+            for (part, most) in [(1e-4, 0.25), (1e-3, 0.08), (1e-2, 0.08)] {
+                let found = noise(&made.mesh, &disturbed(&made.positions, part * edge));
+                let off = found.length / (part * edge) - 1.0;
+                assert!(off.abs() < most, "{shape}, {family}, {part}: {found:?}");
+                assert!((found.edges / part - 1.0).abs() < most);
+            }
+        }
+    }
+}
+
+/// Coordinates as files have them; rounding to a multiple of q is an error of q/√12.
+#[test]
+fn rounded_coordinates_are_noise() {
+    let made = mesh("discocyte", Family::Irregular, 2562).expect("a mesh");
+    for decimals in [3, 4, 6] {
+        let inverse = 10.0_f64.powi(decimals);
+        let rounded = made
+            .positions
+            .iter()
+            .map(|x| x.map(|x| (x * inverse).round() / inverse));
+        let found = noise(&made.mesh, &Vec::from_iter(rounded));
+        let expected = 12.0_f64.sqrt().recip() / inverse;
+        assert!(
+            (found.length / expected - 1.0).abs() < 0.15,
+            "{decimals}: {found:?}"
+        );
+    }
+    let single = made
+        .positions
+        .iter()
+        .map(|x| x.map(|x| f64::from(x as f32)));
+    let found = noise(&made.mesh, &Vec::from_iter(single));
+    // Coordinates between 1/8 and 1 have last digits of 2⁻²⁷ to 2⁻²⁴.
+    let digits = [-27, -24].map(|exponent| 2.0_f64.powi(exponent) / 12.0_f64.sqrt());
+    assert!((digits[0]..digits[1]).contains(&found.length), "{found:?}");
+
+    // A sheet whose heights are exact, and whose coordinates have three decimals all the same.
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for row in 0..30_u32 {
+        for column in 0..30_u32 {
+            let [x, y] = [column, row].map(|place| f64::from(place) / 10.0);
+            positions.push([x, y, 0.1 * x * x + 0.2 * x * y]);
+            if row < 29 && column < 29 {
+                let corner = 30 * row + column;
+                triangles.push([corner, corner + 1, corner + 31]);
+                triangles.push([corner, corner + 31, corner + 30]);
+            }
+        }
+    }
+    let sheet = TriangleMesh::new(positions.len(), triangles).expect("a sheet");
+    assert_eq!(noise(&sheet, &positions), Noise::default());
+    // At its boundary fits are one-sided; away from it noise is what it is.
+    let found = noise(&sheet, &disturbed(&positions, 1e-3));
+    assert!((found.length / 1e-3 - 1.0).abs() < 0.15, "{found:?}");
+}
+
+/// The same for one thread and several; scales with the surface, to the last bit by powers of two.
+#[test]
+fn noise_follows_the_surface() {
+    let made = mesh("ellipsoid:1,0.8,0.5", Family::Irregular, 1280).expect("a mesh");
+    let positions = disturbed(&made.positions, 1e-4);
+    let found = noise(&made.mesh, &positions);
+    assert!(found.is_seen());
+    let surface = Surface::new(&made.mesh, &positions).expect("positions");
+    assert_eq!(Noise::of(&Serial, surface), found);
+    for factor in [2.0_f64.powi(-60), 2.0_f64.powi(60)] {
+        let scaled = Vec::from_iter(positions.iter().map(|x| x.map(|x| factor * x)));
+        let scaled = noise(&made.mesh, &scaled);
+        assert_eq!(scaled.length, factor * found.length);
+        assert_eq!(scaled.edges, found.edges);
+    }
+}
+
+/// 1e-3 edges leave nothing of f on 2562 vertices, rounding to f32 nearly everything: but at a few
+/// vertices whose triangles are a fifth of the others.
+#[test]
+fn quality_flags_what_noise_takes_away() {
+    let made = mesh("discocyte", Family::Irregular, 2562).expect("a mesh");
+    let flagged = |positions: &[[f64; 3]]| {
+        let surface = Surface::new(&made.mesh, positions).expect("positions");
+        let mut jets = Prepared::new(StrongForm::j4(1.0), &made.mesh);
+        jets.force_density(surface, &mut vec![[0.0; 3]; positions.len()]);
+        let quality = jets.quality(surface);
+        let findings = quality.findings().iter();
+        findings
+            .filter(|finding| matches!(finding, Finding::NoisyPosition { .. }))
+            .count()
+    };
+    assert_eq!(flagged(&made.positions), 0);
+    let noisy = disturbed(&made.positions, 1e-3 * mean_edge(&made));
+    assert_eq!(flagged(&noisy), 2562);
+    let single = made
+        .positions
+        .iter()
+        .map(|x| x.map(|x| f64::from(x as f32)));
+    assert!(flagged(&Vec::from_iter(single)) < 2562 / 100);
+}
+
+/// A row of norm r leaves r of independent noise; that of the constant of a fit of degree 4 to 49 heights
+/// with these weights is some 0.6 on a lattice. Twice leaves less than once. Of the shape a fit takes less
+/// than a tenth of that noise.
+#[test]
+fn smoothing_takes_noise_and_leaves_the_shape() {
+    let made = mesh("ellipsoid:1,0.8,0.5", Family::Irregular, 2562).expect("a mesh");
+    let edge = mean_edge(&made);
+    let smooth = |positions: &[[f64; 3]]| {
+        let surface = Surface::new(&made.mesh, positions).expect("positions");
+        let mut smooth = positions.to_vec();
+        Smoothing { neighbours: 48 }.apply(&Parallel::new(), surface, &mut smooth);
+        smooth
+    };
+    // Along the exact normal, in edges.
+    let off = |positions: &[[f64; 3]]| {
+        let squares = positions.iter().zip(&made.preimages).map(|(x, &preimage)| {
+            let exact = made.shape.at(preimage);
+            let parts = (0..3).map(|axis| (x[axis] - exact.position[axis]) * exact.normal[axis]);
+            (parts.sum::<f64>() / edge).powi(2)
+        });
+        (squares.sum::<f64>() / positions.len() as f64).sqrt()
+    };
+    assert!(off(&smooth(&made.positions)) < 1e-3);
+    let noisy = disturbed(&made.positions, 1e-2 * edge);
+    let once = smooth(&noisy);
+    assert!(off(&once) < 0.7 * off(&noisy), "{}", off(&once));
+    assert!(off(&smooth(&once)) < 0.9 * off(&once));
+}
+
+/// Root mean squares of the errors of f by degrees 4 and 6 on noisy positions, relative to that of f, and
+/// of what the same noise changes once more.
+fn regression_errors(made: &GeneratedMesh, deviation: f64, neighbours: usize) -> [[f64; 2]; 2] {
+    let positions = disturbed(&made.positions, deviation);
+    let surface = Surface::new(&made.mesh, &positions).expect("positions");
+    let mut random = Random::new(9);
+    let mut error = || deviation * ((0..12).map(|_| random.unit()).sum::<f64>() - 6.0);
+    let errors = Vec::from_iter(positions.iter().map(|_| [0.0, error()]));
+    let fits = Regression { neighbours }.fit(&Parallel::new(), surface, &errors);
+    let exact = made.preimages.iter().map(|&at| made.shape.at(at));
+    let exact = Vec::from_iter(exact.map(|point| point.force_density(1.0)));
+    let all = exact.iter().map(|f| f * f).sum::<f64>();
+    fits.fields(&Parallel::new()).map(|fields| {
+        let both = || fields.force_density.iter().zip(&exact);
+        let off = both().map(|(found, f)| (found[0] - f).powi(2)).sum::<f64>();
+        let changed = both().map(|(found, _)| (found[1] - found[0]).powi(2));
+        [off, changed.sum::<f64>()].map(|sum| (sum / all).sqrt())
+    })
+}
+
+/// The error of f of jets through the vertices is 200 % here, at 1e-3 edges; exact vertices lose little.
+/// What noise added on top changes is what the noise that is there has changed: of some 2562/64 independent
+/// errors, to a tenth.
+#[test]
+fn regression_jets_stand_noise() {
+    let made = mesh("discocyte", Family::Irregular, 2562).expect("a mesh");
+    let noisy = 1e-3 * mean_edge(&made);
+    let [_, [off, changed]] = regression_errors(&made, noisy, 90);
+    assert!(off < 0.35, "{off}");
+    assert!((changed / off - 1.0).abs() < 0.25, "{off} {changed}");
+    let [_, [off, _]] = regression_errors(&made, noisy, 128);
+    assert!(off < 0.2, "{off}");
+    let [[fourth, _], [sixth, _]] = regression_errors(&made, 0.0, 64);
+    assert!(sixth < 0.05 && fourth < 0.2, "{sixth} {fourth}");
+    // One thread or several.
+    let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
+    let errors = vec![[0.0; 1]; made.positions.len()];
+    let few = Regression { neighbours: 45 };
+    let several = few.fit(&Parallel::new(), surface, &errors);
+    let one = few.fit(&Serial, surface, &errors);
+    assert_eq!(several.fields(&Parallel::new()), one.fields(&Serial));
+}
