@@ -34,7 +34,7 @@ pub struct Provenance {
     pub program: [u8; 32],
     /// The processor, as the operating system calls it.
     pub processor: String,
-    /// The widest vectors that the loops use.
+    /// Widest vectors of the processor that Stokes sums and lattices use; other loops use AVX2 at most.
     pub vectors: &'static str,
     /// How many threads they use.
     pub threads: usize,

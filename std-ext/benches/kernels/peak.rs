@@ -1,8 +1,9 @@
-//! Peak rates of the processor, in the widest vectors of the loops and without fused operations, which
+//! Peak rates of the processor, in the vectors of the loops and without fused operations, which
 //! these loops do not use because they would change bits.
 
 use crate::counted::Operations;
-use pulp::{Arch, NullaryFnOnce};
+use helfrich_evaluate::execute::dispatch;
+use pulp::NullaryFnOnce;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -59,7 +60,7 @@ fn least<Op: NullaryFnOnce<Output = ()>>(task: impl Fn() -> Op) -> f64 {
     let mut least = f64::INFINITY;
     for _ in 0..15 {
         let start = Instant::now();
-        Arch::new().dispatch(task());
+        dispatch(task());
         least = least.min(start.elapsed().as_secs_f64());
     }
     // Two operations a number and step.

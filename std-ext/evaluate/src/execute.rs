@@ -1,18 +1,17 @@
-//! Loops over elements and vertices on several threads, in the widest vectors the processor has.
+//! Loops over elements and vertices on several threads, in wide vectors.
 //!
-//! The formulas and the loops are the core's. Here they are compiled for processors with AVX-512, for
-//! those with AVX2 and for every other, and the choice is made at run time. Nothing is contracted into
-//! fused operations: results have the bits of [`Serial`], whatever the processor and the number of
-//! threads.
+//! The formulas and the loops are the core's. Here they are compiled for processors with AVX2 and for
+//! every other, and the choice is made at run time. Nothing is contracted into fused operations:
+//! results have the bits of [`Serial`], whatever the processor and the number of threads.
 
 use helfrich::element::{BATCH, ElementKernel, SlotKernel, Slots, check_output, scatter_onto};
 use helfrich::{Execution, Real, Serial, Surface};
-use pulp::{Arch, NullaryFnOnce};
+use pulp::NullaryFnOnce;
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Loops on several threads, in the widest vectors the processor has.
+/// Loops on several threads, in vectors of AVX2 where the processor has them.
 ///
 /// Threads are started for each loop that is long enough to be worth it, which no result depends on.
 ///
@@ -99,11 +98,25 @@ fn share<P: Send>(parts: Vec<P>, work: &(dyn Fn(P) + Sync)) {
     });
 }
 
-/// Runs a task in the widest vectors. Not inlined: with one thread and with several, it is the same
-/// code.
+/// Runs a task, compiled for AVX2 where the processor has it, as [`Parallel`] runs its loops.
+///
+/// On processors with AVX-512, too: code that compilers make for it is slower for jets and patches,
+/// and hardly faster elsewhere.
+// Not inlined: with one thread and with several, it is the same code.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[inline(never)]
-fn dispatch(task: impl NullaryFnOnce<Output = ()>) {
-    Arch::new().dispatch(task);
+pub fn dispatch(task: impl NullaryFnOnce<Output = ()>) {
+    match pulp::x86::V3::try_new() {
+        Some(avx2) => avx2.vectorize(task),
+        None => task.call(),
+    }
+}
+
+/// Runs a task in the vectors of the target, as [`Parallel`] runs its loops.
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+#[inline(never)]
+pub fn dispatch(task: impl NullaryFnOnce<Output = ()>) {
+    pulp::Arch::new().dispatch(task);
 }
 
 /// [`scatter_onto`] as a task: a closure would not be inlined for certain.

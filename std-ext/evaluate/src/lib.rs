@@ -6,8 +6,8 @@
 //! * [`contact`]: repulsion between surfaces.
 //! * [`effect`]: anything that acts on one surface, behind one dispatch.
 //!
-//! A crate of its own, in one codegen unit: its loops are compiled three times, for every processor,
-//! for AVX2 and for AVX-512, and need not be again when anything else changes.
+//! A crate of its own, in one codegen unit: its loops are compiled twice, for every processor and for
+//! AVX2, and need not be again when anything else changes.
 
 pub mod contact;
 pub mod effect;
