@@ -5,7 +5,7 @@ use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::functional::ComponentElements;
 use crate::mesh::TriangleMesh;
-use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
+use crate::method::{Method, ParameterError, TwoPass, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{add, dot, scale, sub};
@@ -68,47 +68,6 @@ impl<T: Real> ElementKernel<T, 3, 2, 3> for Pull<T> {
     }
 }
 
-impl<T: Real> WallAdhesion<T> {
-    fn measure(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        memory: &mut WallAdhesionMemory<T>,
-    ) {
-        let positions = surface.positions();
-        let potentials = &mut memory.potentials;
-        potentials.resize(positions.len(), [T::zero(); 2]);
-        let two = T::constant(2.0);
-        execution.map(&mut potentials[..], |vertex, potential| {
-            let above = sub(positions[vertex], self.wall);
-            let remainder = surface.remainders().map(|remainders| remainders[vertex]);
-            let above = remainder.map_or(above, |remainder| add(above, remainder));
-            let q = ((self.distance - dot(self.normal, above)) / self.range).exp();
-            let slope = two * self.strength / self.range * q * (q - T::one());
-            *potential = [self.strength * q * (q - two), slope];
-        });
-    }
-
-    fn energy_of(
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        memory: &mut WallAdhesionMemory<T>,
-    ) -> T {
-        let WallAdhesionMemory {
-            triangles,
-            potentials,
-            energies,
-        } = memory;
-        energies.resize(triangles.components().count(), T::zero());
-        triangles.sums(execution, energies, |_, triangle| {
-            let [a, b, c] = triangle.map(|vertex| potentials[vertex as usize][0]);
-            let corners = Corners::<T, 3>::of(surface, triangle);
-            T::constant(1.0 / 6.0) * corners.triangle().doubled_area * (a + b + c)
-        });
-        energies.iter().copied().sum()
-    }
-}
-
 impl<T: Real> Method<T> for WallAdhesion<T> {
     type Memory = WallAdhesionMemory<T>;
 
@@ -138,47 +97,60 @@ impl<T: Real> Method<T> for WallAdhesion<T> {
     }
 }
 
-impl<T: Real> Energy<T> for WallAdhesion<T> {
-    fn energy(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-    ) -> T {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
-        Self::energy_of(execution, surface, memory)
-    }
-}
+impl<T: Real> TwoPass for WallAdhesion<T> {
+    type Scalar = T;
 
-impl<T: Real> Force<T> for WallAdhesion<T> {
-    fn add_force(
+    fn measure(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
+        memory: &mut WallAdhesionMemory<T>,
+    ) {
+        let positions = surface.positions();
+        let potentials = &mut memory.potentials;
+        potentials.resize(positions.len(), [T::zero(); 2]);
+        let two = T::constant(2.0);
+        execution.map(&mut potentials[..], |vertex, potential| {
+            let above = sub(positions[vertex], self.wall);
+            let remainder = surface.remainders().map(|remainders| remainders[vertex]);
+            let above = remainder.map_or(above, |remainder| add(above, remainder));
+            let q = ((self.distance - dot(self.normal, above)) / self.range).exp();
+            let slope = two * self.strength / self.range * q * (q - T::one());
+            *potential = [self.strength * q * (q - two), slope];
+        });
+    }
+
+    fn measured_energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut WallAdhesionMemory<T>,
+    ) -> T {
+        let WallAdhesionMemory {
+            triangles,
+            potentials,
+            energies,
+        } = memory;
+        energies.resize(triangles.components().count(), T::zero());
+        triangles.sums(execution, energies, |_, triangle| {
+            let [a, b, c] = triangle.map(|vertex| potentials[vertex as usize][0]);
+            let corners = Corners::<T, 3>::of(surface, triangle);
+            T::constant(1.0 / 6.0) * corners.triangle().doubled_area * (a + b + c)
+        });
+        energies.iter().copied().sum()
+    }
+
+    fn add_measured_force(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut WallAdhesionMemory<T>,
         force: &mut [[T; 3]],
     ) {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
         let kernel = Pull {
             normal: self.normal,
         };
         let (triangles, potentials) = (memory.triangles.all(), &memory.potentials);
         execution.scatter(&kernel, surface, triangles, potentials, force);
-    }
-}
-
-impl<T: Real> Conservative<T> for WallAdhesion<T> {
-    fn add_force_and_energy(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-        force: &mut [[T; 3]],
-    ) -> T {
-        self.add_force(execution, surface, workspace, force);
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        Self::energy_of(execution, surface, memory)
     }
 }

@@ -1,5 +1,6 @@
 //! The bending methods.
 
+mod area_vectors;
 mod gompper_kroll;
 mod hamann;
 mod hinge;

@@ -3,7 +3,7 @@
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::functional::{ComponentElements, closed_triangles, sixfold_volume};
 use crate::mesh::TriangleMesh;
-use crate::method::{Conservative, Energy, Force, Method, Workspace};
+use crate::method::{Method, TwoPass};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, scale, sub};
@@ -54,7 +54,21 @@ impl<T: Real> ElementKernel<T, 3, 1, 3> for Pressure {
     }
 }
 
-impl<T: Real> Gravity<T> {
+impl<T: Real> Method<T> for Gravity<T> {
+    type Memory = GravityMemory<T>;
+
+    fn memory(&self, mesh: &TriangleMesh) -> GravityMemory<T> {
+        GravityMemory {
+            triangles: closed_triangles(mesh),
+            pressures: Vec::new(),
+            moments: Vec::new(),
+        }
+    }
+}
+
+impl<T: Real> TwoPass for Gravity<T> {
+    type Scalar = T;
+
     fn measure(
         &self,
         execution: &impl Execution,
@@ -73,7 +87,8 @@ impl<T: Real> Gravity<T> {
     }
 
     /// Over tetrahedra between the triangles and a vertex: the mean of the corners times the volume.
-    fn energy_of(
+    fn measured_energy(
+        &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
         memory: &mut GravityMemory<T>,
@@ -92,58 +107,15 @@ impl<T: Real> Gravity<T> {
         });
         -moments.iter().copied().sum::<T>()
     }
-}
 
-impl<T: Real> Method<T> for Gravity<T> {
-    type Memory = GravityMemory<T>;
-
-    fn memory(&self, mesh: &TriangleMesh) -> GravityMemory<T> {
-        GravityMemory {
-            triangles: closed_triangles(mesh),
-            pressures: Vec::new(),
-            moments: Vec::new(),
-        }
-    }
-}
-
-impl<T: Real> Energy<T> for Gravity<T> {
-    fn energy(
+    fn add_measured_force(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-    ) -> T {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
-        Self::energy_of(execution, surface, memory)
-    }
-}
-
-impl<T: Real> Force<T> for Gravity<T> {
-    fn add_force(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
+        memory: &mut GravityMemory<T>,
         force: &mut [[T; 3]],
     ) {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
         let (triangles, pressures) = (memory.triangles.all(), &memory.pressures);
         execution.scatter(&Pressure, surface, triangles, pressures, force);
-    }
-}
-
-impl<T: Real> Conservative<T> for Gravity<T> {
-    fn add_force_and_energy(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-        force: &mut [[T; 3]],
-    ) -> T {
-        self.add_force(execution, surface, workspace, force);
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        Self::energy_of(execution, surface, memory)
     }
 }

@@ -115,7 +115,9 @@ pub use lane::Lane;
 pub use laplacian::{Bandwidth, Cotangent, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows};
 pub use load::{LoadError, PointLoads};
 pub use mesh::{MeshError, TriangleMesh, VertexKind};
-pub use method::{Conservative, Energy, Force, ForceDensity, Method, ParameterError, Workspace};
+pub use method::{
+    Conservative, Energy, Force, ForceDensity, Method, ParameterError, TwoPass, Workspace,
+};
 pub use noise::{Noise, Regression, RegressionFields, RegressionFits, Smoothing};
 pub use points::{Points, PointsMut};
 pub use prepared::Prepared;

@@ -421,6 +421,15 @@ impl TriangleMesh {
         self.vertex_kinds[vertex]
     }
 
+    /// Whether a vertex has a full ring of triangles.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    #[inline]
+    pub fn is_interior(&self, vertex: usize) -> bool {
+        self.vertex_kinds[vertex] == VertexKind::Interior
+    }
+
     /// Whether a vertex and all its neighbours are interior: there, operators that need a full ring
     /// can be applied twice.
     ///

@@ -53,8 +53,21 @@ impl MeshIdentity {
     }
 }
 
+/// Panics unless memory that depends on a parameter of the method `M` was made with the value that the
+/// method has now.
+#[inline]
+#[track_caller]
+pub(crate) fn expect_parameter<M, P: PartialEq + fmt::Debug>(parameter: &str, made: P, now: P) {
+    assert!(
+        made == now,
+        "{} was prepared with {parameter} {made:?}, and is used with {now:?}: make a workspace of \
+         this method, by Method::workspace or Prepared::new",
+        WithoutPaths(core::any::type_name::<M>()),
+    );
+}
+
 /// The name of a type without the modules in it.
-struct WithoutPaths<'a>(&'a str);
+pub(crate) struct WithoutPaths<'a>(pub(crate) &'a str);
 
 impl fmt::Display for WithoutPaths<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -53,12 +53,14 @@ pub trait Method<T: Real>: Sized {
 /// memory for one evaluation at a time. Made by [`Method::workspace`]; memory grows at the first
 /// evaluation and is reused by the following ones.
 ///
-/// A workspace serves surfaces with the mesh it was made for, or an equal one. Every evaluation
-/// checks that.
+/// A workspace serves surfaces with the mesh it was made for, or an equal one, and methods that agree in
+/// the parameters on which memory depends: most of a [`Jet`](crate::Jet)'s neighbours, control points of
+/// a [`LoopSubdivision`](crate::LoopSubdivision), whether a [`Paraboloid`](crate::Paraboloid) is guarded.
+/// Every evaluation checks that.
 ///
 /// # Panics
 /// An evaluation for a surface with another mesh panics. The message names the method, both meshes,
-/// and the remedy: a workspace of that other mesh.
+/// and the remedy: a workspace of that other mesh. So does one by a method with another such parameter.
 pub struct Workspace<T: Real, M: Method<T>> {
     mesh: MeshIdentity,
     memory: M::Memory,
@@ -213,6 +215,83 @@ pub trait Conservative<T: Real>: Energy<T> + Force<T> {
     ) -> T {
         self.add_force(execution, surface, workspace, force);
         self.energy(execution, surface, workspace)
+    }
+}
+
+/// A conservative method that measures a surface first, and finds its energy and the gradient of that
+/// from the results: most are of this kind. Gives [`Energy`], [`Force`] and [`Conservative`].
+pub trait TwoPass: Method<<Self as TwoPass>::Scalar> {
+    /// The scalar T for which the type is a [`Method`].
+    type Scalar: Real;
+
+    /// First pass: sets in `memory` whatever energy and forces are made of.
+    fn measure(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, Self::Scalar>,
+        memory: &mut Self::Memory,
+    );
+
+    /// The energy of the surface that was measured.
+    fn measured_energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, Self::Scalar>,
+        memory: &mut Self::Memory,
+    ) -> Self::Scalar;
+
+    /// Second pass: adds the nodal forces of the surface that was measured.
+    ///
+    /// # Panics
+    /// If `force` has fewer entries than the surface has vertices.
+    fn add_measured_force(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, Self::Scalar>,
+        memory: &mut Self::Memory,
+        force: &mut [[Self::Scalar; 3]],
+    );
+}
+
+impl<T: Real, M: Method<T> + TwoPass<Scalar = T>> Energy<T> for M {
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+    ) -> T {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
+        self.measured_energy(execution, surface, memory)
+    }
+}
+
+impl<T: Real, M: Method<T> + TwoPass<Scalar = T>> Force<T> for M {
+    fn add_force(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        force: &mut [[T; 3]],
+    ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
+        self.add_measured_force(execution, surface, memory, force);
+    }
+}
+
+impl<T: Real, M: Method<T> + TwoPass<Scalar = T>> Conservative<T> for M {
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        force: &mut [[T; 3]],
+    ) -> T {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
+        self.add_measured_force(execution, surface, memory, force);
+        self.measured_energy(execution, surface, memory)
     }
 }
 

@@ -102,7 +102,7 @@ impl<T: Real> Surface<'_, T> {
     pub(crate) fn report_valences(&self, report: &mut dyn FnMut(Finding)) {
         let mesh = self.mesh();
         for vertex in 0..mesh.vertex_count() {
-            let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
+            let interior = mesh.is_interior(vertex);
             if interior && !(4..=9).contains(&mesh.valence(vertex)) {
                 let vertex = vertex as u32;
                 report(Finding::UnusualValence { vertex });
@@ -124,7 +124,7 @@ impl<T: Real> Surface<'_, T> {
     fn is_uneven_within(&self, rings: u32, vertex: usize) -> bool {
         let mesh = self.mesh();
         let thin = || around(*self, vertex).any(|triangle| triangle.is_thin());
-        let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
+        let interior = mesh.is_interior(vertex);
         let unusual = interior && !(4..=9).contains(&mesh.valence(vertex));
         let ring = || mesh.one_ring(vertex).iter();
         let beyond = || rings > 0 && ring().any(|&v| self.is_uneven_within(rings - 1, v as usize));
@@ -133,11 +133,7 @@ impl<T: Real> Surface<'_, T> {
 
     /// Whether the edges at a vertex have very different lengths.
     fn is_uneven(&self, vertex: usize) -> bool {
-        let ring = self.mesh().one_ring(vertex).iter();
-        let squared = ring.map(|&neighbour| {
-            let edge = self.difference(vertex as u32, neighbour);
-            dot(edge, edge)
-        });
+        let squared = self.spokes(vertex).map(|edge| dot(edge, edge));
         let (least, most) = squared.fold((T::max_value(), T::zero()), |(least, most), squared| {
             (least.min(squared), most.max(squared))
         });
@@ -159,10 +155,7 @@ impl<T: Real> Surface<'_, T> {
             let over = (fan.area * T::constant(1.0 / 3.0)).reciprocal_or_zero();
             // Coefficients of Δ_S are some times 1/A, H is at most of the order of 1/√A.
             let largest = T::constant(64.0) * over * over.sqrt();
-            let has_extent = || {
-                let mut ring = self.mesh().one_ring(vertex).iter();
-                ring.any(|&neighbour| self.difference(place, neighbour) != [T::zero(); 3])
-            };
+            let has_extent = || self.spokes(vertex).any(|edge| edge != [T::zero(); 3]);
             if !largest.is_finite() || (over == T::zero() && has_extent()) {
                 report(Finding::OutOfRange { vertex: place });
                 continue;

@@ -203,6 +203,12 @@ impl<'a, T: Real> Surface<'a, T> {
         }
     }
 
+    /// The neighbours of a vertex relative to it, in the order of [`TriangleMesh::one_ring`].
+    pub(crate) fn spokes(self, vertex: usize) -> impl Iterator<Item = [T; 3]> {
+        let ring = self.mesh().one_ring(vertex).iter();
+        ring.map(move |&neighbour| self.difference(vertex as u32, neighbour))
+    }
+
     /// The surface seen from a vertex, of which many differences are taken.
     #[inline(always)]
     pub(crate) fn seen_from(&self, from: u32) -> Seen<'a, T> {

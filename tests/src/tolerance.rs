@@ -110,6 +110,15 @@ pub const GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
 );
 /// Net force and torque of exact gradients, relative to Σ|F| and Σ|F||x|.
 pub const BALANCE: Tolerance = Tolerance::new(1e-14, "a sum of terms that cancel, each rounded");
+/// Net torque of methods of which it is not within [`BALANCE`], by their names in the law suite.
+pub const TORQUE: &[(&str, Tolerance)] = &[(
+    "Hamann",
+    Tolerance::new(
+        1e-10,
+        "the torque of a fit vanishes as far as its normal equations are solved: to ε times their \
+         condition, at most 1e6 where a fit is accepted",
+    ),
+)];
 /// Rotation, relabelling and scaling, relative to the largest force times the mesh's roughness.
 pub const INVARIANCE: Tolerance = Tolerance::new(
     1e-11,

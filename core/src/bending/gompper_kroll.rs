@@ -4,17 +4,18 @@
 //! C. Itzykson, in: Random Surfaces and Quantum Gravity (1986). The gradient is our own.
 
 use crate::bending::SpontaneousCurvature;
+use crate::bending::area_vectors::{AreaVectorForce, AreaVectors};
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::lane::Lane;
 use crate::laplacian::{Cotangent, VertexSums};
-use crate::mesh::{TriangleMesh, VertexKind};
-use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
+use crate::mesh::TriangleMesh;
+use crate::method::{Method, ParameterError, TwoPass, Workspace};
 use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::{Barycentric, DualArea, Kind, Mixed, Triangle, Voronoi};
-use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub};
+use crate::vec3::{Vec3, add, dot, norm, scale, sub};
 use alloc::vec::Vec;
 
 /// `E = (κ/2) Σ_i |L_i|² / A_i` with `L_i = ½ Σ_j (cot α + cot β)(x_i − x_j) = ∂A/∂x_i`, and the
@@ -78,43 +79,6 @@ impl<T: Real> GompperKroll<T> {
         });
     }
 
-    /// First pass: L_i and A_i, then `(L_i/A_i, A_i)` in their place.
-    fn measure(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        memory: &mut GompperKrollMemory<T>,
-    ) {
-        let mesh = surface.mesh();
-        memory.curvature.clear();
-        memory.curvature.resize(mesh.vertex_count(), [T::zero(); 4]);
-        let (triangles, sums) = (mesh.triangles(), &mut memory.curvature[..]);
-        match self.area {
-            DualArea::Mixed => {
-                execution.scatter(&AreaGradient(Mixed), surface, triangles, &[], sums);
-            }
-            DualArea::Voronoi => {
-                execution.scatter(&AreaGradient(Voronoi), surface, triangles, &[], sums);
-            }
-            DualArea::Barycentric => {
-                execution.scatter(&AreaGradient(Barycentric), surface, triangles, &[], sums);
-            }
-        }
-        execution.map(&mut memory.curvature[..], |vertex, sum| {
-            let [x, y, z, area] = *sum;
-            let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
-            let over = if interior {
-                Lane::reciprocal_or_zero(area)
-            } else {
-                T::zero()
-            };
-            *sum = finite_or_zero([x * over, y * over, z * over, area]);
-        });
-        if !self.spontaneous_curvature.is_zero() {
-            self.measure_normals(execution, surface, memory);
-        }
-    }
-
     /// `N_i/|N_i|` and `1/|N_i|`; 0 where the vertex is left out.
     fn measure_normals(
         &self,
@@ -126,12 +90,10 @@ impl<T: Real> GompperKroll<T> {
         let GompperKrollMemory {
             curvature, normals, ..
         } = memory;
-        normals.clear();
-        normals.resize(mesh.vertex_count(), [T::zero(); 4]);
-        execution.scatter(&AreaVectors, surface, mesh.triangles(), &[], normals);
+        AreaVectors.sum(execution, surface, normals);
         execution.map(&mut normals[..], |vertex, sum| {
             let [x, y, z, _] = *sum;
-            let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
+            let interior = mesh.is_interior(vertex);
             let there = interior && curvature[vertex][3].reciprocal_or_zero() != T::zero();
             let over = if there {
                 norm([x, y, z]).reciprocal_or_zero()
@@ -146,64 +108,6 @@ impl<T: Real> GompperKroll<T> {
     fn wanted(&self, memory: &GompperKrollMemory<T>, vertex: usize) -> Vec3<T> {
         let [x, y, z, _] = memory.normals[vertex];
         scale(self.spontaneous_curvature.at(vertex), [x, y, z])
-    }
-
-    fn energy_of(&self, execution: &impl Execution, memory: &GompperKrollMemory<T>) -> T {
-        let curvature = &memory.curvature;
-        let plain = self.spontaneous_curvature.is_zero();
-        let sum = execution.sum(curvature.len(), |vertex| {
-            let [x, y, z, area] = curvature[vertex];
-            let excess = if plain {
-                [x, y, z]
-            } else {
-                sub(
-                    [x, y, z],
-                    scale(T::constant(2.0), self.wanted(memory, vertex)),
-                )
-            };
-            let [term] = finite_or_zero([dot(excess, excess) * area]);
-            term
-        });
-        T::constant(0.5) * self.modulus * sum
-    }
-
-    /// Second pass: the gradient, from the curvature vectors of the first.
-    fn add_gradient(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        memory: &mut GompperKrollMemory<T>,
-        force: &mut [[T; 3]],
-    ) {
-        let half = T::constant(0.5);
-        let GompperKrollMemory {
-            curvature, weights, ..
-        } = memory;
-        weights.resize(curvature.len(), [T::zero(); 4]);
-        execution.map(&mut weights[..], |vertex, weight| {
-            let [x, y, z, _] = curvature[vertex];
-            let squared = dot([x, y, z], [x, y, z]);
-            *weight = finite_or_zero([x, y, z, half * squared].map(|entry| self.modulus * entry));
-        });
-        if !self.spontaneous_curvature.is_zero() {
-            self.add_spontaneous(execution, surface, memory, force);
-        }
-        let (triangles, weights) = (surface.mesh().triangles(), &memory.weights[..]);
-        match self.area {
-            DualArea::Mixed => {
-                execution.scatter(&EnergyGradient(Mixed), surface, triangles, weights, force);
-            }
-            DualArea::Voronoi => {
-                execution.scatter(&EnergyGradient(Voronoi), surface, triangles, weights, force);
-            }
-            DualArea::Barycentric => {
-                let kernel = EnergyGradient(Barycentric);
-                execution.scatter(&kernel, surface, triangles, weights, force);
-            }
-        }
-        execution.map(&mut force[..memory.weights.len()], |_, force| {
-            *force = finite_or_zero(*force);
-        });
     }
 
     /// Adds the terms `−2κ Σ H0 L·n + 2κ Σ H0² A`: to w and s, and through the change of the
@@ -226,17 +130,18 @@ impl<T: Real> GompperKroll<T> {
             }
             weight[3] -= doubled * dot(wanted, wanted);
         });
-        turns.resize(weights.len(), [T::zero(); 3]);
+        turns.resize(weights.len(), [T::zero(); 4]);
         execution.map(&mut turns[..], |vertex, turn| {
             let [x, y, z, area] = memory_now.curvature[vertex];
             let [u, v, w, over] = memory_now.normals[vertex];
             let (gradient, normal) = (scale(area, [x, y, z]), [u, v, w]);
             let across = sub(gradient, scale(dot(gradient, normal), normal));
             let spontaneous = self.spontaneous_curvature.at(vertex);
-            *turn = scale(doubled * spontaneous * over, across);
+            let [x, y, z] = scale(doubled * spontaneous * over, across);
+            *turn = [x, y, z, T::zero()];
         });
         let triangles = surface.mesh().triangles();
-        execution.scatter(&NormalForce, surface, triangles, &turns, force);
+        execution.scatter(&AreaVectorForce, surface, triangles, &turns, force);
         memory.weights = weights;
         memory.turns = turns;
     }
@@ -253,37 +158,8 @@ pub struct GompperKrollMemory<T> {
     weights: Vec<[T; 4]>,
     /// Unit normal and 1/|N|; with spontaneous curvature only.
     normals: Vec<[T; 4]>,
-    /// −∂E/∂N; with spontaneous curvature only.
-    turns: Vec<[T; 3]>,
-}
-
-/// Twice a triangle's area vector for each of its corners.
-struct AreaVectors;
-
-impl<T: Real> ElementKernel<T, 3, 0, 4> for AreaVectors {
-    #[inline(always)]
-    fn evaluate(
-        &self,
-        _first: usize,
-        corners: &Corners<T, 3>,
-        _input: &[[T; 0]; 3],
-    ) -> [[T; 4]; 3] {
-        let [x, y, z] = corners.triangle().area_vector;
-        [[x, y, z, T::zero()]; 3]
-    }
-}
-
-/// Contributions of the change of a triangle's area vector to its corners.
-struct NormalForce;
-
-impl<T: Real> ElementKernel<T, 3, 3, 3> for NormalForce {
-    /// With g the sum of the corners' −∂E/∂N: `g × e_k`, because moving corner k by δ changes the
-    /// doubled area vector by e_k × δ.
-    #[inline(always)]
-    fn evaluate(&self, _first: usize, corners: &Corners<T, 3>, turns: &[[T; 3]; 3]) -> [[T; 3]; 3] {
-        let sum = add(add(turns[0], turns[1]), turns[2]);
-        corners.triangle().edges.map(|edge| cross(sum, edge))
-    }
+    /// −∂E/∂N and 0; with spontaneous curvature only.
+    turns: Vec<[T; 4]>,
 }
 
 struct AreaGradient<K>(K);
@@ -384,8 +260,7 @@ impl<T: Real> Method<T> for GompperKroll<T> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless_finite("bending modulus", self.modulus)?;
-        self.spontaneous_curvature.check()
+        self.spontaneous_curvature.check_with(self.modulus)
     }
 
     fn inspect(
@@ -399,7 +274,7 @@ impl<T: Real> Method<T> for GompperKroll<T> {
         surface.report_valences(report);
         surface.report_rough_vertices(report);
         for (vertex, &[.., area]) in memory.curvature.iter().enumerate() {
-            if surface.mesh().vertex_kind(vertex) == VertexKind::Interior {
+            if surface.mesh().is_interior(vertex) {
                 surface.report_area(self.area, vertex, area, report);
             }
         }
@@ -430,44 +305,107 @@ impl<T: Real> Curvatures<T> for GompperKroll<T> {
     }
 }
 
-impl<T: Real> Energy<T> for GompperKroll<T> {
-    fn energy(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-    ) -> T {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
-        self.energy_of(execution, memory)
-    }
-}
+impl<T: Real> TwoPass for GompperKroll<T> {
+    type Scalar = T;
 
-impl<T: Real> Force<T> for GompperKroll<T> {
-    fn add_force(
+    /// L_i and A_i, then `(L_i/A_i, A_i)` in their place.
+    fn measure(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
+        memory: &mut GompperKrollMemory<T>,
+    ) {
+        let mesh = surface.mesh();
+        self.spontaneous_curvature.expect(self, mesh);
+        memory.curvature.clear();
+        memory.curvature.resize(mesh.vertex_count(), [T::zero(); 4]);
+        let (triangles, sums) = (mesh.triangles(), &mut memory.curvature[..]);
+        match self.area {
+            DualArea::Mixed => {
+                execution.scatter(&AreaGradient(Mixed), surface, triangles, &[], sums);
+            }
+            DualArea::Voronoi => {
+                execution.scatter(&AreaGradient(Voronoi), surface, triangles, &[], sums);
+            }
+            DualArea::Barycentric => {
+                execution.scatter(&AreaGradient(Barycentric), surface, triangles, &[], sums);
+            }
+        }
+        execution.map(&mut memory.curvature[..], |vertex, sum| {
+            let [x, y, z, area] = *sum;
+            let interior = mesh.is_interior(vertex);
+            let over = if interior {
+                Lane::reciprocal_or_zero(area)
+            } else {
+                T::zero()
+            };
+            *sum = finite_or_zero([x * over, y * over, z * over, area]);
+        });
+        if !self.spontaneous_curvature.is_zero() {
+            self.measure_normals(execution, surface, memory);
+        }
+    }
+
+    fn measured_energy(
+        &self,
+        execution: &impl Execution,
+        _surface: Surface<'_, T>,
+        memory: &mut GompperKrollMemory<T>,
+    ) -> T {
+        let memory = &*memory;
+        let curvature = &memory.curvature;
+        let plain = self.spontaneous_curvature.is_zero();
+        let sum = execution.sum(curvature.len(), |vertex| {
+            let [x, y, z, area] = curvature[vertex];
+            let excess = if plain {
+                [x, y, z]
+            } else {
+                sub(
+                    [x, y, z],
+                    scale(T::constant(2.0), self.wanted(memory, vertex)),
+                )
+            };
+            let [term] = finite_or_zero([dot(excess, excess) * area]);
+            term
+        });
+        T::constant(0.5) * self.modulus * sum
+    }
+
+    fn add_measured_force(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GompperKrollMemory<T>,
         force: &mut [[T; 3]],
     ) {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
-        self.add_gradient(execution, surface, memory, force);
-    }
-}
-
-impl<T: Real> Conservative<T> for GompperKroll<T> {
-    fn add_force_and_energy(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-        force: &mut [[T; 3]],
-    ) -> T {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
-        self.add_gradient(execution, surface, memory, force);
-        self.energy_of(execution, memory)
+        let half = T::constant(0.5);
+        let GompperKrollMemory {
+            curvature, weights, ..
+        } = memory;
+        weights.resize(curvature.len(), [T::zero(); 4]);
+        execution.map(&mut weights[..], |vertex, weight| {
+            let [x, y, z, _] = curvature[vertex];
+            let squared = dot([x, y, z], [x, y, z]);
+            *weight = finite_or_zero([x, y, z, half * squared].map(|entry| self.modulus * entry));
+        });
+        if !self.spontaneous_curvature.is_zero() {
+            self.add_spontaneous(execution, surface, memory, force);
+        }
+        let (triangles, weights) = (surface.mesh().triangles(), &memory.weights[..]);
+        match self.area {
+            DualArea::Mixed => {
+                execution.scatter(&EnergyGradient(Mixed), surface, triangles, weights, force);
+            }
+            DualArea::Voronoi => {
+                execution.scatter(&EnergyGradient(Voronoi), surface, triangles, weights, force);
+            }
+            DualArea::Barycentric => {
+                let kernel = EnergyGradient(Barycentric);
+                execution.scatter(&kernel, surface, triangles, weights, force);
+            }
+        }
+        execution.map(&mut force[..memory.weights.len()], |_, force| {
+            *force = finite_or_zero(*force);
+        });
     }
 }

@@ -10,7 +10,7 @@ use crate::element::{Corners, ElementKernel, Execution};
 use crate::lane::Lane;
 use crate::laplacian::{Cotangent, VertexSums};
 use crate::mesh::{TriangleMesh, VertexKind};
-use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
+use crate::method::{Method, ParameterError, TwoPass, Workspace};
 use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::triangle::DualArea;
@@ -59,80 +59,12 @@ impl<T: Real> Juelicher<T> {
     /// H − H0; 0 where the vertex is left out.
     fn excess(&self, mesh: &TriangleMesh, curvature: &[[T; 2]], vertex: usize) -> T {
         let [mean, area] = curvature[vertex];
-        let interior = mesh.vertex_kind(vertex) == VertexKind::Interior;
+        let interior = mesh.is_interior(vertex);
         if interior && area.reciprocal_or_zero() > T::zero() {
             mean - self.spontaneous_curvature.at(vertex)
         } else {
             T::zero()
         }
-    }
-
-    /// First pass: M_i and A_i, then H_i in the place of M_i.
-    fn measure(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        memory: &mut JuelicherMemory<T>,
-    ) {
-        let mesh = surface.mesh();
-        let JuelicherMemory {
-            hinges, curvature, ..
-        } = memory;
-        curvature.clear();
-        curvature.resize(mesh.vertex_count(), [T::zero(); 2]);
-        execution.scatter(&LengthTimesAngle, surface, &hinges.vertices, &[], curvature);
-        execution.scatter(&ThirdOfArea, surface, mesh.triangles(), &[], curvature);
-        execution.map(&mut curvature[..], |vertex, entry| {
-            let over = match mesh.vertex_kind(vertex) {
-                VertexKind::Interior => entry[1].reciprocal_or_zero(),
-                VertexKind::Boundary | VertexKind::Isolated => T::zero(),
-            };
-            [entry[0]] = finite_or_zero([entry[0] * over]);
-        });
-    }
-
-    fn energy_of(
-        &self,
-        execution: &impl Execution,
-        mesh: &TriangleMesh,
-        memory: &JuelicherMemory<T>,
-    ) -> T {
-        let curvature = &memory.curvature;
-        let sum = execution.sum(curvature.len(), |vertex| {
-            let excess = self.excess(mesh, curvature, vertex);
-            let [term] = finite_or_zero([excess * excess * curvature[vertex][1]]);
-            term
-        });
-        T::constant(2.0) * self.modulus * sum
-    }
-
-    /// Second pass: `dE = Σ 4κ (H − H0) dM − 2κ (H² − H0²) dA`.
-    fn add_gradient(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        memory: &mut JuelicherMemory<T>,
-        force: &mut [[T; 3]],
-    ) {
-        let mesh = surface.mesh();
-        let JuelicherMemory {
-            hinges,
-            curvature,
-            weights,
-            ..
-        } = memory;
-        weights.resize(curvature.len(), [T::zero(); 2]);
-        let doubled = T::constant(2.0) * self.modulus;
-        execution.map(&mut weights[..], |vertex, weight| {
-            let excess = doubled * self.excess(mesh, curvature, vertex);
-            let sum = curvature[vertex][0] + self.spontaneous_curvature.at(vertex);
-            *weight = finite_or_zero([-(excess + excess), excess * sum]);
-        });
-        execution.scatter(&HingeForce, surface, &hinges.vertices, weights, force);
-        execution.scatter(&AreaForce, surface, mesh.triangles(), weights, force);
-        execution.map(&mut force[..weights.len()], |_, force| {
-            *force = finite_or_zero(*force);
-        });
     }
 }
 
@@ -217,8 +149,7 @@ impl<T: Real> Method<T> for Juelicher<T> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless_finite("bending modulus", self.modulus)?;
-        self.spontaneous_curvature.check()
+        self.spontaneous_curvature.check_with(self.modulus)
     }
 
     fn inspect(
@@ -232,7 +163,7 @@ impl<T: Real> Method<T> for Juelicher<T> {
         surface.report_valences(report);
         surface.report_rough_vertices(report);
         for (vertex, &[_, area]) in memory.curvature.iter().enumerate() {
-            if surface.mesh().vertex_kind(vertex) == VertexKind::Interior {
+            if surface.mesh().is_interior(vertex) {
                 surface.report_area(DualArea::Barycentric, vertex, area, report);
             }
         }
@@ -261,44 +192,75 @@ impl<T: Real> Curvatures<T> for Juelicher<T> {
     }
 }
 
-impl<T: Real> Energy<T> for Juelicher<T> {
-    fn energy(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-    ) -> T {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
-        self.energy_of(execution, surface.mesh(), memory)
-    }
-}
+impl<T: Real> TwoPass for Juelicher<T> {
+    type Scalar = T;
 
-impl<T: Real> Force<T> for Juelicher<T> {
-    fn add_force(
+    /// M_i and A_i, then H_i in the place of M_i.
+    fn measure(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
+        memory: &mut JuelicherMemory<T>,
+    ) {
+        let mesh = surface.mesh();
+        self.spontaneous_curvature.expect(self, mesh);
+        let JuelicherMemory {
+            hinges, curvature, ..
+        } = memory;
+        curvature.clear();
+        curvature.resize(mesh.vertex_count(), [T::zero(); 2]);
+        execution.scatter(&LengthTimesAngle, surface, &hinges.vertices, &[], curvature);
+        execution.scatter(&ThirdOfArea, surface, mesh.triangles(), &[], curvature);
+        execution.map(&mut curvature[..], |vertex, entry| {
+            let over = match mesh.vertex_kind(vertex) {
+                VertexKind::Interior => entry[1].reciprocal_or_zero(),
+                VertexKind::Boundary | VertexKind::Isolated => T::zero(),
+            };
+            [entry[0]] = finite_or_zero([entry[0] * over]);
+        });
+    }
+
+    fn measured_energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut JuelicherMemory<T>,
+    ) -> T {
+        let curvature = &memory.curvature;
+        let sum = execution.sum(curvature.len(), |vertex| {
+            let excess = self.excess(surface.mesh(), curvature, vertex);
+            let [term] = finite_or_zero([excess * excess * curvature[vertex][1]]);
+            term
+        });
+        T::constant(2.0) * self.modulus * sum
+    }
+
+    /// `dE = Σ 4κ (H − H0) dM − 2κ (H² − H0²) dA`.
+    fn add_measured_force(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut JuelicherMemory<T>,
         force: &mut [[T; 3]],
     ) {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
-        self.add_gradient(execution, surface, memory, force);
-    }
-}
-
-impl<T: Real> Conservative<T> for Juelicher<T> {
-    fn add_force_and_energy(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-        force: &mut [[T; 3]],
-    ) -> T {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
-        self.add_gradient(execution, surface, memory, force);
-        self.energy_of(execution, surface.mesh(), memory)
+        let mesh = surface.mesh();
+        let JuelicherMemory {
+            hinges,
+            curvature,
+            weights,
+            ..
+        } = memory;
+        weights.resize(curvature.len(), [T::zero(); 2]);
+        let doubled = T::constant(2.0) * self.modulus;
+        execution.map(&mut weights[..], |vertex, weight| {
+            let excess = doubled * self.excess(mesh, curvature, vertex);
+            let sum = curvature[vertex][0] + self.spontaneous_curvature.at(vertex);
+            *weight = finite_or_zero([-(excess + excess), excess * sum]);
+        });
+        execution.scatter(&HingeForce, surface, &hinges.vertices, weights, force);
+        execution.scatter(&AreaForce, surface, mesh.triangles(), weights, force);
+        execution.map(&mut force[..weights.len()], |_, force| {
+            *force = finite_or_zero(*force);
+        });
     }
 }

@@ -21,6 +21,7 @@ use crate::diagnostic::Finding;
 use crate::element::Execution;
 use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
+use crate::mesh_identity::expect_parameter;
 use crate::method::{Conservative, Energy, Force, ForceDensity, Method, ParameterError, Workspace};
 use crate::real::{Real, finite_or_zero};
 use crate::subdivision::{Stencils, basis, limit_normal, limit_positions};
@@ -83,7 +84,7 @@ impl<T: Real> LoopSubdivision<T> {
         workspace: &mut Workspace<T, Self>,
         positions: &mut [[T; 3]],
     ) {
-        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        let LoopSubdivisionMemory { plan, buffers } = self.expect(workspace, surface);
         plan.set_controls(execution, surface, buffers);
         let controls = &buffers.controls;
         let origin = surface.positions()[plan.origin as usize];
@@ -105,7 +106,7 @@ impl<T: Real> LoopSubdivision<T> {
         surface: Surface<'_, T>,
         workspace: &mut Workspace<T, Self>,
     ) -> (T, Option<T>) {
-        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        let LoopSubdivisionMemory { plan, buffers } = self.expect(workspace, surface);
         self.evaluate::<false>(execution, plan, surface, buffers);
         let controls = &buffers.controls;
         let blocks = &buffers.patches.blocks;
@@ -118,6 +119,19 @@ impl<T: Real> LoopSubdivision<T> {
                 })
         });
         (area, volume)
+    }
+
+    /// The workspace's memory, for this surface.
+    fn expect<'a>(
+        &self,
+        workspace: &'a mut Workspace<T, Self>,
+        surface: Surface<'_, T>,
+    ) -> &'a mut LoopSubdivisionMemory<T> {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        let made = memory.plan.control_points;
+        expect_parameter::<Self, _>("the control points", made, self.controls);
+        self.spontaneous_curvature.expect(self, surface.mesh());
+        memory
     }
 
     /// Controls, patches, and with `GRADIENT` the nodal forces and masses in `buffers.nodal`.
@@ -168,6 +182,7 @@ impl<T: Real> LoopSubdivision<T> {
 /// Results that follow from the mesh.
 #[derive(Clone, Debug)]
 struct Plan<T> {
+    control_points: ControlPoints,
     vertices: usize,
     /// The vertex relative to which positions are held.
     origin: u32,
@@ -188,6 +203,7 @@ impl<T: Real> Plan<T> {
             *derivatives = patches::derivatives(basis);
         }
         Self {
+            control_points: controls,
             vertices: mesh.vertex_count(),
             origin: mesh.triangles()[0][0],
             map: ControlMap::new(controls, mesh, &limit),
@@ -328,8 +344,7 @@ impl<T: Real> Method<T> for LoopSubdivision<T> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless_finite("bending modulus", self.modulus)?;
-        self.spontaneous_curvature.check()
+        self.spontaneous_curvature.check_with(self.modulus)
     }
 
     /// Reports the triangles whose limit surface has no area at a quadrature point: these points
@@ -370,7 +385,7 @@ impl<T: Real> Curvatures<T> for LoopSubdivision<T> {
         workspace: &mut Workspace<T, Self>,
         curvature: &mut [Curvature<T>],
     ) {
-        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        let LoopSubdivisionMemory { plan, buffers } = self.expect(workspace, surface);
         self.evaluate::<true>(execution, plan, surface, buffers);
         let mesh = surface.mesh();
         let Buffers {
@@ -399,7 +414,7 @@ impl<T: Real> Energy<T> for LoopSubdivision<T> {
         surface: Surface<'_, T>,
         workspace: &mut Workspace<T, Self>,
     ) -> T {
-        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        let LoopSubdivisionMemory { plan, buffers } = self.expect(workspace, surface);
         self.evaluate::<false>(execution, plan, surface, buffers);
         Self::energy_of(execution, buffers)
     }
@@ -425,7 +440,7 @@ impl<T: Real> Conservative<T> for LoopSubdivision<T> {
         workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
-        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        let LoopSubdivisionMemory { plan, buffers } = self.expect(workspace, surface);
         self.evaluate::<true>(execution, plan, surface, buffers);
         let nodal = &buffers.nodal;
         execution.map(&mut force[..plan.vertices], |vertex, force| {
@@ -446,7 +461,7 @@ impl<T: Real> ForceDensity<T> for LoopSubdivision<T> {
         workspace: &mut Workspace<T, Self>,
         density: &mut [[T; 3]],
     ) {
-        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        let LoopSubdivisionMemory { plan, buffers } = self.expect(workspace, surface);
         self.evaluate::<true>(execution, plan, surface, buffers);
         let nodal = &buffers.nodal;
         execution.map(&mut density[..plan.vertices], |vertex, density| {

@@ -1,5 +1,7 @@
 //! The curvature that a membrane would have if it were free.
 
+use crate::mesh::TriangleMesh;
+use crate::mesh_identity::WithoutPaths;
 use crate::method::ParameterError;
 use crate::real::Real;
 use alloc::vec::Vec;
@@ -11,6 +13,8 @@ pub enum SpontaneousCurvature<T> {
     /// The same everywhere.
     Constant(T),
     /// One number a vertex. It belongs to the material there and moves with it.
+    ///
+    /// An evaluation panics unless there are as many as the mesh has vertices; the message names both.
     PerVertex(Vec<T>),
 }
 
@@ -40,14 +44,29 @@ impl<T: Real> SpontaneousCurvature<T> {
         }
     }
 
-    /// See [`Method::check`](crate::Method::check).
-    pub(super) fn check(&self) -> Result<(), ParameterError> {
+    /// Checks these numbers and a bending modulus, see [`Method::check`](crate::Method::check).
+    pub(super) fn check_with(&self, modulus: T) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("bending modulus", modulus)?;
         let parameter = "spontaneous curvature";
         match self {
             Self::Constant(constant) => ParameterError::unless_finite(parameter, *constant),
             Self::PerVertex(values) => values
                 .iter()
                 .try_for_each(|&value| ParameterError::unless_finite(parameter, value)),
+        }
+    }
+
+    /// Refuses a mesh with another number of vertices; the message names the method.
+    pub(super) fn expect<M>(&self, _method: &M, mesh: &TriangleMesh) {
+        if let Self::PerVertex(values) = self {
+            assert!(
+                values.len() == mesh.vertex_count(),
+                "{} has {} spontaneous curvatures, one per vertex, and is used with a mesh of {} \
+                 vertices: give one for each vertex, or a constant",
+                WithoutPaths(core::any::type_name::<M>()),
+                values.len(),
+                mesh.vertex_count(),
+            );
         }
     }
 

@@ -145,6 +145,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         memory: &mut StrongFormMemory<T, Workspace<T, L>>,
     ) {
         let vertices = surface.mesh().vertex_count();
+        self.spontaneous_curvature.expect(self, surface.mesh());
         let StrongFormMemory { operator, found } = memory;
         found.curvature.resize(vertices, Curvature::default());
         let curvature = &mut found.curvature;
@@ -264,8 +265,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Method<T> for StrongForm<T, L> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless_finite("bending modulus", self.modulus)?;
-        self.spontaneous_curvature.check()
+        self.spontaneous_curvature.check_with(self.modulus)
     }
 
     fn inspect(

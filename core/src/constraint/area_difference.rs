@@ -10,7 +10,7 @@ use crate::element::Execution;
 use crate::functional::{Functional, TotalArea, TotalMeanCurvature};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
-use crate::method::{Conservative, Energy, Force, Method, Workspace};
+use crate::method::{Method, TwoPass, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use alloc::vec::Vec;
@@ -56,32 +56,6 @@ impl<T: Real> AreaDifference<T> {
         let slope = T::constant(2.0) * T::PI() * self.modulus * density;
         [excess * slope, -(slope + slope), density * slope]
     }
-
-    fn measure(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        memory: &mut AreaDifferenceMemory<T>,
-    ) {
-        let AreaDifferenceMemory {
-            total_mean_curvature,
-            total_area,
-            means,
-            areas,
-            ..
-        } = memory;
-        let count = TotalArea.component_count(total_area);
-        means.resize(count, T::zero());
-        areas.resize(count, T::zero());
-        TotalMeanCurvature.values(execution, surface, total_mean_curvature, means);
-        TotalArea.values(execution, surface, total_area, areas);
-    }
-
-    fn energy_of(&self, memory: &AreaDifferenceMemory<T>) -> T {
-        let values = memory.means.iter().zip(&memory.areas).enumerate();
-        let energy = |(component, (&mean, &area))| self.at(component, mean, area)[0];
-        values.map(energy).sum()
-    }
 }
 
 impl<T: Real> Method<T> for AreaDifference<T> {
@@ -108,48 +82,54 @@ impl<T: Real> Method<T> for AreaDifference<T> {
     }
 }
 
-impl<T: Real> Energy<T> for AreaDifference<T> {
-    fn energy(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-    ) -> T {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
-        self.energy_of(memory)
-    }
-}
+impl<T: Real> TwoPass for AreaDifference<T> {
+    type Scalar = T;
 
-impl<T: Real> Force<T> for AreaDifference<T> {
-    fn add_force(
+    fn measure(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
+        memory: &mut AreaDifferenceMemory<T>,
+    ) {
+        let AreaDifferenceMemory {
+            total_mean_curvature,
+            total_area,
+            means,
+            areas,
+            ..
+        } = memory;
+        let count = TotalArea.component_count(total_area);
+        means.resize(count, T::zero());
+        areas.resize(count, T::zero());
+        TotalMeanCurvature.values(execution, surface, total_mean_curvature, means);
+        TotalArea.values(execution, surface, total_area, areas);
+    }
+
+    fn measured_energy(
+        &self,
+        _execution: &impl Execution,
+        _surface: Surface<'_, T>,
+        memory: &mut AreaDifferenceMemory<T>,
+    ) -> T {
+        let values = memory.means.iter().zip(&memory.areas).enumerate();
+        let energy = |(component, (&mean, &area))| self.at(component, mean, area)[0];
+        values.map(energy).sum()
+    }
+
+    fn add_measured_force(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut AreaDifferenceMemory<T>,
         force: &mut [[T; 3]],
     ) {
-        self.add_force_and_energy(execution, surface, workspace, force);
-    }
-}
-
-impl<T: Real> Conservative<T> for AreaDifference<T> {
-    fn add_force_and_energy(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-        force: &mut [[T; 3]],
-    ) -> T {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
         let AreaDifferenceMemory {
             total_mean_curvature,
             total_area,
             means,
             areas,
             weights,
-        } = &mut *memory;
+        } = memory;
         for (k, weights) in weights.iter_mut().enumerate() {
             let values = means.iter().zip(&*areas).enumerate();
             let weight = |(component, (&mean, &area))| self.at(component, mean, area)[k + 1];
@@ -159,6 +139,5 @@ impl<T: Real> Conservative<T> for AreaDifference<T> {
         let [by_mean, by_area] = weights;
         TotalMeanCurvature.add_gradient(execution, surface, total_mean_curvature, by_mean, force);
         TotalArea.add_gradient(execution, surface, total_area, by_area, force);
-        self.energy_of(memory)
     }
 }

@@ -11,6 +11,7 @@ use crate::diagnostic::Finding;
 use crate::element::Execution;
 use crate::laplacian::{Cotangent, LaplaceBeltrami, Rows, VertexSums, expect_measured};
 use crate::mesh::TriangleMesh;
+use crate::mesh_identity::expect_parameter;
 use crate::method::{Method, Workspace};
 use crate::neighbourhood::Surroundings;
 use crate::real::Real;
@@ -89,6 +90,8 @@ const fn coefficient_count(degree: usize) -> usize {
 /// Memory of [`Jet`].
 #[derive(Clone, Debug)]
 pub struct JetMemory<T> {
+    /// The most neighbours of a fit.
+    room: usize,
     surroundings: Surroundings,
     cotangent: VertexSums<T>,
     rows: Rows<T>,
@@ -115,6 +118,10 @@ impl<T: Real> Jet<T> {
     /// The most neighbours of a fit.
     fn room(&self) -> usize {
         self.most_neighbours.max(coefficient_count(2))
+    }
+
+    fn expect(&self, memory: &JetMemory<T>) {
+        expect_parameter::<Self, _>("at most so many neighbours:", memory.room, self.room());
     }
 
     /// The first attempt where so many neighbours are available: the highest degree that they may
@@ -175,6 +182,7 @@ impl<T: Real> Method<T> for Jet<T> {
 
     fn memory(&self, mesh: &TriangleMesh) -> JetMemory<T> {
         JetMemory {
+            room: self.room(),
             surroundings: Surroundings::new(mesh, self.room()),
             cotangent: VertexSums::default(),
             rows: Rows::new(),
@@ -211,18 +219,21 @@ impl<T: Real> Curvatures<T> for Jet<T> {
         curvature: &mut [Curvature<T>],
     ) {
         let vertices = surface.mesh().vertex_count();
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.expect(memory);
         let JetMemory {
+            room,
             surroundings,
             cotangent,
             rows,
             degrees,
             blocks,
-        } = workspace.for_mesh_mut(surface.mesh());
+        } = memory;
         let curvature = &mut curvature[..vertices];
         // Areas, and normals to start from.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
         degrees.resize(vertices, 0);
-        let slots = rows.slots(vertices, self.room());
+        let slots = rows.slots(vertices, *room);
         let output = ((curvature, &mut degrees[..]), slots);
         let fits = Fits {
             jet: self,
@@ -242,9 +253,10 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
         field: &[[T; D]],
         laplacian: &mut [[T; D]],
     ) {
-        let JetMemory { rows, .. } = workspace.for_mesh(surface.mesh());
-        expect_measured(rows.len(), surface.mesh().vertex_count());
-        rows.apply(execution, field, laplacian);
+        let memory = workspace.for_mesh(surface.mesh());
+        self.expect(memory);
+        expect_measured(memory.rows.len(), surface.mesh().vertex_count());
+        memory.rows.apply(execution, field, laplacian);
     }
 
     fn assemble(
@@ -254,6 +266,7 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
         rows: &mut Rows<T>,
     ) {
         let memory = workspace.for_mesh(surface.mesh());
+        self.expect(memory);
         expect_measured(memory.rows.len(), surface.mesh().vertex_count());
         rows.copy_from(&memory.rows);
     }

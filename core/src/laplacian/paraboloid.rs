@@ -9,6 +9,7 @@ use crate::diagnostic::Finding;
 use crate::element::Execution;
 use crate::laplacian::{Cotangent, LaplaceBeltrami, Rows, VertexSums, expect_measured};
 use crate::mesh::TriangleMesh;
+use crate::mesh_identity::expect_parameter;
 use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
@@ -54,11 +55,16 @@ impl Paraboloid {
     pub fn guarded() -> Self {
         Self { guarded: true }
     }
+
+    fn expect<T: Real>(self, memory: &ParaboloidMemory<T>) {
+        expect_parameter::<Self, _>("`guarded`", memory.guarded, self.guarded);
+    }
 }
 
 /// Memory of [`Paraboloid`]: the rows of the surface that was measured last.
 #[derive(Clone, Debug)]
 pub struct ParaboloidMemory<T> {
+    guarded: bool,
     /// Start of each row, whose capacity is the largest number of neighbours it can have, and the
     /// end of the last.
     offsets: Vec<usize>,
@@ -87,6 +93,7 @@ impl<T: Real> Method<T> for Paraboloid {
             offsets.push(end);
         }
         ParaboloidMemory {
+            guarded: self.guarded,
             offsets,
             cotangent: VertexSums::default(),
             rows: Rows::new(),
@@ -133,12 +140,15 @@ impl<T: Real> Curvatures<T> for Paraboloid {
         curvature: &mut [Curvature<T>],
     ) {
         let mesh = surface.mesh();
+        let memory = workspace.for_mesh_mut(mesh);
+        self.expect(memory);
         let ParaboloidMemory {
             offsets,
             cotangent,
             rows,
             scratches,
-        } = workspace.for_mesh_mut(mesh);
+            ..
+        } = memory;
         let curvature = &mut curvature[..mesh.vertex_count()];
         // Areas, and normals to start from.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
@@ -161,6 +171,7 @@ impl<T: Real> LaplaceBeltrami<T> for Paraboloid {
         laplacian: &mut [[T; D]],
     ) {
         let memory = workspace.for_mesh(surface.mesh());
+        self.expect(memory);
         expect_measured(memory.rows.len(), surface.mesh().vertex_count());
         memory.rows.apply(execution, field, laplacian);
     }
@@ -172,6 +183,7 @@ impl<T: Real> LaplaceBeltrami<T> for Paraboloid {
         rows: &mut Rows<T>,
     ) {
         let memory = workspace.for_mesh(surface.mesh());
+        self.expect(memory);
         expect_measured(memory.rows.len(), surface.mesh().vertex_count());
         rows.clone_from(&memory.rows);
     }

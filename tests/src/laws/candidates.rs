@@ -135,7 +135,7 @@ impl ConservativeCandidate for AveragedNormal {
         "Hamann"
     }
     fn modules(self) -> &'static [&'static str] {
-        &["hamann"]
+        &["area_vectors", "hamann"]
     }
     fn method<T: Real>(self, modulus: T) -> Hamann<T> {
         Hamann::new(modulus)

@@ -1,11 +1,12 @@
 //! A workspace of another mesh is refused, by everything that takes one.
 
 use helfrich::{
-    AreaDifference, Conservative, Constraint, Constraints, Cotangent, Curvature, Curvatures,
-    Dissipation, DualArea, EnclosedVolume, Energy, Force, ForceDensity, Functional, GompperKroll,
-    Gravity, InPlane, Juelicher, KantorNelson, LaplaceBeltrami, LoopSubdivision, MembraneViscosity,
-    Method, NeoHookean, PointLoads, Prepared, Projected, Quantity, Rows, Serial, StrongForm,
-    Surface, Targets, TotalArea, TotalMeanCurvature, TriangleMesh, Workspace,
+    AreaDifference, Conservative, Constraint, Constraints, ControlPoints, Cotangent, Curvature,
+    Curvatures, Dissipation, DualArea, EnclosedVolume, Energy, Force, ForceDensity, Functional,
+    GompperKroll, Gravity, Hamann, InPlane, Juelicher, KantorNelson, LaplaceBeltrami,
+    LoopSubdivision, MembraneViscosity, Method, NeoHookean, Paraboloid, PointLoads, Prepared,
+    Projected, Quantity, Rows, Serial, SpontaneousCurvature, StrongForm, Surface, Targets,
+    TotalArea, TotalMeanCurvature, TriangleMesh, Workspace,
 };
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
@@ -349,4 +350,76 @@ fn operators_are_applied_to_measured_surfaces_only() {
         }
     }
     for_each_operator(&mut Measures(icosphere(2).map(bent)));
+}
+
+/// Memory that depends on a parameter serves methods with the same parameter only.
+#[test]
+fn workspaces_of_other_parameters_are_refused() {
+    fn refused<M: Energy<f64>>(made: &M, used: &M, parameter: &str) {
+        let mesh = icosphere(2).map(bent);
+        let mut workspace = made.workspace(&mesh.connectivity);
+        made.energy(&Serial, mesh.surface(), &mut workspace);
+        let message = refusal(|| {
+            used.energy(&Serial, mesh.surface(), &mut workspace);
+        });
+        let message = message.unwrap_or_else(|| panic!("{parameter}: accepted"));
+        for part in [" was prepared with ", parameter, "Method::workspace"] {
+            assert!(message.contains(part), "{message}");
+        }
+        made.energy(&Serial, mesh.surface(), &mut workspace);
+    }
+    let (j4, j6) = (StrongForm::j4(1.0), StrongForm::j6(1.0));
+    refused(&j4, &j6, "so many neighbours: 64, and is used with 112");
+    refused(&j6, &j4, "so many neighbours: 112, and is used with 64");
+    let [published, guarded] =
+        [false, true].map(|guarded| StrongForm::new(1.0, Paraboloid { guarded }));
+    refused(
+        &published,
+        &guarded,
+        "`guarded` false, and is used with true",
+    );
+    let [nodes, hybrid] = [ControlPoints::Nodes, ControlPoints::Hybrid]
+        .map(|controls| LoopSubdivision::with_controls(1.0, controls));
+    refused(
+        &nodes,
+        &hybrid,
+        "control points Nodes, and is used with Hybrid",
+    );
+}
+
+/// Too few numbers of spontaneous curvature, and too many.
+#[test]
+fn spontaneous_curvatures_for_other_meshes_are_refused() {
+    let mesh = icosphere(2).map(bent);
+    let check = |name: &str, energy: &dyn Fn(SpontaneousCurvature<f64>)| {
+        let vertices = mesh.positions.len();
+        for count in [3, vertices - 1, vertices + 1] {
+            let values = SpontaneousCurvature::PerVertex(vec![0.5; count]);
+            let message = refusal(|| energy(values));
+            let message = message.unwrap_or_else(|| panic!("{name}: accepted {count}"));
+            let documented = format!(
+                "has {count} spontaneous curvatures, one per vertex, and is used with a mesh of \
+                 {vertices} vertices"
+            );
+            assert!(message.contains(&documented), "{name}: {message}");
+        }
+        energy(SpontaneousCurvature::PerVertex(vec![0.5; vertices]));
+    };
+    macro_rules! check {
+        ($($method:expr),*) => {
+            $(check(stringify!($method), &|values| {
+                let mut method = $method;
+                method.spontaneous_curvature = values;
+                Prepared::new(method, &mesh.connectivity).energy(mesh.surface());
+            });)*
+        };
+    }
+    check!(
+        GompperKroll::new(1.0),
+        Juelicher::new(1.0),
+        Hamann::new(1.0),
+        LoopSubdivision::new(1.0),
+        StrongForm::meyer(1.0),
+        StrongForm::j4(1.0)
+    );
 }

@@ -36,7 +36,7 @@ impl<T: Real> LoopSubdivision<T> {
         solver: &mut ConsistentMemory<T>,
         density: &mut [[T; 3]],
     ) -> usize {
-        let LoopSubdivisionMemory { plan, buffers } = workspace.for_mesh_mut(surface.mesh());
+        let LoopSubdivisionMemory { plan, buffers } = self.expect(workspace, surface);
         self.evaluate::<true>(execution, plan, surface, buffers);
         let count = plan.vertices;
         let zero = [T::zero(); 4];

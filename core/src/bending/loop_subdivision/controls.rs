@@ -1,7 +1,7 @@
 //! From nodes to control points, and forces back.
 
 use crate::element::Execution;
-use crate::mesh::{TriangleMesh, VertexKind};
+use crate::mesh::TriangleMesh;
 use crate::real::Real;
 use crate::subdivision::{RowSum, Stencils, limit_weight};
 use num_traits::Float;
@@ -113,7 +113,7 @@ fn hybrid(mesh: &TriangleMesh, sharpened: &Stencils) -> Stencils {
     let mut sum = RowSum::new(vertices);
     for vertex in 0..vertices {
         let ring = mesh.one_ring(vertex);
-        if mesh.vertex_kind(vertex) == VertexKind::Interior && ring.len() != 6 {
+        if mesh.is_interior(vertex) && ring.len() != 6 {
             let omega = limit_weight(ring.len());
             let over = 1.0 / (1.0 - ring.len() as f64 * omega);
             sum.add(vertex as u32, over);
@@ -148,7 +148,7 @@ pub(super) struct Inverse<T> {
 impl<T: Real> Inverse<T> {
     fn new(mesh: &TriangleMesh, limit: &Stencils) -> Self {
         let lowest = (0..mesh.vertex_count())
-            .filter(|&vertex| mesh.vertex_kind(vertex) == VertexKind::Interior)
+            .filter(|&vertex| mesh.is_interior(vertex))
             .map(|vertex| {
                 let valence = mesh.valence(vertex);
                 1.0 - 1.5 * valence as f64 * limit_weight(valence)
