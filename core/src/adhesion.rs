@@ -14,12 +14,13 @@ use alloc::vec::Vec;
 /// Adhesion to a plane wall: `E = ∫ V(z) dS` with Morse's potential
 /// `V(z) = W (q² − 2 q)`, `q = exp(−(z − d)/λ)`, of the height z above the wall.
 ///
-/// A membrane at the height d gains the energy W per area; nearer to the wall it is repelled, farther
-/// away it is attracted, over a few λ. The integral over a triangle is its area times the mean of V at
-/// its corners, and the force is the exact gradient of the sum. As λ goes to 0 a vesicle meets the wall
-/// with the curvature √(2W/κ): U. Seifert, R. Lipowsky, Phys. Rev. A 42 (1990) 4768.
+/// A membrane at the height d gains the energy W per area. It is repelled below this height, and
+/// attracted above it over a few λ. The integral over a triangle is the area of the triangle times
+/// the mean of V at its corners, and the force is the exact gradient of the sum. In the limit λ → 0
+/// a vesicle meets the wall with the curvature √(2W/κ): U. Seifert, R. Lipowsky, Phys. Rev. A 42
+/// (1990) 4768.
 ///
-/// The force comes from outside: only its components along the wall sum to zero.
+/// The force is external: only its components parallel to the wall sum to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallAdhesion<T> {
     /// Adhesion energy per area W.
@@ -28,7 +29,7 @@ pub struct WallAdhesion<T> {
     pub distance: T,
     /// Length λ of the potential.
     pub range: T,
-    /// A point of the wall. One near the surface keeps digits.
+    /// A point of the wall, preferably near the surface: large distances cost digits.
     pub wall: [T; 3],
     /// Unit normal of the wall, towards the membrane.
     pub normal: [T; 3],

@@ -17,13 +17,14 @@ impl Components {
         Self { of_vertex, count }
     }
 
-    /// Their number; an isolated vertex is a component of its own.
+    /// Number of components; an isolated vertex is a component of its own.
     #[inline]
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// The component of each vertex, counted from 0 by the lowest vertex in it.
+    /// The component of each vertex. Components are numbered from 0 in the order of their lowest
+    /// vertices.
     #[inline]
     pub fn of_vertex(&self) -> &[u32] {
         &self.of_vertex

@@ -1,4 +1,5 @@
-//! Constraints on the numbers of a component, and energies of them: area, volume, area difference.
+//! Exact constraints on area, volume and area difference of each component, and energies of these
+//! quantities.
 
 use crate::components::Components;
 use crate::element::{Execution, Serial};
@@ -25,9 +26,9 @@ use system::System;
 /// Target values of a functional, one per connected component or the same for all.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Targets<T> {
-    /// The same for all.
+    /// One value for all components.
     Same(T),
-    /// One number a component.
+    /// One value per component.
     PerComponent(Vec<T>),
 }
 
@@ -38,7 +39,7 @@ impl<T> From<T> for Targets<T> {
 }
 
 impl<T: Real> Targets<T> {
-    /// The values of the components of a surface as it is.
+    /// The current values of the components of a surface.
     pub fn measured<F: Functional<T>>(functional: &F, surface: Surface<'_, T>) -> Self {
         let mut workspace = functional.workspace(surface.mesh());
         let mut values = alloc::vec![T::zero(); functional.component_count(&workspace)];
@@ -49,7 +50,7 @@ impl<T: Real> Targets<T> {
     /// The target of a component.
     ///
     /// # Panics
-    /// If there is one number a component, but none for this one.
+    /// If there is one value per component, but none for this one.
     #[inline]
     pub fn at(&self, component: usize) -> T {
         match self {
@@ -59,7 +60,7 @@ impl<T: Real> Targets<T> {
     }
 }
 
-/// A functional and what it is held at.
+/// A functional and its target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint<T, F = Quantity> {
     /// F.
@@ -68,15 +69,16 @@ pub struct Constraint<T, F = Quantity> {
     pub targets: Targets<T>,
 }
 
-/// Functionals that are held at their targets, exactly, in each connected component.
+/// Functionals that are held exactly at their targets in each connected component.
 ///
-/// [`Self::correct`] moves positions onto `F = F0`, [`Self::project`] takes from forces or
-/// velocities what would leave it. Both work in the span of the gradients ∂F/∂x with all vertices
-/// weighted alike (no masses, no areas): the correction is the shortest displacement to first
-/// order, and a projected force is the one a minimiser in the coordinates sees.
+/// [`Self::correct`] moves positions onto `F = F0`. [`Self::project`] removes the components of
+/// forces or velocities that violate it. Both work in the span of the gradients ∂F/∂x and weight
+/// all vertices equally (no masses, no areas). The correction is therefore the shortest
+/// displacement to first order, and the projected force is the constrained gradient of the energy
+/// in the coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraints<T, F = Quantity> {
-    /// The constraints; a handful, for their equations are solved densely.
+    /// The constraints. They should be few, because their equations are solved by a dense solver.
     pub constraints: Vec<Constraint<T, F>>,
 }
 
@@ -86,21 +88,22 @@ pub struct ConstraintsMemory<T, W> {
     /// The workspace of each constraint's functional.
     functionals: Vec<W>,
     vertices: ComponentElements<1>,
-    /// F of each component, one constraint after the other.
+    /// F of each component, constraint by constraint.
     values: Vec<T>,
     ones: Vec<T>,
-    /// ∂F/∂x of each vertex, one constraint after the other.
+    /// ∂F/∂x of each vertex, constraint by constraint.
     gradients: Vec<[T; 3]>,
-    /// λ of each component, one constraint after the other.
+    /// λ of each component, constraint by constraint.
     multipliers: Vec<T>,
     system: System<T>,
     saved: Vec<[T; 3]>,
 }
 
 impl<T: Real, W> ConstraintsMemory<T, W> {
-    /// The multipliers λ of the constraints on a component in the last [`Constraints::project`]:
-    /// what was taken from the forces is Σ λ ∂F/∂x. At equilibrium that of an area is the tension
-    /// that balances the forces, that of a volume minus the pressure difference.
+    /// The multipliers λ of the constraints on a component in the last [`Constraints::project`],
+    /// which removed Σ λ ∂F/∂x from the forces. At equilibrium the multiplier of an area is the
+    /// tension that balances the forces, and the multiplier of a volume is minus the pressure
+    /// difference.
     ///
     /// # Panics
     /// If there is no such component.
@@ -113,21 +116,22 @@ impl<T: Real, W> ConstraintsMemory<T, W> {
 /// Result of a correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Correction<T> {
-    /// The number of steps it took.
+    /// The number of steps.
     pub steps: usize,
-    /// The largest |F/F0 − 1| left; |F| over what rounding can tell apart where F0 = 0.
+    /// The largest remaining |F/F0 − 1|; where F0 = 0, |F| over its rounding error.
     pub residual: T,
 }
 
-/// Why positions could not be moved onto the constraints. They are as they were.
+/// The reason why positions could not be moved onto the constraints. The positions are unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConstraintError {
     /// Positions do not fit the mesh, or are not finite.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
-    /// A gradient is zero, or as near to the span of the others as an uneven mesh leaves it where
-    /// they are one: sin² of the angle between them is below 1/(3N), N the number of vertices.
+    /// A gradient is zero or depends on the others: sin² of its angle with their span is below
+    /// 1/(3N), N the number of vertices. Discretisation errors of an uneven mesh alone cause such
+    /// an angle.
     #[error(
         "constraint {constraint} of component {component} cannot be met apart from the others: \
          its gradient is zero or along theirs, as that of the area along that of the volume on a \
@@ -149,7 +153,7 @@ pub enum ConstraintError {
         /// The constraint, counted from 0.
         constraint: usize,
     },
-    /// The steps did not lead there.
+    /// The iteration did not converge.
     #[error(
         "constraint {constraint} of component {component} is still off by a part of {residual:e} \
          after {steps} steps: its target is out of reach from here"
@@ -166,11 +170,12 @@ pub enum ConstraintError {
     },
 }
 
-/// Newton's method doubles the digits with each step: this many are never needed near a solution.
+/// Maximal number of steps. Newton's method doubles the correct digits with each step, so fewer are
+/// enough near a solution.
 const STEPS: usize = 32;
 /// Bound on what [`least_squared_sine`] gives on coarse meshes.
 const LARGEST_LEAST: f64 = 0.01;
-/// Roundings of a value that count as reached.
+/// Error, in roundings of a value, below which a target counts as reached.
 const ROUNDINGS: f64 = 8.0;
 
 impl<T: Real, F: Functional<T>> Method<T> for Constraints<T, F> {
@@ -230,13 +235,14 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
         }
     }
 
-    /// Moves `positions` onto the constraints: steps `x += Σ λ ∂F/∂x`, with λ such that each F
-    /// comes to its F0 to first order, until it is there within some roundings of what it is made
-    /// of: `|F − F0| ≤ 8 ε (|F0| + Σ |∂F/∂x| |x|)`. Components that are there are left alone.
+    /// Moves `positions` onto the constraints by steps `x += Σ λ ∂F/∂x`, with λ such that each F
+    /// reaches its F0 to first order. The steps end when each F is exact within the rounding of its
+    /// terms: `|F − F0| ≤ 8 ε (|F0| + Σ |∂F/∂x| |x|)`. Components that satisfy this at the start
+    /// are not moved.
     ///
     /// # Errors
-    /// If positions do not fit the mesh, a target is not finite, gradients depend on each other, or the
-    /// steps do not lead there. Positions are then as they were.
+    /// If positions do not fit the mesh, a target is not finite, gradients depend on each other, or
+    /// the iteration does not converge. Positions are then unchanged.
     ///
     /// # Panics
     /// If there is one target per component, but none for one, or the mesh is another than that of
@@ -376,9 +382,9 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
         }
     }
 
-    /// Takes from `field`, nodal forces or velocities, its part in the span of the constraints'
-    /// gradients: afterwards `Σ_i ∂F/∂x_i · field_i = 0` for each F and component, to rounding.
-    /// Where gradients depend on each other to rounding, their span is what is left. The
+    /// Removes from `field` (nodal forces or velocities) its component in the span of the
+    /// constraints' gradients. Afterwards `Σ_i ∂F/∂x_i · field_i = 0` for each F and component, to
+    /// rounding. Gradients that depend on others to rounding do not add to the span. The
     /// multipliers stay in [`ConstraintsMemory::multipliers`].
     ///
     /// # Panics
@@ -410,7 +416,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
         for component in 0..components {
             let vertices = all_vertices.of(component);
             system.set_matrix(execution, vertices, gradients, count);
-            // The second pass takes what the first left by rounding.
+            // The second pass removes the rounding error of the first.
             for _ in 0..2 {
                 for k in 0..count {
                     let gradient = &gradients[k * all..];
@@ -420,7 +426,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
                     });
                     system.right[k] = work * system.over_norms[k];
                 }
-                // Gradients that depend on others have no part of their own.
+                // Gradients that depend on others have no independent component.
                 system.solve(least);
                 for k in 0..count {
                     let multiplier = system.right[k] * system.over_norms[k];
@@ -439,9 +445,10 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
 /// sin² of the smallest angle between a gradient and the span of the others that a correction
 /// accepts: 1/(3N), N the number of vertices, and at most 0.01.
 ///
-/// On meshes of a sphere the gradients of area and volume differ by what the mesh is uneven, on
-/// icospheres by sin² = 0.155/N, and a correction along that would be all noise. On a sphere that is
-/// slightly deformed to reduced volume v, sin² = 4/3 (1 − v).
+/// On a sphere the gradients of area and volume are parallel. On meshes of a sphere they differ
+/// only because the mesh is uneven (on icospheres by sin² = 0.155/N), and a correction along that
+/// difference would be noise. On a sphere that is slightly deformed to reduced volume v, sin² = 4/3
+/// (1 − v).
 fn least_squared_sine<T: Real>(vertices: usize) -> T {
     let bound = (1.0 / (3.0 * vertices as f64)).min(LARGEST_LEAST);
     T::constant(bound).max(T::constant(ROUNDINGS) * T::epsilon())
@@ -457,7 +464,7 @@ struct Worst<T> {
 
 impl<T: Real> Worst<T> {
     fn see(&mut self, component: usize, constraint: usize, residual: T) {
-        // A residual that is not a number is the worst.
+        // NaN counts as the largest residual.
         if residual > self.residual || residual.is_nan() {
             *self = Self {
                 component,

@@ -9,7 +9,7 @@ use crate::surface::Surface;
 /// Normal, curvatures and area of a surface at one vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Curvature<T> {
-    /// Outward unit normal n; 0 at a vertex without any.
+    /// Outward unit normal n; 0 at a vertex where it is undefined.
     pub normal: [T; 3],
     /// Mean curvature H = (c₁ + c₂)/2, positive on a sphere.
     pub mean: T,

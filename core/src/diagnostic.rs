@@ -1,4 +1,4 @@
-//! Findings: what makes an evaluation less trustworthy, and where.
+//! Findings: reasons why an evaluation is less trustworthy, with their places.
 
 use crate::mesh::TriangleMesh;
 use alloc::vec::Vec;
@@ -12,25 +12,26 @@ pub enum Finding {
         /// The vertex.
         vertex: u32,
     },
-    /// The signed area that the method gives to this vertex is negative, and was used as it is.
+    /// The signed area that the method gives to this vertex is negative, and was used unchanged.
     NegativeArea {
         /// The vertex.
         vertex: u32,
     },
-    /// The neighbours of this vertex do not carry the fit that was asked for, but one of lower degree.
+    /// The neighbours of this vertex do not determine a fit of the requested degree; a lower degree
+    /// was fitted.
     ReducedDegree {
         /// The vertex.
         vertex: u32,
         /// The degree that was fitted.
         degree: u8,
     },
-    /// The neighbours of this vertex carry no fit at all: it was left out.
+    /// The neighbours of this vertex do not determine any fit: the vertex was left out.
     TooFewNeighbours {
         /// The vertex.
         vertex: u32,
     },
     /// The signed area that the method gives to this vertex is less than a thirty-second of the
-    /// triangles around it: what is divided by it is amplified.
+    /// area of the triangles around it. Division by this area amplifies errors.
     SmallArea {
         /// The vertex.
         vertex: u32,
@@ -41,14 +42,14 @@ pub enum Finding {
         vertex: u32,
     },
     /// The neighbours of this vertex lie near a conic section through it and determine the fit
-    /// badly: it amplifies what the neighbours deviate from a paraboloid.
+    /// badly: deviations of the neighbours from a paraboloid are amplified.
     Amplified {
         /// The vertex.
         vertex: u32,
     },
-    /// The longest edge at this vertex is more than eight times the shortest (for methods that reach
-    /// farther, at a vertex within two edges, or a triangle there is thin): formulas that take the
-    /// mesh to be even are off by powers of that.
+    /// The longest edge at this vertex is more than eight times the shortest. For methods with a
+    /// wider stencil: this holds at a vertex within two edges, or a triangle there is thin.
+    /// Formulas that assume an even mesh have errors that grow with powers of this ratio.
     Uneven {
         /// The vertex.
         vertex: u32,
@@ -59,35 +60,37 @@ pub enum Finding {
         /// The vertex.
         vertex: u32,
     },
-    /// A triangle at this vertex faces against the others around it: the surface folds back.
+    /// A triangle at this vertex faces the opposite way to the others around it: the surface is
+    /// folded.
     Folded {
         /// The vertex.
         vertex: u32,
     },
-    /// The position of this vertex is stored with so few digits for the distance of its neighbours
-    /// that a fourth derivative is lost in rounding: its error is of the order of 1/R³, R the radius
-    /// of the sphere with the same area. Keep positions near the origin or in pairs, see
+    /// The rounding of the stored position is too large for the distance to the neighbours: the
+    /// error of a fourth derivative is of the order of 1/R³, R the radius of the sphere with the
+    /// same area. Keep positions near the origin, or store them in pairs: see
     /// [`Surface::with_remainders`](crate::Surface::with_remainders).
     RoundedPosition {
         /// The vertex.
         vertex: u32,
     },
-    /// The vertices lie so far off a smooth surface for the distance of the neighbours of this one that
-    /// a fourth derivative is lost in the noise, see [`Noise`](crate::Noise): its error is of the order of 1/R³ or
-    /// larger, R the radius of the sphere with the same area. Finer meshes of the same noise are worse.
+    /// The noise of the positions is too large for the distance to the neighbours of this vertex,
+    /// see [`Noise`](crate::Noise): the error of a fourth derivative is of the order of 1/R³ or
+    /// larger, R the radius of the sphere with the same area. Finer meshes with the same noise are
+    /// worse.
     NoisyPosition {
         /// The vertex.
         vertex: u32,
     },
     /// The triangles around this vertex are so small that a fourth derivative, of the order of the
-    /// mean curvature over their area, leaves the range of the scalar: it is unknown, and set to 0.
-    /// Choose a unit of length nearer to the size of the surface.
+    /// mean curvature over their area, overflows. It is unknown and set to 0. Choose a unit of
+    /// length nearer to the size of the surface.
     OutOfRange {
         /// The vertex.
         vertex: u32,
     },
-    /// This triangle is stretched so far that the energy or the forces of an in-plane law leave the
-    /// range of the scalar: they are infinite or no numbers.
+    /// This triangle is stretched so far that the energy or the forces of an in-plane law overflow:
+    /// they are infinite or NaN.
     Overstretched {
         /// The triangle.
         triangle: u32,
@@ -98,7 +101,7 @@ pub enum Finding {
         triangle: u32,
     },
     /// The height of this triangle is less than a thirty-second of its longest edge (a needle below
-    /// 1.8°, a cap above 176.4°): what is divided by its area is amplified.
+    /// 1.8°, a cap above 176.4°). Division by its area amplifies errors.
     ThinTriangle {
         /// The triangle.
         triangle: u32,
@@ -107,8 +110,8 @@ pub enum Finding {
 
 /// The findings of one evaluation, with a flag for each vertex that they concern.
 ///
-/// A vertex is flagged if it, one of its triangles or one of its neighbours is found fault with:
-/// a force reads the curvatures of the neighbours.
+/// A vertex is flagged if a finding concerns the vertex, one of its triangles or one of its
+/// neighbours, because its force depends on the curvatures of the neighbours.
 ///
 /// ```
 /// use helfrich::{GompperKroll, Prepared, Surface, TriangleMesh};
@@ -135,7 +138,7 @@ impl Quality {
     /// Gathers the findings that `inspect` reports of an evaluation on `mesh`.
     ///
     /// # Panics
-    /// If a finding names a vertex or triangle that the mesh has not.
+    /// If a finding names a vertex or triangle that the mesh does not have.
     pub fn gather(mesh: &TriangleMesh, inspect: impl FnOnce(&mut dyn FnMut(Finding))) -> Self {
         let mut findings = Vec::new();
         inspect(&mut |finding| findings.push(finding));

@@ -1,4 +1,4 @@
-//! Forces that depend on velocities and take energy away.
+//! Forces that depend on velocities and dissipate energy.
 
 use crate::element::Execution;
 use crate::method::{Method, Workspace};
@@ -18,7 +18,7 @@ pub use membrane_viscosity::MembraneViscosity;
 /// a rigid body, to rounding, and therefore ΣF = 0 and Σ x × F = 0; the power `−Σ F·v = 2R` is not
 /// negative, to rounding.
 pub trait Dissipation<T: Real>: Method<T> {
-    /// Adds the nodal forces to `force`, one entry a vertex.
+    /// Adds the nodal forces to `force`, one entry per vertex.
     ///
     /// # Panics
     /// If `velocities` or `force` have fewer entries than the surface has vertices, or the surface
@@ -32,7 +32,7 @@ pub trait Dissipation<T: Real>: Method<T> {
         force: &mut [[T; 3]],
     );
 
-    /// The power `−Σ F·v = 2R` that turns into heat, in units of energy per time.
+    /// The dissipated power `−Σ F·v = 2R`, in units of energy per time.
     ///
     /// # Panics
     /// If `velocities` has fewer entries than the surface has vertices, or the surface another mesh

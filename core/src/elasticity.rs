@@ -1,4 +1,4 @@
-//! In-plane elasticity over a reference shape.
+//! In-plane elasticity relative to a reference shape.
 //!
 //! # The laws
 //!
@@ -32,14 +32,14 @@
 //! `I1 = tr Γ`, `I2 = tr Γ + det Γ`,
 //!
 //! and each edge pulls its ends together with `[(W1 + W2) c_k + W2 γ_k] e_k`, `W1 = ∂W/∂I1`,
-//! `W2 = ∂W/∂I2`. That is `2 A0 F (W1 1 + W2 cof C) D0⁻ᵀ` of the usual form, without a frame of
-//! reference: no rotation, no square root. That such forces act along the edges was used by
-//! H. Delingette, IEEE Trans. Vis. Comput. Graph. 14 (2008) 329.
+//! `W2 = ∂W/∂I2`. This equals the usual form `2 A0 F (W1 1 + W2 cof C) D0⁻ᵀ`, but needs no local
+//! frame, rotation or square root. The idea of forces along the edges is from H. Delingette, IEEE
+//! Trans. Vis. Comput. Graph. 14 (2008) 329.
 //!
-//! The change is subtracted before anything is multiplied, and laws are written in `Γ`: small
-//! strains lose no digits beyond those of the positions, and in the reference shape energy and
-//! forces are exactly zero. In f32, at a strain of 1e-4, the neo-Hookean energy is 1e-5 off; from
-//! `tr C − 2` and `det C − 1` it is 7 % off.
+//! Differences from the reference are taken before any multiplication, and laws are written in `Γ`.
+//! Small strains therefore lose no digits beyond those of the positions, and in the reference shape
+//! energy and forces are exactly zero. In f32, at a strain of 1e-4, the error of the neo-Hookean
+//! energy is 1e-5; computed from `tr C − 2` and `det C − 1` it would be 7 %.
 
 use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
@@ -61,20 +61,21 @@ pub use local_area::LocalArea;
 pub use neo_hookean::NeoHookean;
 pub use skalak::Skalak;
 
-/// The strain of a triangle, as laws need it.
+/// The strain of a triangle, in the form that laws need.
 #[derive(Clone, Copy, Debug)]
 pub struct Strain<T> {
     /// `I1 = λ1² + λ2² − 2`.
     pub first: T,
     /// `I2 = λ1² λ2² − 1`.
     pub second: T,
-    /// `I1 − I2 = −(λ1² − 1)(λ2² − 1)`: of second order in the strain, and computed as such.
+    /// `I1 − I2 = −(λ1² − 1)(λ2² − 1)`: of second order in the strain, and computed without
+    /// cancellation.
     pub difference: T,
     /// `I2 + 1 = (A/A0)²`, from the areas: never negative.
     pub squared_area_ratio: T,
-    /// Whether `I1 < 1`. Small strains come from det Γ, whose products are then small themselves;
-    /// large ones from the ratio of the areas, which those products, of the fourth power of the
-    /// stretch, would drown.
+    /// Whether `I1 < 1`. Small strains are computed from det Γ, whose products are then small.
+    /// Large strains are computed from the ratio of the areas, because the products in det Γ grow
+    /// with the fourth power of the stretch and would cancel.
     pub is_small: bool,
 }
 
@@ -136,18 +137,18 @@ pub trait StrainEnergy<T: Real>: Sync {
     /// W, in units of energy per area.
     fn density(&self, strain: &Strain<T>) -> T;
 
-    /// `[W1 + W2, W2]` with `W1 = ∂W/∂I1` and `W2 = ∂W/∂I2`. The sum is 0 without strain and is
-    /// written so that it does not cancel.
+    /// `[W1 + W2, W2]` with `W1 = ∂W/∂I1` and `W2 = ∂W/∂I2`. The sum is 0 without strain, and must
+    /// be written without cancellation.
     fn derivatives(&self, strain: &Strain<T>) -> [T; 2];
 
-    /// Modulus G of small shear.
+    /// Shear modulus G at small strain.
     fn shear_modulus(&self) -> T;
 
-    /// Modulus K_s of small changes of area.
+    /// Area modulus K_s at small strain.
     fn area_modulus(&self) -> T;
 }
 
-/// The sum of two laws over one reference; longer sums nest.
+/// The sum of two laws with the same reference; longer sums nest.
 impl<T: Real, A: StrainEnergy<T>, B: StrainEnergy<T>> StrainEnergy<T> for (A, B) {
     #[inline(always)]
     fn density(&self, strain: &Strain<T>) -> T {
@@ -169,11 +170,11 @@ impl<T: Real, A: StrainEnergy<T>, B: StrainEnergy<T>> StrainEnergy<T> for (A, B)
     }
 }
 
-/// Why a shape cannot be the reference of a mesh.
+/// The reason why a shape cannot be the reference of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReferenceError {
-    /// The two have different numbers of triangles.
+    /// Mesh and reference have different numbers of triangles.
     #[error("the reference has {reference} triangles, the mesh {mesh}: they must be the same")]
     CountMismatch {
         /// Number of triangles of the reference.
@@ -200,7 +201,7 @@ pub enum ReferenceError {
         /// The first such triangle.
         triangle: usize,
     },
-    /// The reference was to be scaled by something else than a positive number.
+    /// The scale factor of the reference is not a positive finite number.
     #[error("the reference cannot be scaled by {factor}: a positive, finite number is needed")]
     Factor {
         /// The factor.
@@ -238,7 +239,7 @@ type Rest<T> = [T; 4];
 /// `E = Σ A0 W`: the in-plane energy of a law over a reference shape, see the [module](self); the
 /// force is its exact gradient.
 ///
-/// Triangles that have lost their area are reported by [`Method::inspect`]; what they give is
+/// Triangles that have lost their area are reported by [`Method::inspect`]; their contributions are
 /// finite, see each law.
 ///
 /// ```
@@ -279,11 +280,11 @@ pub struct InPlaneMemory<T> {
 }
 
 impl<T: Real, W: StrainEnergy<T>> InPlane<T, W> {
-    /// The law with the edges and areas of `reference`, for surfaces with the mesh `mesh`. The two
-    /// have the same triangles; the reference may have any shape, also another one than that from
-    /// which a simulation starts.
+    /// The law with the edges and areas of `reference`, for surfaces with the mesh `mesh`. Both
+    /// must have the same triangles. The shape of the reference may differ from the initial shape
+    /// of a simulation.
     ///
-    /// Preparing it for another mesh than `mesh` panics.
+    /// Preparing the law for any mesh other than `mesh` panics.
     ///
     /// # Errors
     /// If the triangles of mesh and reference differ, or one of the reference has no area.
@@ -306,8 +307,9 @@ impl<T: Real, W: StrainEnergy<T>> InPlane<T, W> {
         .with_areas()
     }
 
-    /// The same with every length of the reference multiplied by `factor`: below 1 the membrane is
-    /// under tension in the shape that was given, above 1 under pressure.
+    /// The same law with every length of the reference multiplied by `factor`. The membrane in the
+    /// given shape is under tension if the factor is below 1, and under compression if it is above
+    /// 1.
     ///
     /// # Errors
     /// If the factor is not positive and finite, or leaves a triangle without area.
@@ -322,7 +324,7 @@ impl<T: Real, W: StrainEnergy<T>> InPlane<T, W> {
         self.with_areas()
     }
 
-    /// This, if every triangle of the reference has an area.
+    /// The law itself, if every triangle of the reference has an area.
     fn with_areas(self) -> Result<Self, ReferenceError> {
         let without = |rest: &Rest<T>| rest[3].reciprocal_or_zero() == T::zero();
         match self.rest.iter().position(without) {
@@ -338,7 +340,7 @@ impl<T: Real, W: StrainEnergy<T>> InPlane<T, W> {
 }
 
 /// The change of a triangle's edges from one shape to another, or its rate: `c_k` and `γ_k` of the
-/// [module](self), of corner after corner.
+/// [module](self), for each corner.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change<L> {
     pub(crate) cotangents: [L; 3],
@@ -373,7 +375,7 @@ impl<L: Lane> Change<L> {
     }
 }
 
-/// A triangle of a surface against its rest shape.
+/// A triangle of a surface relative to its rest shape.
 struct Strained<T> {
     edges: [Vec3<T>; 3],
     change: Change<T>,
@@ -452,7 +454,7 @@ impl<T: Real, W: StrainEnergy<T>> ElementKernel<T, 3, 0, 4> for ForcesAndEnergie
 }
 
 impl<T: Real> InPlaneMemory<T> {
-    /// Sets everything to zero; all at once, so that no kind of evaluation allocates later.
+    /// Sets all buffers to zero. All are allocated together, so that no later evaluation allocates.
     fn clear(&mut self, vertices: usize) {
         self.energies.clear();
         self.energies.resize(vertices, [T::zero()]);

@@ -70,8 +70,8 @@ pub trait ElementKernel<T: Real, const CORNERS: usize, const IN: usize, const OU
     ) -> [[T; OUT]; CORNERS];
 }
 
-/// Output with a slot for each vertex, that can be divided among workers: slices, slices with
-/// several entries a slot, and tuples of them.
+/// Output with a slot for each vertex, which can be divided among workers: slices, slices with
+/// several entries per slot, and tuples of these.
 pub trait Slots: Sized + Send {
     /// One vertex's part.
     type Slot;
@@ -82,7 +82,7 @@ pub trait Slots: Sized + Send {
     /// # Panics
     /// If there are fewer slots than `middle`.
     fn split_at(self, middle: usize) -> (Self, Self);
-    /// The slots one after the other; those of a tuple end with the shortest of its parts.
+    /// An iterator over the slots. The slots of a tuple end with the shortest of its parts.
     fn into_slots(self) -> impl Iterator<Item = Self::Slot>;
 }
 
@@ -146,8 +146,7 @@ impl<'a, O: Send> Slots for Strided<'a, O> {
     }
 }
 
-/// A slice with as many consecutive entries for each vertex as there are from one offset to the
-/// next.
+/// A slice with a varying number of consecutive entries for each vertex, given by offsets.
 #[derive(Debug)]
 pub struct Ragged<'a, O> {
     entries: &'a mut [O],
@@ -219,8 +218,9 @@ impl<A: Slots, B: Slots> Slots for (A, B) {
 
 /// A computation over consecutive slots.
 pub trait SlotKernel<S, O: Slots>: Sync {
-    /// Sets the slots `start`, `start + 1`, …, as many as there are. What `scratch` holds before must
-    /// not matter to any of them, nor which others are set by the same call.
+    /// Sets the slots `start`, `start + 1`, …, up to the end of the output. The result in a slot
+    /// must not depend on the previous content of `scratch`, nor on which other slots the same call
+    /// sets.
     fn set(&self, scratch: &mut S, start: usize, slots: O);
 }
 
@@ -238,11 +238,12 @@ impl<S, O: Slots, F: Fn(&mut S, usize, O::Slot) + Sync> SlotKernel<S, O> for Clo
 
 /// Loops over elements and vertices.
 ///
-/// Laws: every loop does what its documentation says, whatever the order in which it does it; sums
-/// are grouped by the number of terms alone, so that results do not depend on how work is divided.
+/// Laws: every loop does what its documentation says, in whatever order. Sums are grouped by the
+/// number of terms alone, so that results do not depend on the division of work.
 pub trait Execution {
-    /// Adds to each vertex's `output` what `kernel` gives it for every element around it, in the
-    /// order of the elements. `input` has an entry for each vertex, or none if `IN` is 0.
+    /// Adds to the `output` of each vertex the contributions of `kernel` for all elements around
+    /// it, in the order of the elements. `input` has an entry for each vertex, or none if `IN` is
+    /// 0.
     ///
     /// # Panics
     /// If an element names a vertex without position or input, or `output` has fewer entries than
@@ -260,14 +261,15 @@ pub trait Execution {
 
     /// Calls `set(k, slot)` once for every slot k of `output`.
     ///
-    /// For short work at a slot: executions that compile loops for wider vectors can't do so with
-    /// closures, only with the kernels of [`Self::run`].
+    /// For little work per slot: executions that compile loops for wider vectors cannot compile
+    /// closures in this way, only the kernels of [`Self::run`].
     fn map<O: Slots>(&self, output: O, set: impl Fn(usize, O::Slot) + Sync) {
         self.map_with(&mut Vec::new(), output, |(), k, slot| set(k, slot));
     }
 
-    /// Calls `set(scratch, k, slot)` once for every slot k of `output`. `scratches` is grown to as
-    /// many as run at a time; what one holds at the start of a call must not matter.
+    /// Calls `set(scratch, k, slot)` once for every slot k of `output`. `scratches` grows to one
+    /// entry per worker. Results must not depend on the content of `scratch` at the start of a
+    /// call.
     fn map_with<S: Default + Send, O: Slots>(
         &self,
         scratches: &mut Vec<S>,
@@ -277,8 +279,8 @@ pub trait Execution {
         self.run(scratches, output, &Closure(set));
     }
 
-    /// [`Self::map_with`] for a kernel, which has several slots at once and unlike a closure can be
-    /// compiled as part of the loop.
+    /// [`Self::map_with`] for a kernel. A kernel sets several slots at once and, unlike a closure,
+    /// can be compiled as part of the loop.
     fn run<S: Default + Send, O: Slots>(
         &self,
         scratches: &mut Vec<S>,
@@ -290,8 +292,8 @@ pub trait Execution {
     fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T;
 }
 
-/// Elements that [`scatter_onto`] gathers before their formula is run: enough for compilers to make
-/// vectors of the loop in between, and few enough for the first cache.
+/// Number of elements that [`scatter_onto`] gathers before it evaluates their formula: enough to
+/// vectorise the loop, and few enough for the first-level cache.
 pub const BATCH: usize = 32;
 
 /// The checks that every [`Execution::scatter`] has to make.
@@ -307,11 +309,12 @@ pub fn check_output<T: Real, O>(surface: Surface<'_, T>, output: &[O]) {
     );
 }
 
-/// Scatters `elements` onto the vertices `start`, `start + 1`, …, one per entry of `output`: adds to
-/// them as [`Execution::scatter`] does, and leaves all others alone. What loops are made of.
+/// Scatters `elements` onto the vertices `start`, `start + 1`, …, one per entry of `output`: adds
+/// to these as [`Execution::scatter`] does, and to no other vertex. All executions use this
+/// function.
 ///
-/// The formula runs over a batch of elements in one loop without branches. Compilers use vectors
-/// for it, of whatever width the function allows into which this is inlined.
+/// The formula runs over a batch of elements in one loop without branches. Compilers vectorise this
+/// loop with the width that the calling function allows, because this function is inlined there.
 ///
 /// # Panics
 /// If an element around them names a vertex without position or input.

@@ -1,4 +1,5 @@
-//! Numbers of a whole component (area, volume, integrated mean curvature) with exact gradients.
+//! Functionals of connected components (area, volume, integrated mean curvature) with exact
+//! gradients.
 
 use crate::components::Components;
 use crate::element::{ElementKernel, Execution};
@@ -61,7 +62,7 @@ pub trait Functional<T: Real>: Method<T> {
     );
 }
 
-/// Triangles (three corners) or hinges (four), those of one connected component after the other.
+/// Triangles (three corners) or hinges (four), sorted by connected component.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ComponentElements<const CORNERS: usize> {
     components: Components,

@@ -1,4 +1,4 @@
-//! The weight of what a surface encloses.
+//! Weight of the enclosed fluid.
 
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::functional::{ComponentElements, closed_triangles, sixfold_volume};
@@ -9,20 +9,20 @@ use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, scale, sub};
 use alloc::vec::Vec;
 
-/// Gravity and buoyancy: `E = −Δρ g·∫ (x − x_level) dV` over what each closed component encloses,
-/// Δρ the density inside minus the one outside, g the acceleration; the force is the exact
-/// gradient of the polyhedron's integral, the hydrostatic pressure `Δρ g·(x − x_level)` over the
-/// triangles. Positive Δρ sinks along g.
+/// Gravity and buoyancy: `E = −Δρ g·∫ (x − x_level) dV` over the interior of each closed component,
+/// with Δρ the density inside minus the density outside and g the acceleration. The force is the
+/// exact gradient of this integral over the polyhedron: the hydrostatic pressure `Δρ g·(x −
+/// x_level)` on the triangles. Positive Δρ sinks along g.
 ///
-/// The force comes from outside: it has the sum Δρ V g, and a move by t changes the energy by
-/// −Δρ V g·t. The level is where inside and outside have the same pressure; put elsewhere it adds a
-/// constant pressure, which changes nothing where the volume is held. Components with boundary
-/// enclose nothing and feel nothing.
+/// The force is external: its sum is Δρ V g, and a translation by t changes the energy by −Δρ V
+/// g·t. The level is the height at which inside and outside have the same pressure. Another level
+/// adds a constant pressure, which has no effect where the volume is held. Components with boundary
+/// enclose no volume and feel no force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gravity<T> {
     /// Δρ g, force per volume.
     pub weight: [T; 3],
-    /// x_level, a point. One near the surface keeps digits.
+    /// x_level, a point, preferably near the surface: large distances cost digits.
     pub level: [T; 3],
 }
 
@@ -86,7 +86,8 @@ impl<T: Real> TwoPass for Gravity<T> {
         });
     }
 
-    /// Over tetrahedra between the triangles and a vertex: the mean of the corners times the volume.
+    /// A sum over tetrahedra between the triangles and one vertex: the mean of the corners times
+    /// the volume.
     fn measured_energy(
         &self,
         execution: &impl Execution,

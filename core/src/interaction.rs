@@ -13,12 +13,12 @@ use crate::surface::Surface;
 
 /// An energy of several surfaces together, with its nodal forces.
 ///
-/// Laws: the force is the exact negative gradient of the energy by every position of every surface;
-/// moving and relabelling all surfaces together leaves the energy as it is, so that the forces on
-/// all of them have no sum; so does turning them, and the forces have no torque, but for surfaces
-/// that have [`Images`]: a periodic box has directions. There the energy is that of one box, and
-/// does not change if a surface is moved by a period. Nothing is allocated again once memory has
-/// grown to the largest evaluation.
+/// Laws: the force is the exact negative gradient of the energy with respect to every position of
+/// every surface. The energy is invariant under translation, rotation and relabelling of all
+/// surfaces together, so that the forces on all surfaces have neither sum nor torque. With
+/// [`Images`] there is no invariance under rotation, because a periodic box has directions; the
+/// energy is then that of one box, and does not change if a surface is moved by a period. Nothing
+/// is allocated once memory has grown to the largest evaluation.
 pub trait Interaction<T: Real> {
     /// Memory for one evaluation at a time.
     type Memory: Default;
@@ -34,7 +34,8 @@ pub trait Interaction<T: Real> {
     /// Adds to `forces[k]` the nodal forces on surface k, and returns the energy.
     ///
     /// # Panics
-    /// If there are fewer slices than surfaces, or one has fewer entries than its surface vertices.
+    /// If there are fewer slices than surfaces, or a slice has fewer entries than its surface has
+    /// vertices.
     fn add_force_and_energy(
         &self,
         execution: &impl Execution,

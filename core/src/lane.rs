@@ -12,9 +12,9 @@ pub(crate) use several::{Several, WIDTH};
 /// One or several reals that go through a formula together.
 ///
 /// Kernels are written once over a lane and without data-dependent branches; a [`Real`] is a lane
-/// of width 1, a SIMD vector is a lane of its own width. A kernel that runs on a wider lane gives
-/// in each entry exactly the operations it does on a single real, so that widths agree bit for bit
-/// wherever the elementary functions do.
+/// of width 1, a SIMD vector is a lane of its own width. A kernel on a wider lane performs in each
+/// entry exactly the operations that it performs on a single real. All widths therefore agree bit
+/// for bit if the elementary functions do.
 pub trait Lane:
     Copy
     + Debug
@@ -43,10 +43,10 @@ pub trait Lane:
     fn atan2(self, x: Self) -> Self;
     /// `self < other`.
     fn less(self, other: Self) -> Self::Mask;
-    /// `yes` where the mask holds, `no` elsewhere; both are computed.
+    /// `yes` where the mask is set, `no` elsewhere; both are computed.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// `1 / self`, and 0 where the reciprocal of `self` is not a finite number of full precision
-    /// (zero and subnormal numbers): what an element without extent contributes.
+    /// `1 / self`, or 0 where the reciprocal is not a finite number of full precision (zero and
+    /// subnormal numbers). With it an element without extent contributes 0.
     fn reciprocal_or_zero(self) -> Self;
 
     /// The constant `value`, rounded to the scalar, in every entry.

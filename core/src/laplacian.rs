@@ -34,8 +34,8 @@ use alloc::vec::Vec;
 /// [`Curvatures::curvatures`] measures the surface, and leaves in the workspace what
 /// [`Self::apply`] and [`Self::assemble`] need for it.
 pub trait LaplaceBeltrami<T: Real>: Curvatures<T> {
-    /// Sets `laplacian` to `Δ_S field`, for a field of D numbers a vertex, on the surface that was
-    /// measured last.
+    /// Sets `laplacian` to `Δ_S field`, for a field of D numbers per vertex, on the surface that
+    /// was measured last.
     ///
     /// # Panics
     /// If `field` or `laplacian` have fewer entries than the surface has vertices, the surface has
@@ -65,8 +65,8 @@ pub trait LaplaceBeltrami<T: Real>: Curvatures<T> {
         self.apply::<1>(execution, surface, workspace, field, laplacian);
     }
 
-    /// Fills `rows` with the operator of the surface that was measured last. What `rows` held is
-    /// overwritten; its memory is reused, and its pattern too if that has not changed.
+    /// Fills `rows` with the operator of the surface that was measured last. Previous contents of
+    /// `rows` are overwritten; the memory is reused, and the pattern too if it has not changed.
     ///
     /// # Panics
     /// If the surface has another mesh than that of the workspace, or no surface has been measured
@@ -108,7 +108,7 @@ impl<T: Clone> Clone for Rows<T> {
         }
     }
 
-    /// Reuses the memory, which the derived one would not.
+    /// Reuses the memory of `self`, unlike a derived `clone_from`.
     fn clone_from(&mut self, source: &Self) {
         self.offsets.clone_from(&source.offsets);
         self.lengths.clone_from(&source.lengths);
@@ -120,7 +120,7 @@ impl<T: Clone> Clone for Rows<T> {
 /// The length, the columns and the coefficients of each row.
 type RowSlots<'a, T> = (&'a mut [u32], (Strided<'a, u32>, Strided<'a, T>));
 
-/// The same for rows with room of their own.
+/// The same for rows with different capacities.
 type RaggedRowSlots<'a, T> = (&'a mut [u32], (Ragged<'a, u32>, Ragged<'a, T>));
 
 impl<T: Real> Rows<T> {
@@ -129,8 +129,7 @@ impl<T: Real> Rows<T> {
         Self::default()
     }
 
-    /// Takes over other rows; memory that is large enough is kept, which a derived `clone_from`
-    /// does not do.
+    /// Copies other rows, and reuses memory that is large enough, unlike a derived `clone_from`.
     fn copy_from(&mut self, other: &Self) {
         self.offsets.clone_from(&other.offsets);
         self.lengths.clone_from(&other.lengths);
@@ -143,7 +142,7 @@ impl<T: Real> Rows<T> {
         self.lengths.len()
     }
 
-    /// Whether there is no row.
+    /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.lengths.is_empty()
     }
@@ -175,7 +174,7 @@ impl<T: Real> Rows<T> {
         -self.row(row).1.iter().copied().sum::<T>()
     }
 
-    /// Sets `result` to the product with a field of D numbers a vertex.
+    /// Sets `result` to the product with a field of D numbers per vertex.
     ///
     /// # Panics
     /// If `field` or `result` have fewer entries than there are rows.
@@ -205,8 +204,8 @@ impl<T: Real> Rows<T> {
         self.apply::<1>(execution, field.as_chunks().0, result.as_chunks_mut().0);
     }
 
-    /// Makes room for `rows` rows of up to `capacity` entries each, all empty, and gives out for
-    /// each row its length, columns and coefficients, to be set in any order.
+    /// Makes room for `rows` rows of up to `capacity` entries each, all empty, and returns for each
+    /// row its length, columns and coefficients, to be set in any order.
     fn slots(&mut self, rows: usize, capacity: usize) -> RowSlots<'_, T> {
         self.offsets.clear();
         self.offsets.extend((0..=rows).map(|row| row * capacity));
@@ -219,8 +218,8 @@ impl<T: Real> Rows<T> {
         (&mut self.lengths, (columns, coefficients))
     }
 
-    /// Makes room for rows of up to `offsets[i + 1] − offsets[i]` entries, all empty, and gives out
-    /// for each its length, columns and coefficients, to be set in any order.
+    /// Makes room for rows of up to `offsets[i + 1] − offsets[i]` entries, all empty, and returns
+    /// for each row its length, columns and coefficients, to be set in any order.
     fn ragged_slots(&mut self, offsets: &[usize]) -> RaggedRowSlots<'_, T> {
         self.offsets.clear();
         self.offsets.extend_from_slice(offsets);
@@ -234,8 +233,7 @@ impl<T: Real> Rows<T> {
         (&mut self.lengths, (columns, coefficients))
     }
 
-    /// Takes away all rows and keeps the memory, to be filled by [`Self::push`] and
-    /// [`Self::end_row`].
+    /// Removes all rows and keeps the memory, to be filled by [`Self::push`] and [`Self::end_row`].
     fn clear(&mut self) {
         self.offsets.clear();
         self.offsets.push(0);
@@ -244,20 +242,20 @@ impl<T: Real> Rows<T> {
         self.coefficients.clear();
     }
 
-    /// Adds an entry to the row that is not ended yet.
+    /// Adds an entry to the current row.
     fn push(&mut self, column: u32, coefficient: T) {
         self.columns.push(column);
         self.coefficients.push(coefficient);
     }
 
-    /// Ends a row.
+    /// Ends the current row.
     fn end_row(&mut self) {
         let start = self.offsets.last().copied().unwrap_or(0);
         self.lengths.push((self.columns.len() - start) as u32);
         self.offsets.push(self.columns.len());
     }
 
-    /// Takes the pattern `columns[offsets[i] .. offsets[i + 1]]` for row i, unless it is there
+    /// Sets the pattern of row i to `columns[offsets[i] .. offsets[i + 1]]`, unless it is the same
     /// already, and sets all coefficients to zero.
     fn reset(&mut self, offsets: &[u32], columns: &[u32]) {
         let offsets = offsets.iter().map(|&offset| offset as usize);

@@ -1,5 +1,5 @@
 //! Bending of triangulated membranes: discrete Laplace–Beltrami operators, curvatures, the Helfrich
-//! bending energy and force, and what else acts on membranes.
+//! bending energy and force, and other effects that act on membranes.
 //!
 //! # From points to forces
 //!
@@ -28,8 +28,9 @@
 //! * A [`Functional`] is a number of each connected component: [`TotalArea`], [`EnclosedVolume`],
 //!   [`TotalMeanCurvature`]. Energies are made of them ([`Penalty`], [`SurfaceTension`],
 //!   [`OsmoticPressure`], [`AreaDifference`]), and [`Constraints`] hold them exactly.
-//! * [`Gravity`], [`PointLoads`] and [`WallAdhesion`] come from outside. An [`Interaction`] acts between surfaces:
-//!   [`Repulsion`]. A [`Dissipation`] depends on velocities: [`MembraneViscosity`].
+//! * [`Gravity`], [`PointLoads`] and [`WallAdhesion`] are external forces. [`Repulsion`] is an
+//!   [`Interaction`], which acts between surfaces. [`MembraneViscosity`] is a [`Dissipation`],
+//!   which depends on velocities.
 //! * The sum of two methods is the pair `(a, b)`; longer sums nest. [`Prepared`] holds a method with
 //!   its [`Workspace`]; [`shapes`] are surfaces known exactly.
 //!
@@ -39,8 +40,8 @@
 //! * `Δ_S = div_S grad_S`, negative semi-definite. `H = (c₁ + c₂)/2`, positive on a sphere, so that
 //!   `Δ_S x = −2 H n`. `K = c₁ c₂`.
 //! * `E = 2κ ∫ H² dS`: `8πκ` for every sphere.
-//! * Force `F_i = −∂E/∂x_i`, what the membrane exerts on its surroundings at a vertex, in units of
-//!   force. Force density `f = 2κ [Δ_S H + 2H (H² − K)] n`, force per area of membrane.
+//! * Force `F_i = −∂E/∂x_i`: the force that the membrane exerts on its surroundings at a vertex.
+//!   Force density `f = 2κ [Δ_S H + 2H (H² − K)] n`, force per area of membrane.
 //! * In-plane moduli are forces per length; E_s, which some give for neo-Hookean membranes, is 3 G.
 //!   Positive surface tension contracts, positive osmotic pressure inflates.
 //! * H is in 1/length, K in 1/length², Δ_S H in 1/length³, κ in units of energy; lengths are in
@@ -50,8 +51,8 @@
 //!
 //! # Features
 //!
-//! `std` (on by default) takes elementary functions from the platform in place of `libm`; `glam`
-//! and `nalgebra` let their points be read in place.
+//! `std` (on by default) takes elementary functions from the platform instead of `libm`. `glam` and
+//! `nalgebra` make the points of these crates readable in place.
 #![no_std]
 #![forbid(unsafe_code)]
 #![warn(clippy::std_instead_of_core, clippy::std_instead_of_alloc)]

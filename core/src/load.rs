@@ -1,4 +1,4 @@
-//! Forces from outside that do not depend on the shape.
+//! External forces that do not depend on the shape.
 
 use crate::element::Execution;
 use crate::mesh::{TriangleMesh, VertexKind};
@@ -10,11 +10,12 @@ use alloc::vec::Vec;
 
 /// Constant forces F_i on some vertices: `E = −Σ F_i·(x_i − x_level)`.
 ///
-/// The energy is counted from the point `level`, the origin unless [`Self::with_level`] says
-/// otherwise. If the forces have no sum it does not depend on the level, and forces and energy do
-/// not change when the surface is moved; it is then computed from differences of positions alone.
+/// The energy is measured from the point `level`, which is the origin unless [`Self::with_level`]
+/// sets another one. If the forces sum to zero, the energy does not depend on the level and is
+/// computed from differences of positions alone, so that a translation changes neither forces nor
+/// energy.
 ///
-/// They are what the surroundings do to the membrane: ΣF and Σ x × F are whatever was asked for.
+/// The surroundings exert these forces on the membrane, so ΣF and Σ x × F need not be zero.
 ///
 /// ```
 /// use helfrich::{PointLoads, Prepared, Surface, TriangleMesh};
@@ -38,11 +39,11 @@ pub struct PointLoads<T> {
     vertices: usize,
 }
 
-/// Why forces cannot be put on a surface.
+/// The reason why forces cannot act on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {
-    /// A force is put on a vertex that does not exist.
+    /// A force acts on a vertex that does not exist.
     #[error(
         "load {load} names vertex {vertex}, but there are {vertices} vertices, numbered from 0"
     )]
@@ -63,7 +64,7 @@ pub enum LoadError {
     /// The direction of a pull has no length, or is not finite.
     #[error("the direction of the pull must be a finite vector other than zero")]
     NoDirection,
-    /// Each end is to have less than one vertex, or the two ends to have vertices in common.
+    /// Each end would have less than one vertex, or the two ends would have vertices in common.
     #[error(
         "a fraction of {fraction} of {vertices} vertices at each end is {found}: at least one \
          vertex, and at most half of them, is needed"
@@ -110,14 +111,14 @@ impl<T: Real> PointLoads<T> {
     }
 
     /// Opposite forces at the two ends of a surface, as optical tweezers pull a cell: the vertices
-    /// that lie farthest along `direction` share the force `force` in this direction equally, as
-    /// many that lie farthest against it the opposite. A negative force pushes.
+    /// that lie farthest along `direction` share `force` equally, and as many vertices at the
+    /// opposite end share the opposite force. A negative force pushes.
     ///
     /// An end has `fraction` of the vertices that are in a triangle, rounded to the nearest number:
     /// 0.05, say, for the beads of J. P. Mills, L. Qie, M. Dao, C. T. Lim and S. Suresh, Mech. Chem.
-    /// Biosyst. 1 (2004) 169. Of vertices equally far, those with lower numbers count as farther
-    /// back. The ends are those of this surface: as it moves, the same vertices stay loaded, in the
-    /// same direction.
+    /// Biosyst. 1 (2004) 169. Among vertices at the same distance, lower numbers count as farther
+    /// back. The ends are determined on this surface: when it moves, the same vertices stay loaded,
+    /// in the same direction.
     ///
     /// # Errors
     /// If the direction has no length, the force is not finite, or the fraction leaves an end
@@ -129,7 +130,7 @@ impl<T: Real> PointLoads<T> {
         force: T,
     ) -> Result<Self, LoadError> {
         let mesh = surface.mesh();
-        // Scaled first, so that no square over- or underflows.
+        // The direction is scaled first, so that no square over- or underflows.
         let longest = direction
             .iter()
             .fold(T::zero(), |most, x| most.max(x.abs()));
@@ -152,20 +153,20 @@ impl<T: Real> PointLoads<T> {
         }
         let first = order[0];
         let height = |vertex: u32| dot(direction, surface.difference(first, vertex));
-        // Stable: what is equally far stays in the order of the numbers.
+        // The sort is stable: vertices at the same distance stay in the order of their numbers.
         order.sort_by(|&a, &b| {
             let heights = height(a).partial_cmp(&height(b));
             heights.unwrap_or(core::cmp::Ordering::Equal)
         });
         let pull = scale(force / T::constant(count as f64), direction);
         let push = pull.map(|f| -f);
-        // In pairs, so that the sum is zero to the last bit.
+        // Loads are listed in opposite pairs, so that their sum is exactly zero.
         let (back, front) = (&order[..count], &order[vertices - count..]);
         let pair = |(&front, &back)| [(front, pull), (back, push)];
         Self::new(mesh, front.iter().zip(back).flat_map(pair).collect())
     }
 
-    /// The same with the energy counted from the point `level`.
+    /// The same loads with the energy measured from the point `level`.
     pub fn with_level(mut self, level: [T; 3]) -> Self {
         self.level = level;
         self

@@ -7,7 +7,7 @@ const NONE: u32 = u32::MAX;
 
 /// An oriented, manifold triangle mesh, closed or with boundary: connectivity only.
 ///
-/// Validated once, by [`TriangleMesh::new`]; what holds an instance may rely on:
+/// Validated once, by [`TriangleMesh::new`]. Every instance guarantees:
 /// * every index is in range and every triangle has three different vertices;
 /// * every edge belongs to one or two triangles, which run through it in opposite directions;
 /// * the triangles at a vertex form one fan, closed at an interior vertex, open at a boundary one;
@@ -26,7 +26,7 @@ pub struct TriangleMesh {
     fingerprint: u64,
 }
 
-/// The place of a vertex on its mesh: inside, at a boundary, or in no triangle.
+/// The position of a vertex in its mesh: interior, at a boundary, or in no triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum VertexKind {
     /// Surrounded by triangles.
@@ -38,11 +38,11 @@ pub enum VertexKind {
     Isolated,
 }
 
-/// Why triangles do not form a [`TriangleMesh`].
+/// The reason why triangles do not form a [`TriangleMesh`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// There is no triangle.
+    /// There are no triangles.
     #[error("the mesh is empty: it has no triangle")]
     Empty,
     /// A list of indices that does not end with a whole triangle.
@@ -56,7 +56,7 @@ pub enum MeshError {
     TooLarge {
         /// `"vertices"` or `"triangles"`.
         what: &'static str,
-        /// Their number.
+        /// The number of these.
         count: usize,
         /// The largest possible number.
         limit: usize,
@@ -125,14 +125,14 @@ pub enum MeshError {
     },
 }
 
-/// The sides of the triangles, each known by the corner `3 * triangle + 0, 1 or 2` that it leaves.
+/// The half-edges of the triangles, each identified by the corner `3 * triangle + 0, 1 or 2` at its
+/// start.
 struct HalfEdges {
     /// Start in `entries` of the half-edges that leave each vertex.
     offsets: Vec<u32>,
-    /// `(head, corner)`, sorted, for one vertex after the other.
+    /// `(head, corner)`, sorted, vertex by vertex.
     entries: Vec<(u32, u32)>,
-    /// For each corner, the corner that the same edge leaves in the other direction; `NONE` at the
-    /// boundary.
+    /// For each corner, the corner at the start of the opposite half-edge; `NONE` at the boundary.
     opposite: Vec<u32>,
 }
 
@@ -182,13 +182,13 @@ impl HalfEdges {
         }
     }
 
-    /// The next corner at the same vertex, counter-clockwise; `NONE` where the boundary comes.
+    /// The next corner at the same vertex, counter-clockwise; `NONE` at a boundary.
     fn next_around(&self, corner: u32) -> u32 {
         self.opposite[previous_corner(corner) as usize]
     }
 
-    /// Finds the opposites; every directed edge must be there once, and no triangle on top of
-    /// another.
+    /// Finds the opposite half-edges. Every directed edge must occur once, and no two triangles may
+    /// have the same vertices.
     fn pair(&mut self, triangles: &[[u32; 3]]) -> Result<(), MeshError> {
         for tail in 0..self.offsets.len() as u32 - 1 {
             let end = self.offsets[tail as usize + 1] as usize;
@@ -289,7 +289,7 @@ impl TriangleMesh {
     /// outside.
     ///
     /// # Errors
-    /// The first reason found why these triangles are no oriented manifold; see [`MeshError`].
+    /// The first reason found why these triangles are not an oriented manifold; see [`MeshError`].
     pub fn new(vertices: usize, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         for (what, count) in [("vertices", vertices), ("triangles", triangles.len())] {
             if count > Self::LIMIT {
@@ -343,8 +343,7 @@ impl TriangleMesh {
         })
     }
 
-    /// A number that tells this mesh from others: that of the same vertices and triangles in the same
-    /// order is the same on every machine.
+    /// A hash of the vertices and triangles in their order, the same on every machine.
     #[inline]
     pub fn fingerprint(&self) -> u64 {
         self.fingerprint
@@ -379,7 +378,7 @@ impl TriangleMesh {
         (left, (right != NONE).then_some(right))
     }
 
-    /// The neighbours of a vertex, counter-clockwise seen from outside; at a boundary vertex from
+    /// The neighbours of a vertex, counter-clockwise seen from outside; at a boundary vertex, from
     /// one boundary edge to the other.
     ///
     /// # Panics
@@ -390,8 +389,8 @@ impl TriangleMesh {
             [self.ring_offsets[vertex] as usize..self.ring_offsets[vertex + 1] as usize]
     }
 
-    /// Where each one-ring starts in the list of all of them, with the list's length at the end:
-    /// the row offsets of a matrix with an entry for each vertex and neighbour.
+    /// The start of each one-ring in the list of all one-rings, and the length of the list at the
+    /// end: the row offsets of a matrix with an entry for each vertex and neighbour.
     #[inline]
     pub fn ring_offsets(&self) -> &[u32] {
         &self.ring_offsets
@@ -412,7 +411,7 @@ impl TriangleMesh {
         self.one_ring(vertex).len()
     }
 
-    /// Whether a vertex is inside, at the boundary, or in no triangle.
+    /// The kind of a vertex: interior, at the boundary, or in no triangle.
     ///
     /// # Panics
     /// If there is no such vertex.
@@ -470,8 +469,9 @@ impl TriangleMesh {
         used as i64 - self.edges.len() as i64 + self.triangles.len() as i64
     }
 
-    /// The connected component of each vertex, numbered from 0 by the lowest vertex in it, and the
-    /// number of components. An isolated vertex is a component of its own.
+    /// The connected component of each vertex, and the number of components. Components are
+    /// numbered from 0 in the order of their lowest vertices. An isolated vertex is a component of
+    /// its own.
     pub fn components(&self) -> (Vec<u32>, usize) {
         let mut component = alloc::vec![NONE; self.vertex_count()];
         let mut front = Vec::new();
@@ -576,7 +576,8 @@ fn separate_fans(vertex: u32, triangles: &[[u32; 3]], half_edges: &HalfEdges) ->
             .iter()
             .map(|&(_, corner)| half_edges.find(vertex, apex(corner, triangles))),
     );
-    // An open fan starts where no triangle precedes; what these do not reach is closed fans.
+    // An open fan starts where no triangle precedes; corners that open fans do not reach are in
+    // closed fans.
     let mut is_start = alloc::vec![true; leaving.len()];
     for &next in next.iter().flatten() {
         is_start[next] = false;

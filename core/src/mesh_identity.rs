@@ -3,7 +3,7 @@
 use crate::mesh::TriangleMesh;
 use core::fmt;
 
-/// A mesh as it is compared with others: by a fingerprint of its vertices and triangles.
+/// The identity of a mesh: a fingerprint of its vertices and triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MeshIdentity {
     fingerprint: u64,

@@ -29,13 +29,13 @@ pub trait Method<T: Real>: Sized {
     /// Checks the parameters: a modulus or a spontaneous curvature has to be a finite number.
     ///
     /// # Errors
-    /// The first parameter that is not.
+    /// The first parameter that is not finite.
     fn check(&self) -> Result<(), ParameterError> {
         Ok(())
     }
 
-    /// Reports what made the last evaluation in `workspace` less trustworthy than usual; nothing is
-    /// counted unless this is called.
+    /// Reports everything that made the last evaluation in `workspace` less trustworthy than usual.
+    /// Evaluations collect nothing for this report, so it costs nothing unless called.
     ///
     /// # Panics
     /// If the surface has another mesh than that of the workspace.
@@ -122,16 +122,16 @@ impl<T: Real, M: Method<T>> fmt::Debug for Workspace<T, M> {
 /// The end of the message about a workspace.
 const REMEDY: &str = "make a workspace of that mesh, by Method::workspace or Prepared::new";
 
-/// A parameter of a method that is NaN or infinite: no energy or force follows from it.
+/// A parameter of a method that is NaN or infinite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the {parameter} is not a finite number")]
 pub struct ParameterError {
-    /// The parameter in words.
+    /// Description of the parameter.
     pub parameter: &'static str,
 }
 
 impl ParameterError {
-    /// Nothing, if the value of this parameter is finite.
+    /// Returns an error unless the value of this parameter is finite.
     pub(crate) fn unless_finite<T: Real>(
         parameter: &'static str,
         value: T,
@@ -160,7 +160,7 @@ pub trait Energy<T: Real>: Method<T> {
     ) -> T;
 }
 
-/// Nodal forces F_i: what the membrane exerts on its surroundings at vertex i, in units of force.
+/// Nodal forces F_i: the force that the membrane exerts on its surroundings at vertex i.
 ///
 /// Laws: rotate with the surface, do not change under its translation, follow a relabelling.
 pub trait Force<T: Real>: Method<T> {
@@ -178,9 +178,9 @@ pub trait Force<T: Real>: Method<T> {
     );
 }
 
-/// Force density f: force per area of membrane, as methods in strong form find it.
+/// Force density f: force per area of membrane, computed by methods in strong form.
 ///
-/// Integrated over the area that belongs to a vertex it is the nodal force.
+/// Its integral over the area of a vertex is the nodal force.
 pub trait ForceDensity<T: Real>: Method<T> {
     /// Sets `density`, one entry a vertex.
     ///
@@ -198,8 +198,8 @@ pub trait ForceDensity<T: Real>: Method<T> {
 
 /// A force that is the exact negative gradient of its own discrete energy.
 ///
-/// Laws: F_i = −∂E/∂x_i, exact but for rounding; therefore ΣF = 0 and Σ x × F = 0, unless the energy is
-/// one of something outside, as weight and loads are.
+/// Laws: F_i = −∂E/∂x_i to rounding. Therefore ΣF = 0 and Σ x × F = 0, unless the energy is
+/// external, as that of gravity and loads.
 pub trait Conservative<T: Real>: Energy<T> + Force<T> {
     /// Adds the nodal forces to `force` and returns the energy, in one evaluation.
     ///

@@ -16,11 +16,13 @@ pub(crate) struct Neighbourhood<T> {
     /// The search in which each vertex was reached last.
     reached: Vec<u32>,
     search: u32,
-    /// The vertices that were reached, without the centre: squared distance through space, and vertex.
+    /// The vertices that were reached, without the centre: squared Euclidean distance, and vertex.
     pub(crate) found: Vec<(T, u32)>,
-    /// Length of the shortest path to each vertex that this search reached, where it asks for it.
+    /// Length of the shortest path to each vertex that this search reached, if the search uses path
+    /// lengths.
     paths: Vec<T>,
-    /// Vertices to go on from, each at most once: it never needs more room than there are vertices.
+    /// Queue of vertices whose neighbours are not searched yet; it holds each vertex at most once,
+    /// so that it never outgrows the mesh.
     queue: VecDeque<u32>,
     /// Whether each vertex is in the queue.
     waiting: Vec<bool>,
@@ -42,8 +44,8 @@ impl<T: Real> Neighbourhood<T> {
         }
     }
 
-    /// Finds `count` vertices and those of the same ring as the last of them, ring after ring; all of the
-    /// component if there are fewer.
+    /// Finds whole rings until at least `count` vertices are found, or all vertices of the
+    /// component.
     pub(crate) fn at_least(&mut self, surface: Surface<'_, T>, centre: u32, count: usize) {
         self.start(surface.mesh(), centre);
         self.reach_around(surface, centre, centre);
@@ -58,8 +60,8 @@ impl<T: Real> Neighbourhood<T> {
         }
     }
 
-    /// Finds the `count` nearest of those that are reached first, sorted by their distances through
-    /// space, equal ones by their numbers.
+    /// Finds the `count` nearest of the vertices that are reached first, sorted by Euclidean
+    /// distance, and by number where distances are equal.
     pub(crate) fn nearest(&mut self, surface: Surface<'_, T>, centre: u32, count: usize) {
         self.at_least(surface, centre, count + count * 7 / 10 + 20);
         self.found.sort_unstable_by(|(a, first), (b, second)| {
@@ -69,8 +71,8 @@ impl<T: Real> Neighbourhood<T> {
         self.found.truncate(count);
     }
 
-    /// Finds all vertices to which a path of edges leads that is no longer than `longest`.
-    /// `edge_lengths` has the length of the edge to each entry of the mesh's one-rings.
+    /// Finds all vertices that a path of edges no longer than `longest` reaches. `edge_lengths` has
+    /// the length of the edge to each entry of the mesh's one-rings.
     pub(crate) fn within(
         &mut self,
         surface: Surface<'_, T>,
@@ -87,8 +89,9 @@ impl<T: Real> Neighbourhood<T> {
         self.waiting.resize(vertices, false);
         self.paths[centre as usize] = T::zero();
         self.queue.push_back(centre);
-        // First come, first served, and again where a shorter path turns up later: on meshes with
-        // edges of similar length that is rare, and cheaper than keeping the queue in order.
+        // The queue is first in, first out, and a vertex enters again if a shorter path turns up
+        // later. On meshes with edges of similar length this is rare, and cheaper than a sorted
+        // queue.
         while let Some(vertex) = self.queue.pop_front() {
             self.waiting[vertex as usize] = false;
             let start = mesh.ring_offsets()[vertex as usize] as usize;
@@ -123,7 +126,7 @@ impl<T: Real> Neighbourhood<T> {
         self.found.clear();
     }
 
-    /// Adds the neighbours of `vertex` that were not reached yet.
+    /// Adds the neighbours of `vertex` that have not been reached yet.
     fn reach_around(&mut self, surface: Surface<'_, T>, centre: u32, vertex: u32) {
         for &neighbour in surface.mesh().one_ring(vertex as usize) {
             if self.reached[neighbour as usize] != self.search {
@@ -139,20 +142,20 @@ impl<T: Real> Neighbourhood<T> {
     }
 }
 
-/// Around each vertex of a mesh those that are reached first along edges, in the order in which they
-/// are: among them are the nearest, wherever the vertices lie.
+/// For each vertex of a mesh, the vertices that are reached first along edges, in this order. They
+/// include the nearest vertices, whatever the positions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Surroundings {
     /// Start of the neighbourhood of each vertex, and the end of the last.
     offsets: Vec<usize>,
     vertices: Vec<u32>,
-    /// The most of one vertex, padded.
+    /// Largest number of candidates of one vertex, padded.
     room: usize,
 }
 
 impl Surroundings {
     /// Searches breadth-first around each vertex until at least `most · 8/5` vertices and two whole
-    /// rings are reached; all that there are, if there are fewer.
+    /// rings are reached, or all vertices of the component.
     pub(crate) fn new(mesh: &TriangleMesh, most: usize) -> Self {
         let count = mesh.vertex_count();
         let enough = most + most * 3 / 5;
@@ -198,7 +201,7 @@ impl Surroundings {
         }
     }
 
-    /// Room for a number of each of what surrounds a vertex.
+    /// Scratch memory for one key per candidate of a vertex.
     #[inline(always)]
     pub(crate) fn room(&self) -> usize {
         self.room
@@ -211,14 +214,14 @@ impl Surroundings {
     }
 }
 
-/// Keys are padded to a multiple of this, with which vectors come out even.
+/// Keys are padded to a multiple of this number, so that they fill whole vectors.
 const COMPARED: usize = 8;
 
-/// The key of what is farther than everything.
+/// The key of padding, larger than all others.
 const FARTHEST: i32 = i32::MAX;
 
-/// The upper half of the bits of a squared distance as an f64. They are in the order of the
-/// distances, and distances that agree in six digits count as the same.
+/// The upper half of the bits of a squared distance in f64. Keys have the order of the distances;
+/// distances that agree in six digits have the same key.
 #[inline(always)]
 fn key_of(squared: f64) -> i32 {
     (squared.to_bits() >> 32) as i32
@@ -240,8 +243,9 @@ fn count_within(keys: &[i32], most: i32) -> usize {
     count as usize
 }
 
-/// Sets `keys` to those of the distances of `surroundings` from `centre`; the others are farther. Not
-/// inlined: there is nothing to make vectors of, and loops of fits leave no registers.
+/// Sets `keys` to the keys of the distances of `surroundings` from `centre`, and the rest to
+/// padding. Not inlined, because there is nothing to vectorise, and the loops of fits leave no
+/// registers.
 #[inline(never)]
 pub(crate) fn set_keys<T: Real>(
     keys: &mut [i32],
@@ -258,8 +262,8 @@ pub(crate) fn set_keys<T: Real>(
     padding.fill(FARTHEST);
 }
 
-/// Sets `nearest` to the nearest of `surroundings`, which are at least as many and have the distances
-/// `keys`; of several that are equally near, to those with the smallest numbers. `ranks` is scratch
+/// Sets `nearest` to the nearest of `surroundings`, which have the keys `keys` and are at least as
+/// many. Of several vertices with the same key, the smallest numbers are taken. `ranks` is scratch
 /// memory.
 #[inline(never)]
 pub(crate) fn set_nearest(
@@ -270,7 +274,7 @@ pub(crate) fn set_nearest(
 ) {
     let (certain, possible) = bracket(nearest.len(), surroundings.len(), keys);
     ranks.resize(keys.len(), 0);
-    // Which they are is as good as random: there is no branch.
+    // There is no branch here, because the outcomes are random and could not be predicted.
     let mut all = 0;
     for (&vertex, &key) in surroundings.iter().zip(keys) {
         ranks[all] = (key as u64) << 32 | u64::from(vertex);
@@ -294,8 +298,9 @@ pub(crate) fn set_nearest(
     }
 }
 
-/// A key that fewer than `count` of the first `all` do not exceed, and one that as many or more do not,
-/// with few in between unless their distances are the same.
+/// Two bounds of the key of rank `count` among the first `all`: fewer than `count` keys are at most
+/// the first bound, at least `count` are at most the second. Few keys lie in between, unless they
+/// are equal.
 #[inline(always)]
 fn bracket(count: usize, all: usize, keys: &[i32]) -> (i32, i32) {
     let (mut low, mut below) = (-1, 0);
@@ -308,8 +313,8 @@ fn bracket(count: usize, all: usize, keys: &[i32]) -> (i32, i32) {
         if above - below <= FEW || high - low <= 1 {
             break;
         }
-        // On a surface the number of vertices grows in proportion to the squared distance. Guesses aim
-        // at a few more and at a few less in turn.
+        // On a surface the number of vertices is proportional to the squared distance. Guesses aim
+        // alternately at a few more and a few less.
         let aim = (count - below) as f64 + if beyond { 2.5 } else { -1.5 };
         let part = (aim / (above - below) as f64).clamp(0.05, 0.95);
         let (least, most) = (squared_of(low.max(0)), squared_of(high));

@@ -1,4 +1,4 @@
-//! Zero-copy views of point slices: the one file that names glam and nalgebra.
+//! Zero-copy views of point slices. No other file names glam and nalgebra.
 
 use crate::real::Real;
 use alloc::vec::Vec;

@@ -12,8 +12,8 @@ use crate::real::Real;
 use crate::surface::Surface;
 use alloc::vec::Vec;
 
-/// A method with its workspace, ready to be evaluated again and again for surfaces with the mesh it
-/// was prepared for. Nothing is allocated after the first evaluation.
+/// A method with its workspace, ready for repeated evaluation on surfaces with the mesh for which
+/// it was prepared. Nothing is allocated after the first evaluation.
 ///
 /// Forces are written in place to any [`PointsMut`], as positions are read from any
 /// [`Points`](crate::Points).
@@ -38,7 +38,7 @@ impl<T: Real, M: Method<T>> Prepared<T, M> {
 }
 
 impl<T: Real, M: Method<T>, X: Execution> Prepared<T, M, X> {
-    /// Prepares `method` for a mesh; evaluations run as `execution` does.
+    /// Prepares `method` for a mesh; evaluations run on `execution`.
     ///
     /// # Panics
     /// If a parameter of the method is not finite, see [`Method::check`].
@@ -77,7 +77,7 @@ impl<T: Real, M: Method<T>, X: Execution> Prepared<T, M, X> {
         self.workspace.memory()
     }
 
-    /// Gives every part to `evaluate`: for what a method offers beyond the common traits.
+    /// Calls `evaluate` with every part, for operations of a method beyond the common traits.
     pub fn with<R>(&mut self, evaluate: impl FnOnce(&M, &X, &mut Workspace<T, M>) -> R) -> R {
         evaluate(&self.method, &self.execution, &mut self.workspace)
     }
@@ -228,8 +228,8 @@ impl<T: Real, M: Method<T>, X: Execution> Prepared<T, M, X> {
     }
 
     /// The findings of [`Self::inspect`] and those of [`Noise`] in the positions, with a flag for each
-    /// vertex that they concern. The noise takes as long as some thousand fits of [`Jet`](crate::Jet),
-    /// [`Self::inspect`] next to nothing.
+    /// vertex that they concern. The estimate of the noise takes as long as a few thousand fits of
+    /// [`Jet`](crate::Jet); [`Self::inspect`] takes almost no time.
     ///
     /// # Panics
     /// As [`Self::energy`].

@@ -14,7 +14,7 @@ use crate::triangle::DualArea;
 use crate::vec3::{Vec3, add, cross, dot, scale, sub};
 use alloc::vec::Vec;
 
-/// The rigid body of one component, and the force field that takes its net force and torque away.
+/// The rigid body of one component, and the force field that cancels its net force and torque.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RigidBody<T> {
     /// A vertex, from which positions are taken.
@@ -51,14 +51,15 @@ impl<T: Real> RigidBody<T> {
     }
 }
 
-/// Takes from nodal forces what accelerates or spins each connected component as a rigid body:
+/// Removes from nodal forces the part that accelerates or spins each connected component as a rigid
+/// body:
 ///
 /// `F_i −= A_i (a + b × (x_i − x_c))`, `a = ΣF/ΣA`, `b = I⁻¹ Σ (x − x_c) × F`,
 /// `I = ΣA (|d|² 1 − d dᵀ)`, `x_c = ΣA x/ΣA`, `d = x − x_c`.
 ///
-/// Afterwards ΣF = 0 and Σ x × F = 0 in each component, to rounding. Where all vertices lie on a
-/// line the turn about it, which moves none of them, is left out. A component without area keeps
-/// its forces. `areas` are the A_i, one a vertex; `bodies` is memory, reused.
+/// Afterwards ΣF = 0 and Σ x × F = 0 in each component, to rounding. If all vertices lie on a line,
+/// the rotation about it, which moves no vertex, is left out. A component without area keeps its
+/// forces. `areas` are the A_i, one per vertex; `bodies` is memory that is reused.
 ///
 /// # Panics
 /// If `components`, `areas` or `force` have fewer entries than the surface has vertices.
@@ -77,8 +78,8 @@ pub fn remove_net_force_and_torque<T: Real>(
     }
 }
 
-/// Sets the rigid body of each component. Sums run over the vertices in their order, so
-/// that they do not depend on how work is divided.
+/// Sets the rigid body of each component. Sums run over the vertices in their order, so that
+/// results do not depend on threads.
 fn set_bodies<T: Real>(
     components: &Components,
     surface: Surface<'_, T>,
@@ -134,8 +135,8 @@ fn set_bodies<T: Real>(
 }
 
 /// A solution of `M b = t` for a symmetric, positive semi-definite M, given as `xx yy zz yz zx xy`,
-/// and a t that it can reach: elimination with the largest pivot first, unknowns whose pivot is
-/// lost in rounding being 0.
+/// and a t in its range: elimination with the largest pivot first. Unknowns whose pivot is lost in
+/// rounding are 0.
 fn solve_symmetric<T: Real>([xx, yy, zz, yz, zx, xy]: [T; 6], t: Vec3<T>) -> Vec3<T> {
     let mut matrix = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
     let mut right = t;
@@ -165,7 +166,7 @@ fn solve_symmetric<T: Real>([xx, yy, zz, yz, zx, xy]: [T; 6], t: Vec3<T>) -> Vec
     }
     let mut solution = [T::zero(); 3];
     for pivot in pivots.into_iter().rev().flatten() {
-        // The pivot's own unknown is still 0 in the product.
+        // The unknown of the pivot itself is still 0 and does not contribute.
         let known = dot(matrix[pivot], solution);
         solution[pivot] = (right[pivot] - known) / matrix[pivot][pivot];
     }
@@ -175,8 +176,8 @@ fn solve_symmetric<T: Real>([xx, yy, zz, yz, zx, xy]: [T; 6], t: Vec3<T>) -> Vec
 /// A method whose forces are freed of net force and torque in each connected component, with mixed
 /// areas as weights: see [`remove_net_force_and_torque`].
 ///
-/// For methods that are not the gradient of an energy: an exact gradient has neither to begin with.
-/// Force densities are freed of the same field per area, at every vertex.
+/// For methods that are not the gradient of an energy; an exact gradient has no net force or
+/// torque. The same field per area is removed from force densities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projected<M>(pub M);
 

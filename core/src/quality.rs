@@ -11,11 +11,11 @@ use crate::vec3::{Vec3, add, dot};
 /// Height over longest edge below which a triangle is thin: needles below 1.8°, caps above 176.4°.
 const THIN: f64 = 1.0 / 32.0;
 
-/// The part of the triangles around a vertex below which a signed area has all but cancelled; a
-/// third is the rule.
+/// The fraction of the area around a vertex below which a signed area counts as cancelled; a third
+/// is normal.
 const SMALL: f64 = 1.0 / 32.0;
 
-/// Longest over shortest edge at a vertex from which on they are uneven.
+/// Ratio of the longest to the shortest edge at a vertex above which edges are uneven.
 const UNEVEN: f64 = 8.0;
 
 /// Sums over the triangles around a vertex.
@@ -46,7 +46,8 @@ fn around<T: Real>(surface: Surface<'_, T>, vertex: usize) -> impl Iterator<Item
 }
 
 impl<T: Real> Triangle<T> {
-    /// Whether the height is a small part of the longest edge; not so for one without extent.
+    /// Whether the height is a small fraction of the longest edge; false for a triangle without
+    /// extent.
     fn is_thin(&self) -> bool {
         let squared = self.edges.map(|edge| dot(edge, edge));
         let longest = squared.into_iter().fold(T::zero(), T::max);
@@ -69,17 +70,17 @@ impl<T: Real> Fan<T> {
         fan
     }
 
-    /// Whether a random error of the positions makes one of Δ_S H that is as large as `scale`.
+    /// Whether a random error of the positions causes an error of Δ_S H as large as `scale`.
     fn is_lost(&self, deviation: T, scale: T) -> bool {
-        // σ becomes about 10 σ/A², whatever the method.
+        // An error σ of the positions becomes one of about 10 σ/A², whatever the method.
         let over = (self.area * T::constant(1.0 / 3.0)).reciprocal_or_zero();
         T::constant(10.0) * deviation * over * over >= scale && over > T::zero()
     }
 }
 
 impl<T: Real> Surface<'_, T> {
-    /// Reports triangles without area, or so thin that what is divided by their area is amplified,
-    /// and vertices with edges of very different lengths.
+    /// Reports triangles that have no area or are so thin that division by their area amplifies
+    /// errors, and vertices with edges of very different lengths.
     pub(crate) fn report_uneven_mesh(&self, report: &mut dyn FnMut(Finding)) {
         for index in 0..self.mesh().triangles().len() {
             let triangle = self.triangle(index);
@@ -110,8 +111,8 @@ impl<T: Real> Surface<'_, T> {
         }
     }
 
-    /// The same as [`Self::report_uneven_mesh`] and [`Self::report_valences`] in one finding, for a
-    /// method whose value at a vertex depends on everything within `rings` edges.
+    /// Combines [`Self::report_uneven_mesh`] and [`Self::report_valences`] in one finding, for a
+    /// method whose value at a vertex depends on all vertices within `rings` edges.
     pub(crate) fn report_uneven_within(&self, rings: u32, report: &mut dyn FnMut(Finding)) {
         for vertex in 0..self.mesh().vertex_count() {
             if self.is_uneven_within(rings, vertex) {
@@ -140,8 +141,8 @@ impl<T: Real> Surface<'_, T> {
         most > T::constant(UNEVEN * UNEVEN) * least
     }
 
-    /// Reports vertices where the surface folds back, or where the positions as they are stored no
-    /// longer tell the fourth derivative: what every method suffers from.
+    /// Reports vertices where the surface folds back, or where the rounding of stored positions is
+    /// too large for a fourth derivative. Both affect every method.
     pub(crate) fn report_rough_vertices(&self, report: &mut dyn FnMut(Finding)) {
         let scale = self.fourth_derivative();
         for vertex in 0..self.mesh().vertex_count() {
@@ -153,7 +154,7 @@ impl<T: Real> Surface<'_, T> {
                 report(Finding::Folded { vertex: place });
             }
             let over = (fan.area * T::constant(1.0 / 3.0)).reciprocal_or_zero();
-            // Coefficients of Δ_S are some times 1/A, H is at most of the order of 1/√A.
+            // Coefficients of Δ_S are a few times 1/A, and H is at most of the order of 1/√A.
             let largest = T::constant(64.0) * over * over.sqrt();
             let has_extent = || self.spokes(vertex).any(|edge| edge != [T::zero(); 3]);
             if !largest.is_finite() || (over == T::zero() && has_extent()) {
@@ -168,7 +169,7 @@ impl<T: Real> Surface<'_, T> {
         }
     }
 
-    /// Reports vertices where noise of the positions with this standard deviation takes away a fourth
+    /// Reports vertices where noise with this standard deviation is too large for a fourth
     /// derivative.
     pub(crate) fn report_noisy_vertices(&self, deviation: T, report: &mut dyn FnMut(Finding)) {
         let scale = self.fourth_derivative();

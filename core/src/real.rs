@@ -25,9 +25,9 @@ pub trait Real:
     }
 }
 
-/// The numbers if all of them are finite, else zeros: what has left the range of the scalar says
-/// nothing, and must not spread. It takes edges whose lengths differ by the scalar's whole range, which
-/// [`Method::inspect`](crate::Method::inspect) reports as uneven.
+/// The numbers if all of them are finite, otherwise zeros: overflowed numbers are meaningless and
+/// must not spread. They occur only where lengths of edges differ by the whole range of the scalar,
+/// which [`Method::inspect`](crate::Method::inspect) reports as uneven.
 #[inline(always)]
 pub(crate) fn finite_or_zero<T: Real, const N: usize>(values: [T; N]) -> [T; N] {
     if values.iter().all(|value| value.is_finite()) {

@@ -2,11 +2,11 @@
 
 use crate::real::Real;
 
-/// Terms that are added one after the other before partial sums are paired.
+/// Number of terms that are added sequentially before partial sums are paired.
 const BLOCK: usize = 128;
 
-/// Σ `term(k)` for k in 0 … `count` − 1, by pairs of blocks: the rounding error grows with the
-/// logarithm of the count, and the result is the same however the work is divided.
+/// Σ `term(k)` for k in 0 … `count` − 1, by pairwise summation of blocks: the rounding error grows
+/// with the logarithm of the count, and the result does not depend on the division of work.
 pub(crate) fn sum<T: Real>(count: usize, term: &impl Fn(usize) -> T) -> T {
     pairwise(0, count, term)
 }

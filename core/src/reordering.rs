@@ -1,4 +1,4 @@
-//! Orders in which vertices near each other have numbers near each other.
+//! Vertex orders in which nearby vertices have nearby numbers.
 //!
 //! E. Cuthill and J. McKee, Proc. 24th Nat. Conf. ACM (1969) 157; reversed after A. George, 1971.
 
@@ -8,11 +8,11 @@ use crate::real::Real;
 use crate::surface::Surface;
 use alloc::vec::Vec;
 
-/// Another order of the vertices and triangles of a mesh, and the way back.
+/// Another order of the vertices and triangles of a mesh, and its inverse.
 ///
-/// Loops over elements read and write at their vertices: on large meshes they are fast where these
-/// lie near each other in memory, and can be shared among threads where ranges of vertices have few
-/// elements in common.
+/// Loops over elements read and write at the vertices of each element. On large meshes these loops
+/// are fast if the vertices are close together in memory, and can be divided among threads if
+/// ranges of vertices share few elements.
 ///
 /// ```
 /// use helfrich::{Reordering, TriangleMesh};
@@ -39,8 +39,8 @@ pub struct Reordering {
 }
 
 impl Reordering {
-    /// The reverse Cuthill–McKee order: components one after the other, each in rings around a
-    /// vertex at its edge, backwards; triangles by their lowest vertex.
+    /// The reverse Cuthill–McKee order: component by component, each in rings around a peripheral
+    /// vertex, reversed; triangles by their lowest vertex.
     pub fn reverse_cuthill_mckee(mesh: &TriangleMesh) -> Self {
         let count = mesh.vertex_count();
         let mut search = Search {
@@ -87,10 +87,10 @@ impl Reordering {
     /// The mesh in this order.
     ///
     /// # Errors
-    /// If it is not the mesh that the order was made for, nor one like it.
+    /// If the order was made for a mesh with other triangles.
     ///
     /// # Panics
-    /// If it has fewer vertices or triangles than that.
+    /// If the mesh has fewer vertices or triangles than the order.
     pub fn of_mesh(&self, mesh: &TriangleMesh) -> Result<TriangleMesh, MeshError> {
         let corners = |&triangle: &u32| {
             mesh.triangles()[triangle as usize].map(|vertex| self.places[vertex as usize])

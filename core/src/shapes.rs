@@ -1,5 +1,5 @@
-//! Exact surfaces: position, normal, curvatures and the Laplacian of the mean curvature at every
-//! point, by formula.
+//! Exact surfaces: formulas for position, normal, curvatures and the Laplacian of the mean
+//! curvature at every point.
 //!
 //! Signs and units as everywhere in this crate: normals point outward, `H` is positive on a sphere.
 //! Every shape is computed in units of its own size, so that a scaled shape gives the same digits
@@ -44,8 +44,8 @@ impl<T: Real> ExactPoint<T> {
 
 /// A smooth closed surface that is known by formula.
 ///
-/// Points are named by their *pre-image*: on sphere-like shapes a point of the unit sphere, on the
-/// torus the point itself. Meshes are made and refined on the pre-image and mapped.
+/// Points are identified by their *pre-image*: a point of the unit sphere for sphere-like shapes,
+/// the point itself for the torus. Meshes are generated and refined on the pre-image, then mapped.
 pub trait Shape<T: Real> {
     /// The exact surface at a pre-image.
     fn at(&self, preimage: [T; 3]) -> ExactPoint<T>;
@@ -53,8 +53,8 @@ pub trait Shape<T: Real> {
     /// A pre-image for any point near the surface: exact on it, nearby off it.
     fn preimage(&self, position: [T; 3]) -> [T; 3];
 
-    /// Area of the surface for each area of its pre-image, dS/dΩ: length² on sphere-like shapes, 1
-    /// on the torus.
+    /// Ratio dS/dΩ of surface area to area of the pre-image: a length² for sphere-like shapes, 1
+    /// for the torus.
     fn area_element(&self, preimage: [T; 3]) -> T;
 
     /// The position of a pre-image: `self.at(preimage).position`.
@@ -69,7 +69,7 @@ pub trait Shape<T: Real> {
 pub struct ShapeError {
     /// The parameter, with its shape's name.
     pub parameter: &'static str,
-    /// The value it was given.
+    /// The given value.
     pub value: f64,
     /// The lower bound, which it must exceed.
     pub above: f64,
@@ -77,7 +77,7 @@ pub struct ShapeError {
     pub below: f64,
 }
 
-/// `value`, if it lies strictly between `above` and `below`; not a number never does.
+/// Returns `value` if it lies strictly between `above` and `below`; NaN does not.
 fn between<T: Real>(
     parameter: &'static str,
     value: T,

@@ -2,10 +2,10 @@
 //!
 //! C. T. Loop, Smooth Subdivision Surfaces Based on Triangles, University of Utah (1987). The
 //! positions at a mesh's vertices are *control points*: a [`Subdivision`] refines them, a quadruple
-//! of triangles for each triangle and level, and [`limit_positions`] and [`limit_normals`] say where
-//! the vertices end up. Between them the limit surface is known exactly: a triangle's [`Patch`]
-//! lists the control points on which it depends, and [`basis`] their weights with first and second
-//! derivatives.
+//! of triangles for each triangle and level, and [`limit_positions`] and [`limit_normals`] give the
+//! limits of the vertices. Between the vertices the limit surface is known exactly, too: the
+//! [`Patch`] of a triangle lists the control points on which it depends, and [`basis`] gives their
+//! weights with first and second derivatives.
 //!
 //! | | weight at the vertex or ends | weight at the others |
 //! |---|---|---|
@@ -17,8 +17,8 @@
 //! | limit of a boundary vertex | 2/3 | 1/6, 1/6 at the two neighbours along the boundary |
 //!
 //! The β are Loop's own for every valence. A boundary thus becomes the cubic B-spline of its
-//! polygon, whatever the triangles inside. Corners have no rule of their own: a vertex in one
-//! triangle only is rounded like every boundary vertex. Isolated vertices stay where they are.
+//! polygon, whatever the triangles inside. Corners have no special rule: a vertex of only one
+//! triangle is rounded like every boundary vertex. Isolated vertices stay where they are.
 //!
 //! The limit surface is twice continuously differentiable, except at *extraordinary* vertices,
 //! interior ones of valence other than 6: there it has a tangent plane, but no second derivatives.
@@ -95,7 +95,7 @@ impl Subdivision {
         let mut edges = mesh.edges().len();
         let mut triangles = mesh.triangles().len();
         for _ in 0..levels {
-            // Within the limit nothing overflows, and every level is checked against it.
+            // Every level is checked against the limit, below which nothing overflows.
             (vertices, edges, triangles) =
                 (vertices + edges, 2 * edges + 3 * triangles, 4 * triangles);
             for (what, count) in [("vertices", vertices), ("triangles", triangles)] {
@@ -130,7 +130,7 @@ impl Subdivision {
         self.mesh
     }
 
-    /// Refines a field of D numbers a vertex: positions, colours, texture coordinates.
+    /// Refines a field of D numbers per vertex: positions, colours, texture coordinates.
     ///
     /// # Panics
     /// If `field` has fewer entries than the coarse mesh has vertices.
@@ -200,7 +200,8 @@ fn push_vertex_mask(mesh: &TriangleMesh, vertex: usize, stencils: &mut Stencils)
     }
 }
 
-/// Notes the middle of the edge that leaves `tail` in a triangle, and returns the vertex across.
+/// Records the middle of the edge that starts at `tail` in a triangle, and returns the opposite
+/// vertex.
 fn set_middle(
     mesh: &TriangleMesh,
     triangle: u32,

@@ -10,9 +10,10 @@ use crate::vec3::{self, Vec3};
 
 /// A [`TriangleMesh`] with a position for each of its vertices: a view that is copied freely.
 ///
-/// Formulas read differences of positions alone, so that nothing ever depends on where the surface
-/// lies. What positions lose when they are stored, differences cannot regain: a fourth derivative
-/// shows it in `f32`. [`Surface::with_remainders`] takes positions as pairs, which lose nothing.
+/// Formulas read only differences of positions, so that results do not depend on the place of the
+/// surface. Differences cannot recover digits that were lost when positions were stored; in `f32`
+/// this limits the accuracy of fourth derivatives. [`Surface::with_remainders`] takes positions as
+/// pairs, with twice the digits.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a, T> {
     mesh: &'a TriangleMesh,
@@ -20,7 +21,7 @@ pub struct Surface<'a, T> {
     remainders: Option<&'a [[T; 3]]>,
 }
 
-/// Why points do not fit a mesh.
+/// The reason why points do not fit a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceError {
@@ -51,13 +52,13 @@ pub enum SurfaceError {
     TooLarge {
         /// The vertex.
         vertex: usize,
-        /// The largest distance along an axis is two to this power.
+        /// The largest allowed distance along an axis is two to this power.
         exponent: i32,
     },
 }
 
-/// The largest distance along an axis between vertices whose formulas cannot overflow: the highest
-/// power is the square of a sum of areas.
+/// The largest distance along an axis with which formulas cannot overflow; their highest power is
+/// the square of a sum of areas.
 fn most_extent<T: Real>() -> T {
     T::max_value().sqrt().sqrt() * T::constant(1.0 / 16.0)
 }
@@ -88,7 +89,7 @@ where
     Ok(positions)
 }
 
-/// A surface seen from one of its vertices.
+/// A surface relative to one of its vertices.
 pub(crate) struct Seen<'a, T> {
     from: [T; 3],
     positions: &'a [[T; 3]],
@@ -127,8 +128,8 @@ impl<'a, T: Real> Surface<'a, T> {
         })
     }
 
-    /// The surface with the sums `points + remainders` at the vertices: each coordinate is held as
-    /// its nearest number and what that leaves out, twice the precision of the scalar.
+    /// The surface with the sums `points + remainders` at the vertices: each coordinate is the sum
+    /// of its nearest number and a remainder, which gives twice the precision of the scalar.
     ///
     /// # Errors
     /// As [`Self::new`], for both.
@@ -152,7 +153,7 @@ impl<'a, T: Real> Surface<'a, T> {
     /// This surface with its vertices in another order.
     ///
     /// # Panics
-    /// If there is not a position for each vertex.
+    /// If there is no position for a vertex.
     pub(crate) fn reordered<'b>(
         &self,
         mesh: &'b TriangleMesh,
@@ -209,7 +210,7 @@ impl<'a, T: Real> Surface<'a, T> {
         ring.map(move |&neighbour| self.difference(vertex as u32, neighbour))
     }
 
-    /// The surface seen from a vertex, of which many differences are taken.
+    /// The surface relative to a vertex, for many differences from this vertex.
     #[inline(always)]
     pub(crate) fn seen_from(&self, from: u32) -> Seen<'a, T> {
         Seen {
@@ -219,8 +220,8 @@ impl<'a, T: Real> Surface<'a, T> {
         }
     }
 
-    /// The position of a vertex seen from another one that is near, remainders included. Formulas
-    /// subtract two of the same origin.
+    /// The position of a vertex relative to a nearby vertex, with remainders. Formulas subtract two
+    /// positions with the same origin.
     #[inline(always)]
     pub(crate) fn position_near(&self, vertex: u32, origin: u32) -> [T; 3] {
         match self.remainders {
@@ -292,7 +293,8 @@ impl<'a, T: Real> Surface<'a, T> {
         )
     }
 
-    /// Centre of the area: ∫ x dS / ∫ dS; the first triangle's first vertex if there is no area.
+    /// Centroid ∫ x dS / ∫ dS of the area; the first vertex of the first triangle if there is no
+    /// area.
     pub fn centroid(&self) -> [T; 3] {
         let origin = self.mesh.triangles()[0][0];
         let triangles = self.mesh.triangles().len();

@@ -6,9 +6,9 @@ use crate::vec3::{Vec3, cross, dot, scale, sub};
 /// The rule by which the area of a triangle is divided among its corners.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DualArea {
-    /// The part of the triangle that is nearest to the vertex unless the triangle is obtuse; half
-    /// of the triangle at the obtuse corner, a quarter at the two others. Positive, and continuous
-    /// in the positions. Meyer, Desbrun, Schröder, Barr 2003.
+    /// The part of the triangle that is nearest to the vertex; in an obtuse triangle, half of the
+    /// triangle at the obtuse corner and a quarter at the two others. Positive, and continuous in
+    /// the positions. Meyer, Desbrun, Schröder, Barr 2003.
     #[default]
     Mixed,
     /// ⅛ Σ (cot α + cot β) l²: signed, and reaches zero and below on obtuse fans.
@@ -17,8 +17,8 @@ pub enum DualArea {
     Barycentric,
 }
 
-/// A [`DualArea`] that is known at compile time: a choice inside of a loop over elements would keep
-/// compilers from using vectors.
+/// A [`DualArea`] that is known at compile time, because a choice inside a loop over elements would
+/// prevent vectorisation.
 pub(crate) trait Kind: Copy + Sync {
     const AREA: DualArea;
 }
@@ -103,8 +103,8 @@ impl<L: Lane> Triangle<L> {
         ]
     }
 
-    /// The opposite edge of each corner, turned outward in the plane and scaled: with a factor of ½
-    /// the gradient of the area, as in [`Self::area_gradient`] but for rounding.
+    /// The opposite edge of each corner, rotated outward in the plane and scaled. With a factor of
+    /// ½ this is the gradient of the area, equal to [`Self::area_gradient`] to rounding.
     #[inline(always)]
     pub(crate) fn outward_edges(&self, factor: L) -> [Vec3<L>; 3] {
         let normal = scale(factor, self.normal());

@@ -44,8 +44,8 @@ pub(crate) fn norm<L: Lane>(a: Vec3<L>) -> L {
     dot(a, a).sqrt()
 }
 
-/// `a / |a|`, and 0 for a vector without length. Vectors so short that their squares leave the range of
-/// the scalar (area vectors of surfaces of 1e-12 in f32) are made longer first, by a power of two.
+/// `a / |a|`, or 0 for a vector without length. Vectors so short that their squares underflow (area
+/// vectors of surfaces of size 1e-12 in f32) are first scaled by a power of two.
 #[inline(always)]
 pub(crate) fn normalise<L: Lane>(a: Vec3<L>) -> Vec3<L> {
     let least = <L::Scalar as Float>::min_positive_value();
