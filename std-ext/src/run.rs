@@ -1,23 +1,23 @@
-//! A run of a scene in a folder: what is driven, written, stored, and taken up again.
+//! A run of a scene in a folder: driver, outputs, checkpoints and resumption.
 //!
 //! A folder holds
-//! * `series.csv`: a row of numbers every so many iterations or so much time, and one at the end of each
-//!   load;
+//! * `series.csv`: rows of numbers at regular iterations or times, and at the end of each load;
 //! * `surfaces/NAME-TIME.vtp` with `surfaces.pvd`, their index;
-//! * `last.vtp`, or `last-NAME.vtp` of several surfaces: how they were when the run ended, as the `mesh`
-//!   of the next;
+//! * `last.vtp`, or `last-NAME.vtp` of several surfaces: the final surfaces, which can be the
+//!   `mesh` of another scene;
 //! * `pictures/TIME.png`;
 //! * `slices/NAME-TIME.vti` and `.png` with `slices.pvd`: the fluid on the scene's slices;
 //! * `volumes/NAME-TIME.vti` with `volumes.pvd`: all fluid of a box;
 //! * `plots/COLUMN.png`: columns of the series, drawn when the run ends;
-//! * `checkpoint`: all that is needed to go on, bit for bit;
-//! * `summary.json`: how it ended, the last row, what each effect has cost, the scene as run.
+//! * `checkpoint`: the state from which the run continues bit for bit;
+//! * `summary.json`: the end of the run, the last row, the cost of each effect, and the scene as
+//!   run.
 //!
-//! Every file but the series is written as a whole or not at all, and a run that is taken up
-//! again cuts the series back to the checkpoint. Whenever a run is killed, nothing is lost but
-//! what came after its last checkpoint; the first is written before the first row.
+//! Every file except the series is complete or absent, and a resumed run truncates the series to
+//! the checkpoint. A run that is killed at any time loses only the work since its last checkpoint;
+//! the first checkpoint is written before the first row.
 //!
-//! One process at a time runs in a folder: it holds a [`Lock`] there, which is gone when the run is.
+//! Only one process at a time runs in a folder: it holds a [`Lock`] there until the run ends.
 
 mod acts;
 mod clock;
@@ -65,23 +65,23 @@ const SERIES: &str = "series.csv";
 /// The summary's name in its folder.
 pub(crate) const SUMMARY: &str = "summary.json";
 
-/// How far a run is.
+/// The progress of a run.
 #[derive(Clone, Debug)]
 pub struct Progress {
     /// From 0 to 1.
     pub fraction: f64,
-    /// The same in words.
+    /// Description of the progress.
     pub message: String,
 }
 
-/// All that a checkpoint holds.
+/// The content of a checkpoint.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Stored {
     drive: DriveState,
     outputs: Outputs,
 }
 
-/// Where outputs stand.
+/// The state of the outputs.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Outputs {
     rows: u64,
@@ -90,7 +90,7 @@ struct Outputs {
     volumes: Collection,
     /// The number of the last row, as files have it.
     written: Option<u64>,
-    /// How many rows there were.
+    /// Number of rows so far.
     sets: u64,
     costs: Vec<(u64, f64)>,
     seconds: f64,
@@ -98,16 +98,17 @@ struct Outputs {
     doubts: Vec<(String, String)>,
 }
 
-/// Runs a scene that was made ready by [`build`](crate::simulation::build) in a folder, which is made
-/// if it is not there; with `resume`, goes on with the run that is there: from its last checkpoint,
-/// or from the start if it was stopped before its first. Of a scene that goes on, title, outputs and
-/// the end may be others than before.
+/// Runs a scene that was prepared by [`build`](crate::simulation::build) in a folder, which is
+/// created if necessary. With `resume`, continues the run in the folder from its last checkpoint,
+/// or from the start if it was stopped before its first checkpoint. A resumed scene may have
+/// another title, other outputs and a later end.
 ///
-/// After every step `progress` is told how far it is, and `interrupted` asked whether to stop.
+/// After every step `progress` receives the progress, and `interrupted` decides whether to stop.
 ///
 /// # Errors
-/// If the surfaces resist nothing, the folder holds another run or another process writes there, or
-/// something cannot be written. That a scene does not come to its equilibrium is no error: see [`End`].
+/// If no effect resists deformation, the folder holds another run, another process writes there, or
+/// something cannot be written. A scene that does not reach its equilibrium is not an error: see
+/// [`End`].
 pub fn run(
     scene: &Scene,
     (mut simulation, positions): (Simulation, Vec<[f64; 3]>),
@@ -191,10 +192,10 @@ struct Plan<'a> {
     plots: Vec<PlannedPlot<'a>>,
 }
 
-/// Finds out all that [`run`] would refuse before it writes anything, and writes nothing.
+/// Makes all checks of [`run`] that precede its first output, and writes nothing.
 ///
 /// # Errors
-/// As [`run`], but for the folder.
+/// As [`run`], except errors of the folder.
 pub fn check(
     scene: &Scene,
     (mut simulation, positions): (Simulation, Vec<[f64; 3]>),
@@ -249,19 +250,19 @@ struct Run<'a> {
     drive: Box<dyn Drive + 'a>,
     plots: Vec<PlannedPlot<'a>>,
     series: Series,
-    /// Costs and seconds are those of the runs that this one goes on with.
+    /// Costs and seconds include those of the resumed runs.
     outputs: Outputs,
     start: Instant,
     /// The last row.
     last: Vec<f64>,
-    /// Evaluations of each effect that a run without interruption would not have.
+    /// Evaluations of each effect that an uninterrupted run would not make.
     uncounted: Vec<u64>,
-    /// As long as the run writes.
+    /// Held as long as the run writes.
     lock: Option<Lock>,
 }
 
 impl Run<'_> {
-    /// Step after step.
+    /// Runs step by step until the end.
     fn drive(
         &mut self,
         interrupted: &dyn Fn() -> bool,
@@ -294,8 +295,8 @@ impl Run<'_> {
         }
     }
 
-    /// A row of the series and, if it is due or the last, a set of files, unless that was done here
-    /// already.
+    /// Writes a row of the series and, if due or at the end, a set of files, unless this has been
+    /// done at this point already.
     fn write(&mut self, last: bool) -> Result<(), RunError> {
         let mark = self.drive.mark();
         if self.outputs.written == Some(mark.number) {
@@ -323,7 +324,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Notes each surface once whose energy rests on flagged vertices.
+    /// Warns once about each surface whose energy lies on flagged vertices.
     fn doubt<'f>(&mut self, flagged: impl Iterator<Item = &'f Flagged>) {
         let doubts = &mut self.outputs.doubts;
         for flagged in flagged.filter(|flagged| flagged.rules()) {
@@ -390,7 +391,7 @@ impl Run<'_> {
         columns.extend(Self::probe_columns(self.scene));
         let last = columns.into_iter().zip(self.last.clone());
         let work = self.drive.work();
-        // The last row may be of a run that this one goes on with.
+        // The last row may be from the resumed run.
         let positions = self.drive.positions();
         let acting = self.simulation.resolve(positions);
         let flagged = quality::flagged(&self.simulation, positions);

@@ -1,7 +1,7 @@
 //! The program `helfrich`: parses its arguments, calls the library, prints.
 //!
-//! A library of its own for the sake of the repository's other programs: they speak to a terminal and
-//! write files as this one does ([`terminal`]), and make the same page with more on it ([`study`]).
+//! This is a library so that other programs of the repository can share its output to terminals and
+//! files ([`terminal`]) and extend the page of a study ([`study`]).
 
 mod recommend;
 pub mod study;
@@ -32,11 +32,11 @@ use std::sync::atomic::Ordering;
 use study::{StudyArguments, study};
 use terminal::{Failure, ProgressBar, file_named, interruption, print, save, say};
 
-/// Counts, so that studies can say what memory a method takes.
+/// The allocator counts bytes, so that studies can report the memory of a method.
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
-/// How many bytes the program has allocated.
+/// Number of bytes that the program has allocated.
 fn allocated() -> usize {
     ALLOCATOR.allocated()
 }
@@ -185,7 +185,7 @@ pub(crate) struct OptionArguments {
 }
 
 impl OptionArguments {
-    /// The options, if one of the methods at least has each.
+    /// The options, if each belongs to at least one of the methods.
     fn checked(&self, methods: &[BendingMethod]) -> Result<MethodOptions, Failure> {
         let options = MethodOptions {
             areas: self.areas,
@@ -203,12 +203,12 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The program's commands and their arguments: for its manual, and for completions of shells.
+/// The program's commands and their arguments, for man pages and shell completions.
 pub fn command() -> clap::Command {
     Arguments::command()
 }
 
-/// Runs the program with the arguments that it was given.
+/// Runs the program with its command-line arguments.
 pub fn program() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Study(arguments) => study(&arguments),
@@ -234,7 +234,7 @@ fn refuse_replacing(input: &Path, what: &str, output: &Path, new: &str) -> Resul
     Ok(())
 }
 
-/// Reads a mesh file, welded if that is asked for. That it should be is said.
+/// Reads a mesh file, and welds it if requested. Recommends welding where it would help.
 fn load(MeshArguments { mesh: path, weld }: &MeshArguments) -> Result<MeshFile, Failure> {
     if *weld {
         return read_welded(path).map_err(Failure::input);
@@ -268,7 +268,7 @@ fn subdivide_file(arguments: &SubdivideArguments) -> Result<(), Failure> {
         "the refined mesh",
     )?;
     let file = load(&arguments.input)?;
-    // Not after the work.
+    // Outputs are checked before the work, not after it.
     check_replaceable(&arguments.output)
         .map_err(|error| Failure::output(arguments.output.display(), &error))?;
     let target = if arguments.limit {
@@ -321,7 +321,7 @@ fn curvature_in<T: Evaluated>(
     let mut evaluator = Evaluator::with_options(method, options, modulus, &file.mesh, threads);
     let fields = evaluator.fields(surface);
     warn(&arguments.input.mesh, &evaluator.findings(surface));
-    // As the file has them: noise of f64 may be nothing in f32.
+    // Noise is measured on the positions of the file, in f64: rounded to f32 it may not be visible.
     if let Ok(surface) = Surface::new(&file.mesh, &file.positions) {
         tell_noise(&arguments.input.mesh, surface);
     }
@@ -332,7 +332,7 @@ fn curvature_in<T: Evaluated>(
     }
 }
 
-/// The scene of a file with its overrides, made ready. What is probably not meant is said here.
+/// Reads and prepares the scene of a file with its overrides, and prints its warnings.
 fn scene(arguments: &SceneArguments) -> Result<(Scene, Simulation, Vec<[f64; 3]>), Failure> {
     let overrides = Overrides::new(&arguments.set).map_err(Failure::input)?;
     let file = SceneFile::read(&arguments.scene, &overrides).map_err(Failure::input)?;
@@ -355,7 +355,7 @@ fn scenes(arguments: &ScenesArguments) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(failure)?;
     for (name, text) in shipped_files() {
         let path = folder.join(name);
-        // A scene that has been changed is worth more than the one that comes with the program.
+        // Existing files are kept, because the user may have changed them.
         if path.symlink_metadata().is_ok() {
             say(format_args!(
                 "warning: {}: is there, and is left as it is",
@@ -484,7 +484,8 @@ fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
     }
 }
 
-/// How far off a smooth surface the vertices lie, if that is seen, and where it takes f away.
+/// Prints the noise of the positions, if any was found, and the number of vertices where it
+/// dominates f.
 fn tell_noise(path: &Path, surface: Surface<'_, f64>) {
     let noise = noise_of(surface);
     if !noise.is_seen() {
@@ -504,7 +505,7 @@ fn tell_noise(path: &Path, surface: Surface<'_, f64>) {
     }
 }
 
-/// One line for each kind of finding, with how many there are and where the first is.
+/// One line for each kind of finding, with the number of findings and the place of the first.
 fn warn(path: &Path, findings: &[Finding]) {
     for (count, first) in report::first_of_each_kind(findings) {
         say(format_args!(

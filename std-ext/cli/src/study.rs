@@ -83,7 +83,7 @@ pub struct CacheArguments {
     fresh: bool,
 }
 
-/// Further measurements for a page: sections of the page; none if interrupted.
+/// Further sections for a page, from further measurements; none if interrupted.
 pub type More<'a> =
     &'a mut dyn FnMut(Option<&mut Cache>, &dyn Fn() -> bool) -> Result<Vec<Section>, Failure>;
 
@@ -178,8 +178,7 @@ fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), 
 }
 
 impl StudyArguments {
-    /// The study that is asked for; with larger meshes and in every number type by default if it is
-    /// to be `full`.
+    /// The requested study. A `full` one has larger meshes and every number type by default.
     fn study(&self, full: bool) -> Result<Study, Failure> {
         let page = self.html.is_some();
         let methods = match self.method.concat() {
@@ -219,7 +218,7 @@ impl StudyArguments {
         reused: usize,
     ) -> Result<(), Failure> {
         let verdicts = verdicts(rows);
-        // As fine as shows where errors are, and no finer than can be seen.
+        // Fine enough to show the places of errors, and no finer than a picture can show.
         let pictured = rows.iter().map(|row| row.vertices);
         let pictured = pictured.filter(|&vertices| vertices <= 2562).max();
         let errors = match pictured {
@@ -250,8 +249,8 @@ impl StudyArguments {
     }
 }
 
-/// A folder for figures, which no other process writes to as long as the lock is there: figures of two
-/// studies would be mixed.
+/// A folder for figures with a lock on it: otherwise two processes could mix the figures of two
+/// studies.
 fn own_folder(folder: &Path) -> Result<Lock, Failure> {
     fs::create_dir_all(folder).map_err(|error| Failure::output(folder.display(), &error))?;
     let lock = Lock::of_folder(folder).map_err(|error| match error {
@@ -265,7 +264,7 @@ fn own_folder(folder: &Path) -> Result<Lock, Failure> {
 /// The meshes of a study.
 const NUMBERS: [usize; 4] = [642, 2562, 10_242, 40_962];
 
-/// The arguments as they were given; of the program, only its name.
+/// The command line; of the program's path, only the file name.
 fn command() -> String {
     let program = std::env::args_os().next().unwrap_or_default();
     let program = Path::new(&program)
@@ -283,10 +282,10 @@ fn command() -> String {
 }
 
 impl CacheArguments {
-    /// The cache that is asked for, or else that of this name in the user's folder of caches.
+    /// The requested cache, or the cache of this name in the user's cache folder.
     ///
     /// # Errors
-    /// If the file that is asked for cannot be one.
+    /// If the requested file cannot be a cache.
     pub fn open(&self, default: Option<&str>) -> Result<Option<Cache>, Failure> {
         let by_default = || default.and_then(default_cache);
         let Some(path) = self.cache.clone().or_else(by_default) else {
@@ -300,7 +299,7 @@ impl CacheArguments {
         }
         let opened = match Cache::open(&path, &Provenance::here(BUILD)) {
             Ok(opened) => opened,
-            // Nobody has asked for it.
+            // The default cache was not requested, so a failure is only a warning.
             Err(error) if self.cache.is_none() => {
                 say(format_args!("warning: {error}"));
                 return Ok(None);
@@ -320,7 +319,7 @@ impl CacheArguments {
     }
 }
 
-/// Where the user's programs keep what they can make again; none if there is no such place.
+/// The cache folder of the user; `None` if there is none.
 fn default_cache(name: &str) -> Option<PathBuf> {
     let variable = |name: &str| {
         let path = PathBuf::from(std::env::var_os(name)?);
@@ -332,7 +331,7 @@ fn default_cache(name: &str) -> Option<PathBuf> {
     Some(folder.join(name))
 }
 
-/// Writes what has been measured. That it cannot be kept does not spoil what is known.
+/// Writes the measurements. A failure is only a warning, because the results are still valid.
 pub fn keep(cache: Option<&mut Cache>) {
     if let Some(Err(error)) = cache.map(Cache::save) {
         say(format_args!("warning: measurements are not kept: {error}"));
@@ -351,8 +350,8 @@ pub fn left_off(cache: Option<&Cache>) -> Failure {
     Failure::Unfinished(130)
 }
 
-/// Writes rows as JSON to the file that is asked for, and the table to standard output; or the JSON
-/// there.
+/// Writes rows as JSON to the requested file and the table to standard output, or only the JSON to
+/// standard output.
 ///
 /// # Errors
 /// If one of them cannot be written.

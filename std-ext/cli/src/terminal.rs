@@ -1,4 +1,4 @@
-//! How the programs of the repository end, what they say, and how they write.
+//! Exit codes, messages and output files of the repository's programs.
 
 mod progress_bar;
 
@@ -20,7 +20,7 @@ pub enum Failure {
     Input(Box<dyn Error>),
     /// Exit code 3.
     Output(String),
-    /// A run that ended early and has said so; its exit code.
+    /// A run that ended early and has printed the reason; its exit code.
     Unfinished(u8),
 }
 
@@ -41,7 +41,7 @@ impl Failure {
     }
 }
 
-/// The exit code of a program; what ended it early is said.
+/// The exit code of a program; prints the reason if it ended early.
 pub fn ended(result: Result<(), Failure>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -57,16 +57,16 @@ pub fn ended(result: Result<(), Failure>) -> ExitCode {
     }
 }
 
-/// Writes a line to standard error. If nobody listens there, the exit code still tells:
-/// `eprintln!` would panic instead.
+/// Writes a line to standard error. Errors are ignored, because the exit code still reports the
+/// result; `eprintln!` would panic if standard error is closed.
 pub fn say(line: impl Display) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// Writes to standard output; a reader that has seen enough is no error.
+/// Writes to standard output; a closed pipe is not an error.
 ///
 /// # Errors
-/// If it cannot be written to.
+/// If standard output cannot be written to.
 pub fn print(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     let mut out = BufWriter::new(io::stdout().lock());
     match write(&mut out).and_then(|()| out.flush()) {
@@ -77,10 +77,10 @@ pub fn print(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(),
     }
 }
 
-/// Writes a file as a whole or not at all.
+/// Writes a file completely or not at all.
 ///
 /// # Errors
-/// If it cannot be written.
+/// If the file cannot be written.
 pub fn save(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -97,7 +97,7 @@ pub fn file_named(option: Option<&PathBuf>) -> Option<&Path> {
 /// Checks before the work starts that outputs can be written, each to a file of its own.
 ///
 /// # Errors
-/// If one cannot be, or two have the same name.
+/// If an output cannot be written, or two have the same name.
 pub fn check_outputs<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
     let paths = Vec::from_iter(paths);
     for (at, path) in paths.iter().enumerate() {

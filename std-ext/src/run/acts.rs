@@ -1,4 +1,4 @@
-//! Whether anything acts where a run begins.
+//! Check that some effect acts at the start of a run.
 
 use super::RunError;
 use crate::method::Evaluator;
@@ -36,7 +36,7 @@ pub(super) fn refuse_idle(
         }
     }
     let relaxes = matches!(scene.driver, Driver::Relax(_)) && simulation.load_count() == 1;
-    // Nothing is known where a position is not finite: the driver says so.
+    // Positions that are not finite are left to the driver, which reports them.
     if relaxes && !acting.is_empty() && acting.iter().all(|acting| is_idle(&acting.force)) {
         let names = simulation.bodies().iter().map(Body::name);
         return Err(RunError::NothingActs {
@@ -46,14 +46,14 @@ pub(super) fn refuse_idle(
     Ok(())
 }
 
-/// The number of vertices with triangles all around, where bending can be measured.
+/// Number of interior vertices, where bending can be measured.
 fn interior(surface: Surface<'_, f64>) -> usize {
     let mesh = surface.mesh();
     let interior = |vertex: &usize| mesh.vertex_kind(*vertex) == VertexKind::Interior;
     (0..mesh.vertex_count()).filter(interior).count()
 }
 
-/// How many of these a method has left out.
+/// Number of these vertices that a method has left out.
 fn left_out(findings: &[Finding], surface: Surface<'_, f64>) -> usize {
     let mut left_out = vec![false; surface.mesh().vertex_count()];
     for finding in findings {

@@ -1,30 +1,30 @@
-//! Time, as runs in a flow count it.
+//! Times of a run in a flow.
 
 use super::RunError;
 use crate::scene::{Every, Flow, Scene};
 use serde::{Deserialize, Serialize};
 
-/// Times nearer to each other than this, relative, are the same.
+/// Relative difference below which two times are the same.
 const ROUNDING: f64 = 1e-9;
 
-/// The time of a run in a flow: when it ends, when outputs are due, and what it is called.
+/// The time of a run in a flow: its end, the times of outputs, and its names in tables.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Clock {
     pub(super) duration: f64,
     schedule: Schedule,
-    /// The flow's own, 1/time.
+    /// Deformation rate of the flow, 1/time.
     rate: Option<f64>,
 }
 
-/// When outputs are due: plain data, for a checkpoint.
+/// The times at which outputs are due: plain data, for a checkpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Schedule {
-    /// The run's end when the schedule was made.
+    /// The end of the run at the time when the schedule was made.
     end: f64,
     /// Time between outputs.
     interval: f64,
-    /// How many intervals have passed more than outputs were made: other than 0 where the interval or
-    /// the end has changed on the way.
+    /// Number of elapsed intervals minus number of outputs: not 0 if the interval or the end has
+    /// changed during the run.
     ahead: i64,
 }
 
@@ -84,13 +84,13 @@ impl Clock {
         }
     }
 
-    /// The names of the time's columns.
+    /// The names of the columns of time.
     pub(super) fn columns(&self) -> Vec<String> {
         let columns = ["time"].into_iter().chain(self.rate.map(|_| "strain"));
         columns.map(str::to_owned).collect()
     }
 
-    /// The time, and in units of the flow's own if it has one.
+    /// The time, and the strain (the time in units of the flow's own) if the flow has a rate.
     pub(super) fn numbers(&self, time: f64) -> Vec<f64> {
         let strain = self.rate.map(|rate| rate * time);
         [time].into_iter().chain(strain).collect()
@@ -103,7 +103,7 @@ impl Clock {
         }
     }
 
-    /// How far it is, and how long steps are.
+    /// The progress of the run, with the length of its steps.
     pub(super) fn progress(&self, time: f64, step: f64) -> String {
         let caption = self.caption(time);
         match self.rate {

@@ -48,7 +48,7 @@ pub(super) struct Curved<'a> {
 }
 
 impl<'a> Curved<'a> {
-    /// With unit normals and mean curvatures at the vertices.
+    /// The curved surface from unit normals and mean curvatures at the vertices.
     pub(super) fn new(surface: Surface<'a, f64>, normal: &'a [[f64; 3]], mean: &'a [f64]) -> Self {
         let mut sums = vec![(DVec3::ZERO, 0.0); surface.mesh().vertex_count()];
         for triangle in surface.mesh().triangles() {
@@ -76,7 +76,7 @@ impl<'a> Curved<'a> {
         }
     }
 
-    /// The integrals over each of so many components; `groups` has that of each vertex.
+    /// The integrals over each of `count` components; `groups` has the component of each vertex.
     pub(super) fn integrals(&self, groups: &[u32], count: usize) -> Vec<Integrals> {
         let mut integrals = vec![Integrals::default(); count];
         for triangle in self.surface.mesh().triangles() {
@@ -90,7 +90,8 @@ impl<'a> Curved<'a> {
 
     /// Over one triangle, of position and H that are quadratic functions of its coordinates.
     fn add(&self, triangle: [u32; 3], integrals: &mut Integrals) {
-        // The volume is that of cones, whose apex lies near the surface.
+        // The volume is a sum of cones. Their apex lies near the surface, which avoids
+        // cancellation.
         let origin = DVec3::from_array(self.surface.positions()[0]);
         let p = corners(self.surface, triangle).map(|p| p - origin);
         let h = triangle.map(|vertex| self.mean[vertex as usize]);

@@ -8,7 +8,7 @@ use crate::simulation::{Body, Simulation};
 use helfrich::Surface;
 use serde::{Deserialize, Serialize};
 
-/// The columns of closed surfaces, and what has to be followed from step to step for them.
+/// The deformation columns of closed surfaces, with the state that they need from step to step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Deformed {
     plane: Option<ShearPlane>,
@@ -113,8 +113,8 @@ impl Deformed {
         }
     }
 
-    /// To be called after every step, with the velocities of the surfaces' material if vertices of
-    /// those that are fluid do not go with it.
+    /// Updates tank-treading; has to be called after every step. `velocities` are those of the
+    /// material, if vertices of fluid surfaces do not follow it.
     pub(super) fn follow(
         &mut self,
         time: f64,
@@ -187,14 +187,14 @@ impl Deformed {
     }
 }
 
-/// In degrees.
+/// The smallest angle of a surface, in degrees.
 pub(super) fn smallest_angle(surface: Surface<'_, f64>) -> f64 {
     let triangles = 0..surface.mesh().triangles().len();
     let angles = triangles.flat_map(|triangle| surface.triangle_angles(triangle));
     angles.fold(f64::INFINITY, f64::min).to_degrees()
 }
 
-/// Where surfaces are in each other, and what helps.
+/// Message about surfaces that are inside each other, with a remedy.
 fn gone_into(inside: &Inside) -> String {
     let through = if inside.is_by_image() {
         " through the ends of the periodic box"

@@ -10,27 +10,27 @@ use crate::scene::{Driver, Every, Scene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
 
-/// A driver on its way.
+/// A driver in progress.
 pub(super) trait Drive {
     /// The names of the first numbers of a row.
     fn columns(&self, simulation: &Simulation) -> Vec<String>;
 
-    /// These numbers.
+    /// The values of these numbers.
     fn numbers(&self, simulation: &Simulation) -> Vec<f64>;
 
-    /// How far it is, as a time in files and as a number in their names.
+    /// The progress, as a time in files and as a number in their names.
     fn mark(&self) -> Mark;
 
-    /// The same in words, under a picture.
+    /// The progress in words, for the caption of a picture.
     fn caption(&self) -> String;
 
-    /// Where the vertices are.
+    /// The positions of the vertices.
     fn positions(&self) -> &[[f64; 3]];
 
-    /// Moves them on.
+    /// Advances by one step.
     fn step(&mut self, simulation: &mut Simulation) -> Result<Step, RunError>;
 
-    /// How far it is, for people.
+    /// The progress, for display.
     fn progress(&self) -> Progress;
 
     /// What it has done.
@@ -41,7 +41,7 @@ pub(super) trait Drive {
         Vec::new()
     }
 
-    /// The fluid at some points, of drivers with a fluid.
+    /// Velocity and pressure of the fluid at some points; `None` for drivers without a fluid.
     fn fluid_at(&mut self, _simulation: &mut Simulation, _points: &[[f64; 3]]) -> Option<Fluid> {
         None
     }
@@ -49,11 +49,11 @@ pub(super) trait Drive {
     /// What is worth knowing besides.
     fn notes(&self) -> &[String];
 
-    /// All that it takes to go on bit for bit.
+    /// The complete state, from which a run continues bit for bit.
     fn state(&self) -> DriveState;
 }
 
-/// A place on the way.
+/// A point in the progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mark {
     pub(super) time: f64,
@@ -67,7 +67,7 @@ pub(super) struct Step {
     pub(super) output: bool,
     /// A checkpoint.
     pub(super) checkpoint: bool,
-    /// The end, and the same in words.
+    /// The end of the run, and its reason in words.
     pub(super) end: Option<(End, String)>,
 }
 
@@ -98,7 +98,7 @@ pub(super) enum DriveState {
     ImmersingF64(ImmersingState<f64>),
 }
 
-/// The scene's driver where the surfaces start, or where it was stored.
+/// The scene's driver, at the start of a run or in its stored state.
 pub(super) fn drive<'a>(
     scene: &'a Scene,
     simulation: &mut Simulation,
@@ -137,7 +137,8 @@ pub(super) fn drive<'a>(
                 )?)
             }
         },
-        // The scene's reader sees to the first, the checkpoint's fingerprint to the second.
+        // The reader of the scene rules out the first case, the fingerprint of the checkpoint the
+        // second.
         _ => return Err(RunError::Mismatch),
     })
 }

@@ -12,20 +12,20 @@ use crate::six::Six;
 use std::io;
 use std::path::PathBuf;
 
-/// Why a run cannot begin or go on. The message is one line.
+/// The reason why a run cannot start or continue. The message is one line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// The surfaces resist nothing.
+    /// No effect resists deformation.
     #[error("{0}: give a surface `bending`, `elasticity`, `tension` or a penalty on its `area`")]
     Setup(#[from] SetupError),
-    /// The integration in time cannot begin.
+    /// The time integration cannot start.
     #[error(transparent)]
     Integration(#[from] integrate::SetupError),
-    /// The scene's outputs, or what was stored, are those of another driver.
+    /// The outputs of the scene, or the stored state, belong to another driver.
     #[error("the outputs, or the checkpoint, are not those of the scene's driver")]
     Mismatch,
-    /// The step that the scene asks for is longer than what is stable where the run begins.
+    /// The fixed step of the scene is longer than the stable step at the start of the run.
     #[error(
         "driver: a step of {step:e} is {:.2} times {limit:.4e}, the longest that is stable with \
          rk4 here, where the stiffest mode decays at a rate of {rate:.3e}: choose a `step` of {:.2e} \
@@ -35,12 +35,12 @@ pub enum RunError {
     UnstableStep {
         /// The step.
         step: f64,
-        /// The longest that is stable.
+        /// The longest stable step.
         limit: f64,
         /// The spectral radius that limits it, per time.
         rate: f64,
     },
-    /// Two columns of the series have one name.
+    /// Two columns of the series have the same name.
     #[error(
         "output: two columns of the series are called `{column}`: give the probe, or the surface, \
          another name"
@@ -49,10 +49,10 @@ pub enum RunError {
         /// The name.
         column: String,
     },
-    /// There is no such box of fluid.
+    /// The box of fluid is invalid.
     #[error("driver: {0}")]
     Lattice(#[from] LatticeError),
-    /// There is a run in the folder already.
+    /// The folder already contains a run.
     #[error(
         "{}: there is a run here already: `--resume` goes on with it, `--out` names another folder",
         folder.display()
@@ -82,10 +82,10 @@ pub enum RunError {
         surface: String,
         /// The method's name.
         method: &'static str,
-        /// How many there are.
+        /// Number of vertices.
         vertices: usize,
     },
-    /// There is no run in the folder to go on with.
+    /// The folder contains no run to resume.
     #[error(
         "{}: there is no run here to go on with: leave `--resume` out to begin one",
         folder.display()
@@ -94,7 +94,7 @@ pub enum RunError {
         /// The folder.
         folder: PathBuf,
     },
-    /// There is a run in the folder whose state was taken away.
+    /// The folder contains a run without its checkpoint.
     #[error(
         "{}: there is a run here without its `{CHECKPOINT}`, and nothing to go on from: put it back, or \
          name another folder with `--out`",
@@ -104,14 +104,14 @@ pub enum RunError {
         /// The folder.
         folder: PathBuf,
     },
-    /// The run is past the end that the scene has now.
+    /// The run is already past the end of the scene.
     #[error(
         "driver: the run that is there has come to t = {} already, and the scene's end is at \
          {}: choose a longer `duration` or `strain`, or another folder with `--out`",
         Six(*time), Six(*duration)
     )]
     Past {
-        /// How far it is.
+        /// The time that the run has reached.
         time: f64,
         /// The scene's duration.
         duration: f64,
@@ -119,10 +119,10 @@ pub enum RunError {
     /// Another process writes to the folder.
     #[error(transparent)]
     Lock(#[from] LockError),
-    /// The mesh of a reference cannot be read any more.
+    /// The mesh file of a reference can no longer be read.
     #[error(transparent)]
     Read(#[from] MeshSourceError),
-    /// A plot shows what the series does not have.
+    /// A plot names a column that the series does not have.
     #[error("plots: there is no column `{column}` in this run: there are {}", known.join(", "))]
     NoColumn {
         /// The column.
@@ -133,10 +133,10 @@ pub enum RunError {
     /// What was published cannot be drawn.
     #[error(transparent)]
     Curves(#[from] CurvesError),
-    /// There is no run to go on with, or not of this scene.
+    /// The checkpoint cannot be used for this scene.
     #[error(transparent)]
     Checkpoint(CheckpointError),
-    /// The series cannot be gone on with.
+    /// The series cannot be continued.
     #[error(transparent)]
     Series(SeriesError),
     /// Something cannot be written. What was written before is whole.

@@ -1,11 +1,11 @@
-//! How well the energy of an equilibrium is known: a second estimate of it on the same vertices.
+//! Error of the energy of an equilibrium, by a second estimate on the same vertices.
 //!
-//! A minimum of a discrete energy need not be one of the surface: where a mesh is too coarse or too
-//! uneven for a method, its energy is too low just where the minimum went. Jets of degree 6 and curved
-//! triangles share no term of their error with the methods that have an energy. On prolate and oblate
-//! vesicles of 2562 vertices that their meshes resolve they are within 0.1 % of the energies of theory,
-//! and so tell the error of the method; where the mesh is spoiled or does not resolve the shape, both
-//! are far off, each in its way.
+//! A minimum of a discrete energy need not be a minimum of the continuous energy: a minimiser finds
+//! shapes for which the mesh is too coarse or uneven and the discrete energy is therefore too low.
+//! The second estimate, by jets of degree 6 and curved triangles, shares no error term with the
+//! methods that have an energy. For prolate and oblate vesicles that 2562 vertices resolve, it is
+//! within 0.1 % of theory and thus measures the error of the method. Where the mesh is distorted or
+//! does not resolve the shape, both estimates are wrong, but in different ways.
 
 use super::curved::{Curved, Integrals};
 use crate::method::{BendingMethod, Evaluator};
@@ -16,8 +16,8 @@ use glam::DVec3;
 use helfrich::{Functional, Prepared, Quantity, Surface};
 use serde::Serialize;
 
-/// The least part of a gradient, relative, that has to be its own: nearly a sphere, area and volume
-/// change alike, and what is left of one besides the other is the mesh's.
+/// The least relative component of a gradient orthogonal to the others. Near a sphere the gradients
+/// of area and volume are parallel, and their difference comes from the mesh alone.
 const OWN: f64 = 0.01;
 
 /// The energy of a closed surface with bending, found in two ways.
@@ -25,25 +25,25 @@ const OWN: f64 = 0.01;
 pub struct EnergyEstimate {
     /// The surface's name.
     pub surface: String,
-    /// The energy of its effects, as the scene's methods have it.
+    /// The energy of its effects by the methods of the scene.
     pub energy: f64,
     /// The same with the bending energy of jets of degree 6 on triangles that are curved by their
-    /// normals. Of a fluid membrane the area, volume and area difference that are held, or have an
-    /// energy, are those of the curved surface as well: `Σ λ (F − F_h)` is added, F of the curved
-    /// surface, F_h of the mesh, and λ the multiplier with which bending balances ∂F_h/∂x.
+    /// normals. For a fluid membrane, the area, volume and area difference that are held or have an
+    /// energy are those of the curved surface as well. This adds `Σ λ (F − F_h)`, with F of the
+    /// curved surface, F_h of the mesh, and λ the multiplier with which bending balances ∂F_h/∂x.
     pub estimate: f64,
-    /// How far both are apart, over `2κ ∫H² dA` of the jets and the elastic energy: a fraction. Not a
-    /// number where jets do not measure every vertex.
+    /// Difference of both energies relative to `2κ ∫H² dA` of the jets plus the elastic energy. NaN
+    /// where jets do not measure every vertex.
     pub error: f64,
 }
 
 impl EnergyEstimate {
-    /// Whether the energy is known to a fraction.
+    /// Whether the relative difference is below a fraction.
     pub(super) fn is_within(&self, limit: f64) -> bool {
         self.error <= limit
     }
 
-    /// In words, that it is not.
+    /// The message about an energy that is not known well enough.
     pub(super) fn message(&self, limit: f64) -> String {
         if self.error.is_nan() {
             return format!(
@@ -63,7 +63,8 @@ impl EnergyEstimate {
     }
 }
 
-/// Estimates for all closed surfaces with bending; `acting` is what acts at the positions.
+/// Estimates for all closed surfaces with bending; `acting` has the effects, evaluated at the
+/// positions.
 pub(super) fn estimates(
     scene: &Scene,
     simulation: &Simulation,
@@ -96,7 +97,7 @@ struct Estimating<'a> {
     body: &'a Body,
     surface: &'a SurfaceScene,
     at: Surface<'a, f64>,
-    /// In the order of the body's effects.
+    /// The effects, in the order of the body.
     own: &'a [Acting],
     between: Vec<&'a Acting>,
 }
@@ -129,7 +130,7 @@ impl Estimating<'_> {
                 + spontaneous * spontaneous * of_all(|of| of.area));
         let held = match self.surface.is_fluid() {
             true => self.held(&integrals, &fields.normal, &groups),
-            // The reference has the area of its own triangles: both change alike.
+            // Surface and reference are both measured on flat triangles, so their errors cancel.
             false => 0.0,
         };
         let estimate = energy - bent + smooth + held;
@@ -176,7 +177,7 @@ impl Estimating<'_> {
         quantities
     }
 
-    /// `Σ λ (F − F_h)`, of each component by itself.
+    /// `Σ λ (F − F_h)`, for each component separately.
     fn held(&self, integrals: &[Integrals], normals: &[[f64; 3]], groups: &[u32]) -> f64 {
         let along = |field: &[[f64; 3]]| {
             let fields = field.iter().zip(normals);
@@ -214,7 +215,8 @@ impl Estimating<'_> {
         sum
     }
 
-    /// The forces that those of what is held, or has an energy, balance.
+    /// The forces that are balanced by constraints and by energies of area, volume and area
+    /// difference.
     fn balanced(&self) -> Vec<[f64; 3]> {
         let own = self.effects();
         let own = own.filter(|(.., effect)| effect.quantity().is_none());
@@ -239,14 +241,14 @@ impl Integrals {
     }
 }
 
-/// The λ for which `Σ λ_i g_i` is nearest to a field, by Gram and Schmidt; 0 for a gradient that has
-/// next to no part of its own.
+/// The λ for which `Σ λ_i g_i` is nearest to a field, by Gram–Schmidt; 0 for a gradient that nearly
+/// depends on the others.
 fn multipliers(
     gradients: &[Vec<f64>],
     field: &[f64],
     dot: impl Fn(&[f64], &[f64]) -> f64,
 ) -> Vec<f64> {
-    // Each orthogonal vector, with how it is made of the gradients.
+    // Each orthogonal vector, with its coefficients in terms of the gradients.
     let mut basis: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
     let mut multipliers = vec![0.0; gradients.len()];
     for (index, gradient) in gradients.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The files of a run that people open: surfaces, pictures, slices of the fluid, plots.
+//! The files of a run for viewers: surfaces, pictures, slices of the fluid, plots.
 
 use super::drive::Mark;
 use super::{Run, RunError, make_folder, measure};
@@ -16,7 +16,7 @@ use glam::DVec3;
 /// Width and height of the pictures, in pixels.
 const PICTURE_SIZE: [u32; 2] = [900, 700];
 
-/// A plot that is drawn when the run ends, with what was published.
+/// A plot that is drawn when the run ends, with published curves.
 #[derive(Debug)]
 pub(super) struct PlannedPlot<'a> {
     plot: &'a Plot,
@@ -24,7 +24,7 @@ pub(super) struct PlannedPlot<'a> {
 }
 
 impl<'a> PlannedPlot<'a> {
-    /// Before anything is computed: what is published has to be readable, and the columns be there.
+    /// Reads the published curves and checks the columns before anything is computed.
     pub(super) fn new(
         plot: &'a Plot,
         columns: &[String],
@@ -82,8 +82,8 @@ impl Run<'_> {
         self.write_index("surfaces.pvd", &self.outputs.files)
     }
 
-    /// The surfaces as they are when the run ends, for the next to begin with: `last.vtp`, or
-    /// `last-NAME.vtp` of each of several.
+    /// The surfaces at the end of the run, from which another run can start: `last.vtp`, or
+    /// `last-NAME.vtp` for each of several.
     pub(super) fn write_last(&self) -> Result<(), RunError> {
         let Mark { time, .. } = self.drive.mark();
         let positions = self.drive.positions();
@@ -161,7 +161,7 @@ impl Run<'_> {
         columns.collect()
     }
 
-    /// The velocity at each probe; not numbers where there is no fluid.
+    /// The velocity at each probe; NaN where there is no fluid.
     pub(super) fn probe(&mut self) -> Vec<f64> {
         let points = self.scene.output.probes.iter().map(|probe| probe.point);
         let points = Vec::from_iter(points);
@@ -286,7 +286,7 @@ impl Run<'_> {
         let names = || self.simulation.bodies().iter().map(|body| body.name());
         for PlannedPlot { plot, published } in &self.plots {
             let columns = columns_of(&table, &plot.column, names());
-            // Over one column, or each surface's over its own.
+            // All surfaces over one column, or each surface over its own.
             let against = columns_of(&table, &plot.against, names());
             let curves = columns.iter().enumerate().map(|(index, (name, column))| {
                 let (_, against) = &against[index.min(against.len() - 1)];
@@ -315,7 +315,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// The title of a picture: the scene's, and how far it is.
+    /// The title of a picture: the title of the scene, and the progress.
     fn caption(&self) -> String {
         match self.scene.title.as_str() {
             "" => self.drive.caption(),
@@ -330,7 +330,7 @@ impl Run<'_> {
     }
 }
 
-/// The plane of a shear flow as it is, everything else from above and to the side.
+/// The view: onto the plane of a shear flow, otherwise from above and to the side.
 fn view(scene: &Scene) -> View {
     match scene.driver.flow().and_then(Flow::plane) {
         Some([flow, gradient]) => View {
@@ -342,7 +342,7 @@ fn view(scene: &Scene) -> View {
     }
 }
 
-/// Every so many nodes of a lattice.
+/// Nodes of a lattice with a stride.
 fn nodes(driver: &LatticeBoltzmann, stride: usize) -> Grid {
     let [corner, _] = driver.corners();
     Grid {

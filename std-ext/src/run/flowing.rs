@@ -17,33 +17,34 @@ use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
-/// The longest step in units of the flow's own time: tank-treading is followed from step to step.
+/// The longest step in units of the flow's own time, because tank-treading has to be followed from
+/// step to step.
 const LONGEST_STEP: f64 = 0.5;
 
-/// Steps in units of the flow's own time of which a run is not worth going on: a unit of strain would
-/// take more than a hundred thousand.
+/// Steps, in units of the flow's own time, that are too short to continue a run: a unit of strain
+/// would take more than a hundred thousand steps.
 const SHORTEST_STEP: f64 = 1e-5;
 
-/// How many steps in a row may be that short: some are, after a disturbance.
+/// Number of consecutive steps that may be that short, as some are after a disturbance.
 const SHORT_STEPS: u64 = 50;
 
-/// Steps that differ by less, relative, are the same.
+/// Relative difference below which two steps are the same.
 const ROUNDING: f64 = 1e-6;
 
-/// A mode is reported that grows faster than this many times the flow deforms.
+/// Growth rate, in units of the deformation rate of the flow, above which a mode is reported.
 const GROWTH: f64 = 3.0;
 
-/// Factors of e by which such a mode may grow in all: 5e8, from next to nothing to the size of the
-/// surface.
+/// Total growth of such a mode, in factors of e, at which a run stops: e²⁰ = 5e8, from rounding
+/// errors to the size of the surface.
 const FOLDS: f64 = 20.0;
 
-/// Membranes on their way through time.
+/// The driver of membranes in Stokes flow.
 pub(super) struct Flowing<'a> {
     scene: &'a Scene,
     driver: BoundaryIntegral,
     clock: Clock,
     suspension: Suspension,
-    /// Whether velocities are solutions of linear systems.
+    /// Whether velocities require the solution of linear systems.
     solves: bool,
     integrator: Integrator,
     report: Option<StepReport>,
@@ -55,7 +56,7 @@ pub(super) struct Flowing<'a> {
 pub(super) struct FlowingState {
     schedule: Schedule,
     integrator: State,
-    /// From which the next solution begins.
+    /// Initial guess of the next solution.
     guess: Vec<[f64; 3]>,
     progress: FlowingProgress,
 }
@@ -63,15 +64,15 @@ pub(super) struct FlowingState {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct FlowingProgress {
     deformed: Deformed,
-    /// The number of outputs so far, but for the first.
+    /// Number of outputs so far, without the first.
     outputs: u64,
     steps: u64,
     right_hand_sides: u64,
-    /// How many of the last steps were too short to get anywhere.
+    /// Number of consecutive last steps that were too short.
     short_steps: u64,
-    /// Products that solutions took before the run was taken up again.
+    /// Matrix products of the linear solutions before the run was resumed.
     products: u64,
-    /// Factors of e by which the stiffest mode has grown since it last decayed.
+    /// Growth of the stiffest mode since it last decayed, in factors of e.
     folds: f64,
     notes: Vec<String>,
 }
@@ -118,7 +119,7 @@ impl<'a> Flowing<'a> {
         })
     }
 
-    /// `positions` are those at the start, of which volumes are kept.
+    /// `positions` are the initial positions, which define the volumes to be kept.
     pub(super) fn resume(
         scene: &'a Scene,
         driver: BoundaryIntegral,
@@ -147,13 +148,13 @@ impl<'a> Flowing<'a> {
         })
     }
 
-    /// Products that solutions took since the start.
+    /// Matrix products of the linear solutions since the start.
     fn products(&self) -> u64 {
         self.progress.products + self.suspension.products()
     }
 
-    /// Why the run is not worth going on, if steps stay too short; one that an output has cut short
-    /// does not count.
+    /// The reason to stop if steps stay too short. A step that an output has cut short does not
+    /// count.
     fn stagnation(
         &mut self,
         report: &StepReport,
@@ -215,8 +216,7 @@ impl<'a> Flowing<'a> {
         }
     }
 
-    /// Notes that the stiffest mode grows, and returns why the run is not worth going on if it has
-    /// grown too far.
+    /// Warns that the stiffest mode grows, and returns a reason to stop if it has grown too far.
     fn growth(&mut self, report: &StepReport, simulation: &Simulation) -> Option<String> {
         let rate = self.driver.flow.rate().unwrap_or(0.0);
         let found = report.spectrum.and_then(|it| Some((it, it.growth?)));
@@ -226,7 +226,7 @@ impl<'a> Flowing<'a> {
         };
         self.progress.folds += growth * report.step;
         let place = place(simulation, spectrum.vertex);
-        // Once for each surface: the place moves on as the mode grows.
+        // One warning per surface, because the place of the mode moves as it grows.
         let times = match rate {
             0.0 => String::new(),
             rate => format!(", {:.0} times as fast as the flow deforms", growth / rate),
@@ -404,9 +404,9 @@ impl Drive for Flowing<'_> {
     }
 }
 
-/// A fixed step that is longer than what is stable where the run begins is none that can be followed.
+/// Refuses a fixed step that is longer than the stable step at the start of the run.
 ///
-/// Where there are no velocities, the first step says why.
+/// If velocities cannot be computed, the first step reports the reason.
 fn refuse_unstable(
     step: f64,
     integrator: &mut Integrator,
@@ -424,7 +424,7 @@ fn refuse_unstable(
     }
 }
 
-/// A vertex of all surfaces, by its surface's name and its number there.
+/// The name of a vertex, counted over all surfaces: its surface and its number there.
 fn place(simulation: &Simulation, vertex: usize) -> String {
     let mut bodies = simulation.bodies().iter();
     match bodies.find(|body| body.vertices().contains(&vertex)) {
@@ -442,7 +442,7 @@ pub(super) fn is_held(surface: &SurfaceScene) -> bool {
     volume.is_some_and(|volume| volume.hold.is_exact())
 }
 
-/// The positions with which a run begins: volumes that are held exactly are at their targets.
+/// The initial positions of a run, with exactly held volumes at their targets.
 fn start(simulation: &mut Simulation, mut positions: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     // That they can be reached was found out when the simulation was made.
     simulation.restore(&mut positions);
@@ -467,7 +467,7 @@ fn suspension(
         driver.flow.ambient(),
         threads,
     );
-    // Membranes do not go through each other: what lies in another stays there.
+    // The nesting is determined once, because membranes do not pass through each other.
     let bodies = simulation.bodies().iter();
     let surfaces = bodies.map(|body| body.surface(positions));
     if let Some(surfaces) = surfaces.collect::<Option<Vec<_>>>() {
@@ -480,7 +480,7 @@ fn suspension(
     suspension
 }
 
-/// The relative error of velocities; `solves` where viscosities make a linear system of them.
+/// The relative error of velocities; `solves` if they require the solution of a linear system.
 fn precision(suspension: &Suspension, solves: bool) -> f64 {
     let solution = if solves { SOLUTION_TOLERANCE } else { 0.0 };
     suspension.precision().max(solution)
@@ -497,7 +497,7 @@ fn settings(
         scene::Integrator::Bs23 => Scheme::Bs23,
         scene::Integrator::Rk4 { step } => Scheme::Rk4 { step },
     };
-    // The radius of the sphere of the same area, of the smallest surface.
+    // The radius of the sphere with the same area as the smallest surface.
     let radius = |body: &crate::simulation::Body| {
         let area = body
             .surface(positions)

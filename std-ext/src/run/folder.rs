@@ -6,10 +6,10 @@ use crate::lock::{LOCK, Lock};
 use crate::series::SeriesTable;
 use std::path::Path;
 
-/// The folders of a run in its folder.
+/// The subfolders of a run.
 const FOLDERS: [&str; 5] = ["surfaces", "pictures", "slices", "volumes", "plots"];
 
-/// The folder of a run, if it is there: nobody else writes there from now on.
+/// Locks the folder of a run, if it exists: no other process writes there from now on.
 pub(super) fn lock_if_there(folder: &Path) -> Result<Option<Lock>, RunError> {
     if !folder.is_dir() {
         return Ok(None);
@@ -17,14 +17,15 @@ pub(super) fn lock_if_there(folder: &Path) -> Result<Option<Lock>, RunError> {
     Ok(Some(Lock::of_folder(folder)?))
 }
 
-/// The folder of a run, which is made if it is not there, for a run that begins.
+/// Creates and locks the folder of a new run.
 pub(super) fn make(folder: &Path, lock: Option<Lock>) -> Result<Lock, RunError> {
     let lock = match lock {
         Some(lock) => lock,
         None => {
             super::make_folder(folder)?;
             let lock = Lock::of_folder(folder)?;
-            // Another process may have been faster, and have ended already.
+            // The check is repeated under the lock, because another process may have run and ended
+            // in between.
             refuse_occupied(folder)?;
             lock
         }
@@ -42,8 +43,8 @@ pub(super) fn refuse_occupied(folder: &Path) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Whether a run that is to go on has a checkpoint; without one it begins again if it was stopped
-/// before its first, and nothing is lost.
+/// Whether a run to be resumed has a checkpoint. A run that was stopped before its first checkpoint
+/// starts again, and nothing is lost.
 pub(super) fn has_checkpoint(folder: &Path, lock: Option<&Lock>) -> Result<bool, RunError> {
     if folder.join(CHECKPOINT).exists() {
         return Ok(true);
@@ -68,7 +69,7 @@ pub(super) fn has_checkpoint(folder: &Path, lock: Option<&Lock>) -> Result<bool,
     Err(none())
 }
 
-/// Whether there is nothing but our lock, which was not there before, and unfinished files.
+/// Whether the folder has nothing but our new lock and unfinished files.
 fn is_empty(folder: &Path) -> bool {
     remove_unfinished(folder);
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -77,7 +78,7 @@ fn is_empty(folder: &Path) -> bool {
         .all(|name| name == LOCK)
 }
 
-/// Takes away the files that a run was writing when it was killed.
+/// Removes the files that a run was writing when it was killed.
 pub(super) fn tidy(folder: &Path) {
     remove_unfinished(folder);
     for name in FOLDERS {

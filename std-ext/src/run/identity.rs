@@ -10,10 +10,10 @@ use crate::simulation::Simulation;
 use helfrich::TriangleMesh;
 use std::fmt::Write as _;
 
-/// The fingerprint of all that the numbers of a run depend on until it is stopped, to the last bit:
-/// the scene and the meshes that it names, whatever their files are called.
+/// The fingerprint of everything on which the numbers of a run depend to the last bit: the scene
+/// and the content of its mesh files, not the names of these files.
 ///
-/// Titles, outputs and the end of a run do not matter.
+/// Title, outputs and the end of the run are not included.
 ///
 /// # Errors
 /// If the file of a reference cannot be read.
@@ -61,8 +61,8 @@ pub(crate) fn fingerprint(
     Ok(Fingerprint::of(&text))
 }
 
-/// A driver without what says when it ends. Of a sequence of loads, each begins where the one before
-/// it ended.
+/// A driver without the settings that decide its end. In a sequence of loads these are included,
+/// because each load begins where the previous one ended.
 fn endless(driver: Driver, loads: usize) -> Driver {
     match driver {
         Driver::Relax(relax) => {

@@ -16,14 +16,14 @@ use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
-/// Steps by which an output is early at most.
+/// Largest number of steps by which an output may be early.
 const NEAREST: f64 = 0.5;
 
-/// The residual of the velocities by which vertices slide along fluid membranes: nothing is a
-/// derivative of them here.
+/// The residual of the velocities by which vertices slide along fluid membranes. It may be large,
+/// because no derivative of these velocities is taken.
 const SLIDING_TOLERANCE: f64 = 1e-3;
 
-/// Membranes in a box of fluid.
+/// The driver of membranes in a box of fluid.
 pub(super) struct Immersing<'a, T> {
     scene: &'a Scene,
     driver: LatticeBoltzmann,
@@ -88,8 +88,8 @@ impl Stored for f64 {
 }
 
 impl<'a, T: Stored> Immersing<'a, T> {
-    /// `positions` are those at the start, of which volumes are kept; with a stored state the run
-    /// goes on from there.
+    /// `positions` are the initial positions, which define the volumes to be kept; with a stored
+    /// state the run continues from it.
     pub(super) fn new(
         scene: &'a Scene,
         driver: LatticeBoltzmann,
@@ -104,7 +104,7 @@ impl<'a, T: Stored> Immersing<'a, T> {
             Some(state) => {
                 immersion.restore(state.immersion)?;
                 let ImmersingProgress { steps, outputs, .. } = state.progress;
-                // An output is made with the step that ends nearest to when it is due.
+                // An output is made at the end of the step nearest to its due time.
                 let [time, early] = [steps as f64, NEAREST].map(|count| count * driver.step);
                 let clock = clock.taken_up(state.schedule, time, early, outputs)?;
                 (state.positions, state.progress, clock)
@@ -255,7 +255,7 @@ impl<T: Stored> Drive for Immersing<'_, T> {
     }
 }
 
-/// The box with its fluid, which moves as it would without membranes and obstacles.
+/// The box with its fluid in undisturbed flow, without membranes and obstacles.
 fn immersion<T: Precision>(
     scene: &Scene,
     driver: LatticeBoltzmann,
@@ -302,7 +302,7 @@ fn immersion<T: Precision>(
     Ok(immersion)
 }
 
-/// The flow that there would be without membranes and obstacles.
+/// The undisturbed flow, without membranes and obstacles.
 fn undisturbed(driver: LatticeBoltzmann, point: [f64; 3]) -> [f64; 3] {
     if let Flow::Channel {
         centre_velocity,
@@ -319,7 +319,7 @@ fn undisturbed(driver: LatticeBoltzmann, point: [f64; 3]) -> [f64; 3] {
     ambient.map_or([0.0; 3], |ambient| ambient.velocity(point))
 }
 
-/// Walls move as the flow does there.
+/// Walls move with the flow at their place.
 fn sides(driver: LatticeBoltzmann) -> [Sides; 3] {
     let corners = driver.corners();
     let unit = driver.units().velocity();
@@ -343,7 +343,7 @@ fn notes(driver: LatticeBoltzmann, simulation: &Simulation, positions: &[[f64; 3
     let Flow::Shear { .. } = driver.flow else {
         return notes;
     };
-    // Many in a periodic box are a suspension, which has no unbounded fluid.
+    // Many surfaces in a periodic box form a suspension, for which the box is not an error.
     if let [body] = simulation.bodies() {
         let volume = body.surface(positions).and_then(|surface| surface.volume());
         let Some(radius) = volume.map(|volume| (0.75 * volume / PI).cbrt()) else {

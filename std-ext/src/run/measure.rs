@@ -10,13 +10,13 @@ use crate::simulation::{Acting, Body, Simulation};
 use helfrich::{Cotangent, Curvature, DualArea, Prepared, Surface};
 use std::f64::consts::PI;
 
-/// The columns of the series that every driver has.
+/// The columns of the series that are common to all drivers.
 #[derive(Debug)]
 pub(super) struct Measures {
     columns: Vec<String>,
     /// Of each surface that is stretched: the directions along and across.
     directions: Vec<Option<[[f64; 3]; 2]>>,
-    /// A ball around the surfaces at the start.
+    /// A ball around the initial surfaces.
     ball: Frame,
 }
 
@@ -57,14 +57,14 @@ impl Measures {
         }
     }
 
-    /// The columns of the series: the driver's own are first.
+    /// The columns of the series, beginning with those of the driver.
     pub(super) fn columns(&self, drive: &dyn Drive, simulation: &Simulation) -> Vec<String> {
         let mut columns = drive.columns(simulation);
         columns.extend(self.columns.iter().cloned());
         columns
     }
 
-    /// A number for each column; NaN for what is not defined.
+    /// A number for each column; NaN where it is not defined.
     pub(super) fn row(
         &self,
         drive: &dyn Drive,
@@ -153,7 +153,7 @@ fn across(axis: [f64; 3], positions: &[[f64; 3]]) -> [f64; 3] {
     best.1
 }
 
-/// How far points extend along a direction of length 1.
+/// The extent of points along a unit direction.
 fn extent(direction: [f64; 3], positions: &[[f64; 3]]) -> f64 {
     let direction = glam::DVec3::from_array(direction);
     let heights = positions

@@ -7,30 +7,30 @@ use crate::simulation::{Body, Simulation};
 use helfrich::{Cotangent, DualArea, Finding, Prepared, Quality, Surface};
 use serde::Serialize;
 
-/// The share of ∫H² dA on flagged vertices from which on an energy rests on them: the shipped scenes
-/// have 0, a false minimum has 0.38, and theory's energies are asked for to 1 %.
+/// The share of ∫H² dA on flagged vertices above which an energy is not trusted: the shipped scenes
+/// have 0, a false minimum has 0.38, and energies shall agree with theory to 1 %.
 const LIMIT: f64 = 0.02;
 
 /// The columns of a surface with bending.
 pub(super) const COLUMNS: [&str; 3] = ["flagged_vertices", "flagged_triangles", "flagged_share"];
 
-/// Vertices and triangles of a surface that its bending method finds fault with.
+/// Vertices and triangles of a surface that its bending method flags.
 #[derive(Clone, Debug, Serialize)]
 pub struct Flagged {
     /// The surface's name.
     pub surface: String,
-    /// Number of vertices that are found fault with, or have such a triangle or neighbour.
+    /// Number of vertices that have a finding, or a triangle or neighbour with one.
     pub vertices: usize,
     /// Number of triangles that are thin or have no area.
     pub triangles: usize,
     /// The part of ∫H² dA, by the cotangent operator, on flagged vertices, from 0 to 1.
     pub share: f64,
-    /// How often each kind of finding occurs, and in words what it is.
+    /// The number of findings of each kind, with its description.
     pub findings: Vec<(usize, String)>,
 }
 
-/// The findings of the last evaluation, which was at these positions, one entry a surface; none of
-/// those without bending.
+/// The findings of the last evaluation, which must have been at these positions: one entry per
+/// surface, `None` without bending.
 pub(super) fn flagged(simulation: &Simulation, positions: &[[f64; 3]]) -> Vec<Option<Flagged>> {
     let of = |body: &Body| Flagged::new(body, body.surface(positions)?);
     simulation.bodies().iter().map(of).collect()
@@ -68,12 +68,12 @@ impl Flagged {
         [self.vertices as f64, self.triangles as f64, self.share]
     }
 
-    /// Whether so much of the bending energy lies on flagged vertices that it is not to be trusted.
+    /// Whether too much of the bending energy lies on flagged vertices.
     pub(super) fn rules(&self) -> bool {
         self.share > LIMIT
     }
 
-    /// The same in words.
+    /// The message about flagged vertices.
     pub(super) fn message(&self) -> String {
         let kinds = self
             .findings

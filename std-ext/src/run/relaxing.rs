@@ -9,8 +9,8 @@ use crate::series::ITERATION;
 use crate::simulation::Simulation;
 use serde::{Deserialize, Serialize};
 
-/// Residuals below this are rounding if nothing improves any more: the default of `driver.residual` is
-/// within reach of every method with an energy on meshes that it stands.
+/// Residuals below this are due to rounding if a relaxation stagnates: every method with an energy
+/// reaches the default of `driver.residual` on meshes that it can handle.
 const ROUNDING: f64 = 1e-5;
 
 /// A relaxation under each load of a sequence.
@@ -36,18 +36,18 @@ pub(super) struct RelaxingState {
     progress: RelaxingProgress,
 }
 
-/// Where in the sequence of loads it is.
+/// The position in the sequence of loads.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct RelaxingProgress {
     load: usize,
-    /// Iterations of the loads before, and of this one.
+    /// Iterations of the previous loads, and of the current one.
     before: u64,
     iteration: u64,
     /// The residual with which the load began.
     first_residual: Option<f64>,
     /// The residual and the number of iterations at which loads end.
     limits: (f64, u64),
-    /// How the first load ended that did not come to its equilibrium, and all of these in words.
+    /// The end of the first load that did not reach equilibrium, and messages about all such loads.
     unfinished: Option<End>,
     notes: Vec<String>,
 }
@@ -100,7 +100,7 @@ impl Relaxing {
         simulation: &mut Simulation,
         (mut relaxation, progress): (Relaxation, RelaxingProgress),
     ) -> Self {
-        // Here and not with the first step, so that the first row has its residual.
+        // Evaluated here, before the first step, so that the first row has a residual.
         let start = relaxation.start(simulation);
         let names = simulation
             .bodies()
@@ -120,7 +120,7 @@ impl Relaxing {
         }
     }
 
-    /// Goes on to the next load from where the last one ended.
+    /// Continues with the next load, from the end of the previous one.
     fn next_load(&mut self, simulation: &mut Simulation) -> Result<(), RunError> {
         self.progress.load += 1;
         self.progress.before += self.progress.iteration;
@@ -156,7 +156,7 @@ impl Relaxing {
         }
     }
 
-    /// An outcome in words, with what is worth knowing of it.
+    /// Description of an outcome, with details.
     fn message(&self, outcome: Outcome) -> String {
         let mut message = outcome.to_string();
         if let Outcome::Failed(failure) = outcome
@@ -238,11 +238,12 @@ impl Drive for Relaxing {
         })
     }
 
-    /// By the digits that the residual has lost of those it has to lose.
+    /// Progress: decades by which the residual has fallen, relative to those by which it has to
+    /// fall.
     fn progress(&self) -> Progress {
         let first = self.progress.first_residual.unwrap_or(f64::NAN);
         let done = (first / self.residual).ln() / (first / self.relax.residual).ln();
-        // Not a number where there is nothing to do.
+        // NaN if there is nothing to do.
         let done = if done.is_finite() {
             done.clamp(0.0, 1.0)
         } else {
@@ -287,7 +288,7 @@ impl Drive for Relaxing {
     }
 }
 
-/// When a load ends.
+/// The stopping criteria of a load.
 fn limits(relax: Relax) -> (f64, u64) {
     (relax.residual, relax.iterations)
 }

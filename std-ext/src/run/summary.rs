@@ -1,4 +1,4 @@
-//! How a run ended, and what it leaves to say so.
+//! The end of a run, and its summary file.
 
 use super::remedy::remedy;
 use super::{EnergyEstimate, Flagged};
@@ -6,24 +6,24 @@ use crate::scene::{Relax, Scene};
 use crate::simulation::{Cost, messages_once};
 use serde::{Deserialize, Serialize};
 
-/// How a run ended.
+/// The way in which a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
-    /// Every load came to its equilibrium.
+    /// Every load reached its equilibrium.
     Converged,
     /// Forces vanish, but the energy is not known well enough, or so much of it lies on flagged vertices
     /// that this is no equilibrium of the surface.
     Unresolved,
-    /// It went on to the end of its duration.
+    /// The run reached the end of its duration.
     Completed,
-    /// The last load did not: the limit of iterations was reached.
+    /// The last load did not reach its equilibrium: the limit of iterations was reached.
     IterationLimit,
-    /// The last load did not: nothing improves any more.
+    /// The last load did not reach its equilibrium: the relaxation stagnates.
     Stagnated,
-    /// It went wrong; what is kept is the last good state.
+    /// The run failed; the last good state is kept.
     Failed,
-    /// It was asked to stop, and can be taken up again.
+    /// The run was interrupted, and can be resumed.
     Interrupted,
 }
 
@@ -41,7 +41,7 @@ impl End {
         }
     }
 
-    /// Whether a relaxation came as near to its equilibrium as it ever will.
+    /// Whether a relaxation cannot come nearer to its equilibrium.
     pub(super) fn is_reached(self) -> bool {
         matches!(
             self,
@@ -55,7 +55,7 @@ impl End {
 pub struct Summary {
     /// The scene's title.
     pub title: String,
-    /// How it ended.
+    /// The way in which it ended.
     pub end: End,
     /// The same in words.
     pub message: String,
@@ -73,7 +73,7 @@ pub struct Summary {
     pub effects: Vec<Cost>,
     /// What the bending methods find fault with at the end, surface by surface.
     pub flagged: Vec<Flagged>,
-    /// How well the energies of closed surfaces are known at the end of a relaxation.
+    /// The estimated errors of the energies of closed surfaces at the end of a relaxation.
     pub energy_estimates: Vec<EnergyEstimate>,
     /// What is worth knowing besides.
     pub warnings: Vec<String>,

@@ -1,16 +1,16 @@
-//! A bar that shows how far a program is.
+//! A progress bar for long commands.
 
 use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
-/// Characters of the bar,
+/// Number of characters of the bar.
 const BAR: usize = 30;
-/// and of a line, which terminals of any width hold.
+/// Number of characters of a line, narrow enough for common terminals.
 const LINE: usize = 79;
-/// The shortest time between two pictures of the bar.
+/// The shortest time between two updates of the bar.
 const EVERY: Duration = Duration::from_millis(100);
 
-/// A bar on standard error; nothing where that is no terminal.
+/// A progress bar on standard error; it does nothing if that is not a terminal.
 #[derive(Debug)]
 pub struct ProgressBar {
     started: Instant,
@@ -40,14 +40,14 @@ impl ProgressBar {
         self.write(&line);
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn clear(&mut self) {
         if self.drawn.take().is_some() {
             self.write("");
         }
     }
 
-    /// Replaces the line. That nobody sees it does not matter.
+    /// Replaces the line. Errors are ignored, because the bar is not essential.
     fn write(&self, line: &str) {
         let mut out = io::stderr().lock();
         let _ = write!(out, "\r\x1b[2K{line}").and_then(|()| out.flush());
@@ -60,7 +60,7 @@ impl Drop for ProgressBar {
     }
 }
 
-/// The line: bar, share, times that have passed and remain, message.
+/// The line: bar, percentage, elapsed and remaining time, message.
 fn line(fraction: f64, elapsed: Duration, message: &str) -> String {
     let fraction = fraction.clamp(0.0, 1.0);
     let full = (fraction * BAR as f64) as usize;
