@@ -1,12 +1,11 @@
 //! Scene files: TOML text becomes plain, validated data. Nothing here runs a simulation.
 //!
-//! A scene names its surfaces, the effects that act on each, the driver and the outputs. What it
-//! does not name does not exist: an effect that is absent is `None`, and costs nothing.
-//! Every number of a [`Scene`] is in the scene's [`Units`]; numbers that the file gives with a
-//! unit of their own are converted.
+//! A scene names its surfaces, the effects that act on each, the driver and the outputs. An absent
+//! effect is `None` and costs nothing. Every number of a [`Scene`] is in the scene's [`Units`];
+//! numbers that the file gives with a unit of their own are converted.
 //!
-//! Which keys there are, of which form, dimension and range, stands in one table (`keys`): the
-//! parser's messages and [`json_schema`] are made from it.
+//! One table (`keys`) lists all keys with form, dimension and range. The messages of the parser and
+//! [`json_schema`] are generated from it.
 
 mod barrier;
 mod build;
@@ -51,14 +50,14 @@ use helfrich::{Surface, TriangleMesh};
 use serde::Serialize;
 use std::path::Path;
 
-/// A validated scene: what exists, what acts on it, how it is driven and what is written.
+/// A validated scene: surfaces, effects, driver and outputs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scene {
     /// One line that describes the scene.
     pub title: String,
     /// The units of every number in the scene.
     pub units: Units,
-    /// The surfaces, one or more, with different names.
+    /// The surfaces, at least one, with different names.
     pub surfaces: Vec<SurfaceScene>,
     /// Interactions between surfaces.
     pub interactions: Vec<Interaction>,
@@ -85,21 +84,21 @@ pub enum Units {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Interaction {
-    /// Repulsion at short range: see [`helfrich::Repulsion`]; of two surfaces and all images of
-    /// these in a periodic box.
+    /// Short-range repulsion of two surfaces, with all their images in a periodic box: see
+    /// [`helfrich::Repulsion`].
     Repulsion {
         /// k, energy per area squared.
         strength: f64,
-        /// r_c, from which on there is none.
+        /// r_c, the range; there is no repulsion beyond it.
         cutoff: f64,
-        /// The two surfaces, counted from 0, or twice one that has images; every pair if `None`, and
-        /// in a periodic box every surface and the images of itself.
+        /// The two surfaces, counted from 0, or twice the same surface for its own images. `None`:
+        /// every pair and, in a periodic box, every surface with its own images.
         #[serde(skip_serializing_if = "Option::is_none")]
         between: Option<[usize; 2]>,
     },
 }
 
-/// A scene as read, with what is needed to say where in its text something stands.
+/// A scene as read, with the places of its values in the text.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     /// The scene.
@@ -113,8 +112,8 @@ pub struct SceneFile {
 impl SceneFile {
     /// Reads and validates a scene file; `overrides` replace or add to its values.
     ///
-    /// Paths of mesh files become relative to the scene file's folder. Where there is no file, the name
-    /// of a [`ShippedScene`] stands for it.
+    /// Paths of mesh files are relative to the folder of the scene file. If there is no such file,
+    /// the name may be that of a [`ShippedScene`].
     ///
     /// # Errors
     /// Everything that is wrong with it, if anything is.
@@ -126,7 +125,8 @@ impl SceneFile {
         Self::parse(&text, path, overrides)
     }
 
-    /// The same from a text; `path` is what messages call it, and what mesh files are relative to.
+    /// Reads a scene from a text. `path` is its name in messages, and mesh files are relative to
+    /// it.
     ///
     /// # Errors
     /// Everything that is wrong with it, if anything is.
@@ -134,27 +134,27 @@ impl SceneFile {
         build::parse(text, path, overrides)
     }
 
-    /// Compares a surface's effects with its mesh, scaled as the scene says, once that is known.
+    /// Compares the effects of a surface with its mesh, scaled as in the scene.
     ///
     /// # Errors
-    /// Everything that the mesh does not allow.
+    /// All conflicts between effects and the mesh.
     pub fn check_mesh(&self, surface: usize, mesh: &MeshInfo) -> Result<(), SceneErrors> {
         mesh_check::check_mesh(self, surface, mesh)
     }
 
-    /// Whether an obstacle's mesh, scaled as the scene says, is one that fluid can flow around.
+    /// Checks that the mesh of an obstacle, scaled as in the scene, can be an obstacle.
     ///
     /// # Errors
-    /// If it has no inside.
+    /// If it has no interior.
     pub fn check_obstacle(&self, obstacle: usize, mesh: &MeshInfo) -> Result<(), SceneErrors> {
         mesh_check::check_obstacle(self, obstacle, mesh)
     }
 
-    /// Whether a surface starts outside of an obstacle, and the obstacle outside of the surface, their
-    /// images included.
+    /// Checks that a surface and an obstacle, with their images, are outside each other at the
+    /// start.
     ///
     /// # Errors
-    /// If a vertex of one is inside of the other.
+    /// If a vertex of one is inside the other.
     pub fn check_apart(
         &self,
         surface: usize,
@@ -166,7 +166,7 @@ impl SceneFile {
         mesh_check::check_apart(self, numbers, surface_positions, obstacle_positions)
     }
 
-    /// A warning if a surface starts across another one, or across an image of it.
+    /// A warning if a surface intersects another one, or an image of it, at the start.
     pub fn check_outside(
         &self,
         numbers: [usize; 2],
@@ -181,7 +181,7 @@ impl SceneFile {
         mesh_check::mesh_warnings(self, surface, mesh)
     }
 
-    /// A doubt about the mesh of an obstacle.
+    /// A warning about the mesh of an obstacle.
     pub fn obstacle_warning(&self, obstacle: usize, mesh: &MeshInfo) -> Option<SceneError> {
         mesh_check::obstacle_warning(self, obstacle, mesh)
     }

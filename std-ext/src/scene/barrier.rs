@@ -1,20 +1,21 @@
-//! The repulsion as explicit steps see it.
+//! Stiffness of the repulsion, for limits of explicit steps.
 
 use super::Interaction;
 use std::f64::consts::PI;
 
-/// The pressure that a repulsion holds surfaces apart by: see [`helfrich::Repulsion`].
+/// The pressure by which a repulsion holds surfaces apart: see [`helfrich::Repulsion`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Barrier {
     strength: f64,
     cutoff: f64,
 }
 
-/// The wave number times the gap at which a squeezed film gives way fastest.
+/// Wave number times gap of the mode in which a squeezed film relaxes fastest.
 const FASTEST: f64 = 1.793;
 
-/// Pressure where surfaces touch, over the largest of μγ̇, G/a, κ/a³ and σ/a: in a dense suspension few
-/// vertices carry what presses two capsules together. Of 27 at 42 % it was found.
+/// Pressure where surfaces touch, over the largest of μγ̇, G/a, κ/a³ and σ/a. It is large because
+/// in a dense suspension few vertices carry the load between two capsules. The value was found for
+/// 27 capsules at a volume fraction of 42 %.
 const CONTACT: f64 = 10.0;
 
 impl Barrier {
@@ -29,13 +30,13 @@ impl Barrier {
         Self::new(strength, cutoff)
     }
 
-    /// p at a part s of the range: `k r_c/2 (1 − s²)² (1 + 2s²)/s³`.
+    /// p at the fraction s of the range: `k r_c/2 (1 − s²)² (1 + 2s²)/s³`.
     fn pressure(&self, s: f64) -> f64 {
         let q = s * s;
         0.5 * self.strength * self.cutoff * (1.0 - q).powi(2) * (1.0 + 2.0 * q) / (q * s)
     }
 
-    /// The part of the range at which it holds a pressure.
+    /// The fraction of the range at which the repulsion balances a pressure.
     fn part(&self, pressure: f64) -> f64 {
         // Beyond `k r_c/(2s³) = P` the pressure is lower: (1 − q)² (1 + 2q) ≤ 1.
         let touching = (0.5 * self.strength * self.cutoff / pressure).cbrt();
@@ -60,19 +61,20 @@ impl Barrier {
         (gap, self.pressure(s) * exponent / gap)
     }
 
-    /// Force per length by which a vertex is held, that of this edge, where surfaces touch.
+    /// Force per length that holds a vertex with edges of this length where surfaces touch.
     pub(super) fn stiffness(&self, pressure: f64, edge: f64) -> f64 {
         let (_, slope) = self.contact(pressure);
         0.75_f64.sqrt() * edge * edge * slope
     }
 
-    /// The largest rate, 1/time, at which two surfaces that touch come back to their distance h, on meshes
-    /// with these edges in fluid of viscosity μ.
+    /// The largest rate, 1/time, at which two touching surfaces return to their distance h, on
+    /// meshes with edges of this length in fluid of viscosity μ.
     ///
     /// A normal force per area f cos(kx) on a plane in Stokes flow makes the velocity
-    /// `f/(4μk) (1 + k|z|) e^(−k|z|)` at a distance z. Of two planes with opposite ones the gap changes by
-    /// `f/(2μk) (1 − (1 + kh) e^(−kh))`: with f of −p'(h) times the change of the gap that is the rate,
-    /// at most `0.149 |p'(h)| h/μ`, at kh = 1.79, and k up to π/edge.
+    /// `f/(4μk) (1 + k|z|) e^(−k|z|)` at a distance z. Between two planes with opposite forces the
+    /// gap changes by `f/(2μk) (1 − (1 + kh) e^(−kh))`. With f = −p'(h) times the change of the
+    /// gap, this is the rate. Its maximum is `0.149 |p'(h)| h/μ`, at kh = 1.79; k is at most
+    /// π/edge.
     pub(super) fn rate(&self, pressure: f64, edge: f64, viscosity: f64) -> f64 {
         let (gap, slope) = self.contact(pressure);
         let x = FASTEST.min(PI * gap / edge);

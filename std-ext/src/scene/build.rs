@@ -1,4 +1,4 @@
-//! A scene from the values of its file, and what contradicts what in it.
+//! Builds a scene from the values of its file, and reports contradictions.
 
 mod driver;
 mod lattice;
@@ -138,7 +138,8 @@ impl Builder<'_> {
         scene
     }
 
-    /// Names have to differ. `what` they name is read from `readers`.
+    /// Reports names that occur twice. The named objects, called `what` in messages, are read from
+    /// `readers`.
     fn different(&mut self, what: &'static str, names: &[&str], readers: &[Reader<'_>]) {
         for second in 1..names.len() {
             let name = names[second];
@@ -155,7 +156,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Nothing is said of images while it is not known whether there are any.
+    /// Images are not checked before it is known whether there are any.
     fn interaction(
         &mut self,
         interaction: Reader<'_>,
@@ -214,7 +215,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Beyond a period every surface would act on itself, wherever it is.
+    /// With a range longer than a period every surface would act on itself.
     fn in_one_period(&mut self, origin: &Origin, cutoff: f64, images: &Images<f64>) {
         let period = |axis: usize| images.period(axis).unwrap_or(f64::INFINITY);
         if let Some(axis) = (0..3).find(|&axis| cutoff > period(axis)) {

@@ -6,7 +6,7 @@ use super::problem::{Problem, expected_number};
 use super::units::{Dimension, QuantityError, quantity};
 use super::value::{Node, Origin, Table, Value};
 
-/// Problems in the making.
+/// Collects problems.
 #[derive(Debug, Default)]
 pub(super) struct Problems(pub(super) Vec<(Origin, Problem)>);
 
@@ -16,7 +16,7 @@ impl Problems {
     }
 }
 
-/// All problems of a table by itself. `around` is the path of the table, `origin` its place.
+/// Reports all problems within a table. `around` is the path of the table, `origin` its place.
 pub(super) fn check_table(
     keys: &'static Keys,
     around: &str,
@@ -118,13 +118,13 @@ fn kind_of(keys: &'static Keys, table: &Table) -> Option<&'static Kind> {
     keys.kinds.iter().find(|kind| kind.name == name)
 }
 
-/// Where a key was written.
+/// The place where a key was written.
 fn place_of(table: &Table, key: &str, or: &Origin) -> Origin {
     let found = table.entries.iter().find(|entry| entry.key == key);
     found.map_or_else(|| or.clone(), |entry| entry.key_origin.clone())
 }
 
-/// A table of dotted keys has no place of its own: its key has.
+/// A table of dotted keys has no place of its own, so the place of its key is used.
 pub(super) fn nonempty<'a>(origin: &'a Origin, or: &'a Origin) -> &'a Origin {
     match origin {
         Origin::Text(range) if range.is_empty() => or,
@@ -150,7 +150,7 @@ pub(super) fn join(around: &str, key: &str) -> String {
     }
 }
 
-/// All problems of a value. `name` is its key, `path` its path.
+/// Reports all problems of a value. `name` is its key, `path` its path.
 fn check(
     form: &'static Form,
     name: &str,
@@ -310,11 +310,12 @@ fn check_all(
     }
 }
 
-/// Whether a value could be meant to have this form.
+/// Whether a value may be intended to have this form.
 fn fits(form: &Form, value: &Value) -> bool {
     match (form, value) {
         (Form::Choice(names), Value::Text(text)) => {
-            // A text with a digit in front is a number with a unit, if that is possible at all.
+            // A text that starts with a digit is taken for a number with a unit where one is
+            // allowed.
             names().contains(&text.as_str()) || !starts_as_number(text)
         }
         (Form::Number(..), Value::Integer(_) | Value::Float(_) | Value::Text(_))

@@ -37,7 +37,7 @@ impl Driver {
         }
     }
 
-    /// The images that surfaces have in a box that is periodic; none in free space.
+    /// The periodic images of surfaces in a box; none in free space.
     pub fn images(&self) -> Images<f64> {
         match self {
             Self::Relax(_) | Self::BoundaryIntegral(_) => Images::none(),
@@ -55,24 +55,24 @@ impl Driver {
     }
 }
 
-/// How a scene is relaxed, and when it is enough.
+/// Settings of a relaxation, and its stopping criteria.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Relax {
     /// The scheme, already chosen: never `auto`.
     pub scheme: Scheme,
-    /// The run ends when the root mean square of the force per area that is left, in units of
-    /// κ/R³ + K/R, is below this; K is the largest modulus in the plane, `4πR² = A`.
+    /// The run ends when the root mean square of the remaining force per area is below this, in
+    /// units of κ/R³ + K/R. K is the largest in-plane modulus, `4πR² = A`.
     pub residual: f64,
     /// Iterations after which the run ends in any case.
     pub iterations: u64,
     /// Whether vertices are moved along the surface to keep the mesh even.
     pub redistribution: bool,
-    /// How well the energy of a closed surface with bending has to be known for an equilibrium, as a
-    /// fraction.
+    /// Largest relative error of the energy of a closed surface with bending at which a run counts
+    /// as converged.
     pub energy_error: f64,
 }
 
-/// How energies become positions.
+/// The minimisation scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
@@ -87,13 +87,13 @@ pub enum Scheme {
 pub struct BoundaryIntegral {
     /// Viscosity μ of the fluid outside, pressure times time.
     pub viscosity: f64,
-    /// The flow that there would be without membranes.
+    /// The undisturbed flow, without membranes.
     pub flow: Flow,
     /// The time at which the run ends; it begins at 0.
     pub duration: f64,
-    /// How positions follow velocities, already chosen: never `auto`.
+    /// The integrator, already chosen: never `auto`.
     pub integrator: Integrator,
-    /// The error allowed in a step, in units of the size of the surfaces.
+    /// The error tolerance of a step, in units of the size of the surfaces.
     pub tolerance: f64,
     /// Whether the discrete volume of each closed surface is kept to rounding.
     pub volume_correction: bool,
@@ -101,7 +101,7 @@ pub struct BoundaryIntegral {
     pub redistribution: bool,
 }
 
-/// How positions follow velocities. [`crate::dynamics::integrate::Scheme`] says what each is.
+/// The integrator. [`crate::dynamics::integrate::Scheme`] describes each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "name")]
 pub enum Integrator {
@@ -111,7 +111,7 @@ pub enum Integrator {
     Bs23,
     /// The classical scheme of fourth order.
     Rk4 {
-        /// Its step, a time.
+        /// The fixed step, a time.
         step: f64,
     },
 }
@@ -149,18 +149,18 @@ pub enum Flow {
         centre_velocity: f64,
         /// R, a length.
         radius: f64,
-        /// Along the axis and the flow, of any length above 0.
+        /// The direction of the axis and the flow, of any length above 0.
         direction: [f64; 3],
         /// A point of the axis.
         through: [f64; 3],
     },
-    /// Along x between walls at rest, driven by a force on all fluid; of lattices only.
+    /// Flow along x between walls at rest, driven by a body force; on lattices only.
     Channel {
         /// U, the velocity in the middle of a channel without surfaces and obstacles; not 0.
         centre_velocity: f64,
-        /// H, the distance of the walls at the ends of y.
+        /// H, the distance between the walls at the ends of y.
         width: f64,
-        /// The distance of those at the ends of z; none if z is periodic.
+        /// The distance between the walls at the ends of z; `None` if z is periodic.
         depth: Option<f64>,
     },
 }
@@ -168,9 +168,10 @@ pub enum Flow {
 impl Flow {
     /// The rate, 1/time and above 0, by which strain and capillary numbers are counted.
     ///
-    /// γ̇ of a shear and ε̇ of an extension, without sign; `√(2 E:E)` of a linear flow, with
-    /// `E = (L + Lᵀ)/2`, which is γ̇ if the flow is a shear; `2U/R` of a Poiseuille flow, the shear
-    /// rate at its wall; `4U/H` of a channel, that at its walls if it has no others. None of fluid that is at rest or turns as a whole.
+    /// The absolute value of γ̇ of a shear and of ε̇ of an extension; `√(2 E:E)` of a linear flow
+    /// with `E = (L + Lᵀ)/2`, which is γ̇ if the flow is a shear; `2U/R` of a Poiseuille flow, the
+    /// shear rate at its wall; `4U/H` of a channel, the shear rate at the walls of plates. `None`
+    /// if the fluid is at rest or rotates rigidly.
     pub fn rate(&self) -> Option<f64> {
         let rate = match *self {
             Self::Quiescent => 0.0,
@@ -196,8 +197,8 @@ impl Flow {
         (rate > 0.0).then_some(rate)
     }
 
-    /// Force per volume along x that drives a channel's flow in fluid of this viscosity; none of other
-    /// flows.
+    /// Force per volume along x that drives the flow in a channel of fluid with this viscosity;
+    /// `None` for other flows.
     pub fn driving_force(&self, viscosity: f64) -> Option<f64> {
         let Self::Channel {
             centre_velocity,
@@ -211,7 +212,7 @@ impl Flow {
         Some(viscosity * centre_velocity / channel.response(0.0, 0.0))
     }
 
-    /// The flow as a function of the point; none if there is none, or if it is that of a box.
+    /// The flow as a function of the point; `None` without flow, and for flows of a box.
     pub fn ambient(&self) -> Option<Ambient> {
         Some(match *self {
             Self::Quiescent | Self::Channel { .. } => return None,
@@ -233,9 +234,9 @@ impl Flow {
         })
     }
 
-    /// The plane in which a flow deforms what is in it: the unit vectors along the velocity and its
-    /// gradient of a shear, those of stretching and shrinking of a plane extension. Of linear flows
-    /// only shears have one, as `L = γ̇ t nᵀ` with `t·n = 0`; others none.
+    /// The plane in which a flow deforms bodies, as two unit vectors: along the velocity and its
+    /// gradient for a shear, along stretching and shrinking for a plane extension. A linear flow
+    /// has a plane only if it is a shear `L = γ̇ t nᵀ` with `t·n = 0`. Other flows have none.
     pub fn plane(&self) -> Option<[[f64; 3]; 2]> {
         match *self {
             Self::Shear { .. } | Self::PlaneExtension { .. } => {

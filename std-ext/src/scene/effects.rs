@@ -1,8 +1,8 @@
 //! The effects that act on one surface: one file each, and one line each in the list below.
 //!
-//! The file of an effect holds everything that scenes know of it: its keys, how they are read, what
-//! contradicts it, what it needs of the mesh, how it is explained and how it is made ready. The table of
-//! keys, the schema, the messages, `explain` and the simulation follow from the list.
+//! The file of an effect holds everything that scenes know of it: keys, reading, contradictions,
+//! requirements on the mesh, explanation and preparation. The table of keys, the schema, the
+//! messages, `explain` and the simulation follow from the list.
 
 mod adhesion;
 mod area;
@@ -50,8 +50,8 @@ use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
 
-/// Defines [`Effects`] and what follows from the list of effects, in the order of the list: this is the
-/// order of keys, of `explain`, of forces and of columns.
+/// Defines [`Effects`] and everything that follows from the list of effects. The order of the list
+/// is the order of keys, of `explain`, of forces and of columns.
 macro_rules! effects {
     ($($(#[$documentation:meta])* $name:ident: $effect:ty,)*) => {
         /// The effects that act on a surface. An effect that is `None` does not exist.
@@ -94,7 +94,7 @@ macro_rules! effects {
                 all.into_iter().filter_map(|(name, effect)| Some((name, effect?)))
             }
 
-            /// The effects that are on, to be changed.
+            /// The effects that are on, mutable.
             pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut dyn SurfaceEffect> {
                 let all: [Option<&mut dyn SurfaceEffect>; Self::NAMES.len()] = [
                     $(self.$name.as_mut().map(|effect| effect as _)),*
@@ -152,12 +152,12 @@ const fn key<E: Described>() -> Key {
     optional(E::NAME, Form::Table(E::KEYS), E::SUMMARY)
 }
 
-/// An effect of a scene. Methods that an effect has no use for have defaults.
+/// An effect of a scene. Methods that do not apply to every effect have defaults.
 pub(crate) trait SurfaceEffect: fmt::Debug {
-    /// Reports what contradicts the effect or is doubtful about it, before any mesh is known.
+    /// Reports contradictions and doubts about the effect before any mesh is known.
     fn check(&self, _check: &mut Check<'_, '_>) {}
 
-    /// Reports what contradicts the effect or is doubtful about it on the mesh of the surface.
+    /// Reports contradictions and doubts about the effect on the mesh of the surface.
     fn check_mesh(&self, _check: &mut MeshCheck<'_>) {}
 
     /// Whether the effect needs an enclosed volume.
@@ -165,22 +165,22 @@ pub(crate) trait SurfaceEffect: fmt::Debug {
         false
     }
 
-    /// The positions without stress, of effects that have such.
+    /// The stress-free positions; `None` for effects without reference.
     fn reference(&self) -> Option<&Reference> {
         None
     }
 
-    /// [`Self::reference`], to be changed.
+    /// [`Self::reference`], mutable.
     fn reference_mut(&mut self) -> Option<&mut Reference> {
         None
     }
 
-    /// Whether the effect remembers where the material was, so that vertices are part of it.
+    /// Whether the effect depends on the history of the material, so that vertices must follow it.
     fn is_solid(&self) -> bool {
         false
     }
 
-    /// The number of each component that its energy depends on, or that it holds.
+    /// The quantity of each component on which its energy depends, or which it holds.
     fn quantity(&self) -> Option<Quantity> {
         None
     }
@@ -201,7 +201,7 @@ pub(crate) trait SurfaceEffect: fmt::Debug {
     /// Adds the dimensionless groups that the effect forms with the others.
     fn groups(&self, _groups: &mut Groups<'_>) {}
 
-    /// Makes the effect ready for the mesh of its surface.
+    /// Prepares the effect for the mesh of its surface.
     ///
     /// # Errors
     /// If the mesh or its positions do not allow it.
@@ -213,11 +213,11 @@ pub(crate) trait SurfaceEffect: fmt::Debug {
 pub(crate) struct Stiffness {
     /// Bending modulus, an energy.
     pub(crate) bending: f64,
-    /// Modulus against changes of area, force per length.
+    /// Area modulus, force per length.
     pub(crate) area: f64,
-    /// Modulus against shear in the plane, force per length.
+    /// In-plane shear modulus, force per length.
     pub(crate) shear: f64,
-    /// Surface tension, force per length; it has a sign.
+    /// Surface tension, force per length; it may be negative.
     pub(crate) tension: f64,
 }
 
@@ -322,7 +322,7 @@ impl MeshCheck<'_> {
     }
 }
 
-/// The dimensionless groups of a surface, and what they are made of.
+/// The dimensionless groups of a surface, and the quantities in them.
 pub(crate) struct Groups<'a> {
     /// All effects of the surface.
     pub(super) effects: &'a Effects,

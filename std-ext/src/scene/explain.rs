@@ -32,9 +32,9 @@ pub struct Explanation {
     pub driver: Active,
     /// The ambient flow, of drivers with a fluid.
     pub flow: Option<Active>,
-    /// How positions follow velocities and why so, of drivers with time.
+    /// The integrator and the reason for it; `None` for drivers without time.
     pub integrator: Option<Active>,
-    /// The lattice, of the driver that has one.
+    /// The lattice, if the driver has one.
     pub lattice: Option<LatticeExplanation>,
     /// Estimate of the spectral radius ρ of the velocities' derivative by positions, 1/time, where
     /// there is a formula: explicit steps are stable up to about 2.5/ρ.
@@ -50,7 +50,7 @@ pub struct Explanation {
 pub struct SurfaceExplanation {
     /// Its name.
     pub name: String,
-    /// Where its mesh comes from.
+    /// The source of its mesh.
     pub mesh: String,
     /// Number of vertices.
     pub vertices: usize,
@@ -58,10 +58,10 @@ pub struct SurfaceExplanation {
     pub measures: Vec<Parameter>,
     /// The effects that are on.
     pub on: Vec<Active>,
-    /// The keys of those that are off.
+    /// The keys of the effects that are off.
     pub off: Vec<&'static str>,
-    /// Dimensionless groups, with R the radius of the sphere of the same area and, in flow, a that of
-    /// the sphere of the same volume.
+    /// Dimensionless groups. R is the radius of the sphere with the same area; in flow, a is the
+    /// radius of the sphere with the same volume.
     pub groups: Vec<Group>,
     /// Remarks on these groups.
     pub notes: Vec<&'static str>,
@@ -74,7 +74,7 @@ pub struct SurfaceExplanation {
 pub struct Active {
     /// Its key or kind.
     pub name: &'static str,
-    /// Which law, method or scheme.
+    /// The law, method or scheme.
     pub choice: String,
     /// Its numbers.
     pub parameters: Vec<Parameter>,

@@ -1,4 +1,4 @@
-//! The one table of a scene's keys: their forms, dimensions, ranges and what they mean.
+//! The table of all keys of a scene: their forms, dimensions, ranges and meanings.
 
 mod driver;
 mod output;
@@ -25,13 +25,13 @@ pub(super) struct Keys {
     pub(super) kinds: &'static [Kind],
 }
 
-/// Keys that a table has if its `kind` is this one. Keys that no kind names belong to all.
+/// Keys that a table has if its `kind` is this one. Keys that no kind names belong to all kinds.
 #[derive(Debug)]
 pub(super) struct Kind {
     pub(super) name: &'static str,
     pub(super) required: &'static [&'static str],
     pub(super) optional: &'static [&'static str],
-    /// As [`Keys::exactly_one`]; these keys are optional ones.
+    /// As [`Keys::exactly_one`], for optional keys.
     pub(super) exactly_one: &'static [&'static [&'static str]],
 }
 
@@ -78,13 +78,13 @@ pub(super) enum Form {
     Direction,
     /// Two names of surfaces.
     Pair,
-    /// As many values of a form.
+    /// A list of a fixed number of values of one form.
     Exactly(usize, &'static Form),
     /// A table.
     Table(&'static Keys),
     /// A list of tables.
     Tables(&'static Keys),
-    /// A value of one of two forms that TOML tells apart.
+    /// A value of one of two forms with different TOML types.
     Either(&'static [Form; 2]),
 }
 
@@ -98,9 +98,9 @@ pub(super) enum Range {
     Positive,
     /// 0 or above.
     NotNegative,
-    /// Above 0, 1 at most.
+    /// Above 0, at most 1.
     Fraction,
-    /// Above 0, 0.5 at most.
+    /// Above 0, at most 0.5.
     Half,
     /// Above this.
     Above(f64),
@@ -134,7 +134,7 @@ impl Range {
 }
 
 impl Form {
-    /// The keys, if a table may stand here.
+    /// The keys of the table, if a table is allowed here.
     pub(super) fn table(&self) -> Option<&'static Keys> {
         match self {
             Self::Table(keys) => Some(keys),
@@ -151,7 +151,7 @@ impl Kind {
 }
 
 impl Keys {
-    /// The kinds that have a key; none if all have it.
+    /// The kinds that have a key; empty if all have it.
     pub(super) fn kinds_with(&self, name: &str) -> Vec<&'static str> {
         let kinds = self.kinds.iter().filter(|kind| kind.has(name));
         kinds.map(|kind| kind.name).collect()
@@ -173,12 +173,12 @@ impl Keys {
     }
 }
 
-/// The name that was probably meant, if one is near.
+/// The most similar name, if there is one.
 pub(super) fn nearest(name: &str, known: &[&str]) -> Option<String> {
     let name = name.to_lowercase();
     let distance = |known: &str| strsim::damerau_levenshtein(&name, &known.to_lowercase());
     let best = known.iter().min_by_key(|known| distance(known))?;
-    // A part of a long name is a guess as good as a wrong letter.
+    // A substring of a long name is as good a match as a misspelt name.
     let part = |known: &&&str| name.len() >= 3 && known.to_lowercase().contains(&name);
     let near = |known: &&str| distance(known) <= 1 + name.chars().count().min(known.len()) / 4;
     if near(best) {

@@ -1,4 +1,4 @@
-//! Membranes in a box of fluid on a lattice, and what limits its steps.
+//! Membranes in a box of fluid on a lattice, and the limits of its steps.
 
 use super::barrier::Barrier;
 use super::explain::enclosed_radius;
@@ -17,16 +17,16 @@ pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 pub struct LatticeBoltzmann {
     /// Viscosity μ of the fluid outside, pressure times time.
     pub viscosity: f64,
-    /// Mass density ρ of all fluid. None: no inertia, and the flow follows from forces that are
-    /// linear in it, but for what time it takes to.
+    /// Mass density ρ of all fluid. `None`: no inertia; the flow is linear in the forces, apart
+    /// from the delay with which it follows them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
-    /// At rest, in a box that is periodic; a shear, between walls at the ends of y that move with
+    /// The flow: at rest in a periodic box; a shear between walls at the ends of y that move with
     /// ±γ̇ L_y/2 along x; or a channel. Axes without walls are periodic.
     pub flow: Flow,
     /// The time at which the run ends; it begins at 0.
     pub duration: f64,
-    /// Distance of nodes, a length.
+    /// Distance between nodes, a length.
     pub spacing: f64,
     /// Number of nodes along each axis.
     pub cells: [usize; 3],
@@ -34,9 +34,9 @@ pub struct LatticeBoltzmann {
     pub centre: [f64; 3],
     /// Kinematic viscosity ν on the lattice, in units of spacing²/step.
     pub lattice_viscosity: f64,
-    /// Time of a step, already chosen.
+    /// Duration of a step, already chosen.
     pub step: f64,
-    /// How vertices are spread over nodes.
+    /// The kernel that spreads forces of vertices to nodes.
     pub kernel: Kernel,
     /// Number type of the lattice, f32 or f64; membranes are always f64.
     pub precision: Scalar,
@@ -47,7 +47,7 @@ pub struct LatticeBoltzmann {
 }
 
 impl LatticeBoltzmann {
-    /// The lengths of the box: a node more is a spacing more.
+    /// The lengths of the box.
     pub fn size(&self) -> [f64; 3] {
         self.cells.map(|count| count as f64 * self.spacing)
     }
@@ -88,8 +88,8 @@ impl LatticeBoltzmann {
         }
     }
 
-    /// Lattice units in units of the scene. The density is that of the fluid or, without inertia, the one
-    /// that follows from viscosity and step: `μ step/(ν spacing²)`.
+    /// Lattice units in units of the scene. Without inertia the density follows from viscosity and
+    /// step: `μ step/(ν spacing²)`.
     pub fn units(&self) -> Units {
         Units {
             spacing: self.spacing,
@@ -103,21 +103,21 @@ impl LatticeBoltzmann {
         mach(self.largest_speed() * self.step / self.spacing)
     }
 
-    /// 3 P in lattice units, by which the density changes where P is a pressure.
+    /// 3 P in lattice units: the change of density due to the pressure P.
     pub(super) fn compression(&self, pressure: f64) -> f64 {
         3.0 * pressure / self.units().pressure()
     }
 
-    /// Reynolds number `γ̇ a²/ν` of surfaces of this radius: that of the fluid or, without a density,
-    /// the one by which a step of the lattice takes time; rates are those of the flow or, if there is
-    /// none, of membranes that press with this pressure.
+    /// Reynolds number `γ̇ a²/ν` of surfaces of this radius. Without a density it is the Reynolds
+    /// number of the lattice, whose flow follows forces with a delay. Without a flow, the rate is
+    /// that of membranes with this pressure.
     pub(super) fn reynolds(&self, radius: f64, pressure: f64) -> f64 {
         let rate = self.flow.rate().unwrap_or(pressure / self.viscosity);
         let nodes = radius / self.spacing;
         rate * self.step * nodes * nodes / self.lattice_viscosity
     }
 
-    /// Memory in bytes: populations, forces and velocities at vertices, and what obstacles and viscosities add.
+    /// Memory in bytes: populations, forces and velocities at vertices, obstacles and viscosities.
     pub(super) fn memory(&self, scene: &Scene) -> u64 {
         let nodes = self.cells.map(|count| count as u64).iter().product::<u64>();
         let (populations, number) = match self.precision {
@@ -131,7 +131,7 @@ impl LatticeBoltzmann {
         populations.unwrap_or(0) as u64 + nodes * (number * (6 + contrast) + 2 * labels)
     }
 
-    /// The limits of the step, each by itself.
+    /// The limits of the step, listed separately.
     pub(super) fn step_limits(
         &self,
         membranes: &[Membrane],
@@ -175,9 +175,9 @@ impl LatticeBoltzmann {
         limits
     }
 
-    /// The limits due to membranes, whose forces are those at the start of a step.
+    /// The limits due to membranes, whose forces are evaluated at the start of a step.
     pub(super) fn membrane_limits(&self, membranes: &[Membrane]) -> [StepLimit; 2] {
-        // Forces a step that the fluid's viscosity, or its mass, can take up.
+        // Forces that the viscosity or the mass of the fluid can balance in a step.
         let stiff = |of: fn(&Membrane) -> f64, most: f64| {
             let share = MEMBRANES.min(most / self.lattice_viscosity);
             let stiffest = membranes.iter().map(of).fold(0.0, f64::max);
@@ -213,7 +213,7 @@ impl LatticeBoltzmann {
         }
     }
 
-    /// P, the pressure by which membranes and flow move the density.
+    /// P, the pressure by which membranes and flow change the density.
     pub(super) fn pressure(&self, membranes: &[Membrane]) -> f64 {
         let viscous = self.viscosity * self.flow.rate().unwrap_or(0.0);
         membranes
@@ -223,35 +223,35 @@ impl LatticeBoltzmann {
     }
 }
 
-/// 3 P in lattice units, which is the density's change: of 0.01 the volume of a capsule is off by as
-/// much, and its deformation by 2 %.
+/// Limit of 3 P in lattice units, the relative change of density. At 0.01 the volume of a capsule
+/// changes by as much, and its deformation is wrong by 2 %.
 pub(super) const COMPRESSION: f64 = 0.01;
-/// Errors by compressibility go with its square.
+/// Limit of the Mach number; errors by compressibility are proportional to its square.
 pub(super) const MACH: f64 = 0.1;
-/// Reynolds number by the density that only the lattice has. Without inertia steady shapes do not
-/// depend on it; at 0.65 a capsule's D(t) is late by 2 %.
+/// Limit of the Reynolds number of a lattice without `density`. Steady shapes do not depend on it;
+/// at 0.65 D(t) of a capsule is late by 2 %.
 pub(super) const INERTIA: f64 = 0.2;
-/// Limits of explicit steps, about half of the forces with which membranes start to tremble, by trials
-/// of capsules: viscosity balances this part of a unit of `μ spacing/step`,
+/// Largest stiffness of membranes in explicit steps, relative to `μ spacing/step` of the viscous
+/// fluid: about half of the stiffness at which capsules started to oscillate in trials.
 pub(super) const MEMBRANES: f64 = 0.5;
-/// mass this part of a unit of `ρ spacing³/step²`, in the plane
+/// The same for in-plane stiffness, relative to `ρ spacing³/step²` of the mass of the fluid.
 const PLANE: f64 = 0.25;
-/// and across it.
+/// The same for bending stiffness, relative to the mass of the fluid.
 const BENDING: f64 = 0.09;
 
 /// Of forces that hold a vertex by itself, fluid takes up this much of a unit of `μ spacing/step`,
 const CONTACT: f64 = 1.0;
-/// and its mass this much of one of `ρ spacing³/step²`, of which 2 throw back one that is spread over one
-/// node farther than it came.
+/// The same relative to `ρ spacing³/step²` of the mass of the fluid. At 2 a vertex that is spread
+/// over one node would be thrown back farther than it came.
 const CONTACT_MASS: f64 = 0.5;
 
-/// Membranes tremble in steps of this many times what their limits allow.
+/// Ratio of the step to the limit at which membranes oscillate.
 pub(super) const TREMBLING: f64 = 2.0;
 /// D(L) − D(∞) over (a/L)³ of a capsule in shear between walls at a distance L: A. Guckenberger et al.,
 /// Comput. Phys. Commun. 207 (2016) 1. In cubes that are periodic too, 1.1 to 1.8 were found here.
 pub const FINITE_BOX: f64 = 2.4;
 
-/// The longest step that something allows.
+/// A limit of the step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StepLimit {
     /// The name of the limit.
@@ -280,7 +280,7 @@ pub(super) struct Membrane {
 }
 
 impl Membrane {
-    /// A surface whose mesh has this radius, area and number of triangles.
+    /// Properties of a surface whose mesh has this radius, area and number of triangles.
     pub(super) fn new(surface: &SurfaceScene, radius: f64, area: f64, triangles: usize) -> Self {
         let stiffness = surface.effects.stiffness();
         Self {
@@ -298,18 +298,18 @@ impl Membrane {
         Self::new(surface, enclosed_radius(mesh), mesh.area, mesh.triangles)
     }
 
-    /// The pressure that it resists by.
+    /// The pressure with which the surface resists deformation.
     pub(super) fn pressure(&self) -> f64 {
         let plane = self.shear.max(self.tension) / self.radius;
         plane.max(self.bending / self.radius.powi(3))
     }
 
-    /// Force per length by which neighbouring vertices hold each other in the plane.
+    /// In-plane stiffness between neighbouring vertices, force per length.
     fn plane_stiffness(&self) -> f64 {
         self.dilation + self.shear + self.tension
     }
 
-    /// The same by bending.
+    /// Bending stiffness of a vertex, force per length.
     fn bending_stiffness(&self) -> f64 {
         self.bending / (self.edge * self.edge)
     }

@@ -196,7 +196,7 @@ pub(super) fn obstacle_warning(
     Some(file.source.error(&origin, Problem::Doubtful { message }))
 }
 
-/// A generated mesh whose area or volume is not that of its shape.
+/// Warns about a generated mesh whose area or volume differs from that of its shape.
 fn off_its_shape(name: &str, source: &MeshSource, scale: f64, mesh: &MeshInfo) -> Option<String> {
     let MeshSource::Shape { shape, family, .. } = source else {
         return None;
@@ -240,7 +240,8 @@ fn of_effects<'a>(
     check
 }
 
-/// A surface that reaches where a Poiseuille flow turns round, as a sphere about its position.
+/// Warns about a surface that, taken as a sphere about its position, reaches the radius at which a
+/// Poiseuille profile reverses.
 fn beyond_the_tube(scene: &SurfaceScene, mesh: &MeshInfo, flow: &Flow) -> Option<String> {
     let Flow::Poiseuille {
         radius,
@@ -266,7 +267,7 @@ fn beyond_the_tube(scene: &SurfaceScene, mesh: &MeshInfo, flow: &Flow) -> Option
     })
 }
 
-/// Numbers whose squares are none: everything that is computed with them would be 0 or infinite.
+/// Reports numbers whose squares overflow or underflow: all results would be 0 or infinite.
 fn too_large_or_small(scene: &SurfaceScene, mesh: &MeshInfo) -> Option<String> {
     let longest = mesh.edge_lengths[1];
     let area = longest * longest;

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 /// The outputs of a run and their intervals.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Output {
-    /// From one row of the series to the next.
+    /// Interval between rows of the series.
     pub every: Every,
-    /// Rows from one set of files to the next: surfaces, pictures and slices.
+    /// Number of rows between sets of files: surfaces, pictures and slices.
     pub files_every: u64,
     /// Whether surfaces are written.
     pub surfaces: bool,
@@ -26,7 +26,7 @@ pub struct Output {
     /// Planes on which the fluid's velocity and pressure are written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub slices: Vec<Slice>,
-    /// How the whole box of a lattice is written.
+    /// Outputs of the whole box of a lattice.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub volumes: Vec<Volume>,
     /// Points at which the fluid's velocity is written.
@@ -34,13 +34,13 @@ pub struct Output {
     pub probes: Vec<Probe>,
 }
 
-/// How far it is from one output to the next.
+/// Interval between outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Every {
-    /// As many iterations, of drivers without time.
+    /// A number of iterations, for drivers without time.
     Iterations(u64),
-    /// As much time.
+    /// A time.
     Time(f64),
 }
 
@@ -59,7 +59,8 @@ pub enum PictureField {
 /// A column of the series, drawn over another one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plot {
-    /// The column. Of several surfaces each has its own, `NAME_SURFACE`: `NAME` alone is all of them.
+    /// The column. With several surfaces each has its own column `NAME_SURFACE`, and `NAME` stands
+    /// for all of them.
     pub column: String,
     /// The column of the horizontal axis.
     pub against: String,
@@ -120,6 +121,6 @@ pub struct Probe {
     /// Its name, and that of its columns: `NAME_x`, `NAME_y`, `NAME_z`; `probe-1` and so on for those
     /// without one.
     pub name: String,
-    /// Where it is.
+    /// Its position.
     pub point: [f64; 3],
 }

@@ -8,20 +8,20 @@ use crate::io::{read_whole, without_mark};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Something that is wrong with a scene, or worth a warning, and where.
+/// An error in a scene, or a warning about it, with its place.
 ///
 /// Displayed as `file:line:column: what is wrong: what would be right`, with the line below it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneError {
     /// The scene file.
     pub path: PathBuf,
-    /// Where in it, or which override.
+    /// The place in the file, or the override.
     pub place: Place,
     /// The problem.
     pub problem: Problem,
 }
 
-/// Where something is wrong.
+/// The place of a problem.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
     /// The file as a whole.
@@ -34,14 +34,14 @@ pub enum Place {
         column: usize,
         /// The line, without its end.
         text: String,
-        /// How many characters of the line are concerned, 1 or more.
+        /// Number of characters of the line that are concerned, 1 or more.
         width: usize,
     },
     /// An override, as it was given.
     Override(String),
 }
 
-/// All that is wrong with a scene, in the order of its text; one or more errors.
+/// All errors of a scene, in the order of its text; at least one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneErrors(Vec<SceneError>);
 
@@ -119,25 +119,25 @@ pub enum Problem {
         /// Why not.
         message: String,
     },
-    /// The text is no TOML.
+    /// The text is not valid TOML.
     #[error("this is no TOML: {message}")]
     Syntax {
         /// The message of the parser.
         message: String,
     },
-    /// A key that does not exist.
+    /// An unknown key.
     #[error("there is no key `{key}` {}: {}", within(table), suggestion(nearest.as_ref(), "keys", known))]
     UnknownKey {
         /// The table's path; empty for the scene.
         table: String,
         /// The key.
         key: String,
-        /// The key that was probably meant.
+        /// The most similar key.
         nearest: Option<String>,
         /// All keys of the table.
         known: String,
     },
-    /// A key that tables of another kind have.
+    /// A key that only tables of another kind have.
     #[error(
         "`{key}` belongs to the kind {kinds}, and {} is of the kind \"{kind}\": leave it out, or \
          choose another kind",
@@ -165,7 +165,7 @@ pub enum Problem {
         /// The meaning of the key.
         summary: &'static str,
     },
-    /// None of several keys is there.
+    /// None of several keys is present.
     #[error("{} has neither {keys}: one of them is needed", name_of(table))]
     NoneOf {
         /// The table's path.
@@ -181,7 +181,7 @@ pub enum Problem {
         /// The keys, with `and` between them.
         keys: String,
     },
-    /// A key that says something only beside another one.
+    /// A key that has a meaning only together with another one.
     #[error("`{key}` needs `{other}` beside it: {summary}")]
     Needs {
         /// The key.
@@ -201,14 +201,14 @@ pub enum Problem {
         /// The expected value.
         expected: String,
     },
-    /// A name that does not exist.
+    /// An unknown name.
     #[error("`{key}` knows no \"{name}\": {}", suggestion(nearest.as_ref(), "choices", known))]
     UnknownName {
         /// The key.
         key: String,
         /// The name.
         name: String,
-        /// The name that was probably meant.
+        /// The most similar name.
         nearest: Option<String>,
         /// All names.
         known: String,
@@ -235,12 +235,12 @@ pub enum Problem {
         text: String,
         /// Its dimension, in words.
         found: String,
-        /// The dimension that is right, in words.
+        /// The expected dimension, in words.
         expected: String,
         /// A number that is right.
         example: &'static str,
     },
-    /// A text that is no number with a unit.
+    /// A text that is not a number with a unit.
     #[error(
         "`{key}` is \"{text}\", {reason}: {expected} is needed{}",
         or_example(example)
@@ -268,7 +268,7 @@ pub enum Problem {
         /// The number with its unit.
         text: String,
     },
-    /// A text that names no shape.
+    /// A text that does not name a shape.
     #[error("`{key}`: {source}")]
     Shape {
         /// The key.
@@ -279,7 +279,7 @@ pub enum Problem {
     /// A mesh that cannot be generated.
     #[error(transparent)]
     Generate(GenerateError),
-    /// Two surfaces, obstacles or outputs of one name.
+    /// Two surfaces, obstacles or outputs with the same name.
     #[error("{what} {second} has the name \"{name}\" of {what} {first}: names have to differ")]
     RepeatedName {
         /// Their kind.
@@ -298,7 +298,7 @@ pub enum Problem {
         kind: String,
         /// The element, as the path names it.
         element: String,
-        /// The elements there are.
+        /// The existing elements.
         known: Vec<String>,
     },
     /// An override's path ends at an element of a list.
@@ -319,13 +319,13 @@ pub enum Problem {
         /// The next word of the path.
         below: String,
     },
-    /// Things that are right alone and wrong together.
+    /// Settings that are valid separately but not together.
     #[error("{message}")]
     Contradiction {
         /// The contradiction and a remedy.
         message: String,
     },
-    /// Worth a warning.
+    /// A warning.
     #[error("{message}")]
     Doubtful {
         /// The doubt and its reason.

@@ -5,8 +5,8 @@ use super::keys::{Form, Keys};
 use super::units::Dimension;
 use super::value::{Node, Origin, Table, Value};
 
-/// Reads a table of which the problems are known. Whatever has one is read as a placeholder: the
-/// scene it becomes part of is thrown away.
+/// Reads a table whose problems have been reported. Invalid values are read as placeholders,
+/// because the scene will be discarded.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reader<'a> {
     keys: &'static Keys,
@@ -23,12 +23,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Where the table was written.
+    /// The place where the table was written.
     pub(super) fn origin(&self) -> &'a Origin {
         self.origin
     }
 
-    /// Where a key was written, or the table if it was not.
+    /// The place of a key, or of the table if the key is missing.
     pub(super) fn origin_of(&self, key: &str) -> Origin {
         let found = self.table.entries.iter().find(|entry| entry.key == key);
         found.map_or_else(
@@ -78,7 +78,7 @@ impl<'a> Reader<'a> {
         number(self.get(key)?, self.dimension(key)).ok()
     }
 
-    /// A number that has to be there.
+    /// A required number.
     pub(super) fn needed(&self, key: &str) -> f64 {
         self.number(key).unwrap_or(f64::NAN)
     }

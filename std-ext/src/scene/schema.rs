@@ -6,8 +6,8 @@ use serde_json::{Map, Value, json};
 
 /// The JSON schema (draft 2020-12) of a scene file, its tables being objects.
 ///
-/// It knows keys, forms, plain ranges and which keys exclude or need each other; dimensions of
-/// units and contradictions between effects are seen by [`super::SceneFile`] alone.
+/// The schema covers keys, forms, plain ranges, and keys that exclude or need each other. Only
+/// [`super::SceneFile`] checks dimensions of units and contradictions between effects.
 pub fn json_schema() -> Value {
     let mut schema = object(&SCENE);
     schema.insert(
@@ -75,7 +75,7 @@ fn of_kind(keys: &'static Keys, kind: &Kind) -> Map<String, Value> {
     schema
 }
 
-/// Exactly one key of a group is there.
+/// Requires exactly one key of a group.
 fn one(group: &&[&str]) -> Value {
     let alone = Vec::from_iter(group.iter().map(|key| json!({ "required": [key] })));
     json!({ "oneOf": alone })

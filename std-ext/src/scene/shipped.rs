@@ -1,15 +1,15 @@
-//! Scenes that come with the library, by name.
+//! Scenes that are shipped with the library, by name.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// The folder that messages give for what comes with the library.
+/// The folder name of shipped scenes in messages.
 const FOLDER: &str = "<helfrich>";
 
-/// A scene that comes with the library.
+/// A scene that is shipped with the library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShippedScene {
-    /// The name, with which it can be run: that of its file without `.toml`.
+    /// The name by which it can be run: the name of its file without `.toml`.
     pub name: &'static str,
     /// The file's content.
     pub text: &'static str,
@@ -24,7 +24,7 @@ macro_rules! scenes {
     };
 }
 
-/// All scenes that come with the library.
+/// All shipped scenes.
 pub const SHIPPED: [ShippedScene; 13] = scenes![
     "budding"
     "capsule-constriction"
@@ -41,7 +41,7 @@ pub const SHIPPED: [ShippedScene; 13] = scenes![
     "vesicle-shear"
 ];
 
-/// Further files, which scenes name.
+/// Further files that scenes need.
 const FILES: [(&str, &str); 2] = [
     (
         "capsule-shear-published.csv",
@@ -54,14 +54,14 @@ const FILES: [(&str, &str); 2] = [
 ];
 
 impl ShippedScene {
-    /// The scene that a path names: one without a folder, where there is no file of that name.
+    /// The shipped scene that a path names: a name without a folder, if no file has this name.
     pub fn named(path: &Path) -> Option<Self> {
         let is = |scene: &Self| path.as_os_str() == OsStr::new(scene.name);
         let found = SHIPPED.into_iter().find(is)?;
         (!path.is_file()).then_some(found)
     }
 
-    /// The title that the scene gives itself.
+    /// The title in the scene.
     pub fn title(self) -> &'static str {
         let line = self.text.lines().find_map(|line| {
             let (_, title) = line.strip_prefix("title")?.split_once('"')?;
@@ -70,14 +70,13 @@ impl ShippedScene {
         line.unwrap_or_default()
     }
 
-    /// The path that messages give, and that files the scene names are relative to.
+    /// The path of the scene in messages; files that the scene names are relative to it.
     pub fn path(self) -> PathBuf {
         Path::new(FOLDER).join(format!("{}.toml", self.name))
     }
 }
 
-/// Files that belong to the scenes, each with its name and content: all that is needed to run them from
-/// a folder.
+/// All files that are needed to run the scenes from a folder, each with its name and content.
 pub fn shipped_files() -> impl Iterator<Item = (String, &'static str)> {
     let scenes = SHIPPED.iter();
     let scenes = scenes.map(|scene| (format!("{}.toml", scene.name), scene.text));

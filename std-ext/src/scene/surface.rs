@@ -1,4 +1,4 @@
-//! A surface of a scene: its mesh and where it is put.
+//! A surface of a scene: its mesh, position and effects.
 
 use super::effects::Effects;
 use crate::generate::{AnyShape, Family};
@@ -21,8 +21,8 @@ pub struct SurfaceScene {
     /// How the mesh is turned about its origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Orientation>,
-    /// Viscosity inside over that of the driver's fluid, which is outside of all surfaces, λ. Only flow
-    /// drivers know viscosities.
+    /// Viscosity ratio λ of the fluid inside to the fluid of the driver, which is outside of all
+    /// surfaces. Only flow drivers use viscosities.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viscosity_ratio: Option<f64>,
     /// The effects that act on it.
@@ -31,13 +31,14 @@ pub struct SurfaceScene {
 }
 
 impl SurfaceScene {
-    /// Whether the membrane has no memory of where its material was: vertices may be moved along
-    /// it.
+    /// Whether the membrane has no memory of the positions of its material, so that vertices may be
+    /// moved along it.
     pub fn is_fluid(&self) -> bool {
         !self.effects.iter().any(|(_, effect)| effect.is_solid())
     }
 
-    /// Whether vertices may slide along the surface in a flow: it is fluid, and none is pulled.
+    /// Whether vertices may slide along the surface in a flow: the surface is fluid, and no vertex
+    /// is loaded.
     pub fn slides(&self) -> bool {
         self.is_fluid() && self.effects.stretching.is_none()
     }
@@ -47,7 +48,7 @@ impl SurfaceScene {
         self.effects.bending.is_some() || self.effects.tension.is_some()
     }
 
-    /// Whether all effects are gradients of energies: bending by a method in strong form is not.
+    /// Whether all effects are gradients of energies, unlike bending by a method in strong form.
     pub fn is_conservative(&self) -> bool {
         let bending = self.effects.bending;
         bending.is_none_or(|bending| bending.method.is_conservative())
@@ -70,7 +71,7 @@ pub struct Obstacle {
     pub orientation: Option<Orientation>,
 }
 
-/// Where a mesh comes from.
+/// The source of a mesh.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MeshSource {
@@ -79,10 +80,10 @@ pub enum MeshSource {
         /// The shape.
         #[serde(serialize_with = "as_text")]
         shape: AnyShape,
-        /// How vertices are spread over it.
+        /// The family: the distribution of vertices.
         #[serde(serialize_with = "as_text")]
         family: Family,
-        /// How many there are.
+        /// Number of vertices.
         vertices: usize,
         /// Seed of the families that are random.
         seed: u64,
@@ -98,8 +99,8 @@ pub enum MeshSource {
 pub struct MeshFileSource {
     /// The file.
     pub path: PathBuf,
-    /// Whether vertices at the same point are made one; `None` if nothing is said of it: then a mesh
-    /// that is cut where it need not be is refused.
+    /// Whether vertices at the same point are merged. With `None` a mesh with split vertices is
+    /// refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub weld: Option<bool>,
 }
@@ -108,7 +109,8 @@ impl MeshFileSource {
     /// Reads the file.
     ///
     /// # Errors
-    /// If it cannot be read, or its mesh is cut and nothing is said of that; see [`MeshSourceError`].
+    /// If the file cannot be read, or its mesh has split vertices and `weld` is not set; see
+    /// [`MeshSourceError`].
     pub fn read(&self) -> Result<MeshFile, MeshSourceError> {
         let Self { path, weld } = self;
         if *weld == Some(true) {
@@ -136,14 +138,15 @@ impl fmt::Display for MeshFileSource {
     }
 }
 
-/// Why a scene's mesh file cannot be used. The message is one line that starts with the file's name.
+/// The reason why a mesh file of a scene cannot be used. The message is one line that starts with
+/// the name of the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshSourceError {
-    /// It cannot be read, or welded.
+    /// The file cannot be read or welded.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// Vertices at its boundary are at the points of others there.
+    /// The mesh has split vertices: boundary vertices with the same positions.
     #[error(
         "{}: the mesh is cut where it need not be: {count} vertices at its boundary are at the points of \
          others there: `weld = true` beside `mesh` makes one vertex of each, `weld = false` leaves them \
@@ -152,7 +155,7 @@ pub enum MeshSourceError {
     Split {
         /// The file.
         path: PathBuf,
-        /// How many vertices.
+        /// Number of split vertices.
         count: usize,
     },
 }

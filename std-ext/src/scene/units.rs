@@ -79,13 +79,13 @@ impl Dimension {
         )
     }
 
-    /// A number of this dimension with its unit, as it is written in a scene.
+    /// A number of this dimension with its unit, in the notation of scenes.
     pub(super) fn example(self) -> &'static str {
         let known = Self::NAMES.iter().find(|(known, ..)| *known == self);
         known.map_or("", |(.., example)| example)
     }
 
-    /// The unit in which a scene's plain numbers are; empty if there is none.
+    /// The unit of plain numbers in a scene; empty if there is none.
     pub(super) fn unit(self, units: Units) -> String {
         match units {
             Units::Micro => self.symbol(),
@@ -117,23 +117,23 @@ impl Dimension {
     }
 }
 
-/// Why a text is no number with a unit.
+/// The reason why a text is not a number with a unit.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum QuantityError {
     /// It does not start with a number.
     NoNumber,
-    /// There is only a number.
+    /// The unit is missing.
     NoUnit,
-    /// This is no unit.
+    /// The unit is unknown.
     UnknownUnit(String),
-    /// The number is beyond what an f64 holds.
+    /// The number is out of the range of f64.
     TooLarge,
-    /// Its dimension is another one.
+    /// The unit has the wrong dimension.
     Dimension(Dimension),
 }
 
-/// The number in units of pN, µm and s that a text like `2e-19 J` or `5.3 µN/m` stands for: the
-/// f64 nearest to it, for units only shift the decimal point.
+/// The value in units of pN, µm and s of a text like `2e-19 J` or `5.3 µN/m`. The result is the
+/// nearest f64, because units only shift the decimal point.
 pub(super) fn quantity(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
     let (mantissa, exponent, unit) = split_number(text.trim()).ok_or(QuantityError::NoNumber)?;
     let unit = unit.trim();
@@ -184,7 +184,7 @@ fn split_number(text: &str) -> Option<(&str, i32, &str)> {
                 .len();
         if count > 0 {
             let (exponent, rest) = power.split_at(power.len() - signed.len() + count);
-            // Beyond an i32 nothing but 0 and infinity is left.
+            // Exponents out of the range of i32 give 0 or infinity.
             let beyond = if exponent.starts_with('-') {
                 -100_000
             } else {
@@ -224,7 +224,7 @@ const PREFIXES: [(&str, i32); 14] = [
     ("f", -15),
     ("p", -12),
     ("n", -9),
-    // Micro sign, Greek letter, and what keyboards have.
+    // Micro sign, Greek letter mu, and the letter u.
     ("µ", -6),
     ("μ", -6),
     ("u", -6),

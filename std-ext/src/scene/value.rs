@@ -1,4 +1,4 @@
-//! TOML values that know where they come from, and values set from outside.
+//! TOML values with their origins, and overrides.
 
 use super::keys::{Form, Key, Keys};
 use super::problem::Problem;
@@ -9,10 +9,10 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Where something was written.
+/// The origin of a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Origin {
-    /// Nowhere in particular: it concerns the whole file.
+    /// No particular place: the problem concerns the whole file.
     File,
     /// Bytes of the scene's text.
     Text(Range<usize>),
@@ -20,12 +20,12 @@ pub(super) enum Origin {
     Override(usize),
 }
 
-/// Where each key of a scene was written, by its path: `surface.0.bending.modulus`.
+/// The origin of each key of a scene, by its path: `surface.0.bending.modulus`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Origins(BTreeMap<String, Origin>);
 
 impl Origins {
-    /// The origin of a path, or else of the nearest table around it.
+    /// The origin of a path, or of the nearest enclosing table.
     pub(super) fn of(&self, path: &str) -> Origin {
         let mut path = path;
         loop {
@@ -99,7 +99,7 @@ pub(super) struct Table {
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     pub(super) key: String,
-    /// Where the key itself was written.
+    /// The origin of the key itself.
     pub(super) key_origin: Origin,
     pub(super) node: Node,
 }
@@ -113,7 +113,7 @@ impl Table {
         found.map(|entry| &entry.node)
     }
 
-    /// The value of a key; a placeholder of `origin` is put there if there is none.
+    /// The value of a key; if there is none, inserts a placeholder with this `origin`.
     fn get_or_insert(&mut self, key: &str, origin: &Origin) -> &mut Node {
         let found = self.entries.iter().position(|entry| entry.key == key);
         let at = found.unwrap_or_else(|| {
@@ -189,19 +189,19 @@ impl Table {
     }
 }
 
-/// Values of a scene that are set from outside its file, in this order: `path.to.key=value`.
+/// Overrides of values of a scene, in the form `path.to.key=value`; they apply in order.
 ///
-/// A path names keys from the outside to the inside; of several surfaces or interactions one is
-/// chosen by its number, counted from 0, or its name: `surface.0.bending.modulus` or
-/// `surface.vesicle.bending.modulus`. A value is read as TOML, or else is the text itself; without a
-/// value, as in `surface.0.bending=`, the key is taken away.
+/// A path names keys from the outermost to the innermost. One of several surfaces or interactions
+/// is chosen by its number, counted from 0, or by its name: `surface.0.bending.modulus` or
+/// `surface.vesicle.bending.modulus`. A value is parsed as TOML; if that fails, the text itself is
+/// the value. Without a value, as in `surface.0.bending=`, the key is removed.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct Overrides {
     texts: Vec<String>,
 }
 
-/// A text that is no `path.to.key=value`.
+/// A text without the form `path.to.key=value`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` sets nothing: write path.to.key=value, as in surface.0.bending.modulus=0.3")]
 pub struct OverrideSyntaxError {
@@ -213,7 +213,7 @@ impl Overrides {
     /// Overrides from texts like `surface.0.bending.modulus=0.3`.
     ///
     /// # Errors
-    /// If a text has no `=` or no path before it. What the path names is seen when a scene is read.
+    /// If a text has no `=` or no path before it. Unknown paths are reported when a scene is read.
     pub fn new<S: Into<String>>(
         texts: impl IntoIterator<Item = S>,
     ) -> Result<Self, OverrideSyntaxError> {
@@ -229,7 +229,7 @@ impl Overrides {
         &self.texts
     }
 
-    /// Sets the values in a scene's table; returns what is wrong with which override.
+    /// Sets the values in the table of a scene; returns the problems of overrides.
     pub(super) fn apply(&self, keys: &Keys, table: &mut Table) -> Vec<(Origin, Problem)> {
         let mut problems = Vec::new();
         for (index, text) in self.texts.iter().enumerate() {
@@ -263,7 +263,7 @@ fn split(text: &str) -> Option<(&str, &str)> {
     (!path.is_empty()).then_some((path, value.trim()))
 }
 
-/// Puts `node` where `segments` lead; `around` is what the table is called.
+/// Inserts `node` at the path `segments`; `around` is the name of the table in messages.
 fn set(
     keys: &Keys,
     around: &str,
@@ -281,7 +281,7 @@ fn set(
         if rest.is_empty() {
             table.entries.retain(|entry| entry.key != *name);
         }
-        // Nothing is made on the way to what is to be taken away.
+        // Removal creates no missing tables on the way.
         if table.get(name).is_none() {
             return Ok(());
         }
@@ -346,7 +346,7 @@ fn set(
     }
 }
 
-/// The name of an element of a list, or else the one that it has by default.
+/// The name of an element of a list, or its default name.
 fn name_of(list: &str, index: usize, node: &Node) -> String {
     if let Value::Table(table) = &node.value
         && let Some(Node {

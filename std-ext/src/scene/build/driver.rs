@@ -1,4 +1,4 @@
-//! The driver and the outputs from their values.
+//! Builds the driver and the outputs from their values.
 
 use super::super::reader::Reader;
 use super::super::value::default_name;
@@ -12,7 +12,7 @@ use crate::series::{ITERATION, TIME};
 use crate::six::Six;
 
 impl Builder<'_> {
-    /// The driver; none if it cannot be told which.
+    /// The driver; `None` if its kind is unknown.
     pub(super) fn driver(
         &mut self,
         driver: Reader<'_>,
@@ -64,7 +64,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether vertices are moved along those surfaces where that `may` be done.
+    /// Whether vertices are moved along the surfaces that allow it (`may`).
     pub(super) fn redistribution(
         &mut self,
         driver: Reader<'_>,
@@ -117,7 +117,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Volumes that nothing keeps.
+    /// Warns about volumes that nothing conserves.
     pub(super) fn volumes_kept(&mut self, driver: Reader<'_>, surfaces: &[SurfaceScene]) {
         let exact = |surface: &SurfaceScene| {
             let hold = surface.effects.volume.map(|volume| volume.hold);
@@ -171,7 +171,7 @@ impl Builder<'_> {
         duration
     }
 
-    /// The time that a strain, the value of a key, takes; `other` is the key for a time.
+    /// The time that corresponds to a strain, the value of a key; `other` is the key for a time.
     fn time_of(
         &mut self,
         strain: f64,
@@ -201,7 +201,7 @@ impl Builder<'_> {
         f64::NAN
     }
 
-    /// The flow. How wide a channel is, its box says.
+    /// The flow. The width of a channel follows from its box.
     pub(super) fn flow(&mut self, flow: Option<Reader<'_>>) -> Flow {
         let Some(flow) = flow else {
             return Flow::Quiescent;
@@ -251,7 +251,7 @@ impl Builder<'_> {
         Flow::Linear { gradient }
     }
 
-    /// Steps that are so short that nobody would see the end.
+    /// Warns about steps so short that the run would take too long.
     pub(super) fn endless(&mut self, driver: Reader<'_>, duration: f64, step: f64) {
         if duration.is_finite() && duration / step > MOST_STEPS {
             self.contradiction(
@@ -519,7 +519,7 @@ const TRACE: f64 = 1e-9;
 /// The most points of a slice.
 const POINTS: usize = 4_000_000;
 
-/// The driver of a scene whose driver cannot be read.
+/// Placeholder for a driver that cannot be read.
 pub(super) const PLACEHOLDER: Driver = Driver::Relax(Relax {
     scheme: Scheme::Overdamped,
     residual: f64::NAN,

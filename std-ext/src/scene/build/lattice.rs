@@ -1,4 +1,4 @@
-//! The driver lattice-boltzmann from its values.
+//! Builds the driver `lattice-boltzmann` from its values.
 
 use super::super::barrier::Barrier;
 use super::super::lattice::{MACH, Membrane};
@@ -18,20 +18,20 @@ use helfrich::shapes::Shape;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
-/// The kinematic viscosity on the lattice of those who do not care: about where compressibility and the
-/// time that the flow takes to follow ask for equally short steps.
+/// The default kinematic viscosity on the lattice: about where compressibility and the delay of the
+/// flow require equally short steps.
 const LATTICE_VISCOSITY: f64 = 1.0 / 3.0;
 
 /// Lengths of a box by default, in radii of the surface in it.
 pub(in crate::scene) const BOX: f64 = 7.0;
 
-/// Viscosities on the lattice with which it is stable and accurate.
+/// Lattice viscosities for which the method is stable and accurate.
 const VISCOSITIES: RangeInclusive<f64> = 0.02..=1.0;
 
-/// More nodes than this are in no machine's memory.
+/// The largest number of nodes; more fit into no machine's memory.
 const NODES: f64 = 1e10;
 
-/// The chosen step over the longest step that all limits allow.
+/// Ratio of the chosen step to the longest step that all limits allow.
 const MARGIN: f64 = 0.9;
 
 impl Builder<'_> {
@@ -44,7 +44,7 @@ impl Builder<'_> {
         let flow = self.flow(driver.table("flow"));
         self.flow_in_a_box(driver, flow);
         let fixed = |key| driver.has(key);
-        // Mesh files are read here only if a number is to follow from them.
+        // Mesh files are read here only if a number depends on them.
         let asks = fixed("resolution") || !fixed("box") || !fixed("step");
         let membranes = match asks {
             true => self.membranes(surfaces, readers),
@@ -100,7 +100,7 @@ impl Builder<'_> {
         lattice
     }
 
-    /// Doubts about the lattice that do not depend on meshes, once its step is known.
+    /// Warnings about the lattice that do not depend on meshes, once its step is known.
     pub(super) fn lattice_doubts(&mut self, driver: Reader<'_>, scene: &Scene) {
         let Driver::LatticeBoltzmann(lattice) = scene.driver else {
             return;
@@ -161,7 +161,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Doubts about a surface in a box.
+    /// Warnings about a surface in a box.
     pub(super) fn in_a_box(
         &mut self,
         surface: &SurfaceScene,
@@ -200,7 +200,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Flows that have no place in a box.
+    /// Refuses flows that are not possible in a box.
     fn flow_in_a_box(&mut self, driver: Reader<'_>, flow: Flow) {
         let instead = match flow {
             Flow::Quiescent | Flow::Shear { .. } | Flow::Channel { .. } => return,
@@ -219,7 +219,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Properties of the surfaces, as far as they are known; none if those of one surface are not.
+    /// Properties of the surfaces; `None` if those of one surface are unknown.
     fn membranes(&mut self, surfaces: &[SurfaceScene], readers: &[Reader<'_>]) -> Vec<Membrane> {
         let mut membranes = Vec::with_capacity(surfaces.len());
         for (surface, reader) in surfaces.iter().zip(readers) {
@@ -261,7 +261,7 @@ impl Builder<'_> {
         membranes
     }
 
-    /// The lengths of the box; not numbers if they are not known.
+    /// The lengths of the box; NaN if unknown.
     fn lengths(&mut self, driver: Reader<'_>, membranes: &[Membrane], surfaces: usize) -> [f64; 3] {
         if let Some(lengths) = driver.vector("box") {
             return lengths;
@@ -321,7 +321,7 @@ impl Builder<'_> {
         counts.map(|count| count as usize)
     }
 
-    /// Step and viscosity on the lattice, as far as they are not given.
+    /// Chooses the step and the lattice viscosity, unless given.
     fn step(&mut self, driver: Reader<'_>, lattice: &mut LatticeBoltzmann, membranes: &[Membrane]) {
         let given = driver.has("step");
         // spacing² ρ/μ, the step at which ν is 1.
@@ -353,8 +353,8 @@ impl Builder<'_> {
         }
     }
 
-    /// A step of our own choice is shortened so that outputs come after whole steps. Then all of them
-    /// are numbers to compute with.
+    /// Shortens a chosen step so that outputs come after whole steps. Called only if all values are
+    /// valid.
     pub(super) fn fit_step(
         &mut self,
         reader: Reader<'_>,
@@ -397,7 +397,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Points of an output, called `what`, that lie beyond a wall, where there is no fluid.
+    /// Reports points of an output, called `what`, that lie beyond a wall, where there is no fluid.
     pub(super) fn in_the_fluid(
         &mut self,
         origin: &Origin,
@@ -411,7 +411,7 @@ impl Builder<'_> {
         let [low, high] = lattice.corners();
         let walls = lattice.walls();
         for axis in (0..3).filter(|&axis| walls[axis]) {
-            // Where it ends exactly at a wall, roundings do not count.
+            // The tolerance is for points exactly at a wall, up to rounding.
             let slack = 1e-9 * (high[axis] - low[axis]);
             let beyond = |point: &&[f64; 3]| {
                 point[axis] < low[axis] - slack || point[axis] > high[axis] + slack
@@ -470,8 +470,8 @@ impl Builder<'_> {
     }
 }
 
-/// The kinematic viscosity on the lattice of those who do not care, such that the fluid inside has a
-/// good one as well, if there is such a one.
+/// The default kinematic viscosity on the lattice, adjusted, if possible, so that the lattice
+/// viscosity of the fluid inside is in the good range, too.
 fn default_viscosity(surfaces: &[SurfaceScene]) -> f64 {
     let ratios = surfaces
         .iter()
@@ -481,7 +481,7 @@ fn default_viscosity(surfaces: &[SurfaceScene]) -> f64 {
     ratios.fold(LATTICE_VISCOSITY, inside).clamp(least, most)
 }
 
-/// The shortest of the steps that something limits.
+/// The shortest of the limits of the step.
 fn shortest(lattice: &LatticeBoltzmann, membranes: &[Membrane], barriers: &[Barrier]) -> f64 {
     let limits = lattice.step_limits(membranes, barriers);
     limits
@@ -490,7 +490,7 @@ fn shortest(lattice: &LatticeBoltzmann, membranes: &[Membrane], barriers: &[Barr
         .fold(f64::NAN, f64::min)
 }
 
-/// Three digits, for advice.
+/// A number with three digits, for advice.
 pub(in crate::scene) fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
@@ -512,7 +512,7 @@ fn area(shape: &AnyShape) -> f64 {
     4.0 * PI * elements.sum::<f64>() / f64::from(count * count)
 }
 
-/// Volume, area and number of triangles of a mesh file; why not, if they are not to be had.
+/// Volume, area and number of triangles of a mesh file, or the reason why they are unknown.
 fn measure(source: &MeshFileSource) -> Result<(f64, f64, usize), String> {
     let file = source.read().map_err(|error| error.to_string())?;
     let surface = Surface::new(&file.mesh, &file.positions).map_err(|error| error.to_string())?;

@@ -1,4 +1,4 @@
-//! Surfaces from their values.
+//! Builds surfaces from their values.
 
 use super::super::effects::{Check, Effects, Stiffness};
 use super::super::problem::Problem;
@@ -27,7 +27,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Where the mesh of a surface or an obstacle comes from.
+    /// The source of the mesh of a surface or an obstacle.
     pub(super) fn source(&mut self, surface: Reader<'_>) -> MeshSource {
         if let Some(name) = surface.text("mesh") {
             return MeshSource::File(self.mesh_file(name, surface));
@@ -60,7 +60,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Reports what is right by itself and wrong, or doubtful, together.
+    /// Reports values that are valid separately but invalid, or doubtful, together.
     pub(super) fn effects(
         &mut self,
         surface: &SurfaceScene,
@@ -85,7 +85,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Reports what is wrong or doubtful where there is no fluid.
+    /// Reports values that are invalid or doubtful for drivers without fluid.
     fn without_fluid(&mut self, surface: &SurfaceScene, reader: Reader<'_>) {
         let SurfaceScene { name, .. } = surface;
         if surface.viscosity_ratio.is_some_and(|ratio| ratio != 1.0) {
@@ -103,7 +103,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Reports what is wrong or doubtful in a fluid.
+    /// Reports values that are invalid or doubtful for drivers with fluid.
     fn in_fluid(&mut self, surface: &SurfaceScene, reader: Reader<'_>, driver: &Driver) {
         let SurfaceScene { name, .. } = surface;
         if surface.effects.stiffness() == Stiffness::default() {

@@ -13,7 +13,7 @@ use serde::Serialize;
 /// Total area of each connected component, held at a target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HeldArea {
-    /// How it is held.
+    /// Constraint or penalty.
     pub hold: Hold,
     /// The target.
     pub target: Target,
@@ -23,9 +23,9 @@ pub struct HeldArea {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
-    /// The area at the start.
+    /// The initial area.
     Initial,
-    /// This number, of each connected component.
+    /// This value, for each connected component.
     Value(f64),
 }
 

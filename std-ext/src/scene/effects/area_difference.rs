@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 /// held at a target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HeldAreaDifference {
-    /// How it is held.
+    /// Constraint or penalty.
     pub hold: Hold,
     /// The target of M.
     pub target: AreaDifferenceTarget,
@@ -26,9 +26,9 @@ pub struct HeldAreaDifference {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AreaDifferenceTarget {
-    /// ∫H dS at the start.
+    /// The initial ∫H dS.
     Initial,
-    /// This number, a length, of each connected component.
+    /// This value, a length, for each connected component.
     Value(f64),
     /// `∫H dS/√(4πA)`, 1 for a sphere, with the target area, or the initial area if the area is not
     /// held.

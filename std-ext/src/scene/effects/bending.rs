@@ -170,7 +170,7 @@ impl SurfaceEffect for Bending {
 }
 
 impl Bending {
-    /// Reports forces whose squares are beyond the range of numbers.
+    /// Reports forces whose squares overflow or underflow.
     fn check_size(&self, check: &mut MeshCheck<'_>) {
         let radius = (check.mesh.area / (4.0 * std::f64::consts::PI)).sqrt();
         let unit = self.modulus / radius.powi(3);
@@ -185,7 +185,7 @@ impl Bending {
         }
     }
 
-    /// Reports uneven meshes, which some methods do not stand in a flow.
+    /// Reports uneven meshes, with which some methods are unstable in a flow.
     fn check_evenness(&self, check: &mut MeshCheck<'_>) {
         let mesh = check.mesh;
         let [fewest, most] = mesh.valences;

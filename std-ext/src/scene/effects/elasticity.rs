@@ -17,7 +17,7 @@ use serde::Serialize;
 pub struct Elasticity {
     /// The law.
     pub law: InPlaneLaw,
-    /// The mesh without stress.
+    /// The stress-free mesh.
     pub reference: Reference,
 }
 

@@ -7,7 +7,7 @@ use crate::six::Six;
 use helfrich::{Quantity, Targets};
 use serde::Serialize;
 
-/// How a quantity is held at its target.
+/// The way in which a quantity is held at its target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Hold {
@@ -36,7 +36,7 @@ impl Hold {
         table.number("modulus").map_or(Self::Exact, Self::Penalty)
     }
 
-    /// How it is held, at which target: none is what it is at the start.
+    /// Constraint or penalty, and the target; without a target, the initial value.
     pub(super) fn explain(
         self,
         target: Option<Parameter>,
@@ -62,7 +62,7 @@ pub(super) const CONSTRAINT: Key = optional(
     "\"exact\": held as a constraint, instead of by a modulus.",
 );
 
-/// Exactly one of these says how a quantity is held.
+/// The keys of which exactly one is required.
 pub(super) const EITHER: &[&[&str]] = &[&["constraint", "modulus"]];
 
 /// The message about an effect that works against a quantity that is held exactly.
@@ -80,12 +80,13 @@ pub(super) fn no_constraint_in_flow(effect: &str, surface: &str) -> String {
     )
 }
 
-/// Least ratio of a target to the value on the mesh: sums over a mesh are rounded by ε of the value at
-/// the start, and constraints hold to 1e-10 of their targets.
+/// Least ratio of a target to the value on the mesh, because sums over a mesh are rounded by ε of
+/// the initial value, while constraints hold to 1e-10 of their targets.
 pub(super) const LEAST_RATIO: f64 = f64::EPSILON / 1e-10;
 
 impl MeshCheck<'_> {
-    /// Reports a target so far from the mesh that it is lost in rounding, or never reached.
+    /// Reports a target so far from the value of the mesh that it is lost in rounding or cannot be
+    /// reached.
     pub(super) fn compare(&mut self, key: &str, what: &str, target: f64, has: f64, least: f64) {
         let ratio = target.abs() / has;
         if ratio < least || ratio > LEAST_RATIO.recip() {

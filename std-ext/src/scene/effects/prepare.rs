@@ -1,4 +1,4 @@
-//! Effects made ready for the mesh of their surface.
+//! Effects prepared for the mesh of their surface.
 
 use super::{Effects, Stretch};
 use crate::effect::{Effect, Lumping, Viscosity};
@@ -8,20 +8,20 @@ use helfrich::{
 };
 use std::fmt;
 
-/// Why an effect cannot be made ready for a mesh. The message is one line.
+/// The reason why an effect cannot be prepared for a mesh. The message is one line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EffectError {
-    /// A position of a reference is out of the range of numbers.
+    /// A position of a reference overflows.
     #[error(transparent)]
     Positions(#[from] SurfaceError),
     /// A reference cannot be used.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
-    /// The ends of a surface cannot be loaded.
+    /// Loads cannot be applied to the ends of a surface.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A vertex starts on the wall that the surface is to adhere to, or behind it.
+    /// A vertex starts on or behind the wall to which the surface adheres.
     #[error(
         "vertex {vertex} starts at the height {height:.6} above the wall of `adhesion`: place the surface \
          in front of the wall, on the side of its `normal`"
@@ -34,19 +34,19 @@ pub enum EffectError {
     },
 }
 
-/// A surface at the start, and the effects that have been made ready for it so far.
+/// A surface at the start, and the effects prepared for it so far.
 pub(crate) struct Preparation<'a> {
-    /// The surface where it starts.
+    /// The surface in its initial position.
     pub(crate) surface: Surface<'a, f64>,
-    /// The place of the mesh's origin.
+    /// The position of the origin of the mesh.
     pub(crate) position: [f64; 3],
-    /// How force densities become nodal forces.
+    /// The areas by which force densities become nodal forces.
     pub(crate) lumping: Lumping,
     /// All effects of the surface.
     pub(crate) siblings: &'a Effects,
     /// The positions of the reference of the effect that is being prepared.
     pub(crate) unstressed: Vec<[f64; 3]>,
-    /// Effects with forces that depend on positions.
+    /// Effects whose forces depend on positions.
     pub(crate) forces: Vec<Effect>,
     /// Constraints, each with the name of its effect.
     pub(crate) constraints: Vec<(&'static str, Constraint<f64>)>,

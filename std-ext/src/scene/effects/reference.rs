@@ -1,4 +1,4 @@
-//! Positions at which a mesh is without stress.
+//! Stress-free positions of a mesh.
 
 use super::super::MeshFileSource;
 use super::super::keys::{Form, Keys, NUMBER, WELD, optional};
@@ -9,21 +9,21 @@ use helfrich::{InPlane, StrainEnergy, Surface};
 use serde::Serialize;
 use std::fmt;
 
-/// The positions at which a mesh is without stress.
+/// The stress-free positions of a mesh.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reference {
-    /// Where they come from.
+    /// The source of the positions.
     pub source: ReferenceSource,
     /// Factor by which they are scaled: a reference smaller than the surface stretches it.
     pub scale: f64,
 }
 
-/// Where the positions of a reference come from. It is not turned or moved: stress does not depend on
-/// either.
+/// The source of the positions of a reference. A reference is not rotated or moved, because stress
+/// depends on neither.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ReferenceSource {
-    /// The surface as it is at the start, with the surface's own scale.
+    /// The initial surface, with its own scale.
     Initial,
     /// The surface's mesh generated on another shape, with its family, vertices and seed.
     Shape(#[serde(serialize_with = "crate::scene::surface::as_text")] AnyShape),
@@ -85,13 +85,13 @@ impl Reference {
         }
     }
 
-    /// Whether the surface is without stress at the start, up to a scale.
+    /// Whether the surface is stress-free at the start, up to a scale.
     pub(in crate::scene) fn is_initial(&self) -> bool {
         self.source == ReferenceSource::Initial
     }
 }
 
-/// A reference has the triangles of its surface: not every shape can.
+/// Reports shapes that cannot have the triangles of the surface.
 fn check_shape(
     origin: &Origin,
     reference: AnyShape,

@@ -14,8 +14,8 @@ use serde::Serialize;
 pub struct Stretching {
     /// The direction of the forces, of any length above 0.
     pub axis: [f64; 3],
-    /// Total force on each end. Several are a sequence: each from the equilibrium under the one
-    /// before it.
+    /// Total force on each end. Several forces are a sequence of loads; each starts from the
+    /// equilibrium under the previous one.
     pub forces: Vec<f64>,
     /// Fraction of the vertices over which the force on an end is spread.
     pub fraction: f64,
@@ -100,7 +100,7 @@ impl SurfaceEffect for Stretching {
     }
 }
 
-/// The loads of a stretched surface, one after the other.
+/// The sequence of loads of a stretched surface.
 #[derive(Debug)]
 pub(crate) struct Stretch {
     axis: [f64; 3],

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 /// Enclosed volume of each connected component, held at a target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HeldVolume {
-    /// How it is held.
+    /// Constraint or penalty.
     pub hold: Hold,
     /// The target.
     pub target: VolumeTarget,
@@ -26,9 +26,9 @@ pub struct HeldVolume {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VolumeTarget {
-    /// The volume at the start.
+    /// The initial volume.
     Initial,
-    /// This number, of each connected component.
+    /// This value, for each connected component.
     Value(f64),
     /// The reduced volume `v = 6√π V/A^{3/2}`, with the target area, or the initial area if the area
     /// is not held.
@@ -86,8 +86,8 @@ impl Described for HeldVolume {
 }
 
 impl HeldVolume {
-    /// Reports area and volume that are both held exactly, where no surface has both. Of several
-    /// components the smallest is not known here.
+    /// Reports exactly held area and volume that no surface can have together. Only surfaces of one
+    /// component are checked.
     fn check_enclosed(&self, check: &mut MeshCheck<'_>) {
         let area = check.effects.area;
         let both_exact = self.hold.is_exact() && area.is_some_and(|area| area.hold.is_exact());

@@ -37,7 +37,7 @@ impl fmt::Display for Explanation {
             }
         }
         writeln!(f, "  step limit          {}", self.step_limit)?;
-        // In what the numbers are good for.
+        // Rounded up to megabytes, because the estimate is not more accurate.
         let megabytes = self.memory.div_ceil(1_000_000);
         writeln!(f, "  memory              about {megabytes} MB")?;
         if let Some(LatticeExplanation {

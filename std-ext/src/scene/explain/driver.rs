@@ -1,4 +1,4 @@
-//! The driver, the flow, and what limits the step.
+//! The driver, the flow, and the limits of the step.
 
 use super::super::barrier::Barrier;
 use super::super::lattice::Membrane;
@@ -64,7 +64,7 @@ pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
     }
 }
 
-/// Corrections of positions besides the flow.
+/// Corrections of positions in addition to the flow.
 fn kept(volumes: bool, meshes: bool) -> String {
     let volumes = match volumes {
         true => "volumes kept to rounding",
@@ -123,7 +123,7 @@ pub(super) fn flow(driver: &Driver, number: &Parameters) -> Option<Active> {
     })
 }
 
-/// The integrator and why it is this one, and the times of outputs.
+/// The integrator and the reason for it, and the times of outputs.
 pub(super) fn integrator(scene: &Scene, number: &Parameters) -> Option<Active> {
     let Driver::BoundaryIntegral(integral) = &scene.driver else {
         return None;
@@ -220,7 +220,7 @@ pub(super) fn step_limit(scene: &Scene, spectral_radius: Option<f64>) -> String 
     }
 }
 
-/// Estimate of the spectral radius of all surfaces; none if one of them has none.
+/// Estimate of the spectral radius of all surfaces; `None` if it is unknown for one surface.
 pub(super) fn spectral_radius(scene: &Scene, meshes: &[MeshInfo]) -> Option<f64> {
     let Driver::BoundaryIntegral(integral) = &scene.driver else {
         return None;
@@ -244,7 +244,7 @@ fn of_repulsion(scene: &Scene, meshes: &[MeshInfo], driver: &BoundaryIntegral) -
     scene.interactions.iter().map(rate).fold(0.0, f64::max)
 }
 
-/// The value for one surface; none where there is no formula.
+/// The estimate for one surface; `None` where there is no formula.
 ///
 /// `ρ/γ̇ = (1/Ca) max{0.355 (K_s/G + 1)(a/h), 2.65 b (a/h)³}` as measured for method B on icospheres,
 /// with `Ca = μγ̇a/G` and `b = κ/(a²G)`: flow and size drop out of it.

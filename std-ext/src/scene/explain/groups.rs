@@ -62,8 +62,8 @@ pub(in crate::scene) fn capillary_number(
     Some(viscous / elasticity.law.shear_modulus())
 }
 
-/// D = (L − B)/(L + B) of an elastic sphere in shear, to first order in Ca_G, and its formula; none
-/// of what is no such sphere.
+/// D = (L − B)/(L + B) of an elastic sphere in shear, to first order in Ca_G, and its formula;
+/// `None` for other surfaces.
 ///
 /// D. Barthès-Biesel, J. M. Rallison, J. Fluid Mech. 113 (1981) 251; b by the same expansion.
 fn small_deformation(
@@ -77,7 +77,7 @@ fn small_deformation(
     let reference = &elasticity.reference;
     let unstressed = reference.is_initial() && reference.scale == 1.0;
     let flat = |bending: Bending| bending.spontaneous_curvature == 0.0;
-    // A pressure is taken up by the volume, which is kept.
+    // A pressure has no effect, because the volume is conserved.
     let known = ["elasticity", "bending", "volume", "pressure"];
     let alone =
         effects.names().all(|name| known.contains(&name)) && effects.bending.is_none_or(flat);

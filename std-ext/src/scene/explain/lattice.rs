@@ -21,26 +21,26 @@ pub struct LatticeExplanation {
     pub lattice: Active,
     /// Its numbers, with a the largest radius of a surface, h the longest mean edge.
     pub groups: Vec<Group>,
-    /// The limits of the step, each by itself.
+    /// The limits of the step, listed separately.
     pub limits: Vec<StepLimit>,
     /// Number of steps until the run ends.
     pub steps: u64,
-    /// Nodes that this machine updates in a second, as measured on a small lattice just now.
+    /// Number of nodes that this machine updates per second, measured on a small lattice.
     pub throughput: f64,
-    /// Seconds a step in which as many points as there are vertices are coupled to that lattice.
+    /// Seconds per step for coupling as many points as there are vertices to that lattice.
     pub coupling: f64,
-    /// Estimate of the time that the run takes by these two, and by forces of membranes for which a
-    /// ten millionth of a second a vertex is assumed for elasticity, as much for bending by method B,
-    /// and for other methods what they take beside that. Viscous forces take twice as much in each of
-    /// `3 + 7 √(η ν/(μ spacing))` products of a step's linear system, as in trials of capsules.
+    /// Estimate of the run time from these two numbers and the forces of membranes. The estimate
+    /// assumes 1e-7 s per vertex for elasticity and for bending by method B, and scales this by the
+    /// relative cost of other methods. Viscous forces take twice as much in each of `3 + 7 √(η ν/(μ
+    /// spacing))` products of the linear system of a step, as measured on capsules.
     pub minutes: f64,
 }
 
-/// Seconds a vertex of an evaluation of elasticity, or of method B.
+/// Seconds per vertex of an evaluation of elasticity, or of method B.
 const VERTEX_SECONDS: f64 = 1e-7;
-/// How long each of fluid and coupling is measured.
+/// Duration of the measurement of fluid and of coupling.
 const TRIAL: Duration = Duration::from_millis(100);
-/// Nodes along an axis of the lattice that it is measured on, too many for a processor's cache.
+/// Nodes along each axis of the measured lattice, too many for a processor's cache.
 const TRIAL_NODES: usize = 48;
 
 pub(super) fn explain(
@@ -85,7 +85,7 @@ pub(super) fn explain(
     })
 }
 
-/// How often the viscous forces of a surface are evaluated in a step, about.
+/// Estimated number of evaluations of viscous forces in a step.
 fn viscous_products(surface: &SurfaceScene, lattice: &LatticeBoltzmann) -> f64 {
     let Some(membrane) = surface.effects.membrane_viscosity else {
         return 0.0;
@@ -181,8 +181,7 @@ pub(super) fn step_limit(lattice: &LatticeExplanation, number: &Parameters) -> S
     format!("{first}; {}", Vec::from_iter(limits).join(", "))
 }
 
-/// Nodes updated in a second, and seconds in which so many points are placed, spread and interpolated
-/// once.
+/// Nodes updated per second, and seconds to place, spread and interpolate `points` points once.
 fn trial<T: Precision>(
     lattice: &LatticeBoltzmann,
     vertices: usize,
@@ -195,7 +194,8 @@ fn trial<T: Precision>(
         inertia: lattice.density.is_some(),
         threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
     })?;
-    // Half as wide as the box, spread evenly over a sphere: on a spiral by the golden angle.
+    // The points are distributed evenly over a sphere half as wide as the box, on a spiral with the
+    // golden angle.
     let spiral = |index: usize| {
         let z = 1.0 - (2 * index + 1) as f64 / vertices as f64;
         let turn = index as f64 * PI * (3.0 - 5.0_f64.sqrt());
@@ -223,7 +223,7 @@ fn trial<T: Precision>(
     let start = Instant::now();
     let mut steps = 0;
     while start.elapsed() < TRIAL {
-        // One even and one odd.
+        // One even and one odd step, because their memory access differs.
         for _ in 0..2 {
             fluid.advance_keeping_velocities();
         }

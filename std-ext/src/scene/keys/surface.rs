@@ -49,7 +49,7 @@ const PLACED: Keys = Keys {
     kinds: &[],
 };
 
-/// A body at rest: its mesh and where that is put, as surfaces have them.
+/// A body at rest: its mesh and position, with the same keys as surfaces.
 pub(super) static OBSTACLE: Keys = Keys {
     keys: &[
         optional(

@@ -1,5 +1,5 @@
-//! Meshes in a box of fluid on a lattice: what is impossible, what leaves the range in which the
-//! method is right.
+//! Checks of meshes in a box of fluid on a lattice: errors where a mesh is impossible, warnings
+//! where the method is not accurate.
 
 use super::super::barrier::Barrier;
 use super::super::build::{BOX, rounded};
@@ -8,14 +8,14 @@ use super::super::lattice::{AXES, COMPRESSION, FINITE_BOX, INERTIA, Membrane, TR
 use super::super::{Flow, LatticeBoltzmann, SceneFile, SurfaceScene};
 use crate::info::MeshInfo;
 
-/// Mean edges in nodes. Longer ones leave gaps through which fluid leaks, shorter ones only make the
-/// membrane stiff.
+/// Range of the mean edge in node spacings. Longer edges leave gaps through which fluid leaks;
+/// shorter edges only make the membrane stiffer.
 const EDGES: [f64; 2] = [0.3, 1.5];
 
-/// Reynolds numbers beyond which inertia is seen in D.
+/// Reynolds numbers above which inertia affects D.
 const REYNOLDS: f64 = 0.1;
 
-/// A surface that the lattice does not see, or that does not fit between its walls.
+/// Reports a surface that the lattice does not resolve, or that does not fit between its walls.
 pub(super) fn in_the_box(
     scene: &SurfaceScene,
     mesh: &MeshInfo,
@@ -82,7 +82,7 @@ pub(super) fn in_the_box(
     }
 }
 
-/// An obstacle that no node is in; why.
+/// Reports an obstacle that contains no node, with the reason.
 pub(super) fn off_the_nodes(
     name: &str,
     mesh: &MeshInfo,
@@ -116,7 +116,7 @@ pub(super) fn off_the_nodes(
     })
 }
 
-/// Doubts about a membrane on a lattice, each with the path of its key.
+/// Warnings about a membrane on a lattice, each with the path of its key.
 pub(super) fn doubts(
     file: &SceneFile,
     index: usize,
@@ -128,7 +128,7 @@ pub(super) fn doubts(
     let name = &surface.name;
     let of_the_step = first_written(file, ["driver.step", "driver.lattice_viscosity"]);
     let of_the_nodes = first_written(file, ["driver.spacing", "driver.resolution"]);
-    // As scenes call it.
+    // The name of the kernel in scenes.
     let spacing = |spacing: f64| match file.origins.has("driver.resolution") {
         true => format!("a `resolution` of {}", rounded(membrane.radius / spacing)),
         false => format!("a `spacing` of {}", rounded(spacing)),
@@ -139,7 +139,7 @@ pub(super) fn doubts(
     let compression = lattice.compression(pressure);
     if compression > COMPRESSION {
         let excess = compression / COMPRESSION;
-        // Without a density, that of the lattice goes with the step.
+        // Without a density, the density of the lattice is proportional to the step.
         let change = match lattice.density {
             None => format!(
                 "choose a `step` of {}, or a `lattice_viscosity` of {}",
@@ -194,12 +194,14 @@ pub(super) fn doubts(
 
     let size = lattice.size();
     let needed = BOX * membrane.radius;
-    // Walls of channels are there to be felt; what was rounded to whole nodes is long enough.
+    // Walls of channels are part of the problem, and lengths rounded to whole nodes are long
+    // enough.
     let free = |&axis: &usize| {
         let wall = matches!(lattice.flow, Flow::Channel { .. }) && lattice.walls()[axis];
         !wall && size[axis] < needed - lattice.spacing
     };
-    // Many in a periodic box are a suspension, and its box is no stand-in for unbounded fluid.
+    // Many surfaces in a periodic box form a suspension, whose box does not stand for unbounded
+    // fluid.
     let alone = file.scene.surfaces.len() == 1;
     if let Some(axis) = (0..3)
         .filter(free)
@@ -275,7 +277,7 @@ pub(super) fn doubts(
     found
 }
 
-/// The first of two keys, if it was written, else the second.
+/// The first of two keys, if it was written, otherwise the second.
 fn first_written<'a>(file: &SceneFile, [first, second]: [&'a str; 2]) -> &'a str {
     if file.origins.has(first) {
         first

@@ -1,4 +1,4 @@
-//! Surfaces and obstacles that start where another one is.
+//! Checks for surfaces and obstacles that overlap at the start.
 
 use super::super::problem::{Problem, SceneErrors};
 use super::super::{SceneError, SceneFile};
@@ -43,7 +43,8 @@ pub(in crate::scene) fn check_apart(
     Err(error.into())
 }
 
-/// A surface that starts across another one; one that lies in it as a whole was put there.
+/// Warns about a surface that intersects another one at the start. A surface completely inside
+/// another is intended.
 pub(in crate::scene) fn check_outside(
     file: &SceneFile,
     [index, other]: [usize; 2],
@@ -66,7 +67,7 @@ pub(in crate::scene) fn check_outside(
     Some(file.source.error(&origin, Problem::Doubtful { message }))
 }
 
-/// The way that surfaces meet, where it is not the direct one.
+/// Description of the image through which surfaces meet, if it is not the direct one.
 fn through(inside: &Inside) -> &'static str {
     if inside.is_by_image() {
         ", through the ends of the periodic box"
