@@ -21,12 +21,12 @@ use alloc::vec::Vec;
 /// `E = (κ/2) Σ_i |L_i|² / A_i` with `L_i = ½ Σ_j (cot α + cot β)(x_i − x_j) = ∂A/∂x_i`, and the
 /// exact gradient of this energy, the change of the areas included.
 ///
-/// With spontaneous curvature `E = 2κ Σ_i |L_i/(2A_i) − H0_i n_i|² A_i`, which is the same for H0 = 0,
-/// n_i the normalised sum N_i of the area vectors of the triangles around the vertex: the curvature
-/// vector is compared with the one that is wanted. `|L| − 2 A H0` instead would leave the sign of H
-/// to be found, and has a kink where L vanishes.
+/// With spontaneous curvature `E = 2κ Σ_i |L_i/(2A_i) − H0_i n_i|² A_i`, which is the same for H0 =
+/// 0. Here n_i is the normalised sum N_i of the area vectors of the triangles around the vertex, so
+/// that the curvature vector is compared with the preferred one. The alternative `|L| − 2 A H0`
+/// needs the sign of H, and has a kink where L vanishes.
 ///
-/// The sum runs over interior vertices; all vertices feel forces. Where `A_i = 0` the vertex is
+/// The sum runs over interior vertices, but forces act on all vertices. A vertex with `A_i = 0` is
 /// left out, and reported by [`Method::inspect`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct GompperKroll<T> {
@@ -46,7 +46,7 @@ impl<T: Real> GompperKroll<T> {
         Self::with_areas(modulus, DualArea::Mixed)
     }
 
-    /// The method with other areas; with [`DualArea::Voronoi`] as published.
+    /// The method with other areas; [`DualArea::Voronoi`] is the published choice.
     pub fn with_areas(modulus: T, area: DualArea) -> Self {
         Self {
             modulus,
@@ -110,8 +110,8 @@ impl<T: Real> GompperKroll<T> {
         scale(self.spontaneous_curvature.at(vertex), [x, y, z])
     }
 
-    /// Adds the terms `−2κ Σ H0 L·n + 2κ Σ H0² A`: to w and s, and through the change of the
-    /// normals.
+    /// Adds the terms `−2κ Σ H0 L·n + 2κ Σ H0² A`: their contributions to w and s, and those
+    /// through the change of the normals.
     fn add_spontaneous(
         &self,
         execution: &impl Execution,
@@ -150,7 +150,7 @@ impl<T: Real> GompperKroll<T> {
 /// Memory of [`GompperKroll`].
 #[derive(Clone, Debug, Default)]
 pub struct GompperKrollMemory<T> {
-    /// For curvatures only.
+    /// Used by curvatures only.
     cotangent: VertexSums<T>,
     /// The curvature vector L/A = 2 H n, and the area A.
     curvature: Vec<[T; 4]>,
@@ -174,7 +174,7 @@ impl<T: Real, K: Kind> ElementKernel<T, 3, 0, 4> for AreaGradient<K> {
     ) -> [[T; 4]; 3] {
         let triangle = corners.triangle();
         let areas = triangle.dual_areas(self.0);
-        // In cotangent form: on a sphere L·x/R = 2A/R then holds to rounding on any mesh.
+        // In cotangent form, because L·x/R = 2A/R then holds to rounding on any mesh of a sphere.
         let gradient = triangle.area_gradient();
         core::array::from_fn(|k| [gradient[k][0], gradient[k][1], gradient[k][2], areas[k]])
     }
@@ -192,9 +192,9 @@ impl<T: Real, K: Kind> ElementKernel<T, 3, 4, 3> for EnergyGradient<K> {
     /// `Σ w·L − Σ s A = V/S − σ S`,  `V = Σ_k ½ d_k Δw_k·e_k − Σ_k v_k d_i d_j`.
     ///
     /// `∂d_k` and `∂S` at a corner are combinations of the two edges there, so that the gradient
-    /// needs no further cross product: at corner 0 it is `r_1 − r_2`, and so on around, with
-    /// `r_k = [½ d_k Δw_k + (y_i + y_j − y_k − (V/S² + σ) d_k) e_k]/S`,
-    /// `y_k = ∂V/∂d_k = ½ Δw_k·e_k − v_i d_j − v_j d_i`.
+    /// needs no further cross product: at corner 0 it is `r_1 − r_2`, and cyclically for the
+    /// others, with `r_k = [½ d_k Δw_k + (y_i + y_j − y_k − (V/S² + σ) d_k) e_k]/S`, `y_k = ∂V/∂d_k
+    /// = ½ Δw_k·e_k − v_i d_j − v_j d_i`.
     #[inline(always)]
     fn evaluate(&self, _first: usize, corners: &Corners<T, 3>, input: &[[T; 4]; 3]) -> [[T; 3]; 3] {
         let triangle = corners.triangle();
@@ -215,7 +215,8 @@ impl<T: Real, K: Kind> ElementKernel<T, 3, 4, 3> for EnergyGradient<K> {
         let turn: [T; 3] = core::array::from_fn(|k| dot(steps[k], edges[k]));
         let products = triangle.dot_products();
         let sum = dot(turn, dots) - dot(v, products);
-        // One reciprocal after the other: its square would leave the range of small numbers.
+        // Multiplied by one reciprocal after the other, because the square would overflow for small
+        // triangles.
         let shrink = sum * over * over + shares;
         let y = [
             turn[0] - (v[1] * dots[2] + v[2] * dots[1]),

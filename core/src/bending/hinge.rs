@@ -6,8 +6,8 @@ use crate::mesh::TriangleMesh;
 use crate::vec3::{Vec3, add, cross, dot, neg, norm, scale, sub};
 use alloc::vec::Vec;
 
-/// The interior edges of a mesh, each with the four vertices around it: the edge from a to b, then
-/// the corner opposite in the triangle to its left, then the one to its right.
+/// The interior edges of a mesh, each with its four vertices: the ends a and b, then the opposite
+/// corner in the triangle on the left, then the one in the triangle on the right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hinges {
     pub(crate) vertices: Vec<[u32; 4]>,
@@ -16,7 +16,7 @@ pub struct Hinges {
 impl Hinges {
     pub(crate) fn new(mesh: &TriangleMesh) -> Self {
         let opposite = |triangle: u32, [a, b]: [u32; 2]| {
-            // The three indices of a triangle and two of them: what is left is the third.
+            // The third corner is the exclusive or of the two ends and all three indices.
             let [i, j, k] = mesh.triangles()[triangle as usize];
             i ^ j ^ k ^ a ^ b
         };
@@ -37,7 +37,7 @@ impl Hinges {
     }
 }
 
-/// One hinge: the sine and cosine of its angle and what its gradient is made of.
+/// One hinge: the sine and cosine of its angle, and the ingredients of its gradient.
 pub(crate) struct Hinge<L> {
     edge: Vec3<L>,
     pub(crate) edge_length: L,
@@ -62,7 +62,7 @@ impl<L: Lane> Hinge<L> {
         let reciprocals = lengths.map(L::reciprocal_or_zero);
         let normals = [scale(reciprocals[0], left), scale(reciprocals[1], right)];
         let along = edge_length.reciprocal_or_zero();
-        // Each factor is 1 to rounding, or 0: no product leaves the range of the scalar.
+        // Each factor is 1 to rounding, or 0, so that no product overflows.
         let sides = (lengths[0] * reciprocals[0]) * (lengths[1] * reciprocals[1]);
         let present = (edge_length * along) * sides;
         Self {
@@ -80,7 +80,7 @@ impl<L: Lane> Hinge<L> {
     /// θ in (−π, π]; 0 where a triangle or the edge has no extent.
     #[inline(always)]
     pub(crate) fn angle(&self) -> L {
-        // Where the hinge is not there, sine and cosine are 0 or meaningless.
+        // If the hinge has no extent, sine and cosine are 0 or meaningless.
         self.presence * self.sine.atan2(self.cosine)
     }
 
@@ -90,14 +90,14 @@ impl<L: Lane> Hinge<L> {
         scale(self.along, self.edge)
     }
 
-    /// `−torque ∂θ/∂x` at the four corners: lifting an opposite corner along its triangle's normal
-    /// lowers θ by the inverse of its height, and the edge's ends answer in proportion to where the
-    /// corner's foot lies between them.
+    /// `−torque ∂θ/∂x` at the four corners. Moving an opposite corner along the normal of its
+    /// triangle lowers θ by the inverse of its height. The ends of the edge share the opposite
+    /// force in proportion to the position of the corner's foot between them.
     #[inline(always)]
     pub(crate) fn forces(&self, corners: &Corners<L, 4>, torque: L) -> [Vec3<L>; 4] {
         let lever = |side: usize| scale(torque * self.reciprocals[side], self.normals[side]);
         let (left, right) = (lever(0), lever(1));
-        // Scalar products of the edge with what leads from the foot's end to the corner.
+        // Scalar products of the edge with the vectors from its ends to the corner.
         let from_b = |corner: usize| dot(corners.difference(corner, 1), self.edge) * self.along;
         let from_a = |corner: usize| dot(corners.difference(0, corner), self.edge) * self.along;
         [

@@ -17,16 +17,18 @@ use crate::triangle::DualArea;
 use alloc::vec::Vec;
 
 /// `E = 2κ Σ_i (H_i − H0_i)² A_i` with `H_i = M_i/A_i`, `M_i = ¼ Σ_edges l θ` over the edges at the
-/// vertex (l the length, θ the angle between the normals of its two triangles, positive where the
-/// surface is convex), A_i a third of the triangles around it; the force is its exact gradient.
+/// vertex. l is the length of an edge, θ the angle between the normals of its two triangles,
+/// positive where the surface is convex, and A_i a third of the area of the triangles around the
+/// vertex. The force is the exact gradient of this energy.
 ///
-/// The sum runs over interior vertices; all vertices feel forces. Boundary edges and edges at a
-/// triangle without area have no angle. Where `A_i = 0` the vertex is left out, and reported by
+/// The sum runs over interior vertices, but forces act on all vertices. Boundary edges and edges at
+/// a triangle without area have no angle. A vertex with `A_i = 0` is left out, and reported by
 /// [`Method::inspect`].
 ///
-/// The energy converges on meshes of even triangles only, and H not even at the vertices of valence
-/// five of an icosphere, where it is 14.6 % wrong: the angles of an edge see one direction of
-/// curvature, and five of them in equal shares do not average to the mean.
+/// The energy converges only on meshes of even triangles. At the vertices of valence five of an
+/// icosphere H does not converge: its error is 14.6 %. The angle at an edge depends on the
+/// curvature in one direction, and five equally weighted directions do not average to the mean
+/// curvature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Juelicher<T> {
     /// Bending modulus κ, in units of energy.
@@ -39,7 +41,7 @@ pub struct Juelicher<T> {
 #[derive(Clone, Debug)]
 pub struct JuelicherMemory<T> {
     hinges: Hinges,
-    /// For curvatures only.
+    /// Used by curvatures only.
     cotangent: VertexSums<T>,
     /// M and A, then H and A.
     curvature: Vec<[T; 2]>,
@@ -48,7 +50,7 @@ pub struct JuelicherMemory<T> {
 }
 
 impl<T: Real> Juelicher<T> {
-    /// Without spontaneous curvature.
+    /// The method without spontaneous curvature.
     pub fn new(modulus: T) -> Self {
         Self {
             modulus,

@@ -21,7 +21,8 @@ use alloc::vec::Vec;
 /// positive where the surface is convex; the force is its exact gradient.
 ///
 /// Boundary edges and edges at a triangle without area contribute nothing. On an equilateral
-/// lattice `E → k̃ √3 ∫ (H² − ⅔ K) dS`: no `k̃` serves every shape, see the constructors.
+/// lattice `E → k̃ √3 ∫ (H² − ⅔ K) dS`. No single `k̃` is right for every shape, see the
+/// constructors.
 ///
 /// The reference angles θ0 are 0 unless a reference shape is given: [`Self::with_reference`].
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +36,7 @@ pub struct KantorNelson<T> {
 }
 
 impl<T: Real> KantorNelson<T> {
-    /// With this modulus k̃ of an edge.
+    /// The method with modulus k̃ of an edge.
     pub fn with_edge_modulus(edge_modulus: T) -> Self {
         Self {
             edge_modulus,
@@ -44,10 +45,10 @@ impl<T: Real> KantorNelson<T> {
         }
     }
 
-    /// The same with the angles of `shape` as reference: there energy and forces are exactly zero,
-    /// at convex and at concave hinges. For surfaces with the mesh `mesh`.
+    /// The same method with the angles of `shape` as reference, for surfaces with the mesh `mesh`.
+    /// In the reference shape energy and forces are exactly zero, at convex and concave hinges.
     ///
-    /// Preparing it for another mesh panics.
+    /// Preparing the method for another mesh panics.
     ///
     /// # Errors
     /// If the triangles of `mesh` and `shape` differ.
@@ -67,18 +68,19 @@ impl<T: Real> KantorNelson<T> {
         Ok(self)
     }
 
-    /// `k̃ = 2κ/√3`: the forces of a membrane with bending modulus κ, and a cylinder's energy. The
-    /// usual choice.
+    /// `k̃ = 2κ/√3`: the right forces for bending modulus κ, and the right energy of a cylinder.
+    /// The usual choice.
     pub fn new(modulus: T) -> Self {
         Self::with_edge_modulus(modulus * T::constant(2.0 / SQRT_3))
     }
 
-    /// `k̃ = √3 κ`: a sphere's energy if a Gaussian modulus κ_G = −κ is counted with it.
+    /// `k̃ = √3 κ`: the right energy of a sphere if the energy includes a Gaussian modulus κ_G =
+    /// −κ.
     pub fn with_opposite_gaussian_modulus(modulus: T) -> Self {
         Self::with_edge_modulus(modulus * T::constant(SQRT_3))
     }
 
-    /// `k̃ = 2√3 κ`: a sphere's energy 8πκ; forces are then three times too large.
+    /// `k̃ = 2√3 κ`: the right energy 8πκ of a sphere; forces are then three times too large.
     pub fn with_sphere_energy(modulus: T) -> Self {
         Self::with_edge_modulus(modulus * T::constant(2.0 * SQRT_3))
     }
@@ -89,7 +91,7 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
 /// The angles of hinges at rest. Resolved at compile time: a flat rest shape costs nothing.
 trait Reference<T: Real>: Copy + Sync {
-    /// `[sin θ0, cos θ0]` of hinges `first`, `first + 1`, …, one a lane entry.
+    /// `[sin θ0, cos θ0]` of hinges `first`, `first + 1`, …, one per lane entry.
     fn angle<L: Lane<Scalar = T>>(self, first: usize) -> [L; 2];
 }
 
@@ -110,8 +112,8 @@ impl<T: Real> Reference<T> for &[[T; 2]] {
     }
 }
 
-/// 1 − cos(θ − θ0) as half the squared chord between two points on the unit circle: no cancellation
-/// at small angles.
+/// 1 − cos(θ − θ0), computed as half the squared chord between two points on the unit circle, which
+/// avoids cancellation at small angles.
 #[inline(always)]
 fn energy<L: Lane>(hinge: &Hinge<L>, [sine, cosine]: [L; 2]) -> L {
     let chord = [hinge.cosine - cosine, hinge.sine - sine];
@@ -124,8 +126,8 @@ struct HingeForce<T, R> {
 }
 
 impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 3> for HingeForce<T, R> {
-    /// −∂E/∂x = −k̃ sin(θ − θ0) ∂θ/∂x. The sine as a difference of products that agree to the last
-    /// bit in the reference shape: there the force is exactly zero.
+    /// −∂E/∂x = −k̃ sin(θ − θ0) ∂θ/∂x. The sine is a difference of products that are equal to the
+    /// last bit in the reference shape, so that the force is exactly zero there.
     #[inline(always)]
     fn evaluate(&self, first: usize, corners: &Corners<T, 4>, _input: &[[T; 0]; 4]) -> [[T; 3]; 4] {
         let hinge = Hinge::new(corners);
@@ -172,7 +174,7 @@ pub struct KantorNelsonMemory<T> {
 }
 
 impl<T: Real> KantorNelsonMemory<T> {
-    /// Allocates everything at once, so that no kind of evaluation allocates later.
+    /// Allocates all buffers together, so that no later evaluation allocates.
     fn resize(&mut self, vertices: usize) {
         self.energies.resize(vertices, [T::zero()]);
         self.nodal.resize(vertices, [T::zero(); 4]);
@@ -183,7 +185,7 @@ impl<T: Real> Method<T> for KantorNelson<T> {
     type Memory = KantorNelsonMemory<T>;
 
     /// # Panics
-    /// If the reference shape is one of another mesh.
+    /// If the reference shape has another mesh.
     fn memory(&self, mesh: &TriangleMesh) -> KantorNelsonMemory<T> {
         if let Some(of_reference) = &self.mesh {
             let remedy = "make it by KantorNelson::with_reference for that mesh";

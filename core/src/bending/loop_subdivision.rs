@@ -29,23 +29,25 @@ use crate::surface::Surface;
 use crate::vec3::{add, dot, scale};
 use alloc::vec::Vec;
 
-/// `E = 2κ ∫ (H − H0)² dS` over the limit surface of Loop subdivision, by three points a triangle, and
-/// the exact gradient of this sum with respect to the nodes.
+/// `E = 2κ ∫ (H − H0)² dS` over the limit surface of Loop subdivision, by three quadrature points
+/// per triangle, and the exact gradient of this sum with respect to the nodes.
 ///
 /// The control points follow from the nodes by a linear map, `C = QX`, and the nodal forces are
 /// `F_X = Qᵀ F_C`: see [`ControlPoints`], which decides the accuracy.
 ///
-/// On smooth meshes of valence 6 the energy and f are of fourth order (of second with
-/// [`ControlPoints::Nodes`]), H and K at the nodes of second. At extraordinary vertices forces do not
-/// converge, on any mesh, while the energy does; on meshes on which most vertices are extraordinary
-/// neither does, unless the mesh is refined by [`crate::subdivision::Subdivision`] first.
+/// On smooth meshes of valence 6 the energy and f converge with fourth order (with second order for
+/// [`ControlPoints::Nodes`]), and H and K at the nodes with second order. At extraordinary vertices
+/// forces do not converge on any mesh, while the energy does. On meshes with mostly extraordinary
+/// vertices neither converges, unless the mesh is first refined by
+/// [`crate::subdivision::Subdivision`].
 ///
-/// Triangles with two or three extraordinary corners are refined once: the surface
-/// is the same, with four times the points. Triangles with a boundary vertex are left out of the
-/// energy, since the surface over them is decided by the boundary; boundary vertices feel forces
-/// from the triangles that remain. A mesh without interior triangle has no energy and no forces.
+/// Triangles with two or three extraordinary corners are refined once: the surface is the same,
+/// with four times the quadrature points. Triangles with a boundary vertex are left out of the
+/// energy, because the boundary rules determine the surface over them; the remaining triangles
+/// still exert forces on boundary vertices. A mesh without interior triangles has no energy and no
+/// forces.
 ///
-/// Spontaneous curvature that is given vertex by vertex is a function in the same basis as the surface,
+/// Spontaneous curvature that is given per vertex is a function in the same basis as the surface,
 /// with control values `Q H0`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopSubdivision<T> {
@@ -53,17 +55,17 @@ pub struct LoopSubdivision<T> {
     pub modulus: T,
     /// Spontaneous curvature H0.
     pub spontaneous_curvature: SpontaneousCurvature<T>,
-    /// How the control points follow from the nodes. A workspace depends on it.
+    /// The map from nodes to control points. A workspace depends on it.
     pub controls: ControlPoints,
 }
 
 impl<T: Real> LoopSubdivision<T> {
-    /// With the control points that serve best on most meshes: [`ControlPoints::Hybrid`].
+    /// The method with the best control points for most meshes: [`ControlPoints::Hybrid`].
     pub fn new(modulus: T) -> Self {
         Self::with_controls(modulus, ControlPoints::default())
     }
 
-    /// With any choice of control points.
+    /// The method with any choice of control points.
     pub fn with_controls(modulus: T, controls: ControlPoints) -> Self {
         Self {
             modulus,
@@ -184,7 +186,7 @@ impl<T: Real> LoopSubdivision<T> {
 struct Plan<T> {
     control_points: ControlPoints,
     vertices: usize,
-    /// The vertex relative to which positions are held.
+    /// The vertex relative to which positions are stored.
     origin: u32,
     map: ControlMap<T>,
     /// From control points to the points of the limit surface.
@@ -213,7 +215,7 @@ impl<T: Real> Plan<T> {
         }
     }
 
-    /// The control points, relative to the origin, and those of the refined triangles after them.
+    /// The control points, relative to the origin, followed by those of the refined triangles.
     fn set_controls(
         &self,
         execution: &impl Execution,
@@ -237,7 +239,7 @@ impl<T: Real> Plan<T> {
         self.patches.refine(execution, coarse, fine);
     }
 
-    /// The control values of a number known at the vertices.
+    /// The control values of a quantity given at the vertices.
     fn set_field(&self, execution: &impl Execution, values: &[T], field: &mut FieldBuffers<T>) {
         let FieldBuffers {
             nodal,
@@ -252,8 +254,8 @@ impl<T: Real> Plan<T> {
         self.patches.refine(execution, coarse, fine);
     }
 
-    /// Sums what the patches give to their nodes: into the first entries of `buffers.gathered`, one a
-    /// control point.
+    /// Sums the contributions of the patches to their nodes into the first entries of
+    /// `buffers.gathered`, one per control point.
     fn collect(&self, execution: &impl Execution, buffers: &mut Buffers<T>) {
         let Buffers {
             patches, gathered, ..
@@ -296,7 +298,7 @@ pub struct LoopSubdivisionMemory<T> {
 }
 
 impl<T: Real> LoopSubdivisionMemory<T> {
-    /// Number of quadrature points: three per triangle, twelve where it had to be refined.
+    /// Number of quadrature points: three per triangle, or twelve for a refined triangle.
     pub fn quadrature_points(&self) -> usize {
         3 * self.plan.patches.len()
     }
@@ -317,7 +319,7 @@ struct Buffers<T> {
     field: FieldBuffers<T>,
 }
 
-/// A number at the vertices and its control values.
+/// A quantity at the vertices and its control values.
 #[derive(Clone, Debug, Default)]
 struct FieldBuffers<T> {
     nodal: Vec<[T; 1]>,
@@ -347,9 +349,9 @@ impl<T: Real> Method<T> for LoopSubdivision<T> {
         self.spontaneous_curvature.check_with(self.modulus)
     }
 
-    /// Reports the triangles whose limit surface has no area at a quadrature point: these points
-    /// were left out. Besides, vertices with an uneven mesh within two edges: the limit surface
-    /// follows it.
+    /// Reports the triangles whose limit surface has no area at a quadrature point, which was left
+    /// out. Also reports vertices with an uneven mesh within two edges, because the limit surface
+    /// follows the mesh.
     fn inspect(
         &self,
         surface: Surface<'_, T>,
@@ -361,7 +363,7 @@ impl<T: Real> Method<T> for LoopSubdivision<T> {
         surface.report_rough_vertices(report);
         let without_area = plan.patches.without_area(&buffers.patches.blocks);
         let mut triangles: Vec<u32> = without_area.collect();
-        // Refined ones have several patches.
+        // Refined triangles have several patches.
         triangles.sort_unstable();
         triangles.dedup();
         for triangle in triangles {
@@ -373,10 +375,10 @@ impl<T: Real> Method<T> for LoopSubdivision<T> {
 /// n, H and K of the limit surface under each node.
 ///
 /// At interior vertices of valence 6, H and K are the exact values of the surface. At extraordinary
-/// ones, where it has none, they are the means over the nearest quadrature points of the triangles
-/// around; 0 if all of these touch the boundary. At other vertices H and K are 0. The area is
-/// `(Qᵀm)_i`, with m the integrals of the basis functions: the areas sum to that of the limit surface
-/// over all triangles that count.
+/// vertices, where the surface has no curvature, they are means over the nearest quadrature points
+/// of the triangles around the vertex, or 0 if all these triangles touch the boundary. At other
+/// vertices H and K are 0. The area is `(Qᵀm)_i`, with m the integrals of the basis functions: the
+/// areas sum to that of the limit surface over all triangles that count.
 impl<T: Real> Curvatures<T> for LoopSubdivision<T> {
     fn curvatures(
         &self,

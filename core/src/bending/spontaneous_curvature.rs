@@ -1,4 +1,4 @@
-//! The curvature that a membrane would have if it were free.
+//! Spontaneous curvature.
 
 use crate::mesh::TriangleMesh;
 use crate::mesh_identity::WithoutPaths;
@@ -7,19 +7,19 @@ use crate::real::Real;
 use alloc::vec::Vec;
 
 /// The spontaneous curvature H0 = c0/2, 1/length, in `E = 2κ ∫ (H − H0)² dS`: positive for a
-/// membrane that would be the outside of a sphere.
+/// membrane that prefers the curvature of the outside of a sphere.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpontaneousCurvature<T> {
-    /// The same everywhere.
+    /// One value for all vertices.
     Constant(T),
-    /// One number a vertex. It belongs to the material there and moves with it.
+    /// One value per vertex, which belongs to the material there and moves with it.
     ///
     /// An evaluation panics unless there are as many as the mesh has vertices; the message names both.
     PerVertex(Vec<T>),
 }
 
 impl<T: Real> Default for SpontaneousCurvature<T> {
-    /// None.
+    /// No spontaneous curvature.
     fn default() -> Self {
         Self::Constant(T::zero())
     }
@@ -35,7 +35,7 @@ impl<T: Real> SpontaneousCurvature<T> {
     /// H0 at a vertex.
     ///
     /// # Panics
-    /// If there is one number a vertex, but none for this one.
+    /// If there is one value per vertex, but none for this one.
     #[inline]
     pub fn at(&self, vertex: usize) -> T {
         match self {
@@ -70,7 +70,7 @@ impl<T: Real> SpontaneousCurvature<T> {
         }
     }
 
-    /// Whether there is none anywhere.
+    /// Whether it is zero everywhere.
     pub(super) fn is_zero(&self) -> bool {
         *self == Self::Constant(T::zero())
     }

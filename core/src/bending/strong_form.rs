@@ -19,12 +19,12 @@ use alloc::vec::Vec;
 /// `f = 2κ [Δ_S(H − H0) + 2(H − H0)(H² − K + H0 H)] n − 4κ (H − H0) ∇_S H0`, with Δ_S, H, K and n
 /// of one operator; nodal forces `F_i = f_i A_i`.
 ///
-/// The last term, along the surface, is there where the spontaneous curvature H0 varies. The
-/// gradient comes from the operator, too: `∇_S φ = ½ Σ_j c_ij (φ_j − φ_i)(x_j − x_i)` less its part
-/// along n, because `Δ(φ x) = φ Δx + x Δφ + 2 ∇φ`.
+/// The last term, tangential to the surface, is present only where the spontaneous curvature H0
+/// varies. Its gradient comes from the same operator: `∇_S φ = ½ Σ_j c_ij (φ_j − φ_i)(x_j − x_i)`
+/// without its component along n, because `Δ(φ x) = φ Δx + x Δφ + 2 ∇φ`.
 ///
-/// Not the gradient of a discrete energy: forces sum to zero only as the mesh is refined, see
-/// [`Projected`](crate::Projected). The energy that goes with it is `2κ Σ (H_i − H0_i)² A_i`, a
+/// The force is not the gradient of a discrete energy: forces sum to zero only in the limit of fine
+/// meshes, see [`Projected`](crate::Projected). The reported energy is `2κ Σ (H_i − H0_i)² A_i`, a
 /// quadrature of `2κ ∫ (H − H0)² dS` over interior vertices.
 ///
 /// f is defined where the vertex and all its neighbours are interior, and 0 elsewhere.
@@ -39,7 +39,7 @@ pub struct StrongForm<T, L> {
 }
 
 impl<T: Real, L> StrongForm<T, L> {
-    /// Over any operator, without spontaneous curvature.
+    /// The force density with any operator, without spontaneous curvature.
     pub fn new(modulus: T, operator: L) -> Self {
         Self {
             modulus,
@@ -116,8 +116,8 @@ impl<T, W> StrongFormMemory<T, W> {
 }
 
 impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
-    /// The energy that goes with the last evaluation in `memory`, of whatever kind: for those who
-    /// want it beside the force, without measuring the surface twice.
+    /// The energy of the last evaluation in `memory`, of any kind, without measuring the surface
+    /// again.
     pub fn energy_of(
         &self,
         execution: &impl Execution,
@@ -198,7 +198,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         )
     }
 
-    /// f at one vertex, of a surface that was measured twice.
+    /// f at one vertex, after both applications of the operator.
     fn density_at(&self, surface: Surface<'_, T>, found: &Found<T>, vertex: usize) -> Vec3<T> {
         let two = T::constant(2.0);
         let Curvature {

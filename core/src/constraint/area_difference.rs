@@ -1,4 +1,4 @@
-//! The energy of the area difference of a bilayer's leaves.
+//! The energy of the area difference of the leaflets of a bilayer.
 //!
 //! U. Seifert, L. Miao, H.-G. Döbereiner, M. Wortis, in The Structure and Conformation of Amphiphilic
 //! Membranes (Springer 1992) 93; L. Miao, U. Seifert, M. Wortis, H.-G. Döbereiner, Phys. Rev. E 49
@@ -15,14 +15,14 @@ use crate::real::Real;
 use crate::surface::Surface;
 use alloc::vec::Vec;
 
-/// Area difference of the two leaves of a bilayer, per connected component:
+/// Area difference of the two leaflets of a bilayer, per connected component:
 ///
 /// `E = (κ̄/2) (π/(A D²)) (ΔA − ΔA0)² = 2π κ̄ (M − M0)²/A`,
 ///
-/// with `ΔA = 2 D M` the area of the outer leaf less that of the inner one at a distance D,
-/// `M = ∫ H dS` and A the area of the component as it is; the force is its exact gradient. D drops
-/// out: given is `M0 = ΔA0/(2D)`, a length, 4πR of the sphere that would be free of it. κ̄ is in
-/// units of energy; κ̄ → ∞ is the bilayer-coupling model, in which M is a constraint.
+/// with `ΔA = 2 D M` the area of the outer leaflet minus that of the inner one at a distance D, `M
+/// = ∫ H dS`, and A the current area of the component. The force is the exact gradient. D drops
+/// out: the parameter is `M0 = ΔA0/(2D)`, a length, equal to 4πR for a relaxed sphere of radius R.
+/// κ̄ is in units of energy; κ̄ → ∞ is the bilayer-coupling model, in which M is a constraint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AreaDifference<T> {
     /// κ̄, the modulus of the area difference.
@@ -43,7 +43,7 @@ pub struct AreaDifferenceMemory<T: Real> {
 }
 
 impl<T: Real> AreaDifference<T> {
-    /// With modulus κ̄ and targets M0.
+    /// The energy with modulus κ̄ and targets M0.
     pub fn new(modulus: T, targets: impl Into<Targets<T>>) -> Self {
         let targets = targets.into();
         Self { modulus, targets }

@@ -1,4 +1,4 @@
-//! Energies of one number of a component.
+//! Energies of a functional of each component.
 
 use super::Targets;
 use crate::diagnostic::Finding;
@@ -11,7 +11,7 @@ use crate::real::Real;
 use crate::surface::Surface;
 use alloc::vec::Vec;
 
-/// An energy φ_c(F) of one number F of each connected component c.
+/// An energy φ_c(F) of a functional F of each connected component c.
 pub trait Potential<T: Real> {
     /// φ_c and its derivative.
     ///
@@ -33,7 +33,7 @@ impl<T: Real> Potential<T> for Linear<T> {
     }
 }
 
-/// `φ = k/2 (F − F0)²/|F0|`; nothing where F0 = 0.
+/// `φ = k/2 (F − F0)²/|F0|`; 0 where F0 = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quadratic<T> {
     /// k, in units of energy per unit of F.
@@ -66,12 +66,12 @@ pub struct PotentialOf<F, P> {
 pub type Penalty<T, F = Quantity> = PotentialOf<F, Quadratic<T>>;
 /// `E = σ A`, σ the surface tension, positive if it contracts.
 pub type SurfaceTension<T> = PotentialOf<TotalArea, Linear<T>>;
-/// `E = −Δp V`, Δp the pressure inside minus the one outside: positive inflates. Components with
-/// boundary feel none.
+/// `E = −Δp V`, Δp the pressure inside minus the one outside: positive inflates. It does not act on
+/// components with boundary.
 pub type OsmoticPressure<T> = PotentialOf<EnclosedVolume, Linear<T>>;
 
 impl<T: Real, F> PotentialOf<F, Quadratic<T>> {
-    /// With modulus k and targets F0.
+    /// The penalty with modulus k and targets F0.
     pub fn new(functional: F, modulus: T, targets: impl Into<Targets<T>>) -> Self {
         let targets = targets.into();
         Self {
@@ -82,7 +82,7 @@ impl<T: Real, F> PotentialOf<F, Quadratic<T>> {
 }
 
 impl<T: Real> PotentialOf<TotalArea, Linear<T>> {
-    /// With surface tension σ, energy per area.
+    /// The energy with surface tension σ, energy per area.
     pub fn new(tension: T) -> Self {
         Self {
             functional: TotalArea,
@@ -92,7 +92,7 @@ impl<T: Real> PotentialOf<TotalArea, Linear<T>> {
 }
 
 impl<T: Real> PotentialOf<EnclosedVolume, Linear<T>> {
-    /// With pressure difference Δp, inside minus outside, energy per volume.
+    /// The energy with pressure difference Δp, inside minus outside, energy per volume.
     pub fn new(difference: T) -> Self {
         Self {
             functional: EnclosedVolume,
@@ -112,7 +112,7 @@ pub struct PotentialMemory<T, W> {
 }
 
 impl<T: Real, W> PotentialMemory<T, W> {
-    /// F of each component, as the last evaluation found it.
+    /// F of each component in the last evaluation.
     pub fn values(&self) -> &[T] {
         &self.values
     }

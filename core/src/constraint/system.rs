@@ -20,7 +20,7 @@ pub(super) struct System<T> {
 }
 
 impl<T: Real> System<T> {
-    /// Sets the matrix, and makes room for the right-hand side.
+    /// Sets the matrix, and allocates the right-hand side.
     pub(super) fn set_matrix(
         &mut self,
         execution: &impl Execution,

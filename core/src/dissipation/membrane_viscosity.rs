@@ -22,11 +22,11 @@ use crate::vec3::{Vec3, dot, sub};
 ///
 /// The surface stress is `τ = (η_d − η_s) (tr d) P + 2 η_s d`: η_s resists shear alone, η_d
 /// changes of area alone. A shear flow at rate γ̇ in a flat sheet dissipates `η_s γ̇²` per area, a
-/// growing sphere `4 η_d (Ṙ/R)²`. The velocity is linear on each triangle, and the rate of strain
-/// therefore exact for it: that of the squared edges. Velocities normal to a curved membrane
-/// count, for they stretch it.
+/// growing sphere `4 η_d (Ṙ/R)²`. The velocity is linear on each triangle, so the rate of strain,
+/// computed from the rates of the squared edges, is exact. Velocities normal to a curved membrane
+/// contribute, because they stretch it.
 ///
-/// Triangles without area feel nothing and are reported by [`Method::inspect`].
+/// Triangles without area contribute nothing and are reported by [`Method::inspect`].
 ///
 /// ```
 /// use helfrich::{MembraneViscosity, Prepared, Surface, TriangleMesh};
@@ -55,10 +55,10 @@ pub struct MembraneViscosity<T> {
     pub dilational: T,
 }
 
-/// Triangles in motion, one a lane entry.
+/// Triangles in motion, one per lane entry.
 struct Moving<L> {
     edges: [Vec3<L>; 3],
-    /// The rate of 2 d in place of Γ.
+    /// The rate of strain 2 d, which takes the place of Γ.
     rate: Change<L>,
     area: L,
 }

@@ -4,10 +4,11 @@ use super::{Strain, StrainEnergy};
 use crate::lane::Lane;
 use crate::real::Real;
 
-/// `E = k_a/2 Σ (A − A0)²/A0` over the triangles: the membrane resists changes of area at every
-/// place, and shear not at all. `K_s = k_a`; tension of equal stretches λ: `k_a (λ² − 1)`.
+/// `E = k_a/2 Σ (A − A0)²/A0` over the triangles: the membrane resists local changes of area, but
+/// not shear. `K_s = k_a`; the tension at equal stretches λ is `k_a (λ² − 1)`.
 ///
-/// A triangle that has lost its area feels no force: there is no direction in which it grows.
+/// No force acts on a triangle that has lost its area, because the gradient of its area has no
+/// direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalArea<T> {
     /// Area modulus k_a, in units of force per length.

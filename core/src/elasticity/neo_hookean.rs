@@ -7,8 +7,8 @@ use crate::real::Real;
 /// `W = G/2 (I1 − 1 + 1/(I2 + 1))`: a thin sheet of incompressible rubber, which thins as its area
 /// grows. `K_s = 3 G`; it softens in extension. Tension of equal stretches λ: `G (1 − λ⁻⁶)`.
 ///
-/// A triangle that has lost its area would have infinite energy; it feels no force, and its energy is
-/// finite and far above that of any other shape.
+/// A triangle that has lost its area would have infinite energy. Here no force acts on it, and its
+/// energy is finite and far above that of any other shape.
 ///
 /// D. Barthès-Biesel, A. Diaz and E. Dhenin, J. Fluid Mech. 460 (2002) 211.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,9 +24,9 @@ impl<T: Real> NeoHookean<T> {
     }
 }
 
-/// `1/(I2 + 1)`, finite without an area, too: to I2 + 1 is added what changes it only where it is nearly
-/// the smallest number. Not of the square, which would leave the range of the scalar at stretches that
-/// it holds easily.
+/// `1/(I2 + 1)`, also finite without an area: a tiny number is added, which changes I2 + 1 only
+/// near the smallest number of the scalar. The formula avoids squares, which would overflow at
+/// stretches that are otherwise in range.
 #[inline(always)]
 fn inverse<T: Real>(strain: &Strain<T>) -> T {
     let least = T::min_positive_value() / (T::epsilon() * T::epsilon());
@@ -47,7 +47,7 @@ impl<T: Real> StrainEnergy<T> for NeoHookean<T> {
     #[inline(always)]
     fn derivatives(&self, strain: &Strain<T>) -> [T; 2] {
         let inverse = inverse(strain);
-        // 1, and 0 without an area, whose gradient has no direction.
+        // 1, or 0 without an area, because the gradient then has no direction.
         let presence = strain.squared_area_ratio * inverse;
         let weight = self.half_modulus() * inverse * presence;
         let sum = T::constant(2.0) + strain.second;

@@ -3,11 +3,12 @@
 use super::{Strain, StrainEnergy};
 use crate::real::Real;
 
-/// `W = G/4 (I1² + 2 I1 − 2 I2 + C I2²)`: a membrane that resists changes of area by C apart from
-/// shear. `K_s = (1 + 2 C) G`; it hardens in extension. Tension of equal stretches λ:
-/// `G [λ² − 1 + C λ² (λ⁴ − 1)]`. Stable for C > −1/2; red blood cells have C of 10² and more.
+/// `W = G/4 (I1² + 2 I1 − 2 I2 + C I2²)`: a membrane that resists shear, and changes of area with
+/// the additional ratio C. `K_s = (1 + 2 C) G`; it hardens in extension. The tension at equal
+/// stretches λ is `G [λ² − 1 + C λ² (λ⁴ − 1)]`. Stable for C > −1/2; red blood cells have C of 10²
+/// and more.
 ///
-/// Finite for every triangle, also one without area.
+/// W is finite for every triangle, even without area.
 ///
 /// R. Skalak, A. Tozeren, R. P. Zarda and S. Chien, Biophys. J. 13 (1973) 245, whose B is 2 G and
 /// whose C is 2 C G.

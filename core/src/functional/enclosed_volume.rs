@@ -12,7 +12,7 @@ use crate::vec3::scale;
 /// The volume V that each component encloses: that of the polyhedron, positive if the triangles
 /// run counter-clockwise seen from outside.
 ///
-/// A component with boundary encloses nothing: V = 0, without gradient. (∫ x·n/3 dS over it would
+/// A component with boundary encloses no volume: V = 0, without gradient. (∫ x·n/3 dS over it would
 /// depend on the origin.)
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EnclosedVolume;

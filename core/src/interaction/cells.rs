@@ -1,4 +1,4 @@
-//! Cells in which near points are found.
+//! A cell grid for neighbour searches.
 
 use super::images::Images;
 use crate::lane::Lane;
@@ -6,7 +6,7 @@ use crate::real::Real;
 use crate::vec3::Vec3;
 use core::ops::Range;
 
-/// Cells are wider than the range by this part, more than coordinates in cells are rounded by.
+/// Cells are wider than the range by this fraction, which exceeds the rounding of cell coordinates.
 pub(super) const MARGIN: f64 = 1.0 / 64.0;
 
 /// The numbers of a cell along the three axes.
@@ -17,8 +17,8 @@ pub(super) trait InCell {
     fn cell(&self) -> Cell;
 }
 
-/// A regular grid over some points, whose cells are `width` wide or wider. Along periodic axes a whole
-/// number of cells is a period, and the last is beside the first.
+/// A regular grid over some points, whose cells are at least `width` wide. Along periodic axes a
+/// whole number of cells fills the period, and the last cell is next to the first.
 pub(super) struct Cells<T> {
     corner: Vec3<T>,
     /// Cells per length.
@@ -37,12 +37,12 @@ struct Period<T> {
 impl<T: Real> Cells<T> {
     /// `low` and `high` are the corners of a box around the points.
     pub(super) fn new(images: &Images<T>, width: T, [low, high]: [Vec3<T>; 2]) -> Self {
-        // Beyond so many cells coordinates in cells are rounded by more than the margin: what lies
-        // there shares the last cell.
+        // Beyond this number of cells, the rounding of cell coordinates exceeds the margin; all
+        // farther points share the last cell.
         let last = (T::epsilon() * T::constant(256.0)).recip();
         let periods = [0, 1, 2].map(|axis| {
             let period = images.period(axis)?;
-            // Over many periods places in them are rounded more.
+            // After many periods positions within a period are rounded more coarsely.
             let extent = ((high[axis] - low[axis]) / period).max(T::one());
             let count = (period / width).min(last / (extent + extent)).floor();
             let count = count.to_i64().unwrap_or(0);
@@ -70,7 +70,7 @@ impl<T: Real> Cells<T> {
                     let place = along * over;
                     let place = place - place.floor();
                     let cell = T::from_i64(count).map(|count| (place * count).floor());
-                    // Rounded up to the next period it would be the first.
+                    // Rounding up to the next period would give the first cell.
                     cell.and_then(|cell| cell.to_i64()).map(|cell| cell % count)
                 }
             }
@@ -78,8 +78,8 @@ impl<T: Real> Cells<T> {
         })
     }
 
-    /// Calls `act` with what lies in a cell and beside it, of entries sorted by cell, in their order
-    /// but for what is beside it through the end of a period.
+    /// Calls `act` with the entries in a cell and its neighbours, of entries sorted by cell. Their
+    /// order is kept, except for neighbours across the end of a period.
     #[inline(always)]
     pub(super) fn each_near<'a, E: InCell>(
         &self,
@@ -102,7 +102,7 @@ impl<T: Real> Cells<T> {
         }
     }
 
-    /// Runs of cells along an axis: one of that number and those beside it, each once.
+    /// Ranges of cells along an axis: the cell of this number and its neighbours, each once.
     fn beside(&self, axis: usize, cell: i64) -> [Range<i64>; 2] {
         let none = 0..0;
         match self.periods[axis] {

@@ -1,21 +1,21 @@
-//! Images of surfaces in a box that repeats itself.
+//! Images of surfaces in a periodic box.
 
 use crate::real::Real;
 use crate::vec3::{Vec3, add};
 use alloc::vec::Vec;
 use core::ops::RangeInclusive;
 
-/// The images of surfaces in a periodic box: what is at x is at `x + n L` too, along each periodic
-/// axis and for every whole n.
+/// The images of surfaces in a periodic box: a point at x has images at `x + n L` along each
+/// periodic axis, for every integer n.
 ///
-/// Positions may lie anywhere, and a surface may reach through the ends of the box: nothing has to be
-/// wrapped back into it.
+/// Positions may lie anywhere, and a surface may cross the ends of the box: wrapping is not
+/// necessary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Images<T> {
-    /// L, the length of the box along each axis; an axis is not periodic where it is 0, or in general
-    /// where it is not positive and finite.
+    /// L, the length of the box along each axis. An axis is periodic only if its length is positive
+    /// and finite; 0 means not periodic.
     pub periods: [T; 3],
-    /// Whether a surface acts on the images of itself.
+    /// Whether a surface acts on its own images.
     pub own: bool,
 }
 
@@ -34,13 +34,13 @@ impl<T: Real> Images<T> {
         (period > T::zero() && period.is_finite()).then_some(period)
     }
 
-    /// Whether some axis is periodic.
+    /// Whether any axis is periodic.
     pub fn is_periodic(&self) -> bool {
         (0..3).any(|axis| self.period(axis).is_some())
     }
 
-    /// The first and the last whole n with `low ≤ n L ≤ high` along an axis, none if there is none;
-    /// only n = 0 where the axis is not periodic.
+    /// The first and the last integer n with `low ≤ n L ≤ high` along an axis, `None` if there are
+    /// none; only n = 0 for an axis that is not periodic.
     pub fn shifts(&self, axis: usize, low: T, high: T) -> Option<[T; 2]> {
         let zero = T::zero();
         let [first, last] = match self.period(axis) {
@@ -51,8 +51,9 @@ impl<T: Real> Images<T> {
         (first <= last).then_some([first, last])
     }
 
-    /// Adds the images of a box, given by its lower and upper corner, that meet another; of `itself`
-    /// if it is the same, images other than the box as it is. In place of very many it adds all space.
+    /// Adds the images of a box, given by its lower and upper corner, that intersect another box.
+    /// If both are the same (`itself`), the box itself is skipped. Instead of very many images it
+    /// adds one box that is all of space.
     pub(super) fn add_meeting(
         &self,
         [low, high]: [Vec3<T>; 2],
@@ -102,11 +103,11 @@ impl<T: Real> Images<T> {
 /// than the box many times.
 const MANY: u32 = 64;
 
-/// The images of a point within reach of something, ready to be found for many pairs.
+/// Periods prepared to find nearby images for many pairs of points.
 pub(super) struct NearImages<T> {
     periods: Vec3<T>,
     over_periods: Vec3<T>,
-    /// The same periods; infinite along axes that are not periodic.
+    /// The periods; infinite along axes that are not periodic.
     lengths: Vec3<T>,
 }
 
@@ -120,9 +121,9 @@ impl<T: Real> NearImages<T> {
         }
     }
 
-    /// Calls `act` with the difference of a point from another for each image of it that is no farther
-    /// than `reach` along each axis from a place at `offset` from the other, and with whether that
-    /// is another image than the point itself.
+    /// Calls `act` for each image of a point that lies, along each axis, within `reach` of the
+    /// position at `offset` from another point. The arguments are the difference of the image from
+    /// the other point, and whether the image is not the point itself.
     #[inline(always)]
     pub(super) fn each_within(
         &self,
@@ -138,7 +139,7 @@ impl<T: Real> NearImages<T> {
             }
             return;
         }
-        // Numbers and no more: of dual ones they have no derivatives.
+        // Plain values: the number of periods has no derivative, even for dual numbers.
         let bounds = |axis: usize| {
             if self.lengths[axis].is_infinite() {
                 return if from[axis].abs() <= reach[axis] {

@@ -18,28 +18,29 @@ use near::{Bounds, NearFace, NearVertex};
 /// Short-range repulsion of different surfaces: a pressure between them that grows without bound as
 /// the gap closes.
 ///
-/// Each vertex has the energy of its distance d from each other surface, with a third of the triangles
-/// around it as its area, and of each pair of surfaces both halves count:
+/// Each vertex has an energy that depends on its distance d from each other surface, weighted by a
+/// third of the area of the triangles around it. Both surfaces of a pair contribute one half:
 ///
 /// `E = ½ Σ_i A_i w(d_i)`, `w(d) = k r_c²/4 (1 − s²)³/s²` with s = d/r_c for d < r_c, 0 beyond.
 ///
 /// Parallel surfaces at a distance h have the energy w(h) per area, and the pressure
 /// `p(h) = k r_c/2 (1 − s²)² (1 + 2s²)/s³`: 0.29 k r_c at 0.8 r_c, 0.75 k r_c at 0.7 r_c, 3.4 k r_c at
-/// 0.5 r_c, and `k r_c/(2s³)` where they all but touch. Where k r_c is about the pressure that presses,
-/// surfaces come to rest at some two thirds of the range. Distances are those from triangles, not
-/// from vertices: the barrier has no holes, whatever the length of edges against the range. Where
-/// surfaces touch, the energy is infinite.
+/// 0.5 r_c, and `k r_c/(2s³)` where they all but touch. If k r_c is about the applied pressure,
+/// surfaces come to rest at about two thirds of the range. Distances are measured from triangles,
+/// not from vertices, so that the barrier has no holes, however long edges are compared with the
+/// range. Where surfaces touch, the energy is infinite.
 ///
-/// Where several points of a surface are near, d is more than the least distance: w is added over the
-/// triangles, taken away for their sides and given back for their corners, each by its own nearest
-/// point. A point of the surface that is nearest for several of them so counts once, as by Euler's
-/// formula, and forces are continuous where another one becomes the nearest. The areas belong to the
-/// surfaces as they are, and the force is the exact gradient, theirs included. Both sides of a surface
-/// repel, and nothing acts between parts of one surface.
+/// If several points of a surface are near, all contribute: w is added for triangles, subtracted
+/// for their sides and added for their corners, each with its own nearest point. By Euler's
+/// formula, a point that is nearest for several of these counts once, and forces are continuous
+/// when the nearest point changes. Areas are those of the current surfaces, and the force is the
+/// exact gradient, including that of the areas. Both sides of a surface repel, and nothing acts
+/// between parts of the same surface.
 ///
-/// In a periodic box surfaces act on the images of others as on these, and on images of themselves
-/// if [`Images::own`] says so. All images within the range are taken: of a box shorter than the range
-/// several of the same surface, which takes time as the cube of their number along an axis.
+/// In a periodic box surfaces act on other surfaces and all their images, and on their own images
+/// if [`Images::own`] is set. All images within the range count. In a box shorter than the range a
+/// surface has several images within the range, and the time grows with the cube of their number
+/// along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repulsion<T> {
     /// k, energy per area squared.
@@ -54,11 +55,11 @@ pub struct Repulsion<T> {
 #[derive(Clone, Debug, Default)]
 pub struct RepulsionMemory<T> {
     bounds: Vec<Bounds<T>>,
-    /// The widened boxes of others and of images that meet the box of one surface.
+    /// The widened boxes of other surfaces and of images that intersect the box of one surface.
     near: Vec<Bounds<T>>,
-    /// In the order of cells, surfaces, vertices.
+    /// Sorted by cell, surface and vertex.
     vertices: Vec<NearVertex<T>>,
-    /// In the order of cells, surfaces, triangles.
+    /// Sorted by cell, surface and triangle.
     faces: Vec<NearFace<T>>,
     /// Areas of one surface's vertices.
     areas: Vec<T>,
@@ -71,8 +72,8 @@ pub struct RepulsionMemory<T> {
 }
 
 impl<T> RepulsionMemory<T> {
-    /// How many vertices the last evaluation found near the box of another surface or an image: 0 if
-    /// it ended there.
+    /// Number of vertices that the last evaluation found near the box of another surface or an
+    /// image. If 0, the evaluation ended there.
     pub fn candidates(&self) -> usize {
         self.vertices.len()
     }
@@ -87,8 +88,8 @@ struct Pairs<'a, T> {
 }
 
 impl<T: Real> Pairs<'_, T> {
-    /// Calls `act` with what a vertex feels of a triangle, and of its images. Seen from the
-    /// triangle it is the same, to the last bit.
+    /// Calls `act` with the interaction of a vertex with a triangle and its images. The result is
+    /// the same to the last bit when computed for the triangle.
     #[inline(always)]
     fn each_felt(&self, vertex: &NearVertex<T>, face: &NearFace<T>, mut act: impl FnMut(Felt<T>)) {
         let itself = vertex.surface == face.surface;
@@ -116,8 +117,8 @@ impl<T: Real> Repulsion<T> {
         self.range.reciprocal_or_zero().max(T::zero())
     }
 
-    /// Finds what is near, sets `sums` and returns the energy. Each vertex goes through its triangles
-    /// in their order, so that sums do not depend on who takes which vertices.
+    /// Finds near pairs, sets `sums` and returns the energy. Each vertex visits its triangles in
+    /// their order, so that sums do not depend on the division among threads.
     fn measure(
         &self,
         execution: &impl Execution,
@@ -168,7 +169,7 @@ impl<T: Real> Repulsion<T> {
         T::constant(0.25) * self.modulus * self.range
     }
 
-    /// Sets `reactions`, each triangle going through its vertices.
+    /// Sets `reactions`; each triangle visits its vertices.
     fn react(execution: &impl Execution, pairs: &Pairs<'_, T>, memory: &mut RepulsionMemory<T>) {
         let RepulsionMemory {
             vertices,

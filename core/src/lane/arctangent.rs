@@ -1,11 +1,12 @@
-//! The arctangent without a branch: a call of the platform's would keep loops over elements from
-//! using vectors, and its last bits differ from platform to platform.
+//! The arctangent without a branch. A call of the platform's function would prevent vectorisation
+//! of loops over elements, and its last bits differ between platforms.
 
 use crate::real::Real;
 use core::any::TypeId;
 
-/// `(atan q − q)/q³` by powers of q², for |q| ≤ tan π/8: the polynomials of least largest relative
-/// error in the arctangent (by Remez' exchange, in 50 digits), which is 4e-17.
+/// Coefficients of `(atan q − q)/q³` in powers of q², for |q| ≤ tan π/8: the minimax polynomial for
+/// the relative error of the arctangent (by the Remez algorithm, with 50 digits). The error is
+/// 4e-17.
 const DOUBLE: [f64; 10] = [
     -0.333_333_333_333_301_45,
     0.199_999_999_990_874_9,
@@ -19,7 +20,7 @@ const DOUBLE: [f64; 10] = [
     0.021_256_675_993_308_053,
 ];
 
-/// The same for single precision; the error is 7e-10.
+/// Coefficients for single precision; the error is 7e-10.
 const SINGLE: [f64; 5] = [
     -0.333_333_151_723_339_2,
     0.199_984_704_333_326_7,

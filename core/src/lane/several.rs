@@ -1,16 +1,16 @@
-//! As many numbers at once as a vector register holds.
+//! A lane of several numbers, for vector registers.
 
 use crate::lane::Lane;
 use crate::real::Real;
 use core::ops::{Add, Mul, Neg, Sub};
 
-/// Number of reals that go through a formula together: two vectors of 32 bytes in f64, one in f32. In f64 half of
-/// it took as long.
+/// Number of reals in the lane: two vectors of 32 bytes in f64, one in f32. In f64 a lane with half
+/// of this number was not faster.
 pub(crate) const WIDTH: usize = 8;
 
-/// Numbers that go through a formula together: plain loops over them, of which compilers make vectors
-/// as wide as the function allows into which they are inlined. They start where vectors of 32 bytes
-/// do, so that none crosses a line of the cache.
+/// Several numbers as one lane. Operations are plain loops, which compilers vectorise for the width
+/// that the enclosing function allows. The alignment of 32 bytes keeps vectors from crossing cache
+/// lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(32))]
 pub(crate) struct Several<T>(pub(crate) [T; WIDTH]);

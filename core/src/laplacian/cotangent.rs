@@ -22,9 +22,9 @@ use alloc::vec::Vec;
 /// * Pointwise; the integrated form, without 1/A_i, is symmetric: [`Cotangent::assemble_stiffness`].
 /// * `H = −½ (Δ_S x)·n` with n the normalised sum of the area vectors of the triangles around the
 ///   vertex (the direction in which the enclosed volume grows), `K = (2π − Σ angles)/A_i`.
-/// * At a boundary vertex the operator is that of a free boundary (no flux through it), n is the
-///   sum over the triangles that are there, and H and K are 0: a fan that is open tells the
-///   curvature of the boundary from that of the surface only in the limit.
+/// * At a boundary vertex the operator has a free boundary (no flux through it), n is the sum over
+///   the existing triangles, and H and K are 0, because an open fan distinguishes the curvature of
+///   the surface from that of the boundary only in the limit.
 /// * Where `A_i = 0` the row, H and K are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Cotangent {
@@ -88,7 +88,7 @@ impl Cotangent {
         );
     }
 
-    /// Sets `areas` to A_i, one entry a vertex: the mass matrix of this operator.
+    /// Sets `areas` to A_i, one entry per vertex: the mass matrix of this operator.
     ///
     /// # Panics
     /// If `areas` has fewer entries than the surface has vertices.
@@ -137,8 +137,7 @@ impl Cotangent {
     }
 }
 
-/// For each triangle and corner, where the edge opposite the corner stands in the rows of its two
-/// ends.
+/// For each triangle and corner, the positions of the opposite edge in the rows of its two ends.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct CornerEntries(Vec<[[u32; 2]; 3]>);
 

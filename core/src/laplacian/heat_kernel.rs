@@ -20,22 +20,23 @@ use alloc::vec::Vec;
 /// `Δ_S φ(i) = 1/(4πh²) Σ_T A_T/3 Σ_{p ∈ T} exp(−|x_p − x_i|²/4h) (φ_p − φ_i)`, h the bandwidth at
 /// vertex i.
 ///
-/// * Pointwise. With a global bandwidth symmetric in the inner product of the barycentric areas;
-///   with one for each vertex not symmetric.
-/// * `H = −½ (Δ_S x)·n` by its own rows; n, K and the area are those of [`Cotangent`] with mixed
-///   areas.
+/// * Pointwise. The operator is symmetric in the inner product of the barycentric areas if the
+///   bandwidth is global, and not symmetric if each vertex has its own.
+/// * `H = −½ (Δ_S x)·n` from the rows of this operator; n, K and the area are those of
+///   [`Cotangent`] with mixed areas.
 /// * The kernel ends where it is below the rounding of the scalar, at `2 √(h ln 1/ε)`: 12 √h in
 ///   f64, 8 √h in f32.
-/// * Distances are those through space, but vertices are gathered along the surface, over paths of
-///   edges up to 1.15 times as long as the kernel reaches (on a triangular lattice a path is up to
-///   2/√3 times as long as it is far): it does not couple sheets that lie close together.
-/// * Nearer to a boundary than the kernel reaches, what lies beyond is missing and leaves an error
-///   of order `1/√h` times the field's gradient. H and K are 0 at boundary vertices.
-/// * Where nothing is within reach, the row is empty and H is 0; [`Method::inspect`] says so.
+/// * Distances are Euclidean, but vertices are searched along the surface, over paths of edges up
+///   to 1.15 times the range of the kernel, so that the kernel does not couple sheets that lie
+///   close together. (On a triangular lattice a path is up to 2/√3 times as long as the distance.)
+/// * Near a boundary the kernel is truncated, which causes an error of order `1/√h` times the
+///   gradient of the field. H and K are 0 at boundary vertices.
+/// * A vertex without other vertices in range has an empty row and H = 0, and is reported by
+///   [`Method::inspect`].
 ///
-/// Rows have hundreds of entries (400 to 500 in f64 with the mixed area for h). Kept are their
-/// columns alone, 4 bytes an entry instead of 12: the search along the surface costs several times
-/// what the kernel costs, which is therefore computed again whenever the operator is applied.
+/// Rows have hundreds of entries (400 to 500 in f64 with the mixed area for h). Only their columns
+/// are stored, 4 bytes per entry instead of 12. The kernel is computed again whenever the operator
+/// is applied, because it costs only a fraction of the search along the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeatKernel<T> {
     /// The bandwidth h.
@@ -50,12 +51,13 @@ pub enum Bandwidth<T> {
     /// of the mean area of a vertex the kernel would hardly reach the nearest neighbours.
     #[default]
     Converging,
-    /// This factor times the mean area A/N of a vertex, the same everywhere.
+    /// This factor times the mean area A/N of a vertex, the same for all vertices.
     MeanArea(T),
-    /// This factor times the mixed area of each vertex; with 1 the method as published. The error
-    /// does not shrink with the triangles: the kernel always averages over the same few neighbours.
+    /// This factor times the mixed area of each vertex; 1 is the published method. The error does
+    /// not shrink with the triangles, because the kernel always averages over the same few
+    /// neighbours.
     MixedArea(T),
-    /// The same area everywhere, whatever the surface.
+    /// The same area for all vertices and surfaces.
     Global(T),
 }
 
@@ -96,11 +98,11 @@ struct Kernel<T> {
 }
 
 impl<T: Real> Kernel<T> {
-    /// The coefficient of `neighbour`, that far away, in the row of `vertex`.
+    /// The coefficient of `neighbour`, at this squared distance, in the row of `vertex`.
     #[inline]
     fn coefficient(&self, vertex: usize, neighbour: u32, squared_distance: T) -> T {
         let over = self.over_bandwidth[vertex];
-        // Factor by factor: 1/h² would leave the range of numbers where 1/h does not.
+        // Multiplied factor by factor, because 1/h² may overflow where 1/h does not.
         let weight = self.weights[neighbour as usize] * over;
         let height = over * (T::constant(0.25) * T::FRAC_1_PI());
         let fall = (-T::constant(0.25) * squared_distance * over).exp();
@@ -115,7 +117,7 @@ impl<T: Real> Kernel<T> {
     }
 }
 
-/// The columns of each row, with room for some more so that a moving surface seldom needs memory.
+/// The columns of each row, with spare capacity so that a moving surface seldom needs more memory.
 #[derive(Clone, Debug, Default)]
 struct Gathered {
     offsets: Vec<usize>,
@@ -125,7 +127,7 @@ struct Gathered {
 }
 
 impl Gathered {
-    /// Room for `rows` rows; how much each, [`Self::make_room`] finds out.
+    /// Allocates `rows` rows; [`Self::make_room`] determines their capacities.
     fn resize(&mut self, rows: usize) {
         if self.lengths.len() != rows {
             self.lengths.clear();
@@ -141,8 +143,8 @@ impl Gathered {
         &self.columns[start..start + self.lengths[row] as usize]
     }
 
-    /// Gives each row room for its length and a quarter more, unless every row has enough; returns
-    /// whether it had.
+    /// Gives each row capacity for its length and a quarter more, unless every row has enough;
+    /// returns whether all rows had enough.
     fn make_room(&mut self) -> bool {
         let ends = self.offsets.windows(2);
         let mut rows = ends.zip(&self.lengths);
@@ -215,7 +217,7 @@ fn set_edge_lengths<T: Real>(
     });
 }
 
-/// Gathers what lies within reach of each vertex, and sets H.
+/// Finds the vertices within range of each vertex, and sets H.
 fn gather<T: Real>(
     execution: &impl Execution,
     surface: Surface<'_, T>,

@@ -1,8 +1,8 @@
 //! Method J: osculating jets.
 //!
 //! Fits of polynomial height functions after F. Cazals and M. Pouget, Comput. Aided Geom. Des. 22
-//! (2005) 121; here weighted, interpolating at the vertex, with neighbours that adapt, and the
-//! same factorisation giving the row of a general Laplace–Beltrami operator.
+//! (2005) 121; here weighted, interpolating at the vertex, and with an adaptive number of
+//! neighbours. The same factorisation gives the row of a general Laplace–Beltrami operator.
 
 mod fits;
 
@@ -26,10 +26,12 @@ use fits::{Block, Fits};
 /// * H, K and n are those of the polynomial; on meshes of any kind H and K converge with order
 ///   d − 1 or better, `Δ_S H` with order d − 3 or better, in the largest error, too.
 /// * `Δ_S φ` of any field is that of the polynomial fitted to φ with the same weights: pointwise,
-///   not symmetric. Its rows must not be transposed or symmetrised: convergence is lost.
+///   not symmetric. Its rows must not be transposed or symmetrised, because convergence would be
+///   lost.
 /// * Areas are mixed areas.
-/// * Where the neighbours do not carry the degree it is lowered, which [`Method::inspect`] reports;
-///   where they do not even carry a paraboloid (meshes of a few vertices) H, K and the row are 0.
+/// * If the neighbours do not determine a fit of this degree, the degree is lowered, which
+///   [`Method::inspect`] reports. If they do not even determine a paraboloid (meshes of a few
+///   vertices), H, K and the row are 0.
 /// * At a boundary vertex the fit is one-sided, and as good as its neighbours allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet<T> {
@@ -58,7 +60,7 @@ impl<T: Real> Jet<T> {
         }
     }
 
-    /// Degree 4: for coarse meshes, small irregular ones, and dynamics.
+    /// Degree 4: for coarse meshes, small irregular meshes, and dynamics.
     pub fn j4() -> Self {
         Self {
             degree: 4,
@@ -79,7 +81,7 @@ impl<T: Real> Jet<T> {
     }
 }
 
-/// Highest degree that is offered: beyond, rounding outweighs what the degree gains.
+/// Highest degree: beyond it, rounding errors outweigh the gain.
 const HIGHEST_DEGREE: usize = 8;
 
 /// Number of monomials `x^a y^b` with 1 ≤ a + b ≤ `degree`.
@@ -101,7 +103,7 @@ pub struct JetMemory<T> {
 }
 
 impl<T> JetMemory<T> {
-    /// The degree fitted at each vertex, 0 where the neighbours carry none.
+    /// The degree fitted at each vertex, 0 where the neighbours do not determine any fit.
     pub fn degrees(&self) -> &[u8] {
         &self.degrees
     }
@@ -124,14 +126,15 @@ impl<T: Real> Jet<T> {
         expect_parameter::<Self, _>("at most so many neighbours:", memory.room, self.room());
     }
 
-    /// The first attempt where so many neighbours are available: the highest degree that they may
-    /// carry, `highest` at most; `None` if they do not even carry a paraboloid.
+    /// The first attempt with this number of available neighbours: the highest degree, at most
+    /// `highest`, that they may determine; `None` if they do not even determine a paraboloid.
     fn first_attempt(&self, highest: usize, available: usize) -> Option<Attempt> {
         let whole = coefficient_count(self.highest_degree());
         (2..=highest).rev().find_map(|degree| {
             let coefficients = coefficient_count(degree);
             let enough = available >= coefficients + if degree > 2 { 2 } else { 0 };
-            // A lower degree starts from neighbours in proportion to its coefficients.
+            // For a lower degree, the number of neighbours is proportional to the number of
+            // coefficients.
             let first = (self.neighbours * coefficients).div_ceil(whole);
             let last = self.last_neighbours(degree, available);
             enough.then(|| Attempt {
@@ -145,13 +148,13 @@ impl<T: Real> Jet<T> {
         self.degree.clamp(2, HIGHEST_DEGREE)
     }
 
-    /// The most neighbours of a degree's fit where so many are available.
+    /// The largest number of neighbours of a fit of this degree, if this many are available.
     fn last_neighbours(&self, degree: usize, available: usize) -> usize {
         let least = coefficient_count(degree);
         self.most_neighbours.max(least).min(available)
     }
 
-    /// The attempt after one that failed: with more neighbours, then of a lower degree.
+    /// The attempt after a failed one: with more neighbours, then of a lower degree.
     fn next_attempt(&self, failed: Attempt, available: usize) -> Option<Attempt> {
         let Attempt { degree, neighbours } = failed;
         let last = self.last_neighbours(degree, available);
@@ -230,7 +233,7 @@ impl<T: Real> Curvatures<T> for Jet<T> {
             blocks,
         } = memory;
         let curvature = &mut curvature[..vertices];
-        // Areas, and normals to start from.
+        // Areas, and initial normals.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
         degrees.resize(vertices, 0);
         let slots = rows.slots(vertices, *room);

@@ -2,29 +2,29 @@
 //!
 //! G. H. Golub and C. F. Van Loan, Matrix Computations, section 5.4.
 //!
-//! Each entry of a matrix is the entry of several matrices: what is done to one is done to all, and only
-//! the pivots differ. Sums go over the rows in their order, so that rows of zeros, which pad the
-//! shorter of them, change no bit, and neither does what the other matrices are.
+//! Each entry is a lane that holds the entries of several matrices. All matrices undergo the same
+//! operations; only the pivots differ. Sums run over the rows in their order, so that neither rows
+//! of zeros, which pad shorter matrices, nor the other matrices change any bit.
 
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use alloc::vec::Vec;
 use core::array;
 
-/// Columns that are carried along at once: as many sums of their own, which need not wait for each
-/// other.
+/// Number of columns that are transformed together: their sums are independent, so that none waits
+/// for another.
 const COLUMNS: usize = 4;
 
-/// Sums into which a single one is divided for the same reason, by the number of the row.
+/// Number of partial sums of a single sum, by row number, for the same reason.
 const SUMS: usize = 4;
 
-/// The factorisations `A D P = Q R` of matrices with unit columns after scaling by D, kept so that
-/// both the solutions and the rows of functionals of them can be had.
+/// The factorisations `A D P = Q R`, with D scaling columns to unit length. They are kept so that
+/// both solutions and rows of functionals can be computed.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LeastSquares<T> {
     rows: usize,
     columns: usize,
-    /// Column after column: R above the diagonal, from there on Householder vectors; then the
+    /// Column by column: R above the diagonal, Householder vectors from the diagonal on; then the
     /// right-hand side, which becomes Qᵀb.
     matrix: Vec<Several<T>>,
     /// The diagonal of R, and 1 over it: 0 where it is 0.
@@ -42,8 +42,8 @@ pub(crate) struct LeastSquares<T> {
 }
 
 impl<T: Real> LeastSquares<T> {
-    /// Room for matrices, with at least as many rows as columns, and their right-hand sides: entries
-    /// column after column, all of which have to be set.
+    /// Memory for matrices with at least as many rows as columns, and their right-hand sides:
+    /// entries column by column, all of which have to be set.
     #[inline(always)]
     pub(crate) fn matrix(&mut self, rows: usize, columns: usize) -> &mut [Several<T>] {
         self.rows = rows;
@@ -52,8 +52,8 @@ impl<T: Real> LeastSquares<T> {
         &mut self.matrix
     }
 
-    /// Factorises the matrices and carries the right-hand sides along. Returns |R_nn| / |R_11| of
-    /// each, an estimate of the reciprocal condition; 0 if it has not full rank.
+    /// Factorises the matrices and transforms the right-hand sides. Returns |R_nn| / |R_11| of
+    /// each, an estimate of the reciprocal condition number, or 0 without full rank.
     #[inline(always)]
     pub(crate) fn factorise(&mut self) -> Several<T> {
         let (rows, columns) = (self.rows, self.columns);
@@ -82,7 +82,7 @@ impl<T: Real> LeastSquares<T> {
         Several::select(ratio.less(Several::zero()), -ratio, ratio)
     }
 
-    /// Brings the longest of the remaining columns forward, of each matrix its own.
+    /// Moves the longest of the remaining columns forward, separately for each matrix.
     #[inline(always)]
     fn pivot(&mut self, step: usize) {
         let rows = self.rows;
@@ -113,14 +113,14 @@ impl<T: Real> LeastSquares<T> {
         }
     }
 
-    /// Clears a column below the diagonal and carries the others along.
+    /// Clears a column below the diagonal and transforms the others.
     #[inline(always)]
     fn reflect(&mut self, step: usize) {
         let rows = self.rows;
         let (front, back) = self.matrix.split_at_mut((step + 1) * rows);
         let vector = &mut front[step * rows + step..];
         let norm = dot(vector, vector).sqrt();
-        // The sign that adds: v₀ = x₀ + sign(x₀)|x|.
+        // The sign without cancellation: v₀ = x₀ + sign(x₀)|x|.
         let first = vector[0];
         let diagonal = Several::select(Several::zero().less(first), -norm, norm);
         let first = first - diagonal;
@@ -224,7 +224,8 @@ fn carry<T: Real, const C: usize>(
     }
 }
 
-/// The squares of what is left of columns below their first entries; they were `norms` before.
+/// The squared norms of the remaining columns without their first entries; `norms` has those with
+/// the first entries.
 #[inline(always)]
 fn left_of<T: Real>(columns: &[Several<T>], norms: Several<T>) -> Several<T> {
     let mut left = norms - columns[0] * columns[0];

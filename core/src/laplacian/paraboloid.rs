@@ -19,8 +19,8 @@ use alloc::vec::Vec;
 use fits::{Fits, Scratch};
 
 /// At each vertex the least-squares paraboloid `z = a x + b y + ½ c x² + d x y + ½ e y²` through
-/// the vertex and near its neighbours, in a frame whose z axis is turned into the paraboloid's
-/// normal until it stands still. With `w = 1 + a² + b²`
+/// the vertex and near its neighbours, in a frame whose z axis is iterated until it is the normal
+/// of the paraboloid. With `w = 1 + a² + b²`
 ///
 /// `H = −[(1+a²) e − 2ab d + (1+b²) c] / (2 w^{3/2})`,  `K = (c e − d²)/w²`,
 ///
@@ -28,30 +28,31 @@ use fits::{Fits, Scratch};
 /// `Δ_S φ = (1 − a²/w) φ_xx − 2ab/w φ_xy + (1 − b²/w) φ_yy + 2H (a φ_x + b φ_y)/√w`.
 ///
 /// * Pointwise, not symmetric. The area is the mixed area.
-/// * The neighbours are the one-ring, and two rings where that has fewer than five vertices.
-/// * Five neighbours near a conic section through the vertex do not determine a paraboloid: values
-///   then grow without bound. That is the method as published; [`Paraboloid::guarded`] does better.
+/// * The neighbours are the one-ring, or two rings if the one-ring has fewer than five vertices.
+/// * Five neighbours near a conic section through the vertex do not determine a paraboloid, and
+///   values grow without bound. This is the published method; [`Paraboloid::guarded`] avoids it.
 /// * At a boundary vertex the fit is one-sided, and defines H and K there.
 /// * Where the neighbours do not determine a paraboloid at all, because two rings have fewer than
 ///   five vertices (a tetrahedron) or by symmetry (an octahedron), the row is empty and H = K = 0;
 ///   [`Method::inspect`] reports it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Paraboloid {
-    /// Whether two rings are used also where the one-ring nearly fails to determine the fit: where
-    /// its row amplifies, `Σ_j |c_ij| |x_j − x_i|² > 10`. A row that is exact for paraboloids has 4
-    /// without the absolute values, and one with positive coefficients has 4 with them.
+    /// Whether two rings are also used where the one-ring nearly fails to determine the fit. The
+    /// criterion is amplification by its row: `Σ_j |c_ij| |x_j − x_i|² > 10`. Without the absolute
+    /// values this sum is 4 for a row that is exact for paraboloids; with positive coefficients the
+    /// absolute values change nothing.
     pub guarded: bool,
 }
 
 /// Unknowns of the fit, and the fewest neighbours that can determine them.
 const COEFFICIENTS: usize = 5;
 
-/// Amplification from which on a guarded fit takes two rings. A number that does not depend on how
-/// the frame is turned, as diagonal entries of triangular factors do.
+/// Amplification above which a guarded fit takes two rings. Unlike diagonal entries of triangular
+/// factors, it does not depend on the orientation of the frame.
 const AMPLIFIED: f64 = 10.0;
 
 impl Paraboloid {
-    /// With two rings where one ring is nearly singular.
+    /// The operator with two rings where one ring is nearly singular.
     pub fn guarded() -> Self {
         Self { guarded: true }
     }
@@ -82,7 +83,7 @@ impl<T: Real> Method<T> for Paraboloid {
         offsets.push(end);
         for vertex in 0..mesh.vertex_count() {
             let ring = mesh.one_ring(vertex);
-            // No more than these: some lie in both rings or are neighbours of several.
+            // An upper bound, because some vertices lie in both rings or are neighbours of several.
             let both = ring.len()
                 + ring
                     .iter()
@@ -150,7 +151,7 @@ impl<T: Real> Curvatures<T> for Paraboloid {
             ..
         } = memory;
         let curvature = &mut curvature[..mesh.vertex_count()];
-        // Areas, and normals to start from.
+        // Areas, and initial normals.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
         let slots = rows.ragged_slots(offsets);
         let fits = Fits {

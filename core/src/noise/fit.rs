@@ -1,5 +1,5 @@
-//! Fits of height functions whose columns come in the order of their degree, so that what each degree
-//! takes of the heights is known.
+//! Fits of height functions with columns in the order of their degrees, which gives the part of the
+//! heights due to each degree.
 //!
 //! G. H. Golub and C. F. Van Loan, Matrix Computations, section 5.2: Gram–Schmidt, modified.
 
@@ -10,13 +10,14 @@ use crate::vec3::{Vec3, dot, normalise, scale, sub, tangent_frame};
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Slope of the fitted surface against its frame from which on it is fitted again, upright.
+/// Slope of the fitted surface in its frame above which it is fitted again in a frame along its
+/// normal.
 const LEAN: f64 = 0.1;
 
 /// Number of times a fit is tilted: after the second time the slope is far below [`LEAN`].
 const TILTS: usize = 3;
 
-/// Sums into which a scalar product is divided, so that none has to wait for the last.
+/// Number of partial sums of a scalar product, which do not wait for each other.
 const SUMS: usize = 8;
 
 /// A polynomial that is fitted to heights over a tangent plane.
@@ -26,7 +27,7 @@ pub(super) struct Model<T> {
     pub(super) degree: usize,
     /// β of the weights `exp(−β |x_j − x_i|²/ρ²)`, ρ the distance of the farthest neighbour.
     pub(super) sharpness: T,
-    /// Whether it has no constant term, and goes through the vertex.
+    /// Whether it has no constant term, so that it passes through the vertex.
     pub(super) interpolates: bool,
 }
 
@@ -49,19 +50,19 @@ pub(super) struct HeightFit<T> {
     offsets: Vec<Vec3<T>>,
     radius: T,
     weights: Vec<T>,
-    /// Column after column, by rising degree, then the weighted heights: orthonormal columns, and
-    /// what the polynomial leaves of the heights.
+    /// Column by column, by rising degree, then the weighted heights; after the fit, orthonormal
+    /// columns and the residual of the heights.
     columns: Vec<T>,
-    /// 1 over the length of each column before.
+    /// 1 over the original length of each column.
     scales: Vec<T>,
-    /// The rows of the triangular factor, each with its part of the heights at the end.
+    /// The rows of the triangular factor, each followed by its part of the heights.
     upper: Vec<T>,
     coefficients: Vec<T>,
 }
 
 impl<T: Real> HeightFit<T> {
-    /// Takes up the neighbours of a vertex, which are in the order of their distances. A polynomial that
-    /// does not interpolate takes the vertex itself, too.
+    /// Loads the neighbours of a vertex, which are sorted by distance. A polynomial that does not
+    /// interpolate uses the vertex itself, too.
     pub(super) fn gather(
         &mut self,
         surface: Surface<'_, T>,
@@ -109,7 +110,7 @@ impl<T: Real> HeightFit<T> {
         least
     }
 
-    /// Sets weighted monomials, degree after degree, and heights.
+    /// Sets weighted monomials, degree by degree, and heights.
     fn set_columns(&mut self, normal: Vec3<T>, frame: [Vec3<T>; 2], model: &Model<T>) {
         let rows = self.offsets.len();
         let columns = model.columns();
@@ -141,7 +142,7 @@ impl<T: Real> HeightFit<T> {
         }
     }
 
-    /// Makes the columns orthonormal, and carries the heights along.
+    /// Makes the columns orthonormal, and transforms the heights.
     fn factorise(&mut self, columns: usize) -> T {
         let rows = self.offsets.len();
         let width = columns + 1;
@@ -264,9 +265,9 @@ impl<T: Real> HeightFit<T> {
         }
     }
 
-    /// For each of the highest three degrees of an interpolating fit and for the residual: the squares of
-    /// the heights' parts, and what noise of variance 1 in every position's height, the vertex's own
-    /// among them, is expected to add to those.
+    /// For each of the highest three degrees of an interpolating fit and for the residual: the
+    /// squared parts of the heights, and the expected contribution of noise with variance 1 in
+    /// every height, including that of the vertex itself.
     pub(super) fn spectrum(&self, model: &Model<T>) -> [[T; 2]; 4] {
         let rows = self.offsets.len();
         let columns = model.columns();

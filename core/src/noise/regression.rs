@@ -21,12 +21,14 @@ const DEGREES: [usize; 2] = [4, 6];
 /// Regression jets: least-squares polynomials of degrees 4 and 6 with a constant term, of the heights of k
 /// neighbours over the tangent plane, weighted `exp(−4 r²/ρ²)`.
 ///
-/// They stand noise of the positions, which jets through the vertex pass on: the standard deviation that
-/// noise leaves in H falls as k⁻³ᐟ², in Δ_S H as k⁻⁵ᐟ². What the shape loses grows with the neighbourhood's
-/// radius, as its 6th power in H for degree 6 and the 4th for degree 4.
+/// They average noise of the positions, while jets through the vertex pass it on: the standard
+/// deviation due to noise falls as k⁻³ᐟ² in H and as k⁻⁵ᐟ² in Δ_S H. The smoothing error grows with
+/// the radius of the neighbourhood: in H with its 6th power for degree 6, and with its 4th power
+/// for degree 4.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Regression {
-    /// Neighbours k of a fit, 28 at least; fewer, but no less than 64, where the surface turns away.
+    /// Number of neighbours k of a fit, at least 28. Where the surface turns away fewer are used,
+    /// but at least min(k, 64).
     pub neighbours: usize,
 }
 
@@ -36,7 +38,7 @@ pub struct RegressionFits<T, const R: usize> {
     around: Vec<Around<T, R>>,
 }
 
-/// The fit around one vertex; without neighbours where there is none.
+/// The fit around one vertex; without neighbours if it failed.
 #[derive(Clone, Debug)]
 struct Around<T, const R: usize> {
     /// The vertex itself, then its neighbours.
@@ -49,7 +51,7 @@ struct Around<T, const R: usize> {
     average: Vec<T>,
 }
 
-/// Fields of R copies of a surface, one entry a vertex; not a number where there is no fit.
+/// Fields of R copies of a surface, one entry per vertex; NaN where the fit failed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RegressionFields<T, const R: usize> {
     /// H, positive on a sphere.
@@ -110,7 +112,7 @@ impl Regression {
 }
 
 impl<T: Real, const R: usize> Around<T, R> {
-    /// Takes curvatures and rows from a fit.
+    /// Computes curvatures and rows from a fit.
     fn take(&mut self, fit: &HeightFit<T>, model: &Model<T>, errors: &[[T; R]]) {
         let mut coefficients = Vec::new();
         for (which, degree) in DEGREES.into_iter().enumerate() {
@@ -220,9 +222,8 @@ impl<T: Real, const R: usize> RegressionFits<T, R> {
         })
     }
 
-    /// A field's values on polynomials of degree 4 that are fitted to it around every vertex. Applied again
-    /// and again it takes away ever longer waves; a field itself, unlike positions, is not differentiated
-    /// any more.
+    /// The values of polynomials of degree 4 that are fitted to a field around every vertex.
+    /// Repeated application removes ever longer waves.
     pub fn average(&self, execution: &impl Execution, field: &[[T; R]]) -> Vec<[T; R]> {
         self.apply(execution, field, |around| &around.average)
     }

@@ -9,7 +9,7 @@ use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, scale};
 use alloc::vec::Vec;
 
-/// Neighbours that a fit keeps, however much the surface turns.
+/// Number of neighbours that a fit keeps, however much the surface turns.
 const LEAST: usize = 64;
 
 /// Least cosine between the normals of a vertex and of the neighbours beyond those.
@@ -18,18 +18,19 @@ const UPRIGHT: f64 = 0.35;
 /// Moves each vertex along its normal onto a polynomial fitted to its neighbourhood: a least-squares jet
 /// of degree 4 with a constant term, weighted `exp(−4 r²/ρ²)`.
 ///
-/// Applied again and again it takes away ever longer waves of noise. What the shape loses grows with the
-/// sixth power of a neighbourhood's radius: several times with few neighbours is gentler than once with
-/// many. Positions along the surface stay as they are.
+/// Repeated application removes ever longer waves of noise. The change of the shape grows with the
+/// sixth power of the radius of a neighbourhood: several applications with few neighbours change
+/// the shape less than one with many. Positions along the surface do not change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Smoothing {
-    /// Neighbours k of a fit; fewer, but no less than 64, where the surface turns away.
+    /// Number of neighbours k of a fit. Where the surface turns away fewer are used, but at least
+    /// min(k, 64).
     pub neighbours: usize,
 }
 
 impl Smoothing {
-    /// Sets `smooth` to the positions after smoothing, one entry a vertex. A vertex whose neighbours do
-    /// not carry a fit stays where it is.
+    /// Sets `smooth` to the positions after smoothing, one entry per vertex. A vertex whose
+    /// neighbours do not determine a fit is not moved.
     ///
     /// # Panics
     /// If `smooth` has fewer entries than the surface has vertices.

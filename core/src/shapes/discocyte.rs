@@ -60,7 +60,7 @@ impl<T: Real> Discocyte<T> {
         };
         let [_, c1, c2] = coefficients;
         let turning = (-c1 / (c2 + c2)).max(zero).min(one);
-        // One by one: the minimum of two numbers would hide one that is not a number.
+        // Compared one by one, because the minimum of two numbers would hide a NaN.
         for u in [zero, turning, one] {
             let parameter = "discocyte's least C0 + C1 u + C2 u² in 0 <= u <= 1";
             between(parameter, shape.thickness(u), zero, T::infinity())?;

@@ -11,7 +11,8 @@ use crate::vec3;
 /// ```text
 /// H = 1/(2r) + cosθ/(2w)     K = cosθ/(r w)     Δ_S H = −R (R cosθ + r)/(2 r² w³)
 /// ```
-/// A point is its own pre-image; one that lies off the surface stands for the nearest point on it.
+/// A point is its own pre-image; a point off the surface stands for the nearest point on the
+/// surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Torus<T> {
     /// R, of the circle that the tube follows, finite and above 0; a length.

@@ -1,4 +1,4 @@
-//! Limit positions of vertices under endless refinement.
+//! Limit positions and normals of vertices under infinite refinement.
 
 use super::masks::{BOUNDARY_LIMIT, limit_weight};
 use super::stencils::Stencils;

@@ -17,13 +17,13 @@ use alloc::vec::Vec;
 /// A vertex may be several nodes if the mesh is tiny.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Patch {
-    /// Which corner of the triangle, 0, 1 or 2, is v0.
+    /// The corner of the triangle, 0, 1 or 2, that is v0.
     pub first_corner: usize,
     /// The nodes' vertices, N + 6 of them.
     pub nodes: Vec<u32>,
 }
 
-/// Why a triangle has no [`Patch`].
+/// The reason why a triangle has no [`Patch`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoPatch {
@@ -123,8 +123,8 @@ fn at_extraordinary_vertex(valence: usize) -> Vec<Basis> {
     (0..valence + 6).map(basis).collect()
 }
 
-/// J. Stam, Evaluation of Loop subdivision surfaces (1998), without the eigenvectors: as many
-/// products as there are levels, and no eigenvalue problem that could be ill-conditioned.
+/// J. Stam, Evaluation of Loop subdivision surfaces (1998), but without eigenvectors: this takes
+/// one product per level and avoids an eigenvalue problem that may be ill-conditioned.
 fn irregular_basis(valence: usize, mut v: f64, mut w: f64) -> Vec<Basis> {
     let nodes = valence + 6;
     let refinement = refinement(valence);
@@ -196,7 +196,7 @@ fn regular_part(valence: usize, v: f64, w: f64) -> ([usize; 12], [f64; 2], f64) 
         let nodes = [s2, e12, v2, e23, s3, 0, s1, v1, e19, e29, e210, e211];
         (nodes, [2.0 * v, 2.0 * w - 1.0], 1.0)
     } else {
-        // The middle triangle stands upside down.
+        // The middle triangle is upside down.
         let nodes = [e12, s2, s1, v1, e19, e29, v2, e23, s3, 0, sn, e1n];
         (nodes, [1.0 - 2.0 * v, 1.0 - 2.0 * w], -1.0)
     }

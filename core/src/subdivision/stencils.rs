@@ -4,7 +4,8 @@ use crate::element::Execution;
 use crate::real::Real;
 use alloc::vec::Vec;
 
-/// A sparse linear map `y_i = Σ_j w_ij x_j` in compressed rows, for fields of any numbers a vertex.
+/// A sparse linear map `y_i = Σ_j w_ij x_j` in compressed rows, for fields with any number of
+/// values per vertex.
 ///
 /// The weights are held in `f64` and rounded to the field's number type when they are used.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,7 +17,7 @@ pub struct Stencils {
 }
 
 impl Stencils {
-    /// The map that changes nothing.
+    /// The identity map.
     pub(crate) fn identity(count: usize) -> Self {
         Self {
             sources: count,
@@ -26,7 +27,7 @@ impl Stencils {
         }
     }
 
-    /// A map from fields of `sources` entries, still without rows.
+    /// A map from fields of `sources` entries, without rows yet.
     pub(crate) fn with_capacity(sources: usize, rows: usize, entries: usize) -> Self {
         let mut offsets = Vec::with_capacity(rows + 1);
         offsets.push(0);
@@ -51,7 +52,7 @@ impl Stencils {
         self.offsets.len().saturating_sub(1)
     }
 
-    /// Whether there is no row.
+    /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -86,7 +87,7 @@ impl Stencils {
         sum
     }
 
-    /// Sets `result` to the map of a field of D numbers a vertex.
+    /// Sets `result` to the map of a field of D numbers per vertex.
     ///
     /// # Panics
     /// If `field` has fewer entries than [`Self::sources`], or `result` fewer than [`Self::len`].
@@ -130,7 +131,7 @@ impl Stencils {
         }
     }
 
-    /// The map that first does this one, then `next`.
+    /// The composition: first this map, then `next`.
     ///
     /// # Panics
     /// If `next` does not take fields of [`Self::len`] entries.
@@ -149,9 +150,9 @@ impl Stencils {
     }
 }
 
-/// A row of a map in the making: a sum of entries in any order.
+/// Builder of a row: a sum of entries in any order.
 pub(crate) struct RowSum {
-    /// The weight of every source; zero where there is none.
+    /// The weight of every source; zero if it is not in the row.
     weights: Vec<f64>,
     met: Vec<bool>,
     columns: Vec<u32>,
@@ -183,7 +184,8 @@ impl RowSum {
         }
     }
 
-    /// Adds the row to a map, in the order in which its columns were first met, and starts anew.
+    /// Appends the row to a map, with columns in the order of their first occurrence, and clears
+    /// the builder.
     pub(crate) fn finish(&mut self, map: &mut Stencils) {
         let Self {
             weights,

@@ -21,9 +21,10 @@ impl<T: Real> LoopSubdivision<T> {
     /// Sets `density` to the limit surface's field f for which `∫ f φ_i dS = F_C,i` for every basis
     /// function: `M f_C = F_C`, and `f = L f_C` under the nodes. Returns the number of iterations.
     ///
-    /// On smooth meshes of valence 6 a few times more accurate than the lumped masses of the method's
-    /// [`crate::ForceDensity`]; around extraordinary vertices it amplifies errors 4 to 8 times. Solved by conjugate gradients with the lumped masses as preconditioner, until the
-    /// residual is 64 roundings of the force, or 500 times.
+    /// On smooth meshes of valence 6 the result is a few times more accurate than the lumped masses
+    /// of [`crate::ForceDensity`]; around extraordinary vertices it amplifies errors 4 to 8 times.
+    /// The equations are solved by conjugate gradients with the lumped masses as preconditioner,
+    /// until the residual is 64 roundings of the force, or for 500 iterations.
     ///
     /// # Panics
     /// If `density` has fewer entries than the surface has vertices, or the surface another mesh

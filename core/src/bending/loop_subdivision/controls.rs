@@ -12,22 +12,22 @@ use num_traits::Float;
 /// ([`crate::subdivision::limit_positions`]), boundary vertices included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ControlPoints {
-    /// C = X, as published. The surface lies inside of the nodes, and everything is of second
-    /// order.
+    /// C = X, as published. The surface lies inside the nodes, and all results are of second order.
     Nodes,
-    /// LC = X: the surface passes through the nodes. By iteration to rounding; the stiffest choice.
+    /// LC = X: the surface passes through the nodes. Solved iteratively to rounding; the stiffest
+    /// choice.
     Interpolated,
     /// C = (2I − L)X, one step towards interpolation: enough for fourth order on smooth meshes.
     Sharpened,
-    /// C = (2I − L)X, and then at each extraordinary vertex the control point with which the surface
-    /// passes through its node, its neighbours as they are. 20 to 60 times less error there than
-    /// with [`Self::Sharpened`].
+    /// C = (2I − L)X, and then, with the neighbours fixed, each extraordinary vertex gets the
+    /// control point with which the surface passes through its node. The error there is 20 to 60
+    /// times smaller than with [`Self::Sharpened`].
     #[default]
     Hybrid,
 }
 
 impl ControlPoints {
-    /// Every choice.
+    /// All choices.
     pub const ALL: [Self; 4] = [
         Self::Nodes,
         Self::Interpolated,
@@ -160,7 +160,8 @@ impl<T: Real> Inverse<T> {
         let rate = ratio + Float::sqrt(ratio * ratio - 1.0);
         let precision = T::epsilon().to_f64().unwrap_or(f64::EPSILON);
         let steps = Float::ceil(Float::ln(2.0 / precision) / Float::ln(rate)) as usize;
-        // Next to a boundary L is not similar to a symmetric matrix, and errors first grow a little.
+        // Additional steps, because next to a boundary L is not similar to a symmetric matrix, and
+        // errors first grow slightly.
         let extra = if mesh.is_closed() { 0 } else { steps / 4 };
         Self {
             limit: limit.clone(),

@@ -1,7 +1,7 @@
-//! Energy and forces of the patches, as many at a time as a vector holds.
+//! Energy and forces of several patches at a time, one per vector entry.
 //!
-//! Patches with the same table differ in nothing but their nodes, so that each number of the formula
-//! is one number a patch, and the table's weights are the same for all.
+//! Patches with the same table differ only in their nodes. Each number of the formula is therefore
+//! a vector with one entry per patch, while the weights of the table are common to all.
 
 use super::patches::{BLOCK, Block, Field, NodeBasis, Patches, WEIGHT};
 use super::point::Point;
@@ -14,8 +14,8 @@ use core::ops::Range;
 
 /// The loop over blocks, as a kernel: a closure would not be compiled as part of it.
 ///
-/// There are loops throughout, for the same reason: what a function is given as a closure is not
-/// compiled for the vectors that the loop around it is compiled for.
+/// For the same reason this file uses plain loops: a closure that is passed to a function is not
+/// compiled for the vector width of the surrounding loop.
 pub(super) struct Evaluation<'a, T, const GRADIENT: bool> {
     pub(super) patches: &'a Patches<T>,
     pub(super) modulus: T,
@@ -23,10 +23,10 @@ pub(super) struct Evaluation<'a, T, const GRADIENT: bool> {
     pub(super) controls: &'a [[T; 4]],
 }
 
-/// Patches that go through the formula together.
+/// Patches that are evaluated together.
 #[derive(Clone, Debug)]
 pub(super) struct Together<T> {
-    /// Their nodes, relative to the first of each.
+    /// The nodes of each patch, relative to its first node.
     spokes: Vec<Vec3<Several<T>>>,
     /// Spontaneous curvature, energy, area, and derivatives of the energy, at each point.
     wanted: [Several<T>; 3],
@@ -90,13 +90,13 @@ impl<T: Real, const GRADIENT: bool> SlotKernel<Together<T>, &mut [Block<T>]>
 }
 
 impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
-    /// Takes up patches with these bases, one an entry.
+    /// Loads patches with these bases, one per entry.
     #[inline(always)]
     fn gather(&self, alike: Range<usize>, bases: &[NodeBasis<T>], together: &mut Together<T>) {
         let Together { spokes, wanted, .. } = together;
         spokes.resize(bases.len(), [Several::zero(); 3]);
         for lane in 0..WIDTH {
-            // Entries that are left over do what the last does.
+            // Unused entries repeat the last patch.
             let (nodes, _) = self
                 .patches
                 .patch(alike.end.min(alike.start + lane + 1) - 1);
@@ -114,7 +114,7 @@ impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
         }
     }
 
-    /// Energies and areas, and with `GRADIENT` gifts.
+    /// Sets energies and areas, and with `GRADIENT` contributions to nodes.
     #[inline(always)]
     fn evaluate(&self, bases: &[NodeBasis<T>], together: &mut Together<T>) {
         let weight = T::constant(WEIGHT);
@@ -127,7 +127,8 @@ impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
             let geometry = Point::new(derivatives);
             let wanted = together.wanted[point];
             together.areas[point] = Several::splat(weight) * geometry.area;
-            // Without the modulus: what overflows with it is infinite, and not masked.
+            // Computed without the modulus, so that an overflow through the modulus gives infinity
+            // and is not masked.
             together.energies[point] = geometry.energy(Several::splat(weight), wanted);
             if GRADIENT {
                 together.gradients[point] = geometry.gradient(strength, wanted);
@@ -161,8 +162,8 @@ impl<T: Real> Together<T> {
         [a.0[lane], b.0[lane], c.0[lane]]
     }
 
-    /// Sets what each node of each patch is given. Apart from the loop that computes it, which
-    /// compilers would take to pieces, too.
+    /// Sets the contributions to each node of each patch. Separate from the loop that computes
+    /// them, which compilers would otherwise fail to vectorise.
     #[inline(always)]
     fn scatter(&self, gifts: &mut [[T; 4]]) {
         for (lane, gifts) in gifts.chunks_exact_mut(self.gifts.len()).enumerate() {
@@ -182,7 +183,7 @@ fn weighted<T: Real>(
     k: usize,
 ) -> Vec3<Several<T>> {
     let mut sum = [Several::zero(); 3];
-    // The first node is where the others are measured from.
+    // The first node is the origin of the others, so its position is 0.
     for (spoke, basis) in spokes[1..].iter().zip(&bases[1..]) {
         let weight = Several::splat(basis.derivatives[point][k]);
         for axis in 0..3 {

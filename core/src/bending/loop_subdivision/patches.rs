@@ -1,8 +1,8 @@
 //! The triangles of the limit surface, and the loop over them.
 //!
-//! A patch takes its nodes' control points to derivatives at three quadrature points, by a table
-//! that depends on nothing but the valence of its first corner; and derivatives of the energy back to
-//! forces at its nodes, by the same table. Patches of all valences run through one loop.
+//! A patch maps the control points of its nodes to derivatives at three quadrature points by a
+//! table that depends only on the valence of its first corner. The same table maps derivatives of
+//! the energy back to forces at its nodes. Patches of all valences run through one loop.
 
 use super::evaluation::{Evaluation, Together};
 use super::point::Point;
@@ -15,8 +15,8 @@ use crate::vec3::dot;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Interior points of equal weight, exact for quadratic functions. One point would leave an energy
-/// with negative modes; more points gain nothing. The first is the nearest to v0.
+/// Interior points of equal weight, exact for quadratic functions. With one point the energy would
+/// have negative modes; more points gain nothing. The first point is the nearest to v0.
 const POINTS: [[f64; 2]; 3] = [
     [1.0 / 6.0, 1.0 / 6.0],
     [2.0 / 3.0, 1.0 / 6.0],
@@ -26,7 +26,7 @@ const POINTS: [[f64; 2]; 3] = [
 /// A third of the area of the parameter triangle.
 pub(super) const WEIGHT: f64 = 1.0 / 6.0;
 
-/// Patches that are done by one call of an execution's loop.
+/// Number of patches per call of an execution's loop.
 pub(super) const BLOCK: usize = 64;
 
 /// Marks a point of the refined mesh that no patch needs.
@@ -40,12 +40,12 @@ pub(super) struct NodeBasis<T> {
     pub(super) derivatives: [[T; 5]; 3],
 }
 
-/// A number on the limit surface.
+/// A quantity on the limit surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Field<'a, T> {
     /// The same everywhere.
     Constant(T),
-    /// One number a control point, for the basis functions to interpolate.
+    /// One value per control point, interpolated by the basis functions.
     Controlled(&'a [[T; 1]]),
 }
 
@@ -79,7 +79,7 @@ pub(super) fn derivatives<T: Real>(basis: &Basis) -> [T; 5] {
 pub(super) struct Patches<T> {
     /// Start of the nodes of each patch.
     offsets: Vec<usize>,
-    /// Control points: vertices, and after them the points of refined triangles.
+    /// Control points: vertices, followed by the points of refined triangles.
     nodes: Vec<u32>,
     /// The table of each patch, and the triangle that it lies in.
     tables: Vec<u32>,
@@ -116,7 +116,7 @@ pub(super) struct Block<T> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct PatchMemory<T> {
     pub(super) blocks: Vec<Block<T>>,
-    /// For each thread.
+    /// Scratch memory of each thread.
     together: Vec<Together<T>>,
 }
 
@@ -127,7 +127,7 @@ impl<T: Real> Block<T> {
     }
 }
 
-/// Patches in the making, those with the same bases beside each other.
+/// Builder of patches, with patches of the same bases next to each other.
 #[derive(Default)]
 struct Builder {
     groups: Vec<Group>,
@@ -136,7 +136,7 @@ struct Builder {
 /// Patches whose first corners have the same valence.
 struct Group {
     valence: usize,
-    /// The vertices that the first corners are.
+    /// The vertices at the first corners.
     firsts: Vec<u32>,
     /// `valence + 6` of each patch.
     nodes: Vec<u32>,
@@ -197,7 +197,7 @@ impl<T: Real> Patches<T> {
         for (table, group) in groups.iter().enumerate() {
             let patches = group.nodes.chunks_exact(group.valence + 6);
             for (patch, &first) in patches.zip(&group.firsts) {
-                // A vertex of the mesh keeps its number when it is refined, and only such a one is
+                // Vertices of the mesh keep their numbers under refinement, and only these can be
                 // extraordinary.
                 if group.valence != 6 {
                     around.push((first, tables.len() as u32));
@@ -258,7 +258,8 @@ impl<T: Real> Patches<T> {
             .map(|&(_, patch)| patch as usize)
     }
 
-    /// Number of patches from this one on, before `last`, that have the same bases: up to a vector of them.
+    /// Number of consecutive patches from this one on, before `last`, with the same bases: at most
+    /// one vector.
     #[inline(always)]
     pub(super) fn alike(&self, patch: usize, last: usize) -> usize {
         let tables = &self.tables[patch..last.min(patch + WIDTH)];
@@ -333,8 +334,8 @@ impl<T: Real> Patches<T> {
         execution.run(together, &mut blocks[..], &evaluation);
     }
 
-    /// Sets the gifts to the product of each patch's mass matrix, `Σ φφᵀ` over its points times
-    /// their areas, with a field on the control points.
+    /// Sets the contributions to nodes to the product of each patch's mass matrix, `Σ φφᵀ` over its
+    /// points times their areas, with a field on the control points.
     pub(super) fn apply_mass(
         &self,
         execution: &impl Execution,
@@ -358,8 +359,8 @@ impl<T: Real> Patches<T> {
         });
     }
 
-    /// Sums the gifts at their control points; those of refined triangles are pulled back to the
-    /// vertices, which are the first entries of `gathered`.
+    /// Sums the contributions at the control points. Those of refined triangles are pulled back to
+    /// the vertices, which are the first entries of `gathered`.
     pub(super) fn gather(
         &self,
         execution: &impl Execution,
@@ -389,7 +390,7 @@ impl<T: Real> Patches<T> {
     }
 }
 
-/// From derivatives that are padded to four numbers.
+/// Converts derivatives that are padded to four numbers.
 #[inline(always)]
 pub(super) fn point<T: Real>(derivatives: [[T; 4]; 5]) -> Point<T> {
     Point::new(derivatives.map(|[x, y, z, _]| [x, y, z]))
@@ -437,8 +438,8 @@ fn table<T: Real>(valence: usize) -> Vec<NodeBasis<T>> {
         .collect()
 }
 
-/// Adds the four parts of each of these triangles, and returns the map from the mesh's control
-/// points to those that only they need.
+/// Adds the four parts of each of these triangles, and returns the map from the control points of
+/// the mesh to the additional ones of these parts.
 fn refine_triangles(mesh: &TriangleMesh, triangles: &[usize], builder: &mut Builder) -> Stencils {
     let vertices = mesh.vertex_count();
     if triangles.is_empty() {
@@ -454,7 +455,8 @@ fn refine_triangles(mesh: &TriangleMesh, triangles: &[usize], builder: &mut Buil
     let mut needed = Vec::new();
     for &triangle in triangles {
         for part in 4 * triangle..4 * triangle + 4 {
-            // All corners of the parent are interior, and extraordinary ones are apart by now.
+            // All corners of the parent are interior, and after refinement no two extraordinary
+            // vertices share a triangle.
             let Ok(patch) = Patch::new(fine.mesh(), part) else {
                 continue;
             };

@@ -4,10 +4,10 @@ use crate::lane::Lane;
 use crate::vec3::{Vec3, add, cross, dot, scale, sub};
 use num_traits::Float;
 
-/// First and second derivatives x_v, x_w, x_vv, x_vw, x_ww and what follows from them.
+/// First and second derivatives x_v, x_w, x_vv, x_vw, x_ww and derived quantities.
 ///
-/// Everything is divided by powers of `J = |x_v × x_w|` as it is computed, so that no power of a
-/// length beyond J² is ever formed, and surfaces of any size stay within the range of numbers.
+/// All quantities are divided by powers of `J = |x_v × x_w|` as they are computed. No power of a
+/// length beyond J² is ever formed, so that surfaces of any size neither overflow nor underflow.
 pub(super) struct Point<L> {
     tangents: [Vec3<L>; 2],
     second: [Vec3<L>; 3],
@@ -29,7 +29,7 @@ impl<L: Lane> Point<L> {
     pub(super) fn new([v, w, vv, vw, ww]: [Vec3<L>; 5]) -> Self {
         let area_vector = cross(v, w);
         let area = dot(area_vector, area_vector).sqrt();
-        // Below, the directions of the tangents differ by their rounding alone.
+        // Below this threshold the directions of the tangents differ only by rounding.
         let rounding = L::splat(<L::Scalar as Float>::epsilon());
         let noise = L::literal(16.0) * rounding * (dot(v, v) + dot(w, w));
         let area = L::select(noise.less(area), area, L::zero());
@@ -90,7 +90,7 @@ impl<L: Lane> Point<L> {
         let [v, w] = self.tangents;
         let [e, f, g] = self.metric;
         let excess = self.excess(spontaneous);
-        // s·J: what is left of J is in the metric, or in `over`.
+        // s·J: the remaining powers of J are in the metric, or in `over`.
         let strength = modulus * excess * self.over;
         let twice = (strength + strength) * self.over;
         let [l, m, n] = self.bent(twice);

@@ -7,7 +7,7 @@ use crate::vec3::{Vec3, add, cross, dot, scale, sub};
 /// A triangle that may be near another surface, its lengths in units of the range.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face<T> {
-    /// From its first corner to the other two.
+    /// Edges from the first corner to the other two.
     edges: [Vec3<T>; 2],
     normal: Vec3<T>,
     over_normal: T,
@@ -20,8 +20,8 @@ pub(super) struct Face<T> {
     corners: Vec3<T>,
 }
 
-/// Potential at a point, in units of `k r_c²/4`, and what the point and the three corners do for it:
-/// minus its gradients, in units of `k r_c/2`.
+/// Potential at a point, in units of `k r_c²/4`, and minus its gradients with respect to the point
+/// and the three corners, in units of `k r_c/2`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Felt<T> {
     pub(super) potential: T,
@@ -30,8 +30,8 @@ pub(super) struct Felt<T> {
 }
 
 impl<T: Real> Felt<T> {
-    /// Adds the potential of a point of the triangle, given by its weights of corners, whose distance
-    /// from here changes with these alone.
+    /// Adds the potential of a point of the triangle, given by its weights of the corners. The
+    /// gradient treats the weights as fixed, because the point is the nearest one.
     #[inline(always)]
     fn add(&mut self, count: T, apart: Vec3<T>, squared: T, weights: [T; 3]) {
         let one = T::one();
@@ -69,14 +69,13 @@ impl<T: Real> Face<T> {
     /// What is felt at a point, of which the difference from the first corner is given; none where
     /// that is beyond the range.
     ///
-    /// Triangles count as they are near, sides are taken away and corners given back, so that a
-    /// point of the surface that is nearest for several of them counts once (Euler's formula), and what
-    /// is beyond the nearest one is as if it were flat.
+    /// Near triangles are added, near sides subtracted and near corners added, so that a point of
+    /// the surface that is nearest for several of these counts once (Euler's formula).
     #[inline(always)]
     pub(super) fn felt(&self, from_corner: Vec3<T>) -> Option<Felt<T>> {
         let (zero, one) = (T::zero(), T::one());
         let height = dot(from_corner, self.normal);
-        // In an order that does not leave the scalar's range where the range is very long.
+        // The order of operations avoids overflow for very long ranges.
         let over_height = height * self.over_normal;
         let squared = over_height * height;
         if squared >= one {
@@ -85,7 +84,7 @@ impl<T: Real> Face<T> {
         let [b, c] = self.edges;
         let places = [from_corner, sub(from_corner, b), sub(from_corner, c)];
         let directions = [b, sub(c, b), [-c[0], -c[1], -c[2]]];
-        // Where the nearest point of each side is along it.
+        // The position of the nearest point along each side.
         let along = |side: usize| {
             let along = dot(places[side], directions[side]) * self.over_lengths[side];
             if along > zero && along < one {
@@ -123,7 +122,7 @@ impl<T: Real> Face<T> {
             let foot = scale(over_height, self.normal);
             felt.add(one, foot, squared, [first, second, third]);
         }
-        // Where the nearest point of a side is an end of it, it counts there.
+        // If the nearest point of a side is one of its ends, it counts as that corner.
         let mut counts = self.corners;
         for side in 0..3 {
             let own = if !above && side == nearest { one } else { zero };

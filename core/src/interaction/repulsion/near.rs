@@ -36,9 +36,9 @@ pub(super) struct NearFace<T> {
     /// The first corner, and what it was rounded by.
     pub(super) position: Vec3<T>,
     pub(super) remainder: Vec3<T>,
-    /// The middle of the box around, seen from the first corner.
+    /// The middle of the bounding box, relative to the first corner.
     pub(super) centre: Vec3<T>,
-    /// Half of the lengths of that box and the range, with a margin for roundings.
+    /// Half of the lengths of that box plus the range, with a margin for rounding.
     pub(super) reach: Vec3<T>,
     pub(super) triangle: Face<T>,
 }
@@ -55,16 +55,16 @@ impl<T> InCell for NearFace<T> {
     }
 }
 
-/// The least box around something: lower and upper bounds.
+/// A bounding box: lower and upper bounds.
 pub(super) type Bounds<T> = [Vec3<T>; 2];
 
-/// The least box around another one and a point.
+/// The bounding box of another box and a point.
 fn around<T: Real>([low, high]: Bounds<T>, x: Vec3<T>) -> Bounds<T> {
     let by = |bound: Vec3<T>, f: fn(T, T) -> T| [0, 1, 2].map(|k| f(bound[k], x[k]));
     [by(low, T::min), by(high, T::max)]
 }
 
-/// The least box around points, of which there is one at least.
+/// The bounding box of at least one point.
 fn around_all<T: Real>(mut points: impl Iterator<Item = Vec3<T>>) -> Bounds<T> {
     let first = points.next().unwrap_or_default();
     points.fold([first; 2], around)
@@ -84,7 +84,7 @@ fn is_boundary(mesh: &TriangleMesh, from: u32, to: u32) -> bool {
 }
 
 impl<T: Real> NearVertex<T> {
-    /// Adds those of a surface that are in one of these boxes.
+    /// Adds the vertices of a surface that are in one of these boxes.
     fn add(
         vertices: &mut Vec<Self>,
         number: usize,
@@ -109,7 +109,7 @@ impl<T: Real> NearVertex<T> {
 }
 
 impl<T: Real> NearFace<T> {
-    /// Adds those of a surface that meet one of these boxes.
+    /// Adds the triangles of a surface that intersect one of these boxes.
     fn add(
         faces: &mut Vec<Self>,
         number: usize,
@@ -160,15 +160,16 @@ impl<T: Real> NearFace<T> {
         }
     }
 
-    /// Where it is, but for roundings.
+    /// Its position, up to rounding.
     fn middle(&self) -> Vec3<T> {
         [0, 1, 2].map(|axis| self.position[axis] + self.centre[axis])
     }
 }
 
 impl<T: Real> Repulsion<T> {
-    /// Finds the vertices that lie in the widened box of another surface, or of an image, and the
-    /// triangles that meet it, sorted by cell; none where there are none of one kind.
+    /// Finds the vertices in the widened box of another surface or of an image, and the triangles
+    /// that intersect it, sorted by cell. If there are no vertices or no triangles, both results
+    /// are empty.
     pub(super) fn find(
         &self,
         execution: &impl Execution,

@@ -1,4 +1,4 @@
-//! The fits around all vertices, those of several vertices at once.
+//! The fits around all vertices, several vertices at a time.
 
 use super::{Attempt, Jet, coefficient_count};
 use crate::element::{SlotKernel, Slots};
@@ -11,11 +11,12 @@ use crate::surface::Surface;
 use crate::vec3::{cross, dot, norm, normalise, scale, sub};
 use alloc::vec::Vec;
 
-/// Slope of the fitted surface against its frame from which on it is fitted again, upright.
+/// Slope of the fitted surface in its frame above which it is fitted again in a frame along its
+/// normal.
 const LEAN: f64 = 0.1;
 
-/// Vertices of which fits are pending at a time: enough to find several of the same degree among those
-/// that are tried again.
+/// Number of vertices with pending fits: enough to find several of the same degree among repeated
+/// attempts.
 const PENDING: usize = 32;
 
 /// The fits around all vertices.
@@ -25,19 +26,19 @@ pub(super) struct Fits<'a, T> {
     pub(super) surface: Surface<'a, T>,
 }
 
-/// Output of a fit: the curvature, whose normal is the one to start from, the degree, and a row.
+/// Output of a fit: the curvature, with the initial normal, the degree, and a row.
 type FitSlots<'a, T> = ((&'a mut [Curvature<T>], &'a mut [u8]), RowSlots<'a, T>);
 
 /// Memory to fit several vertices at once, padded with neighbours at the vertex itself, whose
 /// monomials are zero.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block<T> {
-    /// The keys of the surroundings of each pending vertex, as many entries for each.
+    /// The keys of the surroundings of each pending vertex, the same number of entries for each.
     keys: Vec<i32>,
     ranks: Vec<u64>,
     /// Neighbours' positions relative to the vertex, along each axis.
     differences: [Vec<Several<T>>; 3],
-    /// Coordinates in the tangent plane in lengths of the radius, and weights.
+    /// Coordinates in the tangent plane in units of the radius, and weights.
     places: [Vec<Several<T>>; 2],
     weights: Vec<Several<T>>,
     coefficients: Vec<Several<T>>,
@@ -45,7 +46,7 @@ pub(super) struct Block<T> {
     fit: LeastSquares<T>,
 }
 
-/// Results for each vertex of a block, apart from coefficients.
+/// Results for each vertex of a block, without coefficients.
 struct Found<T> {
     frame: [[Several<T>; 3]; 2],
     over_radius: Several<T>,
@@ -53,7 +54,7 @@ struct Found<T> {
     ratio: Several<T>,
 }
 
-/// A polynomial in lengths of the radius, over the tangent plane of `normal`.
+/// A polynomial in units of the radius, over the tangent plane of `normal`.
 struct Polynomial<T> {
     normal: [T; 3],
     frame: [[T; 3]; 2],
@@ -73,14 +74,14 @@ struct Pending<'a, T> {
     length: &'a mut u32,
     columns: &'a mut [u32],
     row: &'a mut [T],
-    /// The normal of the frame, and whether it is that of a fit.
+    /// The normal of the frame, and whether it comes from a fit.
     normal: [T; 3],
     upright: bool,
     attempt: Attempt,
     available: usize,
 }
 
-/// The vertices of which fits are pending, each in a place of its own.
+/// The vertices with pending fits, each in its own slot.
 type Queue<'a, T> = [Option<Pending<'a, T>>; PENDING];
 
 impl<'a, T: Real> SlotKernel<Block<T>, FitSlots<'a, T>> for Fits<'_, T> {
@@ -105,7 +106,8 @@ impl<'a, T: Real> SlotKernel<Block<T>, FitSlots<'a, T>> for Fits<'_, T> {
                 }
             }
             order[..count].sort_unstable_by_key(|&place| (attempt_at(&queue, place), place));
-            // Blocks of the same degree; one that is not full only where there is no other.
+            // Blocks have one degree; an incomplete block is fitted only if there is no complete
+            // one.
             let (mut rest, mut idle) = (&order[..count], true);
             while let Some(&first) = rest.first() {
                 let Some(Attempt { degree, .. }) = attempt_at(&queue, first) else {
@@ -130,7 +132,7 @@ impl<'a, T: Real> SlotKernel<Block<T>, FitSlots<'a, T>> for Fits<'_, T> {
 }
 
 impl<T: Real> Fits<'_, T> {
-    /// Takes a vertex up; `None` if its neighbours carry no fit.
+    /// Prepares a vertex; `None` if its neighbours do not determine any fit.
     #[inline(always)]
     fn begin<'b>(
         &self,
@@ -145,7 +147,7 @@ impl<T: Real> Fits<'_, T> {
         (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
         (*degree, *length) = (0, 0);
         let attempt = attempt?;
-        // Without a normal there is no height to fit.
+        // Without a normal, heights are undefined.
         if normal == [T::zero(); 3] {
             return None;
         }
@@ -164,8 +166,8 @@ impl<T: Real> Fits<'_, T> {
         })
     }
 
-    /// Fits the vertices at some places of the queue, `WIDTH` at most, by polynomials of one degree. Those
-    /// that are done leave the queue.
+    /// Fits the vertices in some slots of the queue, at most `WIDTH`, by polynomials of one degree.
+    /// Finished vertices leave the queue.
     #[inline(always)]
     fn fit_block(
         &self,
@@ -205,7 +207,7 @@ impl<T: Real> Fits<'_, T> {
             let next = if ratio > T::zero() && ratio >= least {
                 let polynomial = found.polynomial(lane, pending.normal, &block.coefficients);
                 let [p, q, ..] = polynomial.leading;
-                // A frame that leans little serves as well: the formulas know p and q.
+                // A slightly tilted frame is sufficient, because the formulas include p and q.
                 if pending.upright || p * p + q * q <= T::constant(LEAN * LEAN) {
                     settled[lane] = pending.settle(&polynomial, lane, &mut block.functional);
                     None
@@ -247,7 +249,7 @@ fn attempt_at<T>(queue: &Queue<'_, T>, place: usize) -> Option<Attempt> {
 }
 
 impl<T: Real> Pending<'_, T> {
-    /// Sets the curvature, and the functional of the row; false if they leave the range of the scalar.
+    /// Sets the curvature, and the functional of the row; false if they overflow.
     #[inline(always)]
     fn settle(
         &mut self,
@@ -379,10 +381,10 @@ impl<T: Real> Block<T> {
     }
 }
 
-/// Two unit vectors that form a right-handed frame with a unit vector `normal`, the first of them towards
-/// a point to the side of it; zeros if the point is none. Polynomials of a degree are the same in every
-/// frame, but the condition of a fit is not: of a frame that followed from the axes of the coordinates,
-/// the neighbours that are taken would depend on how the surface is turned.
+/// Two unit vectors that form a right-handed frame with a unit vector `normal`, the first one
+/// towards a point to the side of it; zeros if the point lies along the normal. Polynomials of a
+/// degree are the same in every frame, but the condition of a fit is not: with a frame along the
+/// coordinate axes, the choice of neighbours would depend on the orientation of the surface.
 #[inline(always)]
 fn frame_towards<T: Real>(point: [Several<T>; 3], normal: [Several<T>; 3]) -> [[Several<T>; 3]; 2] {
     let sideways = sub(point, scale(dot(point, normal), normal));
@@ -444,8 +446,8 @@ impl<T: Real> Polynomial<T> {
     }
 }
 
-/// `e^x` for −16 < x ≤ 0, to rounding: the 64th power of the series of `e^(x/64)`. There is no call,
-/// which would end a vector.
+/// `e^x` for −16 < x ≤ 0, to rounding: the 64th power of the series of `e^(x/64)`. There is no
+/// function call, which would prevent vectorisation.
 #[inline(always)]
 fn exponential<L: Lane>(x: L) -> L {
     let y = x * L::literal(1.0 / 64.0);

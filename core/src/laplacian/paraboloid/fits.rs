@@ -1,4 +1,4 @@
-//! The fits around all vertices, those of several vertices at once.
+//! The fits around all vertices, several vertices at a time.
 
 use super::{AMPLIFIED, COEFFICIENTS};
 use crate::element::{SlotKernel, Slots};
@@ -12,8 +12,8 @@ use crate::vec3::{Vec3, add, dot, normalise, scale, sub, tangent_frame};
 use alloc::vec::Vec;
 use core::array;
 
-/// Most fits at one vertex. Each leaves a tilt smaller than the last by the square of edge length
-/// times curvature, so that few are needed unless the mesh is too coarse for the surface.
+/// Largest number of fits at one vertex. Each fit reduces the tilt by a factor of (edge length
+/// times curvature)², so that few fits are needed unless the mesh is too coarse for the surface.
 const MOST_FITS: usize = 12;
 
 /// The fits around all vertices.
@@ -22,7 +22,7 @@ pub(super) struct Fits<'a, T> {
     pub(super) surface: Surface<'a, T>,
 }
 
-/// Output of a fit: the curvature, whose normal is the first guess, and a row.
+/// Output of a fit: the curvature, with the initial normal, and a row.
 type FitSlots<'a, T> = (&'a mut [Curvature<T>], RaggedRowSlots<'a, T>);
 
 /// Memory for fits of one thread.
@@ -83,7 +83,8 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
             if vertices[0].is_none() {
                 break;
             }
-            // Twice at most, by one call: those that one ring nearly fails to determine.
+            // At most twice: vertices for which one ring is nearly singular are fitted again with
+            // two rings.
             for again in [false, true] {
                 self.fit_block(block, search, &mut vertices, again);
                 if vertices.iter().all(Option::is_none) {
@@ -95,8 +96,8 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
 }
 
 impl<T: Real> Fits<'_, T> {
-    /// Fits the vertices that are there. Those that are done are taken away: all, or all but those
-    /// that need two rings.
+    /// Fits the pending vertices and removes the finished ones: all, or all except those that need
+    /// two rings.
     #[inline(always)]
     fn fit_block(
         &self,
@@ -181,7 +182,7 @@ impl<T: Real> Fits<'_, T> {
 }
 
 impl<T: Real> Block<T> {
-    /// Takes the distances of the farthest neighbours for units, and returns 1 over them.
+    /// Scales by the distances of the farthest neighbours, and returns the reciprocals of these.
     #[inline(always)]
     fn set_unit(&mut self) -> Several<T> {
         let mut farthest = Several::zero();
@@ -196,8 +197,8 @@ impl<T: Real> Block<T> {
         over
     }
 
-    /// Fits again and again, from first normals, until every frame stands upright. What stands already
-    /// is fitted in the same frame once more, which changes nothing.
+    /// Repeats the fits, from initial normals, until every frame is aligned with its normal.
+    /// Vertices that are aligned already are fitted again in the same frame, which changes nothing.
     #[inline(always)]
     fn settle(&mut self, mut normals: Vec3<Several<T>>, counts: &[usize; WIDTH]) -> Fitted<T> {
         let mut open = [true; WIDTH];
@@ -250,7 +251,7 @@ impl<T: Real> Block<T> {
             coefficients,
             normal: normalise(sub(normals, tilt)),
             determined: array::from_fn(|lane| {
-                // A column that is only rounding would be taken for a direction like any other.
+                // A column of rounding errors would otherwise be scaled up to a valid direction.
                 let noise = largest.iter().any(|square| square.0[lane] <= least);
                 let count = counts[lane];
                 let rounding = T::constant(count as f64) * T::epsilon();
