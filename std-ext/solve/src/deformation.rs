@@ -1,8 +1,8 @@
 //! Deformation and orientation of bodies in flow.
 //!
-//! Shape is that of the ellipsoid with the same volume and second moments: S. Ramanujan and
-//! C. Pozrikidis, J. Fluid Mech. 361 (1998) 117. Everything is exact for the polyhedron that the
-//! triangles enclose.
+//! The shape is described by the ellipsoid with the same volume and second moments: S. Ramanujan
+//! and C. Pozrikidis, J. Fluid Mech. 361 (1998) 117. All values are exact for the polyhedron that
+//! the triangles enclose.
 
 mod plateau;
 mod tank_treading;
@@ -129,7 +129,7 @@ impl Deformation {
         }
         let positions = surface.positions();
         let corner = |vertex: u32| DVec3::from(positions[vertex as usize]);
-        // Differences from a point nearby keep the digits of bodies that are far away.
+        // Differences from a nearby point keep the digits of bodies far from the origin.
         let first = corner(surface.mesh().triangles()[0][0]);
         let tetrahedra = |origin: DVec3| {
             let triangles = surface.mesh().triangles().iter();
@@ -181,7 +181,7 @@ impl Deformation {
         let inclination = 0.5 * mixed.atan2(half).to_degrees();
         InPlane {
             semi_axes: [middle + reach, middle - reach].map(|value| (5.0 * value).sqrt()),
-            // The arc tangent tells −0 from 0.
+            // The arctangent distinguishes −0 from 0.
             inclination: if inclination <= -90.0 {
                 90.0
             } else {
@@ -196,8 +196,8 @@ impl Deformation {
 pub struct InPlane {
     /// The longer and the shorter semi-axis.
     pub semi_axes: [f64; 2],
-    /// The angle of the longer one against the flow, in degrees, positive towards the gradient: more
-    /// than −90 and at most 90. Soft capsules begin at 45 and lie down towards 0.
+    /// The angle between the longer semi-axis and the flow, in degrees, positive towards the
+    /// gradient: above −90 and at most 90. Soft capsules start at 45 and align towards 0.
     pub inclination: f64,
 }
 

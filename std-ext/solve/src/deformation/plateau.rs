@@ -3,20 +3,21 @@
 /// Where a curve first comes to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plateau {
-    /// When.
+    /// The time of the plateau.
     pub time: f64,
-    /// The curve there.
+    /// The value of the curve there.
     pub value: f64,
 }
 
-/// The first plateau of a curve that rises fast and creeps on: where its slope first falls below
-/// `fraction` of the steepest one before, or turns; else where it is least before it doubles. None
-/// if there is no such place, or fewer than five points. Points that are not finite are left out.
+/// The first plateau of a curve that rises fast and then creeps: the point where its slope first
+/// falls below `fraction` of the steepest slope before, or changes sign; otherwise the point of
+/// least slope before the slope doubles. `None` if there is no such point, or fewer than five
+/// points. Points that are not finite are left out.
 ///
-/// A slope is that of the straight line that fits five points around best (fewer at the ends), so
-/// that the last digits of a time step do not end the rise. Of `D∞ (1 − e^(−t/τ))` the value found is
-/// short of D∞ by `fraction`, relative: 10⁻³ leaves the limit to three digits, if the curve creeps
-/// more slowly than that.
+/// Slopes are those of straight lines fitted to five neighbouring points (fewer at the ends), so
+/// that rounding errors do not end the rise. For `D∞ (1 − e^(−t/τ))` the value is below D∞ by the
+/// relative amount `fraction`: 10⁻³ gives three correct digits, if the curve creeps more slowly
+/// than that.
 ///
 /// # Panics
 /// If there are more or fewer times than values.
@@ -32,12 +33,13 @@ pub fn first_plateau(times: &[f64], values: &[f64], fraction: f64) -> Option<Pla
     let mut steepest = slopes[0];
     let mut least = 0;
     for at in 1..points.len() {
-        // Measured along the rise: what turns is below 0.
+        // Slopes are relative to the direction of the rise: after a change of sign they are
+        // negative.
         let along = slopes[at] * steepest.signum();
         let enough = fraction * steepest.abs();
         if along <= enough {
             let before = slopes[at - 1] * steepest.signum();
-            // A curve that never moves is at rest where it begins.
+            // A constant curve has its plateau at the start.
             let share = if before > along {
                 ((before - enough) / (before - along)).clamp(0.0, 1.0)
             } else {

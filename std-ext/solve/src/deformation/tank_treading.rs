@@ -9,29 +9,32 @@ use std::f64::consts::{PI, TAU};
 /// Turns of the material of a membrane around the centroid, relative to the long axis of the body: whole
 /// turns for a tank-treading capsule, none for a capsule that tumbles like a rigid body.
 ///
-/// The angles of vertices near the shear plane are followed from call to call and their mean is
-/// taken, with turns from the gradient to the flow positive, as in simple shear. The long axis counts
-/// from when D in the plane is 0.01: before that its direction is an accident of the mesh.
+/// The mean of the angles of vertices near the shear plane is followed from call to call. Turns
+/// from the gradient to the flow are positive, as in simple shear. The long axis is followed only
+/// from D = 0.01 in the plane on, because before that its direction depends on the mesh.
 ///
-/// Where vertices slide along the membrane, as those of fluid ones do, they are no marks of its
-/// material: angles of marks that began where they did are then followed by the material's velocities.
+/// Vertices that slide along the membrane, as on fluid membranes, do not mark its material. In this
+/// case the angles of markers that start at the vertices are advanced with the velocities of the
+/// material.
 ///
-/// It is plain data, so that a resumed run continues with the same bits.
+/// The state is plain data, so that a resumed run continues with the same bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TankTreading {
     plane: ShearPlane,
     vertices: Vec<u32>,
-    /// The last angle against the flow, in radians, of each of them, or of the mark that began there.
+    /// The last angle from the flow, in radians, of each of these vertices, or of the marker that
+    /// started there.
     phases: Vec<f64>,
-    /// How fast the material turned last, where vertices slide: angles, ascending, and their rates.
+    /// The last rates of rotation of the material, if vertices slide: ascending angles, and their
+    /// rates.
     rates: Vec<[f64; 2]>,
     /// Turns of the material, and of the long axis.
     material: f64,
     axis: f64,
-    /// The inclination as it was last, once there is one.
+    /// The last inclination, once defined.
     inclination: Option<f64>,
     time: f64,
-    /// The whole number of turns that was passed last, and when.
+    /// The last completed whole turn, and its time.
     passed: (f64, f64),
     period: Option<f64>,
 }
@@ -39,9 +42,9 @@ pub struct TankTreading {
 impl TankTreading {
     /// Least D in the plane for which there is a long axis.
     const LEAST_DEFORMATION: f64 = 0.01;
-    /// How far from the shear plane vertices are followed, in units of the farthest.
+    /// Largest distance from the shear plane of followed vertices, in units of the farthest vertex.
     const BAND: f64 = 0.3;
-    /// How near to the centroid, in units of the farthest.
+    /// Least distance from the centroid of followed vertices, in units of the farthest vertex.
     const HUB: f64 = 0.1;
 
     /// Starts to follow a surface at a time; `deformation` is that of the surface.

@@ -2,27 +2,27 @@
 //!
 //! Order of elimination: nested dissection by level sets, A. George and J. W.-H. Liu, SIAM J. Numer.
 //! Anal. 15 (1978) 1053. Factorisation row by row, T. A. Davis, ACM Trans. Math. Softw. 31 (2005) 587.
-//! Ours and not a library's: it is short, and rounds alike on every machine.
+//! An implementation of our own, because it is short and rounds identically on every machine.
 
 use helfrich::TriangleMesh;
 
 /// No vertex, no column.
 const NONE: u32 = u32::MAX;
 
-/// Sets of vertices up to this size are not dissected any further.
+/// Sets of at most this many vertices are not dissected further.
 const LEAF: usize = 24;
 
-/// Everything of a factorisation that follows from the mesh alone.
+/// The symbolic factorisation, which follows from the mesh alone.
 #[derive(Clone, Debug)]
 pub(super) struct Pattern {
     /// The vertex that is eliminated k-th.
     vertices: Vec<u32>,
-    /// Entries left of the diagonal, row by row: where a row starts, and `(column, edge)`.
+    /// Entries left of the diagonal, row by row: the start of each row, and `(column, edge)`.
     row_offsets: Vec<usize>,
     entries: Vec<(u32, u32)>,
     /// The elimination tree: each column's parent.
     parents: Vec<u32>,
-    /// Where each column of the factor starts.
+    /// The start of each column of the factor.
     column_offsets: Vec<usize>,
 }
 
@@ -164,8 +164,8 @@ impl Factor {
         })
     }
 
-    /// Replaces `vector`, which has D numbers a vertex and of which number `part` is meant, by
-    /// `A⁻¹ vector`.
+    /// Replaces `vector`, which has `stride` numbers per vertex, by `A⁻¹` times it, separately for
+    /// each of these numbers.
     pub(super) fn solve(&mut self, pattern: &Pattern, vector: &mut [f64], stride: usize) {
         for part in 0..stride {
             self.solve_part(pattern, vector, stride, part);
@@ -208,11 +208,11 @@ impl Factor {
     }
 }
 
-/// An order of elimination with little fill: a mesh is divided by the middle one of the level sets
-/// around a vertex far out, which comes last, and so are its parts.
+/// An elimination order with little fill. The middle level set around a peripheral vertex divides
+/// the mesh and is eliminated last; the parts are divided in the same way.
 struct Dissection<'a> {
     mesh: &'a TriangleMesh,
-    /// The set that a vertex belongs to while it waits.
+    /// The set to which a vertex belongs until it is numbered.
     sets: Vec<u32>,
     set_count: u32,
     levels: Vec<u32>,

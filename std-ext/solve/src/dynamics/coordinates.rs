@@ -1,4 +1,4 @@
-//! The geometry of membranes at some positions, and what constraints forbid there.
+//! The geometry of membranes at some positions, and the directions that constraints exclude there.
 
 use super::frame::Frame;
 use super::vector::{self, Vector};
@@ -9,14 +9,14 @@ use super::{Membrane, Motion};
 pub(super) struct Coordinates {
     /// Outward unit normals: see [`geometry`].
     pub(super) normals: Vec<Vector>,
-    /// A third of the areas around.
+    /// A third of the area of the triangles around each vertex.
     pub(super) areas: Vec<f64>,
-    /// The directions that constraints forbid, as forces on the numbers of the frame: orthonormal for M⁻¹
-    /// in each group.
+    /// The directions that constraints exclude, as forces on the numbers of the frame: orthonormal
+    /// for M⁻¹ in each group.
     forbidden: Vec<Vec<f64>>,
 }
 
-/// Where a membrane's vertices and numbers are among those of all.
+/// The ranges of a membrane's vertices and numbers among those of all membranes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub(super) first_vertex: usize,
@@ -26,7 +26,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The places of membranes that follow each other.
+    /// The ranges of consecutive membranes.
     pub(super) fn of(membranes: &[Membrane]) -> Vec<Self> {
         let (mut first_vertex, mut first_number) = (0, 0);
         let mut place = |membrane: &Membrane| {
@@ -57,13 +57,14 @@ impl Place {
     }
 }
 
-/// How many numbers there are.
+/// Number of degrees of freedom.
 pub(super) fn number_count(places: &[Place]) -> usize {
     places.last().map_or(0, |place| place.numbers().end)
 }
 
-/// Unit normals, the sum of the area vectors around (which is ∂V/∂x) over its length, 0 where it
-/// vanishes; and a third of the areas around.
+/// Unit normals and areas of vertices. The normal is the normalised sum of the area vectors around
+/// the vertex (which is ∂V/∂x), 0 where the sum vanishes; the area is a third of that of the
+/// triangles around it.
 pub(super) fn geometry(
     membranes: &[Membrane],
     places: &[Place],
@@ -100,7 +101,7 @@ impl Coordinates {
         }
     }
 
-    /// The triangle, with its membrane, that looks the other way than the surface around it.
+    /// A triangle, with its membrane, whose normal is opposite to that of the surface around it.
     pub(super) fn folded(
         &self,
         membranes: &[Membrane],
@@ -122,7 +123,7 @@ impl Coordinates {
         None
     }
 
-    /// The least sine of all angles, with the membrane and its triangle.
+    /// The smallest sine of all angles, with its membrane and triangle.
     pub(super) fn narrowest(
         &self,
         membranes: &[Membrane],
@@ -180,7 +181,7 @@ impl Coordinates {
         }
     }
 
-    /// Forbids the directions of these gradients, each by itself in every group of vertices.
+    /// Excludes the directions of these gradients, separately in every group of vertices.
     pub(super) fn forbid(&mut self, places: &[Place], groups: &[u32], gradients: Vec<Vec<f64>>) {
         let group_count = group_count(groups);
         for mut field in gradients {
@@ -188,7 +189,7 @@ impl Coordinates {
             self.for_each(places, groups, |number, group, over| {
                 before[group] += field[number] * field[number] * over;
             });
-            // Twice: rounding leaves something of the others after the first time.
+            // Orthogonalised twice, because rounding leaves errors after the first pass.
             for _ in 0..2 {
                 self.take_out(places, groups, &mut field);
             }
@@ -200,7 +201,7 @@ impl Coordinates {
                 .iter()
                 .zip(&before)
                 .map(|(&after, &before)| {
-                    // Area and volume of a sphere have one gradient between them.
+                    // On a sphere the gradients of area and volume are parallel.
                     if after > DEPENDENT * before {
                         after.sqrt().recip()
                     } else {
@@ -215,7 +216,7 @@ impl Coordinates {
         }
     }
 
-    /// Takes from forces what constraints forbid: `f −= b (b·M⁻¹f)`.
+    /// Removes the excluded directions from forces: `f −= b (b·M⁻¹f)`.
     pub(super) fn take_out(&self, places: &[Place], groups: &[u32], force: &mut [f64]) {
         for forbidden in &self.forbidden {
             let mut products = vec![0.0; group_count(groups)];
@@ -228,7 +229,8 @@ impl Coordinates {
         }
     }
 
-    /// Takes from displacements what would change the constrained values: `d −= M⁻¹ b (b·d)`.
+    /// Removes from displacements the part that would change the constrained values: `d −= M⁻¹ b
+    /// (b·d)`.
     pub(super) fn keep(&self, places: &[Place], groups: &[u32], displacement: &mut [f64]) {
         for forbidden in &self.forbidden {
             let mut products = vec![0.0; group_count(groups)];
@@ -248,7 +250,8 @@ const LARGEST_TURN: f64 = 0.15;
 /// The least cosine between a normal and its direction.
 const LEAST_COSINE: f64 = 0.7;
 
-/// The share of a squared gradient that has to be its own, for it to count.
+/// The fraction of a squared gradient that must be independent of the others for the gradient to
+/// count.
 const DEPENDENT: f64 = 1e-10;
 
 fn group_count(groups: &[u32]) -> usize {

@@ -5,20 +5,20 @@ use super::coordinates::{Place, geometry, number_count, reciprocal_or_zero};
 use super::vector::{self, Vector};
 use helfrich::Components;
 
-/// Forces and displacements as long vectors of numbers: three a vertex, or for fluid membranes one,
-/// the displacement u along the vertex's direction. One number needs no transport from one surface to
-/// the next.
+/// Forces and displacements as long vectors of numbers: three per vertex or, for fluid membranes,
+/// one: the displacement u along the direction of the vertex. Such scalars need no transport from
+/// one surface to the next.
 ///
-/// The directions of a fluid membrane are the normals n of an earlier surface, the anchor. Were they
-/// the present ones, steps that are normal each time could add up to any slide along the surface, and
-/// an energy that slides downhill along the surface, as that of every discretisation does, would have
-/// no minimum.
+/// The directions of a fluid membrane are the normals n of an earlier surface, the anchor. With the
+/// current normals, a sequence of normal steps could add up to any tangential displacement. Every
+/// discrete energy decreases along some tangential displacements and would then have no minimum.
 ///
-/// For the same reason each body moves as a whole where u is that of a rigid motion. By displacements
-/// along n alone a prolate vesicle would turn while its vertices stay, and so it does, towards the
-/// meshes whose energy is too low. With the rigid motions `ρ_k` of the present positions, whose
-/// `b_k = n·ρ_k` at the anchor are orthonormal, displacements are `n u + Σ_k (ρ_k − n b_k) Σ A b_k u`,
-/// and forces the transpose of this: where there is no net force and torque, u is never along b_k.
+/// For the same reason, if u is the normal component of a rigid motion, the whole body moves
+/// rigidly. With displacements along n alone, a prolate vesicle could rotate relative to its
+/// vertices, and it would do so towards meshes with too low an energy. With the rigid motions `ρ_k`
+/// of the present positions, whose `b_k = n·ρ_k` at the anchor are orthonormal, displacements are
+/// `n u + Σ_k (ρ_k − n b_k) Σ A b_k u`, and forces transform by the transpose. Without net force
+/// and torque, u has no component along b_k.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Frame {
     directions: Vec<Vector>,
@@ -28,7 +28,7 @@ pub(super) struct Frame {
 /// A rigid motion of a body.
 #[derive(Clone, Debug)]
 struct Mode {
-    /// The body's vertices and their numbers' places.
+    /// The vertices of the body, and the positions of their numbers.
     vertices: Vec<(u32, u32)>,
     /// A, and A b.
     areas: Vec<f64>,
@@ -83,7 +83,7 @@ impl Frame {
         &self.directions
     }
 
-    /// The forces on the numbers that nodal forces amount to.
+    /// The forces on the numbers that correspond to nodal forces.
     pub(super) fn reduce(
         &self,
         places: &[Place],
@@ -119,8 +119,8 @@ impl Frame {
         numbers
     }
 
-    /// Calls `precondition` on what of a force deforms; rigid motions are kept apart, so that forces
-    /// without net force and torque make none. `compliance` is that of rigid motions.
+    /// Calls `precondition` on the deforming part of a force. Rigid motions are treated separately
+    /// with `compliance`, so that forces without net force and torque cause none.
     pub(super) fn apart_from_rigid(
         &self,
         compliance: f64,
@@ -159,7 +159,7 @@ impl Frame {
         }
     }
 
-    /// The displacements that numbers stand for.
+    /// The displacements that correspond to the numbers.
     pub(super) fn expand(
         &self,
         places: &[Place],
@@ -235,7 +235,7 @@ fn add_modes(
         };
         let normal_part =
             |mode: &Mode, v: u32| vector::dot(directions[v as usize], mode.at(anchor[v as usize]));
-        // Twice, for what rounding leaves.
+        // Orthogonalised twice, because of rounding.
         for _ in 0..2 {
             for other in &modes[own_from..] {
                 let parts = vertices.iter().zip(&other.weighted);
@@ -263,6 +263,7 @@ fn add_modes(
     }
 }
 
-/// The share of a rigid motion that has to be across the surface: the turn of a sphere, and nearly
-/// that of what is nearly one, does not change its shape, and cannot be told from its displacement.
+/// The fraction of a rigid motion that must be normal to the surface. Rotations of spheres and
+/// near-spheres have almost no normal component, and cannot be identified from normal
+/// displacements.
 const LEAST_ACROSS: f64 = 0.05;

@@ -31,17 +31,17 @@ impl Held {
         }
     }
 
-    /// Number of functionals that are held.
+    /// Number of constrained functionals.
     pub fn count(&self) -> usize {
         self.quantities.len()
     }
 
-    /// The connected component of each vertex, each of which has values of its own.
+    /// The connected component of each vertex; every component has its own values.
     pub fn groups(&self) -> &[u32] {
         &self.groups
     }
 
-    /// The constraints, to change their targets.
+    /// The constraints, mutable, to change their targets.
     pub fn constraints_mut(&mut self) -> &mut Constraints<f64> {
         self.constraints.method_mut()
     }

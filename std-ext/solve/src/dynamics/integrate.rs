@@ -37,8 +37,8 @@ const OUTDATED: usize = 25;
 /// The relative change of a proposed step that is allowed to reach an output time.
 const SLACK: f64 = 1e-6;
 
-/// The floor of steps, in units of the time in which positions move by the error allowed, and of
-/// the first trial, for what is at rest.
+/// The shortest step, in units of the time in which positions move by the tolerance or, for bodies
+/// at rest, of the first trial step.
 const FLOOR: f64 = 1e-8;
 
 /// Velocities as functions of positions and time.
@@ -49,7 +49,8 @@ pub trait RightHandSide {
     /// Sets `velocities` to v(x, t).
     ///
     /// # Errors
-    /// The reason why there are none. The step is then repeated with a shorter length.
+    /// The reason why velocities cannot be computed. The step is then repeated with a shorter
+    /// length.
     fn evaluate(
         &mut self,
         positions: &[[f64; 3]],
@@ -89,7 +90,7 @@ pub enum Failure {
         /// When.
         time: f64,
     },
-    /// The right-hand side had a reason not to give velocities.
+    /// The right-hand side could not compute velocities.
     #[error("there are no velocities at time {time:e}: {reason}")]
     Refused {
         /// Why.
@@ -139,7 +140,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Previous {
     step: f64,
-    /// In units of that allowed.
+    /// The error in units of the tolerance.
     error: f64,
 }
 
@@ -148,7 +149,7 @@ struct Previous {
 pub struct StepReport {
     /// The time after the step.
     pub time: f64,
-    /// The step; 0 if there was none.
+    /// The length of the step; 0 if there was none.
     pub step: f64,
     /// The step that is proposed next, within its limits, output times aside; `None` before there was one.
     pub next_step: Option<f64>,
@@ -177,7 +178,7 @@ pub struct Integrator {
     work: Work,
 }
 
-/// Where a step begins.
+/// The start of a step.
 #[derive(Clone, Copy)]
 struct Start<'a> {
     time: f64,
@@ -185,7 +186,7 @@ struct Start<'a> {
     velocities: &'a [Vector],
 }
 
-/// Memory of a step, and what it arrives at.
+/// Memory of a step, and its result.
 #[derive(Debug)]
 struct Work {
     end: Vec<Vector>,
@@ -215,7 +216,7 @@ impl<R: RightHandSide + ?Sized> Checked<'_, R> {
         }
     }
 
-    /// The same at the end of a step, where positions are restored.
+    /// Evaluates the right-hand side at the end of a step, where positions are restored.
     fn arrive(
         &mut self,
         positions: &mut [Vector],
@@ -334,7 +335,7 @@ impl Integrator {
     /// Estimates the spectrum at the current positions, as steps do with [`SpectralRadius::Estimated`].
     ///
     /// # Errors
-    /// If there are no velocities.
+    /// If velocities cannot be computed.
     pub fn estimate_spectrum(
         &mut self,
         right_hand_side: &mut (impl RightHandSide + ?Sized),
@@ -362,9 +363,9 @@ impl Integrator {
     /// not affect the following steps. A time that has passed, or is not finite, changes nothing.
     ///
     /// # Errors
-    /// If there are no velocities here, nor at the end of any step that is long enough to get
-    /// anywhere, or if the error of every such step is too large. Time and positions stay what they
-    /// were.
+    /// If velocities cannot be computed here or at the end of every step above the shortest
+    /// meaningful length, or if the error of every such step is too large. Time and positions are
+    /// then unchanged.
     pub fn step(
         &mut self,
         right_hand_side: &mut (impl RightHandSide + ?Sized),
@@ -415,7 +416,7 @@ impl Integrator {
                     continue;
                 }
             };
-            // Not `error > 1`: what is not a number is no step.
+            // Not written as `error > 1`, so that a step with NaN is rejected.
             if error <= 1.0 {
                 self.accept(end_time);
                 if !shortened {
@@ -481,7 +482,7 @@ impl Integrator {
         Ok(())
     }
 
-    /// A step of the scheme, without a judgement; returns the error estimate.
+    /// Takes a step of the scheme without error control; returns the error estimate.
     fn attempt(
         &mut self,
         right_hand_side: &mut (impl RightHandSide + ?Sized),
@@ -531,7 +532,7 @@ impl Integrator {
         self.state.previous = Some(Previous { step, error });
     }
 
-    /// The first step: from how far velocities change in a step of Euler's, as in that paper.
+    /// The first step, from the change of velocities in an Euler step, as in that paper.
     fn first_step(
         &mut self,
         right_hand_side: &mut (impl RightHandSide + ?Sized),
@@ -546,7 +547,7 @@ impl Integrator {
         if let Some(radius) = state.radius(&self.settings) {
             trial = trial.min(radius.recip());
         }
-        // Nothing moves, and nobody says how soon it might.
+        // Nothing moves, so there is no time scale for a first step.
         if !trial.is_finite() {
             return Ok(longest);
         }
@@ -565,7 +566,7 @@ impl Integrator {
         let time = state.time + trial;
         match checked.evaluate(&work.end, time, &mut work.end_velocities) {
             Ok(()) => {}
-            // The first step will find out how short it has to be.
+            // The first step will be shortened by error control.
             Err(_) => return Ok(RETREAT * trial),
         }
         let changes = work.end_velocities.iter().zip(&state.velocities);

@@ -30,7 +30,7 @@ impl Preconditioner {
         }
     }
 
-    /// Takes over the geometry of a membrane.
+    /// Updates the geometry of the membrane.
     pub(super) fn set(&mut self, membrane: &Membrane, positions: &[[f64; 3]]) {
         let mesh = &*membrane.mesh;
         let mut stiffness = vec![0.0; mesh.edges().len()];
@@ -54,8 +54,8 @@ impl Preconditioner {
                 let [p, q, r] = [a, b, apex.unwrap_or(a)].map(|v| positions[v as usize]);
                 let (u, v) = (vector::sub(p, r), vector::sub(q, r));
                 let area = 0.5 * vector::norm(vector::cross(u, v));
-                // A triangle's matrix is positive semi-definite whatever it is divided by: slivers
-                // are kept from governing the rest.
+                // The matrix of a triangle is positive semi-definite for any divisor, so a lower
+                // bound of the area is safe: it keeps slivers from dominating the others.
                 *value -= vector::dot(u, v) / (4.0 * area.max(LEAST_AREA * mean));
             }
         }
@@ -88,8 +88,8 @@ impl Preconditioner {
         self.areas = areas;
     }
 
-    /// Replaces nodal forces, `width` numbers a vertex, by displacements. Where there is no
-    /// factorisation, every vertex is on its own.
+    /// Replaces nodal forces, `width` numbers per vertex, by displacements. Without a factorisation
+    /// every vertex is treated separately.
     pub(super) fn apply(&mut self, width: usize, vector: &mut [f64]) {
         let over = self.modulus.recip();
         match &mut self.factors {

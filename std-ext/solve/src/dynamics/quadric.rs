@@ -13,9 +13,9 @@ pub(crate) struct Quadric {
 }
 
 impl Quadric {
-    /// The best fit of the neighbours by least squares, over the first two of three orthonormal axes,
-    /// the third of which is near the normal. With three or four neighbours the flattest of those that
-    /// fit; flat for a vertex without any.
+    /// The least-squares fit to the neighbours over the first two of three orthonormal axes, with
+    /// the third near the normal. With three or four neighbours this is the flattest quadric that
+    /// fits; without neighbours it is flat.
     pub(crate) fn fit(
         mesh: &TriangleMesh,
         positions: &[Vector],

@@ -1,4 +1,4 @@
-//! Vertices of fluid membranes are moved along the surface, towards even triangles.
+//! Redistribution of the vertices of fluid membranes along the surface, towards even triangles.
 
 use super::coordinates::{Coordinates, Place, reciprocal_or_zero};
 use super::quadric::Quadric;
@@ -6,19 +6,19 @@ use super::vector::{self, Vector};
 use super::{Membrane, Motion};
 use helfrich::{TriangleMesh, VertexKind};
 
-/// The share of the way to the centre of the triangles around that a vertex goes.
+/// The fraction of the distance to the centre of the surrounding triangles by which a vertex moves.
 const SHARE: f64 = 0.5;
 
-/// Root-mean-square way, in edges, below which vertices are where they belong.
+/// Root-mean-square displacement, in edges, below which vertices are not moved.
 const SETTLED: f64 = 1e-3;
 
 /// Moves every interior vertex of fluid membranes along the surface, part of the way to the
 /// area-weighted centre of the triangles around it, so that areas become even and angles good.
 /// Returns whether any membrane was moved by more than a thousandth of an edge.
 ///
-/// The shape stays as it is to second order: on its way a vertex follows the quadric through itself
-/// that fits the neighbours best. Its linear part is needed, for a sum of area vectors is a normal to
-/// first order only.
+/// The shape is unchanged to second order, because each vertex moves on a quadric through itself
+/// that is fitted to the neighbours. The quadric needs a linear part, because the sum of area
+/// vectors is a normal of only first order.
 pub(super) fn redistribute(
     membranes: &[Membrane],
     places: &[Place],
@@ -91,8 +91,8 @@ impl Geometry<'_> {
         (displacements, (squares / squared_edges).sqrt())
     }
 
-    /// The height over the plane across the vertex's normal of the surface at `along` from the
-    /// vertex; `None` where neighbours do not tell.
+    /// The height of the surface over the tangent plane at a distance `along` from the vertex;
+    /// `None` if the neighbours do not determine it.
     fn height(&self, vertex: usize, along: Vector) -> Option<f64> {
         let normal = self.normals[vertex];
         let way = vector::norm(along);
@@ -102,7 +102,7 @@ impl Geometry<'_> {
         let first = vector::scale(way.recip(), along);
         let axes = [first, vector::cross(normal, first), normal];
         let height = Quadric::fit(self.mesh, self.positions, vertex, axes).height(way);
-        // A surface that leaves its tangent plane like this is not resolved.
+        // A surface this far from its tangent plane is not resolved.
         (height.abs() <= 0.5 * way).then_some(height)
     }
 }

@@ -19,14 +19,14 @@ pub use outcome::{Failure, Outcome, SetupError};
 use point::Point;
 use search::Trial;
 
-/// The share of the gain of a step that a redistribution of vertices may cost.
+/// The fraction of the gain of a step that a redistribution of vertices may cost.
 const SPENT: f64 = 0.5;
 
-/// Steps between two attempts to redistribute vertices: initially and after the surface has turned away
-/// from its frame, and at most.
+/// Number of steps between two attempts to redistribute vertices: the smallest, used initially and
+/// after a change of frame, and the largest.
 const WAIT: std::ops::RangeInclusive<usize> = 4..=256;
 
-/// Membranes on their way to equilibrium.
+/// Relaxation of membranes to equilibrium.
 #[derive(Debug)]
 pub struct Relaxation {
     membranes: Vec<Membrane>,
@@ -336,7 +336,7 @@ impl Relaxation {
         Ok(point)
     }
 
-    /// Chooses the frame anew where the surface has turned away from it.
+    /// Chooses a new frame if the surface has turned away from the old one.
     fn turn(
         &mut self,
         problem: &mut (impl Problem + ?Sized),
@@ -391,7 +391,7 @@ impl Relaxation {
         if idle < self.settings.patience {
             return None;
         }
-        // Steps may have become so small because a triangle is at its limit.
+        // A triangle at its limit may be the reason why steps have become so small.
         let (sine, membrane, triangle) =
             point
                 .coordinates
@@ -408,8 +408,8 @@ impl Relaxation {
         })
     }
 
-    /// Spreads the vertices of fluid membranes anew if it is time and costs little: part of what the
-    /// step gained for problems with an energy, nothing of it for the others.
+    /// Redistributes the vertices of fluid membranes if this is due and cheap: with an energy it
+    /// may cost a fraction of the gain of the step, otherwise nothing.
     fn spread(
         &mut self,
         problem: &mut (impl Problem + ?Sized),
@@ -440,7 +440,7 @@ impl Relaxation {
                 r2 <= r0.max(r1)
             }
         };
-        // Less and less often, or a relaxation that is nearly at its end would be disturbed forever.
+        // Intervals grow, because a relaxation near its end would otherwise be disturbed forever.
         self.state.last_wait = (2 * self.state.last_wait).min(*WAIT.end());
         self.state.wait = self.state.last_wait;
         match spread.filter(cheap) {

@@ -1,11 +1,11 @@
-//! Limited memory of how forces changed: L-BFGS.
+//! Limited-memory secants (L-BFGS).
 //!
 //! J. Nocedal, Math. Comp. 35 (1980) 773.
 
 use super::vector;
 use serde::{Deserialize, Serialize};
 
-/// The last steps with the changes of force they made.
+/// The last steps with their changes of force.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Secants {
     /// Oldest first.
@@ -15,7 +15,7 @@ pub(super) struct Secants {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Pair {
     step: Vec<f64>,
-    /// By how much the force fell.
+    /// The decrease of the force.
     fall: Vec<f64>,
 }
 
@@ -28,8 +28,8 @@ impl Secants {
         self.pairs.is_empty()
     }
 
-    /// Remembers a step; not one along which the force did not fall, since that would leave nothing
-    /// positive definite.
+    /// Stores a step. Steps along which the force did not fall are skipped, because the
+    /// approximation would not stay positive definite.
     pub(super) fn push(&mut self, limit: usize, step: Vec<f64>, fall: Vec<f64>) {
         let product = vector::product(&step, &fall);
         let sizes = vector::product(&step, &step) * vector::product(&fall, &fall);
@@ -43,8 +43,8 @@ impl Secants {
         self.pairs.push(Pair { step, fall });
     }
 
-    /// Replaces a force by the displacement that would end it, with `precondition` as the inverse
-    /// stiffness in directions not remembered.
+    /// Replaces a force by the displacement that would cancel it, with `precondition` as the
+    /// inverse stiffness in directions that are not stored.
     pub(super) fn apply(&self, force: &mut [f64], precondition: impl FnOnce(&mut [f64])) {
         let mut shares = Vec::with_capacity(self.pairs.len());
         for pair in self.pairs.iter().rev() {
@@ -61,5 +61,5 @@ impl Secants {
     }
 }
 
-/// The cosine between step and fall from which on a pair counts.
+/// The least cosine between step and decrease of force with which a pair is stored.
 const LEAST_COSINE: f64 = 1e-9;

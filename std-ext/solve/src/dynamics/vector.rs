@@ -1,4 +1,4 @@
-//! Algebra of 3-vectors and of long vectors, summed one after the other.
+//! Algebra of 3-vectors and of long vectors, with sequential sums.
 
 pub(crate) type Vector = [f64; 3];
 

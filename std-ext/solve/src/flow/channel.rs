@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// Terms of the series, of odd numbers: the last is below 1e-8 of the first.
+/// Number of terms of the series, which has odd n only: the last is below 1e-8 of the first.
 const TERMS: u32 = 200;
 
 /// A straight channel along x, between walls at y = ±H/2 and, if it has a depth, at z = ±W/2.
@@ -10,7 +10,7 @@ const TERMS: u32 = 200;
 pub struct Channel {
     /// H.
     pub width: f64,
-    /// W; none between two plates.
+    /// W; `None` between two plates.
     pub depth: Option<f64>,
 }
 

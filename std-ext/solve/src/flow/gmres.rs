@@ -7,7 +7,7 @@
 /// A field: one vector per vertex.
 type Field = Vec<[f64; 3]>;
 
-/// Sets the second field to A times the first, whatever it held before.
+/// Sets the second field to A times the first.
 pub type Product<'a> = dyn FnMut(&[[f64; 3]], &mut [[f64; 3]]) + 'a;
 
 /// The rounding error of sums of orthogonal parts, relative.
@@ -15,9 +15,9 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Solves `A x = b` for fields where only the product with A is known.
 ///
-/// A need be neither symmetric nor definite. Each product adds a direction in which the residual
-/// `|b − A x|` is minimised; after [`restart`](Self::restart) directions the method restarts.
-/// The sums run in one order: the same products give the same bits.
+/// A need not be symmetric or definite. Each product adds a direction in which the residual `|b − A
+/// x|` is minimised; after [`restart`](Self::restart) directions the method restarts. Sums run in a
+/// fixed order, so that the same products give the same bits.
 ///
 /// Memory for `restart + 2` fields is kept from one solution to the next.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ pub struct Gmres {
     pub products: usize,
     /// Orthonormal directions; the first `restart + 1` hold the basis.
     basis: Vec<Field>,
-    /// Columns of the rotated triangle, one after the other, `restart` entries each.
+    /// Columns of the rotated triangle, `restart` entries each.
     triangle: Vec<f64>,
     /// Cosine and sine of each plane rotation.
     rotations: Vec<[f64; 2]>,
@@ -47,12 +47,12 @@ pub struct Solved {
     pub converged: bool,
     /// Number of products with A.
     pub products: usize,
-    /// `|b − A x|/|b|` as the recurrence has it; NaN or infinite where b is.
+    /// `|b − A x|/|b|` from the recurrence; NaN or infinite if b is.
     pub residual: f64,
 }
 
 impl Gmres {
-    /// Solutions to this tolerance, relative to |b|, with 30 directions and 100 products at most.
+    /// A solver with this tolerance, relative to |b|, and at most 30 directions and 100 products.
     pub fn new(tolerance: f64) -> Self {
         Self {
             tolerance,
@@ -125,7 +125,7 @@ impl Gmres {
         self.rest.resize(restart + 1, 0.0);
     }
 
-    /// From one restart to the next; true if nothing more can be done.
+    /// Iterates until the next restart; true if no further progress is possible.
     fn cycle(
         &mut self,
         apply: &mut Product<'_>,
@@ -156,7 +156,7 @@ impl Gmres {
         }
         let size = norm(&basis[0]);
         if !size.is_finite() {
-            // A guess that A makes infinite is worse than none.
+            // A guess whose product is infinite is discarded.
             solution.fill([0.0; 3]);
             solved.residual = 1.0;
             return false;
@@ -201,7 +201,7 @@ impl Gmres {
             }
             let diagonal = column[columns].hypot(below);
             if diagonal <= ROUNDING * size {
-                // A gives nothing new in this direction: it is of no use.
+                // The product adds no new direction, so this direction is dropped.
                 ended = true;
                 break;
             }
@@ -216,12 +216,13 @@ impl Gmres {
             ended |= solved.converged;
         }
 
-        // The triangle is solved upwards, in place of the rotated residual.
+        // Back substitution, in the memory of the rotated residual.
         for k in (0..columns).rev() {
             let known = (k + 1..columns).map(|j| triangle[j * restart + k] * rest[j]);
             rest[k] = (rest[k] - known.sum::<f64>()) / triangle[k * restart + k];
         }
-        // A nearly singular triangle may give what cannot be used: then the start is kept.
+        // A nearly singular triangle may give a result that is not finite; then the initial guess
+        // is kept.
         product.copy_from_slice(solution);
         for (&factor, direction) in rest[..columns].iter().zip(&*basis) {
             add_scaled(product, factor, direction);

@@ -154,7 +154,8 @@ impl<T: Precision> Immersion<T> {
         for (mesh, &ratio) in meshes.iter().zip(ratios) {
             let vertices = first..first + mesh.vertex_count();
             first = vertices.end;
-            // One of the outer viscosity may lie in another one.
+            // A membrane with the outer viscosity still matters, because it may lie inside another
+            // one.
             if ratio != 1.0 || (contrast && mesh.is_closed()) {
                 self.contrasts.push(Contrast {
                     mesh: Arc::clone(mesh),
@@ -324,7 +325,7 @@ impl<T: Precision> Immersion<T> {
         self.lattice.set_inner_viscosities(&filled)
     }
 
-    /// Velocity and pressure at points of the fluid; not numbers beyond walls and inside obstacles.
+    /// Velocity and pressure at points of the fluid; NaN beyond walls and inside obstacles.
     ///
     /// The pressure is 0 in fluid at rest, up to a uniform part of the box.
     pub fn fluid_at(&self, points: &[[f64; 3]]) -> Fluid {

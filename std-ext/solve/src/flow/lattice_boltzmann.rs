@@ -5,10 +5,10 @@
 //! rest are 1, and the speed of sound is 1/√3. [`Units`] converts. Node (i, j, k) is at
 //! (i + ½, j + ½, k + ½); a box of n cells reaches from 0 to n, and that is where its walls are.
 //!
-//! Nineteen populations a node (D3Q19) relax with two times, Λ = 3/16, to the equilibrium of second
-//! order in the velocity, or of first order, which is Stokes flow as far as the fluid's slight
-//! compressibility goes: density deviates from 1 by 3 times the pressure.
-//! The error is of second order in the distance of nodes, and in the Mach number.
+//! Nineteen populations per node (D3Q19) relax with two relaxation times, Λ = 3/16. The equilibrium
+//! is of second order in the velocity, or of first order for Stokes flow. The fluid is slightly
+//! compressible: the density deviates from 1 by 3 times the pressure. The error is of second order
+//! in the distance of nodes, and in the Mach number.
 //!
 //! T. Krüger et al., The Lattice Boltzmann Method, Springer 2017.
 
@@ -44,7 +44,7 @@ use viscosity::NodalViscosities;
 
 /// The numbers that a lattice computes with: `f32` and `f64`.
 ///
-/// Populations are stored as what they deviate by from rest, so that `f32` rounds at 6·10⁻⁸ of the
+/// Populations are stored as deviations from rest, so that rounding in `f32` is 6·10⁻⁸ of the
 /// deviations.
 pub trait Precision: Vectors {}
 
@@ -66,8 +66,8 @@ pub struct State<T> {
 
 /// Fluid on the nodes of a box.
 ///
-/// Populations are kept once: a step reads each from its place and writes to the same place, so
-/// that planes are shared out among threads without any copy (pattern "AA").
+/// Only one copy of the populations is stored. A step reads and writes each population in the same
+/// place (pattern "AA"), so that threads can work on separate planes.
 #[derive(Clone, Debug)]
 pub struct Lattice<T> {
     setup: Setup,
@@ -75,7 +75,7 @@ pub struct Lattice<T> {
     state: State<T>,
     force: [f64; 3],
     forces: Option<NodalForces<T>>,
-    /// The velocities at the start of the last step, if they were to be kept.
+    /// The velocities at the start of the last step, if they were kept.
     velocities: Option<NodalVelocities<T>>,
     viscosities: Option<NodalViscosities<T>>,
     /// For each node the surface that it lies in, 0 in the fluid.
@@ -130,7 +130,7 @@ impl<T: Precision> Lattice<T> {
         self.state.steps
     }
 
-    /// Memory in bytes that all of this takes.
+    /// Total memory in bytes.
     pub fn bytes(&self) -> usize {
         let forces = self.forces.as_ref().map_or(0, |_| 3 * size_of::<T>());
         let velocities = self.velocities.as_ref().map_or(0, |_| 3 * size_of::<T>());
@@ -146,10 +146,10 @@ impl<T: Precision> Lattice<T> {
         &self.state
     }
 
-    /// Goes on from a stored state. Forces on walls and obstacles are 0 until the next step.
+    /// Continues from a stored state. Forces on walls and obstacles are 0 until the next step.
     ///
     /// # Errors
-    /// If it is that of a lattice of another size.
+    /// If the state belongs to a lattice of another size.
     pub fn restore(&mut self, state: State<T>) -> Result<(), LatticeError> {
         if state.cells != self.state.cells
             || state.populations.len() != self.state.populations.len()
@@ -166,7 +166,8 @@ impl<T: Precision> Lattice<T> {
         Ok(())
     }
 
-    /// Sets density and velocity of every node, in equilibrium but for the forces.
+    /// Sets density and velocity of every node, with populations in equilibrium apart from the
+    /// forces.
     pub fn fill(&mut self, mut node: impl FnMut([usize; 3]) -> Node) {
         let odd = self.odd();
         for number in 0..self.layout.nodes() {
@@ -190,18 +191,19 @@ impl<T: Precision> Lattice<T> {
         }
     }
 
-    /// Goes on by a number of steps.
+    /// Advances by a number of steps.
     pub fn advance(&mut self, steps: u64) {
         for _ in 0..steps {
             self.step(None);
         }
     }
 
-    /// Goes on by one step and keeps the velocities that it began with, with the half of all forces
-    /// that a [`Node`] has, in the rows along x that have forces on single nodes. They come from the
-    /// collisions: it takes no second look at the populations.
+    /// Advances by one step and keeps the velocities at its start, including half of all forces as
+    /// in [`Node`], for the rows along x that have forces on single nodes. Collisions compute these
+    /// velocities anyway, so this takes no second pass over the populations.
     ///
-    /// They are rounded to the lattice's numbers, and there until the next such step.
+    /// The velocities are rounded to the number type of the lattice, and available until the next
+    /// such step.
     pub fn advance_keeping_velocities(&mut self) {
         let layout = &self.layout;
         let mut kept = (self.velocities.take()).unwrap_or_else(|| NodalVelocities::new(layout));

@@ -8,7 +8,7 @@ pub trait Membranes {
     /// is the force per area that acts on the fluid.
     ///
     /// # Errors
-    /// The reason why there are none.
+    /// The reason why forces cannot be computed.
     fn set_forces(&mut self, positions: &[[f64; 3]], forces: &mut [[f64; 3]])
     -> Result<(), String>;
 

@@ -9,26 +9,26 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Fluid membranes, whose vertices do not follow the material but the mesh.
+/// Redistribution of the vertices of fluid membranes, which need not follow the material.
 ///
-/// The shape changes by the normal part of the velocities u alone: along the surface a vertex may go
-/// wherever it is good for the mesh. It moves with `v = (u·n) n + t`, and of all tangential fields t
-/// the one is taken that minimises
+/// Only the normal part of the velocities u changes the shape; the tangential motion of vertices
+/// can be chosen for the mesh. Vertices move with `v = (u·n) n + t`, and the tangential field t
+/// minimises
 ///
 /// `Σ_e [d/dt ln|x_e| + k ln(|x_e|/ℓ)]² + ε/R² Σ_i |t_i − U_t|²`
 ///
-/// in each connected component: over its edges e, so that they change as little as the shape allows
-/// and what they differ from their geometric mean ℓ decays at the rate k, the root mean square of the
-/// rates at which the material would stretch them. The last term, U being the mean velocity, decides
-/// where edges do not: the turn of a sphere. In place of the rates of all distances between vertices, as
-/// in A. Z. Zinchenko, M. A. Rother and R. H. Davis, Phys. Fluids 9 (1997) 1493, those of their
-/// logarithms are taken, so that every size counts alike; a steadily tank-treading membrane keeps its
-/// mesh, one that is carried or turned as a whole takes it along.
+/// in each connected component, summed over its edges e. Edges thus change as little as the shape
+/// allows, and their deviations from the geometric mean ℓ decay at the rate k, the root mean square
+/// of the rates at which the material would stretch them. The last term, with U the mean velocity,
+/// determines motions that leave edges unchanged, such as the rotation of a sphere. A. Z.
+/// Zinchenko, M. A. Rother and R. H. Davis, Phys. Fluids 9 (1997) 1493, use the rates of distances;
+/// logarithms give all sizes the same weight. The mesh of a steadily tank-treading membrane is
+/// stationary, while a rigid motion carries the mesh along.
 ///
 /// Normals are those of the quadrics that fit the neighbours, which are of second order on every mesh.
 /// Vertices at a boundary stay with the material.
 ///
-/// Everything is found from positions and velocities alone, one term after the other.
+/// Results depend on positions and velocities alone, and sums are sequential.
 #[derive(Debug, Default)]
 pub struct Redistribution {
     sliding: Vec<Sliding>,
@@ -54,8 +54,9 @@ struct Sliding {
 }
 
 impl Redistribution {
-    /// Redistributes the meshes that are `fluid`, among all, one after the other. `tolerance` is the
-    /// relative residual of t: the shape does not depend on it, but derivatives by differences do.
+    /// Redistributes the meshes that are `fluid`, among all, one after the other. `tolerance` is
+    /// the relative residual of t: the shape does not depend on it, but difference quotients of
+    /// velocities do.
     pub fn new(
         meshes: &[Arc<TriangleMesh>],
         fluid: impl Fn(usize) -> bool,
@@ -114,7 +115,7 @@ impl Redistribution {
         (!self.is_empty()).then_some(("redistribution", self.effort))
     }
 
-    /// Makes those of the mesh of velocities of the material.
+    /// Replaces velocities of the material by velocities of the mesh.
     ///
     /// # Panics
     /// If there is not one position and one velocity per vertex.
@@ -132,10 +133,10 @@ impl Redistribution {
     }
 }
 
-/// An edge as it is seen along the surface.
+/// An edge in tangential coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
-    /// Places of its ends among the component's vertices.
+    /// Indices of its ends among the vertices of the component.
     ends: [u32; 2],
     /// `±x_e/|x_e|²` along both axes of both ends: of t at the ends, they give d/dt ln|x_e|.
     rate: [[f64; 2]; 2],
@@ -178,7 +179,7 @@ impl Sliding {
                 .iter()
                 .map(|&vertex| self.mesh.vertex_kind(vertex as usize) != VertexKind::Interior),
         );
-        // Where the mesh would go with t = U_t.
+        // The rates of edges for t = U_t.
         let carried = material.iter().zip(&normals).zip(&fixed);
         let carried = carried.map(|((&u, &normal), &fixed)| {
             let across = vector::dot(vector::sub(u, mean), normal);
@@ -300,7 +301,7 @@ struct System {
 }
 
 impl System {
-    /// By conjugate gradients, preconditioned by the matrix of each vertex by itself.
+    /// Solved by conjugate gradients, preconditioned by the diagonal block of each vertex.
     fn solve(&self, mut residual: Tangential, tolerance: f64) -> Tangential {
         let count = residual.len();
         let inverses = self.inverses();
@@ -350,7 +351,7 @@ impl System {
         product
     }
 
-    /// The inverse of each vertex's own matrix: xx, xy, yy. 0 keeps a vertex where it is.
+    /// The inverse of the diagonal block of each vertex: xx, xy, yy. 0 keeps a vertex fixed.
     fn inverses(&self) -> Vec<[f64; 3]> {
         let mut matrices = vec![[self.shift, 0.0, self.shift]; self.fixed.len()];
         for edge in &self.edges {

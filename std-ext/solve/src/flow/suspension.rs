@@ -52,7 +52,8 @@ impl Suspension {
     ) -> Self {
         let borrowed = || meshes.iter().map(|mesh| &**mesh);
         let single = SingleLayer::new(borrowed(), viscosity, threads);
-        // Viscous membranes are stiff; contrasts of viscosity take a tenth of it.
+        // Viscous membranes are stiff and need many products; viscosity ratios need a tenth of
+        // these.
         let mut solver = Gmres::new(SOLUTION_TOLERANCE);
         (solver.restart, solver.products) = (100, 500);
         let contrast = viscosity_ratios.iter().any(|&ratio| ratio != 1.0);
@@ -96,7 +97,7 @@ impl Suspension {
     /// Sets the velocities of all vertices: those of the material, plus the sliding of vertices.
     ///
     /// # Errors
-    /// The reason why the membranes give no forces.
+    /// The reason why the forces of the membranes cannot be computed.
     ///
     /// # Panics
     /// If there is not one position and one velocity per vertex.
@@ -201,7 +202,7 @@ impl Suspension {
     /// a membrane by the normal force per area.
     ///
     /// # Errors
-    /// The reason why there is no flow.
+    /// The reason why the flow cannot be computed.
     ///
     /// # Panics
     /// If there is not one position per vertex.
@@ -264,7 +265,7 @@ impl Suspension {
         efforts
     }
 
-    /// Products that solutions took so far.
+    /// Number of matrix products of all solutions so far.
     pub fn products(&self) -> u64 {
         self.products
     }

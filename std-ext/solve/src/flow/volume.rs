@@ -6,7 +6,7 @@ use helfrich::{Constraint, Constraints, Quantity, Surface, Targets, TriangleMesh
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Constant volumes of closed membranes, each component by itself.
+/// Constant volumes of closed membranes, separately for each component.
 ///
 /// A flow keeps them up to discretisation errors. Velocities are corrected along the normals n
 /// of the vertices, so that the volume V of the polyhedron has no rate of change,

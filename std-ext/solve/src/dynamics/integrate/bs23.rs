@@ -7,7 +7,7 @@ use crate::dynamics::vector::{add, scale};
 /// Length of the stability interval on the negative real axis: `1 + z + z²/2 + z³/6 = −1`.
 pub(super) const STABILITY: f64 = 2.5127;
 
-/// Moves on by a step; returns the root mean square of the error estimate.
+/// Takes a step; returns the root mean square of the error estimate.
 pub(super) fn advance(
     rhs: &mut Checked<'_, impl RightHandSide + ?Sized>,
     start: Start<'_>,

@@ -7,7 +7,7 @@ use crate::dynamics::vector::{add, scale};
 /// Length of the stability interval on the negative real axis: `1 + z + … + z⁴/24 = 1`.
 pub(super) const STABILITY: f64 = 2.7852;
 
-/// Moves on by a step.
+/// Takes a step.
 pub(super) fn advance(
     rhs: &mut Checked<'_, impl RightHandSide + ?Sized>,
     start: Start<'_>,

@@ -34,12 +34,12 @@ impl Chebyshev {
 
 /// The number of stages that makes a step stable.
 pub(super) fn stages(step: f64, radius: f64) -> usize {
-    // Some roundings are no reason for a stage more.
+    // The tolerance avoids an additional stage because of rounding.
     let stages = (1.0 + STABILITY * step * radius).sqrt() * (1.0 - 1e-12);
     (stages.ceil() as usize).max(2)
 }
 
-/// Moves on by a step of this number of stages; returns the root mean square of the error estimate.
+/// Takes a step with this number of stages; returns the root mean square of the error estimate.
 pub(super) fn advance(
     rhs: &mut Checked<'_, impl RightHandSide + ?Sized>,
     start: Start<'_>,
@@ -78,7 +78,8 @@ pub(super) fn advance(
         let nu = -b / b_before;
         let forward = 2.0 * b * w1 / b_last;
         for (i, earlier) in earlier.iter_mut().enumerate() {
-            // Differences from the start lose less to rounding where that is far from the origin.
+            // Differences from the start are stored, because they lose less to rounding far from
+            // the origin.
             let d1 = scale(mu, sub(end[i], x[i]));
             let d2 = scale(nu, sub(*earlier, x[i]));
             let f = sub(velocities[i], scale(a, v[i]));

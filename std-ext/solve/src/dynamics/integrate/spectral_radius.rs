@@ -13,16 +13,17 @@ const MARGIN: f64 = 1.15;
 /// Relative change of the estimate below which it has converged.
 const CONVERGED: f64 = 1e-3;
 
-/// The iterations after which the estimate is taken as it is.
+/// The largest number of iterations.
 const LIMIT: usize = 100;
 
-/// The least number of iterations from a start that knows nothing, and from an earlier mode.
+/// The least number of iterations from a random start, and from an earlier mode.
 const LEAST: [usize; 2] = [12, 2];
 
-/// The sine² of the angle between two iterates below which they are the same but for rounding.
+/// The sine² of the angle between two iterates below which they are equal to rounding.
 const PARALLEL: f64 = 1e-8;
 
-/// The share of the radius above which a positive real part is growth and no error.
+/// The fraction of the radius above which a positive real part counts as growth and not as an
+/// error.
 const GROWTH: f64 = 0.1;
 
 /// The largest relative residual with which two Ritz values count as eigenvalues.
@@ -35,12 +36,12 @@ pub struct Spectrum {
     pub radius: f64,
     /// Number of iterations, each of one evaluation.
     pub iterations: usize,
-    /// Whether the estimate had settled when the iteration ended.
+    /// Whether the estimate had converged when the iteration ended.
     pub converged: bool,
-    /// Rate at which the mode of the largest eigenvalue grows, per time, if it does not decay: the
-    /// real part of the eigenvalue.
+    /// Growth rate, per time, of the mode of the largest eigenvalue if it does not decay: the real
+    /// part of the eigenvalue.
     pub growth: Option<f64>,
-    /// Where that mode is largest.
+    /// The vertex at which that mode is largest.
     pub vertex: usize,
 }
 
@@ -52,8 +53,8 @@ struct Ritz {
     residual: f64,
 }
 
-/// Estimates the spectrum at a start. `mode` is where the iteration begins and is set to where it
-/// ended; empty before the first time.
+/// Estimates the spectrum at a start. The iteration starts from `mode`, and sets it to its last
+/// iterate; `mode` is empty before the first call.
 pub(super) fn estimate(
     rhs: &mut Checked<'_, impl RightHandSide + ?Sized>,
     start: Start<'_>,
@@ -68,8 +69,8 @@ pub(super) fn estimate(
         mode.extend((0..x.len() as u64).map(noise));
     }
     let far = x.iter().map(|x| norm(*x)).fold(settings.length, f64::max);
-    // Root mean square of the displacement: half of the digits each for truncation and for the error
-    // of the velocities.
+    // Root mean square of the displacement, which balances truncation against the error of the
+    // velocities.
     let displacement = settings.precision.sqrt() * far;
     let least = LEAST[usize::from(!cold)];
 
@@ -100,8 +101,9 @@ pub(super) fn estimate(
             mode.copy_from_slice(product);
             normalise(mode);
             growth = size;
-            // The mode keeps its direction although it decays. If its sign alternated, terms of even
-            // order in the displacement would do so, too, and look like a mode that grows.
+            // The displacement keeps its sign although the mode decays. If the sign alternated,
+            // terms of even order in the displacement would alternate too and look like a growing
+            // mode.
             if inner(before, mode) < 0.0 {
                 mode.iter_mut()
                     .for_each(|vector| *vector = scale(-1.0, *vector));
@@ -138,7 +140,8 @@ fn ritz(before: &[Vector], mode: &[Vector], growth: f64, product: &[Vector]) -> 
     let cosine = inner(before, mode);
     let determinant = 1.0 - cosine * cosine;
     if growth == 0.0 || determinant <= PARALLEL {
-        // The norm, which no error of the direction makes too small; its sign where there is one.
+        // The norm, which is not reduced by errors of the direction; with the sign of the
+        // eigenvalue if it has one.
         return Ritz {
             modulus: size.sqrt(),
             real: rayleigh,
@@ -194,8 +197,8 @@ fn largest(field: &[Vector]) -> usize {
     best.0
 }
 
-/// A vector that has a share of every mode and is the same on every machine: numbers in [−1, 1) by
-/// the mixing function of D. Stafford's variant 13, as SplitMix64 uses it.
+/// A vector that contains every mode and is the same on every machine: numbers in [−1, 1) by the
+/// mixing function of D. Stafford's variant 13, as SplitMix64 uses it.
 fn noise(index: u64) -> Vector {
     [0, 1, 2].map(|axis| {
         let mut bits = (3 * index + axis + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);

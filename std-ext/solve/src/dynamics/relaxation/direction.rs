@@ -1,4 +1,4 @@
-//! Where a step goes: secants over the membranes' own stiffness.
+//! The direction of a step: secants preconditioned by the stiffness of the membranes.
 
 use super::Relaxation;
 use super::point::{Point, SPHERE};
@@ -6,8 +6,7 @@ use crate::dynamics::coordinates::{Coordinates, Place};
 use crate::dynamics::vector::{self, Vector};
 use crate::dynamics::{Membrane, Problem};
 
-/// Root-mean-square change of the edges, in parts of their length, after which the preconditioner
-/// is made anew.
+/// Root-mean-square relative change of the edges after which the preconditioner is rebuilt.
 const OUTDATED: f64 = 0.1;
 
 impl Relaxation {
@@ -18,7 +17,7 @@ impl Relaxation {
         }
     }
 
-    /// Makes preconditioners anew if membranes are no longer what they were.
+    /// Rebuilds preconditioners if membranes have changed too much.
     pub(super) fn refresh_preconditioners(&mut self, positions: &[Vector]) {
         if !self.settings.preconditioned {
             return;
@@ -45,7 +44,7 @@ impl Relaxation {
         }
     }
 
-    /// The displacement that would end the force, were the membranes as stiff as they seem.
+    /// The displacement that would cancel the force if the estimated stiffness were exact.
     pub(super) fn direction(
         &mut self,
         problem: &(impl Problem + ?Sized),
@@ -60,7 +59,7 @@ impl Relaxation {
         direction
     }
 
-    /// The displacement that would end some force, by the preconditioner alone.
+    /// The displacement that would cancel a force, by the preconditioner alone.
     pub(super) fn preconditioned(
         &mut self,
         problem: &(impl Problem + ?Sized),

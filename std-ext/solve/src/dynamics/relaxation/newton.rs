@@ -1,10 +1,10 @@
-//! Steps of Newton's for forces without an energy.
+//! Newton steps for forces without an energy.
 //!
-//! Secants take the stiffness to be symmetric and positive definite. That of a method in strong form
-//! is neither on some meshes: steps by secants then go around the equilibrium. Newton's do not ask:
-//! D. A. Knoll and D. E. Keyes, J. Comput. Phys. 193 (2004) 357. They get as near as forces are
-//! continuous: those of methods that choose the vertices they fit by distance jump where the choice
-//! changes.
+//! Secants assume a symmetric and positive definite stiffness. The stiffness of a method in strong
+//! form is neither on some meshes, and steps by secants then circle the equilibrium. Newton's
+//! method makes no such assumption: D. A. Knoll and D. E. Keyes, J. Comput. Phys. 193 (2004) 357.
+//! Its accuracy is limited by the continuity of forces: methods that choose neighbours by distance
+//! have forces that jump where the choice changes.
 
 use super::point::Point;
 use super::search::Trial;
@@ -13,28 +13,30 @@ use crate::dynamics::Problem;
 use crate::dynamics::vector::{self, Vector};
 use crate::flow::Gmres;
 
-/// Steps without a lower residual after which Newton's are tried, and tried again: an attempt takes as
-/// many evaluations as a hundred steps.
+/// Number of steps without a lower residual before Newton steps are tried, first and again: an
+/// attempt takes as many evaluations as a hundred steps.
 const IDLE: [usize; 2] = [20, 100];
 
-/// The residual of a linear solution, relative: a step of Newton's may leave as much of the force.
+/// The relative residual of a linear solution: the fraction of the force that a Newton step may
+/// leave.
 const LINEAR_TOLERANCE: f64 = 1e-2;
 
-/// Directions of a linear solution, and evaluations for it, at most.
+/// Largest numbers of directions and of evaluations of a linear solution.
 const DIRECTIONS: usize = 150;
 const PRODUCTS: usize = 300;
 
-/// Displacements for derivatives, root mean square, in mean edges: half of the digits.
+/// Displacements for difference quotients, root mean square, in mean edges: the square root of the
+/// rounding.
 const DISPLACEMENT: f64 = 1e-7;
 
 /// The share of a linear decrease of the residual that has to come true.
 const SUFFICIENT: f64 = 1e-4;
 
-/// How often a step may be halved.
+/// Largest number of halvings of a step.
 const HALVINGS: usize = 8;
 
 impl Relaxation {
-    /// Whether it is time to try steps of Newton's, or to go on with them.
+    /// Whether to try Newton steps, or to continue with them.
     pub(super) fn newton_is_due(&self, problem: &(impl Problem + ?Sized)) -> bool {
         if problem.is_conservative() || !self.settings.preconditioned {
             return false;
@@ -44,7 +46,7 @@ impl Relaxation {
         self.state.newton || IDLE.contains(&idle)
     }
 
-    /// The next point by a step of Newton's; none if there is none with a lower residual.
+    /// The next point by a Newton step; `None` if none has a lower residual.
     pub(super) fn newton(
         &mut self,
         problem: &mut (impl Problem + ?Sized),
@@ -87,7 +89,8 @@ impl Relaxation {
         None
     }
 
-    /// By how much the force falls along the displacement that the preconditioner makes of a force.
+    /// The decrease of the force along the displacement by which the preconditioner answers a
+    /// force.
     fn softening(
         &mut self,
         problem: &mut (impl Problem + ?Sized),
@@ -118,7 +121,7 @@ fn moved(positions: &[Vector], displacement: &[Vector], step: f64) -> Vec<Vector
         .collect()
 }
 
-/// Numbers three by three, the last filled up with 0.
+/// Numbers in groups of three, padded with 0.
 fn packed(numbers: &[f64]) -> Vec<Vector> {
     let mut fields = vec![[0.0; 3]; numbers.len().div_ceil(3)];
     fields.as_flattened_mut()[..numbers.len()].copy_from_slice(numbers);

@@ -5,26 +5,26 @@ use crate::dynamics::coordinates::{Coordinates, Place, reciprocal_or_zero};
 use crate::dynamics::vector::{self, Vector};
 use crate::dynamics::{Evaluation, Problem};
 
-/// The sine of the angle, 3°, below which no triangle's angle may fall; on meshes that are worse to
-/// begin with, half of their least.
+/// The sine of the angle, 3°, below which no triangle's angle may fall; on meshes with smaller
+/// initial angles, half of the smallest sine.
 const LEAST_SINE: f64 = 0.052;
 
 /// Area of the unit sphere.
 pub(super) const SPHERE: f64 = 4.0 * std::f64::consts::PI;
 
-/// All that is known at some positions.
+/// Forces, energy and geometry at some positions.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
     pub(super) positions: Vec<Vector>,
     pub(super) evaluation: Evaluation,
     pub(super) coordinates: Coordinates,
-    /// The force that is not taken up by constraints.
+    /// The force without the part that constraints balance.
     pub(super) force: Vec<f64>,
     pub(super) residual: f64,
 }
 
 impl Relaxation {
-    /// Restores constraints if that is asked for, and finds out all there is to know.
+    /// Restores constraints if requested, and evaluates forces, energy and geometry.
     pub(super) fn evaluate(
         &mut self,
         problem: &mut (impl Problem + ?Sized),

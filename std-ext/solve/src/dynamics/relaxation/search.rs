@@ -1,52 +1,52 @@
-//! How far a step goes.
+//! Line search: the length of a step.
 
 use super::point::Point;
 use super::{Failure, Outcome, Relaxation};
 use crate::dynamics::Problem;
 use crate::dynamics::vector::{self, Vector};
 
-/// Armijo's constant: the share of the linear decrease that has to come true.
+/// Armijo's constant: the required fraction of the linear decrease.
 const SUFFICIENT: f64 = 1e-4;
 
-/// Wolfe's constant: the share of the force along a step that may be left at its end.
+/// Wolfe's constant: the fraction of the force along a step that may remain at its end.
 const CURVATURE: f64 = 0.9;
 
-/// How far beyond its zero the force along a step may be at its end, where the energy does not
-/// decide, as a share of that at its start.
+/// Largest reversed force along a step at its end, as a fraction of the force at its start, where
+/// the energy does not decide.
 const OVERSHOOT: f64 = 0.5;
 
-/// The largest growth of the residual in a step that no energy decides on: instabilities of a shape
-/// may grow, those of a step that is too long may not.
+/// The largest growth of the residual in a step without an energy: it permits instabilities of the
+/// shape, but not those of too long a step.
 const LARGEST_GROWTH: f64 = 1.5;
 
-/// The largest change of an edge in a step, as a share of its length: triangles do not turn over.
+/// The largest relative change of an edge in a step, which keeps triangles from turning over.
 const LARGEST_STRAIN: f64 = 0.5;
 
-/// Trials for one step; each is at least a factor 10 below the one before.
+/// Largest number of trials for one step; each is at most a tenth of the previous one.
 const TRIALS: usize = 24;
 
-/// How often a step that was too short is doubled.
+/// Largest number of doublings of a step that is too short.
 const EXPANSIONS: usize = 6;
 
 /// Rounding of an energy, in units of the last place of its scale.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// A point that is to become the next one, and how far it is.
+/// A candidate for the next point, and its step length.
 pub(super) struct Trial {
     pub(super) point: Point,
     pub(super) step: f64,
 }
 
-/// Why a trial is too far.
+/// The reason why a trial step is too long.
 #[derive(Clone, Copy, Debug)]
 enum TooFar {
     Bad(Failure),
-    /// The step at which the trials so far put the best place.
+    /// The best step length according to the trials so far.
     Rises(f64),
 }
 
 impl Relaxation {
-    /// The longest step along a displacement that no edge suffers from.
+    /// The longest step along a displacement within the allowed change of edges.
     pub(super) fn longest_step(&self, positions: &[Vector], displacement: &[Vector]) -> f64 {
         let mut largest = 0.0f64;
         for (membrane, place) in self.membranes.iter().zip(&self.places) {
@@ -100,7 +100,7 @@ impl Relaxation {
                 Err((failure, gain)) => {
                     let rounding = 1e3 * ROUNDING * here.evaluation.energy_scale;
                     let lost = problem.is_conservative() && gain <= rounding;
-                    // Without an energy, the best that there is if neither way leads on.
+                    // Without an energy, the best point found, if neither direction is successful.
                     return Err(if lost || newton {
                         Outcome::Stagnated
                     } else {
@@ -154,7 +154,7 @@ impl Relaxation {
                     if enough {
                         return Ok(trial);
                     }
-                    // Where it was too far before, a step that is merely short will do.
+                    // After a step that was too long, one that is merely short is accepted.
                     if expansions == 0 && step < longest.min(1.0) {
                         return Ok(trial);
                     }
@@ -182,7 +182,7 @@ impl Relaxation {
         Err((failure, gain))
     }
 
-    /// Whether a point is too far along a direction: then a better step.
+    /// A better step length, if a point is too far along a direction.
     fn too_far(
         &self,
         problem: &(impl Problem + ?Sized),
@@ -192,7 +192,7 @@ impl Relaxation {
         slope: f64,
         left: f64,
     ) -> Option<f64> {
-        // Where the force along the way vanishes if it falls evenly.
+        // The zero of the force along the direction, by linear interpolation.
         let secant = step * (slope / (slope - left)).clamp(0.1, 0.7);
         if !problem.is_conservative() {
             let wild = there.residual > LARGEST_GROWTH * here.residual;
@@ -204,8 +204,8 @@ impl Relaxation {
         if rise <= -SUFFICIENT * step * slope {
             return None;
         }
-        // W. W. Hager and H. Zhang, SIAM J. Optim. 16 (2005) 170: where the energy is rounding, the
-        // force decides.
+        // W. W. Hager and H. Zhang, SIAM J. Optim. 16 (2005) 170: where differences of energy are
+        // rounding errors, the force decides.
         let lowest = self.state.lowest_energy.unwrap_or(before.energy);
         if after.energy <= lowest + rounding && left >= -OVERSHOOT * slope {
             return None;

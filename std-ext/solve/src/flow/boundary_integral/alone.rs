@@ -1,4 +1,4 @@
-//! Kernels and exact integrals by themselves, for them to be checked in twice the precision.
+//! Kernels and exact integrals as separate functions, for checks in twice the precision.
 
 use super::kernel::{Gradient, Kernel, Stokeslet, Stresslet, StressletPressure, source};
 use super::panel::Panel;

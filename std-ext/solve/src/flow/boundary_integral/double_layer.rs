@@ -14,11 +14,11 @@ use std::ops::Range;
 /// `−6/(8π)`, the factors of T and of the integral.
 const FACTOR: f64 = -0.75 / PI;
 
-/// The velocity that fluids of other viscosities inside closed surfaces contribute.
+/// The contribution of fluids with different viscosities inside closed surfaces to the velocity.
 ///
-/// With λ_j the viscosity inside surface j over that of the fluid outside of all surfaces, and Λ_j
-/// the same of the fluid around surface j, which is 1 unless it lies in another one, the velocity on
-/// the surfaces obeys
+/// λ_j is the viscosity inside surface j, and Λ_j that of the fluid around it, both relative to the
+/// fluid outside of all surfaces; Λ_j is 1 unless surface j lies inside another one. The velocity
+/// on the surfaces obeys
 ///
 /// `u(x₀) = b(x₀) + Σ_j (Λ_j − λ_j)/(8π) ∫_j [u(x) − u(x₀)]·T(x − x₀)·n dS`, `T(r) = −6 r r r/r⁵`,
 ///
@@ -27,27 +27,28 @@ const FACTOR: f64 = -0.75 / PI;
 ///
 /// `λ u(x₀) = b(x₀) + Σ_j (Λ_j − λ_j)/(8π) ∫_j u(x)·T(x − x₀)·n dS`,
 ///
-/// λ the viscosity there over that of the outer fluid, [`Self::viscosity_ratios`]; and the pressure
-/// is the sum of those of b and `μ Σ_j (Λ_j − λ_j)/(2π) ∫_j u·∇∇(1/r)·n dS`, μ the outer viscosity, on
-/// both sides.
+/// with λ the ratio of the viscosity there to that of the outer fluid, [`Self::viscosity_ratios`].
+/// The pressure is that of b plus `μ Σ_j (Λ_j − λ_j)/(2π) ∫_j u·∇∇(1/r)·n dS` on both sides, with μ
+/// the outer viscosity.
 ///
 /// Surfaces are outside each other or, with [`Self::set_surroundings`], nested. Positions and velocities
 /// are those of all surfaces, one after the other; surfaces with λ = Λ take no time.
 ///
 /// # Nested surfaces
-/// The reciprocal theorem in the fluid of each viscosity, added up, has the stresses of both sides of a
-/// surface in the single layer and the difference of viscosities in the double layer; on surface i
-/// (Λ_i + λ_i)/2 takes the place of λ, and the integrals are principal values. There `∫_j T·n dS` is
-/// 0 outside of j, −4π on it and −8π inside: what is taken away with u(x₀) is
-/// `u(x₀) (Λ_i − λ_i)/2` of surface i and `u(x₀) Σ (Λ_j − λ_j) = u(x₀) (1 − Λ_i)` of those around it,
-/// whose terms cancel but for the first and the last. All in all the factor of u(x₀) is 1 on every
-/// surface, nested or not.
+/// The sum of the reciprocal theorems in the fluids of each viscosity has the stresses of both
+/// sides of a surface in the single layer and the difference of viscosities in the double layer. On
+/// surface i, (Λ_i + λ_i)/2 takes the place of λ, and the integrals are principal values. `∫_j T·n
+/// dS` is 0 outside j, −4π on it and −8π inside. The terms subtracted with u(x₀) are therefore
+/// `u(x₀) (Λ_i − λ_i)/2` for surface i and, by a telescoping sum, `u(x₀) Σ (Λ_j − λ_j) = u(x₀) (1 −
+/// Λ_i)` for the surfaces around it. In total the factor of u(x₀) is 1 on every surface, nested or
+/// not.
 ///
 /// # Quadrature
-/// Triangles are flat, u is linear on them, and points are those of the single layer. Of triangles
-/// that it halves, what u is at their nearest point is integrated exactly here, and the rest in
-/// parts. Triangles around x₀ lie in planes through it and give nothing. The error is of second order
-/// in the edge length whatever the distance of surfaces; that of the pressure is as there.
+/// Triangles are flat, u is linear on them, and quadrature points are those of the single layer.
+/// For triangles that the single layer subdivides, the value of u at the nearest point is
+/// integrated exactly, and the rest in parts. Triangles around x₀ lie in planes through it and
+/// contribute nothing. The error is of second order in the edge length for any distance between
+/// surfaces; the error of the pressure is as for the single layer.
 ///
 /// Results do not depend on the number of threads.
 #[derive(Clone, Debug)]
@@ -253,9 +254,10 @@ impl DoubleLayer {
         );
     }
 
-    /// Sets each entry to the viscosity at a point of the fluid over that of the outer fluid: λ_j of
-    /// the innermost surface j that it is inside of, and 1 outside of all. Whether a point is inside
-    /// is the solid angle under which it sees the surface, to rounding right at any distance.
+    /// Sets each entry to the ratio of the viscosity at a point of the fluid to that of the outer
+    /// fluid: λ_j of the innermost surface j that contains the point, and 1 outside of all
+    /// surfaces. The solid angle of the surface decides whether a point is inside, which is correct
+    /// to rounding at any distance.
     ///
     /// # Panics
     /// If the numbers of points and ratios differ, or no positions have been set.
@@ -296,9 +298,9 @@ impl DoubleLayer {
         &self.sources[first..][..self.geometry.surfaces[surface].edges.len()]
     }
 
-    /// Solves `u = b + Σ_j (Λ_j − λ_j)/(8π) ∫_j [u − u(x₀)]·T·n dS` on the surfaces: `right` is b, and
-    /// `velocity` u, its first guess before. The velocities of the layer are u then, converged or
-    /// not.
+    /// Solves `u = b + Σ_j (Λ_j − λ_j)/(8π) ∫_j [u − u(x₀)]·T·n dS` on the surfaces: `right` is b;
+    /// `velocity` is the initial guess, and then u. Afterwards the velocities of the layer are u,
+    /// converged or not.
     ///
     /// # Panics
     /// If there is not one entry of `right` and `velocity` per vertex, or no positions have been set.

@@ -1,17 +1,17 @@
-//! Where surfaces and their triangles are: what all layers share.
+//! Positions of surfaces and their triangles, for all layers.
 
 use super::panel::Panel;
 use glam::DVec3;
 use helfrich::TriangleMesh;
 use std::ops::Range;
 
-/// Cells along each axis at most.
+/// Largest number of cells along each axis.
 const CELLS: usize = 32;
 
-/// Cells are wider than the reach by this part, more than places in cells are rounded by.
+/// Cells are wider than the reach by this fraction, which exceeds the rounding of cell coordinates.
 const MARGIN: f64 = 1.0 / 64.0;
 
-/// Surfaces, one after the other, and which of their triangles are near a point.
+/// Consecutive surfaces, and a search for their triangles near a point.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Geometry {
     pub(super) surfaces: Vec<Part>,
@@ -24,12 +24,12 @@ pub(super) struct Geometry {
     ring_triangles: Vec<u32>,
     positions: Vec<DVec3>,
     centres: Vec<Centre>,
-    /// The sum of the normals around each vertex, each as long as its triangle is large.
+    /// The sum of the area-weighted normals around each vertex.
     normals: Vec<DVec3>,
     cells: Cells,
 }
 
-/// Where a surface's triangles and edges are among those of all.
+/// The ranges of a surface's triangles and edges among those of all surfaces.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub(super) triangles: Range<usize>,
@@ -43,8 +43,8 @@ struct Edge {
     triangles: (u32, Option<u32>),
 }
 
-/// Where a triangle is, its normal as long as twice its area, and the square of the distance within
-/// which it is near.
+/// The centre of a triangle, its normal with twice the area as its length, and the square of the
+/// distance within which it is near.
 #[derive(Clone, Copy, Debug)]
 struct Centre {
     position: DVec3,
@@ -52,14 +52,14 @@ struct Centre {
     squared_reach: f64,
 }
 
-/// How a near triangle lies to a vertex.
+/// The relation of a near triangle to a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Near {
     /// On the same surface, and adjacent.
     Beside,
-    /// On another surface, or on the same surface and facing it, through the fluid outside or inside.
-    /// Normals are opposite where such a gap is least, and those of neighbours along a smooth
-    /// surface are not. Gaps may be much smaller than edges.
+    /// On another surface, or on the same surface and facing the vertex through the fluid outside
+    /// or inside. Normals are opposite where such a gap is least, unlike normals of neighbours
+    /// along a smooth surface. Gaps may be much smaller than edges.
     Across,
 }
 
@@ -68,7 +68,7 @@ pub(super) enum Near {
 struct Cells {
     low: DVec3,
     over_width: f64,
-    /// How many cells there are along each axis.
+    /// Number of cells along each axis.
     counts: [usize; 3],
     /// `members[offsets[i]..offsets[i + 1]]` are the triangles in cell i.
     offsets: Vec<u32>,
@@ -143,14 +143,14 @@ impl Geometry {
         self.edges.len()
     }
 
-    /// The normals of the triangles on the sides of an edge, each as long as twice the area.
+    /// The normals of the triangles on the sides of an edge, with twice the area as length.
     pub(super) fn normals(&self, edge: usize) -> [DVec3; 2] {
         let (one, other) = self.edges[edge].triangles;
         let normal = |triangle: u32| self.centres[triangle as usize].normal;
         [normal(one), other.map_or(DVec3::ZERO, normal)]
     }
 
-    /// Where the middle of an edge is.
+    /// The midpoint of an edge.
     pub(super) fn middle(&self, edge: usize) -> DVec3 {
         self.mean(edge, &self.positions)
     }
@@ -175,7 +175,7 @@ impl Geometry {
             [self.ring_offsets[vertex] as usize..self.ring_offsets[vertex + 1] as usize]
     }
 
-    /// Puts the vertices at `positions`.
+    /// Moves the vertices to `positions`.
     ///
     /// # Panics
     /// If there is not one position per vertex.
@@ -206,7 +206,7 @@ impl Geometry {
         self.cells.fill(&self.centres);
     }
 
-    /// The near triangles of a vertex but for those around it, and how they lie.
+    /// The near triangles of a vertex, without those around it, and their relation to it.
     pub(super) fn near_vertex(&self, vertex: usize) -> impl Iterator<Item = (usize, Near)> + '_ {
         let (owner, normal) = (self.owners[vertex], self.normals[vertex]);
         self.near_point(self.positions[vertex], 1)
@@ -223,7 +223,7 @@ impl Geometry {
             })
     }
 
-    /// The triangles whose centre is nearer to a point than so many reaches.
+    /// The triangles whose centre is within `factor` reaches of a point.
     pub(super) fn near_point(&self, at: DVec3, reaches: u32) -> impl Iterator<Item = usize> + '_ {
         let squared = f64::from(reaches * reaches);
         self.cells
@@ -268,7 +268,7 @@ impl Cells {
         for cell in 0..cells {
             self.offsets[cell + 1] += self.offsets[cell];
         }
-        // Filled from its end, each cell ends up at its beginning.
+        // Each cell is filled from its end, so that its offset finally is its start.
         self.members.clear();
         self.members.resize(centres.len(), 0);
         for (number, centre) in centres.iter().enumerate().rev() {
@@ -295,7 +295,7 @@ impl Cells {
         let cells = f64::from(cells);
         let [x, y, z] = [0, 1, 2].map(|axis| {
             let (cell, count) = (place[axis].floor(), self.counts[axis]);
-            // Conversion stays within usize, and makes 0 of what is no number.
+            // The conversion saturates, and turns NaN into 0.
             let (first, end) = ((cell - cells) as usize, (cell + cells + 1.0) as usize);
             if first < count {
                 first..end.min(count)

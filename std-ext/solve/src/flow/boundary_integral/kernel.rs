@@ -6,12 +6,12 @@ use pulp::{Scalar, Simd};
 
 /// The contribution of one source to a vector of targets.
 ///
-/// The numbers of a target begin with its place, those of a source with its place.
+/// The numbers of a target begin with its position, and so do those of a source.
 pub(super) trait Kernel<const TARGET: usize, const SOURCE: usize, const SUM: usize>:
     Copy + Sync
 {
     /// `sum` with it.
-    // No closures in here: they would be compiled without the features of the caller.
+    // No closures here, because they would be compiled without the target features of the caller.
     fn add<S: Simd>(
         self,
         simd: S,
@@ -105,7 +105,7 @@ impl Kernel<6, 9, 3> for Stresslet {
         let r = difference(simd, splat(simd, [x, y, z]), [x0, y0, z0]);
         let u = difference(simd, splat(simd, [u, v, w]), [u0, v0, w0]);
         let [over, over_squared] = reciprocals(simd, dot(simd, r, r));
-        // Each factor with its own reciprocal: powers of r alone go beyond what f64 holds.
+        // Each factor has its own reciprocal, because powers of r alone may overflow.
         let through = simd.mul_f64s(dot(simd, r, splat(simd, [k, l, m])), over_squared);
         let along = simd.mul_f64s(dot(simd, r, u), over_squared);
         let factor = simd.mul_f64s(simd.mul_f64s(through, along), over);
@@ -176,7 +176,7 @@ fn dot<S: Simd>(simd: S, a: [S::f64s; 3], b: [S::f64s; 3]) -> S::f64s {
 /// `1/r` and `1/r²` by r², and 0 for 0.
 #[inline(always)]
 fn reciprocals<S: Simd>(simd: S, squared: S::f64s) -> [S::f64s; 2] {
-    // The reciprocal and the root do not wait for each other.
+    // The reciprocal and the root are independent, so that neither waits for the other.
     let over_squared = simd.div_f64s(simd.splat_f64s(1.0), squared);
     let apart = simd.greater_than_or_equal_f64s(squared, simd.splat_f64s(f64::MIN_POSITIVE));
     let over_squared = simd.select_f64s(apart, over_squared, simd.splat_f64s(0.0));

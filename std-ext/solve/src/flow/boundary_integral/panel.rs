@@ -3,10 +3,11 @@
 use super::kernel::{Gradient, Kernel, Stokeslet, Stresslet, StressletPressure, source};
 use glam::DVec3;
 
-/// A triangle is near where its centre is nearer than this many times its longest edge.
+/// A triangle is near a point if the distance of its centre is below this many times its longest
+/// edge.
 const REACH: f64 = 2.0;
 
-/// How often a near triangle's edges are halved at most.
+/// Largest number of times that the edges of a near triangle are halved.
 const HALVINGS: u32 = 8;
 
 /// A flat triangle.
@@ -50,7 +51,7 @@ impl<'a> Panel<'a> {
         Self { triangle, ..self }
     }
 
-    /// The normal as long as twice the area.
+    /// The normal with twice the area as its length.
     pub(super) fn doubled_normal(&self) -> DVec3 {
         doubled_normal(self.corners())
     }
@@ -77,7 +78,7 @@ impl<'a> Panel<'a> {
         [0, 1, 2].map(|k| (at[k], of[k]))
     }
 
-    /// `∫ G(x − x₀)·q dS`, x₀ the first corner, without error but rounding.
+    /// `∫ G(x − x₀)·q dS`, x₀ the first corner, exact to rounding.
     ///
     /// With `x = x₀ + ρ v(s)`, v from v₁ to v₂ along the opposite edge, dS is 2A ρ dρ ds and G is
     /// `(I/|v| + v v/|v|³)/ρ`: linear in ρ under the integral. That leaves
@@ -100,7 +101,7 @@ impl<'a> Panel<'a> {
         if !height.is_normal() {
             return DVec3::ZERO;
         }
-        // The direction of the foot is finite however low the triangle is.
+        // The direction of the foot is finite, however small the height of the triangle.
         let up = foot / height;
         // q = base + slope t along the edge, the corner's own included.
         let slope = (second - first) / length;
@@ -109,7 +110,8 @@ impl<'a> Panel<'a> {
         let constant = foot.dot(base);
         let linear = along.dot(base) + foot.dot(slope);
         let square = along.dot(slope);
-        // Differences between the ends: of a short edge far off only the quotients have all digits.
+        // Differences between the ends are computed as quotients, because for a short distant edge
+        // only these keep all digits.
         let over_sum = (t1 + t2) / (r1 + r2) * length;
         let ratio = if t1 * t2 > 0.0 {
             height * height * over_sum * (r1 + r2) / ((t2 * r1 + t1 * r2) * r1 * r2)
@@ -147,8 +149,9 @@ impl<'a> Panel<'a> {
 
     /// `∫ r·q/r³ dS`, r = x − at, for a point near the triangle.
     ///
-    /// The value of q at the nearest point is integrated exactly, and only the rest, whose integrand is
-    /// one power of r less singular, in parts; likewise for the other layers below.
+    /// The value of q at the nearest point is integrated exactly. Only the rest, whose integrand is
+    /// one power of r less singular, is integrated in parts. The other layers below use the same
+    /// splitting.
     pub(super) fn gradients(&self, at: DVec3, values: [DVec3; 3]) -> [f64; 1] {
         let flat = Flat::new(self.corners_from(at));
         let (base, values) = flat.split(values);
@@ -195,12 +198,12 @@ impl<'a> Panel<'a> {
     }
 }
 
-/// An edge seen from the origin.
+/// An edge relative to the origin.
 struct Edge {
     length: f64,
     /// The unit vector along it.
     along: DVec3,
-    /// The point of its line that is nearest, and its distance.
+    /// The nearest point of its line, and its distance.
     foot: DVec3,
     height: f64,
     /// For both ends, the length t along the line from the foot, and the distance.
@@ -210,7 +213,7 @@ struct Edge {
 }
 
 impl Edge {
-    /// None without length.
+    /// `None` for an edge without length.
     fn new(v1: DVec3, v2: DVec3) -> Option<Self> {
         let edge = v2 - v1;
         let (length, doubled_area) = (edge.length(), v1.cross(v2).length());
@@ -251,8 +254,7 @@ impl Edge {
     }
 }
 
-/// A flat triangle seen from the origin: integrals without error but rounding of what is constant
-/// on it.
+/// A flat triangle relative to the origin: integrals of constant densities, exact to rounding.
 ///
 /// On the plane `r·n` is constant. Derivatives of 1/r along the plane are integrals along the
 /// edges, with their outward normals ν in the plane, and 1/r is harmonic: everything comes down to
@@ -303,7 +305,8 @@ impl Flat {
     fn solid_angle(&self) -> f64 {
         let [a, b, c] = self.corners;
         let [x, y, z] = self.corners.map(DVec3::length);
-        // a·(b × c), by edges: seen from afar, the three are all but parallel.
+        // a·(b × c), computed from edges, because from far away the three vectors are nearly
+        // parallel.
         let doubled = a.dot(doubled_normal(self.corners));
         2.0 * doubled.atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
     }
@@ -349,8 +352,8 @@ impl Flat {
 /// A triangle whose longest edge is more than this many times its height is halved along it.
 const THIN: f64 = 8.0;
 
-/// The integral of `point(x, weighted field)` over a triangle seen from the origin, by parts that
-/// are far off by their own measure.
+/// The integral of `point(x, weighted field)` over a triangle relative to the origin, by
+/// subdivision until the parts are far away relative to their size.
 fn in_parts<const N: usize>(
     corners: [DVec3; 3],
     values: [DVec3; 3],
@@ -359,7 +362,7 @@ fn in_parts<const N: usize>(
 ) -> [f64; N] {
     let [a, b, c] = corners;
     let centre = (a + b + c) / 3.0;
-    // Corners beyond all numbers are not near: nothing of them gets better in parts.
+    // Triangles with infinite corners count as far away, because subdivision does not help.
     let near = centre.length_squared() < REACH * REACH * squared_longest(corners);
     if !near || halvings == 0 {
         return by_seven_points(corners, values, point);
@@ -367,7 +370,8 @@ fn in_parts<const N: usize>(
     let middles = |[a, b, c]: [DVec3; 3]| [0.5 * (b + c), 0.5 * (c + a), 0.5 * (a + b)];
     let (at, of) = (middles(corners), middles(values));
     if squared_longest(corners) > THIN * doubled_normal(corners).length() {
-        // In four, all would be as long as two, and as near: their number would double each time.
+        // Division into four would give parts as long and as near as halving does, but twice as
+        // many each time.
         let lengths = [0, 1, 2].map(|k: usize| edge(corners, k).length_squared());
         let k = if lengths[0] >= lengths[1].max(lengths[2]) {
             0

@@ -13,31 +13,32 @@ use std::num::NonZeroUsize;
 ///
 /// `u(x₀) = 1/(8πμ) ∫ G(x − x₀)·q dS`, `G(r) = I/r + r r/r³`, r = |r|,
 ///
-/// q the force per area that the membranes exert on the fluid: linear on flat triangles, and at
-/// vertices `q_i = F_i/A_i`, F_i the nodal force and A_i a third of the triangles around. The
-/// pressure, which vanishes far off, is `p(x₀) = −1/(4π) ∫ r·q/r³ dS`.
+/// with q the force per area that the membranes exert on the fluid. q is linear on flat triangles,
+/// and `q_i = F_i/A_i` at vertices, with F_i the nodal force and A_i a third of the area of the
+/// triangles around. The pressure, which vanishes far away, is `p(x₀) = −1/(4π) ∫ r·q/r³ dS`.
 ///
 /// Positions, forces and velocities are those of all surfaces, one after the other.
 ///
 /// # Quadrature
-/// The midpoints of the three edges of every triangle, of degree 2, which triangles share, except for:
+/// Every triangle is integrated with the midpoints of its three edges, which neighbours share; the
+/// rule is exact to degree 2. Exceptions are:
 /// * triangles around the vertex x₀ are integrated exactly, in polar coordinates about it;
-/// * others whose centre is nearer to x₀ than twice their longest edge take seven points, of degree
-///   5. What the middles of edges leave there would be of first order in the edge length h;
-/// * of those, triangles of *other* surfaces, those of its own that *face* x₀, and all of them for
-///   points of the fluid are halved in all edges until the parts are farther off than that by their
-///   own measure, at most eight times, and take seven points a part. For the pressure only what is
-///   left of q without its value at the nearest point is; that value is integrated exactly. There
-///   triangles up to twice as far off take seven points.
+/// * other triangles whose centre is nearer to x₀ than twice their longest edge take seven points,
+///   of degree 5. With midpoints of edges their error would be of first order in the edge length h;
+/// * near triangles of *other* surfaces, near triangles of the same surface that *face* x₀, and all
+///   near triangles for points of the fluid are subdivided by halving their edges, at most eight
+///   times, until no part is near by this criterion. Each part takes seven points. For the
+///   pressure, the value of q at the nearest point is integrated exactly, and only the rest is
+///   subdivided; there triangles up to twice as far away take seven points.
 ///
 /// A triangle faces a vertex where their normals are more than a right angle apart, as in dimples
-/// and folds. The error of the velocity is of second order in h whatever the distance of surfaces;
-/// that of the pressure is of first order on a surface, and grows with the logarithm of the distance
-/// from an edge that is nearer than h/100.
+/// and folds. The error of the velocity is of second order in h for any distance between surfaces.
+/// The error of the pressure is of first order on a surface, and grows logarithmically with
+/// decreasing distance from an edge that is nearer than h/100.
 ///
 /// # Reproducibility
-/// Each point sums its sources in one order: results do not depend on the number of threads. They
-/// do depend, in the last bits, on whether the processor fuses multiplications and additions.
+/// Each point sums its sources in a fixed order, so results do not depend on the number of threads.
+/// Their last bits depend on whether the processor fuses multiplications and additions.
 ///
 /// # Cost
 /// One source per edge for each point, half as many as three per triangle. No memory grows with the
@@ -50,7 +51,7 @@ pub struct SingleLayer {
     pub threads: NonZeroUsize,
     geometry: Geometry,
     tractions: Vec<DVec3>,
-    /// Places and forces.
+    /// Positions and forces.
     sources: Vec<[f64; 6]>,
 }
 
@@ -145,8 +146,9 @@ impl SingleLayer {
         );
     }
 
-    /// Adds the velocity at points of the fluid, on either side of the surfaces. At a vertex
-    /// [`Self::add_at_vertices`] is exact where this ends after eight halvings.
+    /// Adds the velocity at points of the fluid, on either side of the surfaces. For vertices use
+    /// [`Self::add_at_vertices`], which integrates exactly where this method stops after eight
+    /// halvings.
     ///
     /// # Panics
     /// If the numbers of points and velocities differ, or no forces have been set.
@@ -228,7 +230,8 @@ impl SingleLayer {
         DVec3::from(better) - DVec3::from(self.by_middles(Stokeslet, panel, at))
     }
 
-    /// Adds to each entry the sum over all sources at `place(entry)`, and `correction(entry)`.
+    /// Adds to each entry the sum over all sources at the position `place(entry)`, and
+    /// `correction(entry)`.
     fn add<K: Kernel<3, 6, N>, const N: usize>(
         &self,
         kernel: K,

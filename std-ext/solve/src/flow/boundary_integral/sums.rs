@@ -1,4 +1,4 @@
-//! Sums over all pairs of targets and sources: the loop that takes the time.
+//! Sums over all pairs of targets and sources: the most expensive loop.
 
 use super::kernel::Kernel;
 use pulp::{Arch, Simd, WithSimd};
@@ -7,14 +7,14 @@ use std::num::NonZeroUsize;
 /// A multiple of every width of vectors.
 const LANES: usize = 8;
 
-/// Numbers of sources that stay in the first cache while all targets pass.
+/// Number of sources per tile: these stay in the first-level cache while all targets are processed.
 const TILE: usize = 2304;
 
 /// Adds to each entry `factor` times the sum over all sources at `target(entry)`, and over
 /// `correction(entry)`.
 ///
-/// One source meets a vector of targets at a time, so that every target adds its sources in their
-/// order; the numbers of a source are read together and spread over the vector.
+/// Each step adds one source to a vector of targets, so that every target adds its sources in their
+/// order. The numbers of a source are broadcast over the vector.
 pub(super) fn add<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
     kernel: K,
     threads: NonZeroUsize,

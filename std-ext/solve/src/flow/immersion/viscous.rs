@@ -1,31 +1,32 @@
-//! Forces of viscous membranes at the very velocities that they lead to.
+//! Implicit forces of viscous membranes: at the velocities that they cause.
 
 use crate::flow::Solved;
 
-/// One vector a vertex.
+/// One vector per vertex.
 type Field = Vec<[f64; 3]>;
 /// A linear map of fields, from the first to the second.
 pub(super) type Map<'a> = dyn FnMut(&[[f64; 3]], &mut [[f64; 3]]) + 'a;
 
-/// Residual of velocities, relative to those that the membranes would have without viscosity: far
-/// below the errors of a lattice, and as fine as its numbers in f32 are.
+/// Residual of velocities, relative to the velocities without viscous forces: far below the errors
+/// of a lattice, and of the size of f32 rounding.
 const TOLERANCE: f64 = 1e-8;
 
-/// Evaluations of viscous forces in a step at most: their number grows with the root of the
-/// membrane's viscosity over that of the fluid, and is about 60 where it is 20 μa.
+/// Largest number of evaluations of viscous forces in a step. The number needed grows with the
+/// square root of the ratio of the viscosities of membrane and fluid, and is about 60 at η = 20 μa.
 const PRODUCTS: usize = 1000;
 
 /// The viscous forces `f = −D v` of membranes in a step, with the velocity v that they have in it:
-/// `v = u + M f`, u the one without these forces, M what forces add to velocities within the step.
+/// `v = u + M f`, with u the velocity without these forces, and M the response of velocities to
+/// forces within the step.
 ///
-/// D and M are symmetric and not negative, and so is `1 + M D` in the scalar product `x·D y`:
-/// conjugate gradients in that product solve `v + M D v = u`. Only D v is asked for, and what D does
-/// not see, such as rigid motion, does not slow them down. f is a sum of forces of D whatever the
-/// residual: without net force and torque.
+/// D and M are symmetric and positive semi-definite, and so is `1 + M D` in the scalar product `x·D
+/// y`. Conjugate gradients with this product solve `v + M D v = u`. They compute only D v, so that
+/// motions without viscous forces, such as rigid ones, do not slow convergence. Whatever the
+/// residual, f is a combination of viscous forces, and therefore without net force and torque.
 ///
-/// A step takes the work `v·D v` from fluid and membranes, which is never negative: no viscosity of the
-/// membrane, no step and no mesh make it grow. Forces at velocities of the step before need
-/// `η step/(μ spacing) ≲ 1` instead.
+/// A step removes the work `v·D v ≥ 0` from fluid and membranes, and is therefore stable for any
+/// viscosity, step and mesh. With forces at the velocities of the previous step, stability would
+/// require `η step/(μ spacing) ≲ 1`.
 #[derive(Debug, Default)]
 pub(super) struct ViscousForces {
     residual: Field,
@@ -38,7 +39,7 @@ pub(super) struct ViscousForces {
 }
 
 impl ViscousForces {
-    /// Sets `forces` to f. They hold a guess before, which is −D of some velocity.
+    /// Sets `forces` to f. On entry they hold an initial guess, which must be −D of some velocity.
     ///
     /// `resist` sets its second field to −D of the first, `respond` to M of the first; `free` is u.
     pub(super) fn solve(
@@ -74,7 +75,7 @@ impl ViscousForces {
             forces.fill([0.0; 3]);
             return solved;
         }
-        // v = u + M f of the guess: what is wrong with it has nothing that D does not see.
+        // The initial velocity v = u + M f of the guess.
         respond(forces, product);
         direction.copy_from_slice(free);
         add_scaled(direction, 1.0, product);
@@ -88,7 +89,7 @@ impl ViscousForces {
         resisted.copy_from_slice(opposed);
         loop {
             solved.residual = dot(residual, residual).sqrt() / length;
-            // Without dissipation, but for rounding, nothing is left that forces could be made of.
+            // If the dissipation is at the level of rounding, no further forces can result.
             solved.converged = solved.residual <= TOLERANCE || size <= 0.0;
             if solved.converged || !size.is_finite() || solved.products >= PRODUCTS {
                 return solved;

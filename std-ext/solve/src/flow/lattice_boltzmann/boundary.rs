@@ -1,16 +1,15 @@
-//! Half-way bounce-back: walls and obstacles as pairs of slots that change places.
+//! Half-way bounce-back: walls and obstacles as pairs of slots that are exchanged.
 //!
 //! A population that meets a surface half-way comes back to its node in the opposite direction
-//! (A. J. C. Ladd, J. Fluid Mech. 271 (1994) 285). A link from node to node crosses the surface
-//! once and has a population in each direction, so that this happens to both: what lies on the
-//! other side is bounced back to its own side. The two slots of a link are the same after even and
-//! odd steps.
+//! (A. J. C. Ladd, J. Fluid Mech. 271 (1994) 285). A link between two nodes crosses the surface
+//! once and has a population in each direction. Both are bounced back, each to its own side, by
+//! exchanging their slots. The two slots of a link are the same after even and odd steps.
 
 use crate::flow::lattice_boltzmann::stencil::{Layout, Q, VELOCITIES, along, opposite, weight};
 use crate::flow::lattice_boltzmann::{Precision, Sides, number};
 
-/// Codes of the bodies that links meet: the inside of an obstacle, which nobody asks for, the low and
-/// high walls of the axes, obstacles.
+/// Codes of the bodies that links meet: the inside of an obstacle (not reported), the low and high
+/// walls of the axes, obstacles.
 pub(super) const INSIDE: usize = 0;
 pub(super) const FIRST_OBSTACLE: usize = 7;
 
@@ -24,7 +23,7 @@ pub(super) fn wall(axis: usize, high: bool) -> usize {
 struct Link {
     /// The slot of the node at the first end against the direction, and of that at the second end along it.
     slots: [usize; 2],
-    /// From the first end.
+    /// The direction from the first end.
     direction: u8,
     /// The bodies that the two ends meet.
     met: [u16; 2],
@@ -34,9 +33,9 @@ struct Link {
 #[derive(Clone, Debug)]
 pub(super) struct Links<T> {
     links: Vec<Link>,
-    /// For each surface and direction, what a moving surface takes from populations.
+    /// For each surface and direction, the change of populations by a moving surface.
     taken: Vec<[T; Q]>,
-    /// Momentum given to each surface in the last step.
+    /// Momentum transferred to each surface in the last step.
     forces: Vec<[f64; 3]>,
 }
 
@@ -103,7 +102,7 @@ impl<T: Precision> Links<T> {
         }
     }
 
-    /// Sends back what the last step, even or odd, has sent through surfaces.
+    /// Bounces back the populations that crossed surfaces in the last step, even or odd.
     pub(super) fn bounce_back(&mut self, populations: &mut [T], odd: bool) {
         self.forget();
         for link in &self.links {

@@ -1,4 +1,4 @@
-//! Collisions: the loop that takes the time.
+//! Collisions: the most expensive loop.
 //!
 //! Two relaxation times: I. Ginzburg, F. Verhaeghe, D. d'Humières, Commun. Comput. Phys. 3 (2008)
 //! 427. Forces: Z. Guo, C. Zheng, B. Shi, Phys. Rev. E 65 (2002) 046308. In-place streaming, the
@@ -21,28 +21,28 @@ const MAGIC: f64 = 3.0 / 16.0;
 
 /// Consecutive planes of constant z, to be collided.
 pub(super) struct Slab<'a, 'b, T> {
-    /// For each plane, where its nodes find the populations of each direction: the sheets of even
-    /// or odd places.
+    /// For each plane, the sheets in which its nodes find the populations of each direction, by
+    /// even or odd step.
     pub(super) planes: &'a mut [[&'b mut [T]; Q]],
     /// z of the first plane.
     pub(super) first: usize,
     pub(super) odd: bool,
     pub(super) layout: Layout,
     pub(super) fluid: Fluid<'a, T>,
-    /// Where rows with further forces leave the velocities that are found, from the first plane on.
+    /// The memory for velocities of rows with further forces, from the first plane on.
     pub(super) velocities: Option<[&'b mut [T]; 3]>,
 }
 
 /// Properties of the fluid for a collision.
 #[derive(Clone, Copy)]
 pub(super) struct Fluid<'a, T> {
-    /// 3ν, without regard to nodes.
+    /// 3ν of all nodes without their own viscosity.
     pub(super) tripled_viscosity: T,
-    /// Others on some nodes.
+    /// Viscosities of single nodes.
     pub(super) viscosities: Option<&'a NodalViscosities<T>>,
     /// Force on every node.
     pub(super) force: [T; 3],
-    /// Further forces on some.
+    /// Further forces on single nodes.
     pub(super) forces: Option<&'a NodalForces<T>>,
     /// 1, or 0 to leave out what is quadratic in the velocity.
     pub(super) inertia: T,
@@ -52,7 +52,7 @@ pub(super) struct Fluid<'a, T> {
 struct Row<'a, T> {
     tripled_viscosities: Option<&'a [T]>,
     forces: Option<[&'a [T]; 3]>,
-    /// To be set: the velocities that the collision begins with.
+    /// Output: the velocities at the start of the collision.
     velocities: Option<[&'a mut [T]; 3]>,
 }
 
@@ -66,7 +66,8 @@ impl<T: Precision> WithSimd for Slab<'_, '_, T> {
         for (plane, sheets) in self.planes.iter_mut().enumerate() {
             let z = self.first + plane;
             for y in 0..rows {
-                // No closures: what they do not inline takes as long as an eighth of the collisions.
+                // No closures here: where they are not inlined, they cost an eighth of the time of
+                // the collisions.
                 let mut slots: [&mut [T]; Q] = array::from_fn(|_| <&mut [T]>::default());
                 for (direction, (slots, sheet)) in slots.iter_mut().zip(&mut *sheets).enumerate() {
                     let (stored, step) = Layout::source(self.odd, direction);
@@ -122,7 +123,7 @@ impl<T: Precision> WithSimd for Slab<'_, '_, T> {
     }
 }
 
-/// Collides a row, vector by vector; the last one may be filled up with nodes at rest.
+/// Collides a row, vector by vector; the last vector may be padded with nodes at rest.
 #[inline(always)]
 fn collide_row<T: Precision, S: Simd>(
     simd: S,
@@ -144,7 +145,8 @@ fn collide_row<T: Precision, S: Simd>(
             (Some([u.0, v.0, w.0]), Some([u.1, v.1, w.1]))
         }
     };
-    // Most rows have none of them, and a loop of their own: `Option`s would be asked at every vector.
+    // Most rows have none of these and use a separate loop, because `Option`s would be checked at
+    // every vector.
     if let (None, None) = (viscosities, forces) {
         collide_vectors(simd, vectors, fluid, Vectors::NONE);
     } else {
@@ -211,7 +213,8 @@ fn collide_vectors<T: Precision, S: Simd>(
     fluid: &Fluid<'_, T>,
     mut row: Vectors<'_, T::Of<S>>,
 ) {
-    // No closures around vectors: they would be compiled without the features of the caller.
+    // No closures around vectors, because they would be compiled without the target features of the
+    // caller.
     let constants = Constants::new(simd, fluid);
     let plain = Rates::new(&constants, Vector::splat(simd, fluid.tripled_viscosity));
     let [fx, fy, fz] = fluid.force;
@@ -220,7 +223,7 @@ fn collide_vectors<T: Precision, S: Simd>(
         Vector::splat(simd, fy),
         Vector::splat(simd, fz),
     ];
-    // All are as long as each other, which is easier seen like this.
+    // Slices of equal length, so that the compiler can remove bounds checks.
     let count = slots[0].len();
     for slots in &mut slots {
         *slots = &mut mem::take(slots)[..count];
@@ -252,7 +255,7 @@ fn collide_vectors<T: Precision, S: Simd>(
         let collision = Collision::new(&constants, &rates, force, moments);
         slots[0][number] = collision.of_rest(rest).entries();
         for pair in 0..PAIRS {
-            // Read again: there are more of them than registers.
+            // Read again, because there are more populations than registers.
             let there = Vector::new(simd, slots[2 * pair + 1][number]);
             let back = Vector::new(simd, slots[2 * pair + 2][number]);
             let left = collision.of_pair(pair, there, back);

@@ -1,11 +1,11 @@
-//! Forces on nodes, and velocities where they are.
+//! Forces on nodes, and velocities of these nodes.
 
 use crate::flow::lattice_boltzmann::stencil::Layout;
 use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
 use std::array;
 use std::ops::Range;
 
-/// Forces on some nodes. Rows along x without any are not read.
+/// Forces on single nodes. Rows along x without forces are not read.
 #[derive(Clone, Debug)]
 pub(super) struct NodalForces<T> {
     /// Nodes in a row, and rows in a plane.
@@ -54,7 +54,7 @@ impl<T: Precision> NodalForces<T> {
         }
     }
 
-    /// Parts of this many planes, to be added to at once.
+    /// Parts of this many planes, to which threads can add in parallel.
     pub(super) fn slabs(&mut self, planes: usize) -> Vec<ForceSlab<'_, T>> {
         let nodes = self.length * self.rows * planes;
         let [x, y, z] = self.axes.each_mut().map(|axis| axis.chunks_mut(nodes));
@@ -102,7 +102,7 @@ impl<T: Precision> NodalVelocities<T> {
         }
     }
 
-    /// Parts of this many planes, to be set at once.
+    /// Parts of this many planes, which threads can set in parallel.
     pub(super) fn slabs(&mut self, planes: usize) -> impl Iterator<Item = [&mut [T]; 3]> {
         let nodes = self.length * self.rows * planes;
         let [x, y, z] = self.axes.each_mut().map(|axis| axis.chunks_mut(nodes));
@@ -166,7 +166,7 @@ impl<T: Precision> Lattice<T> {
         (self.forces).get_or_insert_with(|| NodalForces::new(&self.layout))
     }
 
-    /// Takes away all forces on single nodes.
+    /// Removes all forces on single nodes.
     pub fn clear_forces(&mut self) {
         if let Some(forces) = &mut self.forces {
             forces.clear();

@@ -1,4 +1,4 @@
-//! Points that move with the fluid, and the forces on it that they carry.
+//! Points that move with the fluid, and their forces on it.
 //!
 //! C. S. Peskin, Acta Numerica 11 (2002) 479; the kernel of three points: A. M. Roma, C. S. Peskin,
 //! M. J. Berger, J. Comput. Phys. 153 (1999) 509.
@@ -11,17 +11,18 @@ use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
 use serde::{Deserialize, Serialize};
 use std::array;
 
-/// Fewer points than this take less time than to start a thread.
+/// The least number of points that is worth starting a thread.
 const POINTS_A_THREAD: usize = 1024;
 
-/// Fewer nodes than this between two parts of a row take less time than another part: they share
-/// cache lines with them.
+/// The least gap, in nodes, between two parts of a row. Smaller gaps are bridged, because they
+/// share cache lines with the parts.
 const NODES_LEFT_OUT: usize = 16;
 
-/// How a point is spread over the nodes around it: a product φ(x) φ(y) φ(z) of the distances.
+/// The kernel that spreads a point over the nodes around it: a product φ(x) φ(y) φ(z) of the
+/// distances along the axes.
 ///
-/// Each satisfies Σ φ = 1 and Σ r φ = 0 over the nodes for every point: forces and torques are
-/// conserved, and linear fields are interpolated exactly.
+/// Every kernel satisfies Σ φ = 1 and Σ r φ = 0 over the nodes for every point, so that forces and
+/// torques are conserved, and linear fields are interpolated exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kernel {
@@ -93,13 +94,14 @@ impl Kernel {
 
 /// Points in the fluid, such as the vertices of membranes.
 ///
-/// A step of membranes is: [`Self::place`] the vertices, [`Lattice::clear_forces`],
-/// [`Self::spread`] their forces, [`Lattice::advance_keeping_velocities`],
-/// [`Self::interpolate_kept`], and move the vertices.
+/// A step of membranes consists of [`Self::place`] for the vertices, [`Lattice::clear_forces`],
+/// [`Self::spread`] for their forces, [`Lattice::advance_keeping_velocities`],
+/// [`Self::interpolate_kept`], and the motion of the vertices.
 ///
-/// Points may lie anywhere on periodic axes. Between walls all of their nodes must be there: half a
-/// node of distance from the wall for two points, 1 for three, 3/2 for four. Nodes inside obstacles
-/// are nodes like any others: what is spread to them does not reach the fluid.
+/// Points may lie anywhere on periodic axes. Between walls all nodes of a point must exist, which
+/// requires a distance from the wall of half a node for kernels of two points, 1 for three, and 3/2
+/// for four. Nodes inside obstacles are treated like all others, but forces on them do not reach
+/// the fluid.
 #[derive(Clone, Debug)]
 pub struct Immersed {
     kernel: Kernel,
@@ -124,8 +126,8 @@ struct Stencil {
 /// Parts of rows along x that contain all nodes of all points.
 #[derive(Clone, Debug, Default)]
 struct Rows {
-    /// For each row of the lattice, counted along y, then z, its parts: two, for where a closed
-    /// membrane goes in and out.
+    /// For each row of the lattice, counted along y, then z, its parts: two, where the row enters
+    /// and leaves a closed membrane.
     parts: Vec<[Part; 2]>,
     /// All parts, in their order.
     runs: Vec<Row>,
@@ -183,7 +185,7 @@ fn cover([first, second]: &mut [Part; 2], start: usize, end: usize) {
 }
 
 impl Immersed {
-    /// No points as yet.
+    /// An empty set of points.
     pub fn new(kernel: Kernel) -> Self {
         Self {
             kernel,
@@ -200,7 +202,7 @@ impl Immersed {
         self.stencils.len()
     }
 
-    /// Puts the points where they are, in lattice units.
+    /// Places the points at positions in lattice units.
     ///
     /// # Errors
     /// If a coordinate is not finite, or a point is too near to a wall. Then there are no points.
@@ -259,10 +261,10 @@ impl Immersed {
         Ok(stencil)
     }
 
-    /// Adds to the forces on nodes those that the points exert on the fluid.
+    /// Adds the forces that the points exert on the fluid to the forces on nodes.
     ///
     /// # Errors
-    /// If one is not finite; then nothing is added.
+    /// If a force is not finite; then nothing is added.
     ///
     /// # Panics
     /// If there is not one force per point, or they were placed in a lattice of another size.
@@ -278,8 +280,8 @@ impl Immersed {
         }
         let share = lattice.cells()[2].div_ceil(self.threads(lattice));
         let slabs = lattice.nodal_forces().slabs(share);
-        // Each thread takes from all points, in their order, what falls into its planes: sums do not
-        // depend on the number of threads.
+        // Each thread visits all points in their order and adds the part in its planes, so that
+        // sums do not depend on the number of threads.
         std::thread::scope(|scope| {
             let mut slabs = slabs.into_iter();
             let own = slabs.next();
@@ -358,7 +360,7 @@ impl Immersed {
                 let own = left.split_off_mut(..nodes).unwrap_or_default();
                 let own_responses = responses.split_off_mut(..nodes).unwrap_or_default();
                 let mut run = move || read_velocities(lattice, runs, own, own_responses);
-                // The last share is this thread's own.
+                // The last part is computed on this thread.
                 if left.is_empty() {
                     run();
                 } else {
@@ -369,7 +371,7 @@ impl Immersed {
         self.interpolate_nodes(threads, velocities);
     }
 
-    /// Sets what lies on the points to what lies on the nodes around them.
+    /// Interpolates values at the points from the nodes around them.
     fn interpolate_nodes(&self, threads: usize, velocities: &mut [[f64; 3]]) {
         share_points(
             threads,
@@ -477,14 +479,14 @@ impl Immersed {
         }
     }
 
-    /// As many threads as are worth starting.
+    /// The number of threads worth starting.
     fn threads<T: Precision>(&self, lattice: &Lattice<T>) -> usize {
         let most = self.count() / POINTS_A_THREAD;
         most.clamp(1, lattice.setup.threads.get())
     }
 
     fn assert_size<T: Precision>(&self, lattice: &Lattice<T>) {
-        // Without points there is nothing that could lie elsewhere.
+        // Without points there is no lattice to compare with.
         assert!(
             self.stencils.is_empty() || self.cells == lattice.cells(),
             "the points were placed in a lattice of {:?} nodes, not of {:?}",
@@ -539,7 +541,7 @@ impl Rows {
         parts[usize::from(x >= parts[1].start)]
     }
 
-    /// Finds the parts anew.
+    /// Rebuilds the parts.
     fn cover(&mut self, cells: [usize; 3], kernel: Kernel, stencils: &[Stencil]) {
         let [length, rows, planes] = cells;
         let count = kernel.points();

@@ -8,8 +8,8 @@ use helfrich::{Surface, TriangleMesh};
 use std::ops::Range;
 
 impl<T: Precision> Lattice<T> {
-    /// Which nodes lie inside a closed surface, by their number: x runs fastest, then y. On periodic
-    /// axes it may lie anywhere, and what reaches beyond one side goes on at the other.
+    /// The numbers of the nodes inside a closed surface; x runs fastest, then y. On periodic axes
+    /// the surface may lie anywhere, and continues at the other side.
     ///
     /// # Errors
     /// If the positions do not fit the mesh or are not finite, if they reach more than a box beyond
@@ -27,9 +27,9 @@ impl<T: Precision> Lattice<T> {
         Ok(inside)
     }
 
-    /// Calls `inside` with the rows along x of nodes inside a closed surface: the number of the row,
-    /// counted along y, then z, which of its nodes, and how far apart the line through them crosses the
-    /// surface.
+    /// Calls `inside` for each row along x of nodes inside a closed surface, with the number of the
+    /// row, counted along y, then z, the range of its nodes, and the distance between the two
+    /// crossings of the line through them with the surface.
     pub(super) fn for_each_row_inside(
         &self,
         surface: Surface<'_, f64>,
@@ -86,7 +86,7 @@ impl<T: Precision> Lattice<T> {
         Ok(())
     }
 
-    /// Puts an obstacle at rest into the fluid, and returns its number. Its surface lies half-way
+    /// Adds an obstacle at rest to the fluid, and returns its number. Its surface lies half-way
     /// between nodes inside and outside of the mesh; the fluid inside stays there.
     ///
     /// # Errors
@@ -142,14 +142,14 @@ impl<T: Precision> Lattice<T> {
         [false, true].map(|high| self.links.force(wall(axis, high)).unwrap_or_default())
     }
 
-    /// Force of the fluid on an obstacle in the last step. It is what bounces off: an external force
+    /// Force of the fluid on an obstacle in the last step, by bounce-back only: an external force
     /// on every node does not act on the obstacle itself.
     ///
     /// # Panics
     /// If there is no such obstacle.
     pub fn obstacle_force(&self, obstacle: usize) -> [f64; 3] {
         assert!(obstacle < self.obstacles, "there is no obstacle {obstacle}");
-        // One that lies all in others has no links.
+        // An obstacle completely inside others has no links.
         self.links
             .force(FIRST_OBSTACLE + obstacle)
             .unwrap_or_default()

@@ -9,7 +9,7 @@ use std::array;
 pub struct Node {
     /// ρ, 1 at rest.
     pub density: f64,
-    /// u, with the half of the force that the step to come will add. Without inertia it is the
+    /// u, including half of the force that the next step will add. Without inertia it is the
     /// momentum, whatever the density.
     pub velocity: [f64; 3],
 }
@@ -70,11 +70,12 @@ impl<T: Precision> Lattice<T> {
         }
     }
 
-    /// Density and velocity at a point, linear between the nodes around. Towards walls and obstacles
-    /// the velocity goes to theirs, half-way beyond the last nodes in the fluid, and the density is
-    /// that of these. On periodic axes the point may lie anywhere.
+    /// Density and velocity at a point, interpolated linearly between the surrounding nodes.
+    /// Between the last fluid nodes and a wall or obstacle, the velocity goes linearly to that of
+    /// the surface half-way, and the density is that of the last nodes. On periodic axes the point
+    /// may lie anywhere.
     ///
-    /// None beyond walls, in the cells of nodes inside obstacles, and where a coordinate is not
+    /// `None` beyond walls, in the cells of nodes inside obstacles, and where a coordinate is not
     /// finite.
     pub fn fluid_at(&self, point: [f64; 3]) -> Option<Node> {
         let mut nodes = [[None; 2]; 3];
@@ -97,8 +98,8 @@ impl<T: Precision> Lattice<T> {
                 in_box.then(|| node.rem_euclid(count as i64) as usize)
             });
         }
-        // Corners of the cube of nodes around the point, on the sides that the bits of their numbers
-        // say.
+        // Corners of the cube of nodes around the point; the bits of a corner's number give its
+        // side along each axis.
         let side = |corner: usize, axis: usize| (corner >> axis) & 1;
         let cell = |corner| {
             let [x, y, z] = array::from_fn(|axis| nodes[axis][side(corner, axis)]);
@@ -119,7 +120,7 @@ impl<T: Precision> Lattice<T> {
             Some(node) => node,
             None => behind_obstacle(corner, &fluid),
         });
-        // Behind edges between walls, what the last axis says is right.
+        // Behind edges between walls, the value along the last axis is used.
         for axis in 0..3 {
             let Sides::Walls { low, high } = self.setup.sides[axis] else {
                 continue;
@@ -163,8 +164,8 @@ impl<T: Precision> Lattice<T> {
         }
     }
 
-    /// The moments of a row of nodes. Node by node, so that the processor waits for the memory of
-    /// all directions at once.
+    /// The moments of a row of nodes, node by node, so that the memory accesses of all directions
+    /// overlap.
     pub(super) fn read(&self, row: Row, moments: &mut [Moments]) {
         let layout = &self.layout;
         let slots: [_; Q] =

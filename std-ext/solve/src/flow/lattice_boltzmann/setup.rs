@@ -15,7 +15,7 @@ pub enum Sides {
     Walls {
         /// Velocity of the wall at 0, along the wall.
         low: [f64; 3],
-        /// Velocity of the other one.
+        /// Velocity of the other wall.
         high: [f64; 3],
     },
 }
@@ -37,7 +37,7 @@ pub struct Setup {
     pub sides: [Sides; 3],
     /// Kinematic viscosity ν = (τ − ½)/3. Best between 0.02 and 1.
     pub viscosity: f64,
-    /// Whether there is inertia; if not, nothing is quadratic in the velocity.
+    /// Whether there is inertia; without it, no term is quadratic in the velocity.
     pub inertia: bool,
     /// Number of threads. No result depends on it.
     pub threads: NonZeroUsize,

@@ -1,4 +1,4 @@
-//! The nineteen velocities of D3Q19, and where populations lie.
+//! The nineteen velocities of D3Q19, and the layout of populations.
 
 use crate::flow::lattice_boltzmann::LatticeError;
 use std::array;
@@ -53,7 +53,8 @@ pub(super) fn along(direction: usize, vector: [f64; 3]) -> f64 {
     c[0] * vector[0] + c[1] * vector[1] + c[2] * vector[2]
 }
 
-/// `index + step` on a circle of `count`; `step` is −1, 0 or 1. Rows ask for it often: no division.
+/// `index + step` modulo `count`; `step` is −1, 0 or 1. Computed without division, because rows
+/// call it often.
 pub(super) fn wrapped(index: usize, step: i8, count: usize) -> usize {
     match step {
         1 if index + 1 == count => 0,
@@ -64,19 +65,19 @@ pub(super) fn wrapped(index: usize, step: i8, count: usize) -> usize {
     }
 }
 
-/// The layout of populations: planes of constant z, in them one sheet for each direction, in that
-/// rows along x.
+/// The layout of populations: planes of constant z, in each plane one sheet for each direction, in
+/// each sheet rows along x.
 ///
-/// A row has one slot more than nodes, on the side to which its direction points: what crosses the
-/// end of the row is copied there for the time of an odd step, so that all of its nodes lie in one
-/// piece.
+/// A row has one slot more than nodes, on the side to which its direction points. During an odd
+/// step, populations that cross the end of the row are copied there, so that all nodes of a row are
+/// contiguous.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
     pub(super) cells: [usize; 3],
     /// Slots in a row.
     pub(super) pitch: usize,
-    /// Slots in a sheet. An odd number of cache lines: sheets that are read together would
-    /// otherwise drive each other out of the cache when sizes are powers of two.
+    /// Slots in a sheet. This is an odd number of cache lines, because sheets that are read
+    /// together would otherwise evict each other from the cache when sizes are powers of two.
     pub(super) sheet: usize,
 }
 
@@ -98,7 +99,7 @@ impl Layout {
             pitch,
             sheet,
         };
-        // Once this holds no other product in this module overflows.
+        // If this does not overflow, neither does any other product in this module.
         (sheet.checked_mul(Q))
             .and_then(|plane| plane.checked_mul(cells[2]))
             .and_then(|slots| slots.checked_mul(size_of::<T>()))
@@ -126,7 +127,7 @@ impl Layout {
         [node % x, node / x % y, node / (x * y)]
     }
 
-    /// Where a row's node 0 lies in it: the slot more is on the other side.
+    /// The position of node 0 in its row: the additional slot is on the other side.
     pub(super) fn lead(direction: usize) -> usize {
         usize::from(VELOCITIES[direction][0] < 0)
     }
@@ -136,9 +137,10 @@ impl Layout {
         (z * Q + direction) * self.sheet + y * self.pitch + x + Self::lead(direction)
     }
 
-    /// Under which direction, and how many nodes away, a node finds the population of a direction,
-    /// and leaves what it makes of the opposite one: before even steps the same and here, before odd
-    /// ones the opposite one and there from where the population came.
+    /// The stored direction and the offset in nodes at which a node finds the population of a
+    /// direction and stores the result for the opposite one. Before even steps these are the same
+    /// direction and the node itself; before odd steps, the opposite direction and the node from
+    /// which the population came.
     pub(super) fn source(odd: bool, direction: usize) -> (usize, [i8; 3]) {
         if odd {
             let back = opposite(direction);
@@ -154,8 +156,8 @@ impl Layout {
         self.slot(stored, self.moved(cell, step))
     }
 
-    /// The slots of [`Self::source`] for a node and those that follow along x: up to the end of the
-    /// row, and what follows when x goes round.
+    /// The slots of [`Self::source`] for a node and its successors along x: up to the end of the
+    /// row, and after the wrap of x.
     pub(super) fn row(&self, odd: bool, direction: usize, cell: [usize; 3]) -> [Range<usize>; 2] {
         let (stored, step) = Self::source(odd, direction);
         let [x, y, z] = self.moved(cell, step);

@@ -1,4 +1,4 @@
-//! From lattice units to others and back.
+//! Conversion between lattice units and other units.
 
 use crate::flow::lattice_boltzmann::stencil::Layout;
 use crate::flow::lattice_boltzmann::{LatticeError, Precision};
@@ -93,8 +93,8 @@ impl Units {
     }
 }
 
-/// Ma, the ratio of a speed on the lattice to that of sound, 1/√3. Errors by compressibility go with
-/// its square: 0.1 is much.
+/// Ma, the ratio of a speed on the lattice to that of sound, 1/√3. Errors by compressibility are
+/// proportional to its square; 0.1 is large.
 pub fn mach(speed: f64) -> f64 {
     3.0_f64.sqrt() * speed
 }
@@ -108,7 +108,7 @@ pub fn reynolds(speed: f64, length: f64, viscosity: f64) -> f64 {
 /// obstacles of their own; these add 3, 3 and 1 numbers and 2 bytes a node.
 ///
 /// # Errors
-/// If an axis has no nodes, or there are more than can be addressed.
+/// If an axis has no nodes, or there are too many nodes to address.
 pub fn memory<T: Precision>(cells: [usize; 3]) -> Result<usize, LatticeError> {
     Ok(Layout::new::<T>(cells)?.slots() * size_of::<T>())
 }

@@ -6,15 +6,15 @@ use std::ops::{Add, Div, Mul, Sub};
 
 /// The numbers that populations are held in: `f32` and `f64`.
 pub trait Vectors: Real {
-    /// A vector of them.
+    /// A vector of these numbers.
     type Of<S: Simd>: Copy;
 
     fn rows<S: Simd>(row: &[Self]) -> (&[Self::Of<S>], &[Self]);
     fn rows_mut<S: Simd>(row: &mut [Self]) -> (&mut [Self::Of<S>], &mut [Self]);
     fn splat<S: Simd>(simd: S, value: Self) -> Self::Of<S>;
-    /// The vector that starts with these, and ends in zeros.
+    /// The vector of these entries, padded with zeros.
     fn load<S: Simd>(simd: S, start: &[Self]) -> Self::Of<S>;
-    /// As many of the first entries as there is room for.
+    /// Stores the first entries, as many as fit.
     fn store<S: Simd>(simd: S, start: &mut [Self], vector: Self::Of<S>);
     fn plus<S: Simd>(simd: S, a: Self::Of<S>, b: Self::Of<S>) -> Self::Of<S>;
     fn minus<S: Simd>(simd: S, a: Self::Of<S>, b: Self::Of<S>) -> Self::Of<S>;

@@ -5,14 +5,14 @@ use crate::flow::lattice_boltzmann::stencil::Layout;
 use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision};
 use helfrich::Surface;
 
-/// Viscosities of their own of some nodes. Rows along x without any are not read.
+/// Viscosities of single nodes. Rows along x without any are not read.
 #[derive(Clone, Debug)]
 pub(super) struct NodalViscosities<T> {
     /// Nodes in a row.
     length: usize,
-    /// 3ν of each node, in the rows that have any.
+    /// 3ν of each node, in the rows that have viscosities.
     tripled: Vec<T>,
-    /// Whether a row has any; rows are counted along y, then z.
+    /// Whether a row has viscosities; rows are counted along y, then z.
     own: Vec<bool>,
 }
 
@@ -32,7 +32,7 @@ impl<T: Precision> NodalViscosities<T> {
         self.own[row].then(|| &self.tripled[nodes])
     }
 
-    /// The same to be changed: where it had none before, all of it has `others`.
+    /// 3ν of the nodes in a row, mutable. A row without viscosities is filled with `others`.
     fn row_mut(&mut self, row: usize, others: T) -> &mut [T] {
         let nodes = row * self.length..(row + 1) * self.length;
         let tripled = &mut self.tripled[nodes];
@@ -47,12 +47,12 @@ impl<T: Precision> Lattice<T> {
     /// Gives each node a viscosity of its own.
     ///
     /// # Errors
-    /// If one is not above 0; then nothing changes.
+    /// If a viscosity is not above 0; then nothing changes.
     pub fn set_viscosities(
         &mut self,
         mut viscosity: impl FnMut([usize; 3]) -> f64,
     ) -> Result<(), LatticeError> {
-        // Kept until all are known to be good.
+        // The old state is kept until all values are known to be valid.
         let mut viscosities = NodalViscosities::new(&self.layout);
         viscosities.own.fill(true);
         for (node, tripled) in viscosities.tripled.iter_mut().enumerate() {
@@ -63,14 +63,14 @@ impl<T: Precision> Lattice<T> {
         Ok(())
     }
 
-    /// Gives the nodes inside of closed surfaces the viscosity beside it, and all others the one of
-    /// the setup. Of nested surfaces the innermost one counts that contains a node; where surfaces
-    /// cross, the one whose crossings of the line through the node along x are nearer to each other.
-    /// The order of the surfaces does not matter. To be called again when surfaces have moved: it takes
-    /// a small part of a step. Memory is kept from call to call.
+    /// Gives the nodes inside each closed surface its viscosity, and all others that of the setup.
+    /// With nested surfaces, the innermost one that contains a node counts. Where surfaces cross,
+    /// the one counts whose two crossings with the line through the node along x are nearer to each
+    /// other. The order of the surfaces does not matter. Has to be called again when surfaces have
+    /// moved, which takes a small fraction of a step. Memory is kept between calls.
     ///
     /// # Errors
-    /// If a viscosity is not above 0, or a surface has no inside here: see [`Self::inside`]. Then
+    /// If a viscosity is not above 0, or a surface has no interior: see [`Self::inside`]. Then
     /// nothing changes.
     pub fn set_inner_viscosities(
         &mut self,

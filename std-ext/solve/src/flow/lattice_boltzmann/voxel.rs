@@ -1,4 +1,4 @@
-//! Which nodes of a lattice lie inside a closed mesh.
+//! Search for the nodes of a lattice inside a closed mesh.
 
 use std::ops::Range;
 
@@ -7,9 +7,9 @@ use std::ops::Range;
 /// through them. They are not bounded by any lattice. Where the surface winds around a cell twice,
 /// there is a row for each time, one within the other.
 ///
-/// A line along x crosses a triangle if it winds around it in the projection. Whether it passes an
-/// edge on one side or the other is decided by a number that both triangles at the edge compute
-/// alike, so that lines through edges and vertices are neither lost nor counted twice.
+/// A line along x crosses a triangle if the projected triangle winds around it. Both triangles at
+/// an edge compute the same number to decide on which side of the edge the line passes, so that
+/// lines through edges and vertices are neither lost nor counted twice.
 pub(super) fn for_each_row_inside(
     triangles: &[[u32; 3]],
     positions: &[[f64; 3]],
@@ -37,7 +37,7 @@ pub(super) fn for_each_row_inside(
         places.then(a.2.total_cmp(&b.2)).then(a.3.cmp(&b.3))
     });
     for line in crossings.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        // Where the line has gone in and not come out as yet.
+        // Crossings at which the line has entered and not yet left.
         let mut entered = Vec::new();
         let mut winding = 0_i32;
         for &(k, j, x, turn) in line {
@@ -53,8 +53,8 @@ pub(super) fn for_each_row_inside(
     }
 }
 
-/// The numbers n with n + ½ among or between the values. Rounding may add one, which does no harm,
-/// and takes none.
+/// The numbers n with n + ½ among or between the values. Rounding may add one, which is harmless,
+/// but removes none.
 fn centres([a, b, c]: [f64; 3]) -> Range<i64> {
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     (low - 0.5).ceil() as i64..(high - 0.5).floor() as i64 + 1
@@ -68,7 +68,7 @@ fn crossing(triangle: &[u32; 3], side: usize, corners: &[[f64; 3]; 3], line: [f6
     if before == after {
         return 0;
     }
-    // From the vertex of the lower number to the other, whichever triangle asks.
+    // Computed from the vertex with the lower number, so that both triangles get the same result.
     let (a, b) = if triangle[side] < triangle[next] {
         (from, to)
     } else {

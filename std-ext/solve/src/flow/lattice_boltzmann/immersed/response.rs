@@ -4,9 +4,9 @@ use super::{Immersed, Kernel};
 use crate::flow::lattice_boltzmann::{Lattice, Precision};
 
 impl Immersed {
-    /// Sets velocities to what these forces on the points would add at once to those that
-    /// [`Self::interpolate`] found: the half of what a step gives to the fluid, on each node
-    /// `1/(2ρ) Σ φ F`, without inertia 1/2 of the sum. Nothing is changed in the lattice.
+    /// Sets velocities to the immediate change by these forces on the points, relative to the
+    /// result of [`Self::interpolate`]: half of the change in a step, which is `1/(2ρ) Σ φ F` on
+    /// each node, or half of the sum without inertia. The lattice is not changed.
     ///
     /// The response is symmetric in the points, `Σ F·u(G) = Σ G·u(F)`, and `Σ F·u(F)` is not negative.
     ///
