@@ -1,10 +1,11 @@
-//! Which method reaches an accuracy for the least time: decided from measured rows by a written rule.
+//! The method that reaches an accuracy in the shortest time, decided from measured rows by a fixed
+//! rule.
 
 use crate::method::BendingMethod;
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 
-/// Which error of a quantity counts.
+/// The norm of the error of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Norm {
     /// The largest over the vertices.
@@ -14,7 +15,7 @@ pub enum Norm {
 }
 
 impl Norm {
-    /// Both, the stricter first.
+    /// Both norms, the stricter one first.
     pub const ALL: [Self; 2] = [Self::Max, Self::Mean];
 
     /// The error of a row in this norm.
@@ -41,11 +42,11 @@ pub struct Question<'a> {
     pub family: &'a str,
     /// The quantity that has to be accurate.
     pub quantity: Quantity,
-    /// Which error counts.
+    /// The norm of the error.
     pub norm: Norm,
-    /// How large it may be, relative to the largest exact value.
+    /// The largest allowed error, relative to the largest exact value.
     pub target: f64,
-    /// The method that is asked; `None` for all of them.
+    /// The method in question; `None` for all methods.
     pub method: Option<BendingMethod>,
 }
 
@@ -56,9 +57,9 @@ pub fn seconds(row: &Row) -> f64 {
 
 /// The row with the shortest evaluation that reaches the target; none if no row does.
 ///
-/// A row reaches the target if its error is at most that large, and if the same method in f64 keeps
-/// it on every finer mesh of the study: an error that grows when the mesh is refined was small by
-/// chance. (Without f64 among the rows, the row's own number type has to keep it.)
+/// A row reaches the target if its error is at most the allowed one, and if the same method in f64
+/// also reaches the target on every finer mesh of the study: an error that grows under refinement
+/// was small by chance. (Without f64 among the rows, the number type of the row is used.)
 pub fn cheapest<'a>(rows: &'a [Row], question: &Question<'a>) -> Option<&'a Row> {
     let reaching = asked(rows, question)
         .filter(|row| question.norm.of(row) <= question.target && is_kept(rows, row, question));
@@ -84,7 +85,7 @@ fn asked<'a>(rows: &'a [Row], question: &Question<'a>) -> impl Iterator<Item = &
     })
 }
 
-/// Whether no finer mesh loses the target again.
+/// Whether all finer meshes reach the target, too.
 fn is_kept(rows: &[Row], row: &Row, question: &Question<'_>) -> bool {
     let same = |scalar: Scalar| {
         asked(rows, question)
@@ -99,8 +100,8 @@ fn is_kept(rows: &[Row], row: &Row, question: &Question<'_>) -> bool {
         .all(|finer| question.norm.of(finer) <= question.target)
 }
 
-/// The one method that answers all questions for the least time in all, with its row for each; none if
-/// no method does.
+/// The method that answers all questions in the shortest total time, with its row for each; `None`
+/// if no method answers all.
 pub fn for_everything<'a>(
     rows: &'a [Row],
     questions: &[Question<'a>],

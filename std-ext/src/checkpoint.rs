@@ -5,8 +5,8 @@
 //! the postcard encoding (postcard.jamesmunns.com), the program's version, the fingerprint of the
 //! scene, and the state. postcard stores floats as their bits.
 //!
-//! postcard does not name what it stores: a state can be read back only as the type that was
-//! written, and must not use serde's `flatten`, `untagged` or `skip_serializing_if`.
+//! postcard stores no field names: a state can be read back only as the type that was written, and
+//! must not use `flatten`, `untagged` or `skip_serializing_if` of serde.
 
 use crate::io::replace_file;
 use crate::sha256::sha256;
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 const MAGIC: [u8; 16] = *b"helfrich state\r\n";
 /// Goes up whenever the layout before the state changes.
 const FORMAT: u32 = 1;
-/// States of another version of the program may mean something else by the same bytes.
+/// The version of the program: other versions may interpret the same bytes differently.
 const PROGRAM: &str = env!("CARGO_PKG_VERSION");
 /// Bytes of the magic, the format's version and the body's length.
 const PREFIX: usize = MAGIC.len() + size_of::<u32>() + size_of::<u64>();
@@ -40,7 +40,7 @@ impl Fingerprint {
         Self(sha256(&[text.as_bytes()]))
     }
 
-    /// All of it, as hexadecimal digits.
+    /// The whole fingerprint in hexadecimal digits.
     pub fn to_hex(self) -> String {
         self.0.iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -61,8 +61,8 @@ impl fmt::Debug for Fingerprint {
     }
 }
 
-/// Why there is no checkpoint, or none to go on from. The message is one line that starts with the
-/// file's name.
+/// The reason why a checkpoint cannot be written or used. The message is one line that starts with
+/// the name of the file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", path.display())]
 pub struct CheckpointError {
@@ -79,7 +79,7 @@ pub enum CheckpointProblem {
     /// The operating system refused to read or write the file.
     #[error("{0}")]
     Inaccessible(io::Error),
-    /// The file starts otherwise.
+    /// The file starts with other bytes.
     #[error("is no checkpoint: a file written by `helfrich run` is needed")]
     NotACheckpoint,
     /// The file was written in another layout.
@@ -91,12 +91,12 @@ pub enum CheckpointProblem {
     /// The file ends before it should.
     #[error("the checkpoint is truncated: it has {found} of {expected} bytes")]
     Truncated {
-        /// How long the file is.
+        /// Length of the file.
         found: u64,
-        /// How long it should be.
+        /// Expected length.
         expected: u64,
     },
-    /// The file goes on after its end, or its bytes are not those that were written.
+    /// The file is longer than expected, or its bytes have changed.
     #[error("the checkpoint is damaged: its checksum does not fit its content")]
     Damaged,
     /// Another version of the program wrote the file.
@@ -108,7 +108,7 @@ pub enum CheckpointProblem {
         /// The version found.
         found: String,
     },
-    /// The run was one of another scene.
+    /// The checkpoint belongs to another scene.
     #[error(
         "the checkpoint belongs to another scene (fingerprint {found}, this scene has {expected}): \
          between a run and its continuation only `title`, `output`, `duration` or `strain` may change, \
@@ -123,7 +123,7 @@ pub enum CheckpointProblem {
     /// The state cannot be encoded.
     #[error("the state cannot be written: {0}")]
     NotEncodable(String),
-    /// The bytes are those that were written, but no such state.
+    /// The bytes are intact, but do not encode a state of this type.
     #[error("the checkpoint does not hold the state that is asked for: {0}")]
     OtherState(String),
 }
@@ -137,8 +137,8 @@ impl CheckpointProblem {
     }
 }
 
-/// Writes the state of a run of a scene. The checkpoint that was there stays until the new one is
-/// complete and on the disk.
+/// Writes the state of a run of a scene. The previous checkpoint remains until the new one is
+/// complete on disk.
 ///
 /// # Errors
 /// If the state cannot be encoded, or the file cannot be written; see [`CheckpointProblem`].
@@ -161,12 +161,12 @@ pub fn write(
     .map_err(|error| CheckpointProblem::Inaccessible(error).of(path))
 }
 
-/// Reads the state of a run of this scene. Whatever the file's bytes are, the outcome is the state
-/// that was written or an error, and no more memory is taken than the file's length asks for.
+/// Reads the state of a run of this scene. For any bytes the result is the written state or an
+/// error, and memory is proportional to the length of the file.
 ///
 /// # Errors
-/// If the file cannot be read, is no checkpoint, is damaged, or belongs to another version, scene
-/// or type of state; see [`CheckpointProblem`].
+/// If the file cannot be read, is not a checkpoint, is damaged, or belongs to another version,
+/// scene or type of state; see [`CheckpointProblem`].
 pub fn read<D: DeserializeOwned>(path: &Path, scene: Fingerprint) -> Result<D, CheckpointError> {
     read_problem(path, scene).map_err(|problem| problem.of(path))
 }
@@ -197,7 +197,7 @@ fn read_problem<D: DeserializeOwned>(
     }
 }
 
-/// The body, after all that can be known without understanding it has been checked.
+/// The body, after all checks that do not need to decode it.
 fn read_body(path: &Path) -> io::Result<Result<Vec<u8>, CheckpointProblem>> {
     let mut file = File::open(path)?;
     let length = file.metadata()?.len();

@@ -1,23 +1,24 @@
-//! Companion of [`helfrich`]: whatever opens a file, draws a random number, starts a thread or
+//! Companion of [`helfrich`]: everything that opens files, draws random numbers, starts threads or
 //! prints.
 //!
 //! * [`io`]: mesh files. [`generate`]: mesh families on exact shapes.
 //!   [`subdivide`]: refined meshes.
 //! * [`method`] and [`scalar`]: the bending methods and number types, chosen at run time.
-//!   [`info`]: what a mesh is like.
+//!   [`info`]: properties of a mesh.
 //! * [`execute`]: threads and wide vectors for the core's loops.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge;
-//!   [`answer`]: which is the cheapest for an accuracy; [`recommend`]: which is on a
-//!   mesh of one's own. [`provenance`]: program, compiler and machine of all that.
+//!   [`answer`]: the cheapest method for an accuracy; [`recommend`]: the cheapest method on a mesh
+//!   of the user. [`provenance`]: program, compiler and machine of measurements.
 //! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
-//! * [`effect`] and [`simulation`]: exactly what a scene names, made ready; nothing moves or is
-//!   written. [`dynamics`]: membranes relax to equilibrium, whatever acts on them. [`flow`]: what
-//!   their forces do to viscous fluid. [`deformation`]: how bodies in flow are deformed and turned;
-//!   [`section`]: where a plane cuts them; [`enclosure`]: what is inside of them.
-//! * [`run`]: a scene driven in a folder; [`sweep`]: one with every combination of some values. [`checkpoint`] and [`series`]: what a run leaves to go on
-//!   from, and its numbers over time. [`lock`]: what one process at a time writes to. [`picture`]: surfaces coloured by a field, and plots, as PNG
-//!   files.
-//! * [`report`]: how all of this is shown.
+//! * [`effect`] and [`simulation`]: surfaces and effects of a scene, prepared for evaluation.
+//!   [`dynamics`]: relaxation of membranes under any forces, and integration in time. [`flow`]:
+//!   membranes in viscous fluid. [`deformation`]: deformation and orientation of bodies in flow;
+//!   [`section`]: sections by planes; [`enclosure`]: points inside surfaces.
+//! * [`run`]: a run of a scene in a folder; [`sweep`]: a scene with every combination of some
+//!   values. [`checkpoint`] and [`series`]: the stored state of a run, and its numbers over time.
+//!   [`lock`]: exclusive access to folders and files. [`picture`]: surfaces coloured by a field,
+//!   and plots, as PNG files.
+//! * [`report`]: tables, CSV and HTML of results.
 
 pub use helfrich_draw::picture;
 pub use helfrich_evaluate::{contact, effect, execute, method, noise, scalar};

@@ -1,7 +1,8 @@
-//! Folders and files that one process at a time writes to.
+//! Locks on folders and files, which let only one process write.
 //!
-//! A [`Lock`] is a small file that a process keeps locked while it writes. The operating system lets
-//! go of it whenever the process ends, killed or not: no stale lock is left, though the file may be.
+//! A [`Lock`] is a small file that a process keeps locked while it writes. The operating system
+//! releases the lock when the process ends, even if it is killed. The file may remain, but never a
+//! stale lock.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, Write};
@@ -10,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// The name of a folder's lock.
 pub const LOCK: &str = "lock";
 
-/// The longest description of a process that is read, in bytes.
+/// Maximal length of the description of a process, in bytes.
 const LONGEST: u64 = 200;
 
 /// A folder or file to which only this process writes, as long as this value exists.
@@ -23,7 +24,8 @@ pub struct Lock {
     warning: Option<String>,
 }
 
-/// Why a lock cannot be had. The message is one line that starts with the name of what is locked.
+/// The reason why a lock cannot be acquired. The message is one line that starts with the name of
+/// the folder or file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LockError {
@@ -35,7 +37,7 @@ pub enum LockError {
     Taken {
         /// The folder or file.
         place: PathBuf,
-        /// Which process, and where.
+        /// The process and its machine.
         holder: String,
     },
     /// The lock cannot be opened or written.
@@ -49,7 +51,7 @@ pub enum LockError {
 }
 
 impl Lock {
-    /// Locks a folder, which has to be there.
+    /// Locks an existing folder.
     ///
     /// # Errors
     /// If another process writes there, or no file can be made there; see [`LockError`].
@@ -101,7 +103,7 @@ impl Lock {
                     place.display()
                 )),
             };
-            // Whoever had the lock until now may have taken its file away.
+            // The previous owner of the lock may have removed its file.
             if !same_file(&path, &file) {
                 continue;
             }
@@ -122,8 +124,8 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // While the lock is held: nobody else has it open and believes to have it. A file that stays
-        // is no harm.
+        // The file is removed while the lock is held, so that no other process can believe that it
+        // owns the lock. A file that remains is harmless.
         let _ = self.file.set_len(0);
         let _ = fs::remove_file(&self.path);
     }
@@ -143,7 +145,7 @@ fn same_file(path: &Path, _file: &File) -> bool {
     path.exists()
 }
 
-/// Who has signed a lock.
+/// The signature in a lock.
 fn holder(file: &mut File) -> String {
     let mut text = String::new();
     let read = file
@@ -158,7 +160,7 @@ fn holder(file: &mut File) -> String {
 /// This process, in words.
 fn this_process() -> String {
     let process = std::process::id();
-    // Folders are shared between machines.
+    // The name of the machine is included, because folders may be shared between machines.
     match fs::read_to_string("/proc/sys/kernel/hostname") {
         Ok(host) => format!("process {process} on {}", host.trim()),
         Err(_) => format!("process {process}"),

@@ -1,8 +1,8 @@
 //! Columns of series drawn over each other, beside published curves.
 //!
-//! Published curves are read from CSV files with the head `curve,x,y` and a line a point. Lines that
-//! begin with `#` and empty ones are passed over; a name with commas stands in quotation marks,
-//! doubled inside; the points of a name are one curve wherever they stand.
+//! Published curves are read from CSV files with the header `curve,x,y` and one line per point.
+//! Empty lines and lines that begin with `#` are skipped. Names with commas must be in quotation
+//! marks, which are doubled inside names. All points with the same name form one curve.
 
 use crate::io::without_mark;
 use crate::picture::{Axis, Canvas, Curve, Marks, PictureError, Plot};
@@ -18,17 +18,17 @@ pub const CURVES_HEAD: &str = "curve,x,y";
 /// The longest file of published curves, in bytes.
 const LONGEST: u64 = 1 << 24;
 
-/// A curve that somebody has published.
+/// A published curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PublishedCurve {
-    /// Whose it is.
+    /// Its name.
     pub name: String,
     /// Its points, in the order of the file; all of them finite.
     pub points: Vec<[f64; 2]>,
 }
 
-/// Why a file of published curves cannot be read. The message is one line that starts with the
-/// file's name.
+/// The reason why a file of published curves cannot be read. The message is one line that starts
+/// with the name of the file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", path.display())]
 pub struct CurvesError {
@@ -45,10 +45,10 @@ pub enum CurvesProblem {
     /// The operating system refused to read the file.
     #[error("cannot be read: {0}")]
     Unreadable(io::Error),
-    /// It is longer than any such file should be.
+    /// The file is too long.
     #[error("is longer than {LONGEST} bytes: published curves have some hundred points")]
     TooLong,
-    /// The bytes are no text.
+    /// The bytes are not valid text.
     #[error("line {line}: is no UTF-8 text")]
     NoText {
         /// The line, from 1.
@@ -62,7 +62,7 @@ pub enum CurvesProblem {
         /// The text found.
         found: String,
     },
-    /// There is no point.
+    /// The file has no points.
     #[error("there is no curve: a head `{CURVES_HEAD}` and at least one point are needed")]
     Empty,
     /// A line has more or fewer than three fields.
@@ -73,7 +73,7 @@ pub enum CurvesProblem {
     Fields {
         /// The line, from 1.
         line: usize,
-        /// How many there are.
+        /// Number of fields.
         found: usize,
     },
     /// A quotation mark is not closed, or something follows it.
@@ -90,7 +90,7 @@ pub enum CurvesProblem {
         /// The line, from 1.
         line: usize,
     },
-    /// A coordinate is no number that can be drawn.
+    /// A coordinate is not a finite number.
     #[error("line {line}, {axis}: expected a finite number, found `{found}`")]
     NotANumber {
         /// The line, from 1.
@@ -125,7 +125,7 @@ pub fn read_curves(path: &Path) -> Result<Vec<PublishedCurve>, CurvesError> {
     })
 }
 
-/// The same from a file's content.
+/// Parses the content of such a file.
 ///
 /// # Errors
 /// If there are no curves; see [`CurvesProblem`].
@@ -220,9 +220,9 @@ fn point(text: &str, line: usize) -> Result<(String, [f64; 2]), CurvesProblem> {
 pub struct SeriesPlot<'a> {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// The line at the top; none if it is empty.
+    /// The title; none if it is empty.
     pub title: &'a str,
-    /// Name and unit of what goes to the right, and of what goes upwards.
+    /// Name and unit of the horizontal axis, and of the vertical axis.
     pub labels: [&'a str; 2],
     /// Computed curves, drawn as lines.
     pub curves: &'a [SeriesCurve<'a>],
@@ -237,13 +237,13 @@ pub struct SeriesCurve<'a> {
     pub name: &'a str,
     /// The numbers.
     pub table: &'a SeriesTable,
-    /// The column that goes to the right.
+    /// The column on the horizontal axis.
     pub against: &'a str,
-    /// The column that goes upwards.
+    /// The column on the vertical axis.
     pub column: &'a str,
 }
 
-/// Why series cannot be plotted. The message is one line.
+/// The reason why series cannot be plotted. The message is one line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {
@@ -255,25 +255,25 @@ pub enum PlotError {
         /// The existing columns.
         known: Vec<String>,
     },
-    /// There is no picture.
+    /// The picture cannot be drawn.
     #[error(transparent)]
     Picture(#[from] PictureError),
 }
 
 impl SeriesPlot<'_> {
-    /// Draws it. Rows in which a number is not finite interrupt the line.
+    /// Draws the plot. Rows in which a number is not finite interrupt the line.
     ///
     /// # Errors
     /// If a column is missing, or the size impossible; see [`PlotError`].
     pub fn draw(&self) -> Result<Canvas, PlotError> {
         let points = self.curves.iter().map(SeriesCurve::points);
         let points = points.collect::<Result<Vec<_>, _>>()?;
-        // The same colours with and without what was published.
+        // The colours are the same with and without published curves.
         let curve = |name, points, line, colour| Curve {
             name,
             points,
             bounds: &[],
-            // A run of one row is to be seen, too.
+            // Marks make a series of one row visible, too.
             marks: match points {
                 [_] => Marks::Points,
                 _ => line,
@@ -288,7 +288,7 @@ impl SeriesPlot<'_> {
             let name = own.name.as_str();
             curve(name, own.points.as_slice(), Marks::DashesAndPoints, colour)
         });
-        // Lines last, over the marks.
+        // Lines are drawn last, over the marks.
         let curves = Vec::from_iter(published.chain(computed));
         let [right, up] = self.labels.map(|label| Axis {
             label,
@@ -318,8 +318,8 @@ impl SeriesCurve<'_> {
     }
 }
 
-/// Which columns of a series a name stands for, each with what a legend calls it: the column of that
-/// name, or else those of all surfaces, `NAME_SURFACE`. None if there are none.
+/// The columns of a series for a name, each with its name in the legend: the column of that name
+/// or, if there is none, the columns `NAME_SURFACE` of all surfaces. Empty if there are none.
 pub fn columns_of<'a>(
     table: &SeriesTable,
     name: &str,

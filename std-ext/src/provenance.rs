@@ -1,15 +1,15 @@
-//! Where measurements come from: program, compiler, machine.
+//! The origin of measurements: program, compiler, machine.
 
 use crate::sha256::sha256;
 use serde::Serialize;
 use std::fs;
 use std::thread::available_parallelism;
 
-/// How a program was built: its build script knows.
+/// The build of a program, recorded by its build script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Build {
-    /// The commit of the sources, with `-dirty` if they had been changed; empty if they were not
-    /// those of a repository.
+    /// The commit of the sources, with `-dirty` if they had been changed; empty if the sources were
+    /// not in a repository.
     pub commit: &'static str,
     /// The compiler and its version.
     pub compiler: &'static str,
@@ -26,17 +26,17 @@ pub struct Build {
 pub struct Provenance {
     /// The version of the program.
     pub version: &'static str,
-    /// How it was built.
+    /// Its build.
     #[serde(flatten)]
     pub build: Build,
     /// The SHA-256 of the program's file; zeros if it cannot be read.
     #[serde(skip)]
     pub program: [u8; 32],
-    /// The processor, as the operating system calls it.
+    /// The name of the processor according to the operating system.
     pub processor: String,
     /// Widest vectors of the processor that Stokes sums and lattices use; other loops use AVX2 at most.
     pub vectors: &'static str,
-    /// How many threads they use.
+    /// Number of threads.
     pub threads: usize,
 }
 
@@ -54,7 +54,7 @@ impl Provenance {
         }
     }
 
-    /// Processor, vectors and threads: what tells one machine's times from another's.
+    /// Processor, vectors and threads, which identify a machine for comparisons of times.
     pub fn machine(&self) -> String {
         let Self {
             processor,

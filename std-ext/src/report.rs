@@ -1,4 +1,4 @@
-//! How data is shown: tables and CSV. Nothing is computed here.
+//! Presentation of data: tables and CSV. Nothing is computed here.
 
 pub mod page;
 mod recommendation;
@@ -95,7 +95,7 @@ pub fn study_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
 /// Mark before a time that is the median of times that scatter.
 const SCATTERED: &str = "~";
 
-/// The meaning of that, where it is used.
+/// The explanation of this mark.
 fn about_scatter(is_used: bool, out: &mut dyn Write) -> io::Result<()> {
     if !is_used {
         return Ok(());
@@ -168,7 +168,7 @@ fn cells(
     Ok(())
 }
 
-/// Writes what a mesh is like, a line each.
+/// Writes the properties of a mesh, one per line.
 ///
 /// # Errors
 /// If `out` cannot be written to.
@@ -228,8 +228,8 @@ pub fn noise_of_positions(noise: &Noise<f64>) -> String {
 }
 
 /// Writes a line for each vertex, with the header
-/// `vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz`; numbers with as many digits as tell them from
-/// every other, an empty field where the method says nothing.
+/// `vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz`; numbers with enough digits to identify every
+/// f64, and empty fields where the method defines no value.
 ///
 /// # Errors
 /// If `out` cannot be written to.
@@ -263,7 +263,7 @@ pub fn curvature_csv<T: Real>(
     Ok(())
 }
 
-/// How often each kind of finding occurs, and in words what the first of the kind is.
+/// The number of findings of each kind, with a description of the first.
 pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
     let words = |finding: &Finding| match finding {
         Finding::ZeroArea { vertex } => {
@@ -335,7 +335,7 @@ pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
         .collect()
 }
 
-/// Writes how a run ended: its last numbers, and what each effect has cost.
+/// Writes the end of a run: its last numbers, and the cost of each effect.
 ///
 /// # Errors
 /// If `out` cannot be written to.
@@ -394,9 +394,10 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
     writeln!(out, "\nwritten to {}", folder.display())
 }
 
-/// Writes what has become of the runs of a sweep: a line each, with its values, the last numbers of
-/// the chosen columns, evaluations of the velocities (or iterations), seconds, microseconds that an
-/// evaluation of bending takes, and how it ended; below, why runs failed.
+/// Writes the results of the runs of a sweep: one line per run with its values, the last numbers of
+/// the chosen columns, the number of evaluations of velocities (or iterations), the time in
+/// seconds, the time of an evaluation of bending in microseconds, and the end of the run. Below are
+/// the reasons why runs failed.
 ///
 /// # Errors
 /// If `out` cannot be written to.
@@ -438,7 +439,7 @@ pub fn sweep_table(swept: &Swept, folder: &Path, out: &mut dyn Write) -> io::Res
     let widths = Vec::from_iter((0..columns).map(|column| width(column).unwrap_or(0)));
     for (number, row) in rows.iter().enumerate() {
         let cells = row.iter().zip(&widths).enumerate();
-        // Texts to the left, numbers to the right.
+        // Texts are aligned to the left, numbers to the right.
         let cells = cells.map(|(column, (cell, &width))| {
             if column < swept.keys.len() || column + 1 == columns {
                 format!("{cell:width$}")
@@ -466,7 +467,7 @@ pub fn sweep_table(swept: &Swept, folder: &Path, out: &mut dyn Write) -> io::Res
     writeln!(out, "\nwritten to {}", folder.display())
 }
 
-/// Why a run did not come to its end.
+/// The reason why a run did not reach its end.
 fn reason((case, outcome): &(Case, Outcome)) -> Option<(&str, &str)> {
     let reason = match outcome {
         Outcome::Ended(ended) if matches!(ended.end, End::Converged | End::Completed) => None,

@@ -1,10 +1,10 @@
-//! The series of a run: a CSV file with a named column a quantity and a row a time.
+//! The series of a run: a CSV file with a named column per quantity and a row per time.
 //!
 //! Every row is written by one call to the operating system, so that a run that is killed leaves
-//! at most one torn line, the last. A run that is resumed cuts the file back to the rows that its
-//! checkpoint knows and goes on: the file is, byte for byte, that of a run that nobody interrupted.
+//! at most one torn line, the last. A resumed run truncates the file to the rows of its checkpoint
+//! and continues. The file is then, byte for byte, that of an uninterrupted run.
 //!
-//! Numbers have as many digits as tell every `f64` apart; `NaN`, `inf` and `-inf` are kept.
+//! Numbers have enough digits to identify every `f64`; `NaN`, `inf` and `-inf` are kept.
 
 use crate::io::replace_file;
 use std::fmt::Write as _;
@@ -15,11 +15,11 @@ use std::path::{Path, PathBuf};
 /// The name of the first column.
 pub const TIME: &str = "time";
 
-/// The name of the first column where there is no time.
+/// The name of the first column for drivers without time.
 pub const ITERATION: &str = "iteration";
 
-/// Why a series cannot be written or read. The message is one line that starts with the file's
-/// name.
+/// The reason why a series cannot be written or read. The message is one line that starts with the
+/// name of the file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", path.display())]
 pub struct SeriesError {
@@ -42,7 +42,7 @@ pub enum SeriesProblem {
         /// The value found.
         found: String,
     },
-    /// A name that CSV readers would take apart, or none.
+    /// A name that CSV readers would split, or an empty one.
     #[error(
         "the column name {name:?} is empty or has a comma, a quotation mark, a control character or \
          a space at an end"
@@ -62,12 +62,12 @@ pub enum SeriesProblem {
     WrongLength {
         /// The line, from 1.
         line: u64,
-        /// How many numbers there are.
+        /// Number of values.
         found: usize,
         /// How many there should be.
         columns: usize,
     },
-    /// Something in a row is no number.
+    /// A field of a row is not a number.
     #[error("line {line}, column `{column}`: expected a number, found `{found}`")]
     NotANumber {
         /// The line, from 1.
@@ -77,7 +77,7 @@ pub enum SeriesProblem {
         /// The content found.
         found: String,
     },
-    /// The file's columns are not those that the run goes on to write.
+    /// The columns of the file are not those of the run.
     #[error("the columns are `{found}`, but the run goes on with `{expected}`")]
     OtherColumns {
         /// The file's first line.
@@ -85,30 +85,30 @@ pub enum SeriesProblem {
         /// The expected content.
         expected: String,
     },
-    /// Rows that the checkpoint knows are missing.
+    /// Rows of the checkpoint are missing.
     #[error(
         "there are {found} complete rows, but the checkpoint was written after {expected}: the file \
          was cut, replaced or taken away; put it back, or begin another run"
     )]
     TooFewRows {
-        /// How many there are.
+        /// Number of rows.
         found: u64,
         /// How many there should be.
         expected: u64,
     },
-    /// Somebody else has written to the file.
+    /// Another program has written to the file.
     #[error(
         "the file has {found} bytes, and the run has written {expected}: another program has changed \
          it, and no more rows are added; `--resume` goes on from the last checkpoint if the rows up to \
          there are as they were"
     )]
     Changed {
-        /// How long it is.
+        /// Length of the file.
         found: u64,
-        /// How long the run has left it.
+        /// Length to which the run has written it.
         expected: u64,
     },
-    /// The bytes are no text, or a line is longer than any row can be.
+    /// The bytes are not valid text, or a line is too long.
     #[error("line {line}: is no row of numbers")]
     NotARow {
         /// The line, from 1.
@@ -131,7 +131,7 @@ impl From<io::Error> for SeriesProblem {
     }
 }
 
-/// A series that is being written.
+/// A writer of a series.
 #[derive(Debug)]
 pub struct Series {
     path: PathBuf,
@@ -159,8 +159,8 @@ impl Series {
         create().map_err(|problem: SeriesProblem| problem.of(path))
     }
 
-    /// Goes on with a series after its first `rows` rows: whatever follows them, complete or torn,
-    /// is cut off.
+    /// Continues a series after its first `rows` rows; all that follows is cut off, complete or
+    /// torn.
     ///
     /// # Errors
     /// If the file cannot be read or written, its columns are others, or it has fewer rows; it is
@@ -213,7 +213,8 @@ impl Series {
         })
     }
 
-    /// Appends a row, one number a column; it is with the operating system when this returns.
+    /// Appends a row, one number per column; it has been passed to the operating system when this
+    /// returns.
     ///
     /// # Errors
     /// If there are more or fewer numbers than columns, or the file cannot be written: it keeps
@@ -236,8 +237,8 @@ impl Series {
         self.line.push('\n');
         self.keep().map_err(|problem| problem.of(&self.path))?;
         if let Err(error) = self.file.write_all(self.line.as_bytes()) {
-            // Part of the row may be there: a full disk stops in the middle. If it cannot be taken
-            // back, the readers pass over it.
+            // Part of the row may have been written, for example to a full disk. If it cannot be
+            // removed, readers skip it.
             let _ = self.file.set_len(self.length);
             return Err(SeriesProblem::Inaccessible(error).of(&self.path));
         }
@@ -246,7 +247,7 @@ impl Series {
         Ok(())
     }
 
-    /// The number of rows, all of them on the disk: what a checkpoint has to hold for
+    /// Syncs all rows to the disk and returns their number, which a checkpoint has to store for
     /// [`Self::resume`].
     ///
     /// # Errors
@@ -257,8 +258,8 @@ impl Series {
         Ok(self.rows)
     }
 
-    /// Sees to it that the rows so far are in the file: if it was taken away, it is written anew from
-    /// what the operating system still has of it.
+    /// Ensures that the rows so far are in the file. If the file was deleted, it is written again
+    /// from the content that the operating system still holds.
     fn keep(&mut self) -> Result<(), SeriesProblem> {
         let expected = self.length;
         match fs::metadata(&self.path) {
@@ -298,10 +299,10 @@ pub struct SeriesTable {
 }
 
 impl SeriesTable {
-    /// Reads a series. A torn last line is passed over: the run may still be writing it.
+    /// Reads a series. A torn last line is skipped, because the run may still be writing it.
     ///
     /// # Errors
-    /// If the file cannot be read or is no series; see [`SeriesProblem`].
+    /// If the file cannot be read or is not a series; see [`SeriesProblem`].
     pub fn read(path: &Path) -> Result<Self, SeriesError> {
         let read = || {
             let mut lines = Lines::open(path)?;
@@ -383,7 +384,8 @@ struct Lines {
 }
 
 impl Lines {
-    /// No line that we write is nearly as long; a file without line breaks is not read whole.
+    /// Maximal length of a line, far above that of rows: a file without line breaks is not read
+    /// completely.
     const LONGEST: u64 = 1 << 20;
 
     fn open(path: &Path) -> io::Result<Self> {

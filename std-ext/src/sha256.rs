@@ -48,7 +48,7 @@ const fn rounds() -> [u32; 64] {
     constants
 }
 
-/// The checksum of bytes that are in several parts.
+/// The checksum of bytes in several parts.
 pub(crate) fn sha256(parts: &[&[u8]]) -> [u8; 32] {
     let mut state = START;
     let mut rest = [0; BLOCK];

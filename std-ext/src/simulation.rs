@@ -1,7 +1,7 @@
-//! A scene made ready: its surfaces, and exactly the effects that it names.
+//! A prepared scene: its surfaces and effects.
 //!
-//! Nothing is written here and nothing moves: a [`Simulation`] says which forces act at given
-//! positions. [`crate::dynamics`] moves them, [`crate::run`] writes what becomes of them.
+//! A [`Simulation`] computes the forces at given positions; it moves and writes nothing.
+//! [`crate::dynamics`] moves the positions, and [`crate::run`] writes results.
 
 mod build;
 mod crossing;
@@ -24,7 +24,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Surfaces under forces: what a driver drives.
+/// Surfaces and their forces, for a driver.
 #[derive(Debug)]
 pub struct Simulation {
     bodies: Vec<Body>,
@@ -60,7 +60,7 @@ pub struct Obstacle {
     pub name: String,
     /// Its mesh.
     pub mesh: TriangleMesh,
-    /// Where its vertices are.
+    /// The positions of its vertices.
     pub positions: Vec<[f64; 3]>,
 }
 
@@ -83,7 +83,7 @@ pub struct Acting {
     pub effect: String,
     /// Whether it acts between surfaces.
     pub between: bool,
-    /// Its energy; of a method in strong form the one that goes with it.
+    /// Its energy; for a method in strong form, its quadrature of the energy.
     pub energy: f64,
     /// Its nodal forces on all surfaces.
     pub force: Vec<[f64; 3]>,
@@ -94,9 +94,9 @@ pub struct Acting {
 pub struct Cost {
     /// The effect, with the surface's name where there are several.
     pub effect: String,
-    /// How often it was evaluated.
+    /// Number of evaluations.
     pub evaluations: u64,
-    /// The time that this took.
+    /// Their total time.
     pub seconds: f64,
 }
 
@@ -111,7 +111,7 @@ impl Body {
         &self.mesh
     }
 
-    /// The same, to be shared.
+    /// Its mesh, shared.
     pub fn shared_mesh(&self) -> &Arc<TriangleMesh> {
         &self.mesh
     }
@@ -132,7 +132,8 @@ impl Body {
         Some((stretch.force(), stretch.axis()))
     }
 
-    /// Whether vertices may slide along the surface in a flow: it is fluid, and none is pulled.
+    /// Whether vertices may slide along the surface in a flow: the surface is fluid, and no vertex
+    /// is loaded.
     pub fn slides(&self) -> bool {
         self.membrane.motion == Motion::AlongNormals && self.stretch.is_none()
     }
@@ -164,20 +165,20 @@ impl Simulation {
         &self.warnings
     }
 
-    /// The membranes as the relaxation sees them.
+    /// The membranes, for a relaxation.
     pub fn membranes(&self) -> Vec<Membrane> {
         let membrane = |body: &Body| body.membrane.clone();
         self.bodies.iter().map(membrane).collect()
     }
 
-    /// How many loads the longest sequence of stretching forces has; 1 if nothing is stretched.
+    /// Number of loads in the longest sequence of stretching forces; 1 if nothing is stretched.
     pub fn load_count(&self) -> usize {
         let stretches = self.bodies.iter().filter_map(|body| body.stretch.as_ref());
         stretches.map(Stretch::count).max().unwrap_or(1)
     }
 
-    /// Puts the load with this number on every stretched surface; on those with a shorter
-    /// sequence, its last.
+    /// Applies the load with this number to every stretched surface, or the last load of a shorter
+    /// sequence.
     pub fn set_load(&mut self, load: usize) {
         for body in &mut self.bodies {
             if let Some(stretch) = &mut body.stretch {
@@ -201,9 +202,8 @@ impl Simulation {
         names
     }
 
-    /// Energy and forces of each effect by itself at these positions, in the order of
-    /// [`Self::effect_names`]: for files and pictures, and not counted as cost. Nothing if a
-    /// position is not finite.
+    /// Energy and forces of each effect separately, in the order of [`Self::effect_names`], for
+    /// files and pictures; not counted as cost. Empty if a position is not finite.
     pub fn resolve(&mut self, positions: &[[f64; 3]]) -> Vec<Acting> {
         let names = self.effect_names();
         let mut acting = Vec::with_capacity(names.len());
@@ -346,7 +346,7 @@ impl Problem for Simulation {
     fn restore(&mut self, positions: &mut [[f64; 3]]) -> f64 {
         let restore = |body: &mut Body| {
             let restored = body.held.restore(&mut positions[body.vertices.clone()]);
-            // The driver takes a shorter step, or stops and says so.
+            // The driver then takes a shorter step, or stops with a message.
             restored.map_or(f64::INFINITY, |correction| correction.residual)
         };
         self.bodies.iter_mut().map(restore).fold(0.0, f64::max)

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// A number with six significant digits at most, and no zeros that say nothing: in powers of ten only
-/// where it is very large or small.
+/// A number with at most six significant digits and without trailing zeros; in powers of ten only
+/// if it is very large or small.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Six(pub(crate) f64);
 
@@ -13,7 +13,7 @@ impl fmt::Display for Six {
         let split = rounded.split_once('e');
         let Some((mantissa, exponent)) = split.and_then(|(m, e)| Some((m, e.parse::<i32>().ok()?)))
         else {
-            // Not a number, or infinite.
+            // NaN or infinite.
             return formatter.pad(&rounded);
         };
         let text = match usize::try_from(5 - exponent) {

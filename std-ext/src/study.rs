@@ -1,4 +1,5 @@
-//! Accuracy and cost of bending methods on exact shapes: data; [`crate::report`] shows it.
+//! Measurements of accuracy and cost of bending methods on exact shapes; [`crate::report`] presents
+//! them.
 
 mod cache;
 mod errors;
@@ -46,7 +47,7 @@ impl Quantity {
         Self::ForceDensity,
     ];
 
-    /// Whether a method says anything of this quantity.
+    /// Whether a method defines this quantity.
     pub fn is_defined_by(self, method: BendingMethod) -> bool {
         let [mean, gaussian, laplacian] = method.description().defines;
         match self {
@@ -75,7 +76,7 @@ pub struct Study {
     pub shape: AnyShape,
     /// The mesh families.
     pub families: Vec<Family>,
-    /// How many vertices the meshes have, in any order; each number counts once.
+    /// Numbers of vertices of the meshes, in any order; duplicates are ignored.
     pub vertices: Vec<usize>,
     /// The methods.
     pub methods: Vec<BendingMethod>,
@@ -96,28 +97,28 @@ pub struct Row {
     pub shape: &'static str,
     /// The mesh family's name.
     pub family: &'static str,
-    /// How many vertices the mesh has.
+    /// Number of vertices of the mesh.
     pub vertices: usize,
     /// The method.
     pub method: BendingMethod,
-    /// Its options that are not the default ones.
+    /// Its options other than the defaults.
     #[serde(flatten)]
     pub options: MethodOptions,
     /// The number type.
     pub scalar: Scalar,
     /// The quantity compared.
     pub quantity: Quantity,
-    /// Largest error over the vertices, relative to the largest exact value, or to what the
-    /// shape's size gives (1/R³, κ/R³) where the exact value vanishes. Infinite, which JSON writes
-    /// as null, if a vertex has no result.
+    /// Largest error over the vertices, relative to the largest exact value or, where that
+    /// vanishes, to the scale of the shape (1/R³, κ/R³). Infinite (null in JSON) if a vertex has no
+    /// result.
     pub max: f64,
     /// Area-weighted mean error, relative to the same.
     pub mean: f64,
     /// Order of convergence of `max` from the next coarser mesh: ln(e₁/e₂)/ln √(N₂/N₁).
     pub order_max: Option<f64>,
-    /// The same of `mean`.
+    /// Order of convergence of `mean`.
     pub order_mean: Option<f64>,
-    /// Median time of one evaluation on one thread, nanoseconds a vertex.
+    /// Median time of one evaluation on one thread, in nanoseconds per vertex.
     pub ns_per_vertex: f64,
     /// Distance of the quartiles of that time over their median; see [`Self::is_scattered`].
     pub ns_scatter: f64,
@@ -128,9 +129,9 @@ pub struct Row {
 
 /// The surroundings of a running study: progress, interruption, cache.
 pub struct Session<'a> {
-    /// Hears of every step.
+    /// Called at every step.
     pub progress: &'a mut dyn FnMut(Progress<'_>),
-    /// Whether to stop; asked before each measurement. What is measured by then is returned.
+    /// Whether to stop; called before each measurement. Measurements made so far are returned.
     pub interrupted: &'a dyn Fn() -> bool,
     /// Earlier measurements, to which new ones are added.
     pub cache: Option<&'a mut Cache>,
@@ -145,7 +146,7 @@ impl fmt::Debug for Session<'_> {
     }
 }
 
-/// How far a study has come.
+/// The progress of a study.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
     /// Work done, in vertices.
@@ -156,7 +157,7 @@ pub struct Progress<'a> {
     pub at: &'a str,
 }
 
-/// Why a study cannot be made.
+/// The reason why a study cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
@@ -179,7 +180,7 @@ pub enum StudyError {
     /// A mesh cannot be used in this number type.
     #[error("the mesh of {vertices} vertices cannot be held in {scalar}: {source}")]
     Surface {
-        /// How many vertices.
+        /// Number of vertices.
         vertices: usize,
         /// The number type.
         scalar: Scalar,
@@ -189,8 +190,8 @@ pub enum StudyError {
 }
 
 impl Study {
-    /// Makes the study, row after row, coarse meshes before fine ones; `progress` hears of every
-    /// step. What can be refused is refused before anything is computed.
+    /// Makes the study row by row, coarse meshes first; `progress` is called at every step. Invalid
+    /// studies are refused before anything is computed.
     ///
     /// # Errors
     /// If a mesh cannot be made, or does not fit a number type.
@@ -203,7 +204,7 @@ impl Study {
         })
     }
 
-    /// The same, interrupted or taken up again as the session says.
+    /// Makes the study with interruption and cache as given by the session.
     ///
     /// # Errors
     /// If a mesh cannot be made, or does not fit a number type.
@@ -226,7 +227,7 @@ impl Study {
                 (session.progress)(Progress { done, total, at });
                 done += asked as u64;
                 let level = self.level(family, asked, session.cache.as_deref())?;
-                // Two numbers may have the same nearest lattice of the torus.
+                // On the torus two numbers of vertices may lead to the same lattice.
                 if meshes
                     .last()
                     .is_none_or(|last| last.vertices < level.vertices)
@@ -305,7 +306,7 @@ impl Study {
         })
     }
 
-    /// Refuses what cannot be studied.
+    /// Refuses invalid studies.
     fn check(&self) -> Result<(), StudyError> {
         for &family in &self.families {
             for &vertices in &self.vertices {
@@ -365,11 +366,11 @@ struct Case<'a> {
 
 /// A mesh of a family.
 struct Level {
-    /// How many vertices were asked for.
+    /// Requested number of vertices.
     asked: usize,
-    /// How many there are.
+    /// Actual number of vertices.
     vertices: usize,
-    /// The mesh; none if nothing is left to be measured on it.
+    /// The mesh; `None` if all its measurements are cached.
     made: Option<(GeneratedMesh, Reference)>,
 }
 
@@ -385,7 +386,7 @@ struct Measured {
 }
 
 impl Measured {
-    /// Keeps it for the next time, unless its times scatter: then it is measured again.
+    /// Caches the measurement, unless its times scatter: then it will be measured again.
     fn keep(&self, key: String, cache: Option<&mut Cache>) {
         if let Some(cache) = cache
             && !is_scattered(self.ns_scatter)
@@ -432,7 +433,7 @@ impl Case<'_> {
                 measured.keep(key, session.cache.as_deref_mut());
                 measured
             }
-            // A mesh is made wherever anything is missing.
+            // The mesh exists, because a measurement is missing.
             (None, None) => return Ok(Vec::new()),
         };
         let defined = |quantity: &Quantity| quantity.is_defined_by(self.method);

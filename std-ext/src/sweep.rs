@@ -1,11 +1,10 @@
 //! One scene run with every combination of some values, side by side.
 //!
 //! A folder holds
-//! * a folder a run, named by its values, such as `method=meyer,vertices=642`: see
+//! * a folder for each run, named by its values, such as `method=meyer,vertices=642`: see
 //!   [`run`](crate::run);
-//! * `sweep.csv`: a line a run, with its values, its last numbers, what it has cost, how it ended;
-//! * `COLUMN.png` for each chosen column: the series of all runs over each other, beside what was
-//!   published.
+//! * `sweep.csv`: a line for each run with its values, last numbers, cost and end;
+//! * `COLUMN.png` for each chosen column: the series of all runs together, with published curves.
 //!
 //! A failed run is recorded, and the next one starts.
 
@@ -28,20 +27,20 @@ use std::path::{Path, PathBuf};
 /// The table's name in its folder.
 pub const TABLE: &str = "sweep.csv";
 
-/// The most runs of a sweep.
+/// The largest number of runs of a sweep.
 const MOST_CASES: usize = 10_000;
 
-/// A scene and the values of which every combination is run.
+/// A scene and values, every combination of which is run.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// The scene file.
     pub scene: PathBuf,
-    /// Values that all runs share, as [`Overrides`] has them.
+    /// Overrides that all runs share, see [`Overrides`].
     pub set: Vec<String>,
     /// The keys that vary; the last varies fastest.
     pub vary: Vec<Vary>,
-    /// Columns of the series to show, `NAME` for all `NAME_SURFACE`; if there are none, those of the
-    /// scene's plots, or else the first few.
+    /// Columns of the series to show, `NAME` for all `NAME_SURFACE`. If empty, those of the scene's
+    /// plots or, without plots, the first few.
     pub columns: Vec<String>,
 }
 
@@ -50,15 +49,16 @@ pub struct Sweep {
 pub struct Case {
     /// The name of its folder.
     pub name: String,
-    /// Its values, one a key.
+    /// Its values, one per key.
     pub values: Vec<String>,
 }
 
-/// Why a sweep cannot begin or go on. The message is one line, or that of a scene's errors.
+/// The reason why a sweep cannot start or continue. The message is one line, or that of the errors
+/// of a scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// A value that all runs share has no path.
+    /// A shared override has no path.
     #[error(transparent)]
     Override(#[from] OverrideSyntaxError),
     /// No combination is a valid scene.
@@ -70,13 +70,13 @@ pub enum SweepError {
         /// The key.
         key: String,
     },
-    /// There are more combinations than anybody can run.
+    /// There are too many combinations.
     #[error("{cases} combinations: at most {MOST_CASES} can be run")]
     TooMany {
-        /// How many there are.
+        /// Number of combinations.
         cases: usize,
     },
-    /// There are runs in the folder already.
+    /// The folder already contains runs.
     #[error(
         "{}: there are runs here already: `--resume` goes on with them, `--out` names another folder",
         folder.display()
@@ -122,19 +122,19 @@ impl SweepError {
     }
 }
 
-/// How far a sweep is.
+/// The progress of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepProgress<'a> {
     /// The run under way, from 0, and how many there are.
     pub case: [usize; 2],
     /// Its name.
     pub name: &'a str,
-    /// How far it is.
+    /// The progress of the run.
     pub run: &'a Progress,
 }
 
 impl SweepProgress<'_> {
-    /// From 0 to 1, each run as long as any other.
+    /// The fraction from 0 to 1, with equal weights for all runs.
     pub fn fraction(&self) -> f64 {
         let [case, cases] = self.case.map(|count| count as f64);
         (case + self.run.fraction) / cases
@@ -161,20 +161,20 @@ pub struct Swept {
 /// The outcome of a combination.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// It was run, now or before.
+    /// The run was made, now or earlier.
     Ended(Ended),
-    /// It could not be run, and why.
+    /// The run failed, with the reason.
     Refused(String),
-    /// The sweep was interrupted before.
+    /// The sweep was interrupted before this run.
     Waiting,
 }
 
 /// The result of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ended {
-    /// How it ended.
+    /// The way in which it ended.
     pub end: End,
-    /// The same in words.
+    /// The end in words.
     pub message: String,
     /// Iterations, or steps in time.
     pub iterations: u64,
@@ -182,7 +182,7 @@ pub struct Ended {
     pub right_hand_sides: Option<u64>,
     /// Seconds in all.
     pub seconds: f64,
-    /// Seconds that an evaluation of bending takes, on all surfaces together; none if nothing bends.
+    /// Seconds per evaluation of bending, on all surfaces together; `None` without bending.
     pub bending: Option<f64>,
     /// The series.
     pub series: SeriesTable,
@@ -271,11 +271,11 @@ impl Sweep {
         Ok(SceneFile::read(&self.scene, &overrides))
     }
 
-    /// Runs all combinations in a folder, one after the other; with `resume` goes on with those that
-    /// are there, and leaves alone those that have ended. The table and the plots are written after
-    /// every run.
+    /// Runs all combinations in a folder, one after the other. With `resume`, continues existing
+    /// runs and skips those that have ended. The table and the plots are written after every run.
     ///
-    /// After every step `progress` is told how far it is, and `interrupted` asked whether to stop.
+    /// After every step `progress` receives the progress, and `interrupted` decides whether to
+    /// stop.
     ///
     /// # Errors
     /// If no combination is a valid scene, there are runs in the folder without `resume`, or
@@ -304,7 +304,7 @@ impl Sweep {
                 return Err(SweepError::Occupied { folder: own });
             }
         }
-        // A mistyped key is one mistake, not that of every run.
+        // A mistyped key is reported once, not for every run.
         let scene = match (scene, refused) {
             (Some(scene), _) => scene,
             (None, Some(errors)) => return Err(SweepError::Scene(errors)),

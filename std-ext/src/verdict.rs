@@ -1,4 +1,4 @@
-//! Whether a method converges, decided from measured errors by a written rule.
+//! Convergence of methods, decided from measured errors by a fixed rule.
 
 use crate::method::BendingMethod;
 use crate::scalar::Scalar;
@@ -26,8 +26,8 @@ pub enum Convergence {
     Diverges,
 }
 
-/// Order from which on an error is said to converge, and below whose opposite to diverge: half of
-/// the lowest order that any method has in theory.
+/// Least order of a converging error; an error diverges if its order is below minus this. It is
+/// half of the lowest theoretical order of all methods.
 const ORDER: f64 = 0.5;
 
 impl Convergence {
@@ -75,7 +75,7 @@ pub struct Verdict {
     pub convergence: Convergence,
 }
 
-/// The verdicts on all that was studied on at least two meshes, in the order of the rows.
+/// The verdicts on everything that was studied on at least two meshes, in the order of the rows.
 pub fn verdicts(rows: &[Row]) -> Vec<Verdict> {
     let kind = |row: &Row| (row.family, row.scalar, row.method, row.quantity);
     let mut verdicts = Vec::new();

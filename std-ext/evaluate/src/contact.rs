@@ -1,4 +1,4 @@
-//! Repulsion between surfaces, compiled here once for those who ask in f64.
+//! Repulsion between surfaces in f64, compiled once here for all other crates.
 
 use crate::execute::Parallel;
 use helfrich::interaction::RepulsionMemory;

@@ -1,8 +1,8 @@
-//! The effects on one surface of a scene: exactly those that it names.
+//! The effects on one surface of a scene.
 //!
-//! The choice is made once a surface; an evaluation is one dispatch for each effect, and from there on
-//! everything is resolved at compile time. An effect that is not named is not there: it has no
-//! memory, no loop and no time.
+//! Methods are chosen once per surface. An evaluation makes one dynamic call for each effect;
+//! everything below is resolved at compile time. An effect that the scene does not name takes no
+//! memory and no time.
 
 use crate::execute::Parallel;
 use crate::method::{BendingMethod, Describe, MethodOptions, Settings, Visitor, choose};
@@ -14,13 +14,13 @@ use helfrich::{
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// How the force densities that a method finds become nodal forces.
+/// The areas by which the force densities of a method become nodal forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Lumping {
-    /// With the method's own areas, with which its energy is a sum over vertices.
+    /// The areas of the method, over which its energy is a sum.
     Own,
-    /// With a third of the triangles around each vertex: for a flow, to which F_i over just these
-    /// is the force per area.
+    /// A third of the area of the triangles around each vertex, for flows, which divide F_i by the
+    /// same area.
     Thirds,
 }
 
@@ -43,8 +43,8 @@ impl Effect {
         Self::new(name, true, Box::new(prepared(method, mesh)))
     }
 
-    /// A bending method with modulus κ and spontaneous curvature H0. Forces of methods that have no
-    /// energy are freed of net force and torque, which nothing in a scene would balance.
+    /// A bending method with modulus κ and spontaneous curvature H0. Net force and torque are
+    /// removed from forces without an energy, because nothing in a scene would balance them.
     pub fn bending(
         name: &'static str,
         method: BendingMethod,
@@ -80,7 +80,7 @@ impl Effect {
         }
     }
 
-    /// Its name: the end of its columns' names.
+    /// The name of the effect, which ends the names of its columns.
     pub fn name(&self) -> &'static str {
         self.name
     }
@@ -90,8 +90,8 @@ impl Effect {
         self.conservative
     }
 
-    /// Adds nodal forces and returns the energy; of a method in strong form, the energy that goes
-    /// with it, of which the force is not the gradient.
+    /// Adds nodal forces and returns the energy. For a method in strong form this is its quadrature
+    /// of the energy, whose gradient is not the force.
     ///
     /// # Panics
     /// If `force` has fewer entries than the surface has vertices.
@@ -103,7 +103,7 @@ impl Effect {
         energy
     }
 
-    /// The same for a picture or a file: it does not count as cost.
+    /// Adds the forces for a picture or a file, without counting the cost.
     ///
     /// # Panics
     /// As [`Self::add_force`].
@@ -111,7 +111,7 @@ impl Effect {
         self.prepared.add_force(surface, force)
     }
 
-    /// Puts another method in this one's place; what it has cost so far stays.
+    /// Replaces the method, and keeps the cost so far.
     pub fn replace<M>(&mut self, method: M, mesh: &TriangleMesh)
     where
         M: Conservative<f64> + fmt::Debug + 'static,
@@ -160,7 +160,7 @@ impl Visitor<f64> for Acting<'_> {
     }
 }
 
-/// On all threads, of which no bit depends.
+/// Runs on all threads; no bit depends on their number.
 fn prepared<M: Method<f64>>(method: M, mesh: &TriangleMesh) -> Prepared<f64, M, Parallel> {
     Prepared::with_execution(method, mesh, Parallel::new())
 }
@@ -185,7 +185,7 @@ where
     }
 }
 
-/// A method in strong form: its force is the gradient of no energy.
+/// A method in strong form, whose force is not the gradient of an energy.
 #[derive(Debug)]
 struct InStrongForm<L>(Prepared<f64, Projected<StrongForm<f64, L>>, Parallel>)
 where
@@ -274,7 +274,7 @@ pub struct Viscosity {
 }
 
 impl Viscosity {
-    /// Its name in a scene, and the end of its columns' names.
+    /// Its name in a scene, which ends the names of its columns.
     pub const NAME: &'static str = "membrane_viscosity";
 
     /// Prepares it.

@@ -1,8 +1,8 @@
 //! Loops over elements and vertices on several threads, in wide vectors.
 //!
-//! The formulas and the loops are the core's. Here they are compiled for processors with AVX2 and for
-//! every other, and the choice is made at run time. Nothing is contracted into fused operations:
-//! results have the bits of [`Serial`], whatever the processor and the number of threads.
+//! The formulas and loops are those of the core. Here they are compiled for AVX2 and for baseline
+//! vectors, and one version is selected at run time. No operations are fused, so that results have
+//! the bits of [`Serial`] for any processor and number of threads.
 
 use helfrich::element::{BATCH, ElementKernel, SlotKernel, Slots, check_output, scatter_onto};
 use helfrich::{Execution, Real, Serial, Surface};
@@ -13,11 +13,11 @@ use std::time::{Duration, Instant};
 
 /// Loops on several threads, in vectors of AVX2 where the processor has them.
 ///
-/// Threads are started for each loop that is long enough to be worth it, which no result depends on.
+/// Threads are started only for loops that are long enough; no result depends on this.
 ///
 /// * Sums over elements: each thread has a range of vertices, and computes the elements around
-///   them. Those around vertices of several threads are computed by each: few, where vertices near
-///   each other have numbers near each other.
+///   these. Elements with vertices of several threads are computed by each of them. These are few
+///   if nearby vertices have nearby numbers.
 /// * Loops over vertices are cut into ranges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parallel {
@@ -26,7 +26,7 @@ pub struct Parallel {
 }
 
 impl Parallel {
-    /// As many threads as the process may run at once.
+    /// The executor with as many threads as the process may run at once.
     pub fn new() -> Self {
         Self {
             threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
@@ -47,14 +47,14 @@ impl Default for Parallel {
     }
 }
 
-/// A loop over fewer elements takes less time than it takes to start a thread.
+/// The least number of elements that is worth starting a thread.
 const FEWEST_ELEMENTS: usize = 6000;
 
-/// Threads are worth it as long as each computes no more than this part of all elements.
+/// Largest fraction of all elements per thread with which threads are worth starting.
 const MOST_REPEATED: f64 = 0.7;
 
-/// In how many ranges of `size` vertices the elements are that a loop takes up together, on average:
-/// by some dozens of them.
+/// Average number of ranges of `size` vertices in which an element has corners, estimated from a
+/// few dozen elements.
 fn mean_parts<const CORNERS: usize>(elements: &[[u32; CORNERS]], size: usize) -> f64 {
     const SAMPLES: usize = 64;
     let batches = elements
@@ -70,14 +70,14 @@ fn mean_parts<const CORNERS: usize>(elements: &[[u32; CORNERS]], size: usize) ->
     parts.sum::<usize>() as f64 / count.max(1) as f64
 }
 
-/// Slots of a loop that are done before it is decided whether the others are worth a thread.
+/// Number of slots of a loop that are timed before deciding whether to start threads.
 const FIRST_SLOTS: usize = 64;
 
-/// Work that is worth starting a thread for.
+/// Duration of work that is worth starting a thread.
 const WORTH_A_THREAD: Duration = Duration::from_micros(150);
 
-/// Runs `work(k)` for k in 0 … `count` − 1, each on a thread of its own, the first on this one. It is
-/// compiled once, whatever the work.
+/// Runs `work(k)` for k in 0 … `count` − 1, each on its own thread, the first on this one. Not
+/// generic over the work, so that it is compiled once.
 fn on_threads(count: usize, work: &(dyn Fn(usize) + Sync)) {
     std::thread::scope(|scope| {
         for k in 1..count {
@@ -100,9 +100,9 @@ fn share<P: Send>(parts: Vec<P>, work: &(dyn Fn(P) + Sync)) {
 
 /// Runs a task, compiled for AVX2 where the processor has it, as [`Parallel`] runs its loops.
 ///
-/// On processors with AVX-512, too: code that compilers make for it is slower for jets and patches,
-/// and hardly faster elsewhere.
-// Not inlined: with one thread and with several, it is the same code.
+/// Processors with AVX-512 also use AVX2, because AVX-512 code from compilers is slower for jets
+/// and patches and hardly faster elsewhere.
+// Not inlined, so that one thread and several threads run the same code.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[inline(never)]
 pub fn dispatch(task: impl NullaryFnOnce<Output = ()>) {
@@ -119,7 +119,7 @@ pub fn dispatch(task: impl NullaryFnOnce<Output = ()>) {
     pulp::Arch::new().dispatch(task);
 }
 
-/// [`scatter_onto`] as a task: a closure would not be inlined for certain.
+/// [`scatter_onto`] as a task, because a closure might not be inlined.
 struct Scatter<'a, T, K, const CORNERS: usize, const IN: usize, const OUT: usize> {
     kernel: &'a K,
     surface: Surface<'a, T>,
@@ -150,7 +150,7 @@ where
     }
 }
 
-/// Slots in a row, as a task.
+/// Consecutive slots, as a task.
 struct Run<'a, S, O, K> {
     kernel: &'a K,
     scratch: &'a mut S,
@@ -195,7 +195,7 @@ impl Execution for Parallel {
             return onto((0, output));
         }
         let size = vertices.div_ceil(threads);
-        // Numbered as they come, most elements would be computed by every thread.
+        // With an unordered mesh, every thread would compute most elements.
         if mean_parts(elements, size) > MOST_REPEATED * threads as f64 {
             return onto((0, output));
         }

@@ -6,8 +6,8 @@
 //! * [`contact`]: repulsion between surfaces.
 //! * [`effect`]: anything that acts on one surface, behind one dispatch.
 //!
-//! A crate of its own, in one codegen unit: its loops are compiled twice, for every processor and for
-//! AVX2, and need not be again when anything else changes.
+//! This is a separate crate with one codegen unit, because its loops are compiled twice, for
+//! baseline vectors and for AVX2, and need no recompilation when other code changes.
 
 pub mod contact;
 pub mod effect;

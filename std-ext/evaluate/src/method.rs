@@ -1,7 +1,7 @@
 //! The closed set of bending methods, chosen at run time.
 //!
-//! The choice is made once for a surface, in one place; from there on everything is
-//! resolved at compile time. Methods run on all threads, and large meshes in an order of their own.
+//! A method is chosen once per surface, in one place; everything below is resolved at compile time.
+//! Methods run on all threads, and large meshes are reordered.
 
 mod choice;
 mod evaluator;
@@ -51,12 +51,12 @@ pub enum Bytes {
     Fixed(u64),
     /// On meshes with five and six neighbours of each vertex, and on others.
     ByValence([u64; 2]),
-    /// A part that is fixed, and one in proportion to the bandwidth in mean areas of a vertex.
+    /// A fixed part, and a part proportional to the bandwidth in mean areas of a vertex.
     ByBandwidth([f64; 2]),
 }
 
-/// Defines [`BendingMethod`] and what follows from the list of methods, in the order of the list:
-/// their names and descriptions, and the one place where a name becomes a method of the core.
+/// Defines [`BendingMethod`] and everything that follows from the list of methods: names,
+/// descriptions, and the only place where a name becomes a method of the core.
 macro_rules! methods {
     (@is_conservative conservative) => { true };
     (@is_conservative strong_form) => { false };
@@ -81,7 +81,7 @@ macro_rules! methods {
             /// Every method, with J in its two degrees.
             pub const ALL: [Self; [$(stringify!($method)),*].len()] = [$(Self::$method),*];
 
-            /// Every method, and the one that is chosen by the mesh.
+            /// Every method, and `jet`, whose degree depends on the mesh.
             pub const NAMED: [Self; Self::ALL.len() + 1] = [$(Self::$method,)* Self::$last];
 
             /// Whether its forces are the exact gradient of an energy.
@@ -101,7 +101,7 @@ macro_rules! methods {
             }
         }
 
-        /// Hands the method of this name to `visitor`.
+        /// Calls `visitor` with the method of this name.
         pub(crate) fn choose<T: Real, V: Visitor<T>>(
             method: BendingMethod,
             settings: Settings<'_, T>,
@@ -301,8 +301,8 @@ impl BendingMethod {
         self.description().idea
     }
 
-    /// Memory of the prepared method in bytes, for each vertex of a mesh of so many vertices, with the
-    /// fewest and most neighbours of a vertex.
+    /// Memory of the prepared method in bytes per vertex, for a mesh of `vertices` vertices with
+    /// these fewest and most neighbours of a vertex.
     pub fn bytes(self, options: &MethodOptions, vertices: usize, valences: [usize; 2]) -> u64 {
         match self.description().bytes {
             Bytes::Fixed(bytes) => bytes,
@@ -316,7 +316,7 @@ impl BendingMethod {
         }
     }
 
-    /// The paper's letter, or J for the jets; `None` for what has none.
+    /// The letter in the article, or J for the jets; `None` for other methods.
     pub fn letter(self) -> Option<&'static str> {
         self.description().letter
     }
@@ -328,7 +328,7 @@ impl fmt::Display for BendingMethod {
     }
 }
 
-/// A name that is no method's.
+/// A name that does not belong to a method.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "there is no bending method `{name}`: the methods are {}",

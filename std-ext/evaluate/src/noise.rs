@@ -1,4 +1,4 @@
-//! Noise of positions and its smoothing, compiled here once for those who ask in f64.
+//! Noise of positions and its smoothing in f64, compiled once here for all other crates.
 
 use crate::execute::Parallel;
 use helfrich::{Noise, Smoothing, Surface};
@@ -8,7 +8,7 @@ pub fn noise_of(surface: Surface<'_, f64>) -> Noise<f64> {
     Noise::of(&Parallel::new(), surface)
 }
 
-/// The positions of a surface smoothed over as many neighbours, on all threads: see
+/// The positions of a surface, smoothed over a number of neighbours on all threads: see
 /// [`Smoothing::apply`].
 pub fn smoothed(surface: Surface<'_, f64>, neighbours: usize) -> Vec<[f64; 3]> {
     let mut smooth = surface.positions().to_vec();

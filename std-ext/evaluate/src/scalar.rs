@@ -8,10 +8,10 @@ use std::str::FromStr;
 /// The number type that a method computes with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub enum Scalar {
-    /// 32 bits; positions are rounded to them, too.
+    /// 32 bits, also for positions.
     #[serde(rename = "f32")]
     F32,
-    /// 32 bits in all that is computed; positions are held as pairs of them.
+    /// 32 bits in all computations, with positions as pairs of these.
     #[serde(rename = "f32-pair")]
     F32Pair,
     /// 64 bits.
@@ -20,7 +20,7 @@ pub enum Scalar {
 }
 
 impl Scalar {
-    /// Every one, from the least precise to the most.
+    /// All number types, from the least to the most precise.
     pub const ALL: [Self; 3] = [Self::F32, Self::F32Pair, Self::F64];
 
     /// Whether a number above 0 neither overflows nor loses digits in this type.
@@ -59,14 +59,14 @@ impl FromStr for Scalar {
     }
 }
 
-/// A name that is no number type's.
+/// A name that does not belong to a number type.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no number type `{name}`: the number types are f32, f32-pair and f64")]
 pub struct UnknownScalar {
     name: String,
 }
 
-/// Positions rounded to a scalar, with or without what rounding leaves out.
+/// Positions rounded to a scalar, with or without remainders.
 #[derive(Clone, Debug)]
 pub struct HeldPositions<T> {
     positions: Vec<[T; 3]>,
@@ -74,7 +74,7 @@ pub struct HeldPositions<T> {
 }
 
 impl<T: Real> HeldPositions<T> {
-    /// Holds `positions` as `scalar` says; T is the type that it computes with.
+    /// Stores `positions` as `scalar` requires; T is its type for computations.
     pub fn new(scalar: Scalar, positions: &[[f64; 3]]) -> Self {
         let rounded: Vec<[T; 3]> = positions
             .iter()
@@ -102,7 +102,7 @@ impl<T: Real> HeldPositions<T> {
     /// The surface with these positions.
     ///
     /// # Errors
-    /// If their number is not that of the vertices, or one overflows the scalar.
+    /// If the numbers of positions and vertices differ, or a position overflows the scalar.
     pub fn surface<'a>(&'a self, mesh: &'a TriangleMesh) -> Result<Surface<'a, T>, SurfaceError> {
         match &self.remainders {
             None => Surface::new(mesh, &self.positions),

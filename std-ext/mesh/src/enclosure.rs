@@ -16,7 +16,8 @@ pub fn encloses(surface: Surface<'_, f64>, point: [f64; 3]) -> bool {
     let angle = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(place);
         let [x, y, z] = [a, b, c].map(DVec3::length);
-        // a·(b × c), by edges: seen from afar, the three are all but parallel.
+        // a·(b × c), computed from edges, because from far away the three vectors are nearly
+        // parallel.
         let doubled = a.dot((b - a).cross(c - a));
         2.0 * doubled.atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
     };
@@ -29,7 +30,7 @@ pub fn encloses(surface: Surface<'_, f64>, point: [f64; 3]) -> bool {
 pub struct Inside {
     /// The first of these vertices.
     pub first: usize,
-    /// Their number.
+    /// The number of these vertices.
     pub count: usize,
     /// The shift, in whole periods along each axis, that moves the surface into the other one; zero if
     /// they overlap without a shift.

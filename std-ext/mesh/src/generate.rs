@@ -76,7 +76,7 @@ impl fmt::Display for Family {
     }
 }
 
-/// A name that is not the name of a family.
+/// An unknown name of a family.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no mesh family `{name}`: choose regular, smooth, relaxed, irregular or hard")]
 pub struct ParseFamilyError {

@@ -11,7 +11,7 @@ pub struct MeshInfo {
     pub isolated_vertices: usize,
     /// Edges.
     pub edges: usize,
-    /// Edges with one triangle only.
+    /// Edges with only one triangle.
     pub boundary_edges: usize,
     /// Triangles.
     pub triangles: usize,

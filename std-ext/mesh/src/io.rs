@@ -1,9 +1,9 @@
 //! Mesh files: reads and writes OBJ, OFF, STL (ASCII and binary), PLY (ASCII and binary) and VTP.
 //!
-//! Coordinates keep the unit that the file has, and all the digits of an `f64`. Polygons are split
-//! into the fan of triangles around their first corner: (a, b, c, d, …) becomes (a, b, c),
-//! (a, c, d), …, which is correct for convex polygons. Normals, colours, textures and everything else
-//! besides positions and faces are skipped.
+//! Coordinates keep the unit of the file and all digits of `f64`. Polygons are split into the fan
+//! of triangles around their first corner: (a, b, c, d, …) becomes (a, b, c), (a, c, d), …, which
+//! is correct for convex polygons. Everything other than positions and faces, such as normals,
+//! colours and textures, is skipped.
 //!
 //! Surfaces with fields on them, and fields on grids, are also written for VTK and ParaView: [`write_vtp`],
 //! [`write_vti`], [`Collection`].
@@ -132,7 +132,7 @@ pub enum ReadError {
         /// The problem and its place.
         error: ParseError,
     },
-    /// Vertices at the same point cannot be made one.
+    /// Vertices at the same point cannot be merged.
     #[error("{}: {error} once vertices at the same point are one", path.display())]
     Weld {
         /// The file.
@@ -259,7 +259,8 @@ pub enum Problem {
     },
 }
 
-/// [`MeshError`] counts from 0 and after polygons were split: said wherever it gives a number.
+/// [`MeshError`] counts from 0 and after polygons were split, which messages with numbers have to
+/// state.
 fn numbering(error: &MeshError) -> &'static str {
     match error {
         MeshError::Empty | MeshError::TooLarge { .. } | MeshError::IncompleteTriangle { .. } => "",
@@ -320,7 +321,8 @@ impl fmt::Display for Place {
     }
 }
 
-/// Reads a mesh file. The ending of its name identifies the format, or else its first word.
+/// Reads a mesh file. The ending of its name identifies the format; if it does not, the first word
+/// of the file does.
 ///
 /// # Errors
 /// If the file cannot be read, if its format is unknown, or if its content is not an oriented manifold
@@ -345,10 +347,10 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
     })
 }
 
-/// Reads a mesh file, and makes one vertex of all that are at the same point: [`MeshFile::welded`].
+/// Reads a mesh file, and merges vertices at the same point: [`MeshFile::welded`].
 ///
 /// # Errors
-/// If the file cannot be read, or its mesh then is no manifold; see [`ReadError`].
+/// If the file cannot be read, or the merged mesh is not a manifold; see [`ReadError`].
 pub fn read_welded(path: &Path) -> Result<MeshFile, ReadError> {
     read(path)?.welded().map_err(|error| ReadError::Weld {
         path: path.to_owned(),
@@ -375,7 +377,7 @@ pub fn parse(bytes: &[u8], format: Format) -> Result<MeshFile, ParseError> {
     }
 }
 
-/// A coordinate, if it is finite; `found` says what the file has.
+/// A coordinate, if it is finite; `found` is the content of the file, for the message.
 fn finite(value: f64, axis: usize, found: impl FnOnce() -> String) -> Result<f64, Problem> {
     if value.is_finite() {
         Ok(value)

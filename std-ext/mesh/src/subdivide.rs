@@ -55,7 +55,8 @@ pub fn subdivide(file: MeshFile, levels: u32, target: Target) -> Result<MeshFile
     let [_, triangles] = Subdivision::sizes(&file.mesh, levels).map_err(too_large)?;
     if levels > 0 {
         let bytes = triangles.saturating_mul(BYTES_A_TRIANGLE);
-        // Asked for and given back untouched: a refusal here is a message, later it is an abort.
+        // The memory is reserved and released unused, because a failure here gives a message, but a
+        // later one aborts.
         if Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
             return Err(SubdivideError::OutOfMemory {
                 levels,
@@ -68,7 +69,8 @@ pub fn subdivide(file: MeshFile, levels: u32, target: Target) -> Result<MeshFile
         mut positions,
         mut mesh,
     } = file;
-    // One level at a time: the composed map of all of them would need more memory than the mesh.
+    // One level at a time, because the composed map of all levels would need more memory than the
+    // mesh.
     for _ in 0..levels {
         let fine = Subdivision::new(&mesh, 1).map_err(too_large)?;
         positions = fine.refine(&positions);

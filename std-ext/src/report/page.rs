@@ -1,7 +1,7 @@
 //! A study as one page: HTML that opens from a disk, without a network.
 //!
-//! Every number comes from rows; what is said in words follows from them, too. The page is complete
-//! without its script, which switches, points out and hides.
+//! Every number and every statement follows from measured rows. The page is complete without its
+//! script, which only switches views and shows details.
 
 mod accuracy;
 mod answers;
@@ -31,37 +31,37 @@ pub struct Page<'a> {
     pub rows: &'a [Row],
     /// Whether they converge.
     pub verdicts: &'a [Verdict],
-    /// Where they are off.
+    /// Maps of their errors.
     pub errors: &'a [ErrorFields],
     /// Further parts, which other programs have measured.
     pub sections: &'a [Section],
     /// Program and machine.
     pub provenance: &'a Provenance,
-    /// How the page was asked for.
+    /// The command line.
     pub command: &'a str,
-    /// When it was.
+    /// The time of creation.
     pub when: SystemTime,
-    /// How many measurements are from earlier runs of the same program on the same machine.
+    /// Number of measurements from earlier runs of the same program on the same machine.
     pub reused: usize,
 }
 
 /// A part of a page, after those of the study.
 #[derive(Clone, Debug, Default)]
 pub struct Section {
-    /// HTML with its figures in it: one or several elements `section`.
+    /// HTML with embedded figures: one or several elements `section`.
     pub html: Vec<u8>,
-    /// The same figures by name, for files of their own.
+    /// The figures by name, for separate files.
     pub charts: Vec<(String, Chart)>,
 }
 
 /// The quantities to choose from on the page.
 const QUANTITIES: [Quantity; 2] = [Quantity::ForceDensity, Quantity::Mean];
 
-/// Accuracies that are asked for.
+/// The target accuracies.
 const TARGETS: [f64; 4] = [0.1, 0.01, 0.001, 0.0001];
 
 impl Page<'_> {
-    /// Writes it.
+    /// Writes the page.
     ///
     /// # Errors
     /// If `out` cannot be written to.
@@ -106,7 +106,7 @@ impl Page<'_> {
         )
     }
 
-    /// Writes every figure as SVG and PNG into a folder, which has to be there.
+    /// Writes every figure as SVG and PNG into an existing folder.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -128,7 +128,7 @@ impl Page<'_> {
         Ok(())
     }
 
-    /// How many times are not to be relied on; empty if all are.
+    /// A note on the number of unreliable times; empty if all are reliable.
     fn about_scatter(&self) -> String {
         let of_f = |row: &&Row| row.quantity == Quantity::ForceDensity;
         let times = self.rows.iter().filter(of_f);

@@ -4,7 +4,7 @@ use super::{SCATTERED, about_scatter, noise_of_positions};
 use crate::recommend::{Candidate, RESOLVED, Recommendation};
 use std::io::{self, Write};
 
-/// Writes which method to take on a mesh, and what the others would do.
+/// Writes the recommended method for a mesh, and the results of the others.
 ///
 /// # Errors
 /// If `out` cannot be written to.

@@ -1,4 +1,4 @@
-//! From a scene to surfaces and effects.
+//! Builds a simulation from a scene.
 
 use super::once::said_once;
 use super::placed::{Placed, scale_to_volume};
@@ -21,11 +21,11 @@ use helfrich::{
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Why a scene cannot be made ready. The message is one line.
+/// The reason why a scene cannot be prepared. The message is one line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// The scene asks something of a mesh that the mesh does not have.
+    /// A mesh does not meet a requirement of the scene.
     #[error(transparent)]
     Scene(#[from] SceneErrors),
     /// A mesh cannot be generated.
@@ -36,10 +36,10 @@ pub enum BuildError {
         /// Why.
         source: GenerateError,
     },
-    /// A mesh file cannot be read, or is cut.
+    /// A mesh file cannot be read, or has split vertices.
     #[error(transparent)]
     Read(#[from] MeshSourceError),
-    /// A position is out of the range of numbers.
+    /// A position overflows.
     #[error("surface \"{surface}\": {source}")]
     Positions {
         /// The surface's name.
@@ -47,7 +47,7 @@ pub enum BuildError {
         /// Which.
         source: SurfaceError,
     },
-    /// An effect cannot be made ready.
+    /// An effect cannot be prepared.
     #[error("surface \"{surface}\": {source}")]
     Effect {
         /// The surface's name.
@@ -67,7 +67,7 @@ pub enum BuildError {
     },
 }
 
-/// Why constraints, called by these names, are out of reach.
+/// The reason why constraints with these names cannot be met.
 fn unreachable(names: &[&str], error: &ConstraintError) -> String {
     let name = |constraint: usize| names.get(constraint).copied().unwrap_or_default();
     match *error {
@@ -89,11 +89,12 @@ fn unreachable(names: &[&str], error: &ConstraintError) -> String {
     }
 }
 
-/// Makes a scene ready: its surfaces where they start, one surface's positions after the other's,
-/// and the effects that it names.
+/// Prepares a scene: its surfaces and effects, and the initial positions of all surfaces, one
+/// surface after the other.
 ///
 /// # Errors
-/// If a mesh cannot be had, or does not allow what the scene asks of it; see [`BuildError`].
+/// If a mesh cannot be generated or read, or does not meet the requirements of the scene; see
+/// [`BuildError`].
 pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError> {
     let scene = &file.scene;
     let mut bodies: Vec<Body> = Vec::with_capacity(scene.surfaces.len());
@@ -266,7 +267,7 @@ impl Placed {
         let places = places.collect();
         let mesh = Arc::new(self.mesh.clone());
         let mut held = Held::new(Arc::clone(&mesh), Constraints { constraints });
-        // Not after a first row has been written.
+        // Checked here, and not after a first row has been written.
         held.restore(&mut self.positions.clone())
             .map_err(|source| BuildError::Constraints {
                 surface: scene.name.clone(),

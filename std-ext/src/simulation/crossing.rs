@@ -1,16 +1,16 @@
-//! Surfaces that have gone into each other.
+//! Surfaces that have entered each other.
 
 use super::Simulation;
 use crate::enclosure::{Inside, inside_of_images, inside_of_own_images};
 use helfrich::Surface;
 
-/// A surface that has gone into another one, an obstacle, or its own image: a part of it is inside. One
-/// that is inside as a whole was put there.
+/// A surface that has entered another one, an obstacle, or its own image: part of it is inside. A
+/// surface that is completely inside is intended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crossing {
     /// The name of the surface.
     pub surface: String,
-    /// The name of what it has gone into; its own image if there is none.
+    /// The name of the surface or obstacle that it has entered; `None` for its own image.
     pub into: Option<String>,
     /// The vertices inside.
     pub inside: Inside,

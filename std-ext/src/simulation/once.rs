@@ -1,13 +1,13 @@
-//! Warnings that several surfaces give reason for are said once.
+//! Merges equal warnings about several surfaces.
 
 use crate::scene::{Problem, SceneError};
 use std::collections::BTreeSet;
 
-/// How many more surfaces are named by a warning.
+/// Largest number of further surfaces that a warning names.
 const NAMED: usize = 3;
 
-/// The warnings without those that say of another surface, or of another pair, what was said before;
-/// the first of them names the others. What is said of a pair both ways round is said once.
+/// The warnings without repetitions for other surfaces or pairs; the first warning of a kind names
+/// the others. A warning about a pair in both orders is given once.
 pub(super) fn said_once(warnings: Vec<SceneError>, surfaces: &[&str]) -> Vec<SceneError> {
     let message = |warning: &mut SceneError| match &mut warning.problem {
         Problem::Doubtful { message } => Some(std::mem::take(message)),
@@ -36,7 +36,7 @@ pub(super) fn said_once(warnings: Vec<SceneError>, surfaces: &[&str]) -> Vec<Sce
     said
 }
 
-/// The same of messages without a place. What one surface does to another, and the other to it, are two.
+/// Merges messages without a place. The order of a pair matters here.
 pub(crate) fn messages_once(messages: Vec<String>, surfaces: &[&str]) -> Vec<String> {
     kept(messages, surfaces, true)
         .into_iter()
@@ -53,8 +53,8 @@ struct Said {
     others: Vec<(BTreeSet<String>, String)>,
 }
 
-/// Each message as it is to be said; none of those that an earlier one says as well. A `directed` one of
-/// the same surfaces with other words between them is one of its own.
+/// Each message in its merged form, without those that an earlier one covers. With `directed`, the
+/// order of surfaces distinguishes messages.
 fn kept(messages: Vec<String>, surfaces: &[&str], directed: bool) -> Vec<Option<String>> {
     let mut said: Vec<Said> = Vec::new();
     let mut kept = vec![None; messages.len()];

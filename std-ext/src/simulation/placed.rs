@@ -1,4 +1,4 @@
-//! Meshes where a scene puts them.
+//! Meshes at their positions in a scene.
 
 use super::build::BuildError;
 use crate::generate::{GeneratedMesh, generate};
@@ -18,10 +18,10 @@ pub(super) fn scale_to_volume(mesh: &TriangleMesh, positions: &mut [[f64; 3]], v
     }
 }
 
-/// A surface or an obstacle where the scene puts it.
+/// A surface or an obstacle at its position in the scene.
 pub(super) struct Placed {
     pub(super) mesh: TriangleMesh,
-    /// As the mesh comes, scaled.
+    /// Positions of the mesh, scaled but not moved.
     pub(super) unplaced: Vec<[f64; 3]>,
     pub(super) positions: Vec<[f64; 3]>,
     /// The points of the shape for the vertices of a generated mesh.

@@ -19,25 +19,25 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 const MAGIC: [u8; 16] = *b"helfrich cache\r\n";
-/// Goes up whenever what entries mean changes.
+/// Increases whenever the meaning of entries changes.
 const FORMAT: u32 = 2;
 /// Bytes of a SHA-256.
 const CHECKSUM: usize = 32;
 
-/// The longest time that measurements are in memory only.
+/// The longest time for which measurements are only in memory.
 const EVERY: Duration = Duration::from_secs(1);
 
 /// The longest file that is read, in bytes: a study of everything has a hundredth of it.
 const LONGEST: u64 = 1 << 28;
 
-/// Measurements by name, in a file that follows.
+/// Measurements by name, written to a file at intervals.
 #[derive(Debug)]
 pub struct Cache {
     path: PathBuf,
     content: Content,
     /// When the file was written.
     written: Instant,
-    /// Whether there is more than in the file.
+    /// Whether there are measurements that are not in the file.
     changed: bool,
     failure: Option<io::Error>,
     /// The names of entries that were used.
@@ -54,16 +54,16 @@ struct Content {
     entries: BTreeMap<String, Vec<u8>>,
 }
 
-/// A cache as it was found.
+/// The result of opening a cache.
 #[derive(Debug)]
 pub struct LoadedCache {
-    /// The cache; empty if there was none, or none to go by.
+    /// The cache; empty if there was none or it is not valid here.
     pub cache: Cache,
-    /// Why what is in the file does not count; it will be replaced.
+    /// The reason why the content of the file is not valid; it will be replaced.
     pub unused: Option<CacheProblem>,
 }
 
-/// Why there is no cache. The message is one line that starts with the file's name.
+/// The reason why there is no cache. The message is one line that starts with the name of the file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", path.display())]
 pub struct CacheError {
@@ -80,16 +80,16 @@ pub enum CacheProblem {
     /// The operating system refused to read or write the file.
     #[error("{0}")]
     Inaccessible(io::Error),
-    /// Another process measures for it.
+    /// Another process uses it.
     #[error(
         "{holder} keeps its measurements here: wait until it has ended, or name another file with \
          `--cache`"
     )]
     Taken {
-        /// Which process, and where.
+        /// The process and its machine.
         holder: String,
     },
-    /// The file starts otherwise: it is something else, and is left alone.
+    /// The file starts with other bytes: it is not a cache, and is not changed.
     #[error("is no cache of measurements, and is left as it is: another name is needed")]
     NotACache,
     /// The file was written in another layout.
@@ -98,10 +98,10 @@ pub enum CacheProblem {
         /// The file's format.
         found: u32,
     },
-    /// The bytes are not those that were written.
+    /// The bytes have changed since they were written.
     #[error("the cache is damaged: everything is measured again")]
     Damaged,
-    /// Another program has measured, or another machine.
+    /// The measurements are from another program or machine.
     #[error(
         "the cache was written by another build of the program or on another machine: everything \
          is measured again"
@@ -110,11 +110,11 @@ pub enum CacheProblem {
 }
 
 impl Cache {
-    /// Opens the cache of a file, or begins one. That nothing in it counts is no error: it can be
+    /// Opens or creates the cache in a file. Invalid content is not an error, because it can be
     /// measured again.
     ///
     /// # Errors
-    /// If the file is something else, cannot be read, or another process has it open; see
+    /// If the file is not a cache, cannot be read, or another process has it open; see
     /// [`CacheProblem`].
     pub fn open(path: &Path, provenance: &Provenance) -> Result<LoadedCache, CacheError> {
         let lock = Lock::of_file(path).map_err(|error| CacheError {
@@ -158,7 +158,7 @@ impl Cache {
         Ok(LoadedCache { cache, unused })
     }
 
-    /// Forgets everything.
+    /// Removes all measurements.
     pub fn clear(&mut self) {
         self.content.entries.clear();
         self.changed = true;
@@ -181,7 +181,8 @@ impl Cache {
         Some(value)
     }
 
-    /// Keeps a measurement. The file follows within a second of the next, or with [`Self::save`].
+    /// Stores a measurement. The file is written with a later measurement after about a second, or
+    /// by [`Self::save`].
     pub fn insert(&mut self, name: String, value: &impl Serialize) {
         // Numbers, texts and lists can be encoded.
         if let Ok(bytes) = postcard::to_stdvec(value) {

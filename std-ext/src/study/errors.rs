@@ -11,7 +11,7 @@ use helfrich::{Real, Surface};
 /// A quantity that is smaller than this part of a power of the largest curvature may vanish up to errors.
 const VANISHING: f64 = 0.05;
 
-/// Values at the vertices that are held to be right, and what errors are relative to.
+/// Reference values at the vertices, and the scales of relative errors.
 pub(crate) struct Reference {
     /// H, K and Δ_S H.
     curvatures: [Vec<f64>; 3],
@@ -44,8 +44,8 @@ impl Reference {
         let densities = points.iter().map(|point| point.force_density(modulus));
         let largest = reference.largest(densities);
         for (scale, largest) in reference.scales.iter_mut().zip(largest) {
-            // Δ_S H and f of a sphere and f of a Clifford torus vanish identically, but for
-            // rounding: then the shape's size is what is left to compare with.
+            // Δ_S H and f of a sphere and f of a Clifford torus vanish up to rounding; their errors
+            // are relative to the scale of the shape.
             if largest > f64::EPSILON.sqrt() * *scale {
                 *scale = largest;
             }
@@ -76,7 +76,7 @@ impl Reference {
         reference
     }
 
-    /// The same with errors relative to what another's are.
+    /// The same values with the scales of another reference.
     pub(crate) fn in_units_like(self, other: &Self) -> Self {
         let scales = other.scales;
         Self { scales, ..self }
@@ -106,7 +106,7 @@ impl Reference {
         }
     }
 
-    /// The scales of relative errors, for these largest |H|, |K|, |Δ_S H| and |f|.
+    /// The scales of relative errors from the largest |H|, |K|, |Δ_S H| and |f|.
     fn natural(mut scales: [f64; 4]) -> [f64; 4] {
         let [mean, gaussian, laplacian, density] = &mut scales;
         let natural = [mean.powi(2), mean.powi(3), mean.powi(3)];
@@ -120,7 +120,7 @@ impl Reference {
         scales
     }
 
-    /// At how many vertices there is a value.
+    /// Number of vertices with a value.
     pub(crate) fn known(&self, quantity: Quantity) -> usize {
         let vertices = 0..self.force_density.len();
         vertices
@@ -137,7 +137,7 @@ impl Reference {
         }
     }
 
-    /// The largest value of each quantity; NaN is passed over.
+    /// The largest value of each quantity; NaN is ignored.
     fn largest(&self, densities: impl Iterator<Item = f64>) -> [f64; 4] {
         let [mean, gaussian, laplacian] = self
             .curvatures
@@ -220,7 +220,7 @@ pub(super) fn natural_scales(shape: &AnyShape, modulus: f64) -> [f64; 4] {
     [curvature, curvature.powi(2), third, modulus.abs() * third]
 }
 
-/// Where on a mesh methods are off, and by how much.
+/// Errors of methods at the vertices of a mesh.
 #[derive(Clone, Debug)]
 pub struct ErrorFields {
     /// The mesh family.

@@ -1,17 +1,17 @@
-//! How long an evaluation takes: the median of several, and how far they scatter.
+//! Time of an evaluation: the median of several runs, and their scatter.
 
 use std::time::{Duration, Instant};
 
-/// The scatter above which a median says little: the quartiles are further apart than this share of
-/// it. On an otherwise idle machine they are a few hundredths apart; what is compared differs by tenths
+/// The scatter above which a median is unreliable: the distance of the quartiles relative to the
+/// median. On an idle machine it is a few hundredths, while the compared methods differ by tenths
 /// and more.
 pub const MOST_SCATTER: f64 = 0.25;
 
-/// How long runs are repeated, and how often at most.
+/// Duration of repeated runs, and their largest number.
 const WHILE: Duration = Duration::from_millis(40);
 const MOST: usize = 1000;
 
-/// Time that several runs took.
+/// Times of several runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Timing {
     /// The median.
@@ -21,10 +21,10 @@ pub(crate) struct Timing {
 }
 
 impl Timing {
-    /// Runs as often as fits into a short while, three times at least; less often where a run is long
-    /// enough for what disturbs it to be short: twice from 0.1 s on, and once from 0.4 s on, unless they
-    /// and the `first` run contradict each other. Memory is warm: there was a run before, which took
-    /// `first`.
+    /// Repeats runs for a short time, at least three times. Longer runs, which are disturbed less,
+    /// are repeated less: twice from 0.1 s on, and once from 0.4 s on, unless their times
+    /// contradict that of the `first` run. `first` is the time of an earlier run, which has warmed
+    /// the memory.
     pub(crate) fn of_runs(first: Duration, mut run: impl FnMut()) -> Self {
         let start = Instant::now();
         let mut times = Vec::new();
@@ -36,7 +36,7 @@ impl Timing {
         Self::of(times)
     }
 
-    /// Takes one run and more together.
+    /// Combines one run and further runs.
     fn of(mut times: Vec<Duration>) -> Self {
         times.sort_unstable();
         let last = times.len() - 1;
@@ -49,7 +49,7 @@ impl Timing {
     }
 }
 
-/// Whether `scatter` leaves the median without much of a meaning.
+/// Whether `scatter` makes the median unreliable.
 pub(crate) fn is_scattered(scatter: f64) -> bool {
     scatter.is_nan() || scatter > MOST_SCATTER
 }

@@ -1,4 +1,4 @@
-//! All runs side by side: which columns are shown, the table, the plots.
+//! Comparison of all runs: the choice of columns, the table, the plots.
 
 use super::{Case, Ended, Outcome, Sweep, SweepError, Swept};
 use crate::io::replace_file;
@@ -22,7 +22,7 @@ impl Swept {
         }
     }
 
-    /// The runs that have left numbers.
+    /// The runs with results.
     pub fn ended(&self) -> impl Iterator<Item = (&Case, &Ended)> {
         self.cases
             .iter()
@@ -44,7 +44,7 @@ impl Swept {
         shared
     }
 
-    /// Which columns are shown.
+    /// The columns to show.
     pub(super) fn choose(&mut self, chosen: &[String], scene: &Scene) {
         let mut known: Vec<String> = Vec::new();
         for column in self.ended().flat_map(|(_, ended)| &ended.series.columns) {
@@ -135,7 +135,7 @@ impl Swept {
         })
     }
 
-    /// The values of a run that are not those of all.
+    /// The values of a run that are not common to all runs.
     fn legend(&self, case: &Case) -> String {
         let values = case.values.iter().enumerate();
         let varies = |&(at, value): &(usize, &String)| {

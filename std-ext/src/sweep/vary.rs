@@ -15,7 +15,7 @@ pub struct Vary {
     pub values: Vec<String>,
 }
 
-/// A text that is no `KEY=VALUE,VALUE,…`.
+/// A text without the form `KEY=VALUE,VALUE,…`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum VarySyntaxError {
@@ -33,7 +33,7 @@ pub enum VarySyntaxError {
     Empty {
         /// The text.
         text: String,
-        /// Which, from 1.
+        /// Its number, from 1.
         number: usize,
     },
     /// Two values are the same.
@@ -89,7 +89,7 @@ impl FromStr for Vary {
     }
 }
 
-/// The parts between commas that are inside nothing; or the mark that is not balanced.
+/// The parts between top-level commas, or the unbalanced mark.
 fn split(text: &str) -> Result<Vec<&str>, char> {
     let mut parts = Vec::new();
     let mut start = 0;
@@ -152,7 +152,7 @@ pub(super) fn short_keys(vary: &[Vary]) -> Vec<String> {
     keys
 }
 
-/// `key=value,key=value` of letters, digits and `.`, `-`, `+`, `_`; `_` for all the rest.
+/// `key=value,key=value` with letters, digits and `.`, `-`, `+`, `_`; other characters become `_`.
 pub(super) fn file_name(keys: &[String], values: &[String]) -> String {
     // Folders' names have 255 bytes at most; runs have files of their own below.
     const LONGEST: usize = 200;

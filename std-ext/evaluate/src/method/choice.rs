@@ -5,7 +5,7 @@ use super::fields::Describe;
 use helfrich::{Conservative, LaplaceBeltrami, Real, StrongForm, TriangleMesh};
 use std::fmt;
 
-/// A use of a method, whichever it is.
+/// A computation for any method.
 pub(crate) trait Visitor<T: Real> {
     type Output;
 
@@ -25,7 +25,7 @@ pub(crate) trait Visitor<T: Real> {
 pub(crate) struct Settings<'a, T> {
     /// Bending modulus κ.
     pub(crate) modulus: T,
-    /// Spontaneous curvature H0; the energy of kantor-nelson (A) has no place for it.
+    /// Spontaneous curvature H0; kantor-nelson (A) does not support it.
     pub(crate) spontaneous_curvature: T,
     pub(crate) options: &'a MethodOptions,
     pub(crate) mesh: &'a TriangleMesh,

@@ -10,7 +10,7 @@ use helfrich::{
 };
 use std::fmt;
 
-/// A bending method made ready for one mesh.
+/// A bending method prepared for one mesh.
 #[derive(Debug)]
 pub struct Evaluator<T: Real> {
     prepared: Box<dyn Evaluate<T>>,
@@ -20,7 +20,7 @@ pub struct Evaluator<T: Real> {
 
 impl<T: Real> Evaluator<T> {
     /// Prepares `method` with bending modulus `modulus` for a mesh, with default options and on all
-    /// threads that there are.
+    /// threads.
     pub fn new(method: BendingMethod, modulus: T, mesh: &TriangleMesh) -> Self
     where
         T: Evaluated,
@@ -29,8 +29,8 @@ impl<T: Real> Evaluator<T> {
         Self::with_options(method, &options, modulus, mesh, Parallel::new())
     }
 
-    /// Prepares `method` with those of the options that it has, on a number of threads, on which no
-    /// bit depends.
+    /// Prepares `method` with the options that apply to it, on the given threads, on which no bit
+    /// depends.
     pub fn with_options(
         method: BendingMethod,
         options: &MethodOptions,
@@ -44,7 +44,7 @@ impl<T: Real> Evaluator<T> {
         T::evaluator(method, options, modulus, mesh, threads)
     }
 
-    /// The same with loops of the caller's choice.
+    /// Prepares `method` with an execution of the caller's choice.
     fn with_execution<X>(
         method: BendingMethod,
         options: &MethodOptions,
@@ -102,13 +102,14 @@ impl<T: Real> Evaluator<T> {
         }
     }
 
-    /// Evaluates, and collects all that the method says.
+    /// Evaluates, and collects all results of the method.
     pub fn fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
         self.evaluate(surface);
         self.last_fields(surface)
     }
 
-    /// [`Self::fields`] of the last evaluation, which was of this surface: nothing is evaluated.
+    /// [`Self::fields`] from the last evaluation, which must have been for this surface; nothing is
+    /// evaluated.
     pub fn last_fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
         match &mut self.ordered {
             None => Fields::collect(&mut *self.prepared, surface, &self.force),
@@ -120,8 +121,8 @@ impl<T: Real> Evaluator<T> {
         }
     }
 
-    /// Findings about the last evaluation, which was of this surface, including noise of its positions, with
-    /// a flag for each vertex: see [`Prepared::quality`].
+    /// Findings about the last evaluation, which must have been for this surface, including noise
+    /// of its positions, with a flag for each vertex: see [`Prepared::quality`].
     pub fn quality(&self, surface: Surface<'_, T>) -> Quality {
         Quality::gather(surface.mesh(), |report| {
             self.inspect(surface, report);
@@ -129,7 +130,8 @@ impl<T: Real> Evaluator<T> {
         })
     }
 
-    /// Findings about the last evaluation, which was of this surface, without noise; this costs little.
+    /// Findings about the last evaluation, which must have been for this surface, without noise,
+    /// which makes it fast.
     pub fn findings(&self, surface: Surface<'_, T>) -> Vec<Finding> {
         let mut findings = Vec::new();
         self.inspect(surface, &mut |finding| findings.push(finding));
@@ -151,7 +153,7 @@ impl<T: Real> Evaluator<T> {
 
 /// A number type that methods are evaluated in.
 pub trait Evaluated: Real {
-    /// See [`Evaluator::with_options`]: on one alone, as any number type can be evaluated.
+    /// As [`Evaluator::with_options`], for any number type, on one thread.
     fn evaluator(
         method: BendingMethod,
         options: &MethodOptions,
@@ -163,8 +165,8 @@ pub trait Evaluated: Real {
     }
 }
 
-// Functions without parameters of type: methods are compiled here, and not again in every crate that
-// evaluates them.
+// Functions without type parameters, so that methods are compiled here and not again in every crate
+// that evaluates them.
 impl Evaluated for f32 {
     fn evaluator(
         method: BendingMethod,
@@ -190,8 +192,8 @@ impl Evaluated for f64 {
 }
 
 impl Evaluator<f64> {
-    /// Jets of the highest degree, 8: slow, and no method of scenes; what the others are compared with
-    /// where nothing is known exactly.
+    /// Jets of degree 8, the highest: slow and not available in scenes, but the reference for other
+    /// methods where exact values are unknown.
     pub fn reference(modulus: f64, mesh: &TriangleMesh) -> Self {
         let jet = Jet {
             degree: 8,
@@ -248,7 +250,7 @@ pub(super) trait Evaluate<T: Real>: fmt::Debug {
     /// Adds nodal forces to `force`, or sets it to force densities: see [`Evaluator::evaluate`].
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]);
 
-    /// Sets what the method says in `fields`, from what [`Self::evaluate`] made of `force`.
+    /// Sets the results in `fields` from `force`, as set by [`Self::evaluate`].
     fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>);
 
     /// See [`helfrich::Energy::energy`].

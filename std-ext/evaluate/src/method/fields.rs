@@ -8,12 +8,12 @@ use helfrich::{
     VertexKind, Workspace,
 };
 
-/// All that a method says of a surface, a value a vertex; `None` where it says nothing.
+/// All results of a method on a surface, one value per vertex; `None` where undefined.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fields<T> {
     /// Mixed area.
     pub area: Vec<T>,
-    /// Outward unit normal; 0 where there is none.
+    /// Outward unit normal; 0 where undefined.
     pub normal: Vec<[T; 3]>,
     /// Mean curvature H, positive on a sphere.
     pub mean: Vec<Option<T>>,
@@ -27,7 +27,7 @@ pub struct Fields<T> {
 
 /// The fields beside force and area that a method with an energy defines.
 pub(crate) trait Describe<T: Real>: Method<T> {
-    /// Sets them; the normals that are there are those of the cotangent operator.
+    /// Sets the fields; `fields` already has the normals of the cotangent operator.
     fn describe(
         &self,
         execution: &impl Execution,
@@ -37,7 +37,7 @@ pub(crate) trait Describe<T: Real>: Method<T> {
     );
 }
 
-/// A method and how its curvatures are taken over.
+/// A method, and the way in which its curvatures are computed.
 macro_rules! describe {
     ($($method:ident: $($set:ident)?;)*) => {
         $(impl<T: Real> Describe<T> for $method<T> {
@@ -62,7 +62,7 @@ describe! {
     LoopSubdivision: set_curvature;
 }
 
-/// n, H, K and A by the method itself.
+/// n, H, K and A from the method itself.
 fn measured<T: Real, M: Curvatures<T>>(
     method: &M,
     execution: &impl Execution,
@@ -83,7 +83,7 @@ fn where_defined<V: Copy>(values: &[V], defined: impl Fn(usize) -> bool) -> Vec<
 }
 
 impl<T: Real> Fields<T> {
-    /// All that a method says of the surface that it has been evaluated on, with this force.
+    /// All results of a method on the surface of its last evaluation, with this force.
     pub(super) fn collect(
         prepared: &mut dyn Evaluate<T>,
         surface: Surface<'_, T>,
@@ -101,7 +101,7 @@ impl<T: Real> Fields<T> {
             force_density: vec![None; vertices],
         };
         prepared.collect(surface, force, &mut fields);
-        // A vertex that was left out: the method's 0 there is no curvature.
+        // The vertex was left out, so the 0 of the method is not a curvature.
         prepared.inspect(surface, &mut |finding| match finding {
             Finding::ZeroArea { vertex } | Finding::TooFewNeighbours { vertex } => {
                 fields.clear(vertex as usize);
@@ -112,7 +112,7 @@ impl<T: Real> Fields<T> {
         fields
     }
 
-    /// Nothing is said of a vertex, but for a nodal force over a mixed area that is not 0.
+    /// Leaves a vertex undefined, unless it has a nodal force and a mixed area other than 0.
     fn clear(&mut self, vertex: usize) {
         self.mean[vertex] = None;
         self.gaussian[vertex] = None;
@@ -122,7 +122,7 @@ impl<T: Real> Fields<T> {
         }
     }
 
-    /// Nothing is said of a vertex that takes a fourth derivative.
+    /// Leaves quantities with a fourth derivative undefined at a vertex.
     fn clear_fourth_derivative(&mut self, vertex: usize) {
         self.laplacian_of_mean[vertex] = None;
         self.force_density[vertex] = None;

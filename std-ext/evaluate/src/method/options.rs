@@ -40,14 +40,14 @@ fn known(option: &str) -> &'static str {
     }
 }
 
-/// A name that is no kind of area.
+/// An unknown kind of area.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there are no areas `{name}`: areas are mixed, voronoi or barycentric")]
 pub struct UnknownAreas {
     name: String,
 }
 
-/// A text that is no bandwidth.
+/// A text that is not a bandwidth.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{text}` is no bandwidth: a number above 0, in mean areas of a vertex, or `converging`, \
@@ -74,7 +74,7 @@ impl MethodOptions {
         AREAS.iter().map(|&(name, _)| name).collect()
     }
 
-    /// The names of bandwidths that are no numbers.
+    /// The named bandwidths.
     pub fn bandwidth_names() -> Vec<&'static str> {
         vec!["converging", "published"]
     }
@@ -82,7 +82,7 @@ impl MethodOptions {
     /// Parses the name of areas.
     ///
     /// # Errors
-    /// If there are no such areas.
+    /// If the name is unknown.
     pub fn parse_areas(name: &str) -> Result<DualArea, UnknownAreas> {
         let named = AREAS
             .iter()
@@ -128,7 +128,7 @@ impl MethodOptions {
         Ok(())
     }
 
-    /// Checks that one of several methods at least has each option that is given.
+    /// Checks that each given option belongs to at least one of several methods.
     ///
     /// # Errors
     /// The first option that none has, with the first method.
@@ -148,7 +148,7 @@ impl MethodOptions {
         })
     }
 
-    /// The options that a method has, of those that are given.
+    /// The given options that apply to a method.
     #[must_use]
     pub fn of(self, method: BendingMethod) -> Self {
         let has_areas = matches!(method, BendingMethod::GompperKroll | BendingMethod::Meyer);
@@ -159,13 +159,13 @@ impl MethodOptions {
         }
     }
 
-    /// Whether none is given.
+    /// Whether no option is given.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The bandwidth of a mesh of N vertices in mean areas of a vertex; taken for as fine as it is on
-    /// average where it follows the mixed areas.
+    /// The bandwidth for a mesh of N vertices in mean areas of a vertex; if it follows the mixed
+    /// areas, its average.
     pub fn bandwidth_in_mean_areas(&self, vertices: usize) -> f64 {
         match self.bandwidth.unwrap_or_default() {
             Bandwidth::Converging => (0.01 * (vertices as f64).sqrt()).max(0.25),

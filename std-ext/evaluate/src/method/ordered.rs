@@ -1,9 +1,9 @@
-//! Large meshes in an order in which neighbours are near each other in memory.
+//! Large meshes in a cache-friendly order.
 
 use crate::method::Fields;
 use helfrich::{Real, Reordering, Surface, TriangleMesh};
 
-/// A mesh with fewer vertices fits the caches in whatever order it is.
+/// The least number of vertices for reordering; smaller meshes fit the caches in any order.
 const WORTH_ORDERING: usize = 100_000;
 
 /// A mesh in another order, and the surface that was evaluated last.
@@ -17,7 +17,7 @@ pub(super) struct Ordered<T> {
 }
 
 impl<T: Real> Ordered<T> {
-    /// An order for a mesh that is worth it.
+    /// An order for a mesh, if reordering is worthwhile.
     pub(super) fn of(mesh: &TriangleMesh) -> Option<Self> {
         if mesh.vertex_count() < WORTH_ORDERING {
             return None;
@@ -43,7 +43,7 @@ impl<T: Real> Ordered<T> {
         &self.order
     }
 
-    /// A surface in this order, and forces to set.
+    /// A surface in this order, and memory for its forces.
     pub(super) fn parts(&mut self, surface: Surface<'_, T>) -> (Surface<'_, T>, &mut [[T; 3]]) {
         let Self {
             order,
@@ -64,7 +64,7 @@ impl<T: Real> Ordered<T> {
         }
     }
 
-    /// All that a method says, in the order of the user's mesh.
+    /// All results of a method, in the order of the user's mesh.
     pub(super) fn undo(&self, fields: &Fields<T>) -> Fields<T> {
         let order = &self.order;
         Fields {

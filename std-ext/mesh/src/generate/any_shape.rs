@@ -22,7 +22,7 @@ pub enum AnyShape {
     Discocyte(Discocyte<f64>),
 }
 
-/// Calls a method of whichever shape it is.
+/// Calls a method of the actual shape.
 macro_rules! each {
     ($any:expr, $shape:ident => $call:expr) => {
         match $any {
@@ -143,11 +143,11 @@ impl Shape<f64> for AnyShape {
     }
 }
 
-/// Why a text names no shape.
+/// The reason why a text does not name a shape.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParseShapeError {
-    /// A name that is no shape's.
+    /// A name that does not belong to a shape.
     #[error("there is no shape `{name}`: choose sphere, ellipsoid, torus or discocyte")]
     UnknownName {
         /// The name.
@@ -164,9 +164,9 @@ pub enum ParseShapeError {
     /// Too few or too many parameters.
     #[error("{found} parameters are given where {expected} are needed, as in {example}")]
     WrongCount {
-        /// How many were given.
+        /// The number given.
         found: usize,
-        /// How many the shape has.
+        /// The number that the shape has.
         expected: usize,
         /// A text that is right.
         example: &'static str,
@@ -206,7 +206,7 @@ impl FromStr for AnyShape {
     }
 }
 
-/// The numbers of a comma-separated list; the default where there is none.
+/// The numbers of a comma-separated list, or the default if there is no list.
 fn numbers<const N: usize>(
     list: Option<&str>,
     default: [f64; N],

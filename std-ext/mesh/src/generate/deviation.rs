@@ -10,13 +10,13 @@ const LEAST: f64 = 0.01;
 /// The limit in units of the volume that an even mesh of the sphere lacks.
 const FACTOR: f64 = 4.0;
 
-/// Area and volume of a mesh against those of the exact shape, relative; negative where the mesh has
-/// less, as inscribed ones have.
+/// Relative deviation of area and volume of a mesh from those of the exact shape; negative if the
+/// mesh has less, as inscribed meshes have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeDeviation {
     /// A/A₀ − 1.
     pub area: f64,
-    /// V/V₀ − 1; not a number if the mesh is open.
+    /// V/V₀ − 1; NaN if the mesh is open.
     pub volume: f64,
     /// Number of vertices.
     pub vertices: usize,

@@ -1,4 +1,4 @@
-//! Regular meshes that are jittered and ridden with needles and caps.
+//! Regular meshes with random displacements, needles and caps.
 
 use super::random::Random;
 use super::{AnyShape, GenerateError, GeneratedMesh, position, preimage};

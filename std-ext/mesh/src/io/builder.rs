@@ -1,10 +1,10 @@
-//! From the vertices and faces of a file to a mesh.
+//! Builder of a mesh from the vertices and faces of a file.
 
 use helfrich::{MeshError, TriangleMesh};
 
 use super::{Element, MeshFile, ParseError, Place, Position, Problem};
 
-/// Vertices and faces as they are read, until they become a mesh.
+/// Vertices and faces that have been read, before they become a mesh.
 pub(super) struct Builder {
     pub(super) positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
@@ -34,10 +34,11 @@ impl Builder {
         }
     }
 
-    /// Makes room for what a header announces, as far as the bytes that are left can hold it.
+    /// Reserves memory for the numbers that a header announces, limited by the remaining bytes of
+    /// the file.
     pub(super) fn reserve(&mut self, vertices: usize, faces: usize, bytes: usize) {
-        // Hardly a vertex or face takes less than six bytes; where one does, the lists grow as they
-        // are filled.
+        // Few vertices or faces take less than six bytes; if they do, the lists grow as they are
+        // filled.
         let most = bytes / 6;
         self.positions.reserve(vertices.min(most));
         self.triangles.reserve(faces.min(most));

@@ -26,7 +26,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
                 }
                 builder.add_face(&corners, position)?;
             }
-            // Normals, groups, materials, lines, free-form surfaces and what others invented.
+            // Normals, groups, materials, lines, free-form surfaces and extensions are skipped.
             _ if keyword[0].is_ascii_alphabetic() => {}
             _ => {
                 let expected = "an OBJ keyword such as v or f";

@@ -1,7 +1,7 @@
 //! Object File Format.
 //!
-//! Source: Geomview manual, "OFF Files". One vertex and one face a line, as every known program
-//! writes them.
+//! Source: Geomview manual, "OFF Files". One vertex or face per line, as all known programs write
+//! them.
 
 use super::text::{Text, parsed};
 use super::{Builder, CORNER, MeshFile, ParseError, Problem};
@@ -71,7 +71,7 @@ pub(super) fn write(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
 ) -> io::Result<()> {
-    // The number of edges, which nobody reads, may be 0.
+    // The number of edges may be 0, because readers ignore it.
     writeln!(out, "OFF\n{} {} 0", positions.len(), triangles.len())?;
     for [x, y, z] in positions {
         writeln!(out, "{x:?} {y:?} {z:?}")?;

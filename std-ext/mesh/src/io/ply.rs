@@ -1,9 +1,9 @@
 //! Polygon File Format (Stanford), ASCII and binary.
 //!
 //! Source: G. Turk, The PLY Polygon File Format (1994). A text header declares elements, each with
-//! a number and a list of properties; the body holds them one after the other. Read are the
+//! a number and a list of properties; the body holds them one after the other. This reader uses the
 //! properties `x`, `y`, `z` of the element `vertex` and the list `vertex_indices` (or
-//! `vertex_index`) of the element `face`; all else is skipped.
+//! `vertex_index`) of the element `face`, and skips all others.
 
 use super::text::{Text, parsed};
 use super::{Builder, CORNER, Element, MeshFile, ParseError, Position, Problem, finite};
@@ -45,7 +45,7 @@ pub(super) fn write(
         writeln!(out, "property double {axis}")?;
     }
     writeln!(out, "element face {}", triangles.len())?;
-    // `int`, not `uint`, is what every reader knows; the limit of a mesh is below 2³¹.
+    // `int` instead of `uint`, because every reader knows it; the limit of a mesh is below 2³¹.
     writeln!(out, "property list uchar int vertex_indices\nend_header")?;
     for coordinate in positions.iter().flatten() {
         out.write_all(&coordinate.to_le_bytes())?;
@@ -280,7 +280,7 @@ fn undeclared(groups: &[Group]) -> Option<&'static str> {
 trait Body {
     /// Starts a record.
     fn begin(&mut self, element: Option<Element>) -> Result<(), ParseError>;
-    /// Where the reading is.
+    /// The current position.
     fn position(&self) -> Position;
     fn coordinate(
         &mut self,
@@ -318,7 +318,8 @@ fn elements(body: &mut impl Body, groups: &[Group], length: usize) -> Result<Bui
             }
             Role::Other => "elements",
         };
-        // Elements without properties take no room: their number says nothing about the file.
+        // Elements without properties take no bytes, so their number is not limited by the length
+        // of the file.
         let count = if group.properties.is_empty() {
             0
         } else {
@@ -383,7 +384,7 @@ fn element(
 
 const LIST_LENGTH: &str = "a list's length";
 
-/// One element a line.
+/// A body with one element per line.
 struct Ascii<'a> {
     text: Text<'a>,
     /// The line's first word, until it is used.
@@ -450,7 +451,7 @@ impl Body for Ascii<'_> {
     }
 }
 
-/// Records without anything between them.
+/// A binary body: records without separators.
 struct Binary<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -483,7 +484,7 @@ impl Binary<'_> {
             Scalar::U16 => u16::from_le_bytes(self.take()?).into(),
             Scalar::I32 => i32::from_le_bytes(self.take()?).into(),
             Scalar::U32 => u32::from_le_bytes(self.take()?).into(),
-            // The header is refused if a list's length or a corner has such a type.
+            // Not reached: headers in which a list length or a corner has such a type are refused.
             Scalar::F32 | Scalar::F64 => return None,
         })
     }

@@ -1,4 +1,4 @@
-//! Files that are written as a whole or not at all.
+//! Files that are written completely or not at all.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufWriter, Write};
@@ -32,7 +32,7 @@ pub fn replace_file(
         unfinished.file.set_permissions(old.permissions())?;
     }
     unfinished.file.sync_all()?;
-    // The name is the target's from here on: there is nothing to take away.
+    // From here on the file has its final name, so nothing is left to remove.
     fs::rename(&unfinished.path, &target)
 }
 
@@ -66,7 +66,7 @@ pub fn check_replaceable(path: &Path) -> io::Result<()> {
     } else if path.is_dir() {
         Err(io::ErrorKind::IsADirectory.into())
     } else {
-        // Opening a pipe and leaving again would be seen at its other end.
+        // Pipes are not opened for the check, because their reader would see it.
         Ok(())
     }
 }
@@ -81,7 +81,7 @@ fn target_of(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// A file that is being written, and taken away with this unless it was renamed.
+/// A file that is being written; it is removed on drop unless it was renamed.
 struct Unfinished {
     path: PathBuf,
     file: File,
@@ -99,7 +99,8 @@ impl Write for Unfinished {
 
 impl Drop for Unfinished {
     fn drop(&mut self) {
-        // It is not there any more if it was renamed; otherwise the next process takes it away.
+        // Errors are ignored: the file is gone if it was renamed; otherwise the next process
+        // removes it.
         let _ = fs::remove_file(&self.path);
     }
 }
@@ -113,7 +114,8 @@ fn unfinished(path: &Path) -> io::Result<Unfinished> {
         let path = folder.join(format!("{UNFINISHED}{}-{number}", process::id()));
         let file = match OpenOptions::new().write(true).create_new(true).open(&path) {
             Ok(file) => file,
-            // Left by a process of the same number, or being written on another machine.
+            // The name is taken by a killed process with the same number, or by one on another
+            // machine.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 return Err(io::Error::new(error.kind(), "there is no such folder"));
@@ -121,7 +123,7 @@ fn unfinished(path: &Path) -> io::Result<Unfinished> {
             Err(error) => return Err(error.kind().into()),
         };
         let unfinished = Unfinished { path, file };
-        // Somebody who tidies the folder may have been faster, and takes it for left over.
+        // Another process that cleans up the folder may have removed the file before it was locked.
         match unfinished.file.try_lock() {
             Err(TryLockError::WouldBlock) => {}
             // Without locks on this platform nothing is removed.

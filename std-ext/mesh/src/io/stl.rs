@@ -23,7 +23,7 @@ fn announced_faces(bytes: &[u8]) -> Option<u64> {
 }
 
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
-    // A binary header may start with `solid` too: only the length tells.
+    // A binary header may start with `solid` too, so the length decides.
     match announced_faces(bytes) {
         Some(faces) if HEADER as u64 + FACE as u64 * faces == bytes.len() as u64 => binary(bytes),
         Some(faces) if bytes.contains(&0) => {
@@ -59,7 +59,8 @@ fn binary(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     builder.finish()
 }
 
-/// Binary. The header must not start with `solid`, by which other readers know a text.
+/// Writes binary STL. The header must not start with `solid`, because other readers would take the
+/// file for a text.
 pub(super) fn write(
     out: &mut dyn Write,
     positions: &[[f64; 3]],

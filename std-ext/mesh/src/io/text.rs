@@ -153,7 +153,7 @@ impl<'a> Text<'a> {
             .map_err(|problem| problem.at(self.position(), Some(element)))
     }
 
-    /// Nothing more in this text.
+    /// Checks that the text has ended.
     pub(super) fn end_of_file(&mut self) -> Result<(), ParseError> {
         match self.statement() {
             None => Ok(()),
@@ -192,7 +192,7 @@ pub(super) fn parsed<T: core::str::FromStr>(word: Option<&[u8]>) -> Option<T> {
     core::str::from_utf8(word?).ok()?.parse().ok()
 }
 
-/// A word as an error message shows it: printable, and not too long.
+/// A word for an error message: printable, and not too long.
 fn found(word: Option<&[u8]>) -> String {
     const LONGEST: usize = 40;
     let Some(word) = word else {

@@ -133,7 +133,7 @@ pub(super) fn check_fields(
     Ok(())
 }
 
-/// Writes a file of VTK as a whole or not at all: a data set of a kind, with its time.
+/// Writes a VTK file completely or not at all: a data set of the given kind, with its time.
 pub(super) fn write_data(
     path: &Path,
     kind: &str,
@@ -211,7 +211,7 @@ impl PointValues<'_> {
     }
 }
 
-/// A number as VTK names and stores it.
+/// A number type with its VTK name and storage.
 pub(super) trait Stored: Copy {
     const TYPE: &str;
     type Bytes: AsRef<[u8]>;

@@ -1,4 +1,4 @@
-//! One vertex for all corners at the same point.
+//! Welding: one vertex for all corners at the same point.
 
 use super::MeshFile;
 use helfrich::{MeshError, TriangleMesh, VertexKind};
@@ -26,8 +26,8 @@ impl Weld {
 }
 
 impl MeshFile {
-    /// Number of vertices at a boundary that are at the point of another one there: the mesh is cut
-    /// along edges where it need not be, as renderers export it that give each face corners of its own.
+    /// Number of boundary vertices at the same point as another boundary vertex. Such vertices are
+    /// split: renderers, for example, export separate corners for each face.
     pub fn split_vertices(&self) -> usize {
         let (mut weld, mut distinct) = (Weld::default(), Vec::new());
         let at_boundary = |vertex: &usize| self.mesh.vertex_kind(*vertex) == VertexKind::Boundary;
@@ -41,11 +41,13 @@ impl MeshFile {
         split.count()
     }
 
-    /// The mesh with one vertex for all that are at the same point, bit for bit (−0 counts as 0), in the
-    /// order in which they first appear. Triangles two corners of which become one are left out.
+    /// The mesh with one vertex for all vertices at the same point, bit for bit (−0 counts as 0),
+    /// in the order in which they first appear. Triangles of which two corners are merged are left
+    /// out.
     ///
     /// # Errors
-    /// If the triangles then are no manifold: more than two at an edge, or surfaces that touch.
+    /// If the resulting triangles are not a manifold: more than two at an edge, or surfaces that
+    /// touch.
     pub fn welded(&self) -> Result<Self, MeshError> {
         let (mut weld, mut positions) = (Weld::default(), Vec::new());
         let vertices = self.positions.iter();

@@ -1,7 +1,6 @@
-//! Tags of an XML file, as far as files of VTK need them.
+//! Tags of an XML file, as needed for VTK files.
 //!
-//! Nothing is checked that nobody asks for: texts between tags are passed over, and so are comments,
-//! declarations and instructions.
+//! Text between tags, comments, declarations and instructions are skipped without checks.
 
 use super::{ParseError, Position, Problem};
 

@@ -1,4 +1,4 @@
-//! The question answered: the cheapest method for an accuracy.
+//! The cheapest method for each accuracy.
 
 use super::text::{Table, count, csv_line, significant, target, time_of};
 use super::{Page, QUANTITIES, TARGETS, called, each};
@@ -55,7 +55,7 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "</section>")
 }
 
-/// Every vertex, or on average.
+/// Choice of the norm: every vertex, or on average.
 fn strictly(norm: Norm) -> &'static str {
     match norm {
         Norm::Max => "at every vertex",
@@ -78,7 +78,7 @@ fn questions<'a>(families: &[&'a str], norm: Norm) -> Vec<Question<'a>> {
         .collect()
 }
 
-/// One method for all of it, if there is one.
+/// One method for all questions, if there is one.
 fn write_everything(page: &Page<'_>, families: &[&str], out: &mut dyn Write) -> io::Result<()> {
     let kinds = families.join(" and ");
     let found = Norm::ALL.into_iter().find_map(|norm| {
@@ -111,7 +111,7 @@ fn write_everything(page: &Page<'_>, families: &[&str], out: &mut dyn Write) -> 
     )
 }
 
-/// The cheapest method, or how near the nearest comes.
+/// The cheapest method or, if none reaches the target, the smallest error.
 fn cell(rows: &[Row], question: &Question<'_>) -> String {
     match (cheapest(rows, question), most_accurate(rows, question)) {
         (Some(row), _) => format!(
@@ -132,7 +132,7 @@ fn cell(rows: &[Row], question: &Question<'_>) -> String {
     }
 }
 
-/// Targets downwards, quantities and families to the right.
+/// A table with a row for each target, and columns for quantities and families.
 fn table(rows: &[Row], families: &[&str], norm: Norm) -> Table {
     let mut head = vec!["error at most".to_owned()];
     let columns = QUANTITIES

@@ -1,7 +1,7 @@
 //! Curves over a pair of axes, as SVG for the page and for files, and as PNG.
 //!
-//! An SVG is as wide as a phone and stands on its own: colours are classes, which the page gives its
-//! own values, and a file brings along.
+//! An SVG is as wide as a phone screen. Its colours are classes, which the page defines; a separate
+//! file includes their definitions.
 
 use super::text::{escaped, number_label};
 use crate::picture::{self, Canvas, Marks, PictureError, Plot};
@@ -13,11 +13,11 @@ use std::io::{self, Write};
 pub struct Chart {
     /// One line that describes the chart.
     pub title: String,
-    /// To the right, and upwards.
+    /// The horizontal and the vertical axis.
     pub axes: [Axis; 2],
     /// The curves; the first is drawn first.
     pub curves: Vec<Curve>,
-    /// Heights at which a line is drawn, with what it says.
+    /// Values at which a horizontal line is drawn, with its label.
     pub guides: Vec<(f64, String)>,
 }
 
@@ -37,7 +37,7 @@ pub enum Scale {
     Linear,
     /// Powers of ten.
     Count,
-    /// Shares of 1, as powers of ten in per cent.
+    /// Fractions, shown as powers of ten in per cent.
     Share,
     /// Seconds.
     Time,
@@ -54,7 +54,7 @@ pub struct Curve {
     pub style: usize,
     /// Whether its line is broken.
     pub dashed: bool,
-    /// Whether its points are to be seen, and not only to be found.
+    /// Whether its points have visible marks, in addition to tooltips.
     pub marked: bool,
     /// The label at its last point; none if empty.
     pub label: String,
@@ -67,7 +67,7 @@ pub struct Curve {
 pub struct Point {
     /// Its numbers on both axes.
     pub at: [f64; 2],
-    /// The text that appears where it is touched.
+    /// The text of its tooltip.
     pub says: String,
 }
 
@@ -108,7 +108,7 @@ pub fn mark(style: usize) -> String {
     )
 }
 
-/// From numbers to places.
+/// The map from numbers to positions.
 struct Places {
     logarithmic: bool,
     low: f64,
@@ -159,7 +159,7 @@ impl Places {
             .then_some(first + share * (last - first))
     }
 
-    /// Where marks are: powers of ten, every so many, or round numbers.
+    /// The positions of ticks: powers of ten with a stride, or round numbers.
     fn marks(&self) -> Vec<f64> {
         let span = self.high - self.low;
         if self.logarithmic && span < 2.4 {
@@ -192,12 +192,12 @@ impl Places {
 }
 
 impl Chart {
-    /// Whether there is anything to be seen.
+    /// Whether there is anything to draw.
     pub fn is_empty(&self) -> bool {
         self.curves.iter().all(|curve| curve.points.is_empty())
     }
 
-    /// Writes it as an SVG element; as a file of its own with `styled`.
+    /// Writes the chart as an SVG element or, with `styled`, as a separate file.
     ///
     /// # Errors
     /// If `out` cannot be written to.
@@ -289,8 +289,8 @@ impl Chart {
         writeln!(out, "</svg>")
     }
 
-    /// Where labels stand: beside the last point of each curve, and below or above what stands there
-    /// already, in the order in which the curves end.
+    /// The positions of labels: beside the last point of each curve, moved below or above others
+    /// where necessary, in the order of the last points.
     fn label_places(&self, drawn: &[Vec<([f64; 2], &Point)>]) -> Vec<Option<[f64; 2]>> {
         let mut places: Vec<Option<[f64; 2]>> = vec![None; drawn.len()];
         let end = |curve: usize| drawn[curve].last().map_or(0.0, |([_, y], _)| *y);
@@ -306,7 +306,7 @@ impl Chart {
             let mut steps =
                 (0..32).flat_map(|step| [3.0 * f64::from(step), -3.0 * f64::from(step)]);
             let free = |step: &f64| {
-                // Not above the figure.
+                // Labels must not rise above the figure.
                 end_y + step > TOP
                     && places.iter().flatten().all(|&[other_x, other_y]| {
                         (other_x - x).abs() > 18.0 || (other_y - end_y - step).abs() > LABEL_HEIGHT
@@ -315,7 +315,7 @@ impl Chart {
             let step = steps.find(free).unwrap_or(0.0);
             places[curve] = Some([x, end_y + step]);
         }
-        // Neighbours change places until none stands on the wrong side of another.
+        // Neighbouring labels are swapped until their order is that of the curves.
         for _ in 0..places.len() {
             for one in 0..places.len() {
                 for other in 0..one {
@@ -367,7 +367,7 @@ impl Chart {
         )
     }
 
-    /// The same as pixels.
+    /// Draws the chart as pixels.
     ///
     /// # Errors
     /// If there is nothing to draw.

@@ -19,7 +19,7 @@ pub(super) fn all(page: &Page<'_>) -> io::Result<Vec<(String, Vec<u8>)>> {
         let mesh = &fields.mesh;
         let surface = Surface::new(&mesh.mesh, &mesh.positions).map_err(io::Error::other)?;
         for (method, errors) in &fields.methods {
-            // No error at all is below every colour, and not without one.
+            // An error of 0 is below the range, but gets the lowest colour.
             let field = errors.iter().map(|&error| error.log10().clamp(-99.0, 99.0));
             let field = Vec::from_iter(field);
             let surfaces = [PaintedSurface {

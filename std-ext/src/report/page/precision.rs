@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 use std::io::{self, Write};
 
-/// Errors of f32 up to so many times those of f64 are as good.
+/// Largest ratio of the errors of f32 and f64 at which they count as equal.
 const AS_GOOD: f64 = 1.5;
 
 /// Errors of f32 over those of f64, and times of f64 over those of f32.

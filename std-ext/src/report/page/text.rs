@@ -1,4 +1,4 @@
-//! Numbers and texts as the page has them.
+//! Formatting of numbers and texts for the page.
 
 use super::chart::Scale;
 use crate::report::SCATTERED;
@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-/// A text without characters that HTML reads as its own.
+/// A text with HTML special characters escaped.
 pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -56,7 +56,7 @@ pub fn significant(value: f64, digits: i32) -> String {
     format!("{}", (value / unit).round() * unit)
 }
 
-/// Digits set high.
+/// Superscript digits.
 fn raised(number: &str) -> String {
     let high = |digit: char| match digit {
         '-' => '⁻',
@@ -76,7 +76,7 @@ pub fn percent(share: f64) -> String {
     format!("{} %", digits(100.0 * share))
 }
 
-/// A power of ten in per cent, as it is asked for.
+/// A target accuracy, a power of ten in per cent.
 pub fn target(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 1))
 }
@@ -108,7 +108,7 @@ pub fn bytes(count: f64) -> String {
     format!("{} {unit}", digits(value))
 }
 
-/// A whole number, its thousands apart.
+/// An integer with separated thousands.
 pub fn count(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -160,12 +160,12 @@ pub struct Table {
     pub head: Vec<String>,
     /// Its cells.
     pub rows: Vec<Vec<String>>,
-    /// The same in full precision: a head and lines.
+    /// The table in full precision, as CSV: a header and lines.
     pub csv: String,
 }
 
 impl Table {
-    /// Writes it, with its numbers as a file to be had, named after `id`.
+    /// Writes the table, with its numbers as a downloadable file named after `id`.
     ///
     /// # Errors
     /// If `out` cannot be written to.
@@ -202,7 +202,7 @@ impl Table {
         Ok(())
     }
 
-    /// The same, folded away under what it is called.
+    /// Writes the table in a collapsed element with its title.
     ///
     /// # Errors
     /// If `out` cannot be written to.
@@ -213,7 +213,7 @@ impl Table {
     }
 }
 
-/// A line of CSV; numbers with as many digits as tell them from every other.
+/// A line of CSV; numbers with enough digits to identify every f64.
 pub fn csv_line(text: &mut String, cells: &[&dyn std::fmt::Display]) {
     for (number, cell) in cells.iter().enumerate() {
         let comma = if number == 0 { "" } else { "," };

@@ -1,5 +1,5 @@
-//! Arrays of numbers in files of VTK: as text, in base64, or appended at the end of the file; as they
-//! are, or compressed.
+//! Arrays of numbers in VTK files: as text, in base64, or appended at the end of the file; raw or
+//! compressed.
 //!
 //! Source: *VTK file formats* (docs.vtk.org, XML formats). Compressed data begin with the number of
 //! blocks, the length of a block, that of the last one (0 for a whole one), and the lengths of all of
@@ -12,7 +12,7 @@ use base64::engine::general_purpose::STANDARD;
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use std::borrow::Cow;
 
-/// How the numbers of a file are stored.
+/// Storage of the numbers of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Storage<'a> {
     pub(super) file: &'a [u8],
@@ -27,7 +27,7 @@ pub(super) struct Storage<'a> {
 /// An array as its tag describes it.
 #[derive(Clone, Debug)]
 pub(super) struct Array<'a> {
-    /// Where its tag begins.
+    /// The position of its tag.
     at: usize,
     number: Number,
     format: Format<'a>,
@@ -35,10 +35,10 @@ pub(super) struct Array<'a> {
 
 #[derive(Clone, Copy, Debug)]
 enum Format<'a> {
-    /// Words, which begin at this byte.
+    /// Text from this byte on.
     Text(&'a [u8], usize),
     Base64(&'a [u8]),
-    /// From this byte on.
+    /// Appended data from this byte on.
     Appended(usize),
 }
 
@@ -55,12 +55,12 @@ enum Number {
 pub(super) struct Numbers<T> {
     pub(super) values: Vec<T>,
     at: usize,
-    /// Where the text begins.
+    /// The position of the text.
     text: Option<usize>,
 }
 
 impl<T> Numbers<T> {
-    /// Where a number stands.
+    /// The position of a number.
     pub(super) fn position(&self, file: &[u8], index: usize) -> Position {
         let place = self.text.and_then(|start| {
             let (place, _) = words(&file[start..]).nth(index)?;
@@ -69,7 +69,7 @@ impl<T> Numbers<T> {
         line_of(file, place.unwrap_or(self.at))
     }
 
-    /// Where the array stands.
+    /// The position of the array.
     pub(super) fn first_position(&self, file: &[u8]) -> Position {
         line_of(file, self.at)
     }
@@ -303,7 +303,7 @@ impl Number {
         })
     }
 
-    /// In bytes.
+    /// Size in bytes.
     fn size(self) -> usize {
         match self {
             Self::Float(size) | Self::Signed(size) | Self::Unsigned(size) => size,

@@ -160,7 +160,7 @@ impl Piece<'_> {
             })?;
             builder.positions[vertex][index % 3] = checked;
         }
-        // A piece may have no polygon.
+        // A piece may have no polygons.
         let (Some(connectivity), Some(ends)) = (&self.connectivity, &self.ends) else {
             return Ok(());
         };
@@ -204,7 +204,7 @@ fn expected(file: &[u8], tag: &Tag<'_>, expected: &'static str, found: String) -
     Problem::Expected { expected, found }.at(line_of(file, tag.start), None)
 }
 
-/// A name as an error message shows it.
+/// A name for an error message.
 fn shown(name: &[u8]) -> String {
     let name = String::from_utf8_lossy(&name[..name.len().min(40)]);
     format!("`{}`", name.escape_debug())
