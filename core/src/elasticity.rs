@@ -42,7 +42,7 @@
 //! energy is 1e-5; computed from `tr C − 2` and `det C − 1` it would be 7 %.
 
 use crate::diagnostic::Finding;
-use crate::element::{Corners, ElementKernel, Execution};
+use crate::element::{Corners, ElementEnergy, ElementMemory, Execution};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
 use crate::mesh_identity::MeshIdentity;
@@ -50,7 +50,7 @@ use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspa
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::Triangle;
-use crate::vec3::{Vec3, add, dot, scale, sub};
+use crate::vec3::{Vec3, dot, scale, sub};
 use alloc::vec::Vec;
 
 mod local_area;
@@ -270,15 +270,6 @@ pub struct InPlane<T, W> {
     mesh: MeshIdentity,
 }
 
-/// Memory of [`InPlane`].
-#[derive(Clone, Debug, Default)]
-pub struct InPlaneMemory<T> {
-    /// A third of the energy of the triangles around each vertex.
-    energies: Vec<[T; 1]>,
-    /// The force at each vertex, and the same energy.
-    nodal: Vec<[T; 4]>,
-}
-
 impl<T: Real, W: StrainEnergy<T>> InPlane<T, W> {
     /// The law with the edges and areas of `reference`, for surfaces with the mesh `mesh`. Both
     /// must have the same triangles. The shape of the reference may differ from the initial shape
@@ -422,56 +413,25 @@ impl<T: Real> Strained<T> {
     }
 }
 
-struct Forces<'a, T, W>(&'a InPlane<T, W>);
-
-impl<T: Real, W: StrainEnergy<T>> ElementKernel<T, 3, 0, 3> for Forces<'_, T, W> {
+/// The energy of one triangle, a third to each corner.
+impl<T: Real, W: StrainEnergy<T>> ElementEnergy<T, 3> for InPlane<T, W> {
     #[inline(always)]
-    fn evaluate(&self, first: usize, corners: &Corners<T, 3>, _input: &[[T; 0]; 3]) -> [[T; 3]; 3] {
-        Strained::new(&self.0.rest[first], corners).forces(&self.0.law)
-    }
-}
-
-struct Energies<'a, T, W>(&'a InPlane<T, W>);
-
-impl<T: Real, W: StrainEnergy<T>> ElementKernel<T, 3, 0, 1> for Energies<'_, T, W> {
-    #[inline(always)]
-    fn evaluate(&self, first: usize, corners: &Corners<T, 3>, _input: &[[T; 0]; 3]) -> [[T; 1]; 3] {
-        let strained = Strained::new(&self.0.rest[first], corners);
-        [[strained.energy_share(&self.0.law)]; 3]
-    }
-}
-
-struct ForcesAndEnergies<'a, T, W>(&'a InPlane<T, W>);
-
-impl<T: Real, W: StrainEnergy<T>> ElementKernel<T, 3, 0, 4> for ForcesAndEnergies<'_, T, W> {
-    #[inline(always)]
-    fn evaluate(&self, first: usize, corners: &Corners<T, 3>, _input: &[[T; 0]; 3]) -> [[T; 4]; 3] {
-        let strained = Strained::new(&self.0.rest[first], corners);
-        let share = strained.energy_share(&self.0.law);
-        let forces = strained.forces(&self.0.law);
-        forces.map(|[x, y, z]| [x, y, z, share])
-    }
-}
-
-impl<T: Real> InPlaneMemory<T> {
-    /// Sets all buffers to zero. All are allocated together, so that no later evaluation allocates.
-    fn clear(&mut self, vertices: usize) {
-        self.energies.clear();
-        self.energies.resize(vertices, [T::zero()]);
-        self.nodal.clear();
-        self.nodal.resize(vertices, [T::zero(); 4]);
+    fn evaluate(&self, triangle: usize, corners: &Corners<T, 3>) -> ([[T; 3]; 3], [T; 3]) {
+        let strained = Strained::new(&self.rest[triangle], corners);
+        let share = strained.energy_share(&self.law);
+        (strained.forces(&self.law), [share; 3])
     }
 }
 
 impl<T: Real, W: StrainEnergy<T>> Method<T> for InPlane<T, W> {
-    type Memory = InPlaneMemory<T>;
+    type Memory = ElementMemory<T>;
 
     /// # Panics
     /// If the law was made for another mesh.
-    fn memory(&self, mesh: &TriangleMesh) -> InPlaneMemory<T> {
+    fn memory(&self, mesh: &TriangleMesh) -> ElementMemory<T> {
         self.mesh
             .expect::<Self>(mesh, "make it by InPlane::new for that mesh");
-        InPlaneMemory::default()
+        ElementMemory::default()
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -506,12 +466,8 @@ impl<T: Real, W: StrainEnergy<T>> Energy<T> for InPlane<T, W> {
         surface: Surface<'_, T>,
         workspace: &mut Workspace<T, Self>,
     ) -> T {
-        let mesh = surface.mesh();
-        let memory = workspace.for_mesh_mut(mesh);
-        memory.clear(mesh.vertex_count());
-        let energies = &mut memory.energies[..];
-        execution.scatter(&Energies(self), surface, mesh.triangles(), &[], energies);
-        execution.sum(energies.len(), |vertex| energies[vertex][0])
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        memory.energy(execution, surface, surface.mesh().triangles(), self)
     }
 }
 
@@ -523,10 +479,8 @@ impl<T: Real, W: StrainEnergy<T>> Force<T> for InPlane<T, W> {
         workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
-        let mesh = surface.mesh();
-        let memory = workspace.for_mesh_mut(mesh);
-        memory.clear(mesh.vertex_count());
-        execution.scatter(&Forces(self), surface, mesh.triangles(), &[], force);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        memory.add_force(execution, surface, surface.mesh().triangles(), self, force);
     }
 }
 
@@ -538,17 +492,8 @@ impl<T: Real, W: StrainEnergy<T>> Conservative<T> for InPlane<T, W> {
         workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
-        let mesh = surface.mesh();
-        let memory = workspace.for_mesh_mut(mesh);
-        memory.clear(mesh.vertex_count());
-        let nodal = &mut memory.nodal[..];
-        let kernel = ForcesAndEnergies(self);
-        execution.scatter(&kernel, surface, mesh.triangles(), &[], nodal);
-        let nodal = &*nodal;
-        execution.map(&mut force[..nodal.len()], |vertex, force| {
-            let [x, y, z, _] = nodal[vertex];
-            *force = add(*force, [x, y, z]);
-        });
-        execution.sum(nodal.len(), |vertex| nodal[vertex][3])
+        let triangles = surface.mesh().triangles();
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        memory.add_force_and_energy(execution, surface, triangles, self, force)
     }
 }

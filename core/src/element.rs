@@ -6,6 +6,11 @@
 //! [`Serial`]; other loops (wider lanes, several threads) implement [`Execution`] and change no
 //! formula.
 
+mod energy;
+
+pub(crate) use energy::ElementEnergy;
+pub use energy::ElementMemory;
+
 use crate::lane::Lane;
 use crate::real::Real;
 use crate::reduction;

@@ -7,14 +7,13 @@
 use crate::bending::hinge::{Hinge, Hinges};
 use crate::diagnostic::Finding;
 use crate::elasticity::ReferenceError;
-use crate::element::{Corners, ElementKernel, Execution};
+use crate::element::{Corners, ElementEnergy, ElementMemory, Execution};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
 use crate::mesh_identity::MeshIdentity;
 use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::add;
 use alloc::vec::Vec;
 
 /// `E = k̃ Σ_edges (1 − cos(θ − θ0))`, θ the angle between the normals of the two triangles at an edge,
@@ -120,46 +119,24 @@ fn energy<L: Lane>(hinge: &Hinge<L>, [sine, cosine]: [L; 2]) -> L {
     L::literal(0.5) * hinge.presence * (chord[0] * chord[0] + chord[1] * chord[1])
 }
 
-struct HingeForce<T, R> {
+struct HingeEnergy<T, R> {
     edge_modulus: T,
     reference: R,
 }
 
-impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 3> for HingeForce<T, R> {
-    /// −∂E/∂x = −k̃ sin(θ − θ0) ∂θ/∂x. The sine is a difference of products that are equal to the
-    /// last bit in the reference shape, so that the force is exactly zero there.
+impl<T: Real, R: Reference<T>> ElementEnergy<T, 4> for HingeEnergy<T, R> {
+    /// −∂E/∂x = −k̃ sin(θ − θ0) ∂θ/∂x, and half of E/k̃ for each end of the edge. The sine as a
+    /// difference of products that agree to the last bit in the reference shape: there the force is
+    /// exactly zero.
     #[inline(always)]
-    fn evaluate(&self, first: usize, corners: &Corners<T, 4>, _input: &[[T; 0]; 4]) -> [[T; 3]; 4] {
+    fn evaluate(&self, first: usize, corners: &Corners<T, 4>) -> ([[T; 3]; 4], [T; 4]) {
         let hinge = Hinge::new(corners);
-        let [sine, cosine] = self.reference.angle::<T>(first);
+        let angle = self.reference.angle::<T>(first);
+        let [sine, cosine] = angle;
         let turned = hinge.sine * cosine - hinge.cosine * sine;
-        hinge.forces(corners, self.edge_modulus * turned * hinge.presence)
-    }
-}
-
-/// [`HingeForce`] and [`HingeEnergy`] at once.
-struct HingeForceAndEnergy<T, R>(HingeForce<T, R>);
-
-impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 4> for HingeForceAndEnergy<T, R> {
-    #[inline(always)]
-    fn evaluate(&self, first: usize, corners: &Corners<T, 4>, input: &[[T; 0]; 4]) -> [[T; 4]; 4] {
-        let force: [[T; 3]; 4] = self.0.evaluate(first, corners, input);
-        let reference = self.0.reference;
-        let energy: [[T; 1]; 4] = HingeEnergy { reference }.evaluate(first, corners, input);
-        core::array::from_fn(|k| [force[k][0], force[k][1], force[k][2], energy[k][0]])
-    }
-}
-
-/// Half of a hinge's energy, in units of k̃, for each end of its edge.
-struct HingeEnergy<R> {
-    reference: R,
-}
-
-impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 1> for HingeEnergy<R> {
-    #[inline(always)]
-    fn evaluate(&self, first: usize, corners: &Corners<T, 4>, _input: &[[T; 0]; 4]) -> [[T; 1]; 4] {
-        let half = T::constant(0.5) * energy(&Hinge::new(corners), self.reference.angle(first));
-        [[half], [half], [T::zero()], [T::zero()]]
+        let forces = hinge.forces(corners, self.edge_modulus * turned * hinge.presence);
+        let half = T::constant(0.5) * energy(&hinge, angle);
+        (forces, [half, half, T::zero(), T::zero()])
     }
 }
 
@@ -167,18 +144,8 @@ impl<T: Real, R: Reference<T>> ElementKernel<T, 4, 0, 1> for HingeEnergy<R> {
 #[derive(Clone, Debug)]
 pub struct KantorNelsonMemory<T> {
     hinges: Hinges,
-    /// Half of the energies of the edges at each vertex, in units of k̃.
-    energies: Vec<[T; 1]>,
-    /// The force at each vertex, and the same energy.
-    nodal: Vec<[T; 4]>,
-}
-
-impl<T: Real> KantorNelsonMemory<T> {
-    /// Allocates all buffers together, so that no later evaluation allocates.
-    fn resize(&mut self, vertices: usize) {
-        self.energies.resize(vertices, [T::zero()]);
-        self.nodal.resize(vertices, [T::zero(); 4]);
-    }
+    /// Energies in units of k̃.
+    sums: ElementMemory<T>,
 }
 
 impl<T: Real> Method<T> for KantorNelson<T> {
@@ -193,8 +160,7 @@ impl<T: Real> Method<T> for KantorNelson<T> {
         }
         KantorNelsonMemory {
             hinges: Hinges::new(mesh),
-            energies: Vec::new(),
-            nodal: Vec::new(),
+            sums: ElementMemory::default(),
         }
     }
 
@@ -216,41 +182,11 @@ impl<T: Real> Method<T> for KantorNelson<T> {
 }
 
 impl<T: Real> KantorNelson<T> {
-    fn sum_energies(
-        &self,
-        execution: &impl Execution,
-        hinges: &[[u32; 4]],
-        surface: Surface<'_, T>,
-        energies: &mut [[T; 1]],
-        reference: impl Reference<T>,
-    ) -> T {
-        energies.fill([T::zero()]);
-        execution.scatter(&HingeEnergy { reference }, surface, hinges, &[], energies);
-        self.edge_modulus * execution.sum(energies.len(), |vertex| energies[vertex][0])
-    }
-
-    fn add_both(
-        &self,
-        execution: &impl Execution,
-        hinges: &[[u32; 4]],
-        surface: Surface<'_, T>,
-        nodal: &mut [[T; 4]],
-        force: &mut [[T; 3]],
-        reference: impl Reference<T>,
-    ) -> T {
-        nodal.fill([T::zero(); 4]);
-        let edge_modulus = self.edge_modulus;
-        let kernel = HingeForceAndEnergy(HingeForce {
-            edge_modulus,
+    fn hinge<R: Reference<T>>(&self, reference: R) -> HingeEnergy<T, R> {
+        HingeEnergy {
+            edge_modulus: self.edge_modulus,
             reference,
-        });
-        execution.scatter(&kernel, surface, hinges, &[], nodal);
-        let nodal = &*nodal;
-        execution.map(&mut force[..nodal.len()], |vertex, force| {
-            let [x, y, z, _] = nodal[vertex];
-            *force = add(*force, [x, y, z]);
-        });
-        edge_modulus * execution.sum(nodal.len(), |vertex| nodal[vertex][3])
+        }
     }
 }
 
@@ -261,18 +197,15 @@ impl<T: Real> Energy<T> for KantorNelson<T> {
         surface: Surface<'_, T>,
         workspace: &mut Workspace<T, Self>,
     ) -> T {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        memory.resize(surface.mesh().vertex_count());
-        let KantorNelsonMemory {
-            hinges, energies, ..
-        } = memory;
+        let KantorNelsonMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
         let hinges = &hinges.vertices[..];
-        if self.reference.is_empty() {
-            self.sum_energies(execution, hinges, surface, energies, Flat)
+        let sum = if self.reference.is_empty() {
+            sums.energy(execution, surface, hinges, &self.hinge(Flat))
         } else {
-            let reference = self.reference.as_slice();
-            self.sum_energies(execution, hinges, surface, energies, reference)
-        }
+            let kernel = self.hinge(&self.reference[..]);
+            sums.energy(execution, surface, hinges, &kernel)
+        };
+        self.edge_modulus * sum
     }
 }
 
@@ -284,22 +217,13 @@ impl<T: Real> Force<T> for KantorNelson<T> {
         workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        memory.resize(surface.mesh().vertex_count());
-        let edge_modulus = self.edge_modulus;
+        let KantorNelsonMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
+        let hinges = &hinges.vertices[..];
         if self.reference.is_empty() {
-            let kernel = HingeForce {
-                edge_modulus,
-                reference: Flat,
-            };
-            execution.scatter(&kernel, surface, &memory.hinges.vertices, &[], force);
+            sums.add_force(execution, surface, hinges, &self.hinge(Flat), force);
         } else {
-            let reference = self.reference.as_slice();
-            let kernel = HingeForce {
-                edge_modulus,
-                reference,
-            };
-            execution.scatter(&kernel, surface, &memory.hinges.vertices, &[], force);
+            let kernel = self.hinge(&self.reference[..]);
+            sums.add_force(execution, surface, hinges, &kernel, force);
         }
     }
 }
@@ -312,15 +236,15 @@ impl<T: Real> Conservative<T> for KantorNelson<T> {
         workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        memory.resize(surface.mesh().vertex_count());
-        let KantorNelsonMemory { hinges, nodal, .. } = memory;
+        let KantorNelsonMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
         let hinges = &hinges.vertices[..];
-        if self.reference.is_empty() {
-            self.add_both(execution, hinges, surface, nodal, force, Flat)
+        let sum = if self.reference.is_empty() {
+            let kernel = self.hinge(Flat);
+            sums.add_force_and_energy(execution, surface, hinges, &kernel, force)
         } else {
-            let reference = self.reference.as_slice();
-            self.add_both(execution, hinges, surface, nodal, force, reference)
-        }
+            let kernel = self.hinge(&self.reference[..]);
+            sums.add_force_and_energy(execution, surface, hinges, &kernel, force)
+        };
+        self.edge_modulus * sum
     }
 }
