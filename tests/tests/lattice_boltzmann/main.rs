@@ -8,6 +8,7 @@ mod inside;
 mod momentum;
 mod reading;
 mod refused;
+mod staggered;
 mod viscous;
 
 use helfrich_std::flow::lattice_boltzmann::{Lattice, Node, Precision, Setup, Sides};

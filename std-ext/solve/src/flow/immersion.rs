@@ -15,6 +15,12 @@ use viscous::ViscousForces;
 /// Membranes immersed in the fluid of a lattice. Vertices spread their forces over the nodes around them
 /// and move with the velocity of the fluid there.
 ///
+/// Vertices move with the mean of the velocities of the fluid in this step and in the one before. A lattice
+/// conserves momentum whose sign changes from node to node and from step to step (G. Zanetti, Phys.
+/// Rev. A 40 (1989) 1539) whatever its viscosity. Vertices that took part in it would be pulled by elastic
+/// membranes in step with it, and it would grow in any step; of two steps it vanishes, as in A. J. C.
+/// Ladd and R. Verberg, J. Stat. Phys. 104 (2001) 1191. Before the first step all are at rest.
+///
 /// Elastic forces are evaluated at the start of a step. Forces of viscous membranes are evaluated at the
 /// velocities of the step, which depend on them; this linear system is solved in each step, which is
 /// stable for any viscosity and step.
@@ -30,8 +36,10 @@ pub struct Immersion<T> {
     contrasts: Vec<Contrast>,
     volumes: KeptVolumes,
     redistribution: Redistribution,
-    /// Velocities in the last step, of the material and of vertices that slide along it.
+    /// Velocities of the fluid at the vertices in the last step.
     velocities: Vec<[f64; 3]>,
+    /// Velocities with which the last step moved the material, and vertices that slide along it.
+    moving: Vec<[f64; 3]>,
     sliding: Vec<[f64; 3]>,
     forces: Vec<[f64; 3]>,
     /// The positions in lattice units.
@@ -114,6 +122,7 @@ impl<T: Precision> Immersion<T> {
             volumes: KeptVolumes::default(),
             redistribution: Redistribution::default(),
             velocities: vec![[0.0; 3]; vertices],
+            moving: vec![[0.0; 3]; vertices],
             sliding: Vec::new(),
             forces: vec![[0.0; 3]; vertices],
             placed: vec![[0.0; 3]; vertices],
@@ -134,9 +143,9 @@ impl<T: Precision> Immersion<T> {
         self.redistribution = redistribution;
     }
 
-    /// The velocities of the material in the last step.
+    /// The velocities with which the last step moved the material.
     pub fn material_velocities(&self) -> &[[f64; 3]] {
-        &self.velocities
+        &self.moving
     }
 
     /// Fills the membranes of these closed meshes, one after the other, with fluid of the outer
@@ -205,11 +214,11 @@ impl<T: Precision> Immersion<T> {
         self.interpolate();
         self.coupling.add(start);
         self.check_speeds()?;
-        self.volumes.correct(positions, &mut self.velocities);
+        self.volumes.correct(positions, &mut self.moving);
         let velocities = if self.redistribution.is_empty() {
-            &self.velocities
+            &self.moving
         } else {
-            self.sliding.clone_from(&self.velocities);
+            self.sliding.clone_from(&self.moving);
             self.redistribution.slide(positions, &mut self.sliding);
             self.volumes.correct(positions, &mut self.sliding);
             &self.sliding
@@ -291,12 +300,16 @@ impl<T: Precision> Immersion<T> {
         Ok(())
     }
 
-    /// Interpolates the velocities of the fluid before its step.
+    /// Interpolates the velocities of the fluid before its step, and sets those that vertices move with.
     fn interpolate(&mut self) {
+        self.moving.clone_from(&self.velocities);
         (self.immersed).interpolate_kept(&self.lattice, &mut self.velocities);
         let unit = self.units.velocity();
         for velocity in &mut self.velocities {
             *velocity = velocity.map(|component| component * unit);
+        }
+        for (mean, velocity) in self.moving.iter_mut().zip(&self.velocities) {
+            *mean = array::from_fn(|axis| 0.5 * (mean[axis] + velocity[axis]));
         }
     }
 
