@@ -1,17 +1,18 @@
 //! Which method to take on a mesh of one's own: measured there.
 //!
-//! Nobody knows the exact curvatures of such a mesh. Jets of degree 8 stand in for them, and how far
-//! degrees 6 and 4 are from them says what is not known: the error of J6 is taken as the distance of
-//! degree 6, or the geometric mean of the two distances if that is larger (near the limit of what a
-//! mesh resolves degree 8 is hardly better than degree 6, and their errors are alike). On exact shapes
-//! (discocyte, ellipsoids, tori; regular, irregular and hard meshes of 42 vertices and more) the true
-//! error of J6 was at most 1.3 times that wherever it was below a half at the worst vertex. Beyond
-//! [`RESOLVED`] there nothing is promised.
+//! The exact curvatures of such a mesh are unknown. Jets of degree 8 are the reference. The error
+//! of J6 is estimated as the distance of degree 6 from the reference, or as the geometric mean of
+//! the distances of degrees 6 and 4 if that is larger, because near the limit of resolution degree
+//! 8 is hardly better than degree 6. On exact shapes (discocyte, ellipsoids, tori; regular,
+//! irregular and hard meshes of 42 vertices and more) the true error of J6 was at most 1.3 times
+//! this estimate wherever the estimate was below a half at the worst vertex. Above [`RESOLVED`] the
+//! estimate is not reliable.
 //!
-//! Noise of the positions is curvature for every method, and no distance between methods tells it. Where
-//! some is seen, methods are compared with the best of many estimates that stand it: regression jets with
-//! as many neighbours as the shape allows. What noise does to a method is measured by adding as much again.
-//! Errors of noise and of the shape are independent, and their squares add up.
+//! All methods see noise of the positions as curvature, so that distances between methods do not
+//! reveal it. If noise is found, methods are compared with the best of many estimates that average
+//! it: regression jets with as many neighbours as the shape allows. The effect of noise on a method
+//! is measured by adding the same amount again. Errors of noise and of the shape are independent,
+//! so their squares add up.
 
 mod estimate;
 mod noisy;
@@ -35,7 +36,7 @@ pub struct Wish {
     pub quantity: Quantity,
     /// Which error counts.
     pub norm: Norm,
-    /// How large it may be, relative to the largest value on the surface.
+    /// Largest allowed error, relative to the largest value on the surface.
     pub target: f64,
     /// The methods to choose from.
     pub methods: Vec<BendingMethod>,
@@ -50,7 +51,7 @@ pub struct Wish {
 pub struct Candidate {
     /// The method.
     pub method: BendingMethod,
-    /// Its options that are not the default ones.
+    /// Its options other than the defaults.
     #[serde(flatten)]
     pub options: MethodOptions,
     /// The number type.
@@ -64,12 +65,13 @@ pub struct Candidate {
     pub seconds: f64,
     /// Distance of the quartiles of that time over their median; see [`Self::is_scattered`].
     pub seconds_scatter: f64,
-    /// The most that its error is expected to be, in the norm of the wish: the distance from the
-    /// reference, and what is not known of that; of J6 in f64 the latter alone. With what noise does.
+    /// Upper estimate of its error, in the norm of the request, including the effect of noise: the
+    /// distance from the reference plus the uncertainty of the reference; for J6 in f64 the
+    /// uncertainty alone.
     pub expected: f64,
-    /// Whether that is no more than an upper bound: of all but J4 and J6.
+    /// Whether the expected error is only an upper bound: true for all methods except J4 and J6.
     pub is_bound: bool,
-    /// Whether that is known, and within the target.
+    /// Whether the expected error is known and within the target.
     pub reaches: bool,
 }
 
@@ -84,23 +86,23 @@ impl Candidate {
 /// The answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recommendation {
-    /// How many vertices the mesh has.
+    /// Number of vertices of the mesh.
     pub vertices: usize,
-    /// At how many of them there is a reference: all but those at a boundary, or in no triangle.
+    /// Number of vertices with a reference: all except those at a boundary or in no triangle.
     pub compared: usize,
     /// What has to be accurate.
     pub quantity: Quantity,
     /// `max` or `mean`.
     pub norm: &'static str,
-    /// How large the error may be.
+    /// The largest allowed error.
     pub target: f64,
-    /// Noise of the positions, 0 where none is seen.
+    /// Noise of the positions, 0 if none was found.
     #[serde(serialize_with = "as_length_and_edges")]
     pub noise: Noise<f64>,
     /// What that noise makes of the error of J6 in f64, in that norm.
     pub noise_error: f64,
-    /// About what is not known, in that norm: the error of J6 in f64, by how far degrees 6 and 4 are
-    /// from the reference, and by noise.
+    /// Estimated error of J6 in f64 in this norm, from the distances of degrees 6 and 4 from the
+    /// reference, and from noise.
     pub reference_error: f64,
     /// Whether the mesh resolves the shape: whether the error of J6 in f64 at the worst vertex is at
     /// most [`RESOLVED`]. If not, no candidate is known to reach anything.
@@ -109,19 +111,21 @@ pub struct Recommendation {
     pub choice: Option<Candidate>,
     /// The one with the smallest expected error.
     pub nearest: Option<Candidate>,
-    /// If none reaches it: how many vertices J6 would need, by the order that theory gives it, h³ for
-    /// f and Δ_S H, h⁵ for H and K, and with noise of the same length at each vertex, which goes as h⁻⁴
-    /// and h⁻². Where noise rules these are fewer than there are; `None` if no number will do.
+    /// If no candidate reaches the target: the number of vertices that J6 would need. Errors of the
+    /// mesh fall with the theoretical order, h³ for f and Δ_S H and h⁵ for H and K; errors of noise
+    /// of the same size grow as h⁻⁴ and h⁻². Where noise dominates, the number is below that of the
+    /// mesh; `None` if no number reaches the target.
     pub vertices_needed: Option<f64>,
     /// Everything that was measured, fastest first.
     pub candidates: Vec<Candidate>,
 }
 
-/// Up to which what is not known at the worst vertex says how much that is: beyond, one vertex may be so
-/// far off that it is the largest value itself, against which all the others look small.
+/// Largest estimated error at the worst vertex for which the estimate is reliable: beyond, one
+/// vertex may have so large an error that it is the largest value, which makes all relative errors
+/// small.
 pub const RESOLVED: f64 = 0.2;
 
-/// Why there is no recommendation.
+/// The reason why there is no recommendation.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecommendError {
@@ -144,7 +148,7 @@ pub enum RecommendError {
     },
 }
 
-/// Measures every candidate on a mesh, and chooses. None if it was interrupted.
+/// Measures every candidate on a mesh, and chooses. `None` if interrupted.
 ///
 /// # Errors
 /// If the positions do not fit a number type, or no vertex can be compared.
@@ -242,9 +246,9 @@ fn in_norm([max, mean]: [f64; 2], norm: Norm) -> f64 {
 
 /// What is known of J6 in f64: errors in both norms, the largest and the mean.
 struct Expected<'a> {
-    /// By how far degrees 6 and 4 are from the reference.
+    /// By the distances of degrees 6 and 4 from the reference.
     unknown: [f64; 2],
-    /// By noise; 0 where none is seen.
+    /// By noise; 0 if none was found.
     noise: [f64; 2],
     /// Where noise is seen, what all methods are compared with.
     estimate: Option<&'a Estimate>,
@@ -278,7 +282,8 @@ impl Expected<'_> {
             Some(estimate) => {
                 let both = in_norm(estimate.error(), wish.norm);
                 let own = method == BendingMethod::J6 && estimate.is_j6;
-                // The shape's errors of two methods are often alike, those of noise are not.
+                // Errors of two methods due to the shape are often similar, those due to noise are
+                // not.
                 let found = match (is_bound, own) {
                     (true, _) => distance + both,
                     (false, true) => distance.hypot(both),
@@ -302,7 +307,8 @@ impl Expected<'_> {
         }
     }
 
-    /// How many vertices J6 needs for the target, on the same surface with the same noise.
+    /// The number of vertices that J6 needs for the target, on the same surface with the same
+    /// noise.
     fn vertices_needed(&self, vertices: usize, wish: &Wish) -> Option<f64> {
         // How errors fall with the edge length, and how those of noise grow.
         let (order, noise_order) = match wish.quantity {
@@ -310,7 +316,7 @@ impl Expected<'_> {
             Quantity::LaplacianOfMean | Quantity::ForceDensity => (3.0, 4.0),
         };
         let [unknown, noise] = [self.unknown, self.noise].map(|error| in_norm(error, wish.norm));
-        // Where the shape is not resolved, that has to come first.
+        // If the shape is not resolved, resolution comes first.
         let worst = self.unknown[0] / RESOLVED;
         let count = vertices as f64;
         if noise == 0.0 {
@@ -444,7 +450,7 @@ impl<'a> Ground<'a> {
         })
     }
 
-    /// By how much noise of the same size, once more, changes what a method says: the root of the mean
+    /// The change of the results of a method by additional noise of the same size: the root mean
     /// square, in both norms.
     fn noise_of<T: Evaluated>(
         &self,

@@ -1,4 +1,4 @@
-//! The nearest that is known of a surface with noise, and by how far it may be off.
+//! The best estimate of curvatures on a surface with noise, and its error.
 //!
 //! Methods are compared with the best of many estimates, made of the same positions: J6, and regression
 //! jets of degrees 4 and 6 with ever more neighbours, averaged ever wider. Noise of the size that was found
