@@ -164,7 +164,7 @@ pub trait Energy<T: Real>: Method<T> {
 ///
 /// Laws: rotate with the surface, do not change under its translation, follow a relabelling.
 pub trait Force<T: Real>: Method<T> {
-    /// Adds the nodal forces to `force`, one entry a vertex.
+    /// Adds the nodal forces to `force`, one entry per vertex.
     ///
     /// # Panics
     /// If `force` has fewer entries than the surface has vertices, or the surface another mesh than
@@ -182,7 +182,7 @@ pub trait Force<T: Real>: Method<T> {
 ///
 /// Its integral over the area of a vertex is the nodal force.
 pub trait ForceDensity<T: Real>: Method<T> {
-    /// Sets `density`, one entry a vertex.
+    /// Sets `density`, one entry per vertex.
     ///
     /// # Panics
     /// If `density` has fewer entries than the surface has vertices, or the surface another mesh

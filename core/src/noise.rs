@@ -1,12 +1,13 @@
 //! Noise of the positions, found from what polynomials leave of them.
 //!
-//! A smooth surface is the sum of polynomials whose parts decay with their degree; noise that is
-//! independent from vertex to vertex has the same part in every degree. Around each vertex a polynomial
-//! of degree 6 is fitted to the heights of its neighbours. S₄, S₅, S₆ are the parts of its three highest
-//! degrees and R is what it leaves, each as the standard deviation of the noise that would explain it,
-//! pooled over the vertices near by. Odd and even degrees decay apart: the shape is expected to leave at
-//! most `1.8 S₆ max(S₅, S₆) / S₄`, and never more than `0.45 S₆`; what is left beyond that is noise.
-//! Where R/S₆ is that of no noise and S₆/S₄ not small, the mesh does not resolve the shape.
+//! On a smooth surface the contributions of polynomials decay with their degree; noise that is
+//! independent from vertex to vertex contributes equally to every degree. Around each vertex a
+//! polynomial of degree 6 is fitted to the heights of its neighbours. S₄, S₅, S₆ are the
+//! contributions of its three highest degrees, and R is the residual, each as the standard
+//! deviation of the noise that would explain it, pooled over nearby vertices. Odd and even degrees
+//! decay apart: the shape is expected to leave at most `1.8 S₆ max(S₅, S₆) / S₄`, and never more
+//! than `0.45 S₆`; what is left beyond that is noise. If R/S₆ indicates no noise but S₆/S₄ is not
+//! small, the mesh does not resolve the shape.
 //!
 //! The constants were chosen so that no noise is seen on exact meshes of spheres, ellipsoids, tori and
 //! discocytes, even or not, of 42 to 5000 vertices, and σ within 15 % from about the part on that such
@@ -32,7 +33,7 @@ pub use smoothing::Smoothing;
 
 use fit::{HeightFit, Model};
 
-/// Vertices around which fits are pooled, at most: a median over so many is known to a few per cent.
+/// Largest number of vertices around which fits are pooled: their median is known to a few per cent.
 const CENTRES: usize = 128;
 
 /// Fits that are pooled around each of them.
@@ -62,7 +63,7 @@ const CEILING: f64 = 0.45;
 /// S₆/S₄ from which on R/S₆ has to be that of noise or far below: R is no better known than S₆.
 const SLOW: f64 = 0.12;
 
-/// R/S₆ of noise, at least and at most, but for its scatter; and that of a shape at most.
+/// Smallest and largest R/S₆ of noise without its scatter, and largest R/S₆ of a shape.
 const FLAT: [f64; 2] = [0.8, 1.3];
 const STEEP: f64 = 0.35;
 
@@ -72,14 +73,14 @@ const STEEP: f64 = 0.35;
 /// every method. An error σ of the positions becomes one of about σ/A of H and 10 σ/A² of Δ_S H, A the
 /// area of a vertex: finer meshes of the same noise have *larger* errors.
 ///
-/// The estimate takes errors to be independent from vertex to vertex, in all directions alike or along
-/// the normal. Of errors that neighbours share it sees a part, of waves over more than about five edges
-/// nothing. The discrete equilibrium of one method is rough at the scale of an edge to all the others, and
-/// that is noise, too.
+/// The estimate assumes errors that are independent from vertex to vertex, isotropic or along the
+/// normal. It detects only part of errors that neighbours share, and no waves longer than about
+/// five edges. The discrete equilibrium of one method is rough at the scale of an edge for all
+/// other methods, and counts as noise, too.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise<T> {
-    /// Standard deviation σ of the position along the normal; 0 where none is seen: where the shape
-    /// itself, or the rounding of the number type, leaves as much.
+    /// Standard deviation σ of the position along the normal; 0 if none is found, that is, if the
+    /// shape itself or the rounding of the number type leaves as much.
     pub length: T,
     /// The same in mean lengths of an edge.
     pub edges: T,
@@ -89,16 +90,16 @@ pub struct Noise<T> {
 /// rest; zeros where there is no fit.
 type Spectrum<T> = [[T; 2]; 4];
 
-/// Noise as it is seen from one place.
+/// Noise estimated around one vertex.
 struct Seen<T> {
     /// Its standard deviation.
     deviation: T,
-    /// The standard deviation that explains all that is left, shape or noise.
+    /// The standard deviation that explains the whole residual, shape and noise.
     most: T,
 }
 
 impl<T: Real> Noise<T> {
-    /// The noise of a surface: the median of what is seen around evenly numbered vertices.
+    /// The noise of a surface: the median of the estimates around evenly numbered vertices.
     ///
     /// Coordinates with few decimals, or with the digits of f32 alone, are rounded; where what is left of
     /// them allows it, the noise is at least that of the rounding.
@@ -119,7 +120,7 @@ impl<T: Real> Noise<T> {
             .iter()
             .map(|pool| Seen::in_pool(pool.iter().map(of_vertex)));
         let seen = Vec::from_iter(seen.flatten());
-        // Where the mesh does not resolve the shape, nothing is known of its noise.
+        // On a mesh that does not resolve the shape, noise cannot be estimated.
         if 2 * seen.len() < centres.len() {
             return Self::default();
         }
@@ -145,14 +146,14 @@ impl<T: Real> Noise<T> {
         }
     }
 
-    /// Reports the vertices where this noise takes away a fourth derivative, whatever the method.
+    /// Reports the vertices where this noise is too large for a fourth derivative by any method.
     pub fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
         if self.is_seen() {
             surface.report_noisy_vertices(self.length, report);
         }
     }
 
-    /// Whether any noise was seen.
+    /// Whether any noise was found.
     pub fn is_seen(&self) -> bool {
         self.length > T::zero()
     }
@@ -208,7 +209,7 @@ fn spectra<T: Real>(
     spectra
 }
 
-/// The spectrum of the fit around a vertex; zeros if it fails.
+/// The spectrum of the fit around a vertex; zeros if the fit fails.
 fn spectrum_at<T: Real>(
     surface: Surface<'_, T>,
     normals: &[Vec3<T>],

@@ -250,7 +250,7 @@ struct Expected<'a> {
     unknown: [f64; 2],
     /// By noise; 0 if none was found.
     noise: [f64; 2],
-    /// Where noise is seen, what all methods are compared with.
+    /// The reference of all methods, if noise was found.
     estimate: Option<&'a Estimate>,
 }
 
@@ -310,7 +310,7 @@ impl Expected<'_> {
     /// The number of vertices that J6 needs for the target, on the same surface with the same
     /// noise.
     fn vertices_needed(&self, vertices: usize, wish: &Wish) -> Option<f64> {
-        // How errors fall with the edge length, and how those of noise grow.
+        // Orders with which errors fall with the edge length, and errors of noise grow.
         let (order, noise_order) = match wish.quantity {
             Quantity::Mean | Quantity::Gaussian => (5.0, 2.0),
             Quantity::LaplacianOfMean | Quantity::ForceDensity => (3.0, 4.0),
@@ -356,7 +356,7 @@ struct Ground<'a> {
     quantity: Quantity,
     /// What jets of degree 8 say, where noise is seen of the smoothed positions.
     degree_8: Reference,
-    /// Where noise is seen.
+    /// Set if noise was found.
     noisy: Option<Noisy>,
 }
 

@@ -64,7 +64,7 @@ pub enum SeriesProblem {
         line: u64,
         /// Number of values.
         found: usize,
-        /// How many there should be.
+        /// The expected number.
         columns: usize,
     },
     /// A field of a row is not a number.
@@ -93,7 +93,7 @@ pub enum SeriesProblem {
     TooFewRows {
         /// Number of rows.
         found: u64,
-        /// How many there should be.
+        /// The expected number.
         expected: u64,
     },
     /// Another program has written to the file.
@@ -377,7 +377,7 @@ fn numbers(row: &str, line: u64, columns: &[&str]) -> Result<Vec<f64>, SeriesPro
 struct Lines {
     file: BufReader<File>,
     line: Vec<u8>,
-    /// How many lines have been read.
+    /// Number of lines read so far.
     count: u64,
     /// Their length in bytes.
     length: u64,

@@ -135,7 +135,7 @@ pub struct Session<'a> {
     pub interrupted: &'a dyn Fn() -> bool,
     /// Earlier measurements, to which new ones are added.
     pub cache: Option<&'a mut Cache>,
-    /// How many bytes the program has allocated; without it memory is not measured.
+    /// Number of bytes allocated by the program; without it memory is not measured.
     pub allocated: Option<&'a dyn Fn() -> usize>,
 }
 

@@ -96,7 +96,7 @@ pub enum SweepError {
     Plot {
         /// The picture.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         error: PlotError,
     },
     /// Something cannot be written.

@@ -120,7 +120,7 @@ impl Effect {
         self.conservative = true;
     }
 
-    /// How often it has been evaluated, and the time that this took.
+    /// Number of evaluations, and their total time.
     pub fn cost(&self) -> (u64, Duration) {
         (self.evaluations, self.time)
     }
@@ -303,7 +303,7 @@ impl Viscosity {
         self.evaluations += 1;
     }
 
-    /// How often it has been evaluated, and the time that this took.
+    /// Number of evaluations, and their total time.
     pub fn cost(&self) -> (u64, Duration) {
         (self.evaluations, self.time)
     }

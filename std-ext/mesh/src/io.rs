@@ -137,7 +137,7 @@ pub enum ReadError {
     Weld {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         error: MeshError,
     },
 }

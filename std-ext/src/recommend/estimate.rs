@@ -32,7 +32,7 @@ const LEAST_GROWTH: f64 = 1.17;
 /// Neighbours of all fits together that may be kept: some gigabytes.
 const MOST_ENTRIES: usize = 50_000_000;
 
-/// How often averages are taken again of those before, each time twice as often.
+/// Number of repeated averages; each doubles the number of averaging steps.
 const DOUBLINGS: u32 = 5;
 
 /// Part of the variance of a distance that it is known to at best.
@@ -108,7 +108,7 @@ impl Estimate {
         }
         let values = &candidates.all[choice.index].values[which];
         let found = values.iter().zip(&fields.mean);
-        // Where jets say nothing, at boundaries, nothing is compared.
+        // Vertices without a result of jets, at boundaries, are not compared.
         let found = found.map(|(value, known)| known.map_or(f64::NAN, |_| value[0]));
         let found = Vec::from_iter(found);
         let reference = Reference::estimated(quantity, found, &fields.normal, scales);
@@ -222,7 +222,7 @@ impl Candidates {
         self.all.len() - 1
     }
 
-    /// A candidate averaged so many times.
+    /// A candidate after repeated averaging.
     fn average(
         &self,
         which: usize,
@@ -340,7 +340,7 @@ impl Candidates {
     }
 }
 
-/// Σ wᵢ xᵢ²; without those of weight 0, or that are no numbers.
+/// Σ wᵢ xᵢ², without terms of weight 0 or NaN.
 fn mean_square(weights: &[f64], values: impl Iterator<Item = f64>) -> f64 {
     let terms = weights.iter().zip(values);
     let terms = terms.filter(|(weight, value)| **weight > 0.0 && value.is_finite());
@@ -380,7 +380,7 @@ fn jets(
     Ok(all)
 }
 
-/// H, K, Δ_S H and f along the normal; not a number where a method says nothing.
+/// H, K, Δ_S H and f along the normal; NaN where a method defines no value.
 pub(super) fn along_normal(fields: &Fields<f64>) -> [Vec<f64>; 4] {
     let known = |values: &[Option<f64>]| {
         Vec::from_iter(values.iter().map(|value| value.unwrap_or(f64::NAN)))

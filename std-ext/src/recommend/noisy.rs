@@ -155,7 +155,7 @@ impl Glimpse {
     }
 }
 
-/// The mean of those that are numbers; none if there is none.
+/// The mean without NaN; `None` if nothing is left.
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let known = values.filter(|value| value.is_finite());
     let (sum, count) = known.fold((0.0, 0_u32), |(sum, count), value| (sum + value, count + 1));

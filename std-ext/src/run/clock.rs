@@ -73,7 +73,7 @@ impl Clock {
         self.schedule
     }
 
-    /// When the next output is due after so many, the first not counted; the end is the last one.
+    /// The time of the next output after `outputs` outputs, not counting the first; the last is at the end.
     pub(super) fn next_output(&self, outputs: u64) -> f64 {
         let next = (outputs as i64 + 1 + self.schedule.ahead) as f64 * self.schedule.interval;
         // An interval that ends within a rounding of the end ends there.

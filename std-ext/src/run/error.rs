@@ -1,4 +1,4 @@
-//! Why a run cannot begin or go on.
+//! Errors that prevent a run from starting or continuing.
 
 use super::CHECKPOINT;
 use crate::checkpoint::CheckpointError;

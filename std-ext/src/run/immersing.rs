@@ -46,7 +46,7 @@ pub(super) struct ImmersingState<T> {
 struct ImmersingProgress {
     deformed: Deformed,
     steps: u64,
-    /// The number of outputs so far, but for the first.
+    /// Number of outputs so far, without the first.
     outputs: u64,
     notes: Vec<String>,
 }

@@ -300,7 +300,7 @@ pub(crate) struct MeshCheck<'a> {
     pub(super) name: &'a str,
     /// All effects of the surface.
     pub(super) effects: &'a Effects,
-    /// Where the mesh comes from.
+    /// The source of the mesh.
     pub(super) source: &'a MeshSource,
     /// The mesh, scaled as the scene says.
     pub(super) mesh: &'a MeshInfo,

@@ -116,7 +116,7 @@ pub enum Problem {
     /// The file cannot be read.
     #[error("{message}")]
     Unreadable {
-        /// Why not.
+        /// The reason.
         message: String,
     },
     /// The text is not valid TOML.
@@ -250,7 +250,7 @@ pub enum Problem {
         key: String,
         /// The text.
         text: String,
-        /// Why not.
+        /// The reason.
         reason: String,
         /// The expected value, in words.
         expected: String,
@@ -273,7 +273,7 @@ pub enum Problem {
     Shape {
         /// The key.
         key: String,
-        /// Why not.
+        /// The reason.
         source: ParseShapeError,
     },
     /// A mesh that cannot be generated.
@@ -311,7 +311,7 @@ pub enum Problem {
         /// The element.
         element: String,
     },
-    /// An override's path goes on below a value.
+    /// An override's path continues below a value.
     #[error("`{path}` is a value and no table: there is no `{below}` in it")]
     NoTable {
         /// The path of the value.

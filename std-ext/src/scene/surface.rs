@@ -12,13 +12,13 @@ use std::path::PathBuf;
 pub struct SurfaceScene {
     /// The surface's name; `surface-1` and so on for those without one.
     pub name: String,
-    /// Where its mesh comes from.
+    /// The source of its mesh.
     pub source: MeshSource,
-    /// Factor by which the mesh is scaled, before it is turned and moved.
+    /// Factor by which the mesh is scaled, before it is rotated and moved.
     pub scale: f64,
-    /// Where the mesh's origin is put.
+    /// Position of the mesh's origin.
     pub position: [f64; 3],
-    /// How the mesh is turned about its origin.
+    /// Rotation of the mesh about its origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Orientation>,
     /// Viscosity ratio λ of the fluid inside to the fluid of the driver, which is outside of all
@@ -60,13 +60,13 @@ impl SurfaceScene {
 pub struct Obstacle {
     /// The obstacle's name; `obstacle-1` and so on for those without one.
     pub name: String,
-    /// Where its mesh comes from.
+    /// The source of its mesh.
     pub source: MeshSource,
-    /// Factor by which the mesh is scaled, before it is turned and moved.
+    /// Factor by which the mesh is scaled, before it is rotated and moved.
     pub scale: f64,
-    /// Where the mesh's origin is put.
+    /// Position of the mesh's origin.
     pub position: [f64; 3],
-    /// How the mesh is turned about its origin.
+    /// Rotation of the mesh about its origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Orientation>,
 }

@@ -33,7 +33,7 @@ pub enum BuildError {
     Generate {
         /// The surface's name.
         surface: String,
-        /// Why.
+        /// The reason.
         source: GenerateError,
     },
     /// A mesh file cannot be read, or has split vertices.
@@ -52,7 +52,7 @@ pub enum BuildError {
     Effect {
         /// The surface's name.
         surface: String,
-        /// Why.
+        /// The reason.
         source: EffectError,
     },
     /// An exact constraint cannot be reached from the start of the surface.
@@ -62,7 +62,7 @@ pub enum BuildError {
         surface: String,
         /// The constraints, by their names in scenes.
         constraints: Vec<&'static str>,
-        /// Why not.
+        /// The reason.
         source: ConstraintError,
     },
 }

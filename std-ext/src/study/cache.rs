@@ -35,7 +35,7 @@ const LONGEST: u64 = 1 << 28;
 pub struct Cache {
     path: PathBuf,
     content: Content,
-    /// When the file was written.
+    /// The time of the last write.
     written: Instant,
     /// Whether there are measurements that are not in the file.
     changed: bool,
@@ -169,7 +169,7 @@ impl Cache {
         &self.path
     }
 
-    /// How many measurements have been found here.
+    /// Number of measurements found in the cache.
     pub fn used(&self) -> usize {
         self.used.borrow().len()
     }

@@ -6,7 +6,7 @@ use crate::real::Real;
 use crate::subdivision::{RowSum, Stencils, limit_weight};
 use num_traits::Float;
 
-/// How the control points C of the subdivision surface follow from the nodes X: `C = QX`.
+/// The map from the nodes X to the control points C of the subdivision surface: `C = QX`.
 ///
 /// L is the map from control points to the points of the limit surface under the vertices
 /// ([`crate::subdivision::limit_positions`]), boundary vertices included.

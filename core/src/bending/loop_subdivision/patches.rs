@@ -90,7 +90,7 @@ pub(super) struct Patches<T> {
     /// From control points to those of refined triangles.
     refined: Stencils,
     refined_transpose: Stencils,
-    /// Where each control point is a node.
+    /// The nodes that each control point is.
     place_offsets: Vec<usize>,
     places: Vec<Place>,
 }
@@ -481,7 +481,7 @@ fn refine_triangles(mesh: &TriangleMesh, triangles: &[usize], builder: &mut Buil
     map
 }
 
-/// Where each control point is a node.
+/// The nodes that each control point is.
 fn places(offsets: &[usize], nodes: &[u32], controls: usize) -> (Vec<usize>, Vec<Place>) {
     let mut starts = alloc::vec![0usize; controls + 1];
     for &node in nodes {

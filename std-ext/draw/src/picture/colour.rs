@@ -9,12 +9,12 @@ pub type Colour = [f32; 3];
 pub(super) const WHITE: Colour = [1.0; 3];
 pub(super) const INK: Colour = [0.1; 3];
 pub(super) const FAINT: Colour = [0.87; 3];
-/// Where a field has no finite value.
+/// The colour of missing values.
 pub(super) const NO_VALUE: Colour = [0.55; 3];
-/// A surface without a field.
+/// The colour of a surface without a field.
 pub(super) const PLAIN: Colour = [0.78, 0.8, 0.83];
 
-/// How numbers become colours. Equal differences of a number are equal distances in OKLab.
+/// A colour map. Equal differences of numbers are equal distances in OKLab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ColourMap {
     /// From dark to light: for fields whose low end is the natural origin.

@@ -1,9 +1,9 @@
-//! Where an axis has marks, and what stands beside them.
+//! Ticks of an axis, and their labels.
 
 /// Marks at multiples of 1, 2 or 5 times a power of ten.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ticks {
-    /// Where each mark is, and its label.
+    /// The position of each tick, and its label.
     pub(super) marks: Vec<(f64, String)>,
     /// Marks without labels in between.
     pub(super) minor: Vec<f64>,

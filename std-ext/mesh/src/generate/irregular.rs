@@ -5,7 +5,7 @@ use super::{AnyShape, Draft, GenerateError, delaunay, icosphere, position, preim
 use glam::DVec3;
 use helfrich::shapes::{Shape, Torus};
 
-/// How often the points are smoothed.
+/// Number of smoothing steps.
 const STEPS: usize = 4;
 
 /// The share of the way to the mean of its neighbours by which a point moves: so much that no two

@@ -8,7 +8,7 @@ use super::{Element, MeshFile, ParseError, Place, Position, Problem};
 pub(super) struct Builder {
     pub(super) positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// Where the face of each triangle is.
+    /// The place of the face of each triangle in the file.
     origins: Vec<Origin>,
     /// The number of faces so far.
     faces: usize,

@@ -12,7 +12,7 @@ pub(super) struct Tag<'a> {
     pub(super) closes: bool,
     /// The text behind the name.
     attributes: &'a [u8],
-    /// Where it begins, and where what follows it does.
+    /// Its start, and the start of the following text.
     pub(super) start: usize,
     pub(super) end: usize,
 }
@@ -102,13 +102,13 @@ pub(super) fn line_of(bytes: &[u8], at: usize) -> Position {
     Position::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
 }
 
-/// Where some bytes are next.
+/// The next position of some bytes.
 fn find(bytes: &[u8], from: usize, what: &[u8]) -> Option<usize> {
     let rest = bytes.get(from..)?;
     Some(from + rest.windows(what.len()).position(|here| here == what)?)
 }
 
-/// How long a tag is up to its `>`, which quotation marks may hide.
+/// Length of a tag up to its `>`, ignoring `>` in quotation marks.
 fn tag_length(inside: &[u8]) -> Option<usize> {
     let mut quote = None;
     inside.iter().position(|&byte| {

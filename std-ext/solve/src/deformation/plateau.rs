@@ -1,6 +1,6 @@
-//! Where a curve first comes to rest.
+//! The first plateau of a curve.
 
-/// Where a curve first comes to rest.
+/// The first plateau of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plateau {
     /// The time of the plateau.

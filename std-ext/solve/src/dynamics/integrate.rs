@@ -87,15 +87,15 @@ pub enum Failure {
     NotFinite {
         /// The first such vertex.
         vertex: usize,
-        /// When.
+        /// The time.
         time: f64,
     },
     /// The right-hand side could not compute velocities.
     #[error("there are no velocities at time {time:e}: {reason}")]
     Refused {
-        /// Why.
+        /// The reason.
         reason: String,
-        /// When.
+        /// The time.
         time: f64,
     },
     /// The error is too large for every step.
@@ -103,7 +103,7 @@ pub enum Failure {
         "at time {time:e} a step of {tried:e} still has {error:.2} times the error that is allowed, and one below {floor:e} is too short to get anywhere"
     )]
     StepBelowFloor {
-        /// When.
+        /// The time.
         time: f64,
         /// The last step tried.
         tried: f64,

@@ -139,7 +139,7 @@ struct Rows {
 struct Part {
     start: usize,
     end: usize,
-    /// Where its velocities start among those of all parts.
+    /// The start of its velocities among those of all parts.
     offset: usize,
 }
 
