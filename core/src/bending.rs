@@ -10,6 +10,7 @@ mod loop_subdivision;
 mod spontaneous_curvature;
 mod strong_form;
 
+pub(crate) use area_vectors::AreaVectors;
 pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
 pub use hamann::{Hamann, HamannMemory};
 pub(crate) use hinge::Hinge;

@@ -63,6 +63,7 @@ mod adhesion;
 pub mod bending;
 mod components;
 pub mod constraint;
+mod corrected_curvature;
 mod curvature;
 mod diagnostic;
 mod dissipation;
@@ -103,6 +104,7 @@ pub use constraint::{
     AreaDifference, Constraint, ConstraintError, Constraints, Correction, OsmoticPressure, Penalty,
     SurfaceTension, Targets,
 };
+pub use corrected_curvature::{CorrectedCurvature, CorrectedCurvatureMemory, VertexNormals};
 pub use curvature::{Curvature, Curvatures};
 pub use diagnostic::{Finding, Quality};
 pub use dissipation::{Dissipation, MembraneViscosity};

@@ -54,7 +54,7 @@ impl Quantity {
             Self::Mean => mean,
             Self::Gaussian => gaussian,
             Self::LaplacianOfMean => laplacian,
-            Self::ForceDensity => true,
+            Self::ForceDensity => method.has_force(),
         }
     }
 

@@ -1,14 +1,20 @@
 //! The laws of the traits, each written once and run over every implementation.
 //!
-//! A method enters the suite by one line in [`for_each`] or [`for_each_conservative`], an operator
-//! by one in [`for_each_operator`]; [`covered_modules`] is what the coverage tests compare with
-//! the files of the library.
+//! Every method and operator of the program's list is in the suite by itself; variants that are not in
+//! the list enter by one line in [`for_each`], [`for_each_conservative`] or [`for_each_operator`].
+//! [`covered_modules`] is what the coverage tests compare with the files of the library.
 
 use crate::meshes::Mesh;
 use helfrich::{
-    Bandwidth, ControlPoints, Cotangent, DualArea, Energy, Finding, Force, HeatKernel, Jet,
+    Bandwidth, ControlPoints, Cotangent, Curvatures, DualArea, Energy, Finding, Force, HeatKernel,
     LaplaceBeltrami, Paraboloid, Prepared, Real, Surface, TriangleMesh,
 };
+use helfrich_std::method::{
+    ListVisitor, ListedCurvatures, ListedEnergy, ListedOperator, Of, for_each_listed,
+};
+
+use std::fs;
+use std::path::{Path, PathBuf};
 
 mod candidates;
 mod finite;
@@ -17,8 +23,8 @@ mod invariance;
 mod operators;
 
 pub use candidates::{
-    AveragedNormal, Candidate, ConservativeCandidate, Hinged, LengthTimesAngle, SquaredLaplacian,
-    StrongCotangent, StrongHeatKernel, StrongJet, StrongParaboloid, Subdivided, Sum,
+    Candidate, ConservativeCandidate, GuardedParaboloid, Hinged, Listed, ListedStrong,
+    PublishedHeatKernel, SquaredLaplacian, StrongCotangent, Subdivided, Sum,
 };
 pub use finite::Finite;
 pub use gradient::{Balanced, ForceIsDifference, ForceIsGradient, check_gradient, imbalance, net};
@@ -49,20 +55,31 @@ pub trait OperatorLaw {
     fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L);
 }
 
+/// A law of everything that measures curvatures at vertices, operators and others.
+pub trait CurvatureLaw {
+    /// Fails if the method breaks the law.
+    fn check<M: Curvatures<f64> + Copy>(&mut self, name: &str, method: M);
+}
+
 /// Every method whose force is a gradient.
 pub fn for_each_conservative(law: &mut impl ConservativeLaw) {
-    law.check(Hinged::Forces);
+    struct Energies<'a, L>(&'a mut L);
+    impl<L: ConservativeLaw> ListVisitor for Energies<'_, L> {
+        fn energy<const PLACE: usize>(&mut self, method: Of<PLACE>)
+        where
+            Of<PLACE>: ListedEnergy,
+        {
+            self.0.check(Listed(method));
+        }
+    }
+    for_each_listed(&mut Energies(law));
     law.check(Hinged::OppositeGaussianModulus);
     law.check(Hinged::SphereEnergy);
     law.check(SquaredLaplacian(DualArea::Voronoi));
-    law.check(SquaredLaplacian(DualArea::Mixed));
     law.check(SquaredLaplacian(DualArea::Barycentric));
-    law.check(LengthTimesAngle);
-    law.check(AveragedNormal);
     law.check(Subdivided(ControlPoints::Nodes));
     law.check(Subdivided(ControlPoints::Interpolated));
     law.check(Subdivided(ControlPoints::Sharpened));
-    law.check(Subdivided(ControlPoints::Hybrid));
     law.check(Sum(Hinged::Forces, SquaredLaplacian(DualArea::Voronoi)));
 }
 
@@ -74,33 +91,66 @@ pub fn for_each(law: &mut impl Law) {
             self.0.check(candidate);
         }
     }
+    struct StrongForms<'a, L>(&'a mut L);
+    impl<L: Law> ListVisitor for StrongForms<'_, L> {
+        fn strong_form<const PLACE: usize>(&mut self, method: Of<PLACE>)
+        where
+            Of<PLACE>: ListedOperator,
+        {
+            self.0.check(ListedStrong(method));
+        }
+    }
     for_each_conservative(&mut AsLaw(law));
-    law.check(StrongCotangent(DualArea::Mixed));
+    for_each_listed(&mut StrongForms(law));
     law.check(StrongCotangent(DualArea::Voronoi));
     law.check(StrongCotangent(DualArea::Barycentric));
-    law.check(StrongHeatKernel { published: false });
-    law.check(StrongHeatKernel { published: true });
-    law.check(StrongParaboloid { guarded: false });
-    law.check(StrongParaboloid { guarded: true });
-    law.check(StrongJet::J4);
-    law.check(StrongJet::J6);
+    law.check(PublishedHeatKernel);
+    law.check(GuardedParaboloid);
 }
 
 /// Every Laplace–Beltrami operator.
 pub fn for_each_operator(law: &mut impl OperatorLaw) {
-    law.check("cotangent, mixed", Cotangent::new(DualArea::Mixed));
+    struct Operators<'a, L>(&'a mut L);
+    impl<L: OperatorLaw> ListVisitor for Operators<'_, L> {
+        fn strong_form<const PLACE: usize>(&mut self, method: Of<PLACE>)
+        where
+            Of<PLACE>: ListedOperator,
+        {
+            let listed = ListedStrong(method);
+            let name = Candidate::name(listed);
+            self.0.check(name, listed.method(1.0).operator);
+        }
+    }
+    for_each_listed(&mut Operators(law));
     law.check("cotangent, Voronoi", Cotangent::new(DualArea::Voronoi));
     law.check(
         "cotangent, barycentric",
         Cotangent::new(DualArea::Barycentric),
     );
-    law.check("heat kernel", HeatKernel::default());
     let published = HeatKernel::new(Bandwidth::MixedArea(1.0));
     law.check("heat kernel, published bandwidth", published);
-    law.check("paraboloid", Paraboloid::default());
     law.check("paraboloid, guarded", Paraboloid::guarded());
-    law.check("jet, degree 4", Jet::j4());
-    law.check("jet, degree 6", Jet::j6());
+}
+
+/// Every Laplace–Beltrami operator, and every operator for curvatures only.
+pub fn for_each_curvatures(law: &mut impl CurvatureLaw) {
+    struct AsLaw<'a, L>(&'a mut L);
+    impl<L: CurvatureLaw> OperatorLaw for AsLaw<'_, L> {
+        fn check<O: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: O) {
+            self.0.check(name, operator);
+        }
+    }
+    impl<L: CurvatureLaw> ListVisitor for AsLaw<'_, L> {
+        fn curvatures<const PLACE: usize>(&mut self, _method: Of<PLACE>)
+        where
+            Of<PLACE>: ListedCurvatures,
+        {
+            let method = <Of<PLACE> as ListedCurvatures>::method(candidates::settings(1.0));
+            self.0.check(Of::<PLACE>::METHOD.title(), method);
+        }
+    }
+    for_each_operator(&mut AsLaw(law));
+    for_each_listed(&mut AsLaw(law));
 }
 
 /// The library's files that [`for_each`] runs through the laws of methods, and, as far as they are
@@ -115,6 +165,30 @@ pub fn covered_modules() -> Vec<&'static str> {
     let mut modules = Modules(Vec::new());
     for_each(&mut modules);
     modules.0
+}
+
+/// The modules of a folder of the library that have a method in them.
+///
+/// # Panics
+/// If there are none.
+pub fn method_modules(folder: &str) -> Vec<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../core/src")
+        .join(folder);
+    let files = fs::read_dir(&folder).expect("a folder of core");
+    let files = files.map(|file| file.expect("a file").path());
+    let has_method = |file: &PathBuf| {
+        let text = fs::read_to_string(file).unwrap_or_default();
+        text.contains(" Method<T> for ")
+    };
+    let name = |file: PathBuf| file.file_stem()?.to_str().map(str::to_owned);
+    let modules = Vec::from_iter(files.filter(has_method).filter_map(name));
+    assert!(
+        !modules.is_empty(),
+        "no method found in {}",
+        folder.display()
+    );
+    modules
 }
 
 /// The energy of a surface.

@@ -3,8 +3,6 @@
 use crate::laws::{ConservativeCandidate, ConservativeLaw, Sum};
 use helfrich::{AreaDifference, OsmoticPressure, Penalty, Quantity, Real, SurfaceTension};
 
-const MODULES: &[&str] = &["constraint", "functional"];
-
 /// Surface tension.
 #[derive(Clone, Copy, Debug)]
 pub struct Tension;
@@ -13,9 +11,6 @@ impl ConservativeCandidate for Tension {
     type ConservativeMethod<T: Real> = SurfaceTension<T>;
     fn name(self) -> &'static str {
         "surface tension"
-    }
-    fn modules(self) -> &'static [&'static str] {
-        MODULES
     }
     fn method<T: Real>(self, modulus: T) -> SurfaceTension<T> {
         SurfaceTension::new(modulus)
@@ -30,9 +25,6 @@ impl ConservativeCandidate for Pressure {
     type ConservativeMethod<T: Real> = OsmoticPressure<T>;
     fn name(self) -> &'static str {
         "osmotic pressure"
-    }
-    fn modules(self) -> &'static [&'static str] {
-        MODULES
     }
     fn method<T: Real>(self, modulus: T) -> OsmoticPressure<T> {
         OsmoticPressure::new(modulus)
@@ -57,9 +49,6 @@ impl ConservativeCandidate for Penalised {
             Quantity::MeanCurvature => "penalty of mean curvature",
         }
     }
-    fn modules(self) -> &'static [&'static str] {
-        MODULES
-    }
     fn method<T: Real>(self, modulus: T) -> Penalty<T> {
         Penalty::new(self.quantity, modulus, T::constant(self.target))
     }
@@ -76,9 +65,6 @@ impl ConservativeCandidate for Bilayer {
     type ConservativeMethod<T: Real> = AreaDifference<T>;
     fn name(self) -> &'static str {
         "area difference"
-    }
-    fn modules(self) -> &'static [&'static str] {
-        MODULES
     }
     fn method<T: Real>(self, modulus: T) -> AreaDifference<T> {
         AreaDifference::new(modulus, T::constant(self.target))

@@ -7,11 +7,11 @@ use crate::vec3::{add, cross};
 use alloc::vec::Vec;
 
 /// Sums around a vertex: twice the area vectors, three times the area.
-pub(super) struct AreaVectors;
+pub(crate) struct AreaVectors;
 
 impl AreaVectors {
     /// Sets `sums`, an entry for each vertex.
-    pub(super) fn sum<T: Real>(
+    pub(crate) fn sum<T: Real>(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,

@@ -37,7 +37,7 @@ complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "scenes" -d 'The s
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "explain" -d 'Explain a scene without running it: effects, dimensionless groups, memory, step limits'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l shape -d 'sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R]' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l method -d 'Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh). By default A,B,C' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l method -d 'Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet has the degree that suits the mesh. By default A,B,C' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l areas -d 'Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l family -d 'Mesh families: regular, smooth, relaxed, irregular, hard, or `all`' -r
@@ -61,7 +61,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l scalar -
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l json -d 'Also write the answer as JSON to this file; `-` for standard output, instead of the table' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l weld -d 'Make one vertex of all that are at the same point, bit for bit: files of renderers often have corners of their own for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l method -d 'Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh)' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l method -d 'Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet has the degree that suits the mesh' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l modulus -d 'Bending modulus κ' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l areas -d 'Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r

@@ -31,7 +31,7 @@ _helfrich() {
             (study)
 _arguments "${_arguments_options[@]}" : \
 '--shape=[sphere\[\:R\], ellipsoid\[\:a,b,c\], torus\[\:R,r\] or discocyte\[\:R\]]:SHAPE:_default' \
-'*--method=[Methods by name or letter, or \`all\`\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh). By default A,B,C]:METHOD:_default' \
+'*--method=[Methods by name or letter, or \`all\`\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet has the degree that suits the mesh. By default A,B,C]:METHOD:_default' \
 '--areas=[Areas of vertices, of gompper-kroll and meyer\: mixed, voronoi or barycentric. By default mixed]:AREAS:_default' \
 '--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '*--family=[Mesh families\: regular, smooth, relaxed, irregular, hard, or \`all\`]:FAMILY:_default' \
@@ -66,7 +66,7 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (curvature)
 _arguments "${_arguments_options[@]}" : \
-'--method=[Method by name or letter\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh)]:METHOD:_default' \
+'--method=[Method by name or letter\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet has the degree that suits the mesh]:METHOD:_default' \
 '--modulus=[Bending modulus κ]:MODULUS:_default' \
 '--areas=[Areas of vertices, of gompper-kroll and meyer\: mixed, voronoi or barycentric. By default mixed]:AREAS:_default' \
 '--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \

@@ -140,9 +140,10 @@ struct MeshArguments {
 struct CurvatureArguments {
     #[command(flatten)]
     input: MeshArguments,
-    /// Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C),
-    /// belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh).
-    #[arg(long, default_value = "meyer")]
+    #[arg(long, default_value = "meyer", help = format!(
+        "Method by name or letter: {}; jet has the degree that suits the mesh",
+        BendingMethod::names()
+    ))]
     method: BendingMethod,
     /// Bending modulus κ.
     #[arg(long, default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]

@@ -35,9 +35,10 @@ pub struct StudyArguments {
     /// sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R].
     #[arg(long, default_value = "discocyte")]
     shape: AnyShape,
-    /// Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C),
-    /// belkin (D), farutin (E), loop (S), juelicher, j4, j6, jet (J, the degree that suits the mesh). By default A,B,C.
-    #[arg(long, value_delimiter = ',', value_parser = methods)]
+    #[arg(long, value_delimiter = ',', value_parser = methods, help = format!(
+        "Methods by name or letter, or `all`: {}; jet has the degree that suits the mesh. By default A,B,C",
+        BendingMethod::names()
+    ))]
     method: Vec<Vec<BendingMethod>>,
     #[command(flatten)]
     options: OptionArguments,
@@ -87,13 +88,13 @@ pub struct CacheArguments {
 pub type More<'a> =
     &'a mut dyn FnMut(Option<&mut Cache>, &dyn Fn() -> bool) -> Result<Vec<Section>, Failure>;
 
-/// The methods of a name or letter, or of `all`.
+/// The methods of a name or letter, or of `all`, with the operators for curvatures only.
 ///
 /// # Errors
 /// If no method has that name.
 pub fn methods(name: &str) -> Result<Vec<BendingMethod>, String> {
     match name {
-        "all" => Ok(BendingMethod::ALL.to_vec()),
+        "all" => Ok([&BendingMethod::ALL[..], &BendingMethod::CURVATURES].concat()),
         name => Ok(vec![name.parse().map_err(|error| format!("{error}"))?]),
     }
 }

@@ -5,10 +5,10 @@
 //! memory and no time.
 
 use crate::execute::Parallel;
-use crate::method::{BendingMethod, Describe, MethodOptions, Settings, Visitor, choose};
+use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
-    Components, Conservative, Cotangent, DualArea, Finding, LaplaceBeltrami, MembraneViscosity,
-    Method, Prepared, Projected, RigidBody, StrongForm, Surface, TriangleMesh,
+    Components, Conservative, Cotangent, Curvatures, DualArea, Finding, LaplaceBeltrami,
+    MembraneViscosity, Method, Prepared, Projected, RigidBody, StrongForm, Surface, TriangleMesh,
     remove_net_force_and_torque,
 };
 use std::fmt;
@@ -45,6 +45,9 @@ impl Effect {
 
     /// A bending method with modulus κ and spontaneous curvature H0. Net force and torque are
     /// removed from forces without an energy, because nothing in a scene would balance them.
+    ///
+    /// # Errors
+    /// If the method is an operator for curvatures only.
     pub fn bending(
         name: &'static str,
         method: BendingMethod,
@@ -52,7 +55,7 @@ impl Effect {
         [modulus, spontaneous_curvature]: [f64; 2],
         lumping: Lumping,
         mesh: &TriangleMesh,
-    ) -> Self {
+    ) -> Result<Self, NoForce> {
         let settings = Settings {
             modulus,
             spontaneous_curvature,
@@ -64,6 +67,7 @@ impl Effect {
             settings,
             Acting {
                 name,
+                bending: method,
                 lumping,
                 mesh,
             },
@@ -131,24 +135,37 @@ impl Effect {
     }
 }
 
+/// A method that cannot act, because it has no forces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0} measures curvatures only and has no force: choose a bending method, such as j4")]
+pub struct NoForce(pub BendingMethod);
+
 /// A bending method as an effect.
 struct Acting<'a> {
     name: &'static str,
+    bending: BendingMethod,
     lumping: Lumping,
     mesh: &'a TriangleMesh,
 }
 
 impl Visitor<f64> for Acting<'_> {
-    type Output = Effect;
+    type Output = Result<Effect, NoForce>;
 
-    fn conservative<M>(self, method: M) -> Effect
+    fn energy<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<f64> + Describe<f64> + fmt::Debug + 'static,
+        M: Conservative<f64> + fmt::Debug + 'static,
     {
-        Effect::conservative(self.name, method, self.mesh)
+        Ok(Effect::conservative(self.name, method, self.mesh))
     }
 
-    fn strong_form<L>(self, method: StrongForm<f64, L>) -> Effect
+    fn energy_and_curvatures<M>(self, method: M) -> Self::Output
+    where
+        M: Conservative<f64> + Curvatures<f64> + fmt::Debug + 'static,
+    {
+        self.energy(method)
+    }
+
+    fn strong_form<L>(self, method: StrongForm<f64, L>) -> Self::Output
     where
         L: LaplaceBeltrami<f64> + fmt::Debug + Sync + 'static,
     {
@@ -156,7 +173,14 @@ impl Visitor<f64> for Acting<'_> {
             Lumping::Own => Box::new(InStrongForm(prepared(Projected(method), self.mesh))),
             Lumping::Thirds => Box::new(Lumped::new(method, self.mesh)),
         };
-        Effect::new(self.name, false, prepared)
+        Ok(Effect::new(self.name, false, prepared))
+    }
+
+    fn curvatures<M>(self, _method: M) -> Self::Output
+    where
+        M: Curvatures<f64> + fmt::Debug + 'static,
+    {
+        Err(NoForce(self.bending))
     }
 }
 

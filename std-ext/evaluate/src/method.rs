@@ -6,18 +6,20 @@
 mod choice;
 mod evaluator;
 mod fields;
+mod listed;
 mod options;
 mod ordered;
 
-pub(crate) use choice::{Settings, Visitor};
+pub use choice::Settings;
+pub(crate) use choice::Visitor;
 pub use evaluator::{Evaluated, Evaluator};
-pub(crate) use fields::Describe;
 pub use fields::Fields;
+pub use listed::{ListVisitor, ListedCurvatures, ListedEnergy, ListedOperator, Of};
 pub use options::{InvalidBandwidth, MethodOptions, UnknownAreas, UnusedOption};
 
 use helfrich::{
-    Cotangent, GompperKroll, Hamann, HeatKernel, Jet, Juelicher, KantorNelson, LoopSubdivision,
-    Real, StrongForm,
+    CorrectedCurvature, Cotangent, GompperKroll, Hamann, HeatKernel, Jet, Juelicher, KantorNelson,
+    LoopSubdivision, Paraboloid, Real, StrongForm, VertexNormals,
 };
 use std::fmt;
 use std::str::FromStr;
@@ -56,39 +58,110 @@ pub enum Bytes {
 }
 
 /// Defines [`BendingMethod`] and everything that follows from the list of methods: names,
-/// descriptions, and the only place where a name becomes a method of the core.
+/// descriptions, the methods as types, and the only place where a name becomes a method of the core.
+///
+/// An entry is the kind of the method, its type for the scalar T (of a method in strong form, that of its
+/// operator), how it is made, and its description. The kinds are those of [`Visitor`].
 macro_rules! methods {
-    (@is_conservative conservative) => { true };
-    (@is_conservative strong_form) => { false };
+    (@is_conservative energy) => { true };
+    (@is_conservative energy_and_curvatures) => { true };
+    (@is_conservative $form:ident) => { false };
+    (@has_force curvatures) => { false };
+    (@has_force $form:ident) => { true };
+    (@listed curvatures $method:ident $type:ty, $make:expr) => {
+        impl ListedCurvatures for Of<{ BendingMethod::$method as usize }> {
+            type Method<T: Real> = $type;
+
+            fn method<T: Real>(settings: Settings<'_, T>) -> $type {
+                ($make)(settings)
+            }
+        }
+    };
+    (@listed strong_form $method:ident $type:ty, $make:expr) => {
+        impl ListedOperator for Of<{ BendingMethod::$method as usize }> {
+            type Operator<T: Real> = $type;
+
+            fn method<T: Real>(settings: Settings<'_, T>) -> StrongForm<T, $type> {
+                ($make)(settings)
+            }
+        }
+    };
+    (@listed $form:ident $method:ident $type:ty, $make:expr) => {
+        impl ListedEnergy for Of<{ BendingMethod::$method as usize }> {
+            type Method<T: Real> = $type;
+
+            fn method<T: Real>(settings: Settings<'_, T>) -> $type {
+                ($make)(settings)
+            }
+        }
+    };
+    (@visit curvatures $method:ident $visitor:ident) => {
+        $visitor.curvatures(Of::<{ BendingMethod::$method as usize }>);
+    };
+    (@visit strong_form $method:ident $visitor:ident) => {
+        $visitor.strong_form(Of::<{ BendingMethod::$method as usize }>);
+    };
+    (@visit $form:ident $method:ident $visitor:ident) => {
+        $visitor.energy(Of::<{ BendingMethod::$method as usize }>);
+    };
     (
         all {
-            $($(#[$documentation:meta])* $method:ident: $form:ident($make:expr), $description:expr;)*
+            $(
+                $(#[$documentation:meta])*
+                $method:ident: $form:ident($type:ty, $make:expr), $description:expr;
+            )*
         }
         by_mesh {
-            $(#[$last_documentation:meta])* $last:ident: $last_form:ident($last_make:expr),
-            $last_description:expr;
+            $(#[$by_mesh_documentation:meta])*
+            $by_mesh:ident: $by_mesh_form:ident($by_mesh_type:ty, $by_mesh_make:expr),
+            $by_mesh_description:expr;
+        }
+        curvatures_only {
+            $(
+                $(#[$measure_documentation:meta])*
+                $measure:ident: $measure_form:ident($measure_type:ty, $measure_make:expr),
+                $measure_description:expr;
+            )*
         }
     ) => {
-        /// A bending method, by its name in the field and its letter in Guckenberger et al. 2016.
+        /// A bending method, by its name in the field and its letter in Guckenberger et al. 2016, or an
+        /// operator for curvatures only.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
         #[serde(rename_all = "kebab-case")]
         pub enum BendingMethod {
             $($(#[$documentation])* $method,)*
-            $(#[$last_documentation])* $last,
+            $(#[$by_mesh_documentation])* $by_mesh,
+            $($(#[$measure_documentation])* $measure,)*
         }
 
         impl BendingMethod {
-            /// Every method, with J in its two degrees.
+            /// Every bending method, with J in its two degrees.
             pub const ALL: [Self; [$(stringify!($method)),*].len()] = [$(Self::$method),*];
 
-            /// Every method, and `jet`, whose degree depends on the mesh.
-            pub const NAMED: [Self; Self::ALL.len() + 1] = [$(Self::$method,)* Self::$last];
+            /// Every operator for curvatures only.
+            pub const CURVATURES: [Self; [$(stringify!($measure)),*].len()] =
+                [$(Self::$measure),*];
+
+            /// Every bending method, the one that is chosen by the mesh, and every operator for
+            /// curvatures only.
+            pub const NAMED: [Self; Self::ALL.len() + 1 + Self::CURVATURES.len()] =
+                [$(Self::$method,)* Self::$by_mesh, $(Self::$measure,)*];
 
             /// Whether its forces are the exact gradient of an energy.
             pub const fn is_conservative(self) -> bool {
                 match self {
                     $(Self::$method => methods!(@is_conservative $form),)*
-                    Self::$last => methods!(@is_conservative $last_form),
+                    Self::$by_mesh => methods!(@is_conservative $by_mesh_form),
+                    $(Self::$measure => methods!(@is_conservative $measure_form),)*
+                }
+            }
+
+            /// Whether it has forces: operators for curvatures only have none.
+            pub const fn has_force(self) -> bool {
+                match self {
+                    $(Self::$method => methods!(@has_force $form),)*
+                    Self::$by_mesh => methods!(@has_force $by_mesh_form),
+                    $(Self::$measure => methods!(@has_force $measure_form),)*
                 }
             }
 
@@ -96,7 +169,8 @@ macro_rules! methods {
             pub const fn description(self) -> &'static Description {
                 match self {
                     $(Self::$method => const { &$description },)*
-                    Self::$last => const { &$last_description },
+                    Self::$by_mesh => const { &$by_mesh_description },
+                    $(Self::$measure => const { &$measure_description },)*
                 }
             }
         }
@@ -109,8 +183,19 @@ macro_rules! methods {
         ) -> V::Output {
             match method {
                 $(BendingMethod::$method => visitor.$form(($make)(settings)),)*
-                BendingMethod::$last => visitor.$last_form(($last_make)(settings)),
+                BendingMethod::$by_mesh => visitor.$by_mesh_form(($by_mesh_make)(settings)),
+                $(BendingMethod::$measure => visitor.$measure_form(($measure_make)(settings)),)*
             }
+        }
+
+        $(methods!(@listed $form $method $type, $make);)*
+        $(methods!(@listed $measure_form $measure $measure_type, $measure_make);)*
+
+        /// Hands the type of every method of [`BendingMethod::ALL`] and
+        /// [`BendingMethod::CURVATURES`] to `visitor`, in their order.
+        pub fn for_each_listed(visitor: &mut impl ListVisitor) {
+            $(methods!(@visit $form $method visitor);)*
+            $(methods!(@visit $measure_form $measure visitor);)*
         }
     };
 }
@@ -118,7 +203,7 @@ macro_rules! methods {
 methods! {
     all {
         /// A: dihedral angles.
-        KantorNelson: conservative(|settings: Settings<'_, T>| KantorNelson::new(settings.modulus)),
+        KantorNelson: energy(KantorNelson<T>, |settings: Settings<'_, T>| KantorNelson::new(settings.modulus)),
         Description {
             name: "kantor-nelson",
             letter: Some("A"),
@@ -130,7 +215,7 @@ methods! {
             bytes: Bytes::Fixed(90),
         };
         /// B: squared cotangent Laplacian.
-        GompperKroll: conservative(|settings: Settings<'_, T>| {
+        GompperKroll: energy_and_curvatures(GompperKroll<T>, |settings: Settings<'_, T>| {
             let areas = settings.options.areas_or_default();
             let mut method = GompperKroll::with_areas(settings.modulus, areas);
             method.spontaneous_curvature = settings.spontaneous_curvature.into();
@@ -147,7 +232,7 @@ methods! {
             bytes: Bytes::Fixed(65),
         };
         /// C: strong form over the cotangent operator.
-        Meyer: strong_form(|settings: Settings<'_, T>| {
+        Meyer: strong_form(Cotangent, |settings: Settings<'_, T>| {
             settings.strong_form(Cotangent::new(settings.options.areas_or_default()))
         }),
         Description {
@@ -161,7 +246,7 @@ methods! {
             bytes: Bytes::Fixed(185),
         };
         /// D: strong form over a heat kernel.
-        Belkin: strong_form(|settings: Settings<'_, T>| {
+        Belkin: strong_form(HeatKernel<T>, |settings: Settings<'_, T>| {
             settings.strong_form(HeatKernel::new(settings.options.bandwidth_or_default()))
         }),
         Description {
@@ -175,7 +260,7 @@ methods! {
             bytes: Bytes::ByBandwidth([240.0, 2260.0]),
         };
         /// E: strong form over paraboloids fitted to one-rings.
-        Farutin: strong_form(|settings: Settings<'_, T>| {
+        Farutin: strong_form(Paraboloid, |settings: Settings<'_, T>| {
             settings.strong_form(StrongForm::farutin(settings.modulus).operator)
         }),
         Description {
@@ -189,7 +274,7 @@ methods! {
             bytes: Bytes::Fixed(250),
         };
         /// S: the limit surface of Loop subdivision.
-        Loop: conservative(|settings: Settings<'_, T>| {
+        Loop: energy_and_curvatures(LoopSubdivision<T>, |settings: Settings<'_, T>| {
             let mut method = LoopSubdivision::new(settings.modulus);
             method.spontaneous_curvature = settings.spontaneous_curvature.into();
             method
@@ -206,7 +291,7 @@ methods! {
             bytes: Bytes::ByValence([1700, 6000]),
         };
         /// Jülicher's: squared mean curvature from dihedral angles.
-        Juelicher: conservative(|settings: Settings<'_, T>| {
+        Juelicher: energy_and_curvatures(Juelicher<T>, |settings: Settings<'_, T>| {
             let mut method = Juelicher::new(settings.modulus);
             method.spontaneous_curvature = settings.spontaneous_curvature.into();
             method
@@ -222,7 +307,7 @@ methods! {
             bytes: Bytes::Fixed(85),
         };
         /// Hamann's: paraboloids fitted to one-rings in the frame of averaged normals.
-        Hamann: conservative(|settings: Settings<'_, T>| {
+        Hamann: energy_and_curvatures(Hamann<T>, |settings: Settings<'_, T>| {
             let mut method = Hamann::new(settings.modulus);
             method.spontaneous_curvature = settings.spontaneous_curvature.into();
             method
@@ -234,11 +319,11 @@ methods! {
             title: "Hamann",
             idea: "energy of paraboloids over averaged normals",
             defines: [true, true, false],
-            relative_cost: 4.0,
+            relative_cost: 5.0,
             bytes: Bytes::Fixed(180),
         };
         /// J of degree 4: strong form over osculating jets.
-        J4: strong_form(|settings: Settings<'_, T>| settings.strong_form(Jet::j4())),
+        J4: strong_form(Jet<T>, |settings: Settings<'_, T>| settings.strong_form(Jet::j4())),
         Description {
             name: "j4",
             letter: None,
@@ -250,7 +335,7 @@ methods! {
             bytes: Bytes::Fixed(1450),
         };
         /// J of degree 6.
-        J6: strong_form(|settings: Settings<'_, T>| settings.strong_form(Jet::j6())),
+        J6: strong_form(Jet<T>, |settings: Settings<'_, T>| settings.strong_form(Jet::j6())),
         Description {
             name: "j6",
             letter: None,
@@ -264,7 +349,7 @@ methods! {
     }
     by_mesh {
         /// J of the degree that suits the mesh.
-        Jet: strong_form(|settings: Settings<'_, T>| {
+        Jet: strong_form(Jet<T>, |settings: Settings<'_, T>| {
             settings.strong_form(Jet::for_mesh(settings.mesh))
         }),
         Description {
@@ -278,12 +363,51 @@ methods! {
             bytes: Bytes::Fixed(2400),
         };
     }
+    curvatures_only {
+        /// Corrected curvature measures with averaged normals.
+        Corrected: curvatures(CorrectedCurvature, |_: Settings<'_, T>| CorrectedCurvature {
+            normals: VertexNormals::Averaged,
+        }),
+        Description {
+            name: "corrected",
+            letter: None,
+            label: "CA",
+            title: "Corrected measures, averaged normals",
+            idea: "curvature of interpolated normals",
+            defines: [true, true, false],
+            relative_cost: 0.8,
+            bytes: Bytes::Fixed(80),
+        };
+        /// Corrected curvature measures with normals of jets.
+        CorrectedFit: curvatures(CorrectedCurvature, |_: Settings<'_, T>| CorrectedCurvature {
+            normals: VertexNormals::Fitted,
+        }),
+        Description {
+            name: "corrected-fit",
+            letter: None,
+            label: "CF",
+            title: "Corrected measures, fitted normals",
+            idea: "curvature of interpolated normals of jets",
+            defines: [true, true, false],
+            relative_cost: 28.0,
+            bytes: Bytes::Fixed(1560),
+        };
+    }
 }
 
 impl BendingMethod {
     /// The long name, as on the command line.
     pub fn name(self) -> &'static str {
         self.description().name
+    }
+
+    /// The names of all methods with their letters, separated by commas.
+    pub fn names() -> String {
+        let name = |method: Self| match method.letter() {
+            Some(letter) => format!("{method} ({letter})"),
+            None => method.to_string(),
+        };
+        Self::NAMED.map(name).join(", ")
     }
 
     /// A short label, for curves.
@@ -332,19 +456,10 @@ impl fmt::Display for BendingMethod {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "there is no bending method `{name}`: the methods are {}",
-    known_methods()
+    BendingMethod::names()
 )]
 pub struct UnknownMethod {
     name: String,
-}
-
-fn known_methods() -> String {
-    let known = |method: BendingMethod| match method.letter() {
-        Some(letter) => format!("{method} ({letter})"),
-        None => method.to_string(),
-    };
-    let all = BendingMethod::NAMED.into_iter();
-    all.map(known).collect::<Vec<_>>().join(", ")
 }
 
 impl FromStr for BendingMethod {

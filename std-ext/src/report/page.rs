@@ -226,7 +226,7 @@ fn colours() -> String {
 
 /// The style of a method's curves: its place among all.
 pub fn style_of(method: BendingMethod) -> usize {
-    let all = BendingMethod::ALL.into_iter();
+    let all = BendingMethod::NAMED.into_iter();
     all.take_while(|&other| other != method).count()
 }
 

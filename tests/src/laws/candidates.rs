@@ -1,10 +1,15 @@
-//! The methods that laws are about, to be made for any scalar.
+//! The methods that laws are about, to be made for any scalar: those of the program's list, and further
+//! variants of them.
 
 use helfrich::{
     Bandwidth, Conservative, ControlPoints, Cotangent, DualArea, Energy, Force, GompperKroll,
-    Hamann, HeatKernel, Jet, Juelicher, KantorNelson, LoopSubdivision, Paraboloid, Real,
-    StrongForm,
+    HeatKernel, KantorNelson, LoopSubdivision, Paraboloid, Real, StrongForm, TriangleMesh,
 };
+use helfrich_std::method::{
+    BendingMethod, ListedEnergy, ListedOperator, MethodOptions, Of, Settings,
+};
+use std::any::type_name;
+use std::sync::LazyLock;
 
 /// A bending method, to be made for any scalar.
 pub trait Candidate: Copy {
@@ -12,14 +17,24 @@ pub trait Candidate: Copy {
     type Method<T: Real>: Energy<T> + Force<T>;
     /// What failures call it.
     fn name(self) -> &'static str;
-    /// The library's files whose formulas it runs.
-    fn modules(self) -> &'static [&'static str];
+    /// The library's modules whose formulas it runs, by the names of its types.
+    fn modules(self) -> Vec<&'static str> {
+        let names = type_name::<Self::Method<f64>>().split(['<', ',', '>', ' ']);
+        names.flat_map(|name| name.split("::")).collect()
+    }
     /// The method with this bending modulus.
     fn method<T: Real>(self, modulus: T) -> Self::Method<T>;
+    /// Whether its force is the gradient of its energy.
+    fn is_gradient(self) -> bool {
+        false
+    }
     /// Whether neighbours or degrees are chosen by thresholds: at one, rounding decides, and on a
     /// coarse mesh some vertex always is at one.
     fn chooses_by_threshold(self) -> bool {
-        false
+        let modules = self.modules();
+        ["jet", "paraboloid"]
+            .iter()
+            .any(|fit| modules.contains(fit))
     }
 }
 
@@ -29,8 +44,6 @@ pub trait ConservativeCandidate: Copy {
     type ConservativeMethod<T: Real>: Conservative<T>;
     /// See [`Candidate::name`].
     fn name(self) -> &'static str;
-    /// See [`Candidate::modules`].
-    fn modules(self) -> &'static [&'static str];
     /// See [`Candidate::method`].
     fn method<T: Real>(self, modulus: T) -> Self::ConservativeMethod<T>;
     /// Whether the formula changes at right angles, so that finite differences must stay away.
@@ -44,11 +57,64 @@ impl<C: ConservativeCandidate> Candidate for C {
     fn name(self) -> &'static str {
         ConservativeCandidate::name(self)
     }
-    fn modules(self) -> &'static [&'static str] {
-        ConservativeCandidate::modules(self)
-    }
     fn method<T: Real>(self, modulus: T) -> Self::Method<T> {
         ConservativeCandidate::method(self, modulus)
+    }
+    fn is_gradient(self) -> bool {
+        true
+    }
+}
+
+/// What a method of the list is made from, with this bending modulus.
+pub(super) fn settings<T: Real>(modulus: T) -> Settings<'static, T> {
+    static OPTIONS: LazyLock<MethodOptions> = LazyLock::new(MethodOptions::default);
+    // No method of the list but the one that is chosen by it looks at the mesh.
+    static MESH: LazyLock<TriangleMesh> = LazyLock::new(|| {
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        TriangleMesh::new(4, triangles).expect("a tetrahedron")
+    });
+    Settings {
+        modulus,
+        spontaneous_curvature: T::zero(),
+        options: &OPTIONS,
+        mesh: &MESH,
+    }
+}
+
+/// A method of the list with an energy.
+#[derive(Clone, Copy, Debug)]
+pub struct Listed<const PLACE: usize>(pub Of<PLACE>);
+
+impl<const PLACE: usize> ConservativeCandidate for Listed<PLACE>
+where
+    Of<PLACE>: ListedEnergy,
+{
+    type ConservativeMethod<T: Real> = <Of<PLACE> as ListedEnergy>::Method<T>;
+    fn name(self) -> &'static str {
+        Of::<PLACE>::METHOD.title()
+    }
+    fn method<T: Real>(self, modulus: T) -> Self::ConservativeMethod<T> {
+        <Of<PLACE> as ListedEnergy>::method(settings(modulus))
+    }
+    fn switches_at_right_angles(self) -> bool {
+        Of::<PLACE>::METHOD == BendingMethod::GompperKroll
+    }
+}
+
+/// A method of the list in strong form.
+#[derive(Clone, Copy, Debug)]
+pub struct ListedStrong<const PLACE: usize>(pub Of<PLACE>);
+
+impl<const PLACE: usize> Candidate for ListedStrong<PLACE>
+where
+    Of<PLACE>: ListedOperator,
+{
+    type Method<T: Real> = StrongForm<T, <Of<PLACE> as ListedOperator>::Operator<T>>;
+    fn name(self) -> &'static str {
+        Of::<PLACE>::METHOD.title()
+    }
+    fn method<T: Real>(self, modulus: T) -> Self::Method<T> {
+        <Of<PLACE> as ListedOperator>::method(settings(modulus))
     }
 }
 
@@ -67,13 +133,10 @@ impl ConservativeCandidate for Hinged {
     type ConservativeMethod<T: Real> = KantorNelson<T>;
     fn name(self) -> &'static str {
         match self {
-            Self::Forces => "Kantor-Nelson",
-            Self::OppositeGaussianModulus => "Kantor-Nelson, opposite Gaussian modulus",
-            Self::SphereEnergy => "Kantor-Nelson, sphere energy",
+            Self::Forces => "Kantor–Nelson",
+            Self::OppositeGaussianModulus => "Kantor–Nelson, opposite Gaussian modulus",
+            Self::SphereEnergy => "Kantor–Nelson, sphere energy",
         }
-    }
-    fn modules(self) -> &'static [&'static str] {
-        &["hinge", "kantor_nelson"]
     }
     fn method<T: Real>(self, modulus: T) -> KantorNelson<T> {
         match self {
@@ -92,53 +155,16 @@ impl ConservativeCandidate for SquaredLaplacian {
     type ConservativeMethod<T: Real> = GompperKroll<T>;
     fn name(self) -> &'static str {
         match self.0 {
-            DualArea::Voronoi => "Gompper-Kroll, Voronoi areas",
-            DualArea::Mixed => "Gompper-Kroll",
-            DualArea::Barycentric => "Gompper-Kroll, barycentric areas",
+            DualArea::Voronoi => "Gompper–Kroll, Voronoi areas",
+            DualArea::Mixed => "Gompper–Kroll",
+            DualArea::Barycentric => "Gompper–Kroll, barycentric areas",
         }
-    }
-    fn modules(self) -> &'static [&'static str] {
-        &["gompper_kroll"]
     }
     fn method<T: Real>(self, modulus: T) -> GompperKroll<T> {
         GompperKroll::with_areas(modulus, self.0)
     }
     fn switches_at_right_angles(self) -> bool {
         self.0 == DualArea::Mixed
-    }
-}
-
-/// Jülicher's method.
-#[derive(Clone, Copy, Debug)]
-pub struct LengthTimesAngle;
-
-impl ConservativeCandidate for LengthTimesAngle {
-    type ConservativeMethod<T: Real> = Juelicher<T>;
-    fn name(self) -> &'static str {
-        "Jülicher"
-    }
-    fn modules(self) -> &'static [&'static str] {
-        &["hinge", "juelicher", "spontaneous_curvature"]
-    }
-    fn method<T: Real>(self, modulus: T) -> Juelicher<T> {
-        Juelicher::new(modulus)
-    }
-}
-
-/// Hamann's method.
-#[derive(Clone, Copy, Debug)]
-pub struct AveragedNormal;
-
-impl ConservativeCandidate for AveragedNormal {
-    type ConservativeMethod<T: Real> = Hamann<T>;
-    fn name(self) -> &'static str {
-        "Hamann"
-    }
-    fn modules(self) -> &'static [&'static str] {
-        &["area_vectors", "hamann"]
-    }
-    fn method<T: Real>(self, modulus: T) -> Hamann<T> {
-        Hamann::new(modulus)
     }
 }
 
@@ -156,9 +182,6 @@ impl ConservativeCandidate for Subdivided {
             ControlPoints::Hybrid => "Loop",
         }
     }
-    fn modules(self) -> &'static [&'static str] {
-        &["loop_subdivision"]
-    }
     fn method<T: Real>(self, modulus: T) -> LoopSubdivision<T> {
         LoopSubdivision::with_controls(modulus, self.0)
     }
@@ -172,9 +195,6 @@ impl<A: ConservativeCandidate, B: ConservativeCandidate> ConservativeCandidate f
     type ConservativeMethod<T: Real> = (A::ConservativeMethod<T>, B::ConservativeMethod<T>);
     fn name(self) -> &'static str {
         "sum of two"
-    }
-    fn modules(self) -> &'static [&'static str] {
-        &[]
     }
     fn method<T: Real>(self, modulus: T) -> Self::ConservativeMethod<T> {
         (self.0.method(modulus), self.1.method(modulus))
@@ -197,98 +217,36 @@ impl Candidate for StrongCotangent {
             DualArea::Barycentric => "Meyer, barycentric areas",
         }
     }
-    fn modules(self) -> &'static [&'static str] {
-        &["strong_form", "cotangent"]
-    }
     fn method<T: Real>(self, modulus: T) -> StrongForm<T, Cotangent> {
         StrongForm::new(modulus, Cotangent::new(self.0))
     }
 }
 
-/// Method D, as published or with the bandwidth with which it converges.
+/// Method D with the published bandwidth.
 #[derive(Clone, Copy, Debug)]
-pub struct StrongHeatKernel {
-    /// See [`Bandwidth::MixedArea`].
-    pub published: bool,
-}
+pub struct PublishedHeatKernel;
 
-impl Candidate for StrongHeatKernel {
+impl Candidate for PublishedHeatKernel {
     type Method<T: Real> = StrongForm<T, HeatKernel<T>>;
     fn name(self) -> &'static str {
-        if self.published {
-            "Belkin, published bandwidth"
-        } else {
-            "Belkin"
-        }
-    }
-    fn modules(self) -> &'static [&'static str] {
-        &["strong_form", "heat_kernel"]
+        "Belkin, published bandwidth"
     }
     fn method<T: Real>(self, modulus: T) -> Self::Method<T> {
-        if self.published {
-            let operator = HeatKernel::new(Bandwidth::MixedArea(T::one()));
-            StrongForm::new(modulus, operator)
-        } else {
-            StrongForm::belkin(modulus)
-        }
+        let operator = HeatKernel::new(Bandwidth::MixedArea(T::one()));
+        StrongForm::new(modulus, operator)
     }
 }
 
-/// Method E, as published or guarded.
+/// Method E with guarded fits.
 #[derive(Clone, Copy, Debug)]
-pub struct StrongParaboloid {
-    /// See [`Paraboloid::guarded`].
-    pub guarded: bool,
-}
+pub struct GuardedParaboloid;
 
-impl Candidate for StrongParaboloid {
+impl Candidate for GuardedParaboloid {
     type Method<T: Real> = StrongForm<T, Paraboloid>;
     fn name(self) -> &'static str {
-        if self.guarded {
-            "Farutin, guarded"
-        } else {
-            "Farutin"
-        }
-    }
-    fn modules(self) -> &'static [&'static str] {
-        &["strong_form", "paraboloid", "least_squares"]
+        "Farutin, guarded"
     }
     fn method<T: Real>(self, modulus: T) -> Self::Method<T> {
-        let guarded = self.guarded;
-        StrongForm::new(modulus, Paraboloid { guarded })
-    }
-    fn chooses_by_threshold(self) -> bool {
-        true
-    }
-}
-
-/// Method J of either degree.
-#[derive(Clone, Copy, Debug)]
-pub enum StrongJet {
-    /// Degree 4.
-    J4,
-    /// Degree 6.
-    J6,
-}
-
-impl Candidate for StrongJet {
-    type Method<T: Real> = StrongForm<T, Jet<T>>;
-    fn name(self) -> &'static str {
-        match self {
-            Self::J4 => "jets of degree 4",
-            Self::J6 => "jets of degree 6",
-        }
-    }
-    fn modules(self) -> &'static [&'static str] {
-        &["strong_form", "jet", "least_squares"]
-    }
-    fn method<T: Real>(self, modulus: T) -> StrongForm<T, Jet<T>> {
-        match self {
-            Self::J4 => StrongForm::j4(modulus),
-            Self::J6 => StrongForm::j6(modulus),
-        }
-    }
-    fn chooses_by_threshold(self) -> bool {
-        true
+        StrongForm::new(modulus, Paraboloid::guarded())
     }
 }

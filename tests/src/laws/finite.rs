@@ -1,8 +1,8 @@
 //! What comes of surfaces that may be degenerate.
 
-use super::{Candidate, Law, Measured, OperatorLaw, energy, forces};
+use super::{Candidate, CurvatureLaw, Law, Measured, OperatorLaw, energy, forces};
 use crate::meshes::Mesh;
-use helfrich::{Curvature, LaplaceBeltrami, VertexKind};
+use helfrich::{Curvature, Curvatures, LaplaceBeltrami, VertexKind};
 
 /// Energies, forces and findings of a method on a surface that may be degenerate are finite, and
 /// vertices in no triangle feel nothing.
@@ -29,8 +29,8 @@ impl Law for Finite<'_> {
     }
 }
 
-impl OperatorLaw for Finite<'_> {
-    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+impl CurvatureLaw for Finite<'_> {
+    fn check<L: Curvatures<f64> + Copy>(&mut self, name: &str, operator: L) {
         let measured = Measured::new(operator, self.0);
         for (vertex, curvature) in measured.curvature.iter().enumerate() {
             let kind = self.0.connectivity.vertex_kind(vertex);
@@ -49,6 +49,13 @@ impl OperatorLaw for Finite<'_> {
                 assert_eq!((normal, area), ([0.0; 3], 0.0), "{name}: vertex {vertex}");
             }
         }
+    }
+}
+
+impl OperatorLaw for Finite<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        CurvatureLaw::check(self, name, operator);
+        let measured = Measured::new(operator, self.0);
         let laplacian = measured.apply(&self.0.positions);
         let finite = laplacian.iter().flatten().all(|value| value.is_finite());
         assert!(finite, "{name}: Δ_S x");

@@ -171,9 +171,6 @@ impl<F: Family> ConservativeCandidate for Over<'_, F> {
     fn name(self) -> &'static str {
         F::MODULE
     }
-    fn modules(self) -> &'static [&'static str] {
-        &[]
-    }
     fn method<T: Real>(self, modulus: T) -> InPlane<T, F::Law<T>> {
         let positions = self.reference.positions_in::<T>();
         let mesh = &self.reference.connectivity;

@@ -191,9 +191,6 @@ impl ConservativeCandidate for Elastic<'_> {
     fn name(self) -> &'static str {
         "neo-Hookean"
     }
-    fn modules(self) -> &'static [&'static str] {
-        &[]
-    }
     fn method<T: Real>(self, shear_modulus: T) -> Self::ConservativeMethod<T> {
         let (mesh, positions) = (&self.0.connectivity, self.0.positions_in());
         let reference = Surface::new(mesh, &positions).unwrap();

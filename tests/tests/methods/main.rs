@@ -3,6 +3,7 @@
 use helfrich_tests::allocation::Counting;
 
 mod allocation;
+mod corrected;
 mod execution;
 mod heat_kernel;
 mod juelicher;

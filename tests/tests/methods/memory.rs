@@ -4,8 +4,12 @@ use helfrich::{
     Force, GompperKroll, Juelicher, KantorNelson, LoopSubdivision, Prepared, StrongForm,
 };
 use helfrich_std::info::MeshInfo;
+use helfrich_std::method::{
+    BendingMethod, ListVisitor, ListedEnergy, ListedOperator, Of, for_each_listed,
+};
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_tests::allocation::held;
+use helfrich_tests::laws::{Candidate, ConservativeCandidate, Listed, ListedStrong};
 use helfrich_tests::meshes::{bent, icosphere};
 use std::path::Path;
 
@@ -77,21 +81,30 @@ fn explained(method: &str) -> f64 {
 
 #[test]
 fn explanations_know_what_methods_take() {
-    for (name, found) in [
-        ("kantor-nelson", bytes(KantorNelson::new(1.0))),
-        ("gompper-kroll", bytes(GompperKroll::new(1.0))),
-        ("juelicher", bytes(Juelicher::new(1.0))),
-        ("meyer", bytes(StrongForm::meyer(1.0))),
-        ("belkin", bytes(StrongForm::belkin(1.0))),
-        ("farutin", bytes(StrongForm::farutin(1.0))),
-        ("loop", bytes(LoopSubdivision::new(1.0))),
-        ("j4", bytes(StrongForm::j4(1.0))),
-        ("j6", bytes(StrongForm::j6(1.0))),
-    ] {
-        let explained = explained(name);
-        assert!(
-            (0.75..=1.25).contains(&(explained / found)),
-            "{name}: {explained} bytes for {found}"
-        );
+    struct Explained;
+    impl Explained {
+        fn check(method: BendingMethod, found: f64) {
+            let explained = explained(method.name());
+            assert!(
+                (0.75..=1.25).contains(&(explained / found)),
+                "{method}: {explained} bytes for {found}"
+            );
+        }
     }
+    impl ListVisitor for Explained {
+        fn energy<const PLACE: usize>(&mut self, method: Of<PLACE>)
+        where
+            Of<PLACE>: ListedEnergy,
+        {
+            let prepared = ConservativeCandidate::method(Listed(method), 1.0);
+            Self::check(Of::<PLACE>::METHOD, bytes(prepared));
+        }
+        fn strong_form<const PLACE: usize>(&mut self, method: Of<PLACE>)
+        where
+            Of<PLACE>: ListedOperator,
+        {
+            Self::check(Of::<PLACE>::METHOD, bytes(ListedStrong(method).method(1.0)));
+        }
+    }
+    for_each_listed(&mut Explained);
 }

@@ -2,7 +2,7 @@
 
 use helfrich_tests::laws::{Candidate, Law, energy, for_each, forces, largest};
 use helfrich_tests::meshes::{Mesh, bent, difference, icosphere, norm};
-use helfrich_tests::tolerance::SINGLE_PRECISION;
+use helfrich_tests::tolerance::SinglePrecision;
 
 #[test]
 fn single_precision_within_the_table() {
@@ -10,10 +10,7 @@ fn single_precision_within_the_table() {
     impl Law for Single {
         fn check<C: Candidate>(&mut self, candidate: C) {
             let name = candidate.name();
-            let bound = SINGLE_PRECISION
-                .iter()
-                .find(|bound| name.starts_with(bound.method))
-                .unwrap_or_else(|| panic!("{name} is not in SINGLE_PRECISION"));
+            let bound = SinglePrecision::of(name);
             let mesh = &self.0.connectivity;
             let single = self.0.positions_in::<f32>();
             let double = &self.0.positions;

@@ -53,7 +53,8 @@ fn runs_and_studies_evaluate_the_same_method() {
             [1.0, 0.0],
             Lumping::Own,
             &mesh.mesh,
-        );
+        )
+        .expect("a bending method");
         let mut force = vec![[0.0; 3]; mesh.positions.len()];
         let energy = run.add_force(surface, &mut force);
         assert_eq!(force, evaluated(method, options, surface), "{method}");
@@ -69,7 +70,8 @@ fn runs_and_studies_evaluate_the_same_method() {
             [1.0, 0.0],
             Lumping::Own,
             &mesh.mesh,
-        );
+        )
+        .expect("a bending method");
         let energy = run.add_force(surface, &mut vec![[0.0; 3]; mesh.positions.len()]);
         let mut evaluator = Evaluator::new(method, 1.0, &mesh.mesh);
         assert_eq!(energy, evaluator.energy(surface), "{method}");

@@ -1,12 +1,12 @@
 //! A workspace of another mesh is refused, by everything that takes one.
 
 use helfrich::{
-    AreaDifference, Conservative, Constraint, Constraints, ControlPoints, Cotangent, Curvature,
-    Curvatures, Dissipation, DualArea, EnclosedVolume, Energy, Force, ForceDensity, Functional,
-    GompperKroll, Gravity, Hamann, InPlane, Juelicher, KantorNelson, LaplaceBeltrami,
-    LoopSubdivision, MembraneViscosity, Method, NeoHookean, Paraboloid, PointLoads, Prepared,
-    Projected, Quantity, Rows, Serial, SpontaneousCurvature, StrongForm, Surface, Targets,
-    TotalArea, TotalMeanCurvature, TriangleMesh, Workspace,
+    AreaDifference, Conservative, Constraint, Constraints, ControlPoints, CorrectedCurvature,
+    Cotangent, Curvature, Curvatures, Dissipation, DualArea, EnclosedVolume, Energy, Force,
+    ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher, KantorNelson,
+    LaplaceBeltrami, LoopSubdivision, MembraneViscosity, Method, NeoHookean, Paraboloid,
+    PointLoads, Prepared, Projected, Quantity, Rows, Serial, SpontaneousCurvature, StrongForm,
+    Surface, Targets, TotalArea, TotalMeanCurvature, TriangleMesh, VertexNormals, Workspace,
 };
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
@@ -385,6 +385,22 @@ fn workspaces_of_other_parameters_are_refused() {
         &hybrid,
         "control points Nodes, and is used with Hybrid",
     );
+}
+
+/// The same of an operator for curvatures only.
+#[test]
+fn workspaces_of_other_normals_are_refused() {
+    let mesh = icosphere(2).map(bent);
+    let [averaged, fitted] = [VertexNormals::Averaged, VertexNormals::Fitted]
+        .map(|normals| CorrectedCurvature { normals });
+    let mut workspace = averaged.workspace(&mesh.connectivity);
+    let mut curvature = vec![Curvature::default(); mesh.positions.len()];
+    let message = refusal(|| {
+        fitted.curvatures(&Serial, mesh.surface(), &mut workspace, &mut curvature);
+    });
+    let message = message.expect("refused");
+    let documented = "normals Averaged, and is used with Fitted";
+    assert!(message.contains(documented), "{message}");
 }
 
 /// Too few numbers of spontaneous curvature, and too many.

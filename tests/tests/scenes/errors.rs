@@ -354,6 +354,15 @@ fn contradictions_are_refused() {
             "gompper-kroll",
         ],
     );
+    // Operators for curvatures only have no force.
+    refused_effect(
+        "[surface.bending]\nmethod = \"corrected\"\nmodulus = 1",
+        [9, 10],
+        &[
+            "`method` knows no \"corrected\": the choices are kantor-nelson",
+            "j6, jet, A",
+        ],
+    );
     refused_effect(
         "[surface.bending]\nmethod = \"A\"\nmodulus = 1\nspontaneous_curvature = 1",
         [11, 25],

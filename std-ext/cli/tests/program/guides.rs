@@ -1,6 +1,8 @@
 //! The guides: their links lead somewhere, their commands exist, their scenes pass the check.
 
 use crate::{run, succeed, text};
+use helfrich_std::method::BendingMethod;
+use helfrich_std::scene::Effects;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -123,6 +125,61 @@ fn examples_exist() {
         }
     }
     assert!(count > 2, "{count} examples");
+}
+
+/// The text of a file of the repository.
+fn file(name: &str) -> String {
+    fs::read_to_string(root().join(name)).unwrap()
+}
+
+/// The table of methods has a row of each, in the order of the list.
+#[test]
+fn the_table_of_methods_has_every_method() {
+    let readme = file("README.md");
+    let start = readme.find("| | name | kind |").unwrap();
+    let table = readme[start..].split("\n\n").next().unwrap();
+    let names = table.lines().skip(2).map(|row| {
+        let cell = row.split('|').nth(2).unwrap();
+        cell.trim().trim_matches('`')
+    });
+    let listed = BendingMethod::ALL.into_iter();
+    let listed = listed.chain(BendingMethod::CURVATURES);
+    let listed = Vec::from_iter(listed.map(BendingMethod::name));
+    assert_eq!(Vec::from_iter(names), listed);
+}
+
+/// The guide to the choice has the cost of each method that its description has.
+#[test]
+fn the_guide_to_the_choice_has_the_cost_of_every_method() {
+    let guide = file("docs/CHOOSING.md");
+    let start = guide.find("## What it costs").unwrap();
+    let costs = guide[start..].split("\n## ").next().unwrap();
+    for method in BendingMethod::ALL {
+        let cost = method.description().relative_cost;
+        let names = [method.label(), method.title()];
+        let documented = names.map(|name| format!("{cost} ({name})"));
+        let found = documented.iter().any(|cost| costs.contains(cost));
+        let is_unit = method == BendingMethod::GompperKroll;
+        assert!(found || is_unit, "no `{}`", documented[0]);
+    }
+}
+
+#[test]
+fn the_table_of_effects_has_every_effect() {
+    let guide = file("docs/SCENES.md");
+    let table = guide.split("## Effects").nth(1).unwrap();
+    let table = table
+        .split("\n\n")
+        .find(|part| part.starts_with("| key"))
+        .unwrap();
+    let keys = table
+        .lines()
+        .skip(2)
+        .map(|row| row.split('|').nth(1).unwrap());
+    let keys = keys.collect::<String>();
+    for name in Effects::NAMES {
+        assert!(keys.contains(&format!("`{name}`")), "no `{name}`");
+    }
 }
 
 #[test]

@@ -1,34 +1,45 @@
 //! What a method of the list is made of, and what is done with it.
 
 use super::MethodOptions;
-use super::fields::Describe;
-use helfrich::{Conservative, LaplaceBeltrami, Real, StrongForm, TriangleMesh};
+use helfrich::{Conservative, Curvatures, LaplaceBeltrami, Real, StrongForm, TriangleMesh};
 use std::fmt;
 
 /// A computation for any method.
 pub(crate) trait Visitor<T: Real> {
     type Output;
 
-    /// Takes a method with an energy.
-    fn conservative<M>(self, method: M) -> Self::Output
+    /// Takes a method with an energy that defines no curvatures.
+    fn energy<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<T> + Describe<T> + fmt::Debug + 'static;
+        M: Conservative<T> + fmt::Debug + 'static;
+
+    /// Takes a method with an energy that defines H, or H and K.
+    fn energy_and_curvatures<M>(self, method: M) -> Self::Output
+    where
+        M: Conservative<T> + Curvatures<T> + fmt::Debug + 'static;
 
     /// Takes a method in strong form.
     fn strong_form<L>(self, method: StrongForm<T, L>) -> Self::Output
     where
         L: LaplaceBeltrami<T> + fmt::Debug + Sync + 'static;
+
+    /// Takes an operator for curvatures only.
+    fn curvatures<M>(self, method: M) -> Self::Output
+    where
+        M: Curvatures<T> + fmt::Debug + 'static;
 }
 
 /// Parameters from which methods are made.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Settings<'a, T> {
+pub struct Settings<'a, T> {
     /// Bending modulus κ.
-    pub(crate) modulus: T,
+    pub modulus: T,
     /// Spontaneous curvature H0; kantor-nelson (A) does not support it.
-    pub(crate) spontaneous_curvature: T,
-    pub(crate) options: &'a MethodOptions,
-    pub(crate) mesh: &'a TriangleMesh,
+    pub spontaneous_curvature: T,
+    /// Options; a method takes those that it has.
+    pub options: &'a MethodOptions,
+    /// The mesh, for methods that are chosen by it.
+    pub mesh: &'a TriangleMesh,
 }
 
 impl<T: Real> Settings<'_, T> {

@@ -1,12 +1,12 @@
 //! Evaluation of a method that was chosen at run time.
 
-use super::fields::{Describe, Fields};
+use super::fields::Fields;
 use super::ordered::Ordered;
 use super::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use crate::execute::Parallel;
 use helfrich::{
-    Conservative, Execution, Finding, Jet, LaplaceBeltrami, Noise, Prepared, Quality, Real, Serial,
-    StrongForm, Surface, TriangleMesh,
+    Conservative, Curvature, Curvatures, Execution, Finding, Jet, LaplaceBeltrami, Noise, Prepared,
+    Quality, Real, Serial, StrongForm, Surface, TriangleMesh, VertexKind,
 };
 use std::fmt;
 
@@ -64,7 +64,14 @@ impl<T: Real> Evaluator<T> {
             options,
             mesh,
         };
-        let prepared = choose(method, settings, Preparing { mesh, execution });
+        let [_, gaussian, _] = method.description().defines;
+        let preparing = Preparing {
+            mesh,
+            execution,
+            modulus,
+            gaussian,
+        };
+        let prepared = choose(method, settings, preparing);
         Self {
             prepared,
             ordered,
@@ -73,7 +80,8 @@ impl<T: Real> Evaluator<T> {
     }
 
     /// One evaluation as a simulation makes it: nodal forces with the energy for conservative
-    /// methods, force densities with the curvatures for those in strong form.
+    /// methods, force densities with the curvatures for those in strong form, and curvatures for those
+    /// that have no force.
     pub fn evaluate(&mut self, surface: Surface<'_, T>) {
         match &mut self.ordered {
             None => {
@@ -89,12 +97,13 @@ impl<T: Real> Evaluator<T> {
         }
     }
 
-    /// Nodal forces of the last evaluation, or force densities for methods in strong form.
+    /// Nodal forces of the last evaluation, or force densities for methods in strong form; 0 for those
+    /// without forces.
     pub fn force(&self) -> &[[T; 3]] {
         &self.force
     }
 
-    /// The energy of a surface.
+    /// The energy of a surface: for methods without their own, `2κ Σ H² A` over interior vertices.
     pub fn energy(&mut self, surface: Surface<'_, T>) -> T {
         match &mut self.ordered {
             None => self.prepared.energy(surface),
@@ -207,6 +216,8 @@ impl Evaluator<f64> {
             prepared: Preparing {
                 mesh,
                 execution: Parallel::new(),
+                modulus,
+                gaussian: true,
             }
             .strong_form(method),
             ordered: None,
@@ -216,24 +227,43 @@ impl Evaluator<f64> {
 }
 
 /// A method prepared for a mesh, behind one dispatch.
-struct Preparing<'a, X> {
+struct Preparing<'a, T, X> {
     mesh: &'a TriangleMesh,
     execution: X,
+    modulus: T,
+    /// Whether the method defines K.
+    gaussian: bool,
 }
 
-impl<T, X> Visitor<T> for Preparing<'_, X>
+impl<T, X> Visitor<T> for Preparing<'_, T, X>
 where
     T: Real,
     X: Execution + fmt::Debug + 'static,
 {
     type Output = Box<dyn Evaluate<T>>;
 
-    fn conservative<M>(self, method: M) -> Self::Output
+    fn energy<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<T> + Describe<T> + fmt::Debug + 'static,
+        M: Conservative<T> + fmt::Debug + 'static,
     {
         let prepared = Prepared::with_execution(method, self.mesh, self.execution);
-        Box::new(WithEnergy(prepared))
+        Box::new(WithEnergy {
+            prepared,
+            describe: |_, _, _| (),
+        })
+    }
+
+    fn energy_and_curvatures<M>(self, method: M) -> Self::Output
+    where
+        M: Conservative<T> + Curvatures<T> + fmt::Debug + 'static,
+    {
+        let prepared = Prepared::with_execution(method, self.mesh, self.execution);
+        let describe: DescribeFn<T, M, X> = if self.gaussian {
+            |prepared, surface, fields| fields.set_curvature(prepared.curvatures(surface))
+        } else {
+            |prepared, surface, fields| fields.set_mean(prepared.curvatures(surface))
+        };
+        Box::new(WithEnergy { prepared, describe })
     }
 
     fn strong_form<L>(self, method: StrongForm<T, L>) -> Self::Output
@@ -242,6 +272,17 @@ where
     {
         let prepared = Prepared::with_execution(method, self.mesh, self.execution);
         Box::new(InStrongForm(prepared))
+    }
+
+    fn curvatures<M>(self, method: M) -> Self::Output
+    where
+        M: Curvatures<T> + fmt::Debug + 'static,
+    {
+        let prepared = Prepared::with_execution(method, self.mesh, self.execution);
+        Box::new(WithoutForce {
+            prepared,
+            modulus: self.modulus,
+        })
     }
 }
 
@@ -260,35 +301,78 @@ pub(super) trait Evaluate<T: Real>: fmt::Debug {
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding));
 }
 
+/// Sets the fields beside force and area; the normals that are there are those of the cotangent
+/// operator.
+type DescribeFn<T, M, X> = fn(&mut Prepared<T, M, X>, Surface<'_, T>, &mut Fields<T>);
+
 #[derive(Debug)]
-struct WithEnergy<T, M, X>(Prepared<T, M, X>)
+struct WithEnergy<T, M, X>
 where
     T: Real,
-    M: Conservative<T>;
+    M: Conservative<T>,
+{
+    prepared: Prepared<T, M, X>,
+    describe: DescribeFn<T, M, X>,
+}
 
 impl<T, M, X> Evaluate<T> for WithEnergy<T, M, X>
 where
     T: Real,
-    M: Conservative<T> + Describe<T> + fmt::Debug,
+    M: Conservative<T> + fmt::Debug,
     X: Execution + fmt::Debug,
 {
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
-        self.0.add_force_and_energy(surface, force);
+        self.prepared.add_force_and_energy(surface, force);
     }
 
     fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
         fields.set_density(force);
-        self.0.with(|method, execution, workspace| {
-            method.describe(execution, surface, workspace, fields);
-        });
+        (self.describe)(&mut self.prepared, surface, fields);
     }
 
     fn energy(&mut self, surface: Surface<'_, T>) -> T {
-        self.0.energy(surface)
+        self.prepared.energy(surface)
     }
 
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
-        self.0.inspect(surface, report);
+        self.prepared.inspect(surface, report);
+    }
+}
+
+/// An operator for curvatures only.
+#[derive(Debug)]
+struct WithoutForce<T, M, X>
+where
+    T: Real,
+    M: Curvatures<T>,
+{
+    prepared: Prepared<T, M, X>,
+    modulus: T,
+}
+
+impl<T, M, X> Evaluate<T> for WithoutForce<T, M, X>
+where
+    T: Real,
+    M: Curvatures<T> + fmt::Debug,
+    X: Execution + fmt::Debug,
+{
+    fn evaluate(&mut self, surface: Surface<'_, T>, _force: &mut [[T; 3]]) {
+        self.prepared.curvatures(surface);
+    }
+
+    fn collect(&mut self, surface: Surface<'_, T>, _force: &[[T; 3]], fields: &mut Fields<T>) {
+        fields.set_curvature(self.prepared.curvatures(surface));
+    }
+
+    fn energy(&mut self, surface: Surface<'_, T>) -> T {
+        let interior = |vertex: &&Curvature<T>| vertex.kind == VertexKind::Interior;
+        let vertices = self.prepared.curvatures(surface).iter().filter(interior);
+        let terms = vertices.map(|vertex| vertex.mean * vertex.mean * vertex.area);
+        T::constant(2.0) * self.modulus * terms.sum::<T>()
+    }
+
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        self.prepared.inspect(surface, report);
     }
 }
 

@@ -3,9 +3,7 @@
 use super::evaluator::Evaluate;
 use helfrich::bending::StrongFormMemory;
 use helfrich::{
-    Cotangent, Curvature, Curvatures, DualArea, Execution, Finding, GompperKroll, Hamann,
-    Juelicher, KantorNelson, LoopSubdivision, Method, Prepared, Real, Surface, TriangleMesh,
-    VertexKind, Workspace,
+    Cotangent, Curvature, DualArea, Finding, Prepared, Real, Surface, TriangleMesh, VertexKind,
 };
 
 /// All results of a method on a surface, one value per vertex; `None` where undefined.
@@ -23,55 +21,6 @@ pub struct Fields<T> {
     pub laplacian_of_mean: Vec<Option<T>>,
     /// Force density f; for methods with nodal forces, F over the mixed area.
     pub force_density: Vec<Option<[T; 3]>>,
-}
-
-/// The fields beside force and area that a method with an energy defines.
-pub(crate) trait Describe<T: Real>: Method<T> {
-    /// Sets the fields; `fields` already has the normals of the cotangent operator.
-    fn describe(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-        fields: &mut Fields<T>,
-    );
-}
-
-/// A method, and the way in which its curvatures are computed.
-macro_rules! describe {
-    ($($method:ident: $($set:ident)?;)*) => {
-        $(impl<T: Real> Describe<T> for $method<T> {
-            fn describe(
-                &self,
-                _execution: &impl Execution,
-                _surface: Surface<'_, T>,
-                _workspace: &mut Workspace<T, Self>,
-                _fields: &mut Fields<T>,
-            ) {
-                $(_fields.$set(&measured(self, _execution, _surface, _workspace));)?
-            }
-        })*
-    };
-}
-
-describe! {
-    KantorNelson:;
-    GompperKroll: set_mean;
-    Juelicher: set_mean;
-    Hamann: set_curvature;
-    LoopSubdivision: set_curvature;
-}
-
-/// n, H, K and A from the method itself.
-fn measured<T: Real, M: Curvatures<T>>(
-    method: &M,
-    execution: &impl Execution,
-    surface: Surface<'_, T>,
-    workspace: &mut Workspace<T, M>,
-) -> Vec<Curvature<T>> {
-    let mut curvature = vec![Curvature::default(); surface.mesh().vertex_count()];
-    method.curvatures(execution, surface, workspace, &mut curvature);
-    curvature
 }
 
 fn where_defined<V: Copy>(values: &[V], defined: impl Fn(usize) -> bool) -> Vec<Option<V>> {
@@ -141,13 +90,13 @@ impl<T: Real> Fields<T> {
             .collect();
     }
 
-    fn set_mean(&mut self, curvature: &[Curvature<T>]) {
+    pub(super) fn set_mean(&mut self, curvature: &[Curvature<T>]) {
         let interior = |vertex: usize| curvature[vertex].kind == VertexKind::Interior;
         let mean: Vec<T> = curvature.iter().map(|vertex| vertex.mean).collect();
         self.mean = where_defined(&mean, interior);
     }
 
-    fn set_curvature(&mut self, curvature: &[Curvature<T>]) {
+    pub(super) fn set_curvature(&mut self, curvature: &[Curvature<T>]) {
         let interior = |vertex: usize| curvature[vertex].kind == VertexKind::Interior;
         let gaussian: Vec<T> = curvature.iter().map(|vertex| vertex.gaussian).collect();
         self.normal = curvature.iter().map(|vertex| vertex.normal).collect();

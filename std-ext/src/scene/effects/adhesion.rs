@@ -130,7 +130,10 @@ impl SurfaceEffect for Adhesion {
         for (vertex, &position) in positions.iter().enumerate() {
             let height = normal.dot(DVec3::from(position) - wall);
             if height <= 0.0 {
-                return Err(EffectError::BehindWall { vertex, height });
+                return Err(EffectError::Misplaced(format!(
+                    "vertex {vertex} starts at the height {height:.6} above the wall of `adhesion`: place \
+                     the surface in front of the wall, on the side of its `normal`"
+                )));
             }
         }
         preparation.conservative(

@@ -1,7 +1,7 @@
 //! Effects prepared for the mesh of their surface.
 
 use super::{Effects, Stretch};
-use crate::effect::{Effect, Lumping, Viscosity};
+use crate::effect::{Effect, Lumping, NoForce, Viscosity};
 use helfrich::{
     Conservative, Constraint, LoadError, Quantity, ReferenceError, Surface, SurfaceError, Targets,
     TriangleMesh,
@@ -21,17 +21,12 @@ pub enum EffectError {
     /// Loads cannot be applied to the ends of a surface.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A vertex starts on or behind the wall to which the surface adheres.
-    #[error(
-        "vertex {vertex} starts at the height {height:.6} above the wall of `adhesion`: place the surface \
-         in front of the wall, on the side of its `normal`"
-    )]
-    BehindWall {
-        /// The vertex.
-        vertex: usize,
-        /// Its height above the wall.
-        height: f64,
-    },
+    /// The bending method has no force.
+    #[error(transparent)]
+    NoForce(#[from] NoForce),
+    /// The surface does not start where the effect can act; the message says where it should.
+    #[error("{0}")]
+    Misplaced(String),
 }
 
 /// A surface at the start, and the effects prepared for it so far.

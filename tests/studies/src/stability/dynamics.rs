@@ -7,7 +7,8 @@ mod momentum;
 mod scenes;
 
 use super::{Bound, Group, Outcome, Row, StabilityError};
-use cases::{CASES, Case, Trial};
+use cases::{CASES, Case, Trials};
+use helfrich_std::method::BendingMethod;
 use helfrich_std::run::{End, Progress, run};
 use helfrich_std::scalar::Scalar;
 use helfrich_std::scene::{Overrides, SceneFile};
@@ -53,26 +54,50 @@ impl Course {
 
 /// The number of runs, for the progress.
 pub(super) fn count() -> usize {
-    CASES.iter().map(|case| case.trials.len()).sum::<usize>() + laws::COUNT
+    CASES.iter().map(|case| case.trials.count()).sum::<usize>() + laws::count()
 }
 
 /// All runs, each told before it begins.
 pub(super) fn rows(tell: &mut dyn FnMut(&str)) -> Result<Vec<Row>, StabilityError> {
     let mut rows = Vec::new();
     for case in CASES {
-        for trial in case.trials {
-            tell(&format!("{}: {}", case.name, trial.subject));
-            let outcome = case.outcome(trial).map_err(|source| StabilityError {
-                case: case.name,
-                source,
-            })?;
-            rows.push(Row::new(
-                Group::Dynamics,
-                (case.name, case.meaning),
-                (trial.subject, Scalar::F64),
-                outcome,
-                trial.bound,
-            ));
+        let mut add =
+            |subject: &'static str, changes: &[&str], against: Option<&[&str]>, bound: Bound| {
+                tell(&format!("{}: {subject}", case.name));
+                let outcome = case.outcome(changes, against);
+                let outcome = outcome.map_err(|source| StabilityError {
+                    case: case.name,
+                    source,
+                })?;
+                rows.push(Row::new(
+                    Group::Dynamics,
+                    (case.name, case.meaning),
+                    (subject, Scalar::F64),
+                    outcome,
+                    bound,
+                ));
+                Ok(())
+            };
+        match case.trials {
+            Trials::These(trials) => {
+                for trial in trials {
+                    add(trial.subject, trial.changes, None, trial.bound)?;
+                }
+            }
+            Trials::EveryMethod {
+                changes,
+                against,
+                bound,
+            } => {
+                for method in BendingMethod::ALL {
+                    let Some(bound) = bound(method) else {
+                        continue;
+                    };
+                    let chosen = format!("surface.0.bending.method={method}");
+                    let changes = [changes, &[&*chosen]].concat();
+                    add(method.name(), &changes, Some(against), bound)?;
+                }
+            }
         }
     }
     laws::rows(tell, &mut rows)?;
@@ -82,13 +107,13 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str)) -> Result<Vec<Row>, StabilityErro
 type Made<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 impl Case {
-    fn outcome(&self, trial: &Trial) -> Made<Outcome> {
-        let mut course = match course(self.scene, trial.changes)? {
+    fn outcome(&self, changes: &[&str], against: Option<&[&str]>) -> Made<Outcome> {
+        let mut course = match course(self.scene, changes)? {
             Ok(course) => course,
             Err(refusal) => return Ok(Outcome::Refused(refusal)),
         };
-        if let Some(changes) = trial.against {
-            let all = Vec::from_iter(trial.changes.iter().chain(changes).copied());
+        if let Some(others) = against {
+            let all = [changes, others].concat();
             if let Ok(other) = self::course(self.scene, &all)? {
                 let pair = course.deformation.zip(other.deformation);
                 course.error = pair.map(|(found, expected)| (found / expected - 1.0).abs());

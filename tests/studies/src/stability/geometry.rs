@@ -71,10 +71,7 @@ fn irregular(method: BendingMethod, _scalar: Scalar) -> Bound {
         BendingMethod::Loop => 3e4,
         BendingMethod::Belkin => 60.0,
         BendingMethod::J4 | BendingMethod::J6 | BendingMethod::Jet => 25.0,
-        BendingMethod::KantorNelson
-        | BendingMethod::Farutin
-        | BendingMethod::Juelicher
-        | BendingMethod::Hamann => 300.0,
+        _ => 300.0,
     })
 }
 

@@ -135,11 +135,10 @@ fn every_hard_run_is_there() {
     ] {
         let of_case = TABLE.iter().filter(|row| row.case == case);
         let subjects = Vec::from_iter(of_case.map(|row| row.subject));
-        // Not measured yet: Hamann's method on bad meshes in flow.
-        let missing = (case != "momentum and torque").then_some(BendingMethod::Hamann);
-        let methods = BendingMethod::ALL.into_iter();
-        let methods = methods.filter(|&method| Some(method) != missing);
-        let expected = Vec::from_iter(methods.map(BendingMethod::name));
+        // Its steps come to nothing there.
+        let stiff = (case == "methods on an irregular mesh in flow").then_some("hamann");
+        let expected = BendingMethod::ALL.into_iter().map(BendingMethod::name);
+        let expected = Vec::from_iter(expected.filter(|&name| Some(name) != stiff));
         assert_eq!(subjects, expected, "{case}");
     }
     let threads = TABLE.iter().filter(|row| row.group == Group::Threads);

@@ -13,15 +13,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// How often it is told what is being done.
-pub(super) const COUNT: usize = CONSERVATIVE.len() + BendingMethod::ALL.len() + RESTARTED.len() + 2;
+pub(super) fn count() -> usize {
+    conservative().count() + BendingMethod::ALL.len() + RESTARTED.len() + 2
+}
 
 /// Methods whose forces are gradients of energies.
-const CONSERVATIVE: [BendingMethod; 4] = [
-    BendingMethod::KantorNelson,
-    BendingMethod::GompperKroll,
-    BendingMethod::Loop,
-    BendingMethod::Juelicher,
-];
+fn conservative() -> impl Iterator<Item = BendingMethod> {
+    let all = BendingMethod::ALL.into_iter();
+    all.filter(|method| method.is_conservative())
+}
 
 pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<(), StabilityError> {
     let mut add =
@@ -41,7 +41,7 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
         "A vesicle relaxes with constrained area and volume: the largest rise of the \
          energy from one iteration to the next, in units of rounding of the energy.",
     );
-    for method in CONSERVATIVE {
+    for method in conservative() {
         tell(&format!("{}: {method}", case.0));
         let measured = rise(method).map(Outcome::Measured);
         add(
