@@ -18,15 +18,13 @@ use alloc::vec::Vec;
 
 /// `E = 2κ Σ_i (H_i − H0_i)² A_i` over interior vertices, and the exact gradient of this energy.
 ///
-/// At each vertex let `n = N/|N|`, N the sum of the area vectors around the vertex. The heights z
-/// of the neighbours over the plane normal to n are fitted by `z = ½ pᵀ C p`, with a symmetric 2×2
-/// matrix C and p the positions in that plane: `H = −½ tr C`, `K = det C`. A_i is a third of the
-/// area of the triangles around the vertex.
+/// At each vertex let `n = N/|N|`, N the sum of the area vectors around it. The neighbours' heights z over
+/// the plane normal to n are fitted by `z = ½ pᵀ C p`, with a symmetric 2×2 matrix C and p the positions in
+/// that plane: `H = −½ tr C`, `K = det C`. A_i is a third of the area of the triangles around the vertex.
 ///
-/// The fit has no slope. An error of the averaged normal therefore causes an error of H of first
-/// order in the edge length, unless the one-ring is symmetric. Where the one-ring does not
-/// determine C, as with four neighbours on two lines, the vertex is left out, and
-/// [`Method::inspect`] reports it.
+/// The fit has no slope. An error of the averaged normal therefore causes an error of H of first order
+/// in the edge length, unless the one-ring is symmetric. Where the one-ring does not determine C, as with
+/// four neighbours on two lines, the vertex is left out, and [`Method::inspect`] reports it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hamann<T> {
     /// Bending modulus κ, in units of energy.
