@@ -133,8 +133,8 @@ pub enum ConstraintError {
     /// 1/(3N), N the number of vertices. Discretisation errors of an uneven mesh alone cause such
     /// an angle.
     #[error(
-        "constraint {constraint} of component {component} cannot be met apart from the others: \
-         its gradient is zero or along theirs, as that of the area along that of the volume on a \
+        "constraint {constraint} of component {component} cannot be met independently of the others: \
+         its gradient is zero or parallel to theirs, as those of area and volume are on a \
          sphere"
     )]
     Dependent {
@@ -155,8 +155,8 @@ pub enum ConstraintError {
     },
     /// The iteration did not converge.
     #[error(
-        "constraint {constraint} of component {component} is still off by a part of {residual:e} \
-         after {steps} steps: its target is out of reach from here"
+        "constraint {constraint} of component {component} still has a relative error of {residual:e} \
+         after {steps} steps: its target cannot be reached from here"
     )]
     NotReached {
         /// The component.

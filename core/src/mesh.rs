@@ -46,7 +46,7 @@ pub enum MeshError {
     #[error("the mesh is empty: it has no triangle")]
     Empty,
     /// A list of indices that does not end with a whole triangle.
-    #[error("{indices} indices are no whole number of triangles: three belong to each")]
+    #[error("{indices} indices are not a multiple of three: each triangle has three")]
     IncompleteTriangle {
         /// Number of indices.
         indices: usize,

@@ -80,7 +80,7 @@ pub enum CheckpointProblem {
     #[error("{0}")]
     Inaccessible(io::Error),
     /// The file starts with other bytes.
-    #[error("is no checkpoint: a file written by `helfrich run` is needed")]
+    #[error("is not a checkpoint: a file written by `helfrich run` is needed")]
     NotACheckpoint,
     /// The file was written in another layout.
     #[error("is a checkpoint of format {found}: this program reads format {FORMAT}")]
@@ -102,7 +102,7 @@ pub enum CheckpointProblem {
     /// Another version of the program wrote the file.
     #[error(
         "the checkpoint was written by version {found} of the program: this is {PROGRAM}, and a \
-         run goes on only with the version that it began with"
+         run continues only with the version that started it"
     )]
     OtherProgram {
         /// The version found.
@@ -124,7 +124,7 @@ pub enum CheckpointProblem {
     #[error("the state cannot be written: {0}")]
     NotEncodable(String),
     /// The bytes are intact, but do not encode a state of this type.
-    #[error("the checkpoint does not hold the state that is asked for: {0}")]
+    #[error("the checkpoint does not contain the requested state: {0}")]
     OtherState(String),
 }
 

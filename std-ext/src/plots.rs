@@ -49,7 +49,7 @@ pub enum CurvesProblem {
     #[error("is longer than {LONGEST} bytes: published curves have some hundred points")]
     TooLong,
     /// The bytes are not valid text.
-    #[error("line {line}: is no UTF-8 text")]
+    #[error("line {line}: is not UTF-8 text")]
     NoText {
         /// The line, from 1.
         line: usize,

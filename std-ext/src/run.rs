@@ -287,7 +287,7 @@ impl Run<'_> {
             if interrupted() {
                 self.checkpoint()?;
                 let message = format!(
-                    "interrupted at {}: `--resume` goes on",
+                    "interrupted at {}: `--resume` continues",
                     self.drive.caption()
                 );
                 return Ok((End::Interrupted, message));

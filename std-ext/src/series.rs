@@ -52,7 +52,7 @@ pub enum SeriesProblem {
         name: String,
     },
     /// Two columns have the same name.
-    #[error("two columns are called `{name}`: each needs a name of its own")]
+    #[error("two columns are called `{name}`: names must be unique")]
     RepeatedName {
         /// The name.
         name: String,
@@ -78,7 +78,7 @@ pub enum SeriesProblem {
         found: String,
     },
     /// The columns of the file are not those of the run.
-    #[error("the columns are `{found}`, but the run goes on with `{expected}`")]
+    #[error("the columns are `{found}`, but the run writes `{expected}`")]
     OtherColumns {
         /// The file's first line.
         found: String,
@@ -99,8 +99,8 @@ pub enum SeriesProblem {
     /// Another program has written to the file.
     #[error(
         "the file has {found} bytes, and the run has written {expected}: another program has changed \
-         it, and no more rows are added; `--resume` goes on from the last checkpoint if the rows up to \
-         there are as they were"
+         it, and no more rows are added; `--resume` continues from the last checkpoint if the rows up \
+         to there are unchanged"
     )]
     Changed {
         /// Length of the file.
@@ -109,7 +109,7 @@ pub enum SeriesProblem {
         expected: u64,
     },
     /// The bytes are not valid text, or a line is too long.
-    #[error("line {line}: is no row of numbers")]
+    #[error("line {line}: is not a row of numbers")]
     NotARow {
         /// The line, from 1.
         line: u64,

@@ -78,7 +78,7 @@ pub enum SweepError {
     },
     /// The folder already contains runs.
     #[error(
-        "{}: there are runs here already: `--resume` goes on with them, `--out` names another folder",
+        "{}: there are runs here already: continue them with `--resume`, or name another folder with `--out`",
         folder.display()
     )]
     Occupied {

@@ -346,7 +346,7 @@ fn energies_on_flagged_vertices_are_no_equilibrium() {
     assert!(vertices > 50.0 && triangles > 5.0 && (0.02..=1.0).contains(&share));
     assert_eq!(summary.flagged[0].vertices as f64, vertices);
     for part in [
-        "% of the bending energy of \"vesicle\" rests on",
+        "% of the bending energy of \"vesicle\" lies on",
         "a triangle so thin",
         "choose the bending method",
     ] {

@@ -51,7 +51,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l json -d 'Als
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l cache -d 'Where measurements are kept for the next time, as if interrupted; for pages by default in the user\'s folder of caches' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l fresh -d 'Measure everything again'
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l error -d 'How large the error may be, as in `1%` or `0.01`, relative to the largest value on the surface' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l error -d 'Largest allowed error, as in `1%` or `0.01`, relative to the largest value on the surface' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l quantity -d 'Quantity that has to be accurate: H, K, LapH or f' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l norm -d 'Where: `max`, at every vertex, or `mean`, on average' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l method -d 'Methods to choose from, by name or letter; by default all' -r
@@ -59,7 +59,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l areas -d
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l scalar -d 'Number types to choose from: f32, f32-pair, f64' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l json -d 'Also write the answer as JSON to this file; `-` for standard output, instead of the table' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l weld -d 'Make one vertex of all that are at the same point, bit for bit: files of renderers often have corners of their own for each face'
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l method -d 'Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet has the degree that suits the mesh' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l modulus -d 'Bending modulus κ' -r
@@ -67,29 +67,29 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l areas -d
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scalar -d 'Number type: f32, f32-pair (positions in pairs of f32) or f64' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l csv -d 'Write to this file instead of standard output (`-`)' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l weld -d 'Make one vertex of all that are at the same point, bit for bit: files of renderers often have corners of their own for each face'
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Make one vertex of all that are at the same point, bit for bit: files of renderers often have corners of their own for each face'
+complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l levels -d 'How often to refine' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s o -l output -d 'Write to this file; `.obj`, `.off`, `.stl`, `.ply` or `.vtp` tells the format' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l weld -d 'Make one vertex of all that are at the same point, bit for bit: files of renderers often have corners of their own for each face'
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l levels -d 'Number of refinements' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s o -l output -d 'Write to this file; `.obj`, `.off`, `.stl`, `.ply` or `.vtp` determines the format' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l limit -d 'Put the vertices on the smooth surface that further refinement would lead to'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or takes it away, as in `surface.vesicle.bending=`; as often as needed' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l out -d 'The folder that everything is written to; the scene\'s name without `.toml` if there is none' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l resume -d 'Go on with the run that is in the folder, from its last checkpoint'
-complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l check -d 'Only say what is wrong with the scene, if anything is'
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in `surface.vesicle.bending=`; may be repeated' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l out -d 'The output folder; by default the scene\'s name without `.toml`' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l resume -d 'Continue the run in the folder from its last checkpoint'
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l check -d 'Only report problems of the scene'
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or takes it away, as in `surface.vesicle.bending=`; as often as needed' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l out -d 'The folder that everything is written to, a folder a run in it' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l vary -d 'A key and its values, as in `surface.0.bending.method=meyer,juelicher`; as often as needed, the last varies fastest. Commas inside brackets, braces and quotation marks belong to a value' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in `surface.vesicle.bending=`; may be repeated' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l out -d 'The output folder, with a subfolder for each run' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l vary -d 'A key and its values, as in `surface.0.bending.method=meyer,juelicher`; may be repeated, the last varies fastest. Commas inside brackets, braces and quotation marks belong to a value' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l columns -d 'Columns of the series to show and to plot; those of the scene\'s plots if there are none' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l resume -d 'Go on with the runs that are in the folder; those that have ended are left as they are'
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l resume -d 'Continue the runs in the folder; runs that have ended are skipped'
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand scenes" -l out -d 'Write them to this folder, to change them, with what they need and their JSON schema. Files that are there are left alone' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand scenes" -l out -d 'Write the scenes to this folder, with the files that they need and their JSON schema. Existing files are not overwritten' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand scenes" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or takes it away, as in `surface.vesicle.bending=`; as often as needed' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in `surface.vesicle.bending=`; may be repeated' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "study" -d 'Compare bending methods with exact shapes: error and time side by side'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "recommend" -d 'Recommend a method for a mesh file, by measurements on that mesh'

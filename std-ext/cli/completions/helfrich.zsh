@@ -50,7 +50,7 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (recommend)
 _arguments "${_arguments_options[@]}" : \
-'--error=[How large the error may be, as in \`1%\` or \`0.01\`, relative to the largest value on the surface]:ERROR:_default' \
+'--error=[Largest allowed error, as in \`1%\` or \`0.01\`, relative to the largest value on the surface]:ERROR:_default' \
 '--quantity=[Quantity that has to be accurate\: H, K, LapH or f]:QUANTITY:_default' \
 '--norm=[Where\: \`max\`, at every vertex, or \`mean\`, on average]:NORM:_default' \
 '*--method=[Methods to choose from, by name or letter; by default all]:METHOD:_default' \
@@ -58,7 +58,7 @@ _arguments "${_arguments_options[@]}" : \
 '--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '*--scalar=[Number types to choose from\: f32, f32-pair, f64]:SCALAR:_default' \
 '--json=[Also write the answer as JSON to this file; \`-\` for standard output, instead of the table]:JSON:_files' \
-'--weld[Make one vertex of all that are at the same point, bit for bit\: files of renderers often have corners of their own for each face]' \
+'--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
@@ -72,7 +72,7 @@ _arguments "${_arguments_options[@]}" : \
 '--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '--scalar=[Number type\: f32, f32-pair (positions in pairs of f32) or f64]:SCALAR:_default' \
 '--csv=[Write to this file instead of standard output (\`-\`)]:CSV:_files' \
-'--weld[Make one vertex of all that are at the same point, bit for bit\: files of renderers often have corners of their own for each face]' \
+'--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
@@ -80,7 +80,7 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (info)
 _arguments "${_arguments_options[@]}" : \
-'--weld[Make one vertex of all that are at the same point, bit for bit\: files of renderers often have corners of their own for each face]' \
+'--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
@@ -88,10 +88,10 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (subdivide)
 _arguments "${_arguments_options[@]}" : \
-'--levels=[How often to refine]:LEVELS:_default' \
-'-o+[Write to this file; \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` tells the format]:OUTPUT:_files' \
-'--output=[Write to this file; \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` tells the format]:OUTPUT:_files' \
-'--weld[Make one vertex of all that are at the same point, bit for bit\: files of renderers often have corners of their own for each face]' \
+'--levels=[Number of refinements]:LEVELS:_default' \
+'-o+[Write to this file; \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format]:OUTPUT:_files' \
+'--output=[Write to this file; \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format]:OUTPUT:_files' \
+'--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '--limit[Put the vertices on the smooth surface that further refinement would lead to]' \
 '-h[Print help]' \
 '--help[Print help]' \
@@ -100,10 +100,10 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (run)
 _arguments "${_arguments_options[@]}" : \
-'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or takes it away, as in \`surface.vesicle.bending=\`; as often as needed]:PATH=VALUE:_default' \
-'--out=[The folder that everything is written to; the scene'\''s name without \`.toml\` if there is none]:OUT:_files' \
-'--resume[Go on with the run that is in the folder, from its last checkpoint]' \
-'(--resume --out)--check[Only say what is wrong with the scene, if anything is]' \
+'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or removes it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
+'--out=[The output folder; by default the scene'\''s name without \`.toml\`]:OUT:_files' \
+'--resume[Continue the run in the folder from its last checkpoint]' \
+'(--resume --out)--check[Only report problems of the scene]' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':scene -- TOML file, or the name of a scene that comes with the program\: see `helfrich scenes`:_files' \
@@ -111,11 +111,11 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (sweep)
 _arguments "${_arguments_options[@]}" : \
-'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or takes it away, as in \`surface.vesicle.bending=\`; as often as needed]:PATH=VALUE:_default' \
-'--out=[The folder that everything is written to, a folder a run in it]:OUT:_files' \
-'*--vary=[A key and its values, as in \`surface.0.bending.method=meyer,juelicher\`; as often as needed, the last varies fastest. Commas inside brackets, braces and quotation marks belong to a value]:PATH=VALUE,VALUE:_default' \
+'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or removes it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
+'--out=[The output folder, with a subfolder for each run]:OUT:_files' \
+'*--vary=[A key and its values, as in \`surface.0.bending.method=meyer,juelicher\`; may be repeated, the last varies fastest. Commas inside brackets, braces and quotation marks belong to a value]:PATH=VALUE,VALUE:_default' \
 '*--columns=[Columns of the series to show and to plot; those of the scene'\''s plots if there are none]:COLUMNS:_default' \
-'--resume[Go on with the runs that are in the folder; those that have ended are left as they are]' \
+'--resume[Continue the runs in the folder; runs that have ended are skipped]' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':scene -- TOML file, or the name of a scene that comes with the program\: see `helfrich scenes`:_files' \
@@ -123,14 +123,14 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (scenes)
 _arguments "${_arguments_options[@]}" : \
-'--out=[Write them to this folder, to change them, with what they need and their JSON schema. Files that are there are left alone]:FOLDER:_files' \
+'--out=[Write the scenes to this folder, with the files that they need and their JSON schema. Existing files are not overwritten]:FOLDER:_files' \
 '-h[Print help]' \
 '--help[Print help]' \
 && ret=0
 ;;
 (explain)
 _arguments "${_arguments_options[@]}" : \
-'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or takes it away, as in \`surface.vesicle.bending=\`; as often as needed]:PATH=VALUE:_default' \
+'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or removes it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':scene -- TOML file, or the name of a scene that comes with the program\: see `helfrich scenes`:_files' \

@@ -78,16 +78,16 @@ enum Command {
 struct SceneArguments {
     /// TOML file, or the name of a scene that comes with the program: see `helfrich scenes`.
     scene: PathBuf,
-    /// Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or takes it away, as in
-    /// `surface.vesicle.bending=`; as often as needed.
+    /// Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in
+    /// `surface.vesicle.bending=`; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
 }
 
 #[derive(clap::Args)]
 struct ScenesArguments {
-    /// Write them to this folder, to change them, with what they need and their JSON schema. Files that
-    /// are there are left alone.
+    /// Write the scenes to this folder, with the files that they need and their JSON schema. Existing
+    /// files are not overwritten.
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
 }
@@ -96,13 +96,13 @@ struct ScenesArguments {
 struct RunArguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// The folder that everything is written to; the scene's name without `.toml` if there is none.
+    /// The output folder; by default the scene's name without `.toml`.
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Go on with the run that is in the folder, from its last checkpoint.
+    /// Continue the run in the folder from its last checkpoint.
     #[arg(long)]
     resume: bool,
-    /// Only say what is wrong with the scene, if anything is.
+    /// Only report problems of the scene.
     #[arg(long, conflicts_with_all = ["resume", "out"])]
     check: bool,
 }
@@ -111,17 +111,17 @@ struct RunArguments {
 struct SweepArguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// The folder that everything is written to, a folder a run in it.
+    /// The output folder, with a subfolder for each run.
     #[arg(long)]
     out: PathBuf,
-    /// A key and its values, as in `surface.0.bending.method=meyer,juelicher`; as often as needed, the
+    /// A key and its values, as in `surface.0.bending.method=meyer,juelicher`; may be repeated, the
     /// last varies fastest. Commas inside brackets, braces and quotation marks belong to a value.
     #[arg(long, value_name = "PATH=VALUE,VALUE", required = true)]
     vary: Vec<Vary>,
     /// Columns of the series to show and to plot; those of the scene's plots if there are none.
     #[arg(long, value_delimiter = ',')]
     columns: Vec<String>,
-    /// Go on with the runs that are in the folder; those that have ended are left as they are.
+    /// Continue the runs in the folder; runs that have ended are skipped.
     #[arg(long)]
     resume: bool,
 }
@@ -130,8 +130,8 @@ struct SweepArguments {
 struct MeshArguments {
     /// OBJ, OFF, STL, PLY or VTP file.
     mesh: PathBuf,
-    /// Make one vertex of all that are at the same point, bit for bit: files of renderers often have
-    /// corners of their own for each face.
+    /// Merge vertices at exactly the same point. Files from renderers often have separate vertices for
+    /// each face.
     #[arg(long)]
     weld: bool,
 }
@@ -162,13 +162,13 @@ struct CurvatureArguments {
 struct SubdivideArguments {
     #[command(flatten)]
     input: MeshArguments,
-    /// How often to refine.
+    /// Number of refinements.
     #[arg(long, default_value_t = 1)]
     levels: u32,
     /// Put the vertices on the smooth surface that further refinement would lead to.
     #[arg(long)]
     limit: bool,
-    /// Write to this file; `.obj`, `.off`, `.stl`, `.ply` or `.vtp` tells the format.
+    /// Write to this file; `.obj`, `.off`, `.stl`, `.ply` or `.vtp` determines the format.
     #[arg(long, short)]
     output: PathBuf,
 }
@@ -244,8 +244,8 @@ fn load(MeshArguments { mesh: path, weld }: &MeshArguments) -> Result<MeshFile, 
     let split = file.split_vertices();
     if split > 0 {
         say(format_args!(
-            "warning: {}: the mesh is cut where it need not be: {split} vertices at its boundary are at \
-             the points of others there; --weld makes one vertex of each",
+            "warning: {}: the mesh has split vertices: {split} vertices of its boundary are at the same \
+             points as others; --weld merges them",
             path.display()
         ));
     }
@@ -359,7 +359,7 @@ fn scenes(arguments: &ScenesArguments) -> Result<(), Failure> {
         // Existing files are kept, because the user may have changed them.
         if path.symlink_metadata().is_ok() {
             say(format_args!(
-                "warning: {}: is there, and is left as it is",
+                "warning: {}: exists already, and was not overwritten",
                 path.display()
             ));
         } else {

@@ -20,7 +20,7 @@ use std::sync::atomic::Ordering;
 pub(super) struct RecommendArguments {
     #[command(flatten)]
     input: MeshArguments,
-    /// How large the error may be, as in `1%` or `0.01`, relative to the largest value on the surface.
+    /// Largest allowed error, as in `1%` or `0.01`, relative to the largest value on the surface.
     #[arg(long, default_value = "1%", value_parser = share, allow_hyphen_values = true)]
     error: f64,
     /// Quantity that has to be accurate: H, K, LapH or f.

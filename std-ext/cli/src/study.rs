@@ -343,7 +343,7 @@ pub fn keep(cache: Option<&mut Cache>) {
 pub fn left_off(cache: Option<&Cache>) -> Failure {
     match cache {
         Some(cache) => say(format_args!(
-            "interrupted: what has been measured is kept in {}, and the same command goes on from there",
+            "interrupted: measurements so far are kept in {}, and the same command continues from there",
             cache.path().display()
         )),
         None => say("interrupted: with --cache FILE, measurements would have been kept"),

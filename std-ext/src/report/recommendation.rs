@@ -62,7 +62,7 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
             }
             remedy(found, out)?;
         }
-        (None, None) => writeln!(out, "No method that was asked says anything of {symbol}.")?,
+        (None, None) => writeln!(out, "None of the chosen methods computes {symbol}.")?,
     }
     if noise.is_seen() {
         writeln!(

@@ -23,7 +23,7 @@ pub enum RunError {
     #[error(transparent)]
     Integration(#[from] integrate::SetupError),
     /// The outputs of the scene, or the stored state, belong to another driver.
-    #[error("the outputs, or the checkpoint, are not those of the scene's driver")]
+    #[error("the outputs or the checkpoint do not belong to the scene's driver")]
     Mismatch,
     /// The fixed step of the scene is longer than the stable step at the start of the run.
     #[error(
@@ -54,7 +54,7 @@ pub enum RunError {
     Lattice(#[from] LatticeError),
     /// The folder already contains a run.
     #[error(
-        "{}: there is a run here already: `--resume` goes on with it, `--out` names another folder",
+        "{}: there is a run here already: continue it with `--resume`, or name another folder with `--out`",
         folder.display()
     )]
     Occupied {
@@ -87,7 +87,7 @@ pub enum RunError {
     },
     /// The folder contains no run to resume.
     #[error(
-        "{}: there is no run here to go on with: leave `--resume` out to begin one",
+        "{}: there is no run here to continue: omit `--resume` to start one",
         folder.display()
     )]
     NoRun {
@@ -96,7 +96,7 @@ pub enum RunError {
     },
     /// The folder contains a run without its checkpoint.
     #[error(
-        "{}: there is a run here without its `{CHECKPOINT}`, and nothing to go on from: put it back, or \
+        "{}: the run here has lost its `{CHECKPOINT}` and cannot continue: restore the file, or \
          name another folder with `--out`",
         folder.display()
     )]
@@ -106,7 +106,7 @@ pub enum RunError {
     },
     /// The run is already past the end of the scene.
     #[error(
-        "driver: the run that is there has come to t = {} already, and the scene's end is at \
+        "driver: the run in this folder has already reached t = {}, and the scene ends at \
          {}: choose a longer `duration` or `strain`, or another folder with `--out`",
         Six(*time), Six(*duration)
     )]

@@ -47,13 +47,13 @@ impl EnergyEstimate {
     pub(super) fn message(&self, limit: f64) -> String {
         if self.error.is_nan() {
             return format!(
-                "nothing checks the energy of \"{}\": it has too few vertices for jets of degree 6",
+                "the energy of \"{}\" cannot be checked: it has too few vertices for jets of degree 6",
                 self.surface
             );
         }
         format!(
-            "the energy of \"{}\" is known to {:.2} % only, and `driver.energy_error` asks for {} %: it \
-             is {} here, and {} by jets of degree 6 on the same vertices",
+            "the energy of \"{}\" is known to {:.2} % only, but `driver.energy_error` requires {} %: it \
+             is {} by the method, and {} by jets of degree 6 on the same vertices",
             self.surface,
             100.0 * self.error,
             Six(100.0 * limit),

@@ -172,7 +172,7 @@ impl<'a> Flowing<'a> {
         }
         let steps = (rate * report.step).recip();
         let mut message = format!(
-            "at {} steps have come down to {:.1e}, of which a unit of strain takes {steps:.0e}",
+            "at {} steps have come down to {:.1e}, so that a unit of strain takes {steps:.0e}",
             self.caption(),
             report.step
         );
@@ -243,7 +243,7 @@ impl<'a> Flowing<'a> {
         (self.progress.folds > FOLDS).then(|| {
             format!(
                 "at {caption} the stiffest mode of the velocities {WHAT}, at a rate of \
-                 {growth:.1e}{times}, and has done so for {FOLDS} factors of e: it is largest at \
+                 {growth:.1e}{times}, and has grown by {FOLDS} factors of e: it is largest at \
                  {place}; a better mesh there, a method that is stable on it (j4), or less bending \
                  would help"
             )

@@ -80,8 +80,8 @@ impl Flagged {
             .iter()
             .map(|(count, words)| format!("{count} times {words}"));
         format!(
-            "{:.1} % of the bending energy of \"{}\" rests on {} vertices that its method does not \
-             stand, above {} %: {}",
+            "{:.1} % of the bending energy of \"{}\" lies on {} vertices that its method cannot \
+             handle; the limit is {} %: {}",
             100.0 * self.share,
             self.surface,
             self.vertices,

@@ -173,7 +173,7 @@ impl Relaxing {
                 Failure::Inverted { membrane, .. } | Failure::Distorted { membrane, .. },
             ) => message.push_str(&format!(": {}", self.remedies[membrane])),
             Outcome::Stagnated if self.residual < ROUNDING => message.push_str(&format!(
-                ": that is rounding, and `driver.residual` above {:.1e} ends there",
+                ": this is rounding error; a `driver.residual` above {:.1e} can be reached",
                 self.residual
             )),
             Outcome::Stagnated | Outcome::Failed(Failure::StepBelowFloor { .. }) => {

@@ -124,7 +124,7 @@ pub(super) fn advice(surfaces: &[SurfaceScene]) -> String {
             .map(|surface| format!(": {}", remedy(surface)))
     };
     without_energy.or_else(remedy).unwrap_or_else(|| {
-        "; what is left may be the rounding of the energy, of which `driver.residual` asks too much"
+        "; the remaining force may be rounding error of the energy: choose a larger `driver.residual`"
             .to_owned()
     })
 }

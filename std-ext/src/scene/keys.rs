@@ -247,7 +247,7 @@ pub(super) const fn any(dimension: Dimension) -> Form {
 }
 
 pub(super) static SCENE: Keys = plain(&[
-    optional("title", Form::Text, "What the scene is, in a line."),
+    optional("title", Form::Text, "Description of the scene in one line."),
     required(
         "units",
         Form::Choice(|| vec!["micro", "none"]),
@@ -257,7 +257,7 @@ pub(super) static SCENE: Keys = plain(&[
     required(
         "surface",
         Form::Tables(&SURFACE),
-        "A surface and the effects that act on it; what is absent is off.",
+        "A surface and the effects that act on it; absent effects are off.",
     ),
     optional(
         "interaction",
@@ -285,25 +285,26 @@ static INTERACTION: Keys = plain(&[
     required(
         "kind",
         Form::Choice(|| vec!["repulsion"]),
-        "What the surfaces do to each other.",
+        "The kind of interaction.",
     ),
     required(
         "strength",
         positive(Dimension::REPULSION),
-        "k in the energy per area w(d) = k r_c²/4 (1 − s²)³/s² of surfaces at a distance d, s = d/r_c, whose \
-         pressure grows without bound as they come near: k r_c/2 (1 − s²)² (1 + 2s²)/s³. Where k r_c is \
-         about the pressure that presses, they rest at two thirds of r_c.",
+        "k in the energy per area w(d) = k r_c²/4 (1 − s²)³/s² of surfaces at a distance d, s = \
+         d/r_c. The pressure k r_c/2 (1 − s²)² (1 + 2s²)/s³ grows without bound as surfaces \
+         approach each other. If k r_c is about the applied pressure, they rest at two thirds of \
+         r_c.",
     ),
     required(
         "cutoff",
         positive(Dimension::LENGTH),
-        "Distance r_c from which on there is no force: some distance of nodes on a lattice, and less than \
-         the gaps that count.",
+        "Distance r_c beyond which there is no force: a few node spacings on a lattice, and less \
+         than the gaps of interest.",
     ),
     optional(
         "between",
         Form::Pair,
-        "Names of two surfaces; by default every pair interacts, and in a periodic box every surface \
-         with its own images; one name twice: only with these.",
+        "Names of two surfaces; by default every pair interacts, and in a periodic box every \
+         surface with its own images. The same name twice: a surface with its own images only.",
     ),
 ]);

@@ -120,7 +120,7 @@ pub enum Problem {
         message: String,
     },
     /// The text is not valid TOML.
-    #[error("this is no TOML: {message}")]
+    #[error("this is not valid TOML: {message}")]
     Syntax {
         /// The message of the parser.
         message: String,
@@ -202,7 +202,7 @@ pub enum Problem {
         expected: String,
     },
     /// An unknown name.
-    #[error("`{key}` knows no \"{name}\": {}", suggestion(nearest.as_ref(), "choices", known))]
+    #[error("`{key}` cannot be \"{name}\": {}", suggestion(nearest.as_ref(), "choices", known))]
     UnknownName {
         /// The key.
         key: String,
@@ -312,7 +312,7 @@ pub enum Problem {
         element: String,
     },
     /// An override's path continues below a value.
-    #[error("`{path}` is a value and no table: there is no `{below}` in it")]
+    #[error("`{path}` is a value, not a table: there is no `{below}` in it")]
     NoTable {
         /// The path of the value.
         path: String,

@@ -148,9 +148,8 @@ pub enum MeshSourceError {
     Read(#[from] ReadError),
     /// The mesh has split vertices: boundary vertices with the same positions.
     #[error(
-        "{}: the mesh is cut where it need not be: {count} vertices at its boundary are at the points of \
-         others there: `weld = true` beside `mesh` makes one vertex of each, `weld = false` leaves them \
-         apart", path.display()
+        "{}: the mesh has split vertices: {count} vertices of its boundary are at the same points as others: \
+         `weld = true` beside `mesh` merges them, `weld = false` keeps them apart", path.display()
     )]
     Split {
         /// The file.

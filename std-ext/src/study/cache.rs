@@ -90,7 +90,7 @@ pub enum CacheProblem {
         holder: String,
     },
     /// The file starts with other bytes: it is not a cache, and is not changed.
-    #[error("is no cache of measurements, and is left as it is: another name is needed")]
+    #[error("is not a cache of measurements, and was not changed: choose another name")]
     NotACache,
     /// The file was written in another layout.
     #[error("the cache has format {found}, this program {FORMAT}: everything is measured again")]

@@ -85,7 +85,7 @@ fn what_is_no_published_curve_is_refused_with_its_line() {
         assert!(found.starts_with(message), "{text:?}: {found}");
     }
     let found = read(b"curve,x,y\n\xff,1,2\n").unwrap_err();
-    assert!(found.starts_with("line 2: is no UTF-8 text"), "{found}");
+    assert!(found.starts_with("line 2: is not UTF-8 text"), "{found}");
     let found = read(vec![b'#'; (1 << 24) + 1]).unwrap_err();
     assert!(
         found.starts_with("is longer than 16777216 bytes"),

@@ -59,7 +59,7 @@ fn missing_keys_name_the_table() {
     refused(
         "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\nshape = \"sphere\"\n",
         [5, 1],
-        &["`shape` needs `vertices` beside it: How many vertices"],
+        &["`shape` needs `vertices` beside it: Number of vertices"],
     );
     refused(
         "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\nmesh = \"a.ply\"\nseed = 3\n",
@@ -177,7 +177,7 @@ fn names_suggest_the_nearest() {
     refused_effect(
         "[surface.bending]\nmethod = \"gomper-kroll\"\nmodulus = 1",
         [9, 10],
-        &["`method` knows no \"gomper-kroll\": did you mean `gompper-kroll`?"],
+        &["`method` cannot be \"gomper-kroll\": did you mean `gompper-kroll`?"],
     );
     refused_effect(
         "[surface.bending]\nmethod = \"best\"\nmodulus = 1",
@@ -192,7 +192,7 @@ fn names_suggest_the_nearest() {
     refused(
         "units = \"SI\"\n[driver]\nkind = \"relax\"\n[[surface]]\nmesh = \"a.ply\"",
         [1, 9],
-        &["`units` knows no \"SI\": the choices are micro, none"],
+        &["`units` cannot be \"SI\": the choices are micro, none"],
     );
     refused_effect("name = \"red cell\"", [8, 1], &[]);
 }
@@ -359,7 +359,7 @@ fn contradictions_are_refused() {
         "[surface.bending]\nmethod = \"corrected\"\nmodulus = 1",
         [9, 10],
         &[
-            "`method` knows no \"corrected\": the choices are kantor-nelson",
+            "`method` cannot be \"corrected\": the choices are kantor-nelson",
             "j6, jet, A",
         ],
     );
@@ -472,7 +472,7 @@ fn surfaces_have_different_names() {
     refused(
         &format!("{two}{repulsion}between = [\"cell\", \"surface-1\"]"),
         [16, 11],
-        &["`between` knows no \"surface-1\": did you mean `surface-2`?"],
+        &["`between` cannot be \"surface-1\": did you mean `surface-2`?"],
     );
     refused(
         &format!("{two}{repulsion}between = [\"cell\", \"cell\"]"),
@@ -538,12 +538,16 @@ fn what_is_doubtful_is_warned_of() {
 
 #[test]
 fn no_toml_names_the_place() {
-    refused("units = \"micro\"\ntitle = \"a\nb\"", [2, 11], &["no TOML"]);
-    refused("units = ", [1, 9], &["no TOML"]);
+    refused(
+        "units = \"micro\"\ntitle = \"a\nb\"",
+        [2, 11],
+        &["not valid TOML"],
+    );
+    refused("units = ", [1, 9], &["not valid TOML"]);
     refused(
         "units = \"micro\"\nunits = \"none\"",
         [2, 1],
-        &["no TOML", "duplicate key"],
+        &["not valid TOML", "duplicate key"],
     );
 }
 

@@ -229,7 +229,7 @@ fn split_vertices_are_refused_unless_the_scene_speaks_of_them() {
     let refused = |keys: &str, driver: &str| {
         let message = ready(keys, driver).map(|_| ()).unwrap_err();
         for part in [
-            "split.obj: the mesh is cut",
+            "split.obj: the mesh has split vertices",
             "798 vertices",
             "`weld = true`",
             "`weld = false`",

@@ -137,7 +137,7 @@ fn errors_of_overrides_name_the_override() {
         "interaction.0.cutoff=1",
         &["no interaction `0`: the scene has no interaction"],
     );
-    refused("units.a=1", &["`units` is a value and no table"]);
+    refused("units.a=1", &["`units` is a value, not a table"]);
     refused("surface.0.vertices=100", &["the nearest are 42 and 162"]);
     let error = Overrides::new(["surface"]).unwrap_err().to_string();
     assert!(

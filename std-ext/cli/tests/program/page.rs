@@ -289,7 +289,7 @@ fn what_was_measured_is_not_measured_again_unless_it_is_asked_for() {
     assert_ne!(rows(&[], "damaged"), fresh);
     // Somebody's file is left alone.
     fs::write(&cache, "my thesis").unwrap();
-    assert!(fail(2, &base).contains("is no cache"));
+    assert!(fail(2, &base).contains("is not a cache"));
     assert_eq!(fs::read_to_string(&cache).unwrap(), "my thesis");
 }
 

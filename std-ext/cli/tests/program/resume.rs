@@ -102,7 +102,7 @@ fn what_is_no_beginning_is_not_begun_again() {
         &scene,
         &out,
         &["--resume"],
-        &["without its `checkpoint`", "--out"],
+        &["has lost its `checkpoint`", "--out"],
     );
     // Somebody else's folder.
     let other = folder.path().join("other");
@@ -261,7 +261,7 @@ fn outputs_may_change_on_the_way() {
         &scene,
         &out,
         &["--set", "driver.strain=1.5", "--resume"],
-        &["has come to", "longer `duration` or `strain`"],
+        &["has already reached", "longer `duration` or `strain`"],
     );
     refused(
         &scene,

@@ -21,7 +21,7 @@ fn scenes_are_listed_written_and_run_by_name() {
     fs::write(&scene, "changed").unwrap();
     let again = command(&["scenes", "--out", text(&out)]).output().unwrap();
     let message = String::from_utf8(again.stderr).unwrap();
-    assert!(message.contains("capsule-shear.toml: is there, and is left as it is"));
+    assert!(message.contains("capsule-shear.toml: exists already, and was not overwritten"));
     assert_eq!(fs::read_to_string(&scene).unwrap(), "changed");
 
     let message = fail(2, &["run", "no-such-scene", "--check"]);

@@ -251,7 +251,7 @@ fn runs_that_have_ended_are_left_alone_and_others_added() {
     // Of another scene than before, or of an end that is past: nothing is mixed.
     for (set, reason) in [
         ("driver.flow.rate=0.2", "of another scene"),
-        ("driver.strain=0.2", "has come to t = 2.66667 already"),
+        ("driver.strain=0.2", "has already reached t = 2.66667"),
     ] {
         let set = ["--vary", MODULI, "--resume", "--set", set];
         let Run { stdout, .. } = sweep.ends(4, &set);

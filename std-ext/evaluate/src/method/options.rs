@@ -50,7 +50,7 @@ pub struct UnknownAreas {
 /// A text that is not a bandwidth.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{text}` is no bandwidth: a number above 0, in mean areas of a vertex, or `converging`, \
+    "`{text}` is not a bandwidth: it must be a number above 0, in mean areas of a vertex, or `converging`, \
      max(1/4, sqrt(N)/100) of them, or `published`, the mixed area of each vertex"
 )]
 pub struct InvalidBandwidth {

@@ -64,7 +64,7 @@ pub enum VtkError {
         name: String,
     },
     /// Two fields have the same name.
-    #[error("{}: two fields are called `{name}`: each needs a name of its own", path.display())]
+    #[error("{}: two fields are called `{name}`: names must be unique", path.display())]
     RepeatedName {
         /// The file.
         path: PathBuf,

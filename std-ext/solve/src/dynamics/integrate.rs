@@ -91,7 +91,7 @@ pub enum Failure {
         time: f64,
     },
     /// The right-hand side could not compute velocities.
-    #[error("there are no velocities at time {time:e}: {reason}")]
+    #[error("velocities cannot be computed at time {time:e}: {reason}")]
     Refused {
         /// The reason.
         reason: String,
@@ -100,7 +100,7 @@ pub enum Failure {
     },
     /// The error is too large for every step.
     #[error(
-        "at time {time:e} a step of {tried:e} still has {error:.2} times the error that is allowed, and one below {floor:e} is too short to get anywhere"
+        "at time {time:e} a step of {tried:e} still has {error:.2} times the allowed error, and steps below {floor:e} are too short to make progress"
     )]
     StepBelowFloor {
         /// The time.

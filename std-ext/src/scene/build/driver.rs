@@ -152,8 +152,7 @@ impl Builder<'_> {
             self.contradiction(
                 &driver.origin_of(key),
                 format!(
-                    "the run would go on to a strain of {}: {MOST_STRAIN:e} is the most that it would \
-                     come to the end of; choose a shorter `{key}`",
+                    "the run would go on to a strain of {}: the limit is {MOST_STRAIN:e}; choose a shorter `{key}`",
                     Six(rate * duration)
                 ),
             );
@@ -193,7 +192,7 @@ impl Builder<'_> {
             self.contradiction(
                 &reader.origin_of(key),
                 format!(
-                    "`{key}` is a rate times a time, and this flow, {}, strains nothing: give `{other}`",
+                    "`{key}` is a rate times a time, and this flow, {}, has no rate of strain: give `{other}`",
                     flow.name()
                 ),
             );
@@ -257,8 +256,7 @@ impl Builder<'_> {
             self.contradiction(
                 &driver.origin_of("step"),
                 format!(
-                    "the run would take {} steps of {}: {MOST_STEPS:e} are the most that it would come \
-                     to the end of; choose a longer `step`, or a shorter run",
+                    "the run would take {} steps of {}: the limit is {MOST_STEPS:e}; choose a longer `step`, or a shorter run",
                     Six(duration / step),
                     Six(step)
                 ),
@@ -391,8 +389,7 @@ impl Builder<'_> {
                     self.contradiction(
                         &output.origin_of(key),
                         format!(
-                            "the run would write {} rows: {MOST_ROWS:e} are the most that it would come \
-                             to the end of; choose a longer `{key}`",
+                            "the run would write {} rows: the limit is {MOST_ROWS:e}; choose a longer `{key}`",
                             Six(duration / interval)
                         ),
                     );

@@ -121,7 +121,7 @@ impl Builder<'_> {
             };
             let message = format!(
                 "the viscosity on the lattice is {}, and best lies between 0.02 and 1: below, it comes \
-                 near to instability, above, walls and membranes are felt at some distance: {change}",
+                 near to instability, above, walls and membranes act at a distance: {change}",
                 rounded(viscosity)
             );
             self.doubt(&place("lattice_viscosity", "step"), message);

@@ -126,7 +126,7 @@ impl Described for Elasticity {
         optional(
             "reference",
             FORM,
-            "Where the surface is without stress: \"initial\", as by default, or a table.",
+            "The stress-free reference: \"initial\", which is the default, or a table.",
         ),
     ]);
 

@@ -45,7 +45,7 @@ impl Hold {
     ) -> (String, Vec<Parameter>) {
         let kind = if self.is_exact() { "exact" } else { "penalty" };
         let initial = match target {
-            None => ", at what it is at the start",
+            None => ", at its initial value",
             Some(_) => "",
         };
         let modulus = self.modulus();

@@ -32,7 +32,8 @@ impl Described for LocalArea {
         optional(
             "reference",
             FORM,
-            "Where the triangles' areas are measured: \"initial\", as by default, or a table.",
+            "The reference of the triangles' areas: \"initial\", which is the default, or a \
+             table.",
         ),
     ]);
 

@@ -36,8 +36,8 @@ impl Described for Stretching {
         required(
             "force",
             Form::Numbers(Dimension::FORCE, Range::NotNegative),
-            "Total force on each end; a list is a sequence of them, each from the equilibrium under \
-             the one before it.",
+            "Total force on each end. A list is a sequence of loads, each starting from the \
+             equilibrium under the previous one.",
         ),
         optional(
             "fraction",

@@ -16,7 +16,7 @@ pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
             let scheme = match relax.scheme {
                 Scheme::Minimise => "minimise: the energy of all effects, under the constraints",
                 Scheme::Overdamped => {
-                    "overdamped: forces that have no energy, stopped on what is left of them"
+                    "overdamped: forces without an energy, until they are below the residual"
                 }
             };
             let parameters = vec![

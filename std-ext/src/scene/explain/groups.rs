@@ -118,7 +118,7 @@ pub(super) fn notes(surface: &SurfaceScene, mesh: &MeshInfo, driver: &Driver) ->
     }
     if small_deformation(surface, mesh, driver).is_some() {
         notes.push(
-            "the theory gives more than is reached at finite Ca_G: 0.140 for 0.133 with the \
+            "the theory overestimates D at finite Ca_G: 0.140 instead of 0.133 with the \
              neo-Hookean law at Ca_G = 0.15, b = 0.1125",
         );
     }

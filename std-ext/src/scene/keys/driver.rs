@@ -8,27 +8,27 @@ pub(super) static DRIVER: Keys = Keys {
         required(
             "kind",
             Form::Choice(|| kinds(&DRIVER)),
-            "The driver: \"relax\" goes to an equilibrium, and knows no time; \"boundary-integral\" \
-             moves membranes in Stokes flow without walls; \"lattice-boltzmann\" in a box of fluid, \
-             with or without inertia, walls and obstacles.",
+            "The driver: \"relax\" finds an equilibrium, without time; \"boundary-integral\" \
+             moves membranes in Stokes flow without walls; \"lattice-boltzmann\" in a box of \
+             fluid, with or without inertia, walls and obstacles.",
         ),
         optional(
             "scheme",
             Form::Choice(|| vec!["auto", "minimise", "overdamped"]),
             "\"minimise\" for methods with an energy, \"overdamped\" for all; \"auto\", the \
-             default, minimises where it can.",
+             default, minimises if all methods have an energy.",
         ),
         optional(
             "residual",
             NUMBER,
-            "The run ends when the root mean square of the force per area that is left, in units \
-             of κ/R³ + K/R with K the largest modulus in the plane and 4πR² = A, is smaller; by \
+            "The run ends when the root mean square of the remaining force per area is below \
+             this, in units of κ/R³ + K/R with K the largest in-plane modulus and 4πR² = A; by \
              default 1e-5.",
         ),
         optional(
             "iterations",
             Form::Count(1),
-            "The run ends after as many iterations in any case; by default 10000.",
+            "Largest number of iterations; by default 10000.",
         ),
         optional(
             "redistribution",
@@ -40,9 +40,9 @@ pub(super) static DRIVER: Keys = Keys {
         optional(
             "energy_error",
             NUMBER,
-            "How well the energy of each closed surface with bending has to be known for the run to end \
-             as converged, as a fraction: its distance from that of jets of degree 6 on the same \
-             vertices; by default 0.01. Beyond, it ends as unresolved.",
+            "Largest relative error of the energy of each closed surface with bending, estimated \
+             by jets of degree 6 on the same vertices; by default 0.01. With a larger error the \
+             run ends as unresolved instead of converged.",
         ),
         optional(
             "viscosity",
@@ -52,7 +52,7 @@ pub(super) static DRIVER: Keys = Keys {
         optional(
             "flow",
             Form::Table(&FLOW),
-            "The flow that there would be without surfaces; by default the fluid is at rest.",
+            "The undisturbed flow, without surfaces; by default the fluid is at rest.",
         ),
         optional(
             "duration",
@@ -76,14 +76,14 @@ pub(super) static DRIVER: Keys = Keys {
         optional(
             "step",
             positive(Dimension::TIME),
-            "Step of rk4, which needs it: refused if it is longer than what is stable where the run \
-             begins; the other integrators choose theirs by the tolerance. Of a lattice: by default \
+            "Step of rk4, which requires it; refused if it is not stable at the start of the run. \
+             Other integrators choose their steps by the tolerance. Step of a lattice: by default \
              the longest that compressibility, inertia and membranes allow.",
         ),
         optional(
             "tolerance",
             NUMBER,
-            "Error allowed in a step, relative to the size of the surfaces; by default 1e-4.",
+            "Error tolerance of a step, relative to the size of the surfaces; by default 1e-4.",
         ),
         optional(
             "volume_correction",
@@ -116,20 +116,21 @@ pub(super) static DRIVER: Keys = Keys {
         optional(
             "density",
             positive(Dimension::DENSITY),
-            "Mass density ρ of the fluid, inside and outside; by default there is no inertia, and what \
-             is left of it by the lattice is kept small.",
+            "Mass density ρ of the fluid, inside and outside; by default there is no inertia, and \
+             the remaining inertia of the lattice is kept small.",
         ),
         optional(
             "lattice_viscosity",
             NUMBER,
-            "Kinematic viscosity on the lattice, ν in units of spacing²/step, best from 0.02 to 1; by \
-             default 1/3, less if a surface's viscosity ratio asks for it, or what density and step make \
-             it.",
+            "Kinematic viscosity ν on the lattice in units of spacing²/step, best from 0.02 to 1; \
+             by default 1/3, less if a surface's viscosity ratio requires it, or the value that \
+             follows from density and step.",
         ),
         optional(
             "kernel",
             Form::Choice(|| vec!["two", "three", "four"]),
-            "How many nodes along each axis a vertex is spread over; by default \"two\".",
+            "The kernel that spreads forces of vertices: its number of nodes along each axis; by \
+             default \"two\".",
         ),
         optional(
             "precision",
@@ -219,7 +220,8 @@ static FLOW: Keys = Keys {
         optional(
             "radius",
             positive(Dimension::LENGTH),
-            "Radius R of the tube of this flow. There are no walls: the flow turns round beyond it.",
+            "Radius R of the tube of this flow. There are no walls: beyond R the flow is \
+             reversed.",
         ),
         optional("direction", Form::Direction, "Direction of axis and flow."),
         optional(

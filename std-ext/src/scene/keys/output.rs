@@ -8,23 +8,23 @@ pub(super) static OUTPUT: Keys = Keys {
         optional(
             "every",
             Form::Count(1),
-            "Iterations from one row of the series to the next, of drivers without time; by default \
-             100.",
+            "Iterations between rows of the series, for drivers without time; by default 100.",
         ),
         optional(
             "interval",
             positive(Dimension::TIME),
-            "The same as a time, of drivers with time; by default a hundredth of the duration.",
+            "Time between rows of the series, for drivers with time; by default a hundredth of \
+             the duration.",
         ),
         optional(
             "strain_interval",
             NUMBER,
-            "The same as a strain, the flow's rate times the time.",
+            "Strain between rows of the series, the flow's rate times the time.",
         ),
         optional(
             "files_every",
             Form::Count(1),
-            "Rows from one set of files to the next: surfaces, pictures and slices; by default 1.",
+            "Rows between sets of files: surfaces, pictures and slices; by default 1.",
         ),
         optional(
             "surfaces",
@@ -80,8 +80,8 @@ static PLOT: Keys = plain(&[
     required(
         "column",
         Form::Text,
-        "The column of series.csv. Of several surfaces each has its own, NAME_SURFACE: NAME alone is \
-         all of them.",
+        "The column of series.csv. With several surfaces each has its own column NAME_SURFACE, \
+         and NAME stands for all of them.",
     ),
     optional(
         "against",
@@ -130,7 +130,7 @@ static VOLUME: Keys = plain(&[
     optional(
         "stride",
         Form::Count(1),
-        "Of how many nodes along each axis one is written; by default 1.",
+        "Stride along each axis: every stride-th node is written; by default 1.",
     ),
 ]);
 
@@ -141,5 +141,5 @@ static PROBE: Keys = plain(&[
         "The probe's name; its columns are NAME_x, NAME_y and NAME_z; by default probe-1, probe-2 \
          and so on.",
     ),
-    required("point", Form::Vector(Dimension::LENGTH), "Where it is."),
+    required("point", Form::Vector(Dimension::LENGTH), "Its position."),
 ]);

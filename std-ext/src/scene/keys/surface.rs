@@ -29,7 +29,8 @@ const OWN: &[Key] = &[
     optional(
         "viscosity_ratio",
         NUMBER,
-        "Viscosity inside over that of the driver's fluid, which is outside of all surfaces, λ; for drivers with a fluid; by default 1.",
+        "Ratio λ of the viscosity inside to that of the driver's fluid, which is outside of all \
+         surfaces; for drivers with a fluid; by default 1.",
     ),
 ];
 
@@ -85,13 +86,13 @@ const FAMILY: Key = optional(
             .map(|family| family.name())
             .to_vec()
     }),
-    "How vertices are spread over the shape; by default smooth.",
+    "Mesh family, the distribution of vertices; by default smooth.",
 );
 
 const VERTICES: Key = optional(
     "vertices",
     Form::Count(1),
-    "How many vertices are generated: 10·4^k + 2, but for irregular meshes and the torus.",
+    "Number of vertices: 10·4^k + 2, except for irregular meshes and the torus.",
 );
 
 const SEED: Key = optional(
@@ -103,8 +104,8 @@ const SEED: Key = optional(
 const MATCH_VOLUME: Key = optional(
     "match_volume",
     Form::Switch,
-    "Whether the mesh is scaled so that it encloses the shape's volume, and not that of a \
-     polyhedron inscribed in it; by default false.",
+    "Whether the mesh, which is inscribed in the shape, is scaled so that it encloses the shape's \
+     volume; by default false.",
 );
 
 const MESH: Key = optional(
@@ -117,8 +118,8 @@ const MESH: Key = optional(
 pub(in crate::scene) const WELD: Key = optional(
     "weld",
     Form::Switch,
-    "Whether vertices of the mesh file at the same point are made one, as files need it in which each face \
-     has corners of its own; without it such a mesh is refused.",
+    "Whether vertices of the mesh file at the same point are merged, which is necessary for files \
+     with separate vertices for each face; unless this key is given, such files are refused.",
 );
 
 const SCALE: Key = optional(
@@ -130,13 +131,13 @@ const SCALE: Key = optional(
 const POSITION: Key = optional(
     "position",
     Form::Vector(Dimension::LENGTH),
-    "Where the mesh's origin is put; by default [0, 0, 0].",
+    "Position of the mesh's origin; by default [0, 0, 0].",
 );
 
 const ORIENTATION: Key = optional(
     "orientation",
     Form::Table(&ROTATION),
-    "How the mesh is turned about its origin, before it is moved.",
+    "Rotation of the mesh about its origin, before it is moved.",
 );
 
 static ROTATION: Keys = plain(&[

@@ -156,7 +156,7 @@ pub(super) fn doubts(
             of_the_step.to_owned(),
             format!(
                 "\"{name}\" changes the density of the fluid by 3 P = {}, 3 μγ̇/Ca of an elastic one, on \
-                 the lattice, above {COMPRESSION}: its volume is lost to that, and 1 % of it raises D by \
+                 the lattice, above {COMPRESSION}: its volume shrinks by as much, and 1 % of it raises D by \
                  2 %: {change}",
                 rounded(compression)
             ),
@@ -184,7 +184,7 @@ pub(super) fn doubts(
         found.push((
             vertices,
             format!(
-                "edges of \"{name}\" are {} nodes long in the mean, below {shortest}: no node sees them, \
+                "edges of \"{name}\" are {} nodes long in the mean, below {shortest}: too short for the nodes, \
                  and the stiffer membrane needs shorter steps: choose fewer `vertices`, or {}",
                 rounded(edge),
                 spacing(membrane.edge / (2.0 * shortest))
@@ -217,7 +217,7 @@ pub(super) fn doubts(
         found.push((
             path.to_owned(),
             format!(
-                "the box is {} radii of \"{name}\" long along {}, below {BOX}: it feels its {what}, D by \
+                "the box is {} radii of \"{name}\" long along {}, below {BOX}: it is influenced by its {what}, D by \
                  about {FINITE_BOX} (a/L)³ = {}: choose {} or more",
                 rounded(ratio),
                 AXES[axis],
@@ -265,7 +265,7 @@ pub(super) fn doubts(
                 path.to_owned(),
                 format!(
                     "steps of {} are more than twice {}, which the {} of \"{name}\" allows: the membrane \
-                     trembles at the scale of its mesh: choose a `step` of {}, or fewer `vertices`",
+                     oscillates at the scale of its mesh: choose a `step` of {}, or fewer `vertices`",
                     rounded(lattice.step),
                     rounded(limit.step),
                     limit.name,

@@ -321,7 +321,7 @@ fn groups_are_named_by_both_conventions() {
     ] {
         let text = explained(&text).to_string();
         assert!(!text.contains("expected D"), "{text}");
-        assert!(!text.contains("the theory gives"), "{text}");
+        assert!(!text.contains("the theory overestimates"), "{text}");
     }
 }
 

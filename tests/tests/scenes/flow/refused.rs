@@ -141,7 +141,7 @@ fn wrong_ends_and_steps_are_refused() {
             "kind = \"shear\", rate = 0.15",
             still,
             [14, 10],
-            &["strains nothing: give `duration`"],
+            &["has no rate of strain: give `duration`"],
         );
     }
     refused(

@@ -129,7 +129,7 @@ fn what_leaves_the_valid_range_is_warned_of() {
             16,
             &[
                 &format!(
-                    "6.5 radii of \"capsule\" long along {axis}, below 7: it feels its {what}"
+                    "6.5 radii of \"capsule\" long along {axis}, below 7: it is influenced by its {what}"
                 ),
                 "D by about 2.4 (a/L)³ = 0.00874",
             ],

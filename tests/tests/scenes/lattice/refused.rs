@@ -121,7 +121,7 @@ fn wrong_lattices_say_what_is_needed() {
         "kind = \"shear\", rate = 0.15",
         "kind = \"quiescent\"",
         [14, 10],
-        &["strains nothing: give `duration`"],
+        &["has no rate of strain: give `duration`"],
     );
     refused(
         "viscosity = 1",

@@ -36,7 +36,7 @@ pub enum Failure {
     },
     /// The normal of a triangle is opposite to the surface around it.
     #[error(
-        "triangle {triangle} of membrane {membrane} is turned over against the surface around it"
+        "triangle {triangle} of membrane {membrane} faces the opposite way to the surface around it"
     )]
     Inverted {
         /// The membrane, from 0.
@@ -58,14 +58,14 @@ pub enum Failure {
     },
     /// The step fell below its floor although forces are far above rounding: they are not the gradient of
     /// the energy, or no step helps on a mesh this bad.
-    #[error("no step down to {step:e} of what was proposed brings the membranes any further")]
+    #[error("no step, down to {step:e} of the proposed length, makes progress")]
     StepBelowFloor {
         /// The last step tried, relative to the proposed one.
         step: f64,
     },
     /// Constraints cannot be met from these positions.
     #[error(
-        "area, volume or another constrained value stays off its target by {error:e} of it; the limit is {limit:e}"
+        "area, volume or another constrained value misses its target by a relative error of {error:e}; the limit is {limit:e}"
     )]
     ConstraintsLost {
         /// The remaining relative error.

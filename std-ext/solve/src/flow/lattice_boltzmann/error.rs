@@ -22,7 +22,7 @@ pub enum LatticeError {
         cells: [usize; 3],
     },
     /// More memory than is available.
-    #[error("{bytes} bytes of memory are not to be had: fewer nodes, or f32, need less")]
+    #[error("{bytes} bytes of memory are not available: use fewer nodes, or f32")]
     NoMemory {
         /// The requested size.
         bytes: usize,
