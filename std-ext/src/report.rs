@@ -1,19 +1,21 @@
 //! Presentation of data: tables and CSV. Nothing is computed here.
 
+mod csv;
 pub mod page;
 mod recommendation;
 
+pub(crate) use csv::quoted;
+pub use csv::{curvature_csv, study_csv};
 pub use recommendation::recommendation;
 
 use crate::info::MeshInfo;
-use crate::method::Fields;
 use crate::run::{End, EnergyEstimate, Summary};
 use crate::series::{ITERATION, TIME};
 use crate::six::Six;
 use crate::study::{MOST_SCATTER, Quantity, Row};
 use crate::sweep::{Case, Outcome, Swept};
 use crate::verdict::Verdict;
-use helfrich::{Finding, Noise, Real};
+use helfrich::{Finding, Noise};
 use std::io::{self, Write};
 use std::mem::discriminant;
 use std::path::Path;
@@ -225,42 +227,6 @@ pub fn mesh_info(info: &MeshInfo, noise: &Noise<f64>, out: &mut dyn Write) -> io
 /// The standard deviation of noise, as a length and in edges.
 pub fn noise_of_positions(noise: &Noise<f64>) -> String {
     format!("{:.1e} ({:.1e} mean edges)", noise.length, noise.edges)
-}
-
-/// Writes a line for each vertex, with the header
-/// `vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz`; numbers with enough digits to identify every
-/// f64, and empty fields where the method defines no value.
-///
-/// # Errors
-/// If `out` cannot be written to.
-pub fn curvature_csv<T: Real>(
-    positions: &[[T; 3]],
-    fields: &Fields<T>,
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let all = |values: Option<[T; 3]>| match values {
-        // `{:?}` and not `{}`, which writes 1e-18 with 18 zeros.
-        Some([x, y, z]) => format!("{x:?},{y:?},{z:?}"),
-        None => ",,".to_owned(),
-    };
-    let one = |value: Option<T>| value.map_or_else(String::new, |value| format!("{value:?}"));
-    writeln!(out, "vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz")?;
-    for (vertex, &position) in positions.iter().enumerate() {
-        let normal = fields.normal[vertex];
-        let has_normal = normal.iter().any(|component| !component.is_zero());
-        writeln!(
-            out,
-            "{vertex},{},{:?},{},{},{},{},{}",
-            all(Some(position)),
-            fields.area[vertex],
-            all(has_normal.then_some(normal)),
-            one(fields.mean[vertex]),
-            one(fields.gaussian[vertex]),
-            one(fields.laplacian_of_mean[vertex]),
-            all(fields.force_density[vertex]),
-        )?;
-    }
-    Ok(())
 }
 
 /// The number of findings of each kind, with a description of the first.

@@ -57,6 +57,9 @@ pub struct Scene {
     pub title: String,
     /// The units of every number in the scene.
     pub units: Units,
+    /// The temperature in kelvin, if a number of the scene is in the unit kT, or the scene names it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<f64>,
     /// The surfaces, at least one, with different names.
     pub surfaces: Vec<SurfaceScene>,
     /// Interactions between surfaces.

@@ -308,10 +308,8 @@ impl Study {
 
     /// Refuses invalid studies.
     fn check(&self) -> Result<(), StudyError> {
-        for &family in &self.families {
-            for &vertices in &self.vertices {
-                generate::check(&self.shape, family, vertices)?;
-            }
+        for &vertices in &self.vertices {
+            generate::check(&self.shape, vertices)?;
         }
         for &scalar in &self.scalars {
             let [.., third, force] = natural_scales(&self.shape, self.modulus);

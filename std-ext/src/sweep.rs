@@ -8,6 +8,7 @@
 //!
 //! A failed run is recorded, and the next one starts.
 
+mod board;
 mod table;
 mod vary;
 
@@ -19,9 +20,11 @@ use crate::run::{CHECKPOINT, End, Progress, RunError, SUMMARY, fingerprint, run}
 use crate::scene::{OverrideSyntaxError, Overrides, Scene, SceneErrors, SceneFile};
 use crate::series::SeriesTable;
 use crate::simulation::build;
+use board::Board;
 use serde::Deserialize;
 use std::fs;
 use std::io;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 /// The table's name in its folder.
@@ -42,6 +45,8 @@ pub struct Sweep {
     /// Columns of the series to show, `NAME` for all `NAME_SURFACE`. If empty, those of the scene's
     /// plots or, without plots, the first few.
     pub columns: Vec<String>,
+    /// The number of simultaneous runs; each has its share of the available threads.
+    pub jobs: NonZeroUsize,
 }
 
 /// One combination.
@@ -125,20 +130,14 @@ impl SweepError {
 /// The progress of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepProgress<'a> {
-    /// The run under way, from 0, and how many there are.
+    /// The run that has made a step, from 0, and how many there are.
     pub case: [usize; 2],
     /// Its name.
     pub name: &'a str,
     /// The progress of the run.
     pub run: &'a Progress,
-}
-
-impl SweepProgress<'_> {
-    /// The fraction from 0 to 1, with equal weights for all runs.
-    pub fn fraction(&self) -> f64 {
-        let [case, cases] = self.case.map(|count| count as f64);
-        (case + self.run.fraction) / cases
-    }
+    /// The fraction of the whole sweep from 0 to 1, with equal weights for all runs.
+    pub fraction: f64,
 }
 
 /// The outcome of all combinations.
@@ -271,8 +270,9 @@ impl Sweep {
         Ok(SceneFile::read(&self.scene, &overrides))
     }
 
-    /// Runs all combinations in a folder, one after the other. With `resume`, continues existing
-    /// runs and skips those that have ended. The table and the plots are written after every run.
+    /// Runs all combinations in a folder, [`jobs`](Self::jobs) at once. With `resume`, continues existing
+    /// runs and skips those that have ended. The table and the plots are written after every run, in
+    /// the order of [`cases`](Self::cases).
     ///
     /// After every step `progress` receives the progress, and `interrupted` decides whether to
     /// stop.
@@ -284,8 +284,8 @@ impl Sweep {
         &self,
         folder: &Path,
         resume: bool,
-        interrupted: &dyn Fn() -> bool,
-        progress: &mut dyn FnMut(&SweepProgress<'_>),
+        interrupted: &(dyn Fn() -> bool + Sync),
+        progress: &mut (dyn FnMut(&SweepProgress<'_>) + Send),
     ) -> Result<Swept, SweepError> {
         let cases = self.cases()?;
         let mut scene = None;
@@ -315,7 +315,6 @@ impl Sweep {
             source,
         })?;
         let lock = Lock::of_folder(folder)?;
-        let count = cases.len();
         let waiting = cases.into_iter().map(|case| (case, Outcome::Waiting));
         let mut swept = Swept::new(self, waiting.collect());
         swept.warnings.extend(lock.warning().map(str::to_owned));
@@ -328,29 +327,26 @@ impl Sweep {
             });
             published.push(curves.unwrap_or_default());
         }
-        for at in 0..count {
+        let board = Board::new(swept, progress);
+        board.share(self.jobs, &|at, case| {
+            let interrupted = || board.is_stopped() || interrupted();
             if interrupted() {
-                break;
+                return Ok(());
             }
-            let case = swept.cases[at].0.clone();
-            let mut tell = |run: &Progress| {
-                progress(&SweepProgress {
-                    case: [at, count],
-                    name: &case.name,
-                    run,
-                });
-            };
+            let mut tell = |run: &Progress| board.tell(at, case, run);
             let own = folder.join(&case.name);
-            swept.cases[at].1 = match self.run_case(&case, &own, resume, interrupted, &mut tell) {
+            let outcome = match self.run_case(case, &own, resume, &interrupted, &mut tell) {
                 Ok(ended) => Outcome::Ended(ended),
                 Err(Trouble::Case(reason)) => Outcome::Refused(reason),
                 Err(Trouble::Sweep(error)) => return Err(error),
             };
-            swept.choose(&self.columns, &scene);
-            swept.write_table(&folder.join(TABLE))?;
-            swept.plot(folder, &scene, &published)?;
-        }
-        Ok(swept)
+            board.enter(at, outcome, |swept| {
+                swept.choose(&self.columns, &scene);
+                swept.write_table(&folder.join(TABLE))?;
+                swept.plot(folder, &scene, &published)
+            })
+        })?;
+        Ok(board.into_swept())
     }
 
     /// Runs a combination, unless it has ended.

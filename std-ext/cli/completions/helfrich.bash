@@ -97,7 +97,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__curvature)
-            opts="-h --weld --method --modulus --areas --bandwidth --scalar --csv --help"
+            opts="-h --weld --method --modulus --areas --bandwidth --scalar --csv --threads --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -127,6 +127,10 @@ _helfrich() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --threads)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;
@@ -135,13 +139,17 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__explain)
-            opts="-h --set --help"
+            opts="-h --set --threads --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
                 --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --threads)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -321,7 +329,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__recommend)
-            opts="-h --weld --error --quantity --norm --method --areas --bandwidth --scalar --json --help"
+            opts="-h --weld --error --quantity --norm --method --areas --bandwidth --scalar --json --threads --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -359,6 +367,10 @@ _helfrich() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --threads)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;
@@ -367,13 +379,17 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__run)
-            opts="-h --set --out --resume --check --help"
+            opts="-h --set --threads --out --resume --check --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
                 --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --threads)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -407,7 +423,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__study)
-            opts="-h --shape --method --areas --bandwidth --family --vertices --scalar --modulus --seed --html --figures --json --cache --fresh --help"
+            opts="-h --shape --method --areas --bandwidth --family --vertices --scalar --modulus --seed --html --figures --json --csv --cache --fresh --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -461,6 +477,10 @@ _helfrich() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --csv)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --cache)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
@@ -499,13 +519,17 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__sweep)
-            opts="-h --set --out --vary --columns --resume --help"
+            opts="-h --set --threads --out --vary --columns --resume --jobs --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
                 --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --threads)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -518,6 +542,10 @@ _helfrich() {
                     return 0
                     ;;
                 --columns)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --jobs)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

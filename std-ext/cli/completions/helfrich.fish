@@ -41,13 +41,14 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l method -d 'M
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l areas -d 'Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l family -d 'Mesh families: regular, smooth, relaxed, irregular, hard, or `all`' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l vertices -d 'Numbers of vertices, in any order; 10·4^k + 2 except for irregular meshes and the torus. By default 642,2562,10242,40962' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l vertices -d 'Numbers of vertices, in any order, from 12 on; meshes of the torus come within 1 % of them. Those of 10·4^k + 2 are the most regular. By default 642,2562,10242,40962' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l scalar -d 'Number types: f32, f32-pair (positions in pairs of f32), f64. By default f64, on a page f32,f64' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l modulus -d 'Bending modulus κ' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l seed -d 'Seed of the random mesh families' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l html -d 'Write a page to this file: which method is the cheapest for an accuracy, with figures, tables and pictures; by default of all methods' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l figures -d 'Also write every figure of the page as SVG and PNG to this folder' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l json -d 'Also write the rows as JSON to this file; `-` for standard output, instead of the table' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l csv -d 'Also write the rows as CSV to this file; `-` for standard output, instead of the table' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l cache -d 'Where measurements are kept for the next time, as if interrupted; for pages by default in the user\'s folder of caches' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l fresh -d 'Measure everything again'
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -s h -l help -d 'Print help'
@@ -59,6 +60,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l areas -d
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l scalar -d 'Number types to choose from: f32, f32-pair, f64' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l json -d 'Also write the answer as JSON to this file; `-` for standard output, instead of the table' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l method -d 'Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet has the degree that suits the mesh' -r
@@ -67,6 +69,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l areas -d
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scalar -d 'Number type: f32, f32-pair (positions in pairs of f32) or f64' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l csv -d 'Write to this file instead of standard output (`-`)' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
@@ -77,19 +80,23 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l weld -d 
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l limit -d 'Put the vertices on the smooth surface that further refinement would lead to'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in `surface.vesicle.bending=`; may be repeated' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l out -d 'The output folder; by default the scene\'s name without `.toml`' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l resume -d 'Continue the run in the folder from its last checkpoint'
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l check -d 'Only report problems of the scene'
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in `surface.vesicle.bending=`; may be repeated' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l out -d 'The output folder, with a subfolder for each run' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l vary -d 'A key and its values, as in `surface.0.bending.method=meyer,juelicher`; may be repeated, the last varies fastest. Commas inside brackets, braces and quotation marks belong to a value' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l columns -d 'Columns of the series to show and to plot; those of the scene\'s plots if there are none' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l jobs -d 'How many runs take place at once, from 1 to 1024, each with its share of the threads: `--jobs` as many as there are threads suits runs of small meshes' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l resume -d 'Continue the runs in the folder; runs that have ended are skipped'
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand scenes" -l out -d 'Write the scenes to this folder, with the files that they need and their JSON schema. Existing files are not overwritten' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand scenes" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in `surface.vesicle.bending=`; may be repeated' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "study" -d 'Compare bending methods with exact shapes: error and time side by side'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "recommend" -d 'Recommend a method for a mesh file, by measurements on that mesh'

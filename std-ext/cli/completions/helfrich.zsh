@@ -35,13 +35,14 @@ _arguments "${_arguments_options[@]}" : \
 '--areas=[Areas of vertices, of gompper-kroll and meyer\: mixed, voronoi or barycentric. By default mixed]:AREAS:_default' \
 '--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '*--family=[Mesh families\: regular, smooth, relaxed, irregular, hard, or \`all\`]:FAMILY:_default' \
-'*--vertices=[Numbers of vertices, in any order; 10·4^k + 2 except for irregular meshes and the torus. By default 642,2562,10242,40962]:VERTICES:_default' \
+'*--vertices=[Numbers of vertices, in any order, from 12 on; meshes of the torus come within 1 % of them. Those of 10·4^k + 2 are the most regular. By default 642,2562,10242,40962]:VERTICES:_default' \
 '*--scalar=[Number types\: f32, f32-pair (positions in pairs of f32), f64. By default f64, on a page f32,f64]:SCALAR:_default' \
 '--modulus=[Bending modulus κ]:MODULUS:_default' \
 '--seed=[Seed of the random mesh families]:SEED:_default' \
 '--html=[Write a page to this file\: which method is the cheapest for an accuracy, with figures, tables and pictures; by default of all methods]:FILE:_files' \
 '--figures=[Also write every figure of the page as SVG and PNG to this folder]:FOLDER:_files' \
 '--json=[Also write the rows as JSON to this file; \`-\` for standard output, instead of the table]:JSON:_files' \
+'--csv=[Also write the rows as CSV to this file; \`-\` for standard output, instead of the table]:CSV:_files' \
 '--cache=[Where measurements are kept for the next time, as if interrupted; for pages by default in the user'\''s folder of caches]:FILE:_files' \
 '--fresh[Measure everything again]' \
 '-h[Print help]' \
@@ -58,6 +59,7 @@ _arguments "${_arguments_options[@]}" : \
 '--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '*--scalar=[Number types to choose from\: f32, f32-pair, f64]:SCALAR:_default' \
 '--json=[Also write the answer as JSON to this file; \`-\` for standard output, instead of the table]:JSON:_files' \
+'--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
 '--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '-h[Print help]' \
 '--help[Print help]' \
@@ -72,6 +74,7 @@ _arguments "${_arguments_options[@]}" : \
 '--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '--scalar=[Number type\: f32, f32-pair (positions in pairs of f32) or f64]:SCALAR:_default' \
 '--csv=[Write to this file instead of standard output (\`-\`)]:CSV:_files' \
+'--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
 '--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '-h[Print help]' \
 '--help[Print help]' \
@@ -101,6 +104,7 @@ _arguments "${_arguments_options[@]}" : \
 (run)
 _arguments "${_arguments_options[@]}" : \
 '*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or removes it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
+'--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
 '--out=[The output folder; by default the scene'\''s name without \`.toml\`]:OUT:_files' \
 '--resume[Continue the run in the folder from its last checkpoint]' \
 '(--resume --out)--check[Only report problems of the scene]' \
@@ -112,9 +116,11 @@ _arguments "${_arguments_options[@]}" : \
 (sweep)
 _arguments "${_arguments_options[@]}" : \
 '*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or removes it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
+'--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
 '--out=[The output folder, with a subfolder for each run]:OUT:_files' \
 '*--vary=[A key and its values, as in \`surface.0.bending.method=meyer,juelicher\`; may be repeated, the last varies fastest. Commas inside brackets, braces and quotation marks belong to a value]:PATH=VALUE,VALUE:_default' \
 '*--columns=[Columns of the series to show and to plot; those of the scene'\''s plots if there are none]:COLUMNS:_default' \
+'--jobs=[How many runs take place at once, from 1 to 1024, each with its share of the threads\: \`--jobs\` as many as there are threads suits runs of small meshes]:N:_default' \
 '--resume[Continue the runs in the folder; runs that have ended are skipped]' \
 '-h[Print help]' \
 '--help[Print help]' \
@@ -131,6 +137,7 @@ _arguments "${_arguments_options[@]}" : \
 (explain)
 _arguments "${_arguments_options[@]}" : \
 '*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or removes it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
+'--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':scene -- TOML file, or the name of a scene that comes with the program\: see `helfrich scenes`:_files' \

@@ -10,7 +10,7 @@ pub mod terminal;
 use cap::Cap;
 use clap::{CommandFactory, Parser, Subcommand};
 use helfrich::{Bandwidth, DualArea, Finding, Surface};
-use helfrich_std::execute::Parallel;
+use helfrich_std::execute::{Parallel, available_threads, with_threads};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, read_welded, write};
 use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, MethodOptions};
@@ -26,6 +26,7 @@ use recommend::{RecommendArguments, recommend_method};
 use std::alloc::System;
 use std::fs;
 use std::io::Write;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
@@ -74,6 +75,30 @@ enum Command {
     Explain(SceneArguments),
 }
 
+/// How much of the machine a command takes.
+#[derive(Debug, clap::Args)]
+pub(crate) struct ThreadArguments {
+    /// How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No
+    /// result depends on it.
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<NonZeroUsize>,
+}
+
+impl ThreadArguments {
+    /// Does `work` with that many threads.
+    fn run<R>(&self, work: impl FnOnce() -> R) -> R {
+        with_threads(self.threads.unwrap_or_else(available_threads), work)
+    }
+}
+
+/// A number of threads that a system can be expected to start.
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    match text.parse::<NonZeroUsize>() {
+        Ok(threads) if threads.get() <= 1024 => Ok(threads),
+        _ => Err("a whole number from 1 to 1024 is needed".to_owned()),
+    }
+}
+
 #[derive(clap::Args)]
 struct SceneArguments {
     /// TOML file, or the name of a scene that comes with the program: see `helfrich scenes`.
@@ -82,6 +107,8 @@ struct SceneArguments {
     /// `surface.vesicle.bending=`; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
+    #[command(flatten)]
+    threads: ThreadArguments,
 }
 
 #[derive(clap::Args)]
@@ -124,6 +151,10 @@ struct SweepArguments {
     /// Continue the runs in the folder; runs that have ended are skipped.
     #[arg(long)]
     resume: bool,
+    /// How many runs take place at once, from 1 to 1024, each with its share of the threads: `--jobs` as
+    /// many as there are threads suits runs of small meshes.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = threads)]
+    jobs: NonZeroUsize,
 }
 
 #[derive(clap::Args)]
@@ -156,6 +187,8 @@ struct CurvatureArguments {
     /// Write to this file instead of standard output (`-`).
     #[arg(long)]
     csv: Option<PathBuf>,
+    #[command(flatten)]
+    threads: ThreadArguments,
 }
 
 #[derive(clap::Args)]
@@ -213,14 +246,14 @@ pub fn command() -> clap::Command {
 pub fn program() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Study(arguments) => study(&arguments),
-        Command::Recommend(arguments) => recommend_method(&arguments),
-        Command::Curvature(arguments) => curvature(&arguments),
+        Command::Recommend(arguments) => arguments.threads.run(|| recommend_method(&arguments)),
+        Command::Curvature(arguments) => arguments.threads.run(|| curvature(&arguments)),
         Command::Info(arguments) => info(&arguments),
         Command::Subdivide(arguments) => subdivide_file(&arguments),
-        Command::Run(arguments) => run_scene(&arguments),
-        Command::Sweep(arguments) => sweep(&arguments),
+        Command::Run(arguments) => arguments.scene.threads.run(|| run_scene(&arguments)),
+        Command::Sweep(arguments) => arguments.scene.threads.run(|| sweep(&arguments)),
         Command::Scenes(arguments) => scenes(&arguments),
-        Command::Explain(arguments) => explain_scene(&arguments),
+        Command::Explain(arguments) => arguments.threads.run(|| explain_scene(&arguments)),
     };
     terminal::ended(result)
 }
@@ -435,6 +468,7 @@ fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
         set: arguments.scene.set.clone(),
         vary: arguments.vary.clone(),
         columns: arguments.columns.clone(),
+        jobs: arguments.jobs,
     };
     let stop = interruption();
     let mut bar = ProgressBar::default();
@@ -446,7 +480,7 @@ fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
             let [case, cases] = progress.case;
             let (number, message) = (case + 1, &progress.run.message);
             let message = format!("{number} of {cases}, {}: {message}", progress.name);
-            bar.show(progress.fraction(), &message);
+            bar.show(progress.fraction, &message);
         },
     );
     bar.clear();

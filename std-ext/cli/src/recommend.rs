@@ -1,6 +1,6 @@
 //! `helfrich recommend`.
 
-use super::{MeshArguments, OptionArguments, load, refuse_replacing, warn};
+use super::{MeshArguments, OptionArguments, ThreadArguments, load, refuse_replacing, warn};
 use crate::study::{methods, unique};
 use crate::terminal::{Failure, ProgressBar, check_outputs, file_named, interruption, print, save};
 use helfrich::Surface;
@@ -40,6 +40,8 @@ pub(super) struct RecommendArguments {
     /// Also write the answer as JSON to this file; `-` for standard output, instead of the table.
     #[arg(long)]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) threads: ThreadArguments,
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -7,6 +7,7 @@
 use helfrich::element::{BATCH, ElementKernel, SlotKernel, Slots, check_output, scatter_onto};
 use helfrich::{Execution, Real, Serial, Surface};
 use pulp::NullaryFnOnce;
+use std::cell::Cell;
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -25,11 +26,38 @@ pub struct Parallel {
     pub threads: NonZeroUsize,
 }
 
+thread_local! {
+    /// The number of threads that [`with_threads`] allows.
+    static ALLOWED: Cell<Option<NonZeroUsize>> = const { Cell::new(None) };
+}
+
+/// The number of threads that [`with_threads`] allows here, or that the process may run at once.
+pub fn available_threads() -> NonZeroUsize {
+    let all = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    ALLOWED.get().unwrap_or_else(all)
+}
+
+/// Runs `work` so that every [`Parallel::new`] and every run of a scene in it uses that many threads.
+///
+/// The number applies to `work` on the calling thread only, so that several threads can share a machine.
+/// No result depends on it.
+pub fn with_threads<R>(threads: NonZeroUsize, work: impl FnOnce() -> R) -> R {
+    /// Restores the former number, also when `work` panics.
+    struct Restored(Option<NonZeroUsize>);
+    impl Drop for Restored {
+        fn drop(&mut self) {
+            ALLOWED.set(self.0);
+        }
+    }
+    let _restored = Restored(ALLOWED.replace(Some(threads)));
+    work()
+}
+
 impl Parallel {
-    /// The executor with as many threads as the process may run at once.
+    /// The executor with as many threads as are available: see [`available_threads`].
     pub fn new() -> Self {
         Self {
-            threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
+            threads: available_threads(),
         }
     }
 

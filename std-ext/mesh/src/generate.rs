@@ -18,7 +18,7 @@ pub use any_shape::{AnyShape, ParseShapeError};
 pub use deviation::ShapeDeviation;
 
 use glam::DVec3;
-use helfrich::shapes::Shape;
+use helfrich::shapes::{Shape, Sphere};
 use helfrich::{MeshError, TriangleMesh};
 use std::fmt;
 use std::str::FromStr;
@@ -28,6 +28,11 @@ use std::str::FromStr;
 pub enum Family {
     /// An icosahedron refined by edge midpoints, in a generic rotation, mapped to the shape; on the
     /// torus a triangular lattice of its two angles. Does not depend on the seed.
+    ///
+    /// Of other numbers of vertices than 10·4^k + 2, sphere-like meshes of this family, of
+    /// [`Smooth`](Self::Smooth) and of [`Hard`](Self::Hard) begin with 12 to 44 points on a spiral
+    /// instead of the icosahedron, have up to three edges more cut in each refinement, and are relaxed
+    /// on the sphere: the dozen vertices of valence 5 becomes some dozens of valence 5 and 7.
     Regular,
     /// An icosahedron refined by Loop's rules, in a generic rotation: its limit positions, put on the
     /// sphere and mapped to the shape. The connectivity of the regular mesh, without the kinks that
@@ -110,21 +115,6 @@ pub struct GeneratedMesh {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GenerateError {
-    /// Refinement of an icosahedron does not give this number.
-    #[error(
-        "no {family} mesh of {asked} vertices exists on the {shape}: an icosahedron refines to \
-         10·4^k + 2, the nearest are {} and {}", nearest[0], nearest[1]
-    )]
-    NoSuchRefinement {
-        /// The family.
-        family: Family,
-        /// The shape's name.
-        shape: &'static str,
-        /// The requested number of vertices.
-        asked: usize,
-        /// The nearest possible numbers below and above; the same number twice at the ends of the range.
-        nearest: [usize; 2],
-    },
     /// Fewer or more vertices than can be meshed.
     #[error(
         "{asked} vertices on the {shape} are out of range: between {least} and {most} are needed"
@@ -162,9 +152,9 @@ const MOST_VERTICES: usize = TriangleMesh::LIMIT / 2 - 4;
 
 /// The mesh of a family on a shape.
 ///
-/// The number of vertices must be 10·4^k + 2 on sphere-like shapes, except for
-/// [`Family::Irregular`], which has exactly the requested number on every shape. Lattices of the
-/// torus come within 1 % of it, from 200 vertices on: see [`GeneratedMesh::mesh`] for the number.
+/// Sphere-like meshes have exactly this number of vertices, from 12 on; where it is 10·4^k + 2, they
+/// are refined icosahedra. Meshes of the torus, but for [`Family::Irregular`], are lattices, which come
+/// within 1 % of it, from 200 vertices on: see [`GeneratedMesh::mesh`] for the number.
 ///
 /// # Errors
 /// If there is no mesh of that many vertices; see [`GenerateError`].
@@ -174,30 +164,32 @@ pub fn generate(
     vertices: usize,
     seed: u64,
 ) -> Result<GeneratedMesh, GenerateError> {
-    check(shape, family, vertices)?;
-    let draft = match family {
-        Family::Regular => regular(shape, family, vertices)?,
-        Family::Smooth => match shape {
-            AnyShape::Torus(_) => regular(shape, family, vertices)?,
-            _ => {
-                let level = refinement_level(shape, family, vertices)?;
+    check(shape, vertices)?;
+    let draft = match (family, shape) {
+        (Family::Irregular, _) => irregular::scatter(shape, vertices, seed)?,
+        (Family::Relaxed, AnyShape::Torus(torus)) => relaxed::lattice(torus, vertices),
+        (_, AnyShape::Torus(torus)) => {
+            let size = lattice::Size::nearest(torus, vertices);
+            let [rows, columns] = [size.rows, size.columns].map(|count| count << size.level);
+            lattice::lattice(torus, rows, columns)
+        }
+        _ => match (icosphere::level(vertices), family) {
+            (Some(level), Family::Relaxed) => relaxed::icosphere(shape, level),
+            (Some(level), Family::Smooth) => {
                 icosphere::smooth(level).map_err(|source| GenerateError::TooCoarse {
                     shape: shape.name(),
                     vertices,
                     source,
                 })?
             }
+            (Some(level), _) => icosphere::icosphere(level),
+            (None, Family::Relaxed) => relaxed::of_count(shape, vertices)?,
+            (None, _) => relaxed::of_count(&UNIT_SPHERE, vertices)?,
         },
-        Family::Relaxed => match shape {
-            AnyShape::Torus(torus) => relaxed::lattice(torus, vertices),
-            _ => relaxed::icosphere(shape, refinement_level(shape, family, vertices)?),
-        },
-        Family::Irregular => irregular::scatter(shape, vertices, seed)?,
-        Family::Hard => {
-            let draft = regular(shape, family, vertices)?;
-            return hard::disturb(draft.finish(shape)?, seed);
-        }
     };
+    if family == Family::Hard {
+        return hard::disturb(draft.finish(shape)?, seed);
+    }
     draft.finish(shape)
 }
 
@@ -205,7 +197,7 @@ pub fn generate(
 ///
 /// # Errors
 /// If there is no mesh of that many vertices; see [`GenerateError`].
-pub fn check(shape: &AnyShape, family: Family, vertices: usize) -> Result<(), GenerateError> {
+pub fn check(shape: &AnyShape, vertices: usize) -> Result<(), GenerateError> {
     let torus = matches!(shape, AnyShape::Torus(_));
     let least = if torus {
         lattice::LEAST_VERTICES
@@ -220,31 +212,11 @@ pub fn check(shape: &AnyShape, family: Family, vertices: usize) -> Result<(), Ge
             most: MOST_VERTICES,
         });
     }
-    if !torus && family != Family::Irregular {
-        refinement_level(shape, family, vertices)?;
-    }
     Ok(())
 }
 
-fn regular(shape: &AnyShape, family: Family, vertices: usize) -> Result<Draft, GenerateError> {
-    Ok(match shape {
-        AnyShape::Torus(torus) => {
-            let size = lattice::Size::nearest(torus, vertices);
-            let [rows, columns] = [size.rows, size.columns].map(|count| count << size.level);
-            lattice::lattice(torus, rows, columns)
-        }
-        _ => icosphere::icosphere(refinement_level(shape, family, vertices)?),
-    })
-}
-
-fn refinement_level(shape: &AnyShape, family: Family, asked: usize) -> Result<u32, GenerateError> {
-    icosphere::level(asked).map_err(|nearest| GenerateError::NoSuchRefinement {
-        family,
-        shape: shape.name(),
-        asked,
-        nearest,
-    })
-}
+/// The sphere of the pre-images of sphere-like shapes.
+const UNIT_SPHERE: AnyShape = AnyShape::Sphere(Sphere { radius: 1.0 });
 
 /// A mesh in the making: pre-images, and triangles that are not checked yet.
 struct Draft {

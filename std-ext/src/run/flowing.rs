@@ -7,6 +7,7 @@ use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
 use crate::dynamics::integrate::{Integrator, Scheme, Settings, State, StepReport};
 use crate::enclosure::surroundings;
+use crate::execute::available_threads;
 use crate::flow::{
     Fluid, KeptVolumes, Membranes, Moving, Redistribution, SOLUTION_TOLERANCE, Suspension,
 };
@@ -14,7 +15,6 @@ use crate::scene::{self, BoundaryIntegral, Scene, SurfaceScene};
 use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
-use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 /// The longest step in units of the flow's own time, because tank-treading has to be followed from
@@ -459,13 +459,12 @@ fn suspension(
     let meshes = Vec::from_iter(bodies.map(|body| Arc::clone(body.shared_mesh())));
     let ratios = scene.surfaces.iter();
     let ratios = Vec::from_iter(ratios.map(|surface| surface.viscosity_ratio.unwrap_or(1.0)));
-    let threads = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let mut suspension = Suspension::new(
         &meshes,
         driver.viscosity,
         &ratios,
         driver.flow.ambient(),
-        threads,
+        available_threads(),
     );
     // The nesting is determined once, because membranes do not pass through each other.
     let bodies = simulation.bodies().iter();

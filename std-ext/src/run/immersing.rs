@@ -6,6 +6,7 @@ use super::drive::{Drive, DriveState, Mark, Step, Work, cost};
 use super::flowing::is_held;
 use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
+use crate::execute::available_threads;
 use crate::flow::lattice_boltzmann::{Lattice, Node, Precision, Setup, Sides};
 use crate::flow::{Channel, Fluid, Immersion, ImmersionState, KeptVolumes, Redistribution};
 use crate::scene::{FINITE_BOX, Flow, LatticeBoltzmann, Scene};
@@ -13,7 +14,6 @@ use crate::simulation::{Cost, Simulation};
 use serde::{Deserialize, Serialize};
 use std::array;
 use std::f64::consts::PI;
-use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 /// Largest number of steps by which an output may be early.
@@ -270,7 +270,7 @@ fn immersion<T: Precision>(
         sides: sides(driver),
         viscosity: driver.lattice_viscosity,
         inertia: driver.density.is_some(),
-        threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
+        threads: available_threads(),
     })?;
     if let Some(force) = driver.flow.driving_force(driver.viscosity) {
         lattice.set_force([force / units.force_density(), 0.0, 0.0])?;

@@ -12,6 +12,7 @@ use super::keys::SCENE;
 use super::lattice::AXES;
 use super::problem::{Problem, SceneErrors, Source};
 use super::reader::Reader;
+use super::units::{Scale, TEMPERATURE, is_thermal};
 use super::value::{Origin, Origins, Overrides, Table, Value};
 use super::{Driver, Interaction, Scene, SceneFile, SurfaceScene, Units};
 use helfrich::Images;
@@ -56,7 +57,13 @@ pub(super) fn parse(
         Some(Value::Text(name)) if name == "none" => Units::None,
         _ => Units::Micro,
     };
-    check_table(&SCENE, "", &Origin::File, &table, units, &mut problems);
+    let temperature = match table.get("temperature").map(|node| &node.value) {
+        Some(Value::Integer(kelvin)) => *kelvin as f64,
+        Some(Value::Float(kelvin)) => *kelvin,
+        _ => TEMPERATURE,
+    };
+    let scale = Scale { units, temperature };
+    check_table(&SCENE, "", &Origin::File, &table, scale, &mut problems);
     let origin = Origin::File;
     let mut warnings = Problems::default();
     let mut builder = Builder {
@@ -65,7 +72,9 @@ pub(super) fn parse(
         warnings: &mut warnings,
         barriers: Vec::new(),
     };
-    let scene = builder.scene(Reader::new(&SCENE, &table, &origin), units);
+    let mut scene = builder.scene(Reader::new(&SCENE, &table, &origin, scale), units);
+    let thermal = table.get("temperature").is_some() || table.any_text(&is_thermal);
+    scene.temperature = thermal.then_some(temperature);
     if let Some(errors) = fail(problems.0) {
         return Err(errors);
     }
@@ -98,6 +107,14 @@ impl Builder<'_> {
     }
 
     fn scene(&mut self, scene: Reader<'_>, units: Units) -> Scene {
+        if units == Units::None && scene.has("temperature") {
+            self.contradiction(
+                &scene.origin_of("temperature"),
+                "`temperature` is that of the unit kT, and numbers have no units in this scene: leave it \
+                 out, or choose units = \"micro\""
+                    .to_owned(),
+            );
+        }
         let readers = scene.tables("surface");
         let surfaces = readers.iter().enumerate();
         let surfaces = Vec::from_iter(surfaces.map(|(index, reader)| self.surface(index, *reader)));
@@ -126,6 +143,7 @@ impl Builder<'_> {
         let scene = Scene {
             title: scene.text("title").unwrap_or_default().to_owned(),
             units,
+            temperature: None,
             surfaces,
             interactions,
             obstacles,

@@ -3,7 +3,7 @@
 use super::Units;
 use super::keys::{Form, Key, Keys, Kind, Presence, Range, nearest};
 use super::problem::{Problem, expected_number};
-use super::units::{Dimension, QuantityError, quantity};
+use super::units::{Dimension, QuantityError, Scale, quantity};
 use super::value::{Node, Origin, Table, Value};
 
 /// Collects problems.
@@ -22,7 +22,7 @@ pub(super) fn check_table(
     around: &str,
     origin: &Origin,
     table: &Table,
-    units: Units,
+    scale: Scale,
     problems: &mut Problems,
 ) {
     for entry in &table.entries {
@@ -38,7 +38,7 @@ pub(super) fn check_table(
             &path,
             origin,
             &entry.node.value,
-            units,
+            scale,
             problems,
         );
     }
@@ -70,7 +70,7 @@ pub(super) fn check_table(
             let problem = Problem::Missing {
                 table: around.to_owned(),
                 key: name,
-                expected: expected(form, units).trim_end_matches(',').to_owned(),
+                expected: expected(form, scale.units).trim_end_matches(',').to_owned(),
                 summary,
             };
             problems.add(origin, problem);
@@ -157,7 +157,7 @@ fn check(
     path: &str,
     origin: &Origin,
     value: &Value,
-    units: Units,
+    scale: Scale,
     problems: &mut Problems,
 ) {
     let key = || name.to_owned();
@@ -174,15 +174,19 @@ fn check(
             } else if fits(second, value) {
                 second
             } else {
-                let expected = format!("{} or {}", expected(first, units), expected(second, units));
+                let expected = format!(
+                    "{} or {}",
+                    expected(first, scale.units),
+                    expected(second, scale.units)
+                );
                 problems.add(origin, wrong_kind(expected));
                 return;
             };
-            check(form, name, path, origin, value, units, problems);
+            check(form, name, path, origin, value, scale, problems);
             return;
         }
         (Form::Table(keys), Value::Table(table)) => {
-            check_table(keys, path, origin, table, units, problems);
+            check_table(keys, path, origin, table, scale, problems);
             return;
         }
         (Form::Tables(keys), Value::List(list)) => {
@@ -193,7 +197,7 @@ fn check(
                 let path = format!("{path}.{index}");
                 match &node.value {
                     Value::Table(table) => {
-                        check_table(keys, &path, &node.origin, table, units, problems);
+                        check_table(keys, &path, &node.origin, table, scale, problems);
                     }
                     other => problems.add(
                         &node.origin,
@@ -209,7 +213,7 @@ fn check(
         }
         (Form::Numbers(dimension, range), Value::List(list)) if !list.is_empty() => {
             for node in list {
-                let problem = check_number(name, *dimension, *range, &node.value, units);
+                let problem = check_number(name, *dimension, *range, &node.value, scale);
                 if let Some(problem) = problem {
                     problems.add(&node.origin, problem);
                 }
@@ -217,13 +221,13 @@ fn check(
             return;
         }
         (Form::Vector(dimension), Value::List(list)) if list.len() == 3 => {
-            check_all(name, *dimension, list, units, problems);
+            check_all(name, *dimension, list, scale, problems);
             return;
         }
         (Form::Direction, Value::List(list)) if list.len() == 3 => {
             let before = problems.0.len();
-            check_all(name, Dimension::NONE, list, units, problems);
-            let zero = |node: &Node| number(&node.value, Dimension::NONE) == Ok(0.0);
+            check_all(name, Dimension::NONE, list, scale, problems);
+            let zero = |node: &Node| number(&node.value, Dimension::NONE, scale) == Ok(0.0);
             (problems.0.len() == before && list.iter().all(zero)).then(|| Problem::OutOfRange {
                 key: key(),
                 value: "[0, 0, 0]".to_owned(),
@@ -238,7 +242,7 @@ fn check(
                     path,
                     &node.origin,
                     &node.value,
-                    units,
+                    scale,
                     problems,
                 );
             }
@@ -248,11 +252,11 @@ fn check(
             Some(Problem::WrongKind {
                 key: key(),
                 found: format!("a list of {}", list.len()),
-                expected: expected(form, units),
+                expected: expected(form, scale.units),
             })
         }
         (Form::Number(dimension, range) | Form::Numbers(dimension, range), value) => {
-            check_number(name, *dimension, *range, value, units)
+            check_number(name, *dimension, *range, value, scale)
         }
         (Form::Count(least), Value::Integer(count)) => {
             let most = i64::MAX.into();
@@ -276,20 +280,21 @@ fn check(
         (Form::Name, Value::Text(text)) => (!is_name(text)).then(|| Problem::WrongKind {
             key: key(),
             found: format!("\"{text}\""),
-            expected: expected(form, units),
+            expected: expected(form, scale.units),
         }),
         (Form::File, Value::Text(text)) => text.is_empty().then(|| Problem::WrongKind {
             key: key(),
             found: "empty".to_owned(),
-            expected: expected(form, units),
+            expected: expected(form, scale.units),
         }),
         (Form::Pair, Value::List(list)) => {
             let text = |node: &Node| matches!(node.value, Value::Text(_));
-            (list.len() != 2 || !list.iter().all(text)).then(|| wrong_kind(expected(form, units)))
+            (list.len() != 2 || !list.iter().all(text))
+                .then(|| wrong_kind(expected(form, scale.units)))
         }
         (Form::Text, Value::Text(_)) | (Form::Switch, Value::Switch(_)) => None,
         (Form::Tables(_), _) => Some(wrong_kind(format!("a list of tables, [[{name}]],"))),
-        _ => Some(wrong_kind(expected(form, units))),
+        _ => Some(wrong_kind(expected(form, scale.units))),
     };
     if let Some(problem) = problem {
         problems.add(origin, problem);
@@ -300,11 +305,11 @@ fn check_all(
     name: &str,
     dimension: Dimension,
     list: &[Node],
-    units: Units,
+    scale: Scale,
     problems: &mut Problems,
 ) {
     for node in list {
-        if let Some(problem) = check_number(name, dimension, Range::Any, &node.value, units) {
+        if let Some(problem) = check_number(name, dimension, Range::Any, &node.value, scale) {
             problems.add(&node.origin, problem);
         }
     }
@@ -381,11 +386,15 @@ pub(super) fn is_name(text: &str) -> bool {
 }
 
 /// The number that a value is, in the scene's units.
-pub(super) fn number(value: &Value, dimension: Dimension) -> Result<f64, QuantityError> {
+pub(super) fn number(
+    value: &Value,
+    dimension: Dimension,
+    scale: Scale,
+) -> Result<f64, QuantityError> {
     match value {
         Value::Integer(integer) => Ok(*integer as f64),
         Value::Float(float) => Ok(*float),
-        Value::Text(text) => quantity(text, dimension),
+        Value::Text(text) => quantity(text, dimension, scale.temperature),
         _ => Err(QuantityError::NoNumber),
     }
 }
@@ -395,8 +404,9 @@ fn check_number(
     dimension: Dimension,
     range: Range,
     value: &Value,
-    units: Units,
+    scale: Scale,
 ) -> Option<Problem> {
+    let Scale { units, .. } = scale;
     let key = key.to_owned();
     let expected = expected_number(dimension, units);
     let text = match value {
@@ -424,7 +434,7 @@ fn check_number(
         expected: expected.clone(),
         example,
     };
-    let value = match number(value, dimension) {
+    let value = match number(value, dimension, scale) {
         Ok(value) => value,
         Err(QuantityError::NoNumber) => return Some(no_quantity("which is no number".to_owned())),
         Err(QuantityError::NoUnit) if dimension == Dimension::NONE => {

@@ -10,7 +10,7 @@ pub(super) use groups::{capillary_number, enclosed_radius};
 pub use lattice::LatticeExplanation;
 
 use super::effects::Effects;
-use super::units::Dimension;
+use super::units::{Dimension, thermal_energy};
 use super::{Driver, Interaction, MeshSource, Relax, Scene, Scheme, SurfaceScene, Units};
 use crate::generate::ShapeDeviation;
 use crate::info::MeshInfo;
@@ -24,6 +24,8 @@ pub struct Explanation {
     pub title: String,
     /// The units of its numbers.
     pub units: Units,
+    /// The temperature in kelvin, if the unit kT is used, and kT in pN·µm.
+    pub temperature: Option<[f64; 2]>,
     /// Surface by surface.
     pub surfaces: Vec<SurfaceExplanation>,
     /// Interactions between surfaces.
@@ -160,6 +162,9 @@ impl Scene {
         Explanation {
             title: self.title.clone(),
             units: self.units,
+            temperature: self
+                .temperature
+                .map(|kelvin| [kelvin, thermal_energy(kelvin)]),
             surfaces: surfaces
                 .map(|(surface, mesh)| explain_surface(surface, mesh, self))
                 .collect(),

@@ -254,6 +254,11 @@ pub(super) static SCENE: Keys = plain(&[
         "Units of plain numbers: \"micro\" is µm, pN and s, hence pN·µm = 1e-18 J, pN/µm = µN/m, \
          pN/µm² = Pa; \"none\" is numbers without units.",
     ),
+    optional(
+        "temperature",
+        NUMBER,
+        "Temperature in kelvin, by which \"20 kT\" is an energy; by default 298.15.",
+    ),
     required(
         "surface",
         Form::Tables(&SURFACE),

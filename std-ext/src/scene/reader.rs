@@ -2,7 +2,7 @@
 
 use super::check::{nonempty, number};
 use super::keys::{Form, Keys};
-use super::units::Dimension;
+use super::units::{Dimension, Scale};
 use super::value::{Node, Origin, Table, Value};
 
 /// Reads a table whose problems have been reported. Invalid values are read as placeholders,
@@ -12,14 +12,21 @@ pub(super) struct Reader<'a> {
     keys: &'static Keys,
     table: &'a Table,
     origin: &'a Origin,
+    scale: Scale,
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(keys: &'static Keys, table: &'a Table, origin: &'a Origin) -> Self {
+    pub(super) fn new(
+        keys: &'static Keys,
+        table: &'a Table,
+        origin: &'a Origin,
+        scale: Scale,
+    ) -> Self {
         Self {
             keys,
             table,
             origin,
+            scale,
         }
     }
 
@@ -75,7 +82,7 @@ impl<'a> Reader<'a> {
 
     /// A number, if the key has one.
     pub(super) fn number(&self, key: &str) -> Option<f64> {
-        number(self.get(key)?, self.dimension(key)).ok()
+        number(self.get(key)?, self.dimension(key), self.scale).ok()
     }
 
     /// A required number.
@@ -88,7 +95,7 @@ impl<'a> Reader<'a> {
         match self.get(key) {
             Some(Value::List(list)) => list
                 .iter()
-                .filter_map(|node| number(&node.value, self.dimension(key)).ok())
+                .filter_map(|node| number(&node.value, self.dimension(key), self.scale).ok())
                 .collect(),
             _ => self.number(key).into_iter().collect(),
         }
@@ -112,7 +119,7 @@ impl<'a> Reader<'a> {
             let Value::List(entries) = &row.value else {
                 return None;
             };
-            let entry = |entry: &Node| number(&entry.value, dimension).ok();
+            let entry = |entry: &Node| number(&entry.value, dimension, self.scale).ok();
             Vec::from_iter(entries.iter().filter_map(entry))
                 .try_into()
                 .ok()
@@ -168,6 +175,7 @@ impl<'a> Reader<'a> {
                 keys,
                 table,
                 origin: nonempty(&entry.node.origin, &entry.key_origin),
+                ..*self
             }),
             _ => None,
         }
@@ -186,6 +194,7 @@ impl<'a> Reader<'a> {
                 keys,
                 table,
                 origin: &node.origin,
+                ..*self
             }),
             _ => None,
         };

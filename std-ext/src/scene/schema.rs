@@ -81,8 +81,10 @@ fn one(group: &&[&str]) -> Value {
     json!({ "oneOf": alone })
 }
 
-/// The pattern of a number with a unit.
-const QUANTITY: &str = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*\S";
+/// The pattern of a number with a unit. A unit begins with a letter, with an `e` only `erg`, for
+/// exponents do, or with `1/`.
+const QUANTITY: &str =
+    r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s*([A-DF-Za-df-zµμ]|erg)|\s+1\s*/)";
 
 fn form(form: &'static Form) -> Map<String, Value> {
     let value = match form {

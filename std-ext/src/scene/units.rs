@@ -2,6 +2,25 @@
 
 use super::Units;
 
+/// Boltzmann's constant, 1.380649e-23 J/K by definition of the kelvin, in pN·µm/K.
+const BOLTZMANN: f64 = 1.380649e-5;
+
+/// The temperature of the unit `kT`, unless a scene names another one: 25 °C, in kelvin.
+pub(super) const TEMPERATURE: f64 = 298.15;
+
+/// The units of a scene, by which its numbers are read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scale {
+    pub(super) units: Units,
+    /// In kelvin.
+    pub(super) temperature: f64,
+}
+
+/// The unit `kT` at a temperature in kelvin, in pN·µm.
+pub(super) fn thermal_energy(temperature: f64) -> f64 {
+    BOLTZMANN * temperature
+}
+
 /// A dimension as powers of force, length and time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Dimension {
@@ -133,14 +152,23 @@ pub(super) enum QuantityError {
 }
 
 /// The value in units of pN, µm and s of a text like `2e-19 J` or `5.3 µN/m`. The result is the
-/// nearest f64, because units only shift the decimal point.
-pub(super) fn quantity(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
+/// nearest f64, because units only shift the decimal point; only `kT`, which depends on the temperature
+/// in kelvin, is a factor, accurate to rounding.
+pub(super) fn quantity(
+    text: &str,
+    expected: Dimension,
+    temperature: f64,
+) -> Result<f64, QuantityError> {
     let (mantissa, exponent, unit) = split_number(text.trim()).ok_or(QuantityError::NoNumber)?;
     let unit = unit.trim();
     if unit.is_empty() {
         return Err(QuantityError::NoUnit);
     }
-    let Unit { power, dimension } = parse_unit(unit)?;
+    let Unit {
+        power,
+        thermal,
+        dimension,
+    } = parse_unit(unit)?;
     if dimension != expected {
         return Err(QuantityError::Dimension(dimension));
     }
@@ -150,11 +178,21 @@ pub(super) fn quantity(text: &str, expected: Dimension) -> Result<f64, QuantityE
     let value: f64 = format!("{mantissa}e{exponent}")
         .parse()
         .map_err(|_| QuantityError::NoNumber)?;
+    let value = match thermal {
+        0 => value,
+        power => value * thermal_energy(temperature).powi(power),
+    };
     if value.is_finite() {
         Ok(value)
     } else {
         Err(QuantityError::TooLarge)
     }
+}
+
+/// Whether a text is a number whose unit depends on the temperature.
+pub(super) fn is_thermal(text: &str) -> bool {
+    let unit = split_number(text.trim()).and_then(|(.., unit)| parse_unit(unit.trim()).ok());
+    unit.is_some_and(|unit| unit.thermal != 0)
 }
 
 /// Mantissa, decimal exponent and rest of a text that starts with a number.
@@ -196,15 +234,16 @@ fn split_number(text: &str) -> Option<(&str, i32, &str)> {
     Some((mantissa, 0, rest))
 }
 
-/// A power of ten of N, m and s.
+/// A power of ten of N, m and s, times a power of k_B T in pN·µm.
 #[derive(Clone, Copy)]
 struct Unit {
     power: i32,
+    thermal: i32,
     dimension: Dimension,
 }
 
 /// Units without prefix.
-const BASES: [(&str, Unit); 11] = [
+const BASES: [(&str, Unit); 13] = [
     ("m", unit(0, Dimension::LENGTH)),
     ("s", unit(0, Dimension::TIME)),
     ("N", unit(0, Dimension::FORCE)),
@@ -216,8 +255,17 @@ const BASES: [(&str, Unit); 11] = [
     ("l", unit(-3, Dimension::VOLUME)),
     ("dyn", unit(-5, Dimension::FORCE)),
     ("erg", unit(-7, Dimension::ENERGY)),
+    ("kT", THERMAL),
+    ("kBT", THERMAL),
     ("1", unit(0, Dimension::NONE)),
 ];
+
+/// Of no power of ten: 10⁻¹² N and 10⁻⁶ m are taken back where pN·µm is meant.
+const THERMAL: Unit = Unit {
+    power: -18,
+    thermal: 1,
+    dimension: Dimension::ENERGY,
+};
 
 const PREFIXES: [(&str, i32); 14] = [
     ("a", -18),
@@ -238,7 +286,11 @@ const PREFIXES: [(&str, i32); 14] = [
 ];
 
 const fn unit(power: i32, dimension: Dimension) -> Unit {
-    Unit { power, dimension }
+    Unit {
+        power,
+        thermal: 0,
+        dimension,
+    }
 }
 
 /// Factors and divisors of symbols with powers, from left to right: `pN·s/µm^2`, `1/µm`.
@@ -254,6 +306,7 @@ fn parse_unit(text: &str) -> Result<Unit, QuantityError> {
             parse_factor(word).ok_or_else(|| unknown(if word.is_empty() { text } else { word }))?;
         let times = sign * exponent;
         product.power += times * factor.power;
+        product.thermal += times * factor.thermal;
         product.dimension.force += times * factor.dimension.force;
         product.dimension.length += times * factor.dimension.length;
         product.dimension.time += times * factor.dimension.time;
@@ -295,7 +348,8 @@ fn parse_factor(word: &str) -> Option<(Unit, i32)> {
     }
     PREFIXES.iter().find_map(|(prefix, power)| {
         let (_, found) = base(symbol.strip_prefix(prefix)?)?;
-        Some((unit(found.power + power, found.dimension), exponent))
+        let prefixed = unit(found.power + power, found.dimension);
+        (found.thermal == 0).then_some((prefixed, exponent))
     })
 }
 
@@ -318,7 +372,34 @@ mod tests {
     use super::*;
 
     fn value(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
-        quantity(text, dimension)
+        quantity(text, dimension, TEMPERATURE)
+    }
+
+    /// k_B = 1.380649e-23 J/K by definition: k_B T of 298.15 K is 4.1164049935e-21 J.
+    #[test]
+    fn thermal_energies_depend_on_the_temperature() {
+        let cases = [
+            ("1 kT", Dimension::ENERGY, 298.15, 4.116_404_993_5e-3),
+            ("20 kBT", Dimension::ENERGY, 298.15, 8.232_809_987e-2),
+            ("1 kT", Dimension::ENERGY, 310.15, 4.282_082_873_5e-3),
+            ("0.5 kT/nm²", Dimension::TENSION, 298.15, 2_058.202_496_75),
+            (
+                "2 pN·µm²/kT",
+                Dimension::LENGTH,
+                298.15,
+                2.0 / 4.116_404_993_5e-3,
+            ),
+        ];
+        for (text, dimension, temperature, expected) in cases {
+            let found = quantity(text, dimension, temperature).unwrap_or(f64::NAN);
+            // Two products and a quotient.
+            let rounding = 4.0 * f64::EPSILON * expected;
+            assert!((found - expected).abs() <= rounding, "{text}: {found}");
+            assert!(is_thermal(text));
+        }
+        let unknown = QuantityError::UnknownUnit("mkT".into());
+        assert_eq!(value("1 mkT", Dimension::ENERGY), Err(unknown));
+        assert!(!is_thermal("4 pN µm") && !is_thermal("kT"));
     }
 
     #[test]
@@ -392,9 +473,9 @@ mod tests {
         for (dimension, name, example) in Dimension::NAMES {
             if dimension != Dimension::NONE {
                 let text = example.trim_matches('"');
-                assert!(quantity(text, dimension).is_ok(), "{name}: {text}");
+                assert!(value(text, dimension).is_ok(), "{name}: {text}");
                 let unit = format!("1 {}", dimension.symbol());
-                assert_eq!(quantity(&unit, dimension), Ok(1.0), "{name}: {unit}");
+                assert_eq!(value(&unit, dimension), Ok(1.0), "{name}: {unit}");
             }
         }
     }

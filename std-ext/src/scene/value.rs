@@ -176,6 +176,27 @@ impl Node {
     }
 }
 
+impl Value {
+    /// Whether a text in it is one of these.
+    fn any_text(&self, is: &dyn Fn(&str) -> bool) -> bool {
+        match self {
+            Self::Text(text) => is(text),
+            Self::List(list) => list.iter().any(|node| node.value.any_text(is)),
+            Self::Table(table) => table.any_text(is),
+            _ => false,
+        }
+    }
+}
+
+impl Table {
+    /// Whether a text in it is one of these.
+    pub(super) fn any_text(&self, is: &dyn Fn(&str) -> bool) -> bool {
+        self.entries
+            .iter()
+            .any(|entry| entry.node.value.any_text(is))
+    }
+}
+
 impl Table {
     pub(super) fn new(table: &DeTable<'_>, origin: &impl Fn(Range<usize>) -> Origin) -> Self {
         let entry = |(key, value): (&Spanned<Cow<'_, str>>, &Spanned<DeValue<'_>>)| Entry {

@@ -3,6 +3,7 @@
 use super::{Case, Ended, Outcome, Sweep, SweepError, Swept};
 use crate::io::replace_file;
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of};
+use crate::report::quoted;
 use crate::scene::Scene;
 use crate::series::{SeriesTable, TIME};
 use std::path::Path;
@@ -201,15 +202,5 @@ impl Swept {
             written.map_err(|source| SweepError::Unwritable { path, source })?;
         }
         Ok(())
-    }
-}
-
-/// A cell of a CSV file, on one line.
-fn quoted(text: &str) -> String {
-    let line = text.replace(['\n', '\r'], " ");
-    if line.contains([',', '"']) {
-        format!("\"{}\"", line.replace('"', "\"\""))
-    } else {
-        line
     }
 }

@@ -4,7 +4,7 @@ use helfrich::element::{ElementKernel, Execution, SlotKernel, Slots, Strided};
 use helfrich::{
     Conservative, Energy, Force, InPlane, Lane, Prepared, Real, Reordering, Serial, Skalak, Surface,
 };
-use helfrich_std::execute::Parallel;
+use helfrich_std::execute::{Parallel, available_threads, with_threads};
 use helfrich_tests::laws::{Candidate, ConservativeCandidate, ConservativeLaw, Law, for_each};
 use helfrich_tests::laws::{for_each_conservative, forces, largest};
 use helfrich_tests::meshes::{Mesh, bent, icosphere, sheet, small, torus};
@@ -306,4 +306,23 @@ fn arctangents_on_the_axes_and_at_the_origin() {
     }
     assert!(Lane::atan2(f64::NAN, 1.0).is_nan());
     assert!(Lane::atan2(1.0, f64::NAN).is_nan());
+}
+
+/// The number of threads belongs to the work for which it was chosen, and to its thread.
+#[test]
+fn work_has_the_threads_that_it_is_given() {
+    let count = |threads| NonZeroUsize::new(threads).unwrap();
+    let all = available_threads();
+    with_threads(count(5), || {
+        assert_eq!(Parallel::new().threads, count(5));
+        with_threads(count(2), || {
+            assert_eq!(Parallel::default().threads, count(2))
+        });
+        assert_eq!(available_threads(), count(5));
+        let elsewhere = std::thread::scope(|scope| scope.spawn(available_threads).join());
+        assert_eq!(elsewhere.unwrap(), all);
+    });
+    let panicked = std::panic::catch_unwind(|| with_threads(count(7), || panic!("on purpose")));
+    assert!(panicked.is_err());
+    assert_eq!(available_threads(), all);
 }

@@ -215,12 +215,9 @@ fn shapes_and_families_are_checked() {
         &["`shape`: "],
     );
     refused(
-        &scene("sphere:1", "vertices = 1000"),
+        &scene("sphere:1", "vertices = 11"),
         [6, 12],
-        &[
-            "no smooth mesh of 1000 vertices",
-            "the nearest are 642 and 2562",
-        ],
+        &["11 vertices on the sphere are out of range: between 12 and"],
     );
     refused(
         &scene("sphere:1", "vertices = 642\nfamily = \"regulr\""),

@@ -1,6 +1,6 @@
 //! What scenes amount to.
 
-use super::{generated, valid, with};
+use super::{generated, refused, valid, with};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::scene::Effects;
 
@@ -53,4 +53,43 @@ fn explanations_name_effects_and_groups() {
     ] {
         assert!(text.contains(part), "`{part}` is not in:\n{text}");
     }
+}
+
+/// kT at 298.15 K, or at the temperature that the scene names; k_B is 1.380649e-23 J/K by definition.
+#[test]
+fn thermal_energies_have_a_temperature() {
+    let bending = "bending = { method = \"B\", modulus = \"20 kT\" }";
+    for (temperature, kelvin, shown) in [
+        ("", 298.15, "kT: 0.0041164 pN·µm, at 298.15 K"),
+        (
+            "temperature = 310.15\n",
+            310.15,
+            "kT: 0.0042821 pN·µm, at 310.15 K",
+        ),
+    ] {
+        let file = valid(&format!("{temperature}{}", with(bending)));
+        let modulus = file.scene.surfaces[0].effects.bending.unwrap().modulus;
+        let expected = 20.0 * 1.380649e-5 * kelvin;
+        // Two products in another order.
+        assert!(
+            (modulus / expected - 1.0).abs() < 4.0 * f64::EPSILON,
+            "{modulus}"
+        );
+        assert_eq!(file.scene.temperature, Some(kelvin));
+        let text = file.scene.explain(&[generated(&file, 0)]).to_string();
+        assert!(text.contains(shown), "{text}");
+    }
+    let without = valid(&with("bending = { method = \"B\", modulus = 0.1 }"));
+    assert_eq!(without.scene.temperature, None);
+    let none = with("").replace("\"micro\"", "\"none\"");
+    refused(
+        &format!("temperature = 300\n{none}"),
+        [1, 15],
+        &["kT", "units = \"micro\""],
+    );
+    refused(
+        &format!("temperature = 0\n{}", with("")),
+        [1, 15],
+        &["above 0"],
+    );
 }

@@ -138,7 +138,7 @@ fn errors_of_overrides_name_the_override() {
         &["no interaction `0`: the scene has no interaction"],
     );
     refused("units.a=1", &["`units` is a value, not a table"]);
-    refused("surface.0.vertices=100", &["the nearest are 42 and 162"]);
+    refused("surface.0.vertices=11", &["between 12 and"]);
     let error = Overrides::new(["surface"]).unwrap_err().to_string();
     assert!(
         error.contains("`surface` sets nothing: write path.to.key=value"),

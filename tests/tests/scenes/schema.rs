@@ -268,6 +268,9 @@ fn shipped_scenes_conform_to_the_schema() {
         // By patterns alone.
         "tension.value = \"a lot\"",
         "tension.value = \"1\"",
+        "tension.value = \"12\"",
+        "tension.value = \"1.5e5\"",
+        "tension.value = \"1e\"",
         "position = [\"1 µm\", 0, \"half a micron\"]",
         "weld = true",
     ] {

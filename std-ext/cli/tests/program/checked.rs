@@ -1,7 +1,7 @@
 //! `helfrich run --check`: it refuses all that a run would refuse before it writes anything.
 
 use crate::run::{FLOW, LATTICE, SCENE};
-use crate::{fail, text};
+use crate::{command, fail, text};
 use std::fs;
 use tempfile::TempDir;
 
@@ -83,5 +83,43 @@ fn what_a_run_refuses_at_once_a_check_refuses() {
         });
         assert_eq!(said[0], said[1]);
         assert!(!out.exists(), "{set}");
+    }
+}
+
+/// Files are relative to the scene, wherever the program is called.
+#[test]
+fn a_scene_is_checked_from_any_folder() {
+    let folder = TempDir::new().unwrap();
+    let below = folder.path().join("scenes");
+    let elsewhere = folder.path().join("elsewhere");
+    for path in [&below, &elsewhere] {
+        fs::create_dir(path).unwrap();
+    }
+    let octahedron = "OFF\n6 8 0\n1 0 0\n-1 0 0\n0 1 0\n0 -1 0\n0 0 1\n0 0 -1\n\
+                      3 0 2 4\n3 2 1 4\n3 1 3 4\n3 3 0 4\n3 2 0 5\n3 1 2 5\n3 3 1 5\n3 0 3 5\n";
+    for name in ["cell.off", "rest.off"] {
+        fs::write(below.join(name), octahedron).unwrap();
+    }
+    fs::write(below.join("curve.csv"), "curve,x,y\nsomebody,0.3,0.09\n").unwrap();
+    let scene = r#"
+units = "none"
+surface = [{ mesh = "cell.off", elasticity = { law = "neo-hookean", shear_modulus = 1, reference.mesh = "rest.off" } }]
+driver = { kind = "boundary-integral", viscosity = 1, flow = { kind = "shear", rate = 1 }, strain = 0.1 }
+output.plot = [{ column = "deformation", published = "curve.csv" }]
+"#;
+    fs::write(below.join("scene.toml"), scene).unwrap();
+    for (from, files, path) in [
+        (below.as_path(), 4, "scene.toml"),
+        (&elsewhere, 0, "../scenes/scene.toml"),
+        (folder.path(), 2, "scenes/scene.toml"),
+    ] {
+        let output = command(&["run", path, "--check"])
+            .current_dir(from)
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{path}: {said}");
+        // Nothing is written.
+        assert_eq!(fs::read_dir(from).unwrap().count(), files);
     }
 }

@@ -508,3 +508,24 @@ fn plots_that_cannot_be_drawn_are_refused_at_first() {
         assert!(!out.exists());
     }
 }
+
+/// How many threads there are shows in no number.
+#[test]
+fn threads_change_no_result() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("scene.toml");
+    fs::write(&path, FLOW).unwrap();
+    let series = ["1", "2", "3"].map(|threads| {
+        let out = folder.path().join(threads);
+        succeed(&path, &out, &["--threads", threads]);
+        fs::read(out.join("series.csv")).unwrap()
+    });
+    assert!(series[0] == series[1] && series[1] == series[2]);
+    for threads in ["0", "1025", "-1", "2.5", "all"] {
+        let message = crate::fail(2, &["run", text(&path), "--check", "--threads", threads]);
+        assert!(
+            message.contains("from 1 to 1024") || message.contains("'-1'"),
+            "{message}"
+        );
+    }
+}

@@ -171,7 +171,7 @@ fn what_cannot_be_run_is_told_and_the_rest_is_run() {
     let sweep = Sweep::new();
     let more = [
         "--vary",
-        "surface.0.vertices=12,43,42",
+        "surface.0.vertices=12,11,42",
         "--columns",
         "inclination,colour",
     ];
@@ -182,8 +182,11 @@ fn what_cannot_be_run_is_told_and_the_rest_is_run() {
     );
     let reason = stdout
         .lines()
-        .find(|line| line.starts_with("vertices=43: "));
-    assert!(reason.is_some_and(|line| line.contains("43")), "{stdout}");
+        .find(|line| line.starts_with("vertices=11: "));
+    assert!(
+        reason.is_some_and(|line| line.contains("between 12")),
+        "{stdout}"
+    );
     assert!(
         stdout.contains("no run has the column `colour`: there are time, strain"),
         "{stdout}"
@@ -193,7 +196,7 @@ fn what_cannot_be_run_is_told_and_the_rest_is_run() {
         [1, 2, 3].map(|row| sweep.cell(row, "end")),
         ["completed", "refused", "completed"]
     );
-    assert!(!sweep.out.join("vertices=43").exists());
+    assert!(!sweep.out.join("vertices=11").exists());
 }
 
 #[test]
@@ -301,18 +304,72 @@ fn a_second_sweep_in_a_folder_is_refused() {
     sweep.ends(0, &[&long[..], &short].concat());
 }
 
+/// Whatever the order in which runs end.
+#[test]
+fn runs_at_once_leave_what_one_after_the_other_leaves() {
+    let [alone, together] = [(); 2].map(|()| Sweep::new());
+    let more = ["--vary", METHODS, "--vary", "surface.0.vertices=162,11,42"];
+    alone.ends(4, &more);
+    let jobs = [&more[..], &["--jobs", "3", "--threads", "5"]].concat();
+    together.ends(4, &jobs);
+    let untimed = |sweep: &Sweep| {
+        let mut table = sweep.table();
+        let is_timed = |name: &String| name.ends_with("seconds");
+        let timed = Vec::from_iter(table[0].iter().map(is_timed));
+        for row in &mut table {
+            let mut timed = timed.iter();
+            row.retain(|_| timed.next() == Some(&false));
+        }
+        table
+    };
+    assert_eq!(untimed(&alone), untimed(&together));
+    assert_eq!(untimed(&alone)[0].len(), alone.table()[0].len() - 2);
+    for name in [
+        "method=meyer,vertices=162",
+        "method=gompper-kroll,vertices=42",
+    ] {
+        for file in ["series.csv", "last.vtp"] {
+            let [alone, together] =
+                [&alone, &together].map(|sweep| fs::read(sweep.out.join(name).join(file)).unwrap());
+            assert_eq!(alone, together, "{name}");
+        }
+    }
+    let plots =
+        [&alone, &together].map(|sweep| fs::read(sweep.out.join("deformation.png")).unwrap());
+    assert_eq!(plots[0], plots[1]);
+    // None is run twice, and what has ended is left alone.
+    let before = files(&together.out);
+    together.ends(4, &[&jobs[..], &["--resume"]].concat());
+    assert_eq!(files(&together.out), before);
+    for jobs in ["0", "1025", "many"] {
+        let stderr = alone
+            .ends(2, &[&more[..], &["--jobs", jobs]].concat())
+            .stderr;
+        assert!(stderr.contains("--jobs"), "{stderr}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_goes_on_where_it_was() {
+    for jobs in ["1", "2"] {
+        interrupt_and_resume(jobs);
+    }
+}
+
+#[cfg(unix)]
+fn interrupt_and_resume(jobs: &str) {
     use std::process::{Command, Stdio};
     let [whole, stopped] = [(); 2].map(|()| Sweep::new());
     let long = [
         "--vary",
-        MODULI,
+        "surface.0.bending.modulus=0.1,0.2,0.3",
         "--set",
         "surface.0.vertices=642",
         "--set",
         "driver.strain=2",
+        "--jobs",
+        jobs,
     ];
     let child = crate::command(&stopped.arguments(&long))
         .stdout(Stdio::piped())
@@ -332,10 +389,10 @@ fn an_interrupted_sweep_goes_on_where_it_was() {
         "{printed}"
     );
     assert!(printed.contains("--resume"), "{printed}");
-    assert!(!stopped.out.join("modulus=0.2").exists());
+    assert!(!stopped.out.join("modulus=0.3").exists());
     stopped.ends(0, &[&long[..], &["--resume"]].concat());
     whole.ends(0, &long);
-    for name in ["modulus=0.1", "modulus=0.2"] {
+    for name in ["modulus=0.1", "modulus=0.2", "modulus=0.3"] {
         let series = [&whole, &stopped].map(|sweep| sweep.out.join(name).join("series.csv"));
         let [whole, stopped] = series.map(|path| fs::read(path).unwrap());
         assert_eq!(whole, stopped, "{name}");

@@ -1,30 +1,19 @@
 //! The unit sphere, as an icosahedron refined by edge midpoints or by Loop's rules.
 
-use super::{Draft, MOST_VERTICES};
+use super::Draft;
 use glam::{DQuat, DVec3};
 use helfrich::subdivision::{Subdivision, limit_positions};
 use helfrich::{MeshError, Serial, TriangleMesh};
+use std::f64::consts::TAU;
 
 /// The icosahedron.
 pub(super) const LEAST_VERTICES: usize = 12;
 
-/// The level with this many vertices, 10·4^level + 2; or the nearest numbers below and above.
-pub(super) fn level(vertices: usize) -> Result<u32, [usize; 2]> {
-    let mut below = LEAST_VERTICES;
-    for level in 0.. {
-        let count = 10 * (1usize << (2 * level)) + 2;
-        if count == vertices {
-            return Ok(level);
-        }
-        if count > MOST_VERTICES {
-            return Err([below, below]);
-        }
-        if count > vertices {
-            return Err([below, count]);
-        }
-        below = count;
-    }
-    unreachable!("the numbers grow beyond every limit")
+/// The level with this many vertices, 10·4^level + 2, if there is one.
+pub(super) fn level(vertices: usize) -> Option<u32> {
+    let count = |level: u32| 10 * (1usize << (2 * level)) + 2;
+    let mut levels = (0..).take_while(|&level| count(level) <= vertices);
+    levels.find(|&level| count(level) == vertices)
 }
 
 /// The icosahedron refined `level` times.
@@ -94,10 +83,29 @@ pub(super) fn refine(draft: &Draft, midpoint: impl Fn(DVec3, DVec3) -> DVec3) ->
     }
 }
 
+/// Points on a spiral, each in the direction of the golden angle from the last: each stands for the
+/// same area.
+pub(super) fn spiral(vertices: usize) -> Vec<DVec3> {
+    let rotation = generic_rotation();
+    let golden = TAU * (2.0 - (1.0 + 5f64.sqrt()) / 2.0);
+    let point = |index: usize| {
+        let z = 1.0 - (2 * index + 1) as f64 / vertices as f64;
+        let (sin, cos) = libm::sincos(golden * index as f64);
+        let across = ((1.0 - z) * (1.0 + z)).sqrt();
+        (rotation * DVec3::new(across * cos, across * sin, z)).normalize()
+    };
+    Vec::from_iter((0..vertices).map(point))
+}
+
+/// Symmetric meshes make errors vanish that others have.
+fn generic_rotation() -> DQuat {
+    DQuat::from_xyzw(0.35, -0.27, 0.41, 0.8).normalize()
+}
+
 /// The icosahedron in a generic rotation: no vertex on an axis of the coordinates and no axis in a
-/// mirror plane, since symmetric meshes make errors vanish that others have.
+/// mirror plane.
 fn icosahedron() -> Draft {
-    let rotation = DQuat::from_xyzw(0.35, -0.27, 0.41, 0.8).normalize();
+    let rotation = generic_rotation();
     let golden = (1.0 + 5f64.sqrt()) / 2.0;
     let rectangle = [
         (-1.0, golden),
@@ -151,9 +159,9 @@ mod tests {
 
     #[test]
     fn levels() {
-        assert_eq!(level(12), Ok(0));
-        assert_eq!(level(163842), Ok(7));
-        assert_eq!(level(700), Err([642, 2562]));
+        assert_eq!(level(12), Some(0));
+        assert_eq!(level(163842), Some(7));
+        assert_eq!(level(700), None);
     }
 
     /// The icosahedron's mirror planes are those across its edges' midpoints.

@@ -1,7 +1,9 @@
 //! Regular meshes whose edges are relaxed as springs.
 
 use super::lattice::Size;
-use super::{AnyShape, Draft, icosphere, lattice, position, preimage};
+use super::{
+    AnyShape, Draft, GenerateError, UNIT_SPHERE, delaunay, icosphere, lattice, position, preimage,
+};
 use glam::DVec3;
 use helfrich::shapes::{Shape, Torus};
 
@@ -35,6 +37,114 @@ pub(super) fn icosphere(shape: &AnyShape, level: u32) -> Draft {
     let first = level.min(FIRST_LEVEL);
     let coarse = icosphere::icosphere(first);
     relax_and_refine(shape, coarse, level - first, icosphere::midpoint)
+}
+
+/// A mesh of as many vertices that is relaxed on a sphere-like shape.
+///
+/// It is refined from a coarse mesh, whose points are on a spiral. Where refinement gives fewer vertices
+/// than are wanted, by three at most, the longest edges are cut. As coarse as an icosphere below
+/// [`FIRST_LEVEL`] it is relaxed on the sphere.
+pub(super) fn of_count(shape: &AnyShape, vertices: usize) -> Result<Draft, GenerateError> {
+    let mut counts = vec![vertices];
+    let mut coarsest = vertices;
+    while refined_from(coarsest) >= icosphere::LEAST_VERTICES {
+        coarsest = refined_from(coarsest);
+        counts.push(coarsest);
+    }
+    let preimages = icosphere::spiral(coarsest);
+    let triangles = delaunay::sphere(&preimages).map_err(|_| GenerateError::TooExtreme {
+        shape: shape.name(),
+    })?;
+    let mut draft = Draft {
+        preimages,
+        triangles,
+    };
+    let mut steps = FIRST_STEPS;
+    while let Some(count) = counts.pop() {
+        let is_fine = count > 10 << (2 * FIRST_LEVEL) || count == vertices;
+        let surface = if is_fine { shape } else { &UNIT_SPHERE };
+        if count > draft.preimages.len() {
+            draft = icosphere::refine(&draft, icosphere::midpoint);
+            cut_longest(surface, &mut draft, count);
+            join_fifths(&mut draft);
+        }
+        relax(surface, &mut draft, steps);
+        if is_fine {
+            steps = STEPS;
+        }
+    }
+    Ok(draft)
+}
+
+/// The number of vertices of the mesh that is refined to as many or up to three fewer: of a closed mesh
+/// without holes, N vertices become 4N − 6.
+fn refined_from(vertices: usize) -> usize {
+    (vertices + 6) / 4
+}
+
+/// Cuts the longest edges until there are as many vertices, away from each other if possible.
+fn cut_longest(shape: &AnyShape, draft: &mut Draft, vertices: usize) {
+    let mut touched = vec![false; vertices];
+    while draft.preimages.len() < vertices {
+        let added = draft.preimages.len() as u32;
+        let edges = draft.triangles.iter();
+        let edges = edges.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let rank = |ends: [u32; 2]| {
+            let [a, b] = ends.map(|vertex| position(shape, draft.preimages[vertex as usize]));
+            let is_free = ends.iter().all(|&vertex| !touched[vertex as usize]);
+            (is_free, a.distance_squared(b))
+        };
+        // Of two equal ones the first is cut.
+        let first = |best, edge| if rank(edge) > rank(best) { edge } else { best };
+        let Some([a, b]) = edges.reduce(first) else {
+            return;
+        };
+        let ends = [a, b].map(|vertex| draft.preimages[vertex as usize]);
+        draft.preimages.push(icosphere::midpoint(ends[0], ends[1]));
+        for t in 0..draft.triangles.len() {
+            let triangle = draft.triangles[t];
+            if triangle.contains(&a) && triangle.contains(&b) {
+                let with = |old: u32| triangle.map(|v| if v == old { added } else { v });
+                draft.triangles[t] = with(a);
+                draft.triangles.push(with(b));
+                for vertex in triangle {
+                    touched[vertex as usize] = true;
+                }
+            }
+        }
+    }
+}
+
+/// Joins each vertex of four neighbours to a fifth beyond its ring, by the flip of that side of the ring
+/// which is best for valences and leaves none of four: on four springs a vertex slips onto an edge.
+fn join_fifths(draft: &mut Draft) {
+    let triangles = &mut draft.triangles;
+    let mut valences = vec![0_i32; draft.preimages.len()];
+    for &vertex in triangles.iter().flatten() {
+        valences[vertex as usize] += 1;
+    }
+    let fours = (0..valences.len()).filter(|&vertex| valences[vertex] == 4);
+    for vertex in Vec::from_iter(fours) {
+        let valence = |of: u32| valences[of as usize];
+        let own = |triangle: &[u32; 3]| triangle.iter().position(|&v| v as usize == vertex);
+        let flips = triangles.iter().enumerate().filter_map(|(inner, ring)| {
+            let at = own(ring)?;
+            let [p, q] = [1, 2].map(|next| ring[(at + next) % 3]);
+            let beyond = |t: &[u32; 3]| t.contains(&p) && t.contains(&q) && own(t).is_none();
+            let outer = triangles.iter().position(beyond)?;
+            let x = triangles[outer].into_iter().find(|v| ![p, q].contains(v))?;
+            let gain = valence(p) + valence(q) - valence(x);
+            (valence(p).min(valence(q)) > 5).then_some((gain, [inner, outer], [p, q, x]))
+        });
+        let best = flips.reduce(|best, flip| if flip.0 > best.0 { flip } else { best });
+        if let Some((_, [inner, outer], [p, q, x])) = best {
+            triangles[inner] = [vertex as u32, p, x];
+            triangles[outer] = [vertex as u32, x, q];
+            for (of, change) in [(vertex as u32, 1), (x, 1), (p, -1), (q, -1)] {
+                valences[of as usize] += change;
+            }
+        }
+    }
 }
 
 /// A lattice of the torus that is relaxed from a coarse size to the fine one.

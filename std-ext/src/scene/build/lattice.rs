@@ -225,13 +225,10 @@ impl Builder<'_> {
         for (surface, reader) in surfaces.iter().zip(readers) {
             let measured = match &surface.source {
                 MeshSource::Shape {
-                    shape,
-                    family,
-                    vertices,
-                    ..
+                    shape, vertices, ..
                 } => {
                     // Wrong counts have their error already.
-                    if generate::check(shape, *family, *vertices).is_err() {
+                    if generate::check(shape, *vertices).is_err() {
                         return Vec::new();
                     }
                     let characteristic = shape.euler_characteristic().unsigned_abs() as usize;

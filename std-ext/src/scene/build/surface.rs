@@ -38,7 +38,7 @@ impl Builder<'_> {
         let vertices = surface.count("vertices");
         let size = vertices.map(|count| usize::try_from(count).unwrap_or(usize::MAX));
         if let (Some(shape), Some(vertices)) = (&shape, size)
-            && let Err(error) = check_mesh(shape, family, vertices)
+            && let Err(error) = check_mesh(shape, vertices)
         {
             let origin = surface.origin_of("vertices");
             self.problems.add(&origin, Problem::Generate(error));

@@ -14,6 +14,10 @@ impl fmt::Display for Explanation {
             Units::None => "none",
         };
         writeln!(f, "units: {units}")?;
+        if let Some([kelvin, energy]) = self.temperature {
+            let energy = digits(energy);
+            writeln!(f, "kT: {energy} pN·µm, at {kelvin} K")?;
+        }
         for surface in &self.surfaces {
             write!(f, "{surface}")?;
         }

@@ -6,12 +6,12 @@ use super::super::units::Dimension;
 use super::super::{Driver, Flow, LatticeBoltzmann, Scene, StepLimit, SurfaceScene};
 use super::driver::interval;
 use super::{Active, Group, Parameters};
+use crate::execute::available_threads;
 use crate::flow::lattice_boltzmann::{Immersed, Lattice, LatticeError, Precision, Setup, Sides};
 use crate::info::MeshInfo;
 use crate::scalar::Scalar;
 use serde::Serialize;
 use std::f64::consts::PI;
-use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 /// Explanation of a lattice.
@@ -192,7 +192,7 @@ fn trial<T: Precision>(
         sides: [Sides::Periodic; 3],
         viscosity: 1.0 / 6.0,
         inertia: lattice.density.is_some(),
-        threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
+        threads: available_threads(),
     })?;
     // The points are distributed evenly over a sphere half as wide as the box, on a spiral with the
     // golden angle.

@@ -92,7 +92,8 @@ const FAMILY: Key = optional(
 const VERTICES: Key = optional(
     "vertices",
     Form::Count(1),
-    "Number of vertices: 10·4^k + 2, except for irregular meshes and the torus.",
+    "How many vertices are generated, 12 at least: 10·4^k + 2 give the most regular meshes; on the torus, \
+     about as many.",
 );
 
 const SEED: Key = optional(
