@@ -16,8 +16,21 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// No effect resists deformation.
-    #[error("{0}: give a surface `bending`, `elasticity`, `tension` or a penalty on its `area`")]
+    /// No effect of a surface resists deformation.
+    #[error(
+        "surface \"{surface}\" has the moduli {bending:e} (bending) and {in_plane:e} (in plane): neither \
+         may be negative, nor both 0: give it `bending`, `elasticity`, `tension` or a penalty on its `area`"
+    )]
+    Modulus {
+        /// The surface's name.
+        surface: String,
+        /// Its bending modulus.
+        bending: f64,
+        /// Its in-plane modulus.
+        in_plane: f64,
+    },
+    /// The relaxation cannot start.
+    #[error(transparent)]
     Setup(#[from] SetupError),
     /// The time integration cannot start.
     #[error(transparent)]

@@ -3,7 +3,7 @@
 use super::drive::{Drive, DriveState, Mark, Step, Work};
 use super::remedy::{advice, remedy};
 use super::{End, Progress, RunError};
-use crate::dynamics::{Failure, Outcome, Relaxation, Settings, State};
+use crate::dynamics::{Failure, Outcome, Relaxation, Settings, SetupError, State};
 use crate::scene::{Relax, Scene};
 use crate::series::ITERATION;
 use crate::simulation::Simulation;
@@ -60,7 +60,8 @@ impl Relaxing {
         simulation: &mut Simulation,
         positions: Vec<[f64; 3]>,
     ) -> Result<Self, RunError> {
-        let relaxation = Relaxation::new(simulation.membranes(), positions, settings(relax))?;
+        let relaxation = Relaxation::new(simulation.membranes(), positions, settings(relax));
+        let relaxation = relaxation.map_err(|error| of_surface(error, simulation))?;
         let progress = RelaxingProgress {
             limits: limits(relax),
             ..RelaxingProgress::default()
@@ -78,7 +79,8 @@ impl Relaxing {
     ) -> Result<Self, RunError> {
         simulation.set_load(state.progress.load);
         let membranes = simulation.membranes();
-        let mut relaxation = Relaxation::resume(membranes, state.relaxation, settings(relax))?;
+        let relaxation = Relaxation::resume(membranes, state.relaxation, settings(relax));
+        let mut relaxation = relaxation.map_err(|error| of_surface(error, simulation))?;
         let mut progress = state.progress;
         if progress.limits != limits(relax) {
             progress.limits = limits(relax);
@@ -128,7 +130,8 @@ impl Relaxing {
         self.progress.first_residual = None;
         simulation.set_load(self.progress.load);
         let positions = self.relaxation.positions().to_vec();
-        self.relaxation = Relaxation::new(simulation.membranes(), positions, settings(self.relax))?;
+        let relaxation = Relaxation::new(simulation.membranes(), positions, settings(self.relax));
+        self.relaxation = relaxation.map_err(|error| of_surface(error, simulation))?;
         Ok(())
     }
 
@@ -291,6 +294,22 @@ impl Drive for Relaxing {
 /// The stopping criteria of a load.
 fn limits(relax: Relax) -> (f64, u64) {
     (relax.residual, relax.iterations)
+}
+
+/// The error with the name of the surface.
+fn of_surface(error: SetupError, simulation: &Simulation) -> RunError {
+    match error {
+        SetupError::Modulus {
+            membrane,
+            bending,
+            in_plane,
+        } => RunError::Modulus {
+            surface: simulation.bodies()[membrane].name().to_owned(),
+            bending,
+            in_plane,
+        },
+        error => RunError::Setup(error),
+    }
 }
 
 fn settings(relax: Relax) -> Settings {

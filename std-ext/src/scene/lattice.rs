@@ -2,7 +2,7 @@
 
 use super::barrier::Barrier;
 use super::explain::enclosed_radius;
-use super::{Flow, Scene, SurfaceScene};
+use super::{Adhesion, Flow, Scene, SurfaceScene};
 use crate::flow::lattice_boltzmann::{Kernel, Units, mach, memory};
 use crate::info::MeshInfo;
 use crate::scalar::Scalar;
@@ -170,6 +170,7 @@ impl LatticeBoltzmann {
         }
         limits.extend(self.membrane_limits(membranes));
         limits.push(self.barrier_limit(membranes, barriers));
+        limits.push(self.adhesion_limit(membranes));
         // What does not exist limits nothing.
         limits.retain(|limit| limit.step.is_finite());
         limits
@@ -197,20 +198,45 @@ impl LatticeBoltzmann {
         ]
     }
 
-    /// What of it repulsions limit, where surfaces touch.
+    /// The limit due to repulsions, where surfaces touch.
     pub(super) fn barrier_limit(&self, membranes: &[Membrane], barriers: &[Barrier]) -> StepLimit {
-        // What is finer than the lattice moves together.
-        let edge = |membrane: &Membrane| membrane.edge.max(self.spacing);
+        let edge = |membrane: &Membrane| self.moved_together(membrane);
         let edge = membranes.iter().map(edge).fold(0.0, f64::max);
         let pressure = self.pressure(membranes);
         let stiffness = |barrier: &Barrier| barrier.stiffness(pressure, edge);
         let stiffest = barriers.iter().map(stiffness).fold(0.0, f64::max);
-        let share = CONTACT.min(CONTACT_MASS / self.lattice_viscosity);
         StepLimit {
             name: "repulsion",
             formula: "0.87 |p'(d)| edge² step/(μ spacing) ≤ 1 and 0.5/ν, p(d) = 10 P",
-            step: share * self.viscosity * self.spacing / stiffest,
+            step: self.contact_step(stiffest),
         }
+    }
+
+    /// The limit due to walls to which membranes adhere, where they are pressed against them.
+    pub(super) fn adhesion_limit(&self, membranes: &[Membrane]) -> StepLimit {
+        let pressure = WALL_PRESSURE * self.pressure(membranes);
+        let stiffness = |membrane: &Membrane| {
+            let adhesion = membrane.adhesion?;
+            let edge = self.moved_together(membrane);
+            Some(0.75_f64.sqrt() * edge * edge * adhesion.stiffness(pressure))
+        };
+        let stiffest = membranes.iter().filter_map(stiffness).fold(0.0, f64::max);
+        StepLimit {
+            name: "adhesion",
+            formula: "0.87 V″(z) edge² step/(μ spacing) ≤ 1 and 0.5/ν, −V′(z) = 10 P",
+            step: self.contact_step(stiffest),
+        }
+    }
+
+    /// The mean edge, or the distance of nodes if that is longer: vertices between the same nodes move together.
+    fn moved_together(&self, membrane: &Membrane) -> f64 {
+        membrane.edge.max(self.spacing)
+    }
+
+    /// The longest step in which the fluid balances forces that hold a vertex with this force per length.
+    fn contact_step(&self, stiffness: f64) -> f64 {
+        let share = CONTACT.min(CONTACT_MASS / self.lattice_viscosity);
+        share * self.viscosity * self.spacing / stiffness
     }
 
     /// P, the pressure by which membranes and flow change the density.
@@ -245,6 +271,9 @@ const CONTACT: f64 = 1.0;
 /// over one node would be thrown back farther than it came.
 const CONTACT_MASS: f64 = 0.5;
 
+/// Ratio of the pressure against a wall to the largest of μγ̇, G/a, κ/a³ and σ/a, as where two surfaces touch.
+const WALL_PRESSURE: f64 = 10.0;
+
 /// Ratio of the step to the limit at which membranes oscillate.
 pub(super) const TREMBLING: f64 = 2.0;
 /// D(L) − D(∞) over (a/L)³ of a capsule in shear between walls at a distance L: A. Guckenberger et al.,
@@ -277,6 +306,8 @@ pub(super) struct Membrane {
     dilation: f64,
     /// σ, without sign.
     tension: f64,
+    /// To a wall.
+    adhesion: Option<Adhesion>,
 }
 
 impl Membrane {
@@ -290,6 +321,7 @@ impl Membrane {
             shear: stiffness.shear,
             dilation: stiffness.area,
             tension: stiffness.tension.abs(),
+            adhesion: surface.effects.adhesion,
         }
     }
 

@@ -4,8 +4,8 @@ use super::{folder, generated, mesh_file, shipped, valid, with};
 use helfrich::DualArea;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::scene::{
-    AreaDifferenceTarget, Driver, Every, Hold, InPlaneLaw, Interaction, MeshSource, Overrides,
-    Place, ReferenceSource, SceneFile, Scheme, Target, Units, VolumeTarget,
+    Adhesion, AreaDifferenceTarget, Driver, Every, Hold, InPlaneLaw, Interaction, MeshSource,
+    Overrides, Place, ReferenceSource, SceneFile, Scheme, Target, Units, VolumeTarget,
 };
 
 #[test]
@@ -54,6 +54,7 @@ area.constraint = "exact"
 volume.modulus = 2
 volume.target = 50
 area_difference.constraint = "exact"
+adhesion = { strength = "0.1 µN/m", distance = "60 nm", wall = [0, "-4 µm", 1], normal = [0, 2, 0] }
 
 [[interaction]]
 kind = "repulsion"
@@ -127,6 +128,17 @@ checkpoint_every = 11
         panic!("a shape");
     };
     assert_eq!(reference.to_string(), "sphere:3");
+    let adhesion = Adhesion {
+        strength: 0.1,
+        distance: 0.06,
+        range: 0.06 / 3.0,
+        wall: [0.0, -4.0, 1.0],
+        normal: [0.0, 2.0, 0.0],
+    };
+    assert_eq!(
+        (a.effects.adhesion, b.effects.adhesion),
+        (None, Some(adhesion))
+    );
     let area = a.effects.area.unwrap();
     assert_eq!(
         (area.hold, area.target),

@@ -255,7 +255,13 @@ fn shipped_scenes_conform_to_the_schema() {
     for (name, text) in shipped() {
         assert!(conforms(&schema, &json(&text)), "{name}");
     }
+    let adhesion = "adhesion = { strength = \"0.1 µN/m\", distance = 0.06, range = \"20 nm\", \
+                    wall = [0, 0, \"-4 µm\"], normal = [0, 0, 1] }";
+    assert!(conforms(&schema, &json(&with(adhesion))));
     for wrong in [
+        "adhesion = { strength = 1 }",
+        "adhesion = { strength = 0, distance = 1 }",
+        "adhesion = { strength = 1, distance = 1, normal = [0, 1] }",
         "tension.value = true",
         "tenson.value = 1",
         "bending.modulus = 1",

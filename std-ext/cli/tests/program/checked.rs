@@ -43,6 +43,11 @@ fn what_a_run_refuses_at_once_a_check_refuses() {
         (LATTICE, "driver.step=1e-30", "longer `step`"),
         (
             SCENE,
+            "surface.vesicle.bending=",
+            "surface \"vesicle\" has the moduli 0e0 (bending) and 0e0 (in plane)",
+        ),
+        (
+            SCENE,
             "surface.vesicle.volume.reduced=1e-300",
             "reduced volume of 1e-300",
         ),

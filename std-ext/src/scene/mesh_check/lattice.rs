@@ -257,7 +257,8 @@ pub(super) fn doubts(
     let barriers = Vec::from_iter(file.scene.interactions.iter().map(Barrier::of));
     let stiff = lattice.membrane_limits(&[membrane]);
     let barrier = lattice.barrier_limit(&[membrane], &barriers);
-    for limit in stiff.into_iter().chain([barrier]) {
+    let adhesion = lattice.adhesion_limit(&[membrane]);
+    for limit in stiff.into_iter().chain([barrier, adhesion]) {
         let most = TREMBLING * limit.step;
         if lattice.step > most {
             let path = first_written(file, ["driver.step", of_the_nodes]);

@@ -254,6 +254,44 @@ fn the_repulsion_limits_the_step() {
     }
 }
 
+/// Adhesion that a pressure of 10 P = 10 G/a compresses to q = 2, where V″ = 12 W/λ²; a vertex on nodes 1/6
+/// apart is held by √3/2 (1/6)² of it.
+#[test]
+fn adhesion_limits_the_step() {
+    let range = 0.03;
+    let adhering = |step: &str| {
+        let nodes = format!("resolution = 6\n{step}");
+        let strength = 10.0 * range / 4.0;
+        let adhesion = format!(
+            "adhesion = {{ strength = {strength}, distance = 0.1, range = {range}, wall = [0, 0, -1.5] }}"
+        );
+        let bending = "bending = { method = \"B\", modulus = 0.1125 }";
+        capsule(&[(bending, &adhesion), ("resolution = 6", &nodes)])
+    };
+    let stiffness = 0.75_f64.sqrt() / 36.0 * 12.0 * 10.0 / (4.0 * range);
+    let expected = 1.0 / (6.0 * stiffness);
+    let text = adhering("");
+    let explanation = explained(&text);
+    assert!(explanation.step_limit.starts_with("adhesion"));
+    let lattice = explanation.lattice.expect("a lattice");
+    let found = lattice.limits.iter().find(|limit| limit.name == "adhesion");
+    let found = found.expect("a limit").step;
+    tolerance::SCENE_NUMBER.assert(found, expected, expected, "step");
+    let step = driver(&valid(&text).scene).step;
+    assert!((0.8..=0.9).contains(&(step / expected)), "{step}");
+    // That it has no bending is doubtful, too.
+    for (step, count) in [
+        (String::new(), 0),
+        (format!("step = {}", 1.9 * expected), 0),
+        (format!("step = {}", 2.1 * expected), 1),
+    ] {
+        let said = warnings(&adhering(&step));
+        let names =
+            |warning: &&String| warning.contains("which the adhesion of \"capsule\" allows");
+        assert_eq!(said.iter().filter(names).count(), count, "{said:?}");
+    }
+}
+
 /// The edge of an equilateral triangle of the mean area.
 fn mean_edge(mesh: &MeshInfo) -> f64 {
     (4.0 * mesh.area / (3_f64.sqrt() * mesh.triangles as f64)).sqrt()
