@@ -40,6 +40,7 @@ pub use problem::{Place, Problem, SceneError, SceneErrors};
 pub use schema::json_schema;
 pub(crate) use shipped::shipped_file;
 pub use shipped::{SHIPPED, ShippedScene, shipped_files};
+pub(crate) use surface::MeshFiles;
 pub use surface::{
     MeshFileSource, MeshSource, MeshSourceError, Obstacle, Orientation, SurfaceScene,
 };
@@ -110,6 +111,8 @@ pub struct SceneFile {
     pub warnings: Vec<SceneError>,
     source: problem::Source,
     origins: value::Origins,
+    /// Mesh files that the scene was read with.
+    pub(crate) meshes: MeshFiles,
 }
 
 impl SceneFile {

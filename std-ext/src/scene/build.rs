@@ -14,7 +14,7 @@ use super::problem::{Problem, SceneErrors, Source};
 use super::reader::Reader;
 use super::units::{Scale, TEMPERATURE, is_thermal};
 use super::value::{Origin, Origins, Overrides, Table, Value};
-use super::{Driver, Interaction, Scene, SceneFile, SurfaceScene, Units};
+use super::{Driver, Interaction, MeshFiles, Scene, SceneFile, SurfaceScene, Units};
 use helfrich::Images;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -71,10 +71,12 @@ pub(super) fn parse(
         problems: &mut problems,
         warnings: &mut warnings,
         barriers: Vec::new(),
+        meshes: MeshFiles::default(),
     };
     let mut scene = builder.scene(Reader::new(&SCENE, &table, &origin, scale), units);
     let thermal = table.get("temperature").is_some() || table.any_text(&is_thermal);
     scene.temperature = thermal.then_some(temperature);
+    let meshes = builder.meshes;
     if let Some(errors) = fail(problems.0) {
         return Err(errors);
     }
@@ -84,6 +86,7 @@ pub(super) fn parse(
         warnings,
         origins: Origins::new(&table),
         source,
+        meshes,
     })
 }
 
@@ -94,6 +97,8 @@ pub(super) struct Builder<'a> {
     warnings: &'a mut Problems,
     /// What limits steps of a driver, beside its surfaces.
     barriers: Vec<Barrier>,
+    /// Those of which the size had to be known.
+    meshes: MeshFiles,
 }
 
 impl Builder<'_> {

@@ -160,38 +160,24 @@ fn check(
     scale: Scale,
     problems: &mut Problems,
 ) {
-    let key = || name.to_owned();
-    let wrong_kind = |expected: String| Problem::WrongKind {
-        key: key(),
-        found: value.kind().to_owned(),
-        expected,
-    };
-    let problem = match (form, value) {
-        (Form::Either(forms), value) => {
-            let [first, second] = forms;
-            let form = if fits(first, value) {
-                first
-            } else if fits(second, value) {
-                second
-            } else {
-                let expected = format!(
-                    "{} or {}",
-                    expected(first, scale.units),
-                    expected(second, scale.units)
-                );
-                problems.add(origin, wrong_kind(expected));
-                return;
-            };
-            check(form, name, path, origin, value, scale, problems);
-            return;
-        }
+    match (form, value) {
+        (Form::Either(forms), value) => match forms.iter().find(|form| fits(form, value)) {
+            Some(form) => check(form, name, path, origin, value, scale, problems),
+            None => problems.add(origin, wrong_kind(form, name, value, scale)),
+        },
         (Form::Table(keys), Value::Table(table)) => {
             check_table(keys, path, origin, table, scale, problems);
-            return;
         }
         (Form::Tables(keys), Value::List(list)) => {
             if list.is_empty() {
-                problems.add(origin, wrong_kind(format!("one [[{name}]] or more")));
+                problems.add(
+                    origin,
+                    Problem::WrongKind {
+                        key: name.to_owned(),
+                        found: value.kind().to_owned(),
+                        expected: format!("one [[{name}]] or more"),
+                    },
+                );
             }
             for (index, node) in list.iter().enumerate() {
                 let path = format!("{path}.{index}");
@@ -209,30 +195,27 @@ fn check(
                     ),
                 }
             }
-            return;
         }
         (Form::Numbers(dimension, range), Value::List(list)) if !list.is_empty() => {
-            for node in list {
-                let problem = check_number(name, *dimension, *range, &node.value, scale);
-                if let Some(problem) = problem {
-                    problems.add(&node.origin, problem);
-                }
-            }
-            return;
+            check_all(name, *dimension, *range, list, scale, problems);
         }
         (Form::Vector(dimension), Value::List(list)) if list.len() == 3 => {
-            check_all(name, *dimension, list, scale, problems);
-            return;
+            check_all(name, *dimension, Range::Any, list, scale, problems);
         }
         (Form::Direction, Value::List(list)) if list.len() == 3 => {
             let before = problems.0.len();
-            check_all(name, Dimension::NONE, list, scale, problems);
+            check_all(name, Dimension::NONE, Range::Any, list, scale, problems);
             let zero = |node: &Node| number(&node.value, Dimension::NONE, scale) == Ok(0.0);
-            (problems.0.len() == before && list.iter().all(zero)).then(|| Problem::OutOfRange {
-                key: key(),
-                value: "[0, 0, 0]".to_owned(),
-                range: "other than 0 among the three".to_owned(),
-            })
+            if problems.0.len() == before && list.iter().all(zero) {
+                problems.add(
+                    origin,
+                    Problem::OutOfRange {
+                        key: name.to_owned(),
+                        value: "[0, 0, 0]".to_owned(),
+                        range: "other than 0 among the three".to_owned(),
+                    },
+                );
+            }
         }
         (Form::Exactly(count, inner), Value::List(list)) if list.len() == *count => {
             for node in list {
@@ -246,14 +229,26 @@ fn check(
                     problems,
                 );
             }
-            return;
         }
+        _ => {
+            if let Some(problem) = problem_of(form, name, value, scale) {
+                problems.add(origin, problem);
+            }
+        }
+    }
+}
+
+/// The problem of a value that is no table and of which no part has a problem of its own.
+fn problem_of(form: &'static Form, name: &str, value: &Value, scale: Scale) -> Option<Problem> {
+    let key = || name.to_owned();
+    let is_wrong = |found: String| Problem::WrongKind {
+        key: key(),
+        found,
+        expected: expected(form, scale.units),
+    };
+    match (form, value) {
         (Form::Vector(_) | Form::Direction | Form::Exactly(..), Value::List(list)) => {
-            Some(Problem::WrongKind {
-                key: key(),
-                found: format!("a list of {}", list.len()),
-                expected: expected(form, scale.units),
-            })
+            Some(is_wrong(format!("a list of {}", list.len())))
         }
         (Form::Number(dimension, range) | Form::Numbers(dimension, range), value) => {
             check_number(name, *dimension, *range, value, scale)
@@ -277,39 +272,42 @@ fn check(
                 .err()
                 .map(|source| Problem::Shape { key: key(), source })
         }
-        (Form::Name, Value::Text(text)) => (!is_name(text)).then(|| Problem::WrongKind {
-            key: key(),
-            found: format!("\"{text}\""),
-            expected: expected(form, scale.units),
-        }),
-        (Form::File, Value::Text(text)) => text.is_empty().then(|| Problem::WrongKind {
-            key: key(),
-            found: "empty".to_owned(),
-            expected: expected(form, scale.units),
-        }),
+        (Form::Name, Value::Text(text)) => {
+            (!is_name(text)).then(|| is_wrong(format!("\"{text}\"")))
+        }
+        (Form::File, Value::Text(text)) => text.is_empty().then(|| is_wrong("empty".to_owned())),
         (Form::Pair, Value::List(list)) => {
             let text = |node: &Node| matches!(node.value, Value::Text(_));
-            (list.len() != 2 || !list.iter().all(text))
-                .then(|| wrong_kind(expected(form, scale.units)))
+            let is_pair = list.len() == 2 && list.iter().all(text);
+            (!is_pair).then(|| wrong_kind(form, name, value, scale))
         }
         (Form::Text, Value::Text(_)) | (Form::Switch, Value::Switch(_)) => None,
-        (Form::Tables(_), _) => Some(wrong_kind(format!("a list of tables, [[{name}]],"))),
-        _ => Some(wrong_kind(expected(form, scale.units))),
-    };
-    if let Some(problem) = problem {
-        problems.add(origin, problem);
+        _ => Some(wrong_kind(form, name, value, scale)),
+    }
+}
+
+/// The problem of a value of another kind.
+fn wrong_kind(form: &Form, name: &str, value: &Value, scale: Scale) -> Problem {
+    Problem::WrongKind {
+        key: name.to_owned(),
+        found: value.kind().to_owned(),
+        expected: match form {
+            Form::Tables(_) => format!("a list of tables, [[{name}]],"),
+            form => expected(form, scale.units),
+        },
     }
 }
 
 fn check_all(
     name: &str,
     dimension: Dimension,
+    range: Range,
     list: &[Node],
     scale: Scale,
     problems: &mut Problems,
 ) {
     for node in list {
-        if let Some(problem) = check_number(name, dimension, Range::Any, &node.value, scale) {
+        if let Some(problem) = check_number(name, dimension, range, &node.value, scale) {
             problems.add(&node.origin, problem);
         }
     }

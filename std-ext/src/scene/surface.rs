@@ -6,6 +6,7 @@ use crate::io::{MeshFile, ReadError, read, read_welded};
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// One surface and the effects that act on it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -124,6 +125,30 @@ impl MeshFileSource {
             }),
             _ => Ok(file),
         }
+    }
+}
+
+/// Mesh files that have been read, so that each is read once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MeshFiles {
+    known: Vec<(MeshFileSource, Arc<MeshFile>)>,
+}
+
+impl MeshFiles {
+    /// The content of a file, read now or before.
+    ///
+    /// # Errors
+    /// As [`MeshFileSource::read`].
+    pub(crate) fn read(
+        &mut self,
+        source: &MeshFileSource,
+    ) -> Result<Arc<MeshFile>, MeshSourceError> {
+        if let Some((_, file)) = self.known.iter().find(|(known, _)| known == source) {
+            return Ok(Arc::clone(file));
+        }
+        let file = Arc::new(source.read()?);
+        self.known.push((source.clone(), Arc::clone(&file)));
+        Ok(file)
     }
 }
 

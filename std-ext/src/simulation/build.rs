@@ -9,7 +9,7 @@ use crate::execute::Parallel;
 use crate::generate::GenerateError;
 use crate::info::MeshInfo;
 use crate::scene::{
-    self, Driver, EffectError, MeshSource, MeshSourceError, Preparation, Reference,
+    self, Driver, EffectError, MeshFiles, MeshSource, MeshSourceError, Preparation, Reference,
     ReferenceSource, SceneError, SceneErrors, SceneFile, SurfaceScene,
 };
 use helfrich::interaction::RepulsionMemory;
@@ -97,6 +97,7 @@ fn unreachable(names: &[&str], error: &ConstraintError) -> String {
 /// [`BuildError`].
 pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError> {
     let scene = &file.scene;
+    let mut files = file.meshes.clone();
     let mut bodies: Vec<Body> = Vec::with_capacity(scene.surfaces.len());
     let mut positions = Vec::new();
     let mut groups = Vec::new();
@@ -110,86 +111,38 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
             surface.scale,
             surface.orientation,
             surface.position,
+            &mut files,
         )?;
         let vertices = positions.len()..positions.len() + start.positions.len();
-        let body = start.body(file, index, surface, vertices, &mut held, &mut warnings)?;
+        let mut context = Context {
+            file,
+            files: &mut files,
+            held: &mut held,
+            warnings: &mut warnings,
+        };
+        let body = start.body(&mut context, index, surface, vertices)?;
         let (components, count) = body.mesh.components();
         groups.extend(components.into_iter().map(|group| group + group_count));
         group_count += count as u32;
         positions.extend(start.positions);
         bodies.push(body);
     }
-    let all_positions = positions;
     for (index, body) in bodies.iter().enumerate() {
         for (other, second) in bodies
             .iter()
             .enumerate()
             .filter(|(other, _)| *other != index)
         {
-            let surfaces = body
-                .surface(&all_positions)
-                .zip(second.surface(&all_positions));
+            let surfaces = body.surface(&positions).zip(second.surface(&positions));
             if let Some((surface, second)) = surfaces {
                 warnings.extend(file.check_outside([index, other], surface, second));
             }
         }
     }
-    let mut obstacles = Vec::with_capacity(scene.obstacles.len());
-    for (index, obstacle) in scene.obstacles.iter().enumerate() {
-        let Placed {
-            mesh, positions, ..
-        } = Placed::new(
-            &obstacle.name,
-            &obstacle.source,
-            obstacle.scale,
-            obstacle.orientation,
-            obstacle.position,
-        )?;
-        let surface = Surface::new(&mesh, &positions).map_err(|source| BuildError::Positions {
-            surface: obstacle.name.clone(),
-            source,
-        })?;
-        let info = MeshInfo::new(surface);
-        file.check_obstacle(index, &info)?;
-        warnings.extend(file.obstacle_warning(index, &info));
-        for (number, body) in bodies.iter().enumerate() {
-            if let Some(body) = body.surface(&all_positions) {
-                file.check_apart(number, body, index, surface)?;
-            }
-        }
-        obstacles.push(Obstacle {
-            name: obstacle.name.clone(),
-            mesh,
-            positions,
-        });
-    }
+    let obstacles = obstacles(file, &bodies, &positions, &mut files, &mut warnings)?;
     let images = scene.driver.images();
-    let between = scene.interactions.iter().map(|interaction| {
-        let scene::Interaction::Repulsion {
-            strength,
-            cutoff,
-            between,
-        } = *interaction;
-        let mut acting =
-            between.map_or_else(|| Vec::from_iter(0..bodies.len()), |pair| pair.to_vec());
-        acting.sort_unstable();
-        acting.dedup();
-        Between {
-            repulsion: Repulsion {
-                modulus: strength,
-                range: cutoff,
-                images: Images {
-                    own: between.is_none_or(|[a, b]| a == b),
-                    ..images
-                },
-            },
-            bodies: acting,
-            memory: RepulsionMemory::default(),
-            execution: Parallel::new(),
-            evaluations: 0,
-            time: Duration::ZERO,
-        }
-    });
+    let between = scene.interactions.iter();
+    let between = between.map(|interaction| between_bodies(interaction, bodies.len(), images));
     let between = between.collect();
     let names = Vec::from_iter(scene.surfaces.iter().map(|surface| surface.name.as_str()));
     let warnings = said_once(warnings, &names);
@@ -203,19 +156,94 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
         warnings,
     };
     simulation.set_load(0);
-    Ok((simulation, all_positions))
+    Ok((simulation, positions))
+}
+
+/// The obstacles, where they stand, and doubts about them.
+fn obstacles(
+    file: &SceneFile,
+    bodies: &[Body],
+    positions: &[[f64; 3]],
+    files: &mut MeshFiles,
+    warnings: &mut Vec<SceneError>,
+) -> Result<Vec<Obstacle>, BuildError> {
+    let mut obstacles = Vec::with_capacity(file.scene.obstacles.len());
+    for (index, obstacle) in file.scene.obstacles.iter().enumerate() {
+        let start = Placed::new(
+            &obstacle.name,
+            &obstacle.source,
+            obstacle.scale,
+            obstacle.orientation,
+            obstacle.position,
+            files,
+        )?;
+        let surface = Surface::new(&start.mesh, &start.positions).map_err(|source| {
+            BuildError::Positions {
+                surface: obstacle.name.clone(),
+                source,
+            }
+        })?;
+        let info = MeshInfo::new(surface);
+        file.check_obstacle(index, &info)?;
+        warnings.extend(file.obstacle_warning(index, &info));
+        for (number, body) in bodies.iter().enumerate() {
+            if let Some(body) = body.surface(positions) {
+                file.check_apart(number, body, index, surface)?;
+            }
+        }
+        obstacles.push(Obstacle {
+            name: obstacle.name.clone(),
+            mesh: start.mesh,
+            positions: start.positions,
+        });
+    }
+    Ok(obstacles)
+}
+
+/// An interaction of these bodies.
+fn between_bodies(interaction: &scene::Interaction, bodies: usize, images: Images<f64>) -> Between {
+    let scene::Interaction::Repulsion {
+        strength,
+        cutoff,
+        between,
+    } = *interaction;
+    let mut acting = between.map_or_else(|| Vec::from_iter(0..bodies), |pair| pair.to_vec());
+    acting.sort_unstable();
+    acting.dedup();
+    Between {
+        repulsion: Repulsion {
+            modulus: strength,
+            range: cutoff,
+            images: Images {
+                own: between.is_none_or(|[a, b]| a == b),
+                ..images
+            },
+        },
+        bodies: acting,
+        memory: RepulsionMemory::default(),
+        execution: Parallel::new(),
+        evaluations: 0,
+        time: Duration::ZERO,
+    }
+}
+
+/// The scene of a surface that is made ready, and what all surfaces share.
+struct Context<'a> {
+    file: &'a SceneFile,
+    files: &'a mut MeshFiles,
+    held: &'a mut Vec<Quantity>,
+    warnings: &'a mut Vec<SceneError>,
 }
 
 impl Placed {
     fn body(
         &self,
-        file: &SceneFile,
+        context: &mut Context<'_>,
         index: usize,
         scene: &SurfaceScene,
         vertices: std::ops::Range<usize>,
-        all_held: &mut Vec<Quantity>,
-        warnings: &mut Vec<SceneError>,
     ) -> Result<Body, BuildError> {
+        let file = context.file;
         let surface =
             Surface::new(&self.mesh, &self.positions).map_err(|source| BuildError::Positions {
                 surface: scene.name.clone(),
@@ -223,7 +251,7 @@ impl Placed {
             })?;
         let info = MeshInfo::new(surface);
         file.check_mesh(index, &info)?;
-        warnings.extend(file.mesh_warnings(index, &info));
+        context.warnings.extend(file.mesh_warnings(index, &info));
         let mut preparation = Preparation {
             surface,
             position: scene.position,
@@ -240,7 +268,7 @@ impl Placed {
         };
         for (name, effect) in scene.effects.iter() {
             if let Some(reference) = effect.reference() {
-                preparation.unstressed = self.reference(file, index, name, reference)?;
+                preparation.unstressed = self.reference(context, index, name, reference)?;
             }
             let prepared = effect.prepare(&mut preparation);
             prepared.map_err(|source| BuildError::Effect {
@@ -258,10 +286,11 @@ impl Placed {
         let (names, constraints): (Vec<_>, Vec<_>) = constraints.into_iter().unzip();
         let places = constraints.iter().map(|constraint: &Constraint<f64>| {
             let quantity = constraint.functional;
-            let known = all_held.iter().position(|&held| held == quantity);
+            let held = &mut *context.held;
+            let known = held.iter().position(|&held| held == quantity);
             known.unwrap_or_else(|| {
-                all_held.push(quantity);
-                all_held.len() - 1
+                held.push(quantity);
+                held.len() - 1
             })
         });
         let places = places.collect();
@@ -290,7 +319,7 @@ impl Placed {
     /// The positions of a reference.
     fn reference(
         &self,
-        file: &SceneFile,
+        context: &mut Context<'_>,
         index: usize,
         effect: &str,
         reference: &Reference,
@@ -300,7 +329,7 @@ impl Placed {
             ReferenceSource::Shape(shape) => {
                 let preimages = self.preimages.iter().flatten();
                 let mut positions = Vec::from_iter(preimages.map(|&at| shape.position(at)));
-                let source = &file.scene.surfaces[index].source;
+                let source = &context.file.scene.surfaces[index].source;
                 if matches!(
                     source,
                     MeshSource::Shape {
@@ -313,9 +342,10 @@ impl Placed {
                 Ok(positions)
             }
             ReferenceSource::File(source) => {
-                let reference = source.read()?;
+                let reference = context.files.read(source)?;
+                let file = context.file;
                 file.check_reference(index, effect, &self.mesh, &reference.mesh)?;
-                Ok(reference.positions)
+                Ok(reference.positions.clone())
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::build::BuildError;
 use crate::generate::{GeneratedMesh, generate};
-use crate::scene::{MeshSource, Orientation};
+use crate::scene::{MeshFiles, MeshSource, Orientation};
 use helfrich::{Surface, TriangleMesh};
 
 /// Scales a closed mesh so that it encloses this volume.
@@ -35,6 +35,7 @@ impl Placed {
         scale: f64,
         orientation: Option<Orientation>,
         position: [f64; 3],
+        files: &mut MeshFiles,
     ) -> Result<Self, BuildError> {
         let (mesh, mut unplaced, preimages) = match source {
             MeshSource::Shape {
@@ -60,8 +61,8 @@ impl Placed {
                 (mesh, positions, Some(preimages))
             }
             MeshSource::File(file) => {
-                let file = file.read()?;
-                (file.mesh, file.positions, None)
+                let file = files.read(file)?;
+                (file.mesh.clone(), file.positions.clone(), None)
             }
         };
         for vertex in &mut unplaced {

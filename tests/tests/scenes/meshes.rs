@@ -258,3 +258,30 @@ fn split_vertices_are_refused_unless_the_scene_speaks_of_them() {
     refused(bending, lattice);
     ready(&format!("weld = true\n{bending}"), lattice).unwrap();
 }
+
+/// A file whose size the lattice follows from, twice in the scene and once as a reference: what is read
+/// while the scene is is not read again.
+#[test]
+fn each_mesh_file_is_read_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("split.obj");
+    std::fs::write(&mesh, split_sphere()).unwrap();
+    let elastic = "elasticity = { law = \"neo-hookean\", shear_modulus = 1, reference = { mesh = \
+                   \"split.obj\", weld = true } }";
+    let surface = |position: &str| {
+        format!(
+            "[[surface]]\nmesh = \"split.obj\"\nweld = true\nposition = {position}\n{elastic}\n"
+        )
+    };
+    let text = format!(
+        "units = \"none\"\n{}{}[driver]\nkind = \"lattice-boltzmann\"\nviscosity = 1\nresolution = 6\n\
+         box = [9, 6, 6]\nflow = {{ kind = \"shear\", rate = 0.15 }}\nstrain = 1\n",
+        surface("[-2, 0, 0]"),
+        surface("[2, 0, 0]")
+    );
+    let path = folder.path().join("scene.toml");
+    let file = SceneFile::parse(&text, &path, &Overrides::default()).unwrap();
+    std::fs::remove_file(&mesh).unwrap();
+    let (simulation, positions) = build(&file).unwrap();
+    assert_eq!((simulation.bodies().len(), positions.len()), (2, 324));
+}

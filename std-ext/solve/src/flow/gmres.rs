@@ -216,25 +216,40 @@ impl Gmres {
             ended |= solved.converged;
         }
 
-        // Back substitution, in the memory of the rotated residual.
-        for k in (0..columns).rev() {
-            let known = (k + 1..columns).map(|j| triangle[j * restart + k] * rest[j]);
-            rest[k] = (rest[k] - known.sum::<f64>()) / triangle[k * restart + k];
-        }
-        // A nearly singular triangle may give a result that is not finite; then the initial guess
-        // is kept.
-        product.copy_from_slice(solution);
-        for (&factor, direction) in rest[..columns].iter().zip(&*basis) {
-            add_scaled(product, factor, direction);
-        }
-        if product.as_flattened().iter().all(|x| x.is_finite()) {
-            solution.copy_from_slice(product);
-        } else {
+        if !self.advance(columns, solution) {
             solved.residual = size / length;
             solved.converged = false;
             ended = true;
         }
         ended
+    }
+
+    /// Adds the combination of the first directions to the solution. If it is not finite, as of a nearly
+    /// singular triangle, the solution is kept, and the result is false.
+    fn advance(&mut self, columns: usize, solution: &mut [[f64; 3]]) -> bool {
+        let Self {
+            basis,
+            triangle,
+            rotations,
+            rest,
+            product,
+            ..
+        } = self;
+        let restart = rotations.len();
+        // Back substitution, in the memory of the rotated residual.
+        for k in (0..columns).rev() {
+            let known = (k + 1..columns).map(|j| triangle[j * restart + k] * rest[j]);
+            rest[k] = (rest[k] - known.sum::<f64>()) / triangle[k * restart + k];
+        }
+        product.copy_from_slice(solution);
+        for (&factor, direction) in rest[..columns].iter().zip(&*basis) {
+            add_scaled(product, factor, direction);
+        }
+        let is_finite = product.as_flattened().iter().all(|x| x.is_finite());
+        if is_finite {
+            solution.copy_from_slice(product);
+        }
+        is_finite
     }
 }
 

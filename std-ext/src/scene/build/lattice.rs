@@ -5,8 +5,8 @@ use super::super::lattice::{MACH, Membrane};
 use super::super::reader::Reader;
 use super::super::value::{Origin, default_name};
 use super::super::{
-    Driver, Every, Flow, LatticeBoltzmann, MeshFileSource, MeshSource, Obstacle, Output, Scene,
-    SurfaceScene,
+    Driver, Every, Flow, LatticeBoltzmann, MeshFileSource, MeshFiles, MeshSource, Obstacle, Output,
+    Scene, SurfaceScene,
 };
 use super::Builder;
 use crate::flow::lattice_boltzmann::Kernel;
@@ -234,7 +234,7 @@ impl Builder<'_> {
                     let characteristic = shape.euler_characteristic().unsigned_abs() as usize;
                     Ok((shape.volume(), area(shape), 2 * (vertices - characteristic)))
                 }
-                MeshSource::File(file) => measure(file),
+                MeshSource::File(file) => measure(file, &mut self.meshes),
             };
             match measured {
                 Ok((volume, area, triangles)) => {
@@ -510,8 +510,8 @@ fn area(shape: &AnyShape) -> f64 {
 }
 
 /// Volume, area and number of triangles of a mesh file, or the reason why they are unknown.
-fn measure(source: &MeshFileSource) -> Result<(f64, f64, usize), String> {
-    let file = source.read().map_err(|error| error.to_string())?;
+fn measure(source: &MeshFileSource, meshes: &mut MeshFiles) -> Result<(f64, f64, usize), String> {
+    let file = meshes.read(source).map_err(|error| error.to_string())?;
     let surface = Surface::new(&file.mesh, &file.positions).map_err(|error| error.to_string())?;
     let volume = surface.volume().filter(|&volume| volume > 0.0);
     let volume = volume.ok_or_else(|| format!("{} encloses no volume", source.path.display()))?;

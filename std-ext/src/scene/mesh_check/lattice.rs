@@ -124,158 +124,234 @@ pub(super) fn doubts(
     mesh: &MeshInfo,
     lattice: &LatticeBoltzmann,
 ) -> Vec<(String, String)> {
-    let membrane = Membrane::of(surface, mesh);
-    let name = &surface.name;
-    let of_the_step = first_written(file, ["driver.step", "driver.lattice_viscosity"]);
-    let of_the_nodes = first_written(file, ["driver.spacing", "driver.resolution"]);
-    // The name of the kernel in scenes.
-    let spacing = |spacing: f64| match file.origins.has("driver.resolution") {
-        true => format!("a `resolution` of {}", rounded(membrane.radius / spacing)),
-        false => format!("a `spacing` of {}", rounded(spacing)),
+    let mut doubts = Doubts {
+        file,
+        name: &surface.name,
+        lattice,
+        membrane: Membrane::of(surface, mesh),
+        found: Vec::new(),
     };
-    let mut found = Vec::new();
+    doubts.compression();
+    doubts.edges(index, mesh);
+    doubts.room();
+    doubts.inertia();
+    doubts.steps();
+    doubts.found
+}
 
-    let pressure = lattice.pressure(&[membrane]);
-    let compression = lattice.compression(pressure);
-    if compression > COMPRESSION {
-        let excess = compression / COMPRESSION;
-        // Without a density, the density of the lattice is proportional to the step.
-        let change = match lattice.density {
-            None => format!(
-                "choose a `step` of {}, or a `lattice_viscosity` of {}",
-                rounded(lattice.step / excess),
-                rounded(lattice.lattice_viscosity / excess)
-            ),
-            Some(_) => format!(
-                "choose a `step` of {}, which is a viscosity of {} on the lattice",
-                rounded(lattice.step / excess.sqrt()),
-                rounded(lattice.lattice_viscosity / excess.sqrt())
-            ),
-        };
-        found.push((
-            of_the_step.to_owned(),
-            format!(
-                "\"{name}\" changes the density of the fluid by 3 P = {}, 3 μγ̇/Ca of an elastic one, on \
-                 the lattice, above {COMPRESSION}: its volume shrinks by as much, and 1 % of it raises D by \
-                 2 %: {change}",
-                rounded(compression)
-            ),
-        ));
+/// A membrane on a lattice, and doubts about it.
+struct Doubts<'a> {
+    file: &'a SceneFile,
+    name: &'a str,
+    lattice: &'a LatticeBoltzmann,
+    membrane: Membrane,
+    found: Vec<(String, String)>,
+}
+
+impl Doubts<'_> {
+    fn step_key(&self) -> &'static str {
+        first_written(self.file, ["driver.step", "driver.lattice_viscosity"])
     }
 
-    let edge = membrane.edge / lattice.spacing;
-    let [shortest, longest] = EDGES;
-    let vertices = match file.origins.has(&format!("surface.{index}.vertices")) {
-        true => format!("surface.{index}.vertices"),
-        false => format!("surface.{index}.mesh"),
-    };
-    if edge > longest {
-        found.push((
-            vertices,
-            format!(
-                "edges of \"{name}\" are {} nodes long in the mean, above {longest}: fluid leaks between \
-                 its vertices: choose more `vertices`, {} say, or {}",
-                rounded(edge),
-                4 * mesh.vertices - 6,
-                spacing(membrane.edge / longest)
-            ),
-        ));
-    } else if edge < shortest {
-        found.push((
-            vertices,
-            format!(
-                "edges of \"{name}\" are {} nodes long in the mean, below {shortest}: too short for the nodes, \
-                 and the stiffer membrane needs shorter steps: choose fewer `vertices`, or {}",
-                rounded(edge),
-                spacing(membrane.edge / (2.0 * shortest))
-            ),
-        ));
+    fn nodes_key(&self) -> &'static str {
+        first_written(self.file, ["driver.spacing", "driver.resolution"])
     }
 
-    let size = lattice.size();
-    let needed = BOX * membrane.radius;
-    // Walls of channels are part of the problem, and lengths rounded to whole nodes are long
-    // enough.
-    let free = |&axis: &usize| {
-        let wall = matches!(lattice.flow, Flow::Channel { .. }) && lattice.walls()[axis];
-        !wall && size[axis] < needed - lattice.spacing
-    };
-    // Many surfaces in a periodic box form a suspension, whose box does not stand for unbounded
-    // fluid.
-    let alone = file.scene.surfaces.len() == 1;
-    if let Some(axis) = (0..3)
-        .filter(free)
-        .min_by(|&a, &b| size[a].total_cmp(&size[b]))
-        .filter(|_| alone)
-    {
-        let ratio = size[axis] / membrane.radius;
-        let what = match lattice.walls()[axis] {
-            true => "walls",
-            false => "images",
-        };
-        let path = first_written(file, ["driver.box", "driver"]);
-        found.push((
-            path.to_owned(),
-            format!(
-                "the box is {} radii of \"{name}\" long along {}, below {BOX}: it is influenced by its {what}, D by \
-                 about {FINITE_BOX} (a/L)³ = {}: choose {} or more",
-                rounded(ratio),
-                AXES[axis],
-                rounded(FINITE_BOX / ratio.powi(3)),
-                rounded(needed)
+    /// A distance of nodes as the scene calls it.
+    fn spacing(&self, spacing: f64) -> String {
+        match self.file.origins.has("driver.resolution") {
+            true => format!(
+                "a `resolution` of {}",
+                rounded(self.membrane.radius / spacing)
             ),
-        ));
+            false => format!("a `spacing` of {}", rounded(spacing)),
+        }
     }
 
-    let reynolds = lattice.reynolds(membrane.radius, pressure);
-    if lattice.density.is_some() && reynolds > REYNOLDS {
-        found.push((
-            "driver.density".to_owned(),
-            format!(
-                "the Reynolds number ργ̇a²/μ of \"{name}\" is {}, above {REYNOLDS}: inertia raises D; for \
-                 Stokes flow leave `density` out",
-                rounded(reynolds)
-            ),
-        ));
-    }
-    if lattice.density.is_none() && reynolds > INERTIA {
-        let excess = reynolds / INERTIA;
-        found.push((
-            of_the_step.to_owned(),
-            format!(
-                "the lattice gives the flow about \"{name}\" a Reynolds number γ̇a²/ν of {}, above \
-                 {INERTIA}, and it lags behind the forces: choose a `step` of {}, a `lattice_viscosity` of \
-                 {}, or {}",
-                rounded(reynolds),
-                rounded(lattice.step / excess),
-                rounded(lattice.lattice_viscosity * excess),
-                spacing(lattice.spacing * excess.sqrt())
-            ),
-        ));
-    }
-
-    let barriers = Vec::from_iter(file.scene.interactions.iter().map(Barrier::of));
-    let stiff = lattice.membrane_limits(&[membrane]);
-    let barrier = lattice.barrier_limit(&[membrane], &barriers);
-    let adhesion = lattice.adhesion_limit(&[membrane]);
-    for limit in stiff.into_iter().chain([barrier, adhesion]) {
-        let most = TREMBLING * limit.step;
-        if lattice.step > most {
-            let path = first_written(file, ["driver.step", of_the_nodes]);
-            found.push((
-                path.to_owned(),
+    /// Whether the membrane compresses the fluid.
+    fn compression(&mut self) {
+        let Self {
+            name,
+            lattice,
+            membrane,
+            ..
+        } = *self;
+        let pressure = lattice.pressure(&[membrane]);
+        let compression = lattice.compression(pressure);
+        if compression > COMPRESSION {
+            let excess = compression / COMPRESSION;
+            // Without a density, the density of the lattice is proportional to the step.
+            let change = match lattice.density {
+                None => format!(
+                    "choose a `step` of {}, or a `lattice_viscosity` of {}",
+                    rounded(lattice.step / excess),
+                    rounded(lattice.lattice_viscosity / excess)
+                ),
+                Some(_) => format!(
+                    "choose a `step` of {}, which is a viscosity of {} on the lattice",
+                    rounded(lattice.step / excess.sqrt()),
+                    rounded(lattice.lattice_viscosity / excess.sqrt())
+                ),
+            };
+            self.found.push((
+                self.step_key().to_owned(),
                 format!(
-                    "steps of {} are more than twice {}, which the {} of \"{name}\" allows: the membrane \
-                     oscillates at the scale of its mesh: choose a `step` of {}, or fewer `vertices`",
-                    rounded(lattice.step),
-                    rounded(limit.step),
-                    limit.name,
-                    rounded(limit.step)
+                    "\"{name}\" changes the density of the fluid by 3 P = {}, 3 μγ̇/Ca of an elastic one, on \
+                     the lattice, above {COMPRESSION}: its volume shrinks by as much, and 1 % of it raises D by \
+                     2 %: {change}",
+                    rounded(compression)
                 ),
             ));
         }
     }
-    found
+
+    /// Whether edges are as long as nodes are apart, about.
+    fn edges(&mut self, index: usize, mesh: &MeshInfo) {
+        let Self {
+            name,
+            lattice,
+            membrane,
+            ..
+        } = *self;
+        let edge = membrane.edge / lattice.spacing;
+        let [shortest, longest] = EDGES;
+        let vertices = match self.file.origins.has(&format!("surface.{index}.vertices")) {
+            true => format!("surface.{index}.vertices"),
+            false => format!("surface.{index}.mesh"),
+        };
+        if edge > longest {
+            self.found.push((
+                vertices,
+                format!(
+                    "edges of \"{name}\" are {} nodes long in the mean, above {longest}: fluid leaks between \
+                     its vertices: choose more `vertices`, {} say, or {}",
+                    rounded(edge),
+                    4 * mesh.vertices - 6,
+                    self.spacing(membrane.edge / longest)
+                ),
+            ));
+        } else if edge < shortest {
+            self.found.push((
+                vertices,
+                format!(
+                    "edges of \"{name}\" are {} nodes long in the mean, below {shortest}: too short for the nodes, \
+                     and the stiffer membrane needs shorter steps: choose fewer `vertices`, or {}",
+                    rounded(edge),
+                    self.spacing(membrane.edge / (2.0 * shortest))
+                ),
+            ));
+        }
+    }
+
+    /// Whether the box is so large that the membrane does not feel its ends.
+    fn room(&mut self) {
+        let Self {
+            name,
+            lattice,
+            membrane,
+            ..
+        } = *self;
+        let size = lattice.size();
+        let needed = BOX * membrane.radius;
+        // Walls of channels are part of the problem, and lengths rounded to whole nodes are long enough.
+        let free = |&axis: &usize| {
+            let wall = matches!(lattice.flow, Flow::Channel { .. }) && lattice.walls()[axis];
+            !wall && size[axis] < needed - lattice.spacing
+        };
+        // Many surfaces in a periodic box form a suspension, whose box does not stand for unbounded fluid.
+        let alone = self.file.scene.surfaces.len() == 1;
+        if let Some(axis) = (0..3)
+            .filter(free)
+            .min_by(|&a, &b| size[a].total_cmp(&size[b]))
+            .filter(|_| alone)
+        {
+            let ratio = size[axis] / membrane.radius;
+            let what = match lattice.walls()[axis] {
+                true => "walls",
+                false => "images",
+            };
+            let path = first_written(self.file, ["driver.box", "driver"]);
+            self.found.push((
+                path.to_owned(),
+                format!(
+                    "the box is {} radii of \"{name}\" long along {}, below {BOX}: it is influenced by its {what}, D by \
+                     about {FINITE_BOX} (a/L)³ = {}: choose {} or more",
+                    rounded(ratio),
+                    AXES[axis],
+                    rounded(FINITE_BOX / ratio.powi(3)),
+                    rounded(needed)
+                ),
+            ));
+        }
+    }
+
+    /// Whether there is inertia that is not meant.
+    fn inertia(&mut self) {
+        let Self {
+            name,
+            lattice,
+            membrane,
+            ..
+        } = *self;
+        let pressure = lattice.pressure(&[membrane]);
+        let reynolds = lattice.reynolds(membrane.radius, pressure);
+        if lattice.density.is_some() && reynolds > REYNOLDS {
+            self.found.push((
+                "driver.density".to_owned(),
+                format!(
+                    "the Reynolds number ργ̇a²/μ of \"{name}\" is {}, above {REYNOLDS}: inertia raises D; for \
+                     Stokes flow leave `density` out",
+                    rounded(reynolds)
+                ),
+            ));
+        }
+        if lattice.density.is_none() && reynolds > INERTIA {
+            let excess = reynolds / INERTIA;
+            self.found.push((
+                self.step_key().to_owned(),
+                format!(
+                    "the lattice gives the flow about \"{name}\" a Reynolds number γ̇a²/ν of {}, above \
+                     {INERTIA}, and it lags behind the forces: choose a `step` of {}, a `lattice_viscosity` of \
+                     {}, or {}",
+                    rounded(reynolds),
+                    rounded(lattice.step / excess),
+                    rounded(lattice.lattice_viscosity * excess),
+                    self.spacing(lattice.spacing * excess.sqrt())
+                ),
+            ));
+        }
+    }
+
+    /// Whether explicit steps are stable.
+    fn steps(&mut self) {
+        let Self {
+            name,
+            lattice,
+            membrane,
+            ..
+        } = *self;
+        let barriers = Vec::from_iter(self.file.scene.interactions.iter().map(Barrier::of));
+        let stiff = lattice.membrane_limits(&[membrane]);
+        let barrier = lattice.barrier_limit(&[membrane], &barriers);
+        let adhesion = lattice.adhesion_limit(&[membrane]);
+        for limit in stiff.into_iter().chain([barrier, adhesion]) {
+            let most = TREMBLING * limit.step;
+            if lattice.step > most {
+                let path = first_written(self.file, ["driver.step", self.nodes_key()]);
+                self.found.push((
+                    path.to_owned(),
+                    format!(
+                        "steps of {} are more than twice {}, which the {} of \"{name}\" allows: the membrane \
+                         oscillates at the scale of its mesh: choose a `step` of {}, or fewer `vertices`",
+                        rounded(lattice.step),
+                        rounded(limit.step),
+                        limit.name,
+                        rounded(limit.step)
+                    ),
+                ));
+            }
+        }
+    }
 }
 
 /// The first of two keys, if it was written, otherwise the second.
