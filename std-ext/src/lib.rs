@@ -27,6 +27,7 @@ pub use helfrich_solve::{deformation, dynamics, flow};
 
 pub mod answer;
 pub mod checkpoint;
+mod findings;
 pub mod lock;
 pub mod plots;
 pub mod provenance;

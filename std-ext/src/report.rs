@@ -4,7 +4,7 @@ mod csv;
 pub mod page;
 mod recommendation;
 
-pub(crate) use csv::quoted;
+pub use crate::findings::first_of_each_kind;
 pub use csv::{curvature_csv, study_csv};
 pub use recommendation::recommendation;
 
@@ -15,9 +15,8 @@ use crate::six::Six;
 use crate::study::{MOST_SCATTER, Quantity, Row};
 use crate::sweep::{Case, Outcome, Swept};
 use crate::verdict::Verdict;
-use helfrich::{Finding, Noise};
+use helfrich::Noise;
 use std::io::{self, Write};
-use std::mem::discriminant;
 use std::path::Path;
 
 /// Writes a study as a table: a block for each shape, family and number type, a line for each
@@ -227,78 +226,6 @@ pub fn mesh_info(info: &MeshInfo, noise: &Noise<f64>, out: &mut dyn Write) -> io
 /// The standard deviation of noise, as a length and in edges.
 pub fn noise_of_positions(noise: &Noise<f64>) -> String {
     format!("{:.1e} ({:.1e} mean edges)", noise.length, noise.edges)
-}
-
-/// The number of findings of each kind, with a description of the first.
-pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
-    let words = |finding: &Finding| match finding {
-        Finding::ZeroArea { vertex } => {
-            format!("a vertex with area 0, left out (the first is vertex {vertex})")
-        }
-        Finding::NegativeArea { vertex } => {
-            format!("a vertex with negative area, used as it is (the first is vertex {vertex})")
-        }
-        Finding::DegenerateTriangle { triangle } => {
-            format!("a triangle without area, contributing nothing (the first is {triangle})")
-        }
-        Finding::Overstretched { triangle } => format!(
-            "a triangle stretched beyond what this number type can hold (the first is {triangle})"
-        ),
-        Finding::ThinTriangle { triangle } => format!(
-            "a triangle so thin that errors are amplified around it (the first is {triangle})"
-        ),
-        Finding::SmallArea { vertex } => {
-            format!("a vertex whose area all but cancels (the first is vertex {vertex})")
-        }
-        Finding::ClampedArea { vertex } => format!(
-            "a vertex whose area is not positive, replaced by a mixed one (the first is vertex {vertex})"
-        ),
-        Finding::Amplified { vertex } => {
-            format!(
-                "a vertex whose neighbours hardly determine a fit (the first is vertex {vertex})"
-            )
-        }
-        Finding::Uneven { vertex } => {
-            format!("a vertex with edges of very different lengths (the first is vertex {vertex})")
-        }
-        Finding::UnusualValence { vertex } => format!(
-            "a vertex with fewer than four or more than nine neighbours (the first is vertex {vertex})"
-        ),
-        Finding::Folded { vertex } => {
-            format!("a vertex where the surface folds back (the first is vertex {vertex})")
-        }
-        Finding::RoundedPosition { vertex } => format!(
-            "a vertex whose position is stored with too few digits for a fourth derivative \
-             (the first is vertex {vertex})"
-        ),
-        Finding::NoisyPosition { vertex } => format!(
-            "a vertex where a fourth derivative is lost in noise of the positions \
-             (the first is vertex {vertex})"
-        ),
-        Finding::OutOfRange { vertex } => format!(
-            "a vertex whose triangles are too small for a fourth derivative in this number type: \
-             choose a smaller unit of length, or f64 (the first is vertex {vertex})"
-        ),
-        Finding::ReducedDegree { vertex, degree } => {
-            format!("a vertex with a fit of lower degree (the first is vertex {vertex}: {degree})")
-        }
-        Finding::TooFewNeighbours { vertex } => {
-            format!("a vertex with too few neighbours, left out (the first is vertex {vertex})")
-        }
-        other => format!("{other:?}"),
-    };
-    let mut kinds: Vec<(usize, &Finding)> = Vec::new();
-    for finding in findings {
-        let same = |kind: &&mut (usize, &Finding)| discriminant(kind.1) == discriminant(finding);
-        match kinds.iter_mut().find(same) {
-            Some(kind) => kind.0 += 1,
-            None => kinds.push((1, finding)),
-        }
-    }
-    kinds
-        .into_iter()
-        .map(|(count, first)| (count, words(first)))
-        .collect()
 }
 
 /// Writes the end of a run: its last numbers, and the cost of each effect.

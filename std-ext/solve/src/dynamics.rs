@@ -18,6 +18,7 @@ mod coordinates;
 mod frame;
 mod held;
 pub mod integrate;
+mod place;
 mod preconditioner;
 pub(crate) mod quadric;
 mod redistribution;

@@ -1,19 +1,10 @@
 //! Data as CSV.
 
 use crate::method::Fields;
+use crate::series::quoted;
 use crate::study::Row;
 use helfrich::Real;
 use std::io::{self, Write};
-
-/// A cell of a CSV file, on one line.
-pub(crate) fn quoted(text: &str) -> String {
-    let line = text.replace(['\n', '\r'], " ");
-    if line.contains([',', '"']) {
-        format!("\"{}\"", line.replace('"', "\"\""))
-    } else {
-        line
-    }
-}
 
 /// Writes a line for each quantity of a method on a mesh, under the names of the fields of [`Row`];
 /// numbers with as many digits as tell them from every other. An empty field is one that is not known,

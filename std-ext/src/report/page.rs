@@ -7,6 +7,7 @@ mod accuracy;
 mod answers;
 pub mod chart;
 mod costs;
+mod curves;
 mod pictures;
 mod precision;
 pub mod text;

@@ -1,7 +1,7 @@
 //! Quality of the surfaces under a run: vertices on which its energy should not rest.
 
 use crate::effect::Effect;
-use crate::report::first_of_each_kind;
+use crate::findings::first_of_each_kind;
 use crate::scene::{Bending, Named};
 use crate::simulation::{Body, Simulation};
 use helfrich::{Cotangent, DualArea, Finding, Prepared, Quality, Surface};

@@ -3,9 +3,8 @@
 use super::{Case, Ended, Outcome, Sweep, SweepError, Swept};
 use crate::io::replace_file;
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of};
-use crate::report::quoted;
 use crate::scene::Scene;
-use crate::series::{SeriesTable, TIME};
+use crate::series::{SeriesTable, TIME, quoted};
 use std::path::Path;
 
 /// Width and height of the plots, in pixels.

@@ -1,8 +1,9 @@
 //! The geometry of membranes at some positions, and the directions that constraints exclude there.
 
+use super::Membrane;
 use super::frame::Frame;
+use super::place::{Place, geometry, reciprocal_or_zero};
 use super::vector::{self, Vector};
-use super::{Membrane, Motion};
 
 /// Properties of the membranes at some positions that steps need.
 #[derive(Clone, Debug, Default)]
@@ -14,80 +15,6 @@ pub(super) struct Coordinates {
     /// The directions that constraints exclude, as forces on the numbers of the frame: orthonormal
     /// for M⁻¹ in each group.
     forbidden: Vec<Vec<f64>>,
-}
-
-/// The ranges of a membrane's vertices and numbers among those of all membranes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    pub(super) first_vertex: usize,
-    pub(super) vertices: usize,
-    pub(super) first_number: usize,
-    pub(super) width: usize,
-}
-
-impl Place {
-    /// The ranges of consecutive membranes.
-    pub(super) fn of(membranes: &[Membrane]) -> Vec<Self> {
-        let (mut first_vertex, mut first_number) = (0, 0);
-        let mut place = |membrane: &Membrane| {
-            let vertices = membrane.mesh.vertex_count();
-            let width = match membrane.motion {
-                Motion::AlongNormals => 1,
-                Motion::Free => 3,
-            };
-            let place = Self {
-                first_vertex,
-                vertices,
-                first_number,
-                width,
-            };
-            first_vertex += vertices;
-            first_number += width * vertices;
-            place
-        };
-        membranes.iter().map(&mut place).collect()
-    }
-
-    pub(super) fn vertices(&self) -> std::ops::Range<usize> {
-        self.first_vertex..self.first_vertex + self.vertices
-    }
-
-    pub(super) fn numbers(&self) -> std::ops::Range<usize> {
-        self.first_number..self.first_number + self.width * self.vertices
-    }
-}
-
-/// Number of degrees of freedom.
-pub(super) fn number_count(places: &[Place]) -> usize {
-    places.last().map_or(0, |place| place.numbers().end)
-}
-
-/// Unit normals and areas of vertices. The normal is the normalised sum of the area vectors around
-/// the vertex (which is ∂V/∂x), 0 where the sum vanishes; the area is a third of that of the
-/// triangles around it.
-pub(super) fn geometry(
-    membranes: &[Membrane],
-    places: &[Place],
-    positions: &[Vector],
-) -> (Vec<Vector>, Vec<f64>) {
-    let mut normals = vec![[0.0; 3]; positions.len()];
-    let mut areas = vec![0.0; positions.len()];
-    for (membrane, place) in membranes.iter().zip(places) {
-        for triangle in membrane.mesh.triangles() {
-            let corners = triangle.map(|vertex| place.first_vertex + vertex as usize);
-            let [a, b, c] = corners.map(|vertex| positions[vertex]);
-            let doubled = vector::cross(vector::sub(b, a), vector::sub(c, a));
-            let share = vector::norm(doubled) / 6.0;
-            for corner in corners {
-                normals[corner] = vector::add(normals[corner], doubled);
-                areas[corner] += share;
-            }
-        }
-    }
-    for normal in &mut normals {
-        *normal = vector::unit(*normal);
-    }
-    (normals, areas)
 }
 
 impl Coordinates {
@@ -256,8 +183,4 @@ const DEPENDENT: f64 = 1e-10;
 
 fn group_count(groups: &[u32]) -> usize {
     groups.iter().max().map_or(0, |&group| group as usize + 1)
-}
-
-pub(super) fn reciprocal_or_zero(value: f64) -> f64 {
-    if value > 0.0 { value.recip() } else { 0.0 }
 }

@@ -1,7 +1,7 @@
 //! The directions in which vertices are free to move.
 
 use super::Membrane;
-use super::coordinates::{Place, geometry, number_count, reciprocal_or_zero};
+use super::place::{Place, geometry, number_count, reciprocal_or_zero};
 use super::vector::{self, Vector};
 use helfrich::Components;
 

@@ -1,6 +1,7 @@
 //! Redistribution of the vertices of fluid membranes along the surface, towards even triangles.
 
-use super::coordinates::{Coordinates, Place, reciprocal_or_zero};
+use super::coordinates::Coordinates;
+use super::place::{Place, reciprocal_or_zero};
 use super::quadric::Quadric;
 use super::vector::{self, Vector};
 use super::{Membrane, Motion};
@@ -109,7 +110,8 @@ impl Geometry<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::coordinates::{Coordinates, Place};
+    use super::super::coordinates::Coordinates;
+    use super::super::place::Place;
     use super::super::{Membrane, Motion};
     use super::redistribute;
     use helfrich::shapes::Shape;

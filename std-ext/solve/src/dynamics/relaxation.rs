@@ -1,7 +1,7 @@
 //! Steps of a relaxation.
 
-use super::coordinates::Place;
 use super::frame::Frame;
+use super::place::Place;
 use super::preconditioner::Preconditioner;
 use super::redistribution::redistribute;
 use super::secants::Secants;

@@ -3,7 +3,7 @@
 //! An SVG is as wide as a phone screen. Its colours are classes, which the page defines; a separate
 //! file includes their definitions.
 
-use super::text::{escaped, number_label};
+use super::text::{Scale, escaped, number_label};
 use crate::picture::{self, Canvas, Marks, PictureError, Plot};
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -28,21 +28,6 @@ pub struct Axis {
     pub label: &'static str,
     /// Its scale.
     pub scale: Scale,
-}
-
-/// The numbers at an axis, and their unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
-    /// Plain numbers.
-    Linear,
-    /// Powers of ten.
-    Count,
-    /// Fractions, shown as powers of ten in per cent.
-    Share,
-    /// Seconds.
-    Time,
-    /// Bytes.
-    Bytes,
 }
 
 /// A curve.

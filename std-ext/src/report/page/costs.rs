@@ -1,8 +1,8 @@
 //! The cost of evaluations against the number of vertices.
 
-use super::accuracy::{columns, curves, series};
-use super::chart::{Axis, Chart, Point, Scale};
-use super::text::{Table, bytes, count, csv_line, time_of};
+use super::chart::{Axis, Chart, Point};
+use super::curves::{columns, curves, series};
+use super::text::{Scale, Table, bytes, count, csv_line, time_of};
 use crate::study::{Quantity, Row};
 use std::fmt::Display;
 

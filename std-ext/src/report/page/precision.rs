@@ -1,6 +1,6 @@
 //! Whether f32 is enough.
 
-use super::accuracy::{columns, series};
+use super::curves::{columns, series};
 use super::text::{Table, csv_line, digits};
 use super::{QUANTITIES, called, each};
 use crate::report::SCATTERED;

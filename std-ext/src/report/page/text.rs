@@ -1,12 +1,26 @@
 //! Formatting of numbers and texts for the page.
 
-use super::chart::Scale;
 use crate::report::SCATTERED;
 use crate::study::Row;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
 use std::io::{self, Write};
+
+/// The numbers at an axis, and their unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Plain numbers.
+    Linear,
+    /// Powers of ten.
+    Count,
+    /// Fractions, shown as powers of ten in per cent.
+    Share,
+    /// Seconds.
+    Time,
+    /// Bytes.
+    Bytes,
+}
 
 /// A text with HTML special characters escaped.
 pub fn escaped(text: &str) -> String {

@@ -2,8 +2,10 @@
 
 use crate::effects::{EffectCost, EffectCosts};
 use crate::flow::{BENDING, CAPILLARY_NUMBER, FlowRow, Solver, largest_deviation, published};
-use helfrich_std::report::page::chart::{Axis, Chart, Curve, Point, Scale};
-use helfrich_std::report::page::text::{Table, count, csv_line, digits, escaped, percent, time};
+use helfrich_std::report::page::chart::{Axis, Chart, Curve, Point};
+use helfrich_std::report::page::text::{
+    Scale, Table, count, csv_line, digits, escaped, percent, time,
+};
 use helfrich_std::report::page::{Section, style_of};
 use helfrich_std::run::End;
 use std::io::{self, Write};

@@ -2,7 +2,8 @@
 
 use super::Relaxation;
 use super::point::{Point, SPHERE};
-use crate::dynamics::coordinates::{Coordinates, Place};
+use crate::dynamics::coordinates::Coordinates;
+use crate::dynamics::place::Place;
 use crate::dynamics::vector::{self, Vector};
 use crate::dynamics::{Membrane, Problem};
 

@@ -1,7 +1,8 @@
 //! Forces, energy and constraints at some positions.
 
 use super::{Failure, Relaxation};
-use crate::dynamics::coordinates::{Coordinates, Place, reciprocal_or_zero};
+use crate::dynamics::coordinates::Coordinates;
+use crate::dynamics::place::{Place, reciprocal_or_zero};
 use crate::dynamics::vector::{self, Vector};
 use crate::dynamics::{Evaluation, Problem};
 
