@@ -368,9 +368,9 @@ fn hard_meshes_have_needles_and_caps() {
     }
 }
 
-/// Numbers that no icosahedron refines to. Besides the dozen vertices of valence 5 there are those of
-/// valence 4 and 7 that up to three cut edges leave in each refinement: near them, angles may be 0.4 of
-/// the smallest of an icosphere, and edges vary three times as much.
+/// Numbers that no icosahedron refines to. Besides a dozen vertices of valence 5 there are pairs of valences
+/// 5 and 7 that up to three cut edges leave in each refinement: near them, angles may be 0.4 of the
+/// smallest of an icosphere, and edges vary three times as much.
 #[test]
 fn any_number_of_vertices() {
     for name in SHAPES.into_iter().filter(|name| !is_torus(name)) {
