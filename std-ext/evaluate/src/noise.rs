@@ -1,7 +1,7 @@
-//! Noise of positions and its smoothing in f64, compiled once here for all other crates.
+//! Noise of positions, its smoothing, and regression jets in f64, compiled once here for all other crates.
 
 use crate::execute::Parallel;
-use helfrich::{Noise, Smoothing, Surface};
+use helfrich::{Noise, Regression, RegressionFields, RegressionFits, Smoothing, Surface};
 
 /// The noise of a surface, on all threads: see [`Noise::of`].
 pub fn noise_of(surface: Surface<'_, f64>) -> Noise<f64> {
@@ -14,4 +14,35 @@ pub fn smoothed(surface: Surface<'_, f64>, neighbours: usize) -> Vec<[f64; 3]> {
     let mut smooth = surface.positions().to_vec();
     Smoothing { neighbours }.apply(&Parallel::new(), surface, &mut smooth);
     smooth
+}
+
+/// Copies of a surface that [`regression`] fits together: the surface as it is, and some with more noise.
+pub const COPIES: usize = 4;
+
+/// Regression jets of as many neighbours around every vertex of copies of a surface, on all threads: see
+/// [`Regression::fit`].
+pub fn regression(
+    surface: Surface<'_, f64>,
+    neighbours: usize,
+    errors: &[[f64; COPIES]],
+) -> RegressionFits<f64, COPIES> {
+    Regression { neighbours }.fit(&Parallel::new(), surface, errors)
+}
+
+/// What they say, of degrees 4 and 6: see [`RegressionFits::fields`].
+pub fn regression_fields(fits: &RegressionFits<f64, COPIES>) -> [RegressionFields<f64, COPIES>; 2] {
+    fits.fields(&Parallel::new())
+}
+
+/// A field averaged by them so many times: see [`RegressionFits::average`].
+pub fn averaged(
+    fits: &RegressionFits<f64, COPIES>,
+    field: &[[f64; COPIES]],
+    times: usize,
+) -> Vec<[f64; COPIES]> {
+    let mut field = field.to_vec();
+    for _ in 0..times {
+        field = fits.average(&Parallel::new(), &field);
+    }
+    field
 }

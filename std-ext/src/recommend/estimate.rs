@@ -6,16 +6,11 @@
 //! distance of two. Each has a reference that the shape leaves alone more, B is how far they are apart
 //! beyond what noise explains, extrapolated to no distance, and the least B² + V wins.
 
-use crate::execute::Parallel;
 use crate::generate::random::Random;
 use crate::method::{BendingMethod, Evaluator, Fields};
+use crate::noise::{COPIES, averaged, regression, regression_fields};
 use crate::study::{Quantity, Reference};
-use helfrich::{
-    Noise, Regression, RegressionFields, RegressionFits, Surface, SurfaceError, TriangleMesh,
-};
-
-/// The surface as it is, and with noise added, each time other numbers of a seed.
-const COPIES: usize = 4;
+use helfrich::{Noise, RegressionFields, RegressionFits, Surface, SurfaceError, TriangleMesh};
 
 /// Neighbours of regression jets: the error of the best of these is hardly larger than of any number.
 const LADDER: [usize; 8] = [45, 64, 90, 128, 181, 256, 362, 512];
@@ -164,7 +159,6 @@ impl Candidates {
     /// Adds regression jets, and averages of them.
     fn climb(&mut self, surface: Surface<'_, f64>, errors: &[Values]) {
         let vertices = surface.mesh().vertex_count();
-        let threads = Parallel::new();
         let mut widest: Option<(f64, RegressionFits<f64, COPIES>)> = None;
         let mut from = J6;
         for neighbours in LADDER {
@@ -172,7 +166,7 @@ impl Candidates {
             if part > LARGEST_PART || neighbours * vertices > MOST_ENTRIES {
                 break;
             }
-            let fits = Regression { neighbours }.fit(&threads, surface, errors);
+            let fits = regression(surface, neighbours, errors);
             let reached = fits.neighbours();
             let factors = match &widest {
                 None => [1.5; 2],
@@ -182,7 +176,7 @@ impl Candidates {
                     [3, 2].map(|power| (1.0 - (before / reached).powi(power)).recip())
                 }
             };
-            let [fourth, sixth] = fits.fields(&threads).map(values);
+            let [fourth, sixth] = regression_fields(&fits).map(values);
             let bias = Bias::Distance { from, factors };
             from = self.add(sixth, bias);
             if neighbours >= WIDE {
@@ -229,15 +223,9 @@ impl Candidates {
         fits: &RegressionFits<f64, COPIES>,
         times: usize,
     ) -> [Vec<Values>; 4] {
-        let average = |values: &Vec<Values>| {
-            let mut values = values.clone();
-            if values.is_empty() {
-                return values;
-            }
-            for _ in 0..times {
-                values = fits.average(&Parallel::new(), &values);
-            }
-            values
+        let average = |values: &Vec<Values>| match values.is_empty() {
+            true => Vec::new(),
+            false => averaged(fits, values, times),
         };
         self.all[which].values.each_ref().map(average)
     }
