@@ -3,13 +3,18 @@
 //! Methods are compared with the best of many estimates, made of the same positions: J6, and regression
 //! jets of degrees 4 and 6 with ever more neighbours, averaged ever wider. Noise of the size that was found
 //! is put on top of all of them alike; what it changes is the variance V of an estimate, and of the
-//! distance of two. Each has a reference that the shape leaves alone more, B is how far they are apart
-//! beyond what noise explains, extrapolated to no distance, and the least B² + V wins.
+//! distance of two. Each has a reference that the shape leaves alone more, and B is how far they are apart
+//! beyond what noise explains, extrapolated to no distance. What is wider in the same way loses more of
+//! the shape to less noise: where its B is known to be smaller, so is that of the narrower. The least B² + V
+//! wins.
+
+mod choice;
 
 use crate::generate::random::Random;
 use crate::method::{BendingMethod, Evaluator, Fields};
 use crate::noise::{COPIES, averaged, regression, regression_fields};
 use crate::study::{Quantity, Reference};
+use choice::FOURTH;
 use helfrich::{Noise, RegressionFields, RegressionFits, Surface, SurfaceError, TriangleMesh};
 
 /// Neighbours of regression jets: the error of the best of these is hardly larger than of any number.
@@ -27,11 +32,8 @@ const LEAST_GROWTH: f64 = 1.17;
 /// Neighbours of all fits together that may be kept: some gigabytes.
 const MOST_ENTRIES: usize = 50_000_000;
 
-/// Number of repeated averages; each doubles the number of averaging steps.
-const DOUBLINGS: u32 = 5;
-
-/// Part of the variance of a distance that it is known to at best.
-const UNCERTAIN: f64 = 0.1;
+/// Largest number of doublings of the averages of the widest fits.
+const DOUBLINGS: u32 = 8;
 
 type Values = [f64; COPIES];
 
@@ -40,18 +42,30 @@ struct Candidate {
     /// H, K, Δ_S H and f, one entry a vertex; empty but for H and what is asked for.
     values: [Vec<Values>; 4],
     bias: Bias,
+    /// One that is wider in the same way, of which the shape takes more away.
+    wider: Option<usize>,
 }
 
 /// By how much the shape is off.
+#[derive(Clone, Copy)]
 enum Bias {
     /// Taken as none: what others are compared with.
     Unknown,
     /// These times the distance from another, of H and K, and of Δ_S H and f.
     Distance { from: usize, factors: [f64; 2] },
-    /// The same, and no less than of the other.
-    AtLeast { from: usize, factor: f64 },
-    /// The distance from another and what that is off.
+    /// As many times as [`FOURTH`], and what the other is off.
     Added { to: usize },
+    /// Averages: by the distance from half as many, and what is known of what they are of.
+    Averages { half: usize, base: Base },
+}
+
+/// What averages are taken of.
+#[derive(Clone, Copy)]
+enum Base {
+    /// A fit of degree 6.
+    Sixth(usize),
+    /// A fit of degree 4: as far off as from as many averages of degree 6.
+    Fourth(usize),
 }
 
 /// The best estimate of one quantity.
@@ -76,14 +90,6 @@ struct Candidates {
     areas: Vec<f64>,
 }
 
-/// A candidate that was chosen.
-struct Choice {
-    index: usize,
-    /// Squares of what the shape and noise make of it.
-    bias: f64,
-    variance: f64,
-}
-
 impl Estimate {
     /// The best estimate on positions with noise.
     pub(super) fn new(
@@ -96,7 +102,7 @@ impl Estimate {
         let fields = Evaluator::new(BendingMethod::J6, 1.0, mesh).fields(surface);
         let candidates = Candidates::new(surface, &fields, noise, quantity)?;
         let which = quantity as usize;
-        let choice = candidates.choose(which, &candidates.areas);
+        let choice = candidates.choose(which);
         let mut scales = [0.0; 4];
         for which in [Quantity::Mean as usize, which] {
             scales[which] = candidates.largest(which);
@@ -161,6 +167,7 @@ impl Candidates {
         let vertices = surface.mesh().vertex_count();
         let mut widest: Option<(f64, RegressionFits<f64, COPIES>)> = None;
         let mut from = J6;
+        let mut last: Option<usize> = None;
         for neighbours in LADDER {
             let part = neighbours as f64 / vertices as f64;
             if part > LARGEST_PART || neighbours * vertices > MOST_ENTRIES {
@@ -177,29 +184,52 @@ impl Candidates {
                 }
             };
             let [fourth, sixth] = regression_fields(&fits).map(values);
-            let bias = Bias::Distance { from, factors };
-            from = self.add(sixth, bias);
+            let wider = from;
+            from = self.add(sixth, Bias::Distance { from, factors });
+            if wider > J6 {
+                self.all[wider].wider = Some(from);
+            }
             if neighbours >= WIDE {
-                let factor = 1.2;
-                let bias = Bias::Distance {
-                    from,
-                    factors: [factor; 2],
-                };
-                let fourth = self.add(fourth, bias);
-                for from in [from, fourth] {
+                let factors = [FOURTH; 2];
+                let before = last.replace(self.add(fourth, Bias::Distance { from, factors }));
+                if let Some(before) = before {
+                    self.all[before].wider = last;
+                }
+                for from in last.into_iter().chain([from]) {
                     let averages = self.average(from, &fits, 1);
-                    self.add(averages, Bias::AtLeast { from, factor });
+                    self.add(averages, Bias::Added { to: from });
                 }
             }
             widest = Some((reached, fits));
         }
-        let Some((_, fits)) = widest.filter(|_| self.all.len() > J6 + 2) else {
-            return;
-        };
+        if let (Some((_, fits)), Some(fourth)) = (widest, last) {
+            self.average_again([from, fourth], &fits);
+        }
+    }
+
+    /// Adds averages of degrees 6 and 4, each twice as many as before, until the shape suffers more than
+    /// noise.
+    fn average_again(&mut self, bases: [usize; 2], fits: &RegressionFits<f64, COPIES>) {
+        let mut half = bases;
         for doubling in 0..DOUBLINGS {
-            let to = self.all.len() - 1;
-            let averages = self.average(to, &fits, 1 << doubling);
-            self.add(averages, Bias::Added { to });
+            let times = 1 << doubling.saturating_sub(1);
+            let mut add = |place: usize, base| {
+                let from = half[place];
+                let averages = self.average(from, fits, times);
+                let bias = Bias::Averages { half: from, base };
+                half[place] = self.add(averages, bias);
+                if from != bases[place] {
+                    self.all[from].wider = Some(half[place]);
+                }
+                half[place]
+            };
+            let sixth = add(0, Base::Sixth(bases[0]));
+            add(1, Base::Fourth(sixth));
+            let which = self.quantity as usize;
+            let bias = self.range(half[1], which, &self.areas).least;
+            if bias > self.variance(half[1], which, &self.areas) {
+                break;
+            }
         }
     }
 
@@ -212,7 +242,11 @@ impl Candidates {
                 *values = Vec::new();
             }
         }
-        self.all.push(Candidate { values, bias });
+        self.all.push(Candidate {
+            values,
+            bias,
+            wider: None,
+        });
         self.all.len() - 1
     }
 
@@ -228,84 +262,6 @@ impl Candidates {
             false => averaged(fits, values, times),
         };
         self.all[which].values.each_ref().map(average)
-    }
-
-    /// The candidate with the least B² + V of a quantity, by these weights, whose sum is 1.
-    fn choose(&self, which: usize, weights: &[f64]) -> Choice {
-        let mut biases: Vec<f64> = Vec::new();
-        let mut best: Option<Choice> = None;
-        for (index, candidate) in self.all.iter().enumerate() {
-            let values = &candidate.values[which];
-            let apart = |from: usize| {
-                let other = &self.all[from].values[which];
-                let both = || values.iter().zip(other);
-                let distance = mean_square(weights, both().map(|(a, b)| a[0] - b[0]));
-                let by_noise = (1..COPIES).map(|copy| {
-                    let changes = both().map(|(a, b)| a[copy] - a[0] - (b[copy] - b[0]));
-                    mean_square(weights, changes)
-                });
-                let by_noise = by_noise.sum::<f64>() / (COPIES - 1) as f64;
-                (distance - by_noise).max(0.0) + UNCERTAIN * by_noise
-            };
-            let bias = match candidate.bias {
-                Bias::Unknown => 0.0,
-                Bias::Distance { from, factors } => {
-                    apart(from) * factors[usize::from(which > 1)].powi(2)
-                }
-                Bias::AtLeast { from, factor } => (apart(from) * factor * factor).max(biases[from]),
-                Bias::Added { to } => (apart(to).sqrt() + biases[to].sqrt()).powi(2),
-            };
-            biases.push(bias);
-            let changes =
-                (1..COPIES).map(|copy| mean_square(weights, values.iter().map(|a| a[copy] - a[0])));
-            let variance = changes.sum::<f64>() / (COPIES - 1) as f64;
-            let is_less = |best: &Choice| bias + variance < best.bias + best.variance;
-            let mut known = values.iter().zip(weights);
-            let is_known = known.all(|(value, weight)| *weight == 0.0 || value[0].is_finite());
-            if index >= J6 && is_known && best.as_ref().is_none_or(is_less) {
-                best = Some(Choice {
-                    index,
-                    bias,
-                    variance,
-                });
-            }
-        }
-        best.unwrap_or(Choice {
-            index: J6,
-            bias: 0.0,
-            variance: 0.0,
-        })
-    }
-
-    /// The largest size of a quantity on the surface without noise. The largest of an estimate is larger by
-    /// its noise; more noise of the same size says by which factor.
-    fn largest(&self, which: usize) -> f64 {
-        let choice = self.choose(which, &self.areas);
-        let found = &self.all[choice.index].values[which];
-        // What matters is how far off estimates are where values are large.
-        let squares = found.iter().zip(&self.areas);
-        let squares = squares.map(|(value, area)| match *area {
-            0.0 => 0.0,
-            area => area * value[0] * value[0],
-        });
-        let mut weights = Vec::from_iter(squares);
-        let sum: f64 = weights.iter().sum();
-        weights.iter_mut().for_each(|weight| *weight /= sum);
-        let choice = self.choose(which, &weights);
-        let found = &self.all[choice.index].values[which];
-        let largest = |copy: usize| {
-            let known = found.iter().zip(&self.areas);
-            let known = known.filter(|(_, area)| **area > 0.0);
-            known.fold(0.0_f64, |most, (value, _)| value[copy].abs().max(most))
-        };
-        let again = (1..COPIES).map(|copy| largest(copy).powi(2)).sum::<f64>();
-        let again = (again / (COPIES - 1) as f64).sqrt();
-        let here = largest(0);
-        if again > here {
-            here * here / again
-        } else {
-            here
-        }
     }
 
     /// Largest and mean change by noise, root of the mean square over the copies.
@@ -326,13 +282,6 @@ impl Candidates {
         }
         squares.map(f64::sqrt)
     }
-}
-
-/// Σ wᵢ xᵢ², without terms of weight 0 or NaN.
-fn mean_square(weights: &[f64], values: impl Iterator<Item = f64>) -> f64 {
-    let terms = weights.iter().zip(values);
-    let terms = terms.filter(|(weight, value)| **weight > 0.0 && value.is_finite());
-    terms.map(|(weight, value)| weight * value * value).sum()
 }
 
 fn values(fields: RegressionFields<f64, COPIES>) -> [Vec<Values>; 4] {

@@ -168,6 +168,16 @@ fn the_force_of_a_star_with_noise() {
     assert_expected(&case, 1e-2, Quantity::ForceDensity);
 }
 
+/// Fits on a narrow tube are as narrow, and what they say of f is mostly noise; that of a disc is off by
+/// more at its rim than anywhere else.
+#[test]
+fn the_force_of_tubes_and_rims_with_noise() {
+    for shape in [torus(0.3), disc()] {
+        let case = Case::of_shape(&shape, Family::Irregular, 2562);
+        assert_expected(&case, 1e-2, Quantity::ForceDensity);
+    }
+}
+
 /// No noise of exact vertices, on shapes of many waves.
 #[test]
 fn exact_stars_have_no_noise() {
@@ -201,9 +211,8 @@ fn outside(cases: &[Case]) -> Vec<String> {
     outside
 }
 
-/// Known to be outside, with 2562 vertices: f on tubes of 0.3 and 0.4 (0.5) and the disc (0.6) at 1e-2
-/// edges, whose largest value is taken too large; and J6 where noise is hardly larger than what the mesh
-/// does, H on a tube of 0.3 at 1e-4 (0.5).
+/// Known to be outside, with 2562 vertices: J6 where noise is hardly larger than what the mesh does, and is
+/// seen in part or not at all, H on a tube of 0.3 at 1e-4 (0.5) and f on an ellipsoid 1, 1, 0.4 at 3e-4 (0.5).
 #[test]
 #[ignore = "half an hour: by hand, when the estimates of noise change"]
 fn everything_held_out() {
