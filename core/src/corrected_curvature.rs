@@ -39,7 +39,7 @@ pub enum VertexNormals {
     /// Means of the triangles' normals, weighted with their areas: cheap; second order where the
     /// neighbours are arranged evenly, first order elsewhere.
     Averaged,
-    /// Those of [`Jet::j4`]: fourth order on any mesh.
+    /// Normals of [`Jet::j4`]: fourth order on any mesh.
     Fitted,
 }
 

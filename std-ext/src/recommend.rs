@@ -29,10 +29,10 @@ use noisy::{Noisy, REPLICAS};
 use serde::{Serialize, Serializer};
 use std::time::Instant;
 
-/// What is wished for.
+/// Request of a user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
-    /// What has to be accurate.
+    /// Quantity that has to be accurate.
     pub quantity: Quantity,
     /// Which error counts.
     pub norm: Norm,
@@ -90,7 +90,7 @@ pub struct Recommendation {
     pub vertices: usize,
     /// Number of vertices with a reference: all except those at a boundary or in no triangle.
     pub compared: usize,
-    /// What has to be accurate.
+    /// Quantity that has to be accurate.
     pub quantity: Quantity,
     /// `max` or `mean`.
     pub norm: &'static str,
@@ -99,7 +99,7 @@ pub struct Recommendation {
     /// Noise of the positions, 0 if none was found.
     #[serde(serialize_with = "as_length_and_edges")]
     pub noise: Noise<f64>,
-    /// What that noise makes of the error of J6 in f64, in that norm.
+    /// Part of the error of J6 in f64 that is due to noise, in that norm.
     pub noise_error: f64,
     /// Estimated error of J6 in f64 in this norm, from the distances of degrees 6 and 4 from the
     /// reference, and from noise.
@@ -134,7 +134,7 @@ pub enum RecommendError {
     Surface {
         /// The number type.
         scalar: Scalar,
-        /// What is wrong.
+        /// The fault.
         source: SurfaceError,
     },
     /// No vertex has a reference.
@@ -143,7 +143,7 @@ pub enum RecommendError {
          boundary is needed", quantity.symbol()
     )]
     NoReference {
-        /// What would be compared.
+        /// Quantity that would be compared.
         quantity: Quantity,
     },
 }
@@ -244,7 +244,7 @@ fn in_norm([max, mean]: [f64; 2], norm: Norm) -> f64 {
     }
 }
 
-/// What is known of J6 in f64: errors in both norms, the largest and the mean.
+/// Errors of J6 in f64 in both norms, the largest and the mean.
 struct Expected<'a> {
     /// By the distances of degrees 6 and 4 from the reference.
     unknown: [f64; 2],
@@ -263,7 +263,7 @@ impl Expected<'_> {
         self.unknown[0] <= RESOLVED.max(self.noise[0])
     }
 
-    /// What a method is expected to do, with what was measured of it.
+    /// Expected error of a method, from its measured distances.
     fn of_candidate(
         &self,
         (method, options, scalar): (BendingMethod, MethodOptions, Scalar),
@@ -349,18 +349,18 @@ fn together(a: f64, b: f64) -> f64 {
     if b == 0.0 { a } else { a.hypot(b) }
 }
 
-/// What methods are measured on, and compared with.
+/// Surface that methods are measured on, and references that they are compared with.
 struct Ground<'a> {
     mesh: &'a TriangleMesh,
     positions: &'a [[f64; 3]],
     quantity: Quantity,
-    /// What jets of degree 8 say, where noise is seen of the smoothed positions.
+    /// Results of jets of degree 8, at smoothed positions where noise is seen.
     degree_8: Reference,
     /// Set if noise was found.
     noisy: Option<Noisy>,
 }
 
-/// What jets of degree 8 say.
+/// Results of jets of degree 8.
 fn of_degree_8(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> Result<Reference, SurfaceError> {
     let surface = Surface::new(mesh, positions)?;
     Ok(Reference::of(
@@ -368,7 +368,7 @@ fn of_degree_8(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> Result<Reference,
     ))
 }
 
-/// What was measured of a method in a number type: errors in both norms, and the time.
+/// Measurements of a method in a number type: errors in both norms, and the time.
 struct Measured {
     /// From the reference.
     distances: [f64; 2],
@@ -402,7 +402,7 @@ impl<'a> Ground<'a> {
         })
     }
 
-    /// What methods are compared with.
+    /// Reference that methods are compared with.
     fn reference(&self) -> &Reference {
         match &self.noisy {
             Some(noisy) => &noisy.estimate.reference,

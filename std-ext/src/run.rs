@@ -94,7 +94,7 @@ struct Outputs {
     sets: u64,
     costs: Vec<(u64, f64)>,
     seconds: f64,
-    /// What was said of the surfaces' quality, once a surface.
+    /// Warnings about the surfaces' quality, at most one per surface.
     doubts: Vec<(String, String)>,
 }
 
@@ -184,7 +184,7 @@ pub fn run(
     run.finish(end, message)
 }
 
-/// What a run has before anything is written.
+/// State of a run before anything is written.
 struct Plan<'a> {
     measures: Measures,
     drive: Box<dyn Drive + 'a>,
@@ -370,7 +370,7 @@ impl Run<'_> {
         self.outputs.seconds + self.start.elapsed().as_secs_f64()
     }
 
-    /// Of this run and those that it goes on with.
+    /// Costs of this run and of the runs that it continues.
     fn costs(&self) -> Vec<Cost> {
         let mut costs = self.simulation.costs();
         for (cost, uncounted) in costs.iter_mut().zip(&self.uncounted) {

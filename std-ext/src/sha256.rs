@@ -17,7 +17,7 @@ const START: [u32; 8] = [
     0x5be0_cd19,
 ];
 
-/// Those of the cube roots of the first 64 primes.
+/// Fractional parts of the cube roots of the first 64 primes.
 static ROUNDS: [u32; 64] = rounds();
 
 /// The 64 constants: ⌊2³² ∛p⌋ without its whole part, in integers.

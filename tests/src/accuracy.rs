@@ -16,16 +16,16 @@ pub struct Errors {
     pub mean: f64,
 }
 
-/// What a method in strong form gets wrong on one mesh, with κ = 1.
+/// Errors of a method in strong form on one mesh, with κ = 1.
 #[derive(Clone, Copy, Debug)]
 pub struct StrongFormErrors {
-    /// Of H.
+    /// Errors of H.
     pub mean: Errors,
-    /// Of K.
+    /// Errors of K.
     pub gaussian: Errors,
-    /// Of Δ_S H.
+    /// Errors of Δ_S H.
     pub laplacian_of_mean: Errors,
-    /// Of f, as a vector.
+    /// Errors of f, as a vector.
     pub force_density: Errors,
     /// E over the exact energy, by its own areas and H.
     pub energy: f64,

@@ -54,7 +54,7 @@ pub fn allocations(run: impl FnOnce()) -> usize {
     CALLS.with(Cell::get) - before
 }
 
-/// What `run` returns, and how many bytes more this thread holds after it than before, if [`Counting`]
+/// Result of `run`, and the number of bytes that this thread holds after it and not before, if [`Counting`]
 /// is the global allocator.
 pub fn held<R>(run: impl FnOnce() -> R) -> (R, isize) {
     let before = BYTES.with(Cell::get);

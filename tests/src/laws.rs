@@ -34,7 +34,7 @@ pub use operators::{
     findings_on_small_meshes,
 };
 
-/// So many vertices leave methods that choose by thresholds their first choice nearly everywhere.
+/// Number of vertices from which methods that choose by thresholds take their first choice nearly everywhere.
 const ROOM: usize = 600;
 
 /// A law of methods.
@@ -223,7 +223,7 @@ pub fn largest(vectors: &[[f64; 3]]) -> f64 {
         .fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// What a method reports after an evaluation of forces.
+/// Findings of a method after an evaluation of forces.
 pub fn findings(method: impl Force<f64>, mesh: &Mesh) -> Vec<Finding> {
     let mut prepared = Prepared::new(method, &mesh.connectivity);
     prepared.add_force(mesh.surface(), &mut vec![[0.0; 3]; mesh.positions.len()]);

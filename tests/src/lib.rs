@@ -1,4 +1,4 @@
-//! What the tests share.
+//! Laws, meshes and tolerances that the tests share.
 
 pub mod accuracy;
 pub mod allocation;

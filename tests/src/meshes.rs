@@ -298,7 +298,7 @@ pub fn small() -> [(&'static str, Mesh); 4] {
 /// A mesh with random displacements, in three numbers that shrink to a smooth and coarse one.
 #[derive(Clone, Copy, Debug)]
 pub struct Rough {
-    /// What the mesh is made from.
+    /// Polyhedron that the mesh is made from.
     pub base: Base,
     /// Seed of the displacements.
     pub seed: u64,
@@ -308,7 +308,7 @@ pub struct Rough {
     pub refinement: u32,
 }
 
-/// What a [`Rough`] mesh is made from.
+/// Polyhedron that a [`Rough`] mesh is made from.
 #[derive(Clone, Copy, Debug)]
 pub enum Base {
     /// Closed, χ = 2.
@@ -365,7 +365,7 @@ fn one_of(bases: &'static [Base]) -> impl Strategy<Value = Base> {
     (0..bases.len()).prop_map(|index| bases[index])
 }
 
-/// So many random cases, more with `PROPTEST_CASES`; failures are kept beside the test's source.
+/// Configuration of `count` random cases, more with `PROPTEST_CASES`; failures are kept beside the test's source.
 pub fn cases(count: u32) -> ProptestConfig {
     let cases = match std::env::var_os("PROPTEST_CASES") {
         Some(_) => ProptestConfig::default().cases,

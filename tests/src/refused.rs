@@ -1,4 +1,4 @@
-//! What the compiler must refuse, with what it must accept beside it.
+//! Code that the compiler must refuse, with code that it must accept beside it.
 //!
 //! ```
 //! let mesh = helfrich_tests::meshes::tetrahedron();

@@ -65,7 +65,7 @@ pub const ON_SURFACE: Tolerance = Tolerance::new(
     1e-13,
     "positions are the image of their pre-images, and the way back rounds a few times",
 );
-/// What an operator makes of a surface against what it makes of the surface moved, relative to the
+/// Results of an operator on a surface against its results on the surface moved, relative to the
 /// curvatures.
 pub const OPERATOR_MOTION: Tolerance = Tolerance::new(
     1e-9,
@@ -88,7 +88,7 @@ pub const SYMMETRY: Tolerance = Tolerance::new(
 /// Sum and torque of forces that have none, relative to the largest force.
 pub const NO_NET_FORCE: Tolerance =
     Tolerance::new(1e-11, "rounding of some hundred forces on a body of size 1");
-/// What a method computes in two ways that agree but for rounding, relative.
+/// Results of a method in two ways that agree except for rounding, relative.
 pub const SAME: Tolerance = Tolerance::new(
     1e-11,
     "some operations in another order, on numbers that do not cancel",
@@ -165,12 +165,12 @@ pub const STRONG_BALANCE: Tolerance = Tolerance::new(
      of the heat kernel of a quarter of an area least of all",
 );
 
-/// What a method finds on the icosphere of 2562 vertices.
+/// Expected results of a method on the icosphere of 2562 vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct OnSphere {
     /// The method's name in the law suite.
     pub method: &'static str,
-    /// What the energy tends to, in 8πκ.
+    /// Limit of the energy, in 8πκ.
     pub energy: f64,
     /// How far from it the energy is, in 8πκ.
     pub energy_error: Tolerance,
@@ -874,11 +874,11 @@ pub const DUCT: Tolerance = Tolerance::new(
     5e-4,
     "differences over a thirtieth of the half width; a book's four digits",
 );
-/// What streams take from the viscosity of waves along them, relative to 3u², and their speed.
+/// Loss of viscosity and speed of waves along streams, relative to 3u².
 pub const LATTICE_GALILEAN: Tolerance = Tolerance::new(5e-2, "k² = (2π/32)² = 0.04 of it");
 /// Velocities in a duct of 32 nodes' width, relative to the one in its middle.
 pub const LATTICE_DUCT: Tolerance = Tolerance::new(1e-3, "second order: 1/32²");
-/// What periodic sides take from the mobility of a sphere, from three boxes.
+/// Loss of a sphere's mobility by periodic sides, from three boxes.
 pub const LATTICE_BOX: Tolerance = Tolerance::new(
     2e-2,
     "the next term, of sixth order, is 27 (4/24)⁶ = 6e-4 of the mobility",

@@ -146,7 +146,7 @@ fn shipped(name: &str) -> PathBuf {
     root.join("std-ext/scenes").join(format!("{name}.toml"))
 }
 
-/// Of 642 vertices, energies are known to 3 %: where something else is of interest.
+/// Bound of the energy's error with 642 vertices, where something other than the energy is tested.
 const COARSE: &str = "driver.energy_error=0.05";
 
 /// Runs a shipped scene, and returns its end and its series.

@@ -99,7 +99,7 @@ impl<T: Real> Images<T> {
     }
 }
 
-/// So many images of a surface are looked at one by one. More are those of surfaces that are longer
+/// Number of images of a surface that are looked at one by one. More are those of surfaces that are longer
 /// than the box many times.
 const MANY: u32 = 64;
 

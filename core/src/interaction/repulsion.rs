@@ -65,7 +65,7 @@ pub struct RepulsionMemory<T> {
     areas: Vec<T>,
     /// Potential at each near vertex, and its part of minus the gradient.
     sums: Vec<[T; 4]>,
-    /// What near vertices do to the corners of each near triangle.
+    /// Forces of near vertices on the corners of each near triangle.
     reactions: Vec<[Vec3<T>; 3]>,
     /// −∂E/∂A of one surface's vertices.
     weights: Vec<[T; 1]>,
@@ -79,7 +79,7 @@ impl<T> RepulsionMemory<T> {
     }
 }
 
-/// What is needed to go through near pairs.
+/// Cells and images by which near pairs are found.
 struct Pairs<'a, T> {
     repulsion: &'a Repulsion<T>,
     over_range: T,
@@ -193,7 +193,7 @@ impl<T: Real> Repulsion<T> {
     }
 }
 
-/// What the change of a triangle's area gives to its corners: `⅓ Σ w ∂A`.
+/// Forces on corners by the change of a triangle's area: `⅓ Σ w ∂A`.
 struct AreaForce;
 
 impl<T: Real> ElementKernel<T, 3, 1, 3> for AreaForce {

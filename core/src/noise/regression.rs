@@ -155,7 +155,7 @@ impl<T: Real> Slopes<T> {
         T::one() + p * p + q * q
     }
 
-    /// What the inverse of the metric makes of second derivatives, times [`Self::metric`].
+    /// Trace of second derivatives with the inverse of the metric, times [`Self::metric`].
     fn trace(&self) -> [T; 3] {
         let [p, q] = self.first;
         let two = T::constant(2.0);
@@ -194,7 +194,7 @@ impl<T: Real, const R: usize> RegressionFits<T, R> {
         T::constant(sum as f64) * T::constant(f64::from(count)).reciprocal_or_zero()
     }
 
-    /// What polynomials of degree 4 say, and what those of degree 6.
+    /// Fields of polynomials of degree 4, and of degree 6.
     pub fn fields(&self, execution: &impl Execution) -> [RegressionFields<T, R>; 2] {
         [0, 1].map(|which| {
             let curvature = |kind: usize| {

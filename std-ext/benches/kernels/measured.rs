@@ -27,7 +27,7 @@ pub(crate) struct Row<'a> {
 
 /// The bound with which the time of wide loops is compared.
 pub(crate) enum Bound<'a> {
-    /// So many nanoseconds an entry.
+    /// Nanoseconds per entry.
     Time(f64),
     /// A loop, measured in turn with the others.
     Loop(&'a mut dyn FnMut()),

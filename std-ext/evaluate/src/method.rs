@@ -24,7 +24,7 @@ use helfrich::{
 use std::fmt;
 use std::str::FromStr;
 
-/// What is known of a method beside its formula.
+/// Description of a method beside its formula.
 #[derive(Clone, Copy, Debug)]
 pub struct Description {
     /// The long name, as on the command line.

@@ -29,7 +29,7 @@ pub fn regression(
     Regression { neighbours }.fit(&Parallel::new(), surface, errors)
 }
 
-/// What they say, of degrees 4 and 6: see [`RegressionFits::fields`].
+/// Fields of regression jets of degrees 4 and 6: see [`RegressionFits::fields`].
 pub fn regression_fields(fits: &RegressionFits<f64, COPIES>) -> [RegressionFields<f64, COPIES>; 2] {
     fits.fields(&Parallel::new())
 }

@@ -29,7 +29,7 @@ pub enum Family {
     /// An icosahedron refined by edge midpoints, in a generic rotation, mapped to the shape; on the
     /// torus a triangular lattice of its two angles. Does not depend on the seed.
     ///
-    /// Of other numbers of vertices than 10·4^k + 2, sphere-like meshes of this family, of
+    /// With numbers of vertices other than 10·4^k + 2, sphere-like meshes of this family, of
     /// [`Smooth`](Self::Smooth) and of [`Hard`](Self::Hard) begin with 12 to 44 points on a spiral
     /// instead of the icosahedron, have up to three edges more cut in each refinement, and are relaxed
     /// on the sphere: the dozen vertices of valence 5 becomes some dozens of valence 5 and 7.

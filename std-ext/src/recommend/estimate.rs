@@ -59,7 +59,7 @@ enum Bias {
     Averages { half: usize, base: Base },
 }
 
-/// What averages are taken of.
+/// Fits that averages are taken of.
 #[derive(Clone, Copy)]
 enum Base {
     /// A fit of degree 6.

@@ -1,10 +1,10 @@
-//! What noise of the positions does to errors: measured by adding more of it.
+//! Errors due to noise of the positions, measured by adding more of it.
 //!
 //! All methods share the positions and their noise, so that distances between methods do not reveal
 //! it. But noise is small compared with an edge, and its effect is nearly linear: additional noise
 //! of the same standard deviation changes a result by as much as the existing noise has changed it.
-//! What the mesh does to a method without noise is that of the positions after smoothing, as often
-//! as it takes.
+//! The error due to the mesh alone is that at the positions after smoothing, repeated as often as
+//! necessary.
 
 use super::estimate::{Estimate, along_normal};
 use crate::generate::random::Random;

@@ -6,7 +6,7 @@ use crate::scene::{Driver, Scene};
 use crate::simulation::{Body, Simulation};
 use helfrich::{Finding, Surface, VertexKind};
 
-/// That something acts on the surfaces, and that bending is measured somewhere: what a run finds
+/// Checks that something acts on the surfaces, and that bending is measured somewhere: what a run finds
 /// otherwise is no equilibrium.
 pub(super) fn refuse_idle(
     scene: &Scene,

@@ -45,7 +45,7 @@ impl Clock {
         }
     }
 
-    /// Of a run that is taken up again at a time, after so many outputs, the first not counted. If its
+    /// Clock of a run that continues at a time, after a number of outputs, the first not counted. If its
     /// end or its interval was another one, outputs go on at the multiples of the new interval. Outputs
     /// are made no more than `early` before they are due.
     pub(super) fn taken_up(

@@ -1,4 +1,4 @@
-//! What a flow does to surfaces: the numbers by which capsules are judged.
+//! Deformation of surfaces in a flow: the numbers by which capsules are judged.
 
 use crate::deformation::{
     Deformation, ShearPlane, TankTreading, extremes, roughness, taylor, wrinkle_indicator,
@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Deformed {
     plane: Option<ShearPlane>,
-    /// Of each surface that has a shear plane.
+    /// Tank-treading of each surface that has a shear plane.
     turning: Vec<Option<TankTreading>>,
-    /// Of each surface: how rough it was at the start.
+    /// Roughness of each surface at the start.
     roughness: Vec<f64>,
-    /// Of each surface: its smallest angle at the start, in degrees.
+    /// Smallest angle of each surface at the start, in degrees.
     angles: Vec<f64>,
 }
 

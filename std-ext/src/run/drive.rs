@@ -1,4 +1,4 @@
-//! What moves a scene's surfaces, as a run sees it.
+//! Drivers, which move a scene's surfaces, as a run sees them.
 
 use super::flowing::{Flowing, FlowingState};
 use super::immersing::{Immersing, ImmersingState, Stored};
@@ -33,10 +33,10 @@ pub(super) trait Drive {
     /// The progress, for display.
     fn progress(&self) -> Progress;
 
-    /// What it has done.
+    /// Work done so far.
     fn work(&self) -> Work;
 
-    /// What else has cost time besides effects.
+    /// Costs in time besides those of effects.
     fn costs(&self) -> Vec<Cost> {
         Vec::new()
     }
@@ -46,7 +46,7 @@ pub(super) trait Drive {
         None
     }
 
-    /// What is worth knowing besides.
+    /// Remarks on the results.
     fn notes(&self) -> &[String];
 
     /// The complete state, from which a run continues bit for bit.
@@ -60,7 +60,7 @@ pub(super) struct Mark {
     pub(super) number: u64,
 }
 
-/// What is due after a step.
+/// Outputs due after a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Step {
     /// A row and files.
@@ -71,7 +71,7 @@ pub(super) struct Step {
     pub(super) end: Option<(End, String)>,
 }
 
-/// What a driver has done.
+/// Work of a driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Work {
     /// Iterations, or steps in time.
@@ -80,7 +80,7 @@ pub(super) struct Work {
     pub(super) right_hand_sides: Option<u64>,
 }
 
-/// What something besides effects has cost.
+/// Cost of something other than an effect.
 pub(super) fn cost(name: &str, effort: Effort) -> Cost {
     Cost {
         effect: name.to_owned(),

@@ -140,10 +140,10 @@ pub enum RunError {
     NoColumn {
         /// The column.
         column: String,
-        /// Those that there are.
+        /// Names that exist.
         known: Vec<String>,
     },
-    /// What was published cannot be drawn.
+    /// Published curves cannot be drawn.
     #[error(transparent)]
     Curves(#[from] CurvesError),
     /// The checkpoint cannot be used for this scene.
@@ -157,7 +157,7 @@ pub enum RunError {
     Unwritable {
         /// The file or folder.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// Something cannot be written. What was written before is whole.

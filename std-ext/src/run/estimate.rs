@@ -147,7 +147,7 @@ impl Estimating<'_> {
         }
     }
 
-    /// What acts, beside its description in the scene.
+    /// Effects that act, each with its description in the scene.
     fn effects(&self) -> impl Iterator<Item = (&Acting, &'static str, &dyn SurfaceEffect)> {
         let own = self.own.iter().zip(self.body.effects());
         own.filter_map(move |(acting, prepared)| {
@@ -164,7 +164,7 @@ impl Estimating<'_> {
         wanted.map(|(acting, ..)| acting.energy).sum()
     }
 
-    /// What is held, or has an energy.
+    /// Quantities that are held, or have an energy.
     fn quantities(&self) -> Vec<Quantity> {
         let mut quantities = Vec::new();
         for (_, effect) in self.surface.effects.iter() {

@@ -51,7 +51,7 @@ pub(super) struct Flowing<'a> {
     progress: FlowingProgress,
 }
 
-/// What a checkpoint holds of it.
+/// Part of its state that a checkpoint holds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct FlowingState {
     schedule: Schedule,
@@ -187,7 +187,7 @@ impl<'a> Flowing<'a> {
         Some(message)
     }
 
-    /// What is not to be trusted any more.
+    /// Notes results that are no longer trustworthy.
     fn note_state(&mut self, simulation: &Simulation) {
         let caption = self.caption();
         let positions = self.integrator.positions();
@@ -197,7 +197,7 @@ impl<'a> Flowing<'a> {
         deformed.note(simulation, positions, &caption, notes);
     }
 
-    /// That steps are no longer as long as the scene has them.
+    /// Notes that steps are shorter than the scene asks for.
     fn note_shortened(&mut self, report: &StepReport, output: bool) {
         let scene::Integrator::Rk4 { step } = self.driver.integrator else {
             return;

@@ -1,4 +1,4 @@
-//! What is in a folder before a run begins or goes on there.
+//! Files of a folder before a run begins or continues there.
 
 use super::{CHECKPOINT, RunError, SERIES, SUMMARY};
 use crate::io::remove_unfinished;
@@ -33,7 +33,7 @@ pub(super) fn make(folder: &Path, lock: Option<Lock>) -> Result<Lock, RunError> 
     Ok(lock)
 }
 
-/// That no run is in the folder.
+/// Refuses a folder that holds a run.
 pub(super) fn refuse_occupied(folder: &Path) -> Result<(), RunError> {
     let taken = [CHECKPOINT, SERIES].iter();
     if taken.clone().any(|name| folder.join(name).exists()) {

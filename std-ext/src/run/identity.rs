@@ -1,4 +1,4 @@
-//! What a run and its continuation have in common.
+//! Parts of a scene that a run and its continuation have in common.
 
 use super::RunError;
 use crate::checkpoint::Fingerprint;

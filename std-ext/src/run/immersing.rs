@@ -33,7 +33,7 @@ pub(super) struct Immersing<'a, T> {
     progress: ImmersingProgress,
 }
 
-/// What a checkpoint holds of it.
+/// Part of its state that a checkpoint holds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ImmersingState<T> {
     schedule: Schedule,
@@ -55,7 +55,7 @@ struct ImmersingProgress {
 pub(super) trait Stored: Precision {
     fn stored(state: ImmersingState<Self>) -> DriveState;
 
-    /// What a checkpoint holds, if there is one.
+    /// State from a checkpoint, if there is one.
     fn taken(stored: Option<DriveState>) -> Result<Option<ImmersingState<Self>>, RunError>;
 }
 
@@ -134,7 +134,7 @@ impl<'a, T: Stored> Immersing<'a, T> {
         self.progress.steps as f64 * self.driver.step
     }
 
-    /// What is not to be trusted any more.
+    /// Notes results that are no longer trustworthy.
     fn note_state(&mut self, simulation: &Simulation) {
         let caption = self.clock.caption(self.time());
         let ImmersingProgress {
@@ -337,7 +337,7 @@ fn sides(driver: LatticeBoltzmann) -> [Sides; 3] {
     })
 }
 
-/// What is worth knowing of a box from the start.
+/// Remarks on a box that hold from the start.
 fn notes(driver: LatticeBoltzmann, simulation: &Simulation, positions: &[[f64; 3]]) -> Vec<String> {
     let mut notes = Vec::new();
     let Flow::Shear { .. } = driver.flow else {

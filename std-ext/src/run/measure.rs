@@ -1,4 +1,4 @@
-//! What a run says of its surfaces.
+//! Measurements of a run's surfaces.
 
 use super::deformed::smallest_angle;
 use super::drive::Drive;
@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 #[derive(Debug)]
 pub(super) struct Measures {
     columns: Vec<String>,
-    /// Of each surface that is stretched: the directions along and across.
+    /// Directions along and across, for each surface that is stretched.
     directions: Vec<Option<[[f64; 3]; 2]>>,
     /// A ball around the initial surfaces.
     ball: Frame,
@@ -45,7 +45,7 @@ impl Measures {
         }
     }
 
-    /// What a picture shows: the ball around the surfaces at the start, or around the same centre as
+    /// View of a picture: the ball around the surfaces at the start, or around the same centre as
     /// much more as they need, in few steps, so that pictures can be compared.
     pub(super) fn frame(&self, positions: &[[f64; 3]]) -> Frame {
         let Frame { centre, radius } = self.ball;
@@ -249,7 +249,7 @@ pub(super) fn picture_field(
     })
 }
 
-/// What a picture's colours show, with its unit.
+/// Quantity shown by a picture's colours, with its unit.
 pub(super) fn picture_label(field: PictureField, units: Units) -> String {
     let (name, unit) = match field {
         PictureField::MeanCurvature => ("H", "1/µm"),

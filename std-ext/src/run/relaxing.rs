@@ -20,7 +20,7 @@ pub(super) struct Relaxing {
     every: [u64; 2],
     loads: usize,
     names: Vec<String>,
-    /// What would help each surface whose mesh is spoiled, and where nothing improves any more.
+    /// Remedies, one for each surface whose mesh is spoiled, and one where nothing improves any more.
     remedies: Vec<String>,
     advice: String,
     relaxation: Relaxation,
@@ -29,7 +29,7 @@ pub(super) struct Relaxing {
     energy: f64,
 }
 
-/// What a checkpoint holds of it.
+/// Part of its state that a checkpoint holds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct RelaxingState {
     relaxation: State,
@@ -135,7 +135,7 @@ impl Relaxing {
         Ok(())
     }
 
-    /// What the end of a load means for the run.
+    /// Step of the run that follows from the end of a load.
     fn load_ended(&mut self, outcome: Outcome) -> Step {
         let mut message = self.message(outcome);
         let load = self.progress.load + 1;

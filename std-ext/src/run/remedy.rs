@@ -1,4 +1,4 @@
-//! What leads to an equilibrium where a relaxation did not.
+//! Remedies for relaxations that did not reach an equilibrium.
 
 use crate::generate::{AnyShape, Family};
 use crate::method::BendingMethod;
@@ -113,7 +113,7 @@ fn start(surface: &SurfaceScene, shape: &AnyShape) -> Option<AnyShape> {
     Some(AnyShape::Ellipsoid(Ellipsoid { semi_axes }))
 }
 
-/// What would help surfaces whose relaxation leads nowhere.
+/// Remedy for surfaces whose relaxation does not converge.
 pub(super) fn advice(surfaces: &[SurfaceScene]) -> String {
     let without_energy = surfaces.iter().find_map(without_energy);
     let bent = |surface: &&SurfaceScene| surface.effects.bending.is_some();
@@ -129,7 +129,7 @@ pub(super) fn advice(surfaces: &[SurfaceScene]) -> String {
     })
 }
 
-/// What would help a surface that bends by forces without an energy.
+/// Remedy for a surface that bends by forces without an energy.
 fn without_energy(surface: &SurfaceScene) -> Option<String> {
     let method = surface.effects.bending?.method;
     if method.is_conservative() {

@@ -28,7 +28,7 @@ pub enum End {
 }
 
 impl End {
-    /// What it is called in tables and in `summary.json`.
+    /// Name in tables and in `summary.json`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Converged => "converged",
@@ -50,7 +50,7 @@ impl End {
     }
 }
 
-/// What a run leaves in `summary.json`.
+/// Contents of `summary.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// The scene's title.
@@ -69,17 +69,17 @@ pub struct Summary {
     pub seconds: f64,
     /// The names of the last row's numbers, and these; a number that is not finite is null.
     pub last: Vec<(String, f64)>,
-    /// What each effect has cost.
+    /// Cost of each effect.
     pub effects: Vec<Cost>,
-    /// What the bending methods find fault with at the end, surface by surface.
+    /// Findings of the bending methods at the end, surface by surface.
     pub flagged: Vec<Flagged>,
     /// The estimated errors of the energies of closed surfaces at the end of a relaxation.
     pub energy_estimates: Vec<EnergyEstimate>,
-    /// What is worth knowing besides.
+    /// Remarks on the results.
     pub warnings: Vec<String>,
     /// The version of the program.
     pub version: &'static str,
-    /// What a continuation has to have in common with the run, as hexadecimal digits.
+    /// Digest of what a continuation has to have in common with the run, in hexadecimal digits.
     pub fingerprint: String,
     /// The scene as run.
     pub scene: Scene,

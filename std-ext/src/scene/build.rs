@@ -95,9 +95,9 @@ pub(super) struct Builder<'a> {
     folder: &'a Path,
     problems: &'a mut Problems,
     warnings: &'a mut Problems,
-    /// What limits steps of a driver, beside its surfaces.
+    /// Repulsions, which limit steps of a driver as its surfaces do.
     barriers: Vec<Barrier>,
-    /// Those of which the size had to be known.
+    /// Mesh files that were read to know the size of their surfaces.
     meshes: MeshFiles,
 }
 

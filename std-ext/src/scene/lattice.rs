@@ -265,7 +265,7 @@ const PLANE: f64 = 0.25;
 /// The same for bending stiffness, relative to the mass of the fluid.
 const BENDING: f64 = 0.09;
 
-/// Of forces that hold a vertex by itself, fluid takes up this much of a unit of `μ spacing/step`,
+/// Largest stiffness of forces that hold a single vertex, relative to `μ spacing/step` of the fluid.
 const CONTACT: f64 = 1.0;
 /// The same relative to `ρ spacing³/step²` of the mass of the fluid. At 2 a vertex that is spread
 /// over one node would be thrown back farther than it came.

@@ -15,7 +15,7 @@ use crate::six::Six;
 use glam::DVec3;
 use helfrich::TriangleMesh;
 
-/// Of a repulsion's range, what edges may lose: it holds surfaces apart at more than half of it.
+/// Share of a repulsion's range that edges may lose: surfaces stay apart by more than half of it.
 const SAG: f64 = 0.25;
 
 pub(super) fn check_mesh(

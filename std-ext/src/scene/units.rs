@@ -260,7 +260,7 @@ const BASES: [(&str, Unit); 13] = [
     ("1", unit(0, Dimension::NONE)),
 ];
 
-/// Of no power of ten: 10⁻¹² N and 10⁻⁶ m are taken back where pN·µm is meant.
+/// kT, no power of ten by itself: 10⁻¹² N and 10⁻⁶ m are taken back where pN·µm is meant.
 const THERMAL: Unit = Unit {
     power: -18,
     thermal: 1,

@@ -44,7 +44,7 @@ pub(crate) fn messages_once(messages: Vec<String>, surfaces: &[&str]) -> Vec<Str
         .collect()
 }
 
-/// What has been said, and of which surfaces besides the first.
+/// A warning that was given, and the surfaces besides the first that it concerns.
 struct Said {
     index: usize,
     pattern: String,

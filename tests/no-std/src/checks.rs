@@ -47,7 +47,7 @@ struct Solid {
     expected: Option<Expected>,
 }
 
-/// What is known of a regular solid in the unit sphere.
+/// Exact values of a regular solid in the unit sphere.
 #[derive(Clone, Copy)]
 struct Expected {
     area: f64,
@@ -184,7 +184,7 @@ fn through_nalgebra<T: Real + Display + nalgebra::Scalar>(
     );
 }
 
-/// What has to be the same, bit for bit, through every kind of points.
+/// Results that have to be the same, bit for bit, through every kind of points.
 #[derive(PartialEq)]
 struct Results<T> {
     energies: [T; 2],

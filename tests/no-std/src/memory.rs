@@ -1,4 +1,4 @@
-//! What a C library would bring: memory that is handed out and never taken back, and the functions
+//! Parts of a C library: memory that is handed out and never taken back, and the functions
 //! on bytes that compiled code calls.
 
 use core::alloc::{GlobalAlloc, Layout};

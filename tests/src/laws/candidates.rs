@@ -15,7 +15,7 @@ use std::sync::LazyLock;
 pub trait Candidate: Copy {
     /// The method for the scalar T.
     type Method<T: Real>: Energy<T> + Force<T>;
-    /// What failures call it.
+    /// Name in messages of failures.
     fn name(self) -> &'static str;
     /// The library's modules whose formulas it runs, by the names of its types.
     fn modules(self) -> Vec<&'static str> {
@@ -65,7 +65,7 @@ impl<C: ConservativeCandidate> Candidate for C {
     }
 }
 
-/// What a method of the list is made from, with this bending modulus.
+/// Settings from which methods of the list are made, with this bending modulus.
 pub(super) fn settings<T: Real>(modulus: T) -> Settings<'static, T> {
     static OPTIONS: LazyLock<MethodOptions> = LazyLock::new(MethodOptions::default);
     // No method of the list but the one that is chosen by it looks at the mesh.

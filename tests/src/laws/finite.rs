@@ -1,4 +1,4 @@
-//! What comes of surfaces that may be degenerate.
+//! Laws for surfaces that may be degenerate.
 
 use super::{Candidate, CurvatureLaw, Law, Measured, OperatorLaw, energy, forces};
 use crate::meshes::Mesh;

@@ -31,7 +31,7 @@ impl<'a, L: Curvatures<f64>> Measured<'a, L> {
         }
     }
 
-    /// What the operator reports.
+    /// Findings of the operator.
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
         let surface = self.mesh.surface();

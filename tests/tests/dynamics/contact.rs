@@ -35,7 +35,7 @@ fn ready(file: &SceneFile) -> (Simulation, Vec<[f64; 3]>) {
     build(file).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What says that surfaces are in each other, without how they got there.
+/// Warnings that surfaces are in each other, without the way they got there.
 fn said(warnings: impl Iterator<Item = String>, what: &str) -> Vec<String> {
     let direct = |warning: String| {
         let through =

@@ -6,7 +6,7 @@ use helfrich_std::dynamics::integrate::{
 use helfrich_tests::tolerance;
 use std::f64::consts::PI;
 
-/// So large a tolerance that errors never limit a step.
+/// A tolerance so large that errors never limit a step.
 const ANY: f64 = 1e12;
 
 const RK4: Scheme = Scheme::Rk4 { step: 0.02 };

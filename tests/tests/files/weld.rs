@@ -43,7 +43,7 @@ fn split_meshes_are_put_together() {
     }
 }
 
-/// What is whole stays as it is.
+/// Meshes without split vertices stay as they are.
 #[test]
 fn whole_meshes_have_no_split_vertices() {
     let mesh = icosphere(1);

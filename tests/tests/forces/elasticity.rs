@@ -124,7 +124,7 @@ impl<A: Family, B: Family> Family for Both<A, B> {
     }
 }
 
-/// What is asked of every law.
+/// Checks of every law.
 trait Check {
     fn check<F: Family>(&mut self, family: F);
 }

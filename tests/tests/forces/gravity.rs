@@ -89,7 +89,7 @@ fn open_surfaces_weigh_nothing() {
     }
 }
 
-/// What positions leave out counts.
+/// Remainders of positions count.
 #[test]
 fn remainders_count() {
     let far = 2.0_f64.powi(40);

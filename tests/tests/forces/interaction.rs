@@ -341,7 +341,7 @@ fn concentric_spheres_have_the_energy_of_their_gap() {
     assert!((coarse / fine).log2() > 1.5, "{coarse:e}, {fine:e}");
 }
 
-/// Of convex bodies apart from each other, each vertex has the energy of its least distance alone,
+/// In convex bodies apart from each other, each vertex has the energy of its least distance alone,
 /// whether a triangle is nearest, an edge or a corner.
 #[test]
 fn what_is_nearest_for_several_triangles_counts_once() {

@@ -144,7 +144,7 @@ fn the_force_is_the_gradient() {
     check_gradient(&one, two, &mesh.connectivity, &mesh.positions);
 }
 
-/// Of equal coordinates, the lower number is farther back; the two ends have nothing in common.
+/// Among equal coordinates, the lower number is farther back; the two ends have nothing in common.
 #[test]
 fn ties_are_broken_by_number() {
     let line = octahedron().map(|_| [1.0, 2.0, 3.0]);

@@ -1,4 +1,4 @@
-//! What acts on membranes besides bending.
+//! Forces on membranes besides bending.
 
 mod adhesion;
 mod constraints;

@@ -224,7 +224,7 @@ fn velocities_that_were_not_kept_are_not_made_up() {
     immersed.interpolate_kept(&lattice, &mut [[0.0; 3]]);
 }
 
-/// What is interpolated is the transpose of what is spread: forces do the work that the fluid gets.
+/// Interpolation is the transpose of spreading: forces do the work that the fluid gets.
 #[test]
 fn work_on_points_is_work_on_nodes() {
     let size = [9, 7, 8];
@@ -263,7 +263,7 @@ fn work_on_points_is_work_on_nodes() {
     }
 }
 
-/// What forces add at once is what they add once they are spread, and symmetric as work is.
+/// Velocities that forces add at once are those that they add once spread, and symmetric as work is.
 #[test]
 fn responses_are_those_of_spread_forces() {
     let size = [40, 7, 8];

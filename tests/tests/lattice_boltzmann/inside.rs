@@ -1,4 +1,4 @@
-//! What lies inside of meshes.
+//! Nodes inside of meshes.
 
 use crate::{between, cells, lattice, periodic, sphere, stirred};
 use helfrich::Surface;

@@ -1,4 +1,4 @@
-//! What keeps momentum and mass, and what takes them.
+//! Conservation of momentum and mass, and their losses.
 
 use crate::{between, cells, lattice, periodic, scattered, sphere, stirred};
 use helfrich_std::flow::lattice_boltzmann::{Immersed, Kernel, Node, Sides};

@@ -1,4 +1,4 @@
-//! What is impossible, and units.
+//! Refusal of impossible input, and units.
 
 use crate::{between, lattice, periodic, sphere};
 use helfrich_std::flow::lattice_boltzmann::{

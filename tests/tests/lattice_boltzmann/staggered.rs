@@ -14,7 +14,7 @@ use helfrich_tests::tolerance;
 
 const SIZE: [usize; 3] = [16, 13, 15];
 const RADIUS: f64 = 4.0;
-/// Of the fluid at the start, against 0.577 of sound.
+/// Speed of the fluid at the start; the speed of sound is 0.577.
 const SPEED: f64 = 1e-3;
 
 struct Elastic<'a> {

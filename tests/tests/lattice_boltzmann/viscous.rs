@@ -20,7 +20,7 @@ struct Viscous<'a> {
 }
 
 impl<'a> Viscous<'a> {
-    /// So many times the fluid's viscosity times the radius, in the plane and for areas.
+    /// A viscosity in multiples of the fluid's times the radius, in the plane and for areas.
     fn new(mesh: &'a Mesh, boussinesq: f64) -> Self {
         let shear = boussinesq * VISCOSITY * RADIUS;
         let viscosity = MembraneViscosity {

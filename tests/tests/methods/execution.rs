@@ -61,7 +61,7 @@ impl Execution for Piecemeal {
     }
 }
 
-/// So uneven that neighbours of one vertex carry a fit and those of the next do not.
+/// A mesh so uneven that neighbours of one vertex carry a fit and those of the next do not.
 fn uneven() -> Mesh {
     icosphere(3).map(|x| [0, 1, 2].map(|k| x[k] + 0.05 * (57.0 * x[(k + 1) % 3]).sin()))
 }

@@ -306,7 +306,7 @@ fn degenerate_triangles_and_areas_are_reported() {
     assert_eq!(negative(GompperKroll::new(1.0)), 0, "mixed areas");
 }
 
-/// What stands in the documentation of each method about boundaries.
+/// Statements about boundaries in the documentation of each method.
 #[test]
 fn boundaries_get_the_documented_values() {
     let mesh = hemisphere(2);

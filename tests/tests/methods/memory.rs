@@ -61,7 +61,7 @@ fn memory_is_bounded() {
     }
 }
 
-/// What a scene's explanation counts for a bending method, bytes a vertex.
+/// Memory of a bending method by a scene's explanation, bytes per vertex.
 fn explained(method: &str) -> f64 {
     let mesh = icosphere(4).map(bent);
     let memory = |bending: &str| {

@@ -21,7 +21,7 @@ fn laws() {
     check_operator("paraboloid, guarded", Paraboloid::guarded());
 }
 
-/// What does not determine a paraboloid is left out, and reported.
+/// Vertices whose ring does not determine a paraboloid are left out, and reported.
 #[test]
 fn tiny_and_open_meshes_give_finite_values() {
     for operator in [Paraboloid::default(), Paraboloid::guarded()] {

@@ -86,7 +86,7 @@ fn jets_of_small_spheres() {
     }
 }
 
-/// What is out of range is no curvature, and is said.
+/// Values out of range are no curvatures, and are reported.
 #[test]
 fn what_is_out_of_range_is_said() {
     let mesh = icosphere(3).map(bent);
@@ -153,7 +153,7 @@ fn energies_that_overflow_are_not_zero() {
     for_each_conservative(&mut Overflows(icosphere(2).map(bent)));
 }
 
-/// Of another mesh with as many vertices and triangles a plan would give numbers.
+/// A workspace of another mesh with as many vertices and triangles would give numbers, and is refused.
 #[test]
 fn surfaces_of_another_mesh_are_refused() {
     struct Refused(Mesh, TriangleMesh);

@@ -262,7 +262,7 @@ fn functionals_and_effects_refuse_workspaces_of_other_meshes() {
     });
 }
 
-/// What methods offer beyond the traits.
+/// Functions of methods beyond the traits.
 #[test]
 fn curvatures_refuse_workspaces_of_other_meshes() {
     let meshes = Meshes::new();

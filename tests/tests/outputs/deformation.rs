@@ -278,7 +278,7 @@ fn extremes_are_points_of_the_surface() {
     tolerance::DEFORMATION_SAMPLED.assert(found[1], low, low, "nearest");
 }
 
-/// What a plane cuts off a sphere is closed, lies in the plane, and encloses what it should.
+/// Sections of a sphere are closed, lie in the plane, and enclose the area that they should.
 #[test]
 fn sections_are_closed_curves_around_the_inside() {
     let ball = icosphere(3);

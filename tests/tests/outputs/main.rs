@@ -1,4 +1,4 @@
-//! What a run leaves, and what it says of its bodies.
+//! Files of a run, and measurements of its bodies.
 
 mod checkpoints;
 mod deformation;

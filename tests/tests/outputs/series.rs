@@ -96,7 +96,7 @@ fn a_series_that_was_taken_away_is_there_again() {
     );
 }
 
-/// What others write into a series is not mixed with the run's rows.
+/// Rows that others write into a series are not mixed with the run's.
 #[test]
 fn a_series_that_another_program_has_changed_is_not_gone_on_with() {
     let folder = TempDir::new().unwrap();

@@ -1,4 +1,4 @@
-//! What scenes amount to.
+//! Explanations of scenes.
 
 use super::{generated, refused, valid, with};
 use helfrich_std::info::MeshInfo;

@@ -1,4 +1,4 @@
-//! What nobody means.
+//! Scenes that nobody means.
 
 use super::schema::{conforms, json};
 use super::{parse, parse_with, shipped, with};

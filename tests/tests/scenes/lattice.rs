@@ -21,7 +21,7 @@ fn capsule(replacements: &[(&str, &str)]) -> String {
     capsule_in("lattice-boltzmann", "resolution = 6\n", replacements)
 }
 
-/// What is said of a scene that cannot be built.
+/// Message for a scene that cannot be built.
 #[track_caller]
 fn unbuildable(text: &str) -> String {
     match build(&valid(text)) {
@@ -61,7 +61,7 @@ fn warned_beyond(
     }
 }
 
-/// What the scene's one surface is like where it is.
+/// Facts about the scene's one surface where it is.
 fn placed(text: &str) -> MeshInfo {
     let (simulation, positions) = build(&valid(text)).unwrap();
     MeshInfo::new(simulation.bodies()[0].surface(&positions).unwrap())

@@ -137,7 +137,7 @@ fn refused_effect(effects: &str, at: [usize; 2], parts: &[&str]) {
     refused(&with(effects), at, parts);
 }
 
-/// What the generated mesh of a surface is like, scaled.
+/// Facts about the generated mesh of a surface, scaled.
 fn generated(file: &SceneFile, surface: usize) -> MeshInfo {
     let surface = &file.scene.surfaces[surface];
     let MeshSource::Shape {

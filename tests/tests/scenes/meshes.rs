@@ -1,4 +1,4 @@
-//! What effects ask of meshes.
+//! Requirements of effects on meshes.
 
 use super::{generated, valid, with};
 use helfrich_std::generate::{AnyShape, generate};

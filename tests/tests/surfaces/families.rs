@@ -146,7 +146,7 @@ fn the_seed_decides() {
     }
 }
 
-/// What must come out on every machine: a digest that any change of a bit would change. It is new
+/// Digest of the result on every machine, which any change of a bit would change. It is new
 /// only where a family is changed on purpose.
 #[test]
 fn meshes_are_the_same_everywhere() {

@@ -63,7 +63,7 @@ fn exact_meshes_have_none() {
     assert!(meshes > 100, "{meshes}");
 }
 
-/// Of 2562 independent errors some 1500 degrees of freedom are left by the fits, so that chance is a
+/// From 2562 independent errors the fits leave some 1500 degrees of freedom, so that chance is a
 /// few per cent; at 1e-4 edges S₆ and R of the shape itself are no smaller than the noise.
 #[test]
 fn noise_is_found() {
@@ -219,7 +219,7 @@ fn regression_errors(made: &GeneratedMesh, deviation: f64, neighbours: usize) ->
 }
 
 /// The error of f of jets through the vertices is 200 % here, at 1e-3 edges; exact vertices lose little.
-/// What noise added on top changes is what the noise that is there has changed: of some 2562/64 independent
+/// Added noise changes results as much as the noise that is there: of some 2562/64 independent
 /// errors, to a tenth.
 #[test]
 fn regression_jets_stand_noise() {

@@ -105,7 +105,7 @@ fn surfaces_in_pairs_are_ordered_with_their_remainders() {
     }
 }
 
-/// So large that the companion orders it.
+/// A mesh so large that the companion orders it.
 #[test]
 fn large_meshes_are_answered_in_their_own_order() {
     let mut mesh = icosphere(7).map(bent).relabelled(11).0;

@@ -13,10 +13,10 @@ pub(super) struct Face<T> {
     over_normal: T,
     /// 1/length² of the sides from each corner to the next.
     over_lengths: Vec3<T>,
-    /// What is taken away for each side, so that it counts once with the triangle beyond: ½, or 0 at a
+    /// Weight that is subtracted for each side, so that it counts once with the triangle beyond: ½, or 0 at a
     /// boundary.
     sides: Vec3<T>,
-    /// What is given back for each corner: 1 over the number of triangles around, or 0 at a boundary.
+    /// Weight that is added for each corner: 1 over the number of triangles around, or 0 at a boundary.
     corners: Vec3<T>,
 }
 
@@ -66,7 +66,7 @@ impl<T: Real> Face<T> {
         }
     }
 
-    /// What is felt at a point, of which the difference from the first corner is given; none where
+    /// Potential and forces at a point, given by its difference from the first corner; none where
     /// that is beyond the range.
     ///
     /// Near triangles are added, near sides subtracted and near corners added, so that a point of

@@ -22,7 +22,7 @@ pub(super) struct NearVertex<T> {
     pub(super) vertex: u32,
     pub(super) area: T,
     pub(super) position: Vec3<T>,
-    /// What the position was rounded by, where that is known.
+    /// Rounding error of the position, where it is known.
     pub(super) remainder: Vec3<T>,
 }
 

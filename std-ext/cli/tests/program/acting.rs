@@ -132,7 +132,7 @@ fn the_residual_is_a_number_in_every_row() {
     assert!(!printed.contains("NaN"), "{printed}");
 }
 
-/// What is doubtful about several surfaces is said once, with six digits at most, and a suspension is
+/// Warnings about several surfaces are given once, with six digits at most, and a suspension is
 /// not compared with a body in unbounded fluid.
 #[test]
 fn warnings_are_said_once_and_fit_the_scene() {

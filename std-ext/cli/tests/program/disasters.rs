@@ -297,7 +297,7 @@ fn one_thread_or_two_leave_the_same_files() {
     }
 }
 
-/// What killed processes were writing is taken away by the next that writes beside it.
+/// Unfinished files of killed processes are removed by the next process that writes beside them.
 #[test]
 fn unfinished_files_do_not_stay() {
     let folder = TempDir::new().unwrap();

@@ -27,7 +27,7 @@ mod streams;
 mod study;
 mod sweep;
 
-/// What a run left.
+/// Output of a run.
 #[derive(Debug)]
 struct Run {
     code: Option<i32>,

@@ -354,7 +354,7 @@ fn pages_refuse_before_they_measure() {
     }
 }
 
-/// What runs before the page's own script.
+/// Script that runs before the page's own.
 const LISTENS: &str = r"<script>
 window.wrong = [];
 addEventListener('error', function (event) { wrong.push('error: ' + event.message); });

@@ -239,7 +239,7 @@ fn true_mean_error(
     errors / areas / largest
 }
 
-/// What all methods share, no distance between them tells: errors of jets by noise are within a factor of
+/// Differences between methods do not show errors that all share: errors of jets by noise are within a factor of
 /// 1.5 of the true ones, those of others no larger than is said.
 #[test]
 fn noise_counts() {

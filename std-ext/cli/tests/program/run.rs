@@ -487,7 +487,7 @@ fn a_run_in_flow_leaves_numbers_plots_and_slices() {
     assert!(files(&out) == before);
 }
 
-/// What a plot needs is looked for before anything is computed.
+/// Columns that a plot needs are looked for before anything is computed.
 #[test]
 fn plots_that_cannot_be_drawn_are_refused_at_first() {
     let folder = TempDir::new().unwrap();

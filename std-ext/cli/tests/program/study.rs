@@ -461,7 +461,7 @@ fn a_study_refuses_before_it_computes() {
     assert!(is_empty(&folder));
 }
 
-/// Of two studies with one cache, the second would take back what the first has measured.
+/// A second study with the same cache would undo measurements of the first, and is refused.
 #[test]
 fn a_cache_is_of_one_study_at_a_time() {
     let folder = TempDir::new().unwrap();

@@ -143,7 +143,7 @@ impl Table {
     }
 }
 
-/// So many colours of a path over t from 0 to 1, at equal distances in OKLab.
+/// `count` colours of a path over t from 0 to 1, at equal distances in OKLab.
 fn even(count: usize, path: impl Fn(f64) -> ([f64; 3], [f64; 3])) -> Vec<([f64; 3], [f64; 3])> {
     const FINE: usize = 4096;
     let parameter = |step: usize| step as f64 / FINE as f64;

@@ -1,4 +1,4 @@
-//! What a method of the list is made of, and what is done with it.
+//! Macros that make the run-time method set from its list.
 
 use super::MethodOptions;
 use helfrich::{Conservative, Curvatures, LaplaceBeltrami, Real, StrongForm, TriangleMesh};

@@ -15,19 +15,19 @@ pub(super) const FOURTH: f64 = 1.2;
 /// Factor on the distance of averages from half as many: what they remove grows with their number.
 const DOUBLED: f64 = 2.0;
 
-/// Squares of what the shape makes of a candidate.
+/// Bounds of the square of a candidate's error without noise.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Range {
-    /// No more than this beside noise.
+    /// Upper bound.
     most: f64,
-    /// That much is certain.
+    /// Lower bound.
     pub(super) least: f64,
 }
 
 /// A candidate that was chosen.
 pub(super) struct Choice {
     pub(super) index: usize,
-    /// Squares of what the shape and noise make of it.
+    /// Squares of its errors by the shape and by noise.
     pub(super) bias: f64,
     pub(super) variance: f64,
 }
@@ -188,7 +188,7 @@ impl Bias {
 }
 
 impl Choice {
-    /// Of its error.
+    /// Square of its error.
     fn square(&self) -> f64 {
         self.bias + self.variance
     }

@@ -42,7 +42,7 @@ pub fn digits(value: f64) -> String {
     significant(value, 2)
 }
 
-/// So many digits of a positive number; powers of ten where it is very large or small.
+/// A positive number with `digits` digits; powers of ten where it is very large or small.
 pub fn significant(value: f64, digits: i32) -> String {
     if !value.is_finite() {
         return "∞".to_owned();

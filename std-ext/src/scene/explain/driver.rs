@@ -231,7 +231,7 @@ pub(super) fn spectral_radius(scene: &Scene, meshes: &[MeshInfo]) -> Option<f64>
     Some(radius.max(of_repulsion(scene, meshes, integral)))
 }
 
-/// Of the repulsions, where surfaces are pressed together by the largest pressure of flow and membranes; 0
+/// Largest of the repulsions, where flow and membranes press surfaces together as hard as they can; 0
 /// without any.
 fn of_repulsion(scene: &Scene, meshes: &[MeshInfo], driver: &BoundaryIntegral) -> f64 {
     let membranes = scene.surfaces.iter().zip(meshes);

@@ -145,7 +145,7 @@ fn every_hard_run_is_there() {
     assert!(threads.count() >= 5);
 }
 
-/// What is stiffer, or more viscous inside, is deformed less.
+/// Bodies that are stiffer, or more viscous inside, are deformed less.
 #[test]
 fn deformations_fall_as_capsules_resist_more() {
     for case in ["bending from 1e-4 to 1", "viscosity ratio from 0.05 to 50"] {

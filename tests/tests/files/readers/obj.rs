@@ -1,4 +1,4 @@
-//! What OBJ files may say, and what is said about those that are none.
+//! Contents of OBJ files, and messages about broken ones.
 
 use helfrich_std::io::{Format, MeshFile, ParseError, Problem, parse};
 use std::fmt::Write;

@@ -1,4 +1,4 @@
-//! What OFF files may say, and what is said about those that are none.
+//! Contents of OFF files, and messages about broken ones.
 
 use helfrich_std::io::{Format, MeshFile, ParseError, parse};
 

@@ -1,4 +1,4 @@
-//! What PLY files may say, and what is said about those that are none.
+//! Contents of PLY files, and messages about broken ones.
 
 use super::solid::tetrahedron;
 use helfrich_std::io::{Format, MeshFile, ParseError, parse};

@@ -175,7 +175,7 @@ impl Solid {
     }
 }
 
-/// What `solid` becomes when corners are numbered as they first appear, as STL readers do.
+/// `solid` with corners numbered as they first appear, as STL readers do.
 pub(super) fn in_order_of_appearance(solid: &Solid, round: impl Fn(f64) -> f64) -> Solid {
     let mut order = Vec::new();
     for vertex in solid.triangles.iter().flatten() {

@@ -1,4 +1,4 @@
-//! What STL files may say, and what is said about those that are none.
+//! Contents of STL files, and messages about broken ones.
 
 use super::solid::tetrahedron;
 use helfrich_std::io::{Format, MeshFile, ParseError, parse};

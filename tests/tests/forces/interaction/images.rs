@@ -105,7 +105,7 @@ proptest! {
     }
 }
 
-/// So far away that places in cells are rounded, until a single cell is left: pairs are found all the
+/// Pairs are found far away, too, where places in cells are rounded until a single cell is left: all the
 /// same.
 #[test]
 fn many_periods_do_not_matter() {

@@ -1,4 +1,4 @@
-//! What follows from the numbers of a scene, and what is doubtful.
+//! Quantities derived from the numbers of a scene, and warnings about them.
 
 use super::super::{generated, parse, parse_with, valid};
 use super::{capsule, driver, warned, warnings, with_flow};

@@ -1,4 +1,4 @@
-//! What no flow can be is refused.
+//! Refusal of impossible flows.
 
 use super::super::{generated, refused, valid};
 use super::{capsule, with_flow};

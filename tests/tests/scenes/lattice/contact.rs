@@ -1,4 +1,4 @@
-//! What surfaces do to each other and to their images in a periodic box.
+//! Interactions of surfaces with each other and with their images in a periodic box.
 
 use super::super::{refused, valid};
 use super::{capsule, unbuildable};

@@ -1,4 +1,4 @@
-//! What is doubtful, steps that are chosen, and what is said of both.
+//! Warnings, steps that are chosen, and their explanations.
 
 use super::super::valid;
 use super::{capsule, driver, placed, warned_beyond, warnings};

@@ -1,4 +1,4 @@
-//! What no lattice can do is refused.
+//! Refusal of impossible lattices.
 
 use super::super::{refused, valid};
 use super::{capsule, placed, unbuildable, warnings};
