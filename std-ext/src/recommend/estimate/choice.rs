@@ -147,7 +147,10 @@ impl Candidates {
         let least = choices.iter().map(Choice::square).fold(f64::MAX, f64::min);
         let (mut sum, mut all) = (0.0, 0.0);
         for choice in &choices {
-            let trust = (least / choice.square()).powi(2);
+            // The inverse cube of the error, by trial on 13 shapes at 1e-2 edges: with the inverse square,
+            // forces of tubes come out up to 1.5 times too small; with the fourth power, others too large.
+            let part = least / choice.square();
+            let trust = part * part.sqrt();
             sum += trust * self.largest_of(choice.index, which).ln();
             all += trust;
         }

@@ -92,7 +92,7 @@ const FAMILY: Key = optional(
 const VERTICES: Key = optional(
     "vertices",
     Form::Count(1),
-    "How many vertices are generated, 12 at least: 10·4^k + 2 give the most regular meshes; on the torus, \
+    "Number of vertices, at least 12: 10·4^k + 2 give the most regular meshes; on the torus, \
      about as many.",
 );
 
