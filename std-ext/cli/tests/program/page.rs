@@ -3,6 +3,7 @@
 use crate::{command, fail, run, text};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use helfrich_std::method::BendingMethod;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -381,7 +382,7 @@ fn the_page_works_in_a_browser() {
         assert_eq!(found["wrong"], serde_json::json!([]), "{size}: {found}");
         // Whatever was to be looked at has been.
         assert_eq!(found["switches"], 6, "{found}");
-        assert_eq!(found["methods"], 9, "{found}");
+        assert_eq!(found["methods"], BendingMethod::ALL.len(), "{found}");
         assert!(found["charts"].as_u64() >= Some(20), "{found}");
         assert!(found["tables"].as_u64() >= Some(18), "{found}");
         assert!(found["pictures"].as_u64() >= Some(18), "{found}");
