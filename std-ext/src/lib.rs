@@ -17,8 +17,12 @@
 //! * [`run`]: a run of a scene in a folder; [`sweep`]: a scene with every combination of some
 //!   values. [`checkpoint`] and [`series`]: the stored state of a run, and its numbers over time.
 //!   [`lock`]: exclusive access to folders and files. [`picture`]: surfaces coloured by a field,
-//!   and plots, as PNG files.
+//!   and plots.
 //! * [`report`]: tables, CSV and HTML of results.
+//!
+//! The feature `pictures` writes pictures and plots as PNG files, also those of runs, sweeps and
+//! pages. Without it there is no encoder among the dependencies, and a run of a scene that asks for
+//! such files is refused ([`run::RunError::NoPictures`]).
 
 pub use helfrich_draw::picture;
 pub use helfrich_evaluate::{contact, effect, execute, method, noise, scalar};
@@ -30,6 +34,7 @@ pub mod checkpoint;
 mod findings;
 pub mod lock;
 pub mod plots;
+mod png;
 pub mod provenance;
 pub mod recommend;
 pub mod report;

@@ -209,6 +209,7 @@ fn plan<'a>(
     positions: Vec<[f64; 3]>,
     state: Option<DriveState>,
 ) -> Result<Plan<'a>, RunError> {
+    files::refuse_pictures(&scene.output)?;
     let begins = state.is_none();
     let measures = Measures::new(scene, simulation, &positions);
     let drive = drive(scene, simulation, positions, state)?;

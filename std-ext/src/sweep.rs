@@ -4,7 +4,8 @@
 //! * a folder for each run, named by its values, such as `method=meyer,vertices=642`: see
 //!   [`run`](crate::run);
 //! * `sweep.csv`: a line for each run with its values, last numbers, cost and end;
-//! * `COLUMN.png` for each chosen column: the series of all runs together, with published curves.
+//! * `COLUMN.png` for each chosen column: the series of all runs together, with published curves; with
+//!   the feature `pictures` only.
 //!
 //! A failed run is recorded, and the next one starts.
 
@@ -16,6 +17,7 @@ pub use vary::{Vary, VarySyntaxError};
 
 use crate::lock::{Lock, LockError};
 use crate::plots::{PlotError, read_curves};
+use crate::png;
 use crate::run::{CHECKPOINT, End, Progress, RunError, SUMMARY, fingerprint, run};
 use crate::scene::{OverrideSyntaxError, Overrides, Scene, SceneErrors, SceneFile};
 use crate::series::SeriesTable;
@@ -318,6 +320,11 @@ impl Sweep {
         let waiting = cases.into_iter().map(|case| (case, Outcome::Waiting));
         let mut swept = Swept::new(self, waiting.collect());
         swept.warnings.extend(lock.warning().map(str::to_owned));
+        if !png::IS_ENABLED {
+            let message =
+                "columns are not plotted: helfrich-std was built without its feature `pictures`";
+            swept.warnings.push(message.to_owned());
+        }
         let mut published = Vec::new();
         for plot in &scene.output.plots {
             let curves = plot.published.as_deref().map(read_curves).transpose();
@@ -343,7 +350,10 @@ impl Sweep {
             board.enter(at, outcome, |swept| {
                 swept.choose(&self.columns, &scene);
                 swept.write_table(&folder.join(TABLE))?;
-                swept.plot(folder, &scene, &published)
+                match png::IS_ENABLED {
+                    true => swept.plot(folder, &scene, &published),
+                    false => Ok(()),
+                }
             })
         })?;
         Ok(board.into_swept())

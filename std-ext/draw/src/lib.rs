@@ -1,3 +1,4 @@
-//! Pictures for [`helfrich`]: surfaces coloured by a field, sections and plots, as PNG files.
+//! Pictures for [`helfrich`]: surfaces coloured by a field, sections and plots; with
+//! the feature `png` as PNG files.
 
 pub mod picture;

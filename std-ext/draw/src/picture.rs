@@ -1,12 +1,14 @@
-//! Pictures as PNG files: surfaces coloured by a field, flow on a plane, and plots of curves.
+//! Pictures: surfaces coloured by a field, flow on a plane, and plots of curves.
 //!
 //! Everything is drawn here, in a fixed order, without a graphics card, a font file or a thread:
-//! the same input gives the same bytes.
+//! the same input gives the same bytes. The feature `png` writes them as PNG files.
 
 mod canvas;
 mod colour;
 mod font;
 mod plot;
+#[cfg(feature = "png")]
+mod png;
 mod render;
 mod slice;
 mod streamlines;

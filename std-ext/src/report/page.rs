@@ -15,6 +15,7 @@ mod verdicts;
 
 use crate::io::replace_file;
 use crate::method::BendingMethod;
+use crate::png;
 use crate::provenance::{Build, Provenance};
 use crate::report::SCATTERED;
 use crate::study::{ErrorFields, MOST_SCATTER, Quantity, Row};
@@ -32,7 +33,7 @@ pub struct Page<'a> {
     pub rows: &'a [Row],
     /// Whether they converge.
     pub verdicts: &'a [Verdict],
-    /// Maps of their errors.
+    /// Maps of their errors; drawn with the feature `pictures` only.
     pub errors: &'a [ErrorFields],
     /// Further parts, which other programs have measured.
     pub sections: &'a [Section],
@@ -65,7 +66,7 @@ impl Page<'_> {
     /// Writes the page.
     ///
     /// # Errors
-    /// If `out` cannot be written to.
+    /// If `out` cannot be written to, or there are maps of errors without the feature `pictures`.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let shape = self.rows.first().map_or("", |row| row.shape);
         writeln!(
@@ -107,10 +108,10 @@ impl Page<'_> {
         )
     }
 
-    /// Writes every figure as SVG and PNG into an existing folder.
+    /// Writes every figure as SVG and PNG into an existing folder. Needs the feature `pictures`.
     ///
     /// # Errors
-    /// If a file cannot be written.
+    /// If a file cannot be written, or without that feature.
     pub fn write_figures(&self, folder: &Path) -> io::Result<()> {
         for (name, chart) in self.charts() {
             replace_file(&folder.join(format!("{name}.svg")), |out| {
@@ -118,7 +119,7 @@ impl Page<'_> {
             })?;
             let canvas = chart.draw().map_err(io::Error::other)?;
             replace_file(&folder.join(format!("{name}.png")), |out| {
-                canvas.encode_png(out)
+                png::encode(&canvas, out)
             })?;
         }
         for (name, png) in pictures::all(self)? {

@@ -62,6 +62,16 @@ pub enum RunError {
         /// The name.
         column: String,
     },
+    /// The scene asks for PNG files, and the library was built without the feature that writes them.
+    #[error(
+        "output: `{key}` is written as PNG files, and helfrich-std was built without its feature \
+         `pictures`: enable it, or {}",
+        if *key == "pictures" { "set `pictures = false`" } else { "omit the key" }
+    )]
+    NoPictures {
+        /// The key of the output.
+        key: &'static str,
+    },
     /// The box of fluid is invalid.
     #[error("driver: {0}")]
     Lattice(#[from] LatticeError),

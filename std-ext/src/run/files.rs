@@ -8,7 +8,8 @@ use crate::io::{
 };
 use crate::picture::{ColourMap, Colouring, FlowSlice, PaintedSurface, Picture, Shading, View};
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of, read_curves};
-use crate::scene::{Driver, Flow, LatticeBoltzmann, Plot, Scene, Slice, Units};
+use crate::png;
+use crate::scene::{Driver, Flow, LatticeBoltzmann, Output, Plot, Scene, Slice, Units};
 use crate::series::SeriesTable;
 use crate::simulation::{Acting, Simulation};
 use glam::DVec3;
@@ -48,6 +49,20 @@ impl<'a> PlannedPlot<'a> {
             None => Vec::new(),
         };
         Ok(Self { plot, published })
+    }
+}
+
+/// Refuses PNG files that this build cannot write.
+pub(super) fn refuse_pictures(output: &Output) -> Result<(), RunError> {
+    let wanted = [
+        ("pictures", output.pictures),
+        ("plot", !output.plots.is_empty()),
+        ("slice", !output.slices.is_empty()),
+    ];
+    let wanted = wanted.into_iter().find(|&(_, wanted)| wanted);
+    match wanted {
+        Some((key, _)) if !png::IS_ENABLED => Err(RunError::NoPictures { key }),
+        _ => Ok(()),
     }
 }
 
@@ -149,7 +164,7 @@ impl Run<'_> {
         let canvas = picture
             .draw()
             .map_err(|error| RunError::Output(Box::new(error)))?;
-        let written = canvas.write_png(&path);
+        let written = png::write(&canvas, &path);
         written.map_err(|source| RunError::Unwritable { path, source })
     }
 
@@ -261,7 +276,7 @@ impl Run<'_> {
             let path = self
                 .folder
                 .join(format!("slices/{}-{:08}.png", slice.name, mark.number));
-            let written = canvas.write_png(&path);
+            let written = png::write(&canvas, &path);
             written.map_err(|source| RunError::Unwritable { path, source })?;
             self.outputs.slices.entries.push(CollectionEntry {
                 time: mark.time,
@@ -309,7 +324,7 @@ impl Run<'_> {
                 .draw()
                 .map_err(|error| RunError::Output(Box::new(error)))?;
             let path = self.folder.join(format!("plots/{}.png", plot.column));
-            let written = canvas.write_png(&path);
+            let written = png::write(&canvas, &path);
             written.map_err(|source| RunError::Unwritable { path, source })?;
         }
         Ok(())

@@ -3,6 +3,7 @@
 use super::{Case, Ended, Outcome, Sweep, SweepError, Swept};
 use crate::io::replace_file;
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of};
+use crate::png;
 use crate::scene::Scene;
 use crate::series::{SeriesTable, TIME, quoted};
 use std::path::Path;
@@ -197,7 +198,7 @@ impl Swept {
                 path: path.clone(),
                 error,
             })?;
-            let written = canvas.write_png(&path);
+            let written = png::write(&canvas, &path);
             written.map_err(|source| SweepError::Unwritable { path, source })?;
         }
         Ok(())

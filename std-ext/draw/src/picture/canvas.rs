@@ -2,9 +2,6 @@
 
 use super::colour::{Colour, WHITE};
 use super::font;
-use helfrich_mesh::io::replace_file;
-use std::io::{self, Write};
-use std::path::Path;
 
 /// A finished picture. Pixels are counted from the upper left corner; y points down.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,29 +98,6 @@ impl Canvas {
 
     pub(super) fn row_mut(&mut self, y: usize) -> &mut [Colour] {
         &mut self.pixels[y * self.width..(y + 1) * self.width]
-    }
-
-    /// Writes a PNG file, completely or not at all.
-    ///
-    /// # Errors
-    /// Any error of the operating system for the folder, the file or the disk.
-    pub fn write_png(&self, path: &Path) -> io::Result<()> {
-        replace_file(path, |out| self.encode_png(out))
-    }
-
-    /// Writes the canvas in the PNG format, eight bits per colour.
-    ///
-    /// # Errors
-    /// Any error of `out`.
-    pub fn encode_png(&self, out: &mut dyn Write) -> io::Result<()> {
-        let mut encoder = png::Encoder::new(out, self.width as u32, self.height as u32);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.rgb())?;
-        writer.finish()?;
-        Ok(())
     }
 
     /// The pixels that touch an interval of x or y.

@@ -4,6 +4,7 @@ use super::accuracy::open_family;
 use super::text::{count, escaped, percent, target};
 use super::{Page, called};
 use crate::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
+use crate::png;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use helfrich::Surface;
@@ -41,9 +42,9 @@ pub(super) fn all(page: &Page<'_>) -> io::Result<Vec<(String, Vec<u8>)>> {
                 length_unit: None,
             };
             let canvas = picture.draw().map_err(io::Error::other)?;
-            let mut png = Vec::new();
-            canvas.encode_png(&mut png)?;
-            pictures.push((format!("surface-{}-{method}", fields.family), png));
+            let mut bytes = Vec::new();
+            png::encode(&canvas, &mut bytes)?;
+            pictures.push((format!("surface-{}-{method}", fields.family), bytes));
         }
     }
     Ok(pictures)
@@ -67,7 +68,7 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
         open_family(fields.family.name(), number > 0, out)?;
         writeln!(out, "<div class=\"gallery\">")?;
         for (method, errors) in &fields.methods {
-            let Some((_, png)) = pictures.next() else {
+            let Some((_, bytes)) = pictures.next() else {
                 break;
             };
             let worst = errors.iter().copied().fold(0.0, f64::max);
@@ -76,7 +77,7 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
                 "<figure><img loading=\"lazy\" width=\"420\" height=\"280\" alt=\"{}: largest error {}\" src=\"data:image/png;base64,{}\"><figcaption><b>{}</b> {}; worst {}</figcaption></figure>",
                 escaped(method.name()),
                 percent(worst),
-                STANDARD.encode(png),
+                STANDARD.encode(bytes),
                 method.label(),
                 method.title(),
                 percent(worst),
