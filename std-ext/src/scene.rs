@@ -1,4 +1,5 @@
-//! Scene files: TOML text becomes plain, validated data. Nothing here runs a simulation.
+//! Scene files: TOML text becomes plain, validated data. Nothing here runs a simulation; what needs the
+//! meshes, checks and explanations, is in [`simulation`](crate::simulation).
 //!
 //! A scene names its surfaces, the effects that act on each, the driver and the outputs. An absent
 //! effect is `None` and costs nothing. Every number of a [`Scene`] is in the scene's [`Units`];
@@ -7,16 +8,14 @@
 //! One table (`keys`) lists all keys with form, dimension and range. The messages of the parser and
 //! [`json_schema`] are generated from it.
 
-mod barrier;
 mod build;
 mod check;
 mod driver;
 mod effects;
-mod explain;
 mod keys;
 mod lattice;
-mod mesh_check;
 mod output;
+mod parameter;
 mod problem;
 mod reader;
 mod schema;
@@ -27,15 +26,18 @@ mod value;
 
 pub use driver::{BoundaryIntegral, Driver, Flow, Integrator, Relax, Scheme};
 pub use effects::{
-    Adhesion, AreaDifferenceTarget, Bending, EffectError, Effects, Elasticity, Gravity, HeldArea,
-    HeldAreaDifference, HeldVolume, Hold, InPlaneLaw, LocalArea, MembraneViscosity, Pressure,
-    Reference, ReferenceSource, Stretching, Target, Tension, VolumeTarget,
+    Adhesion, AreaDifferenceTarget, Bending, EffectError, Effects, Elasticity, Gravity, Group,
+    HeldArea, HeldAreaDifference, HeldVolume, Hold, InPlaneLaw, LocalArea, MembraneViscosity,
+    Pressure, Reference, ReferenceSource, Stretching, Target, Tension, VolumeTarget,
 };
-pub(crate) use effects::{Named, Preparation, Stretch, SurfaceEffect};
-pub use explain::{Active, Explanation, Group, LatticeExplanation, Parameter, SurfaceExplanation};
-pub use lattice::FINITE_BOX;
-pub use lattice::{LatticeBoltzmann, StepLimit};
+pub(crate) use effects::{
+    Groups, MeshCheck, Named, Preparation, Stretch, SurfaceEffect, capillary_number, reduced_volume,
+};
+pub(crate) use lattice::AXES;
+pub use lattice::LatticeBoltzmann;
 pub use output::{Every, Output, PictureField, Plot, Probe, Slice, Volume};
+pub use parameter::Parameter;
+pub(crate) use parameter::Parameters;
 pub use problem::{Place, Problem, SceneError, SceneErrors};
 pub use schema::json_schema;
 pub(crate) use shipped::shipped_file;
@@ -44,10 +46,9 @@ pub(crate) use surface::MeshFiles;
 pub use surface::{
     MeshFileSource, MeshSource, MeshSourceError, Obstacle, Orientation, SurfaceScene,
 };
+pub(crate) use units::{Dimension, thermal_energy};
 pub use value::{OverrideSyntaxError, Overrides};
 
-use crate::info::MeshInfo;
-use helfrich::{Surface, TriangleMesh};
 use serde::Serialize;
 use std::path::Path;
 
@@ -140,69 +141,21 @@ impl SceneFile {
         build::parse(text, path, overrides)
     }
 
-    /// Compares the effects of a surface with its mesh, scaled as in the scene.
-    ///
-    /// # Errors
-    /// All conflicts between effects and the mesh.
-    pub fn check_mesh(&self, surface: usize, mesh: &MeshInfo) -> Result<(), SceneErrors> {
-        mesh_check::check_mesh(self, surface, mesh)
+    /// An error at the place of a key; `path` is its path, such as `surface.0.bending`.
+    pub(crate) fn contradiction(&self, path: &str, message: String) -> SceneError {
+        let origin = self.origins.of(path);
+        self.source
+            .error(&origin, Problem::Contradiction { message })
     }
 
-    /// Checks that the mesh of an obstacle, scaled as in the scene, can be an obstacle.
-    ///
-    /// # Errors
-    /// If it has no interior.
-    pub fn check_obstacle(&self, obstacle: usize, mesh: &MeshInfo) -> Result<(), SceneErrors> {
-        mesh_check::check_obstacle(self, obstacle, mesh)
+    /// A warning at the place of a key.
+    pub(crate) fn doubt(&self, path: &str, message: String) -> SceneError {
+        let origin = self.origins.of(path);
+        self.source.error(&origin, Problem::Doubtful { message })
     }
 
-    /// Checks that a surface and an obstacle, with their images, are outside each other at the
-    /// start.
-    ///
-    /// # Errors
-    /// If a vertex of one is inside the other.
-    pub fn check_apart(
-        &self,
-        surface: usize,
-        surface_positions: Surface<'_, f64>,
-        obstacle: usize,
-        obstacle_positions: Surface<'_, f64>,
-    ) -> Result<(), SceneErrors> {
-        let numbers = [surface, obstacle];
-        mesh_check::check_apart(self, numbers, surface_positions, obstacle_positions)
-    }
-
-    /// A warning if a surface intersects another one, or an image of it, at the start.
-    pub fn check_outside(
-        &self,
-        numbers: [usize; 2],
-        inner: Surface<'_, f64>,
-        outer: Surface<'_, f64>,
-    ) -> Option<SceneError> {
-        mesh_check::check_outside(self, numbers, inner, outer)
-    }
-
-    /// Warnings about a surface and its mesh, scaled as the scene demands.
-    pub fn mesh_warnings(&self, surface: usize, mesh: &MeshInfo) -> Vec<SceneError> {
-        mesh_check::mesh_warnings(self, surface, mesh)
-    }
-
-    /// A warning about the mesh of an obstacle.
-    pub fn obstacle_warning(&self, obstacle: usize, mesh: &MeshInfo) -> Option<SceneError> {
-        mesh_check::obstacle_warning(self, obstacle, mesh)
-    }
-
-    /// Compares a surface's mesh with the one of the reference that an effect of it names.
-    ///
-    /// # Errors
-    /// If the two do not have the same triangles.
-    pub fn check_reference(
-        &self,
-        surface: usize,
-        effect: &str,
-        mesh: &TriangleMesh,
-        reference: &TriangleMesh,
-    ) -> Result<(), SceneErrors> {
-        mesh_check::check_reference(self, surface, effect, mesh, reference)
+    /// Whether the file, or an override, has the key.
+    pub(crate) fn has(&self, path: &str) -> bool {
+        self.origins.has(path)
     }
 }

@@ -1,15 +1,20 @@
 //! A prepared scene: its surfaces and effects.
 //!
-//! A [`Simulation`] computes the forces at given positions; it moves and writes nothing.
+//! [`build`] checks the scene on its meshes; [`Scene::explain`](crate::scene::Scene::explain) lists what
+//! acts, in numbers. A [`Simulation`] computes the forces at given positions; it moves and writes
+//! nothing.
 //! [`crate::dynamics`] moves the positions, and [`crate::run`] writes results.
 
 mod build;
+mod check;
 mod crossing;
+mod explain;
 mod once;
 mod placed;
 
 pub use build::{BuildError, build};
 pub use crossing::Crossing;
+pub use explain::{Active, Explanation, LatticeExplanation, SurfaceExplanation};
 pub(crate) use once::messages_once;
 
 use crate::contact::repel;

@@ -26,6 +26,11 @@ impl fmt::Display for Six {
     }
 }
 
+/// A number with three digits, for advice.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
 fn without_zeros(number: &str) -> &str {
     if number.contains('.') {
         number.trim_end_matches('0').trim_end_matches('.')

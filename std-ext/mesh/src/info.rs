@@ -1,6 +1,7 @@
 //! Properties of a mesh: counts, topology, measures and quality.
 
 use helfrich::{Surface, VertexKind};
+use std::f64::consts::PI;
 
 /// Properties of a mesh, by [`MeshInfo::new`].
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +34,11 @@ pub struct MeshInfo {
     pub corners: [[f64; 3]; 2],
     /// Triangles without area to the rounding of f64, lowest first.
     pub degenerate_triangles: Vec<usize>,
+}
+
+/// Edge of an equilateral triangle of the mean area, `√(4 A/(√3 F))`.
+pub fn mean_edge(area: f64, triangles: usize) -> f64 {
+    (4.0 * area / (3_f64.sqrt() * triangles as f64)).sqrt()
 }
 
 impl MeshInfo {
@@ -74,6 +80,14 @@ impl MeshInfo {
             degenerate_triangles: all
                 .filter(|&triangle| is_degenerate(surface, triangle))
                 .collect(),
+        }
+    }
+
+    /// Radius of the sphere of the same volume; of an open surface, of the same area.
+    pub fn enclosed_radius(&self) -> f64 {
+        match self.volume {
+            Some(volume) if volume > 0.0 => (0.75 * volume / PI).cbrt(),
+            _ => (self.area / (4.0 * PI)).sqrt(),
         }
     }
 }

@@ -14,6 +14,7 @@
 
 mod boundary_integral;
 mod channel;
+mod contact_stiffness;
 mod gmres;
 mod immersion;
 pub mod lattice_boltzmann;
@@ -24,6 +25,7 @@ mod volume;
 
 pub use boundary_integral::{DoubleLayer, SingleLayer, alone};
 pub use channel::Channel;
+pub use contact_stiffness::{AdhesiveWall, Barrier};
 pub use gmres::{Gmres, Product, Solved};
 pub use immersion::{Immersion, ImmersionError, ImmersionState};
 pub use membranes::{Effort, Fluid, Membranes};

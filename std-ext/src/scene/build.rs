@@ -4,9 +4,6 @@ mod driver;
 mod lattice;
 mod surface;
 
-pub(super) use lattice::{BOX, rounded};
-
-use super::barrier::Barrier;
 use super::check::{Problems, check_table};
 use super::keys::SCENE;
 use super::lattice::AXES;
@@ -15,6 +12,8 @@ use super::reader::Reader;
 use super::units::{Scale, TEMPERATURE, is_thermal};
 use super::value::{Origin, Origins, Overrides, Table, Value};
 use super::{Driver, Interaction, MeshFiles, Scene, SceneFile, SurfaceScene, Units};
+use crate::flow::Barrier;
+use crate::six::rounded;
 use helfrich::Images;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -126,9 +125,10 @@ impl Builder<'_> {
         let names = surfaces.iter().map(|surface| surface.name.as_str());
         self.different("surface", &Vec::from_iter(names), &readers);
         let interactions = scene.tables("interaction");
-        let barriers = interactions
-            .iter()
-            .map(|reader| Barrier::new(reader.needed("strength"), reader.needed("cutoff")));
+        let barriers = interactions.iter().map(|reader| Barrier {
+            strength: reader.needed("strength"),
+            cutoff: reader.needed("cutoff"),
+        });
         self.barriers = barriers.collect();
         let table = scene.table("driver");
         let mut driver = table.and_then(|table| self.driver(table, &surfaces, &readers));

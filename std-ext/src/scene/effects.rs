@@ -10,6 +10,7 @@ mod area_difference;
 mod bending;
 mod elasticity;
 mod gravity;
+mod groups;
 mod held;
 mod local_area;
 mod membrane_viscosity;
@@ -26,6 +27,8 @@ pub use area_difference::{AreaDifferenceTarget, HeldAreaDifference};
 pub use bending::Bending;
 pub use elasticity::{Elasticity, InPlaneLaw};
 pub use gravity::Gravity;
+pub use groups::Group;
+pub(crate) use groups::{Groups, capillary_number};
 pub use held::Hold;
 pub use local_area::LocalArea;
 pub use membrane_viscosity::MembraneViscosity;
@@ -36,18 +39,16 @@ pub use reference::{Reference, ReferenceSource};
 pub(crate) use stretching::Stretch;
 pub use stretching::Stretching;
 pub use tension::Tension;
-pub(super) use volume::reduced_volume;
+pub(crate) use volume::reduced_volume;
 pub use volume::{HeldVolume, VolumeTarget};
 
 use super::build::Builder;
-use super::explain::{Group, Parameter, Parameters};
 use super::keys::{Form, Key, Keys, optional};
 use super::reader::Reader;
-use super::{Driver, MeshSource};
+use super::{Driver, MeshSource, Parameter, Parameters};
 use crate::info::MeshInfo;
 use helfrich::Quantity;
 use serde::Serialize;
-use std::f64::consts::PI;
 use std::fmt;
 
 /// Defines [`Effects`] and everything that follows from the list of effects. The order of the list
@@ -297,19 +298,19 @@ impl Check<'_, '_> {
 /// The context of checks of effects once the mesh is known.
 pub(crate) struct MeshCheck<'a> {
     /// The name of the surface.
-    pub(super) name: &'a str,
+    pub(crate) name: &'a str,
     /// All effects of the surface.
-    pub(super) effects: &'a Effects,
+    pub(crate) effects: &'a Effects,
     /// The source of the mesh.
-    pub(super) source: &'a MeshSource,
+    pub(crate) source: &'a MeshSource,
     /// The mesh, scaled as the scene says.
-    pub(super) mesh: &'a MeshInfo,
+    pub(crate) mesh: &'a MeshInfo,
     /// The driver.
-    pub(super) driver: &'a Driver,
+    pub(crate) driver: &'a Driver,
     /// Contradictions, each with its key below the surface.
-    pub(super) contradictions: Vec<(String, String)>,
+    pub(crate) contradictions: Vec<(String, String)>,
     /// Doubts, each with its key below the surface.
-    pub(super) doubts: Vec<(String, String)>,
+    pub(crate) doubts: Vec<(String, String)>,
 }
 
 impl MeshCheck<'_> {
@@ -319,36 +320,5 @@ impl MeshCheck<'_> {
 
     fn doubt(&mut self, path: &str, message: String) {
         self.doubts.push((path.to_owned(), message));
-    }
-}
-
-/// The dimensionless groups of a surface, and the quantities in them.
-pub(crate) struct Groups<'a> {
-    /// All effects of the surface.
-    pub(super) effects: &'a Effects,
-    /// The mesh, scaled as the scene says.
-    pub(super) mesh: &'a MeshInfo,
-    /// The driver.
-    pub(super) driver: &'a Driver,
-    pub(super) found: Vec<Group>,
-}
-
-impl Groups<'_> {
-    pub(super) fn add(&mut self, name: &'static str, formula: &'static str, value: f64) {
-        self.found.push(Group {
-            name,
-            formula,
-            value,
-        });
-    }
-
-    /// R, the radius of the sphere of the same area.
-    fn radius(&self) -> f64 {
-        (self.mesh.area / (4.0 * PI)).sqrt()
-    }
-
-    /// The bending modulus κ, if the surface bends.
-    fn bending_modulus(&self) -> Option<f64> {
-        Some(self.effects.bending?.modulus)
     }
 }

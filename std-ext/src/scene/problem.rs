@@ -51,7 +51,7 @@ impl SceneErrors {
         &self.0
     }
 
-    pub(super) fn new(errors: Vec<SceneError>) -> Option<Self> {
+    pub(crate) fn new(errors: Vec<SceneError>) -> Option<Self> {
         (!errors.is_empty()).then_some(Self(errors))
     }
 }

@@ -17,13 +17,13 @@ pub(super) struct Scale {
 }
 
 /// The unit `kT` at a temperature in kelvin, in pN·µm.
-pub(super) fn thermal_energy(temperature: f64) -> f64 {
+pub(crate) fn thermal_energy(temperature: f64) -> f64 {
     BOLTZMANN * temperature
 }
 
 /// A dimension as powers of force, length and time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Dimension {
+pub(crate) struct Dimension {
     force: i32,
     length: i32,
     time: i32,
@@ -38,23 +38,23 @@ impl Dimension {
         }
     }
 
-    pub(super) const NONE: Self = Self::new(0, 0, 0);
-    pub(super) const LENGTH: Self = Self::new(0, 1, 0);
-    pub(super) const AREA: Self = Self::new(0, 2, 0);
-    pub(super) const VOLUME: Self = Self::new(0, 3, 0);
-    pub(super) const CURVATURE: Self = Self::new(0, -1, 0);
-    pub(super) const FORCE: Self = Self::new(1, 0, 0);
-    pub(super) const ENERGY: Self = Self::new(1, 1, 0);
-    pub(super) const TENSION: Self = Self::new(1, -1, 0);
-    pub(super) const PRESSURE: Self = Self::new(1, -2, 0);
-    pub(super) const DENSITY: Self = Self::new(1, -4, 2);
-    pub(super) const ACCELERATION: Self = Self::new(0, 1, -2);
-    pub(super) const SURFACE_VISCOSITY: Self = Self::new(1, -1, 1);
-    pub(super) const REPULSION: Self = Self::new(1, -3, 0);
-    pub(super) const TIME: Self = Self::new(0, 0, 1);
-    pub(super) const RATE: Self = Self::new(0, 0, -1);
-    pub(super) const VELOCITY: Self = Self::new(0, 1, -1);
-    pub(super) const VISCOSITY: Self = Self::new(1, -2, 1);
+    pub(crate) const NONE: Self = Self::new(0, 0, 0);
+    pub(crate) const LENGTH: Self = Self::new(0, 1, 0);
+    pub(crate) const AREA: Self = Self::new(0, 2, 0);
+    pub(crate) const VOLUME: Self = Self::new(0, 3, 0);
+    pub(crate) const CURVATURE: Self = Self::new(0, -1, 0);
+    pub(crate) const FORCE: Self = Self::new(1, 0, 0);
+    pub(crate) const ENERGY: Self = Self::new(1, 1, 0);
+    pub(crate) const TENSION: Self = Self::new(1, -1, 0);
+    pub(crate) const PRESSURE: Self = Self::new(1, -2, 0);
+    pub(crate) const DENSITY: Self = Self::new(1, -4, 2);
+    pub(crate) const ACCELERATION: Self = Self::new(0, 1, -2);
+    pub(crate) const SURFACE_VISCOSITY: Self = Self::new(1, -1, 1);
+    pub(crate) const REPULSION: Self = Self::new(1, -3, 0);
+    pub(crate) const TIME: Self = Self::new(0, 0, 1);
+    pub(crate) const RATE: Self = Self::new(0, 0, -1);
+    pub(crate) const VELOCITY: Self = Self::new(0, 1, -1);
+    pub(crate) const VISCOSITY: Self = Self::new(1, -2, 1);
 
     /// Its name in messages, and examples of numbers with a unit.
     const NAMES: [(Self, &'static str, &'static str); 17] = [
@@ -105,7 +105,7 @@ impl Dimension {
     }
 
     /// The unit of plain numbers in a scene; empty if there is none.
-    pub(super) fn unit(self, units: Units) -> String {
+    pub(crate) fn unit(self, units: Units) -> String {
         match units {
             Units::Micro => self.symbol(),
             Units::None => String::new(),

@@ -188,7 +188,7 @@ fn obstacles(
         warnings.extend(file.obstacle_warning(index, &info));
         for (number, body) in bodies.iter().enumerate() {
             if let Some(body) = body.surface(positions) {
-                file.check_apart(number, body, index, surface)?;
+                file.check_apart([number, index], body, surface)?;
             }
         }
         obstacles.push(Obstacle {

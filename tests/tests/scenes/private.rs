@@ -7,6 +7,7 @@ use helfrich_std::scene::Units;
 #[path = "../../../std-ext/src/scene/units.rs"]
 mod units;
 
+#[expect(dead_code, reason = "the library uses what the tests do not")]
 #[path = "../../../std-ext/src/six.rs"]
 mod six;
 

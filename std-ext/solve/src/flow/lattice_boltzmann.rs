@@ -8,7 +8,7 @@
 //! Nineteen populations per node (D3Q19) relax with two relaxation times, Λ = 3/16. The equilibrium
 //! is of second order in the velocity, or of first order for Stokes flow. The fluid is slightly
 //! compressible: the density deviates from 1 by 3 times the pressure. The error is of second order
-//! in the distance of nodes, and in the Mach number.
+//! in the distance of nodes, and in the Mach number. [`limits`] has the longest steps for membranes.
 //!
 //! T. Krüger et al., The Lattice Boltzmann Method, Springer 2017.
 
@@ -17,6 +17,7 @@ mod collision;
 mod error;
 mod force;
 mod immersed;
+pub mod limits;
 mod obstacle;
 mod reading;
 mod setup;

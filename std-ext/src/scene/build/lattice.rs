@@ -1,7 +1,5 @@
 //! Builds the driver `lattice-boltzmann` from its values.
 
-use super::super::barrier::Barrier;
-use super::super::lattice::{MACH, Membrane};
 use super::super::reader::Reader;
 use super::super::value::{Origin, default_name};
 use super::super::{
@@ -9,24 +7,20 @@ use super::super::{
     Scene, SurfaceScene,
 };
 use super::Builder;
+use crate::flow::Barrier;
 use crate::flow::lattice_boltzmann::Kernel;
+use crate::flow::lattice_boltzmann::limits::{FREE_BOX, ImmersedMembrane, MACH, VISCOSITIES};
 use crate::generate::{self, AnyShape};
 use crate::io::free_memory;
 use crate::scalar::Scalar;
+use crate::six::rounded;
 use helfrich::Surface;
 use helfrich::shapes::Shape;
 use std::f64::consts::PI;
-use std::ops::RangeInclusive;
 
 /// The default kinematic viscosity on the lattice: about where compressibility and the delay of the
 /// flow require equally short steps.
 const LATTICE_VISCOSITY: f64 = 1.0 / 3.0;
-
-/// Lengths of a box by default, in radii of the surface in it.
-pub(in crate::scene) const BOX: f64 = 7.0;
-
-/// Lattice viscosities for which the method is stable and accurate.
-const VISCOSITIES: RangeInclusive<f64> = 0.02..=1.0;
 
 /// The largest number of nodes; more fit into no machine's memory.
 const NODES: f64 = 1e10;
@@ -126,7 +120,7 @@ impl Builder<'_> {
             );
             self.doubt(&place("lattice_viscosity", "step"), message);
         }
-        let mach = lattice.mach();
+        let mach = lattice.parameters().mach();
         if mach > MACH {
             let what = match lattice.flow {
                 Flow::Shear { .. } => "the walls move",
@@ -220,7 +214,11 @@ impl Builder<'_> {
     }
 
     /// Properties of the surfaces; `None` if those of one surface are unknown.
-    fn membranes(&mut self, surfaces: &[SurfaceScene], readers: &[Reader<'_>]) -> Vec<Membrane> {
+    fn membranes(
+        &mut self,
+        surfaces: &[SurfaceScene],
+        readers: &[Reader<'_>],
+    ) -> Vec<ImmersedMembrane> {
         let mut membranes = Vec::with_capacity(surfaces.len());
         for (surface, reader) in surfaces.iter().zip(readers) {
             let measured = match &surface.source {
@@ -240,7 +238,7 @@ impl Builder<'_> {
                 Ok((volume, area, triangles)) => {
                     let radius = surface.scale * (0.75 * volume / PI).cbrt();
                     let area = surface.scale.powi(2) * area;
-                    membranes.push(Membrane::new(surface, radius, area, triangles));
+                    membranes.push(surface.membrane(radius, area, triangles));
                 }
                 Err(why) => {
                     self.contradiction(
@@ -259,7 +257,12 @@ impl Builder<'_> {
     }
 
     /// The lengths of the box; NaN if unknown.
-    fn lengths(&mut self, driver: Reader<'_>, membranes: &[Membrane], surfaces: usize) -> [f64; 3] {
+    fn lengths(
+        &mut self,
+        driver: Reader<'_>,
+        membranes: &[ImmersedMembrane],
+        surfaces: usize,
+    ) -> [f64; 3] {
         if let Some(lengths) = driver.vector("box") {
             return lengths;
         }
@@ -268,12 +271,12 @@ impl Builder<'_> {
                 driver.origin(),
                 format!(
                     "`driver` lacks `box`, the three lengths of the box of fluid: of one surface they \
-                     would be {BOX} of its radii, and there are {surfaces} surfaces"
+                     would be {FREE_BOX} of its radii, and there are {surfaces} surfaces"
                 ),
             );
         }
         match membranes {
-            [membrane] => [BOX * membrane.radius; 3],
+            [membrane] => [FREE_BOX * membrane.radius; 3],
             _ => [f64::NAN; 3],
         }
     }
@@ -319,7 +322,12 @@ impl Builder<'_> {
     }
 
     /// Chooses the step and the lattice viscosity, unless given.
-    fn step(&mut self, driver: Reader<'_>, lattice: &mut LatticeBoltzmann, membranes: &[Membrane]) {
+    fn step(
+        &mut self,
+        driver: Reader<'_>,
+        lattice: &mut LatticeBoltzmann,
+        membranes: &[ImmersedMembrane],
+    ) {
         let given = driver.has("step");
         // spacing² ρ/μ, the step at which ν is 1.
         let unit = lattice
@@ -479,17 +487,16 @@ fn default_viscosity(surfaces: &[SurfaceScene]) -> f64 {
 }
 
 /// The shortest of the limits of the step.
-fn shortest(lattice: &LatticeBoltzmann, membranes: &[Membrane], barriers: &[Barrier]) -> f64 {
-    let limits = lattice.step_limits(membranes, barriers);
+fn shortest(
+    lattice: &LatticeBoltzmann,
+    membranes: &[ImmersedMembrane],
+    barriers: &[Barrier],
+) -> f64 {
+    let limits = lattice.parameters().step_limits(membranes, barriers);
     limits
         .iter()
         .map(|limit| limit.step)
         .fold(f64::NAN, f64::min)
-}
-
-/// A number with three digits, for advice.
-pub(in crate::scene) fn rounded(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 /// Area of a shape, by the midpoint rule over its pre-image.

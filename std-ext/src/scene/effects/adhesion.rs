@@ -71,16 +71,6 @@ impl Described for Adhesion {
 }
 
 impl Adhesion {
-    /// Force per volume `V″(z) = W/λ² (4q² − 2q)` by which the wall holds a membrane where it is pressed
-    /// against it, `−V′(z) = 2 W/λ q (q − 1) = p`.
-    pub(in crate::scene) fn stiffness(&self, pressure: f64) -> f64 {
-        let Self {
-            strength, range, ..
-        } = *self;
-        let q = 0.5 * (1.0 + (1.0 + 2.0 * pressure * range / strength).sqrt());
-        strength / (range * range) * q * (4.0 * q - 2.0)
-    }
-
     /// Radius of curvature √(κ/(2W)) where a membrane meets the wall; λ → 0.
     fn contact_radius(&self, bending_modulus: f64) -> f64 {
         (0.5 * bending_modulus / self.strength).sqrt()

@@ -1,6 +1,5 @@
 //! Bending.
 
-use super::super::explain::enclosed_radius;
 use super::super::keys::{Form, Keys, any, optional, plain, positive, required};
 use super::super::units::Dimension;
 use super::{
@@ -152,7 +151,7 @@ impl SurfaceEffect for Bending {
         }
         let rate = groups.driver.flow().and_then(Flow::rate);
         if let (Some(rate), Some(viscosity)) = (rate, groups.driver.viscosity()) {
-            let viscous = viscosity * rate * enclosed_radius(groups.mesh).powi(3);
+            let viscous = viscosity * rate * groups.mesh.enclosed_radius().powi(3);
             let name = "capillary number by κ";
             groups.add(name, "Ca_κ = μγ̇a³/κ", viscous / self.modulus);
         }

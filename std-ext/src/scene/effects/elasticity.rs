@@ -1,12 +1,11 @@
 //! Elasticity in the surface's plane.
 
-use super::super::explain::{capillary_number, enclosed_radius};
 use super::super::keys::{Form, Keys, Range, optional, plain, positive, required};
 use super::super::units::Dimension;
 use super::reference::FORM;
 use super::{
     Builder, Check, Described, EffectError, Groups, MeshCheck, MeshSource, Named, Parameter,
-    Parameters, Preparation, Reader, Reference, Stiffness, SurfaceEffect,
+    Parameters, Preparation, Reader, Reference, Stiffness, SurfaceEffect, capillary_number,
 };
 use crate::info::MeshInfo;
 use helfrich::{NeoHookean, Skalak};
@@ -218,7 +217,7 @@ impl SurfaceEffect for Elasticity {
         };
         let squared = groups.radius().powi(2);
         if groups.driver.viscosity().is_some() {
-            let b = modulus / (enclosed_radius(groups.mesh).powi(2) * shear);
+            let b = modulus / (groups.mesh.enclosed_radius().powi(2) * shear);
             groups.add("bending number by G", "b = κ/(a² G)", b);
             groups.add("bending number by E_s = 3 G", "κ/(a² E_s)", b / 3.0);
         } else {

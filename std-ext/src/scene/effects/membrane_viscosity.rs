@@ -1,6 +1,5 @@
 //! Viscosity of the membrane.
 
-use super::super::explain::enclosed_radius;
 use super::super::keys::{Form, Keys, Range, optional, plain, required};
 use super::super::units::Dimension;
 use super::{
@@ -68,7 +67,7 @@ impl SurfaceEffect for MembraneViscosity {
         let Some(viscosity) = groups.driver.viscosity() else {
             return;
         };
-        let across = viscosity * enclosed_radius(groups.mesh);
+        let across = viscosity * groups.mesh.enclosed_radius();
         groups.add("Boussinesq number, shear", "η_s/(μa)", self.shear / across);
         let dilational = self.dilational / across;
         groups.add("Boussinesq number, dilation", "η_d/(μa)", dilational);

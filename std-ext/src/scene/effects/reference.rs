@@ -86,7 +86,7 @@ impl Reference {
     }
 
     /// Whether the surface is stress-free at the start, up to a scale.
-    pub(in crate::scene) fn is_initial(&self) -> bool {
+    pub(crate) fn is_initial(&self) -> bool {
         self.source == ReferenceSource::Initial
     }
 }

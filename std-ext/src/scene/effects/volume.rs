@@ -36,7 +36,7 @@ pub enum VolumeTarget {
 }
 
 /// v = 6√π V/A^{3/2}.
-pub(in crate::scene) fn reduced_volume(volume: f64, area: f64) -> f64 {
+pub(crate) fn reduced_volume(volume: f64, area: f64) -> f64 {
     6.0 * PI.sqrt() * volume / area.powf(1.5)
 }
 

@@ -1,10 +1,10 @@
 //! Tables of a study of flow.
 
 use crate::flow::{BENDING, FlowRow, Solver, boxes, largest_deviation, published, resolved};
+use helfrich_std::flow::lattice_boltzmann::limits::FINITE_BOX;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::run::End;
 use helfrich_std::scalar::Scalar;
-use helfrich_std::scene::FINITE_BOX;
 use std::io::{self, Write};
 
 /// Writes a study of flow as tables: every method by both solvers beside what was published, then

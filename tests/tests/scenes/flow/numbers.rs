@@ -5,7 +5,8 @@ use super::{capsule, driver, warned, warnings, with_flow};
 use helfrich::Surface;
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::info::MeshInfo;
-use helfrich_std::scene::{Explanation, Flow, MeshSource};
+use helfrich_std::scene::{Flow, MeshSource};
+use helfrich_std::simulation::Explanation;
 use helfrich_std::simulation::build;
 use helfrich_tests::tolerance;
 

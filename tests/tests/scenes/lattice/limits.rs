@@ -3,7 +3,7 @@
 use super::super::valid;
 use super::{capsule, driver, placed, warned_beyond, warnings};
 use helfrich_std::info::MeshInfo;
-use helfrich_std::scene::Explanation;
+use helfrich_std::simulation::Explanation;
 use helfrich_tests::tolerance;
 
 /// Each limit of the valid range, with a value on either side of it; by hand, with a = μ = G = 1, edges of

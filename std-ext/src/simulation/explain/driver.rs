@@ -1,14 +1,13 @@
 //! The driver, the flow, and the limits of the step.
 
-use super::super::barrier::Barrier;
-use super::super::lattice::Membrane;
-use super::super::units::Dimension;
-use super::super::{BoundaryIntegral, Driver, Every, Flow, Integrator, Scene, Scheme};
-use super::{Active, Parameter, Parameters};
+use super::Active;
 use crate::generate::Family;
-use crate::info::MeshInfo;
+use crate::info::{MeshInfo, mean_edge};
 use crate::method::BendingMethod;
-use crate::scene::{MeshSource, SurfaceScene};
+use crate::scene::{
+    BoundaryIntegral, Dimension, Driver, Every, Flow, Integrator, Interaction, MeshSource,
+    Parameter, Parameters, Scene, Scheme, SurfaceScene,
+};
 
 pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
     let (choice, parameters) = match driver {
@@ -196,7 +195,7 @@ pub(super) fn step_limit(scene: &Scene, spectral_radius: Option<f64>) -> String 
     };
     match spectral_radius {
         Some(radius) => {
-            let number = Parameters(scene.units);
+            let number = Parameters::new(scene.units);
             let step = number.of("Δt", 2.5 / radius, Dimension::TIME);
             let radius = number.of("ρ", radius, Dimension::RATE);
             let repulsion = match scene.interactions.is_empty() {
@@ -235,12 +234,15 @@ pub(super) fn spectral_radius(scene: &Scene, meshes: &[MeshInfo]) -> Option<f64>
 /// without any.
 fn of_repulsion(scene: &Scene, meshes: &[MeshInfo], driver: &BoundaryIntegral) -> f64 {
     let membranes = scene.surfaces.iter().zip(meshes);
-    let membranes = membranes.map(|(surface, mesh)| Membrane::of(surface, mesh));
+    let membranes = membranes.map(|(surface, mesh)| surface.membrane_on(mesh));
     let flow = driver.viscosity * driver.flow.rate().unwrap_or(0.0);
     let (pressure, edge) = membranes.fold((flow, f64::INFINITY), |(pressure, edge), membrane| {
         (membrane.pressure().max(pressure), membrane.edge.min(edge))
     });
-    let rate = |interaction| Barrier::of(interaction).rate(pressure, edge, driver.viscosity);
+    let rate = |interaction: &Interaction| {
+        let barrier = interaction.barrier();
+        barrier.rate(pressure, edge, driver.viscosity)
+    };
     scene.interactions.iter().map(rate).fold(0.0, f64::max)
 }
 
@@ -271,8 +273,7 @@ fn of_one(surface: &SurfaceScene, mesh: &MeshInfo, viscosity: f64) -> Option<f64
         .effects
         .bending
         .map_or(0.0, |bending| bending.modulus);
-    // The edge of an equilateral triangle of mean area.
-    let edge = (4.0 * mesh.area / (3_f64.sqrt() * mesh.triangles as f64)).sqrt();
+    let edge = mean_edge(mesh.area, mesh.triangles);
     let stretch = 0.355 * (in_plane + local_area) / edge;
     let radius = stretch.max(2.65 * bending / edge.powi(3)) / viscosity;
     (radius > 0.0 && radius.is_finite()).then_some(radius)

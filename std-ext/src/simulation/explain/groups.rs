@@ -1,11 +1,11 @@
 //! Dimensionless groups.
 
-use super::super::effects::{Bending, Effects, Groups, InPlaneLaw, reduced_volume};
-use super::super::{Driver, Flow, MeshSource, SurfaceScene};
-use super::Group;
 use crate::generate::AnyShape;
 use crate::info::MeshInfo;
-use std::f64::consts::PI;
+use crate::scene::{
+    Bending, Driver, Flow, Group, Groups, InPlaneLaw, MeshSource, SurfaceScene, capillary_number,
+    reduced_volume,
+};
 
 pub(super) fn groups(surface: &SurfaceScene, mesh: &MeshInfo, driver: &Driver) -> Vec<Group> {
     let mut groups = Groups {
@@ -22,7 +22,7 @@ pub(super) fn groups(surface: &SurfaceScene, mesh: &MeshInfo, driver: &Driver) -
         let ratio = surface.viscosity_ratio.unwrap_or(1.0);
         groups.add("viscosity inside over that of the driver", "λ", ratio);
     }
-    let radius = enclosed_radius(mesh);
+    let radius = mesh.enclosed_radius();
     match driver.flow() {
         Some(Flow::Poiseuille { radius: tube, .. }) => {
             let name = "size over that of the Poiseuille flow";
@@ -41,25 +41,6 @@ pub(super) fn groups(surface: &SurfaceScene, mesh: &MeshInfo, driver: &Driver) -
         groups.add("expected D, theory for Ca_G → 0", formula, value);
     }
     groups.found
-}
-
-/// Radius a of the sphere of the same volume; of an open surface, of the same area.
-pub(in crate::scene) fn enclosed_radius(mesh: &MeshInfo) -> f64 {
-    match mesh.volume {
-        Some(volume) if volume > 0.0 => (0.75 * volume / PI).cbrt(),
-        _ => (mesh.area / (4.0 * PI)).sqrt(),
-    }
-}
-
-/// `Ca_G = μγ̇a/G` of an elastic surface in a flow that has a rate.
-pub(in crate::scene) fn capillary_number(
-    effects: &Effects,
-    mesh: &MeshInfo,
-    driver: &Driver,
-) -> Option<f64> {
-    let elasticity = effects.elasticity.as_ref()?;
-    let viscous = driver.viscosity()? * driver.flow()?.rate()? * enclosed_radius(mesh);
-    Some(viscous / elasticity.law.shear_modulus())
 }
 
 /// D = (L − B)/(L + B) of an elastic sphere in shear, to first order in Ca_G, and its formula;
@@ -92,7 +73,7 @@ fn small_deformation(
     if !(unstressed && alone && sphere && shear) {
         return None;
     }
-    let radius = enclosed_radius(mesh);
+    let radius = mesh.enclosed_radius();
     let modulus = effects.bending.map_or(0.0, |bending| bending.modulus);
     let b = modulus / (radius * radius * elasticity.law.shear_modulus());
     Some(match elasticity.law {

@@ -1,13 +1,23 @@
-//! Stiffness of the repulsion, for limits of explicit steps.
+//! Stiffness of forces that hold surfaces apart or at a wall, for limits of explicit steps.
 
-use super::Interaction;
 use std::f64::consts::PI;
 
 /// The pressure by which a repulsion holds surfaces apart: see [`helfrich::Repulsion`].
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Barrier {
-    strength: f64,
-    cutoff: f64,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Barrier {
+    /// k, energy per area squared.
+    pub strength: f64,
+    /// r_c, the range.
+    pub cutoff: f64,
+}
+
+/// The adhesion by which a wall holds a membrane: see [`helfrich::WallAdhesion`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdhesiveWall {
+    /// W, energy per area.
+    pub strength: f64,
+    /// λ, the range of the attraction.
+    pub range: f64,
 }
 
 /// Wave number times gap of the mode in which a squeezed film relaxes fastest.
@@ -20,17 +30,6 @@ const FASTEST: f64 = 1.793;
 const CONTACT: f64 = 10.0;
 
 impl Barrier {
-    pub(super) fn new(strength: f64, cutoff: f64) -> Self {
-        Self { strength, cutoff }
-    }
-
-    pub(super) fn of(interaction: &Interaction) -> Self {
-        let Interaction::Repulsion {
-            strength, cutoff, ..
-        } = *interaction;
-        Self::new(strength, cutoff)
-    }
-
     /// p at the fraction s of the range: `k r_c/2 (1 − s²)² (1 + 2s²)/s³`.
     fn pressure(&self, s: f64) -> f64 {
         let q = s * s;
@@ -63,7 +62,7 @@ impl Barrier {
     }
 
     /// Force per length that holds a vertex with edges of this length where surfaces touch.
-    pub(super) fn stiffness(&self, pressure: f64, edge: f64) -> f64 {
+    pub fn stiffness(&self, pressure: f64, edge: f64) -> f64 {
         let (_, slope) = self.contact(pressure);
         0.75_f64.sqrt() * edge * edge * slope
     }
@@ -76,10 +75,20 @@ impl Barrier {
     /// gap changes by `f/(2μk) (1 − (1 + kh) e^(−kh))`. With f = −p'(h) times the change of the
     /// gap, this is the rate. Its maximum is `0.149 |p'(h)| h/μ`, at kh = 1.79; k is at most
     /// π/edge.
-    pub(super) fn rate(&self, pressure: f64, edge: f64, viscosity: f64) -> f64 {
+    pub fn rate(&self, pressure: f64, edge: f64, viscosity: f64) -> f64 {
         let (gap, slope) = self.contact(pressure);
         let x = FASTEST.min(PI * gap / edge);
         slope * gap * (1.0 - (1.0 + x) * (-x).exp()) / (2.0 * viscosity * x)
+    }
+}
+
+impl AdhesiveWall {
+    /// Force per volume `V″(z) = W/λ² (4q² − 2q)` by which the wall holds a membrane where it is pressed
+    /// against it, `−V′(z) = 2 W/λ q (q − 1) = p`.
+    pub fn stiffness(&self, pressure: f64) -> f64 {
+        let Self { strength, range } = *self;
+        let q = 0.5 * (1.0 + (1.0 + 2.0 * pressure * range / strength).sqrt());
+        strength / (range * range) * q * (4.0 * q - 2.0)
     }
 }
 
@@ -91,7 +100,7 @@ mod tests {
     #[test]
     fn the_rate_is_that_of_the_fastest_wave() {
         for (strength, cutoff, pressure) in [(3.0, 0.2, 1.0), (1e4, 0.5, 2.0), (1e-3, 0.1, 1.0)] {
-            let barrier = Barrier::new(strength, cutoff);
+            let barrier = Barrier { strength, cutoff };
             let (gap, _) = barrier.contact(pressure);
             let at = |gap: f64| barrier.pressure(gap / cutoff);
             assert!((at(gap) / (10.0 * pressure) - 1.0).abs() < 1e-9);
@@ -110,6 +119,31 @@ mod tests {
                 let thinner = barrier.rate(pressure, edge, 0.5);
                 assert!((thinner / found - 2.0).abs() < 1e-12);
             }
+        }
+    }
+
+    /// The stiffness against differences of −V′(z) = 2 W/λ q (q − 1), q = exp(−z/λ), where it is p.
+    #[test]
+    fn a_wall_holds_by_the_slope_of_its_force() {
+        for (strength, range, pressure) in [(2.0, 0.3, 5.0), (1e-3, 0.01, 0.2), (1e3, 2.0, 1e-3)] {
+            let wall = AdhesiveWall { strength, range };
+            let force = |z: f64| {
+                let q = (-z / range).exp();
+                2.0 * strength / range * q * (q - 1.0)
+            };
+            let (mut low, mut high) = (-50.0 * range, 0.0);
+            for _ in 0..200 {
+                let middle = 0.5 * (low + high);
+                if force(middle) > pressure {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            let step = 1e-5 * range;
+            let slope = (force(low - step) - force(low + step)) / (2.0 * step);
+            // Differences over 1e-5 of the range: their error is of order 1e-10, and rounding's 1e-11.
+            assert!((wall.stiffness(pressure) / slope - 1.0).abs() < 1e-7);
         }
     }
 }

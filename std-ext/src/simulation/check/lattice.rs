@@ -1,12 +1,12 @@
 //! Checks of meshes in a box of fluid on a lattice: errors where a mesh is impossible, warnings
 //! where the method is not accurate.
 
-use super::super::barrier::Barrier;
-use super::super::build::{BOX, rounded};
-use super::super::explain::enclosed_radius;
-use super::super::lattice::{AXES, COMPRESSION, FINITE_BOX, INERTIA, Membrane, TREMBLING};
-use super::super::{Flow, LatticeBoltzmann, SceneFile, SurfaceScene};
+use crate::flow::lattice_boltzmann::limits::{
+    COMPRESSION, FINITE_BOX, FREE_BOX, INERTIA, ImmersedMembrane, OSCILLATING,
+};
 use crate::info::MeshInfo;
+use crate::scene::{AXES, Flow, Interaction, LatticeBoltzmann, SceneFile, SurfaceScene};
+use crate::six::rounded;
 
 /// Range of the mean edge in node spacings. Longer edges leave gaps through which fluid leaks;
 /// shorter edges only make the membrane stiffer.
@@ -23,7 +23,7 @@ pub(super) fn in_the_box(
     problem: &mut impl FnMut(&str, String),
 ) {
     let name = &scene.name;
-    let radius = enclosed_radius(mesh);
+    let radius = mesh.enclosed_radius();
     if radius < lattice.spacing {
         problem(
             "",
@@ -128,7 +128,7 @@ pub(super) fn doubts(
         file,
         name: &surface.name,
         lattice,
-        membrane: Membrane::of(surface, mesh),
+        membrane: surface.membrane_on(mesh),
         found: Vec::new(),
     };
     doubts.compression();
@@ -144,7 +144,7 @@ struct Doubts<'a> {
     file: &'a SceneFile,
     name: &'a str,
     lattice: &'a LatticeBoltzmann,
-    membrane: Membrane,
+    membrane: ImmersedMembrane,
     found: Vec<(String, String)>,
 }
 
@@ -159,7 +159,7 @@ impl Doubts<'_> {
 
     /// A distance of nodes as the scene calls it.
     fn spacing(&self, spacing: f64) -> String {
-        match self.file.origins.has("driver.resolution") {
+        match self.file.has("driver.resolution") {
             true => format!(
                 "a `resolution` of {}",
                 rounded(self.membrane.radius / spacing)
@@ -176,8 +176,8 @@ impl Doubts<'_> {
             membrane,
             ..
         } = *self;
-        let pressure = lattice.pressure(&[membrane]);
-        let compression = lattice.compression(pressure);
+        let pressure = lattice.parameters().pressure(&[membrane]);
+        let compression = lattice.parameters().compression(pressure);
         if compression > COMPRESSION {
             let excess = compression / COMPRESSION;
             // Without a density, the density of the lattice is proportional to the step.
@@ -215,7 +215,7 @@ impl Doubts<'_> {
         } = *self;
         let edge = membrane.edge / lattice.spacing;
         let [shortest, longest] = EDGES;
-        let vertices = match self.file.origins.has(&format!("surface.{index}.vertices")) {
+        let vertices = match self.file.has(&format!("surface.{index}.vertices")) {
             true => format!("surface.{index}.vertices"),
             false => format!("surface.{index}.mesh"),
         };
@@ -252,7 +252,7 @@ impl Doubts<'_> {
             ..
         } = *self;
         let size = lattice.size();
-        let needed = BOX * membrane.radius;
+        let needed = FREE_BOX * membrane.radius;
         // Walls of channels are part of the problem, and lengths rounded to whole nodes are long enough.
         let free = |&axis: &usize| {
             let wall = matches!(lattice.flow, Flow::Channel { .. }) && lattice.walls()[axis];
@@ -274,7 +274,7 @@ impl Doubts<'_> {
             self.found.push((
                 path.to_owned(),
                 format!(
-                    "the box is {} radii of \"{name}\" long along {}, below {BOX}: it is influenced by its {what}, D by \
+                    "the box is {} radii of \"{name}\" long along {}, below {FREE_BOX}: it is influenced by its {what}, D by \
                      about {FINITE_BOX} (a/L)³ = {}: choose {} or more",
                     rounded(ratio),
                     AXES[axis],
@@ -293,8 +293,8 @@ impl Doubts<'_> {
             membrane,
             ..
         } = *self;
-        let pressure = lattice.pressure(&[membrane]);
-        let reynolds = lattice.reynolds(membrane.radius, pressure);
+        let pressure = lattice.parameters().pressure(&[membrane]);
+        let reynolds = lattice.parameters().reynolds(membrane.radius, pressure);
         if lattice.density.is_some() && reynolds > REYNOLDS {
             self.found.push((
                 "driver.density".to_owned(),
@@ -330,12 +330,18 @@ impl Doubts<'_> {
             membrane,
             ..
         } = *self;
-        let barriers = Vec::from_iter(self.file.scene.interactions.iter().map(Barrier::of));
-        let stiff = lattice.membrane_limits(&[membrane]);
-        let barrier = lattice.barrier_limit(&[membrane], &barriers);
-        let adhesion = lattice.adhesion_limit(&[membrane]);
+        let barriers = Vec::from_iter(
+            self.file
+                .scene
+                .interactions
+                .iter()
+                .map(Interaction::barrier),
+        );
+        let stiff = lattice.parameters().membrane_limits(&[membrane]);
+        let barrier = lattice.parameters().barrier_limit(&[membrane], &barriers);
+        let adhesion = lattice.parameters().adhesion_limit(&[membrane]);
         for limit in stiff.into_iter().chain([barrier, adhesion]) {
-            let most = TREMBLING * limit.step;
+            let most = OSCILLATING * limit.step;
             if lattice.step > most {
                 let path = first_written(self.file, ["driver.step", self.nodes_key()]);
                 self.found.push((
@@ -356,9 +362,5 @@ impl Doubts<'_> {
 
 /// The first of two keys, if it was written, otherwise the second.
 fn first_written<'a>(file: &SceneFile, [first, second]: [&'a str; 2]) -> &'a str {
-    if file.origins.has(first) {
-        first
-    } else {
-        second
-    }
+    if file.has(first) { first } else { second }
 }

@@ -1,15 +1,15 @@
 //! Explanation of a lattice: its numbers, the limits of its step, its run time.
 
-use super::super::barrier::Barrier;
-use super::super::lattice::{FINITE_BOX, Membrane};
-use super::super::units::Dimension;
-use super::super::{Driver, Flow, LatticeBoltzmann, Scene, StepLimit, SurfaceScene};
+use super::Active;
 use super::driver::interval;
-use super::{Active, Group, Parameters};
 use crate::execute::available_threads;
+use crate::flow::lattice_boltzmann::limits::{FINITE_BOX, ImmersedMembrane, StepLimit};
 use crate::flow::lattice_boltzmann::{Immersed, Lattice, LatticeError, Precision, Setup, Sides};
 use crate::info::MeshInfo;
 use crate::scalar::Scalar;
+use crate::scene::{
+    Dimension, Driver, Flow, Group, Interaction, LatticeBoltzmann, Parameters, Scene, SurfaceScene,
+};
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::time::{Duration, Instant};
@@ -54,9 +54,9 @@ pub(super) fn explain(
     let surfaces = scene.surfaces.iter().zip(meshes);
     let membranes = surfaces
         .clone()
-        .map(|(surface, mesh)| Membrane::of(surface, mesh));
+        .map(|(surface, mesh)| surface.membrane_on(mesh));
     let membranes = Vec::from_iter(membranes);
-    let barriers = Vec::from_iter(scene.interactions.iter().map(Barrier::of));
+    let barriers = Vec::from_iter(scene.interactions.iter().map(Interaction::barrier));
     let steps = (lattice.duration / lattice.step).ceil();
     let nodes: f64 = lattice.cells.iter().map(|&count| count as f64).product();
     let vertices = surfaces.clone().map(|(_, mesh)| mesh.vertices).sum();
@@ -77,7 +77,7 @@ pub(super) fn explain(
     Some(LatticeExplanation {
         lattice: describe(scene, lattice, number),
         groups: groups(lattice, &membranes),
-        limits: lattice.step_limits(&membranes, &barriers),
+        limits: lattice.parameters().step_limits(&membranes, &barriers),
         steps: steps as u64,
         throughput,
         coupling,
@@ -118,7 +118,8 @@ fn describe(scene: &Scene, lattice: &LatticeBoltzmann, number: &Parameters) -> A
     }
 }
 
-fn groups(lattice: &LatticeBoltzmann, membranes: &[Membrane]) -> Vec<Group> {
+fn groups(lattice: &LatticeBoltzmann, membranes: &[ImmersedMembrane]) -> Vec<Group> {
+    let parameters = lattice.parameters();
     let mut groups = Vec::new();
     let mut group = |name, formula, value: f64| {
         groups.push(Group {
@@ -127,7 +128,7 @@ fn groups(lattice: &LatticeBoltzmann, membranes: &[Membrane]) -> Vec<Group> {
             value,
         });
     };
-    let largest = |of: fn(&Membrane) -> f64| membranes.iter().map(of).fold(0.0, f64::max);
+    let largest = |of: fn(&ImmersedMembrane) -> f64| membranes.iter().map(of).fold(0.0, f64::max);
     let radius = largest(|membrane| membrane.radius);
     let edge = largest(|membrane| membrane.edge);
     group("radius in nodes", "a/spacing", radius / lattice.spacing);
@@ -142,15 +143,15 @@ fn groups(lattice: &LatticeBoltzmann, membranes: &[Membrane]) -> Vec<Group> {
     if let Some(rate) = lattice.flow.rate() {
         group("shear rate on the lattice", "γ̇ step", rate * lattice.step);
     }
-    group("Mach number", "√3 U step/spacing", lattice.mach());
-    let pressure = lattice.pressure(membranes);
-    let compression = lattice.compression(pressure);
+    group("Mach number", "√3 U step/spacing", parameters.mach());
+    let pressure = parameters.pressure(membranes);
+    let compression = parameters.compression(pressure);
     group(
         "change of the density",
         "3 P step²/(ρ spacing²)",
         compression,
     );
-    let reynolds = lattice.reynolds(radius, pressure);
+    let reynolds = parameters.reynolds(radius, pressure);
     match lattice.density {
         Some(_) => group("Reynolds number", "Re = ρ γ̇ a²/μ", reynolds),
         None => group(

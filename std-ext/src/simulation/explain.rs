@@ -6,14 +6,14 @@ mod driver;
 mod groups;
 mod lattice;
 
-pub(super) use groups::{capillary_number, enclosed_radius};
 pub use lattice::LatticeExplanation;
 
-use super::effects::Effects;
-use super::units::{Dimension, thermal_energy};
-use super::{Driver, Interaction, MeshSource, Relax, Scene, Scheme, SurfaceScene, Units};
 use crate::generate::ShapeDeviation;
 use crate::info::MeshInfo;
+use crate::scene::{
+    Dimension, Driver, Effects, Group, Interaction, MeshSource, Parameter, Parameters, Relax,
+    Scene, Scheme, SurfaceScene, Units, thermal_energy,
+};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -82,34 +82,13 @@ pub struct Active {
     pub parameters: Vec<Parameter>,
 }
 
-/// A number with its unit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Parameter {
-    /// Its key.
-    pub name: &'static str,
-    /// The number in the scene's units.
-    pub value: f64,
-    /// The unit; empty if there is none.
-    pub unit: String,
-}
-
-/// A dimensionless group.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Group {
-    /// Its name.
-    pub name: &'static str,
-    /// Its formula.
-    pub formula: &'static str,
-    /// The number.
-    pub value: f64,
-}
-
 /// Bytes a vertex: mesh, positions, forces, their copies in outputs and checkpoints.
 const BASE_BYTES: u64 = 600;
 /// Bytes per vertex of the twelve pairs of positions and forces that minimisation keeps.
 const MINIMISE_BYTES: u64 = 12 * 2 * 24;
 /// Bytes per vertex of sources, centres and tractions of the triangles, and of the stages of a step.
 const BOUNDARY_INTEGRAL_BYTES: u64 = 800;
+
 impl Scene {
     /// Explains the scene on these meshes, one per surface, scaled as the scene demands.
     ///
@@ -129,7 +108,7 @@ impl Scene {
             let effects = surface.effects.iter().map(|(_, effect)| effect.bytes(mesh));
             vertices * (BASE_BYTES + driver + effects.sum::<u64>())
         });
-        let number = Parameters(self.units);
+        let number = Parameters::new(self.units);
         let interaction = |interaction: &Interaction| {
             let Interaction::Repulsion {
                 strength,
@@ -183,39 +162,8 @@ impl Scene {
     }
 }
 
-/// Numbers with the units of a scene.
-pub(crate) struct Parameters(Units);
-
-impl Parameters {
-    pub(super) fn of(&self, name: &'static str, value: f64, dimension: Dimension) -> Parameter {
-        Parameter {
-            name,
-            value,
-            unit: dimension.unit(self.0),
-        }
-    }
-
-    pub(super) fn plain(&self, name: &'static str, value: f64) -> Parameter {
-        self.of(name, value, Dimension::NONE)
-    }
-
-    pub(super) fn percent(&self, name: &'static str, value: f64) -> Parameter {
-        let unit = "%".to_owned();
-        Parameter { name, value, unit }
-    }
-
-    pub(super) fn vector(
-        &self,
-        names: [&'static str; 3],
-        value: [f64; 3],
-        dimension: Dimension,
-    ) -> [Parameter; 3] {
-        std::array::from_fn(|axis| self.of(names[axis], value[axis], dimension))
-    }
-}
-
 fn explain_surface(surface: &SurfaceScene, mesh: &MeshInfo, scene: &Scene) -> SurfaceExplanation {
-    let number = Parameters(scene.units);
+    let number = Parameters::new(scene.units);
     let radius = (mesh.area / (4.0 * PI)).sqrt();
     let mut measures = vec![
         number.of("area", mesh.area, Dimension::AREA),

@@ -1,7 +1,7 @@
 //! An explanation as text.
 
-use super::{Active, Explanation, Group, LatticeExplanation, Parameter, SurfaceExplanation};
-use crate::scene::Units;
+use super::{Active, Explanation, LatticeExplanation, SurfaceExplanation};
+use crate::scene::{Group, Parameter, Units};
 use std::fmt;
 
 impl fmt::Display for Explanation {
