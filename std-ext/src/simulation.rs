@@ -8,12 +8,14 @@
 mod build;
 mod check;
 mod crossing;
+mod error;
 mod explain;
 mod once;
 mod placed;
 
-pub use build::{BuildError, build};
+pub use build::build;
 pub use crossing::Crossing;
+pub use error::BuildError;
 pub use explain::{Active, Explanation, LatticeExplanation, SurfaceExplanation};
 pub(crate) use once::messages_once;
 

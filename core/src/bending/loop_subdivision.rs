@@ -14,7 +14,8 @@ pub use consistent::ConsistentMemory;
 pub use controls::ControlPoints;
 
 use self::controls::ControlMap;
-use self::patches::{Field, PatchMemory, Patches};
+use self::evaluation::PatchMemory;
+use self::patches::{Field, Patches};
 use crate::bending::SpontaneousCurvature;
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;

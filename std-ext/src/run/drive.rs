@@ -1,14 +1,9 @@
 //! Drivers, which move a scene's surfaces, as a run sees them.
 
-use super::flowing::{Flowing, FlowingState};
-use super::immersing::{Immersing, ImmersingState, Stored};
-use super::relaxing::{Relaxing, RelaxingState};
+use super::state::DriveState;
 use super::{End, Progress, RunError};
 use crate::flow::{Effort, Fluid};
-use crate::scalar::Scalar;
-use crate::scene::{Driver, Every, Scene};
 use crate::simulation::{Cost, Simulation};
-use serde::{Deserialize, Serialize};
 
 /// A driver in progress.
 pub(super) trait Drive {
@@ -87,58 +82,4 @@ pub(super) fn cost(name: &str, effort: Effort) -> Cost {
         evaluations: effort.evaluations,
         seconds: effort.time.as_secs_f64(),
     }
-}
-
-/// The state of some driver.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) enum DriveState {
-    Relaxing(RelaxingState),
-    Flowing(FlowingState),
-    ImmersingF32(ImmersingState<f32>),
-    ImmersingF64(ImmersingState<f64>),
-}
-
-/// The scene's driver, at the start of a run or in its stored state.
-pub(super) fn drive<'a>(
-    scene: &'a Scene,
-    simulation: &mut Simulation,
-    positions: Vec<[f64; 3]>,
-    stored: Option<DriveState>,
-) -> Result<Box<dyn Drive + 'a>, RunError> {
-    let checkpoint_every = scene.output.checkpoint_every;
-    Ok(match (scene.driver, scene.output.every, stored) {
-        (Driver::Relax(relax), Every::Iterations(every), None) => {
-            let every = [every, checkpoint_every];
-            Box::new(Relaxing::new(scene, relax, every, simulation, positions)?)
-        }
-        (Driver::Relax(relax), Every::Iterations(every), Some(DriveState::Relaxing(state))) => {
-            let every = [every, checkpoint_every];
-            Box::new(Relaxing::resume(scene, relax, every, simulation, state)?)
-        }
-        (Driver::BoundaryIntegral(driver), Every::Time(_), None) => {
-            Box::new(Flowing::new(scene, driver, simulation, positions)?)
-        }
-        (Driver::BoundaryIntegral(driver), Every::Time(_), Some(DriveState::Flowing(state))) => {
-            Box::new(Flowing::resume(
-                scene, driver, simulation, positions, state,
-            )?)
-        }
-        (Driver::LatticeBoltzmann(driver), Every::Time(_), stored) => match driver.precision {
-            Scalar::F32 | Scalar::F32Pair => {
-                let stored = f32::taken(stored)?;
-                Box::new(Immersing::new(
-                    scene, driver, simulation, positions, stored,
-                )?)
-            }
-            Scalar::F64 => {
-                let stored = f64::taken(stored)?;
-                Box::new(Immersing::new(
-                    scene, driver, simulation, positions, stored,
-                )?)
-            }
-        },
-        // The reader of the scene rules out the first case, the fingerprint of the checkpoint the
-        // second.
-        _ => return Err(RunError::Mismatch),
-    })
 }

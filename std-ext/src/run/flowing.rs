@@ -1,11 +1,12 @@
 //! Runs in a flow, through time.
 
-use super::clock::{Clock, Schedule};
+use super::clock::Clock;
 use super::deformed::Deformed;
-use super::drive::{Drive, DriveState, Mark, Step, Work, cost};
+use super::drive::{Drive, Mark, Step, Work, cost};
+use super::state::{DriveState, FlowingProgress, FlowingState};
 use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
-use crate::dynamics::integrate::{Integrator, Scheme, Settings, State, StepReport};
+use crate::dynamics::integrate::{Integrator, Scheme, Settings, StepReport};
 use crate::enclosure::surroundings;
 use crate::execute::available_threads;
 use crate::flow::{
@@ -13,7 +14,6 @@ use crate::flow::{
 };
 use crate::scene::{self, BoundaryIntegral, Scene, SurfaceScene};
 use crate::simulation::{Cost, Simulation};
-use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -49,32 +49,6 @@ pub(super) struct Flowing<'a> {
     integrator: Integrator,
     report: Option<StepReport>,
     progress: FlowingProgress,
-}
-
-/// Part of its state that a checkpoint holds.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct FlowingState {
-    schedule: Schedule,
-    integrator: State,
-    /// Initial guess of the next solution.
-    guess: Vec<[f64; 3]>,
-    progress: FlowingProgress,
-}
-
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct FlowingProgress {
-    deformed: Deformed,
-    /// Number of outputs so far, without the first.
-    outputs: u64,
-    steps: u64,
-    right_hand_sides: u64,
-    /// Number of consecutive last steps that were too short.
-    short_steps: u64,
-    /// Matrix products of the linear solutions before the run was resumed.
-    products: u64,
-    /// Growth of the stiffest mode since it last decayed, in factors of e.
-    folds: f64,
-    notes: Vec<String>,
 }
 
 impl<'a> Flowing<'a> {

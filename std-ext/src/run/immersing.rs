@@ -1,18 +1,18 @@
 //! Runs on a lattice of fluid, through time.
 
-use super::clock::{Clock, Schedule};
+use super::clock::Clock;
 use super::deformed::Deformed;
-use super::drive::{Drive, DriveState, Mark, Step, Work, cost};
+use super::drive::{Drive, Mark, Step, Work, cost};
 use super::flowing::is_held;
+use super::state::{DriveState, ImmersingProgress, ImmersingState};
 use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
 use crate::execute::available_threads;
 use crate::flow::lattice_boltzmann::limits::FINITE_BOX;
 use crate::flow::lattice_boltzmann::{Lattice, Node, Precision, Setup, Sides};
-use crate::flow::{Channel, Fluid, Immersion, ImmersionState, KeptVolumes, Redistribution};
+use crate::flow::{Channel, Fluid, Immersion, KeptVolumes, Redistribution};
 use crate::scene::{Flow, LatticeBoltzmann, Scene};
 use crate::simulation::{Cost, Simulation};
-use serde::{Deserialize, Serialize};
 use std::array;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -32,24 +32,6 @@ pub(super) struct Immersing<'a, T> {
     immersion: Immersion<T>,
     positions: Vec<[f64; 3]>,
     progress: ImmersingProgress,
-}
-
-/// Part of its state that a checkpoint holds.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct ImmersingState<T> {
-    schedule: Schedule,
-    immersion: ImmersionState<T>,
-    positions: Vec<[f64; 3]>,
-    progress: ImmersingProgress,
-}
-
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct ImmersingProgress {
-    deformed: Deformed,
-    steps: u64,
-    /// Number of outputs so far, without the first.
-    outputs: u64,
-    notes: Vec<String>,
 }
 
 /// A number type of lattices, whose states a checkpoint holds.

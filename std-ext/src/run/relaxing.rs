@@ -1,13 +1,13 @@
 //! Runs to equilibrium, load after load.
 
-use super::drive::{Drive, DriveState, Mark, Step, Work};
+use super::drive::{Drive, Mark, Step, Work};
 use super::remedy::{advice, remedy};
+use super::state::{DriveState, RelaxingProgress, RelaxingState};
 use super::{End, Progress, RunError};
-use crate::dynamics::{Failure, Outcome, Relaxation, Settings, SetupError, State};
+use crate::dynamics::{Failure, Outcome, Relaxation, Settings, SetupError};
 use crate::scene::{Relax, Scene};
 use crate::series::ITERATION;
 use crate::simulation::Simulation;
-use serde::{Deserialize, Serialize};
 
 /// Residuals below this are due to rounding if a relaxation stagnates: every method with an energy
 /// reaches the default of `driver.residual` on meshes that it can handle.
@@ -27,29 +27,6 @@ pub(super) struct Relaxing {
     progress: RelaxingProgress,
     residual: f64,
     energy: f64,
-}
-
-/// Part of its state that a checkpoint holds.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct RelaxingState {
-    relaxation: State,
-    progress: RelaxingProgress,
-}
-
-/// The position in the sequence of loads.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct RelaxingProgress {
-    load: usize,
-    /// Iterations of the previous loads, and of the current one.
-    before: u64,
-    iteration: u64,
-    /// The residual with which the load began.
-    first_residual: Option<f64>,
-    /// The residual and the number of iterations at which loads end.
-    limits: (f64, u64),
-    /// The end of the first load that did not reach equilibrium, and messages about all such loads.
-    unfinished: Option<End>,
-    notes: Vec<String>,
 }
 
 impl Relaxing {

@@ -1,93 +1,22 @@
 //! Builds a simulation from a scene.
 
+use super::error::BuildError;
 use super::once::said_once;
 use super::placed::{Placed, scale_to_volume};
 use super::{Between, Body, Obstacle, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::Lumping;
 use crate::execute::Parallel;
-use crate::generate::GenerateError;
 use crate::info::MeshInfo;
 use crate::scene::{
-    self, Driver, EffectError, MeshFiles, MeshSource, MeshSourceError, Preparation, Reference,
-    ReferenceSource, SceneError, SceneErrors, SceneFile, SurfaceScene,
+    self, Driver, MeshFiles, MeshSource, Preparation, Reference, ReferenceSource, SceneError,
+    SceneFile, SurfaceScene,
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
-use helfrich::{
-    Constraint, ConstraintError, Constraints, Images, Quantity, Repulsion, Surface, SurfaceError,
-    TriangleMesh,
-};
+use helfrich::{Constraint, Constraints, Images, Quantity, Repulsion, Surface, TriangleMesh};
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The reason why a scene cannot be prepared. The message is one line.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum BuildError {
-    /// A mesh does not meet a requirement of the scene.
-    #[error(transparent)]
-    Scene(#[from] SceneErrors),
-    /// A mesh cannot be generated.
-    #[error("surface \"{surface}\": {source}")]
-    Generate {
-        /// The surface's name.
-        surface: String,
-        /// The reason.
-        source: GenerateError,
-    },
-    /// A mesh file cannot be read, or has split vertices.
-    #[error(transparent)]
-    Read(#[from] MeshSourceError),
-    /// A position overflows.
-    #[error("surface \"{surface}\": {source}")]
-    Positions {
-        /// The surface's name.
-        surface: String,
-        /// Which.
-        source: SurfaceError,
-    },
-    /// An effect cannot be prepared.
-    #[error("surface \"{surface}\": {source}")]
-    Effect {
-        /// The surface's name.
-        surface: String,
-        /// The reason.
-        source: EffectError,
-    },
-    /// An exact constraint cannot be reached from the start of the surface.
-    #[error("surface \"{surface}\": {}", unreachable(constraints, source))]
-    Constraints {
-        /// The surface's name.
-        surface: String,
-        /// The constraints, by their names in scenes.
-        constraints: Vec<&'static str>,
-        /// The reason.
-        source: ConstraintError,
-    },
-}
-
-/// The reason why constraints with these names cannot be met.
-fn unreachable(names: &[&str], error: &ConstraintError) -> String {
-    let name = |constraint: usize| names.get(constraint).copied().unwrap_or_default();
-    match *error {
-        ConstraintError::Dependent { constraint, .. } => format!(
-            "from where it starts, `{}` cannot be changed without the others that are held exactly, \
-             as the volume of a sphere without its area: begin with another shape, an ellipsoid say",
-            name(constraint)
-        ),
-        ConstraintError::NotReached {
-            constraint,
-            residual,
-            ..
-        } => format!(
-            "from where it starts, `{}` does not come nearer to its target than {residual:.1e} of it: \
-             begin with a shape that is nearer to it",
-            name(constraint)
-        ),
-        error => error.to_string(),
-    }
-}
 
 /// Prepares a scene: its surfaces and effects, and the initial positions of all surfaces, one
 /// surface after the other.

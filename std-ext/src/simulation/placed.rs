@@ -1,6 +1,6 @@
 //! Meshes at their positions in a scene.
 
-use super::build::BuildError;
+use super::error::BuildError;
 use crate::generate::{GeneratedMesh, generate};
 use crate::scene::{MeshFiles, MeshSource, Orientation};
 use helfrich::{Surface, TriangleMesh};

@@ -5,7 +5,7 @@
 
 use super::patches::{BLOCK, Block, Field, NodeBasis, Patches, WEIGHT};
 use super::point::Point;
-use crate::element::SlotKernel;
+use crate::element::{Execution, SlotKernel};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::{Real, finite_or_zero};
 use crate::vec3::Vec3;
@@ -47,6 +47,36 @@ impl<T: Real> Default for Together<T> {
             gradients: Default::default(),
             gifts: Vec::new(),
         }
+    }
+}
+
+/// Memory of an evaluation.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PatchMemory<T> {
+    pub(super) blocks: Vec<Block<T>>,
+    /// Scratch memory of each thread.
+    together: Vec<Together<T>>,
+}
+
+impl<T: Real> Patches<T> {
+    /// Sets energies and areas, and with `GRADIENT` forces and masses, from the control points.
+    pub(super) fn evaluate<const GRADIENT: bool>(
+        &self,
+        execution: &impl Execution,
+        modulus: T,
+        spontaneous: Field<'_, T>,
+        controls: &[[T; 4]],
+        memory: &mut PatchMemory<T>,
+    ) {
+        let PatchMemory { blocks, together } = memory;
+        blocks.resize_with(self.len().div_ceil(BLOCK), Block::default);
+        let evaluation = Evaluation::<T, GRADIENT> {
+            patches: self,
+            modulus,
+            spontaneous,
+            controls,
+        };
+        execution.run(together, &mut blocks[..], &evaluation);
     }
 }
 

@@ -4,7 +4,6 @@
 //! table that depends only on the valence of its first corner. The same table maps derivatives of
 //! the energy back to forces at its nodes. Patches of all valences run through one loop.
 
-use super::evaluation::{Evaluation, Together};
 use super::point::Point;
 use crate::element::Execution;
 use crate::lane::WIDTH;
@@ -110,14 +109,6 @@ pub(super) struct Block<T> {
     pub(super) areas: Vec<[T; 3]>,
     /// Force and mass for each node of each patch.
     pub(super) gifts: Vec<[T; 4]>,
-}
-
-/// Memory of an evaluation.
-#[derive(Clone, Debug, Default)]
-pub(super) struct PatchMemory<T> {
-    pub(super) blocks: Vec<Block<T>>,
-    /// Scratch memory of each thread.
-    together: Vec<Together<T>>,
 }
 
 impl<T: Real> Block<T> {
@@ -312,26 +303,6 @@ impl<T: Real> Patches<T> {
             .zip(&self.triangles)
             .filter(move |(areas, _)| areas.iter().any(empty))
             .map(|(_, &triangle)| triangle)
-    }
-
-    /// Sets energies and areas, and with `GRADIENT` forces and masses, from the control points.
-    pub(super) fn evaluate<const GRADIENT: bool>(
-        &self,
-        execution: &impl Execution,
-        modulus: T,
-        spontaneous: Field<'_, T>,
-        controls: &[[T; 4]],
-        memory: &mut PatchMemory<T>,
-    ) {
-        let PatchMemory { blocks, together } = memory;
-        blocks.resize_with(self.len().div_ceil(BLOCK), Block::default);
-        let evaluation = Evaluation::<T, GRADIENT> {
-            patches: self,
-            modulus,
-            spontaneous,
-            controls,
-        };
-        execution.run(together, &mut blocks[..], &evaluation);
     }
 
     /// Sets the contributions to nodes to the product of each patch's mass matrix, `Σ φφᵀ` over its

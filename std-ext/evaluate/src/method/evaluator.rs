@@ -5,8 +5,9 @@ use super::ordered::Ordered;
 use super::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use crate::execute::Parallel;
 use helfrich::{
-    Conservative, Curvature, Curvatures, Execution, Finding, Jet, LaplaceBeltrami, Noise, Prepared,
-    Quality, Real, Serial, StrongForm, Surface, TriangleMesh, VertexKind,
+    Conservative, Cotangent, Curvature, Curvatures, DualArea, Execution, Finding, Jet,
+    LaplaceBeltrami, Noise, Prepared, Quality, Real, Serial, StrongForm, Surface, TriangleMesh,
+    VertexKind,
 };
 use std::fmt;
 
@@ -121,10 +122,10 @@ impl<T: Real> Evaluator<T> {
     /// evaluated.
     pub fn last_fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
         match &mut self.ordered {
-            None => Fields::collect(&mut *self.prepared, surface, &self.force),
+            None => collect(&mut *self.prepared, surface, &self.force),
             Some(ordered) => {
                 let (surface, force) = ordered.parts(surface);
-                let fields = Fields::collect(&mut *self.prepared, surface, force);
+                let fields = collect(&mut *self.prepared, surface, force);
                 ordered.undo(&fields)
             }
         }
@@ -286,8 +287,37 @@ where
     }
 }
 
+/// All results of a method on the surface of its last evaluation, with this force.
+fn collect<T: Real>(
+    prepared: &mut dyn Evaluate<T>,
+    surface: Surface<'_, T>,
+    force: &[[T; 3]],
+) -> Fields<T> {
+    let vertices = surface.mesh().vertex_count();
+    let mut cotangent = Prepared::new(Cotangent::new(DualArea::Mixed), surface.mesh());
+    let curvature = cotangent.curvatures(surface);
+    let mut fields = Fields {
+        area: curvature.iter().map(|vertex| vertex.area).collect(),
+        normal: curvature.iter().map(|vertex| vertex.normal).collect(),
+        mean: vec![None; vertices],
+        gaussian: vec![None; vertices],
+        laplacian_of_mean: vec![None; vertices],
+        force_density: vec![None; vertices],
+    };
+    prepared.collect(surface, force, &mut fields);
+    // The vertex was left out, so the 0 of the method is not a curvature.
+    prepared.inspect(surface, &mut |finding| match finding {
+        Finding::ZeroArea { vertex } | Finding::TooFewNeighbours { vertex } => {
+            fields.clear(vertex as usize);
+        }
+        Finding::OutOfRange { vertex } => fields.clear_fourth_derivative(vertex as usize),
+        _ => {}
+    });
+    fields
+}
+
 /// The interface of every prepared method.
-pub(super) trait Evaluate<T: Real>: fmt::Debug {
+trait Evaluate<T: Real>: fmt::Debug {
     /// Adds nodal forces to `force`, or sets it to force densities: see [`Evaluator::evaluate`].
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]);
 

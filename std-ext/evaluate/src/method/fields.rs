@@ -1,10 +1,7 @@
 //! Per-vertex results of a method.
 
-use super::evaluator::Evaluate;
 use helfrich::bending::StrongFormMemory;
-use helfrich::{
-    Cotangent, Curvature, DualArea, Finding, Prepared, Real, Surface, TriangleMesh, VertexKind,
-};
+use helfrich::{Curvature, Real, TriangleMesh, VertexKind};
 
 /// All results of a method on a surface, one value per vertex; `None` where undefined.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,37 +29,8 @@ fn where_defined<V: Copy>(values: &[V], defined: impl Fn(usize) -> bool) -> Vec<
 }
 
 impl<T: Real> Fields<T> {
-    /// All results of a method on the surface of its last evaluation, with this force.
-    pub(super) fn collect(
-        prepared: &mut dyn Evaluate<T>,
-        surface: Surface<'_, T>,
-        force: &[[T; 3]],
-    ) -> Self {
-        let vertices = surface.mesh().vertex_count();
-        let mut cotangent = Prepared::new(Cotangent::new(DualArea::Mixed), surface.mesh());
-        let curvature = cotangent.curvatures(surface);
-        let mut fields = Fields {
-            area: curvature.iter().map(|vertex| vertex.area).collect(),
-            normal: curvature.iter().map(|vertex| vertex.normal).collect(),
-            mean: vec![None; vertices],
-            gaussian: vec![None; vertices],
-            laplacian_of_mean: vec![None; vertices],
-            force_density: vec![None; vertices],
-        };
-        prepared.collect(surface, force, &mut fields);
-        // The vertex was left out, so the 0 of the method is not a curvature.
-        prepared.inspect(surface, &mut |finding| match finding {
-            Finding::ZeroArea { vertex } | Finding::TooFewNeighbours { vertex } => {
-                fields.clear(vertex as usize);
-            }
-            Finding::OutOfRange { vertex } => fields.clear_fourth_derivative(vertex as usize),
-            _ => {}
-        });
-        fields
-    }
-
     /// Leaves a vertex undefined, unless it has a nodal force and a mixed area other than 0.
-    fn clear(&mut self, vertex: usize) {
+    pub(super) fn clear(&mut self, vertex: usize) {
         self.mean[vertex] = None;
         self.gaussian[vertex] = None;
         self.laplacian_of_mean[vertex] = None;
@@ -72,7 +40,7 @@ impl<T: Real> Fields<T> {
     }
 
     /// Leaves quantities with a fourth derivative undefined at a vertex.
-    fn clear_fourth_derivative(&mut self, vertex: usize) {
+    pub(super) fn clear_fourth_derivative(&mut self, vertex: usize) {
         self.laplacian_of_mean[vertex] = None;
         self.force_density[vertex] = None;
     }

@@ -1,0 +1,84 @@
+//! States of drivers, as checkpoints store them. Their fields are the layout of a checkpoint.
+
+use super::End;
+use super::clock::Schedule;
+use super::deformed::Deformed;
+use crate::dynamics::{self, integrate};
+use crate::flow::ImmersionState;
+use serde::{Deserialize, Serialize};
+
+/// The state of some driver.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) enum DriveState {
+    Relaxing(RelaxingState),
+    Flowing(FlowingState),
+    ImmersingF32(ImmersingState<f32>),
+    ImmersingF64(ImmersingState<f64>),
+}
+
+/// State of a relaxation.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct RelaxingState {
+    pub(super) relaxation: dynamics::State,
+    pub(super) progress: RelaxingProgress,
+}
+
+/// The position in the sequence of loads.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct RelaxingProgress {
+    pub(super) load: usize,
+    /// Iterations of the previous loads, and of the current one.
+    pub(super) before: u64,
+    pub(super) iteration: u64,
+    /// The residual with which the load began.
+    pub(super) first_residual: Option<f64>,
+    /// The residual and the number of iterations at which loads end.
+    pub(super) limits: (f64, u64),
+    /// The end of the first load that did not reach equilibrium, and messages about all such loads.
+    pub(super) unfinished: Option<End>,
+    pub(super) notes: Vec<String>,
+}
+
+/// State of a run with boundary integrals.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct FlowingState {
+    pub(super) schedule: Schedule,
+    pub(super) integrator: integrate::State,
+    /// Initial guess of the next solution.
+    pub(super) guess: Vec<[f64; 3]>,
+    pub(super) progress: FlowingProgress,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct FlowingProgress {
+    pub(super) deformed: Deformed,
+    /// Number of outputs so far, without the first.
+    pub(super) outputs: u64,
+    pub(super) steps: u64,
+    pub(super) right_hand_sides: u64,
+    /// Number of consecutive last steps that were too short.
+    pub(super) short_steps: u64,
+    /// Matrix products of the linear solutions before the run was resumed.
+    pub(super) products: u64,
+    /// Growth of the stiffest mode since it last decayed, in factors of e.
+    pub(super) folds: f64,
+    pub(super) notes: Vec<String>,
+}
+
+/// State of a run on a lattice.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct ImmersingState<T> {
+    pub(super) schedule: Schedule,
+    pub(super) immersion: ImmersionState<T>,
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) progress: ImmersingProgress,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct ImmersingProgress {
+    pub(super) deformed: Deformed,
+    pub(super) steps: u64,
+    /// Number of outputs so far, without the first.
+    pub(super) outputs: u64,
+    pub(super) notes: Vec<String>,
+}
