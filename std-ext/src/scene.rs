@@ -5,26 +5,32 @@
 //! effect is `None` and costs nothing. Every number of a [`Scene`] is in the scene's [`Units`];
 //! numbers that the file gives with a unit of their own are converted.
 //!
-//! One table (`keys`) lists all keys with form, dimension and range. The messages of the parser and
+//! One table (`tables`) lists all keys with form, dimension and range. The messages of the parser and
 //! [`json_schema`] are generated from it.
 
 mod build;
+mod builder;
 mod check;
-mod driver;
+mod drivers;
 mod effects;
+mod flow;
 mod keys;
-mod lattice;
+mod mesh_source;
 mod output;
+mod overrides;
 mod parameter;
 mod problem;
 mod reader;
 mod schema;
 mod shipped;
+mod source;
 mod surface;
+mod tables;
 mod units;
 mod value;
 
-pub use driver::{BoundaryIntegral, Driver, Flow, Integrator, Relax, Scheme};
+pub(crate) use drivers::AXES;
+pub use drivers::{BoundaryIntegral, Driver, Integrator, LatticeBoltzmann, Relax, Scheme};
 pub use effects::{
     Adhesion, AreaDifferenceTarget, Bending, EffectError, Effects, Elasticity, Gravity, Group,
     HeldArea, HeldAreaDifference, HeldVolume, Hold, InPlaneLaw, LocalArea, MembraneViscosity,
@@ -33,22 +39,23 @@ pub use effects::{
 pub(crate) use effects::{
     Groups, MeshCheck, Named, Preparation, Stretch, SurfaceEffect, capillary_number, reduced_volume,
 };
-pub(crate) use lattice::AXES;
-pub use lattice::LatticeBoltzmann;
+pub use flow::Flow;
+pub(crate) use mesh_source::MeshFiles;
+pub use mesh_source::{MeshFileSource, MeshSource, MeshSourceError};
 pub use output::{Every, Output, PictureField, Plot, Probe, Slice, Volume};
+pub use overrides::{OverrideSyntaxError, Overrides};
 pub use parameter::Parameter;
 pub(crate) use parameter::Parameters;
 pub use problem::{Place, Problem, SceneError, SceneErrors};
 pub use schema::json_schema;
 pub(crate) use shipped::shipped_file;
 pub use shipped::{SHIPPED, ShippedScene, shipped_files};
-pub(crate) use surface::MeshFiles;
-pub use surface::{
-    MeshFileSource, MeshSource, MeshSourceError, Obstacle, Orientation, SurfaceScene,
-};
+pub use surface::{Obstacle, Orientation, SurfaceScene};
 pub(crate) use units::{Dimension, thermal_energy};
-pub use value::{OverrideSyntaxError, Overrides};
 
+use crate::flow::Barrier;
+use crate::flow::lattice_boltzmann::memory;
+use crate::scalar::Scalar;
 use serde::Serialize;
 use std::path::Path;
 
@@ -73,6 +80,27 @@ pub struct Scene {
     pub driver: Driver,
     /// The outputs and their intervals.
     pub output: Output,
+}
+
+impl Scene {
+    /// Memory of the driver's lattice in bytes: populations, forces and velocities at vertices,
+    /// obstacles and viscosities. 0 without a lattice.
+    pub(crate) fn lattice_memory(&self) -> u64 {
+        let Driver::LatticeBoltzmann(lattice) = self.driver else {
+            return 0;
+        };
+        let cells = lattice.cells;
+        let nodes = cells.map(|count| count as u64).iter().product::<u64>();
+        let (populations, number) = match lattice.precision {
+            Scalar::F32 => (memory::<f32>(cells), 4),
+            _ => (memory::<f64>(cells), 8),
+        };
+        let ratio =
+            |surface: &SurfaceScene| surface.viscosity_ratio.is_some_and(|ratio| ratio != 1.0);
+        let contrast = u64::from(self.surfaces.iter().any(ratio));
+        let labels = u64::from(!self.obstacles.is_empty());
+        populations.unwrap_or(0) as u64 + nodes * (number * (6 + contrast) + 2 * labels)
+    }
 }
 
 /// The units of a scene's numbers.
@@ -103,6 +131,16 @@ pub enum Interaction {
     },
 }
 
+impl Interaction {
+    /// The repulsion as limits of steps see it.
+    pub(crate) fn barrier(&self) -> Barrier {
+        let Self::Repulsion {
+            strength, cutoff, ..
+        } = *self;
+        Barrier { strength, cutoff }
+    }
+}
+
 /// A scene as read, with the places of its values in the text.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
@@ -110,7 +148,7 @@ pub struct SceneFile {
     pub scene: Scene,
     /// Warnings about probable mistakes, each with its place.
     pub warnings: Vec<SceneError>,
-    source: problem::Source,
+    source: source::Source,
     origins: value::Origins,
     /// Mesh files that the scene was read with.
     pub(crate) meshes: MeshFiles,
@@ -128,7 +166,7 @@ impl SceneFile {
         if let Some(shipped) = ShippedScene::named(path) {
             return Self::parse(shipped.text, &shipped.path(), overrides);
         }
-        let text = problem::read_text(path)?;
+        let text = source::read_text(path)?;
         Self::parse(&text, path, overrides)
     }
 

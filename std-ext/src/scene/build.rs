@@ -2,20 +2,24 @@
 
 mod driver;
 mod lattice;
+mod output;
 mod surface;
 
-use super::check::{Problems, check_table};
-use super::keys::SCENE;
-use super::lattice::AXES;
-use super::problem::{Problem, SceneErrors, Source};
+use super::builder::Builder;
+use super::check::check_table;
+use super::drivers::AXES;
+use super::overrides::Overrides;
+use super::problem::{Problem, Problems, SceneErrors};
 use super::reader::Reader;
+use super::source::Source;
+use super::tables::SCENE;
 use super::units::{Scale, TEMPERATURE, is_thermal};
-use super::value::{Origin, Origins, Overrides, Table, Value};
+use super::value::{Origin, Origins, Table, Value};
 use super::{Driver, Interaction, MeshFiles, Scene, SceneFile, SurfaceScene, Units};
 use crate::flow::Barrier;
 use crate::six::rounded;
 use helfrich::Images;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::de::DeTable;
 
 pub(super) fn parse(
@@ -89,27 +93,7 @@ pub(super) fn parse(
     })
 }
 
-pub(super) struct Builder<'a> {
-    /// The scene file's.
-    folder: &'a Path,
-    problems: &'a mut Problems,
-    warnings: &'a mut Problems,
-    /// Repulsions, which limit steps of a driver as its surfaces do.
-    barriers: Vec<Barrier>,
-    /// Mesh files that were read to know the size of their surfaces.
-    meshes: MeshFiles,
-}
-
 impl Builder<'_> {
-    pub(super) fn contradiction(&mut self, origin: &Origin, message: String) {
-        self.problems
-            .add(origin, Problem::Contradiction { message });
-    }
-
-    pub(super) fn doubt(&mut self, origin: &Origin, message: String) {
-        self.warnings.add(origin, Problem::Doubtful { message });
-    }
-
     fn scene(&mut self, scene: Reader<'_>, units: Units) -> Scene {
         if units == Units::None && scene.has("temperature") {
             self.contradiction(
@@ -253,9 +237,5 @@ impl Builder<'_> {
                 ),
             );
         }
-    }
-
-    pub(super) fn file(&self, name: &str) -> PathBuf {
-        self.folder.join(name)
     }
 }

@@ -2,19 +2,9 @@
 
 use super::Units;
 use super::keys::{Form, Key, Keys, Kind, Presence, Range, nearest};
-use super::problem::{Problem, expected_number};
+use super::problem::{Problem, Problems, expected_number};
 use super::units::{Dimension, QuantityError, Scale, quantity};
 use super::value::{Node, Origin, Table, Value};
-
-/// Collects problems.
-#[derive(Debug, Default)]
-pub(super) struct Problems(pub(super) Vec<(Origin, Problem)>);
-
-impl Problems {
-    pub(super) fn add(&mut self, origin: &Origin, problem: Problem) {
-        self.0.push((origin.clone(), problem));
-    }
-}
 
 /// Reports all problems within a table. `around` is the path of the table, `origin` its place.
 pub(super) fn check_table(
@@ -65,7 +55,7 @@ pub(super) fn check_table(
         form,
     } in keys.keys
     {
-        let of_kind = kind.is_some_and(|kind| kind.required.contains(name));
+        let of_kind = kind.is_some_and(|kind| kind.required().any(|required| required == *name));
         if (*presence == Presence::Required || of_kind) && !given(&name) {
             let problem = Problem::Missing {
                 table: around.to_owned(),

@@ -42,7 +42,7 @@ pub use tension::Tension;
 pub(crate) use volume::reduced_volume;
 pub use volume::{HeldVolume, VolumeTarget};
 
-use super::build::Builder;
+use super::builder::Builder;
 use super::keys::{Form, Key, Keys, optional};
 use super::reader::Reader;
 use super::{Driver, MeshSource, Parameter, Parameters};

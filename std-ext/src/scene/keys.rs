@@ -1,15 +1,7 @@
-//! The table of all keys of a scene: their forms, dimensions, ranges and meanings.
-
-mod driver;
-mod output;
-mod surface;
+//! Keys of tables: their forms, dimensions, ranges and meanings.
 
 use super::problem::Problem;
 use super::units::Dimension;
-use driver::DRIVER;
-use output::OUTPUT;
-pub(super) use surface::WELD;
-use surface::{OBSTACLE, SURFACE};
 
 /// The keys of a table.
 #[derive(Debug)]
@@ -25,12 +17,11 @@ pub(super) struct Keys {
     pub(super) kinds: &'static [Kind],
 }
 
-/// Keys that a table has if its `kind` is this one. Keys that no kind names belong to all kinds.
-#[derive(Debug)]
+/// Keys that a table has if its `kind` is this one. Keys that no kind has belong to all kinds.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Kind {
     pub(super) name: &'static str,
-    pub(super) required: &'static [&'static str],
-    pub(super) optional: &'static [&'static str],
+    pub(super) keys: &'static [Key],
     /// As [`Keys::exactly_one`], for optional keys.
     pub(super) exactly_one: &'static [&'static [&'static str]],
 }
@@ -144,9 +135,25 @@ impl Form {
     }
 }
 
+impl Key {
+    /// The same key, required.
+    pub(super) const fn required(self) -> Self {
+        Self {
+            presence: Presence::Required,
+            ..self
+        }
+    }
+}
+
 impl Kind {
     pub(super) fn has(&self, name: &str) -> bool {
-        self.required.contains(&name) || self.optional.contains(&name)
+        self.keys.iter().any(|key| key.name == name)
+    }
+
+    /// The names of the keys that the kind requires.
+    pub(super) fn required(&self) -> impl Iterator<Item = &'static str> {
+        let required = |key: &&Key| key.presence == Presence::Required;
+        self.keys.iter().filter(required).map(|key| key.name)
     }
 }
 
@@ -216,7 +223,7 @@ pub(super) const fn plain(keys: &'static [Key]) -> Keys {
 }
 
 /// The keys of two lists, one after the other; N is the sum of their numbers.
-const fn joined<const N: usize>(first: &[Key], second: &[Key]) -> [Key; N] {
+pub(super) const fn joined<const N: usize>(first: &[Key], second: &[Key]) -> [Key; N] {
     assert!(!first.is_empty() && first.len() + second.len() == N);
     let mut keys = [first[0]; N];
     let mut index = 1;
@@ -231,8 +238,77 @@ const fn joined<const N: usize>(first: &[Key], second: &[Key]) -> [Key; N] {
     keys
 }
 
+/// Number of different keys of all kinds.
+pub(super) const fn count_of(kinds: &[Kind]) -> usize {
+    let mut count = 0;
+    let mut kind = 0;
+    while kind < kinds.len() {
+        let keys = kinds[kind].keys;
+        let mut index = 0;
+        while index < keys.len() {
+            if first_with(kinds, keys[index].name) == kind {
+                count += 1;
+            }
+            index += 1;
+        }
+        kind += 1;
+    }
+    count
+}
+
+/// The key `kind`, and the keys of all kinds, each once, in the order of their first mention; N is their
+/// number. A key that some kind requires is optional in the whole table.
+pub(super) const fn of_kinds<const N: usize>(kind: Key, kinds: &[Kind]) -> [Key; N] {
+    assert!(N == 1 + count_of(kinds));
+    let mut keys = [kind; N];
+    let mut found = 1;
+    let mut kind = 0;
+    while kind < kinds.len() {
+        let own = kinds[kind].keys;
+        let mut index = 0;
+        while index < own.len() {
+            if first_with(kinds, own[index].name) == kind {
+                keys[found] = Key {
+                    presence: Presence::Optional,
+                    ..own[index]
+                };
+                found += 1;
+            }
+            index += 1;
+        }
+        kind += 1;
+    }
+    keys
+}
+
+/// The first kind that has a key of this name.
+const fn first_with(kinds: &[Kind], name: &str) -> usize {
+    let mut kind = 0;
+    while kind < kinds.len() {
+        let keys = kinds[kind].keys;
+        let mut index = 0;
+        while index < keys.len() {
+            if are_equal(keys[index].name, name) {
+                return kind;
+            }
+            index += 1;
+        }
+        kind += 1;
+    }
+    kinds.len()
+}
+
+const fn are_equal(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let mut index = 0;
+    while index < a.len() && index < b.len() && a[index] == b[index] {
+        index += 1;
+    }
+    index == a.len() && index == b.len()
+}
+
 /// The names of the kinds of a table, as its key `kind` has them.
-fn kinds(keys: &Keys) -> Vec<&'static str> {
+pub(super) fn kinds(keys: &Keys) -> Vec<&'static str> {
     keys.kinds.iter().map(|kind| kind.name).collect()
 }
 
@@ -245,71 +321,3 @@ pub(super) const fn positive(dimension: Dimension) -> Form {
 pub(super) const fn any(dimension: Dimension) -> Form {
     Form::Number(dimension, Range::Any)
 }
-
-pub(super) static SCENE: Keys = plain(&[
-    optional("title", Form::Text, "Description of the scene in one line."),
-    required(
-        "units",
-        Form::Choice(|| vec!["micro", "none"]),
-        "Units of plain numbers: \"micro\" is µm, pN and s, hence pN·µm = 1e-18 J, pN/µm = µN/m, \
-         pN/µm² = Pa; \"none\" is numbers without units.",
-    ),
-    optional(
-        "temperature",
-        NUMBER,
-        "Temperature in kelvin, by which \"20 kT\" is an energy; by default 298.15.",
-    ),
-    required(
-        "surface",
-        Form::Tables(&SURFACE),
-        "A surface and the effects that act on it; absent effects are off.",
-    ),
-    optional(
-        "interaction",
-        Form::Tables(&INTERACTION),
-        "What acts between surfaces.",
-    ),
-    optional(
-        "obstacle",
-        Form::Tables(&OBSTACLE),
-        "A closed body at rest in the fluid; for the driver \"lattice-boltzmann\".",
-    ),
-    required(
-        "driver",
-        Form::Table(&DRIVER),
-        "What moves the surfaces, and when the run ends.",
-    ),
-    optional(
-        "output",
-        Form::Table(&OUTPUT),
-        "What is written, and how often.",
-    ),
-]);
-
-static INTERACTION: Keys = plain(&[
-    required(
-        "kind",
-        Form::Choice(|| vec!["repulsion"]),
-        "The kind of interaction.",
-    ),
-    required(
-        "strength",
-        positive(Dimension::REPULSION),
-        "k in the energy per area w(d) = k r_c²/4 (1 − s²)³/s² of surfaces at a distance d, s = \
-         d/r_c. The pressure k r_c/2 (1 − s²)² (1 + 2s²)/s³ grows without bound as surfaces \
-         approach each other. If k r_c is about the applied pressure, they rest at two thirds of \
-         r_c.",
-    ),
-    required(
-        "cutoff",
-        positive(Dimension::LENGTH),
-        "Distance r_c beyond which there is no force: a few node spacings on a lattice, and less \
-         than the gaps of interest.",
-    ),
-    optional(
-        "between",
-        Form::Pair,
-        "Names of two surfaces; by default every pair interacts, and in a periodic box every \
-         surface with its own images. The same name twice: a surface with its own images only.",
-    ),
-]);

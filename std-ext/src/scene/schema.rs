@@ -1,6 +1,7 @@
 //! A JSON schema from the table of keys, for editors and other programs.
 
-use super::keys::{Form, Key, Keys, Kind, Presence, Range, SCENE};
+use super::keys::{Form, Key, Keys, Kind, Presence, Range};
+use super::tables::SCENE;
 use super::units::Dimension;
 use serde_json::{Map, Value, json};
 
@@ -65,8 +66,9 @@ fn of_kind(keys: &'static Keys, kind: &Kind) -> Map<String, Value> {
     let elsewhere = elsewhere.map(|name| (name.to_owned(), Value::Bool(false)));
     let mut schema = Map::new();
     schema.insert("properties".to_owned(), Value::Object(elsewhere.collect()));
-    if !kind.required.is_empty() {
-        schema.insert("required".to_owned(), json!(kind.required));
+    let required = Vec::from_iter(kind.required());
+    if !required.is_empty() {
+        schema.insert("required".to_owned(), json!(required));
     }
     if !kind.exactly_one.is_empty() {
         let one = Vec::from_iter(kind.exactly_one.iter().map(one));

@@ -134,10 +134,6 @@ impl Scene {
         };
         let spectral_radius = driver::spectral_radius(self, meshes);
         let lattice = lattice::explain(self, meshes, &number);
-        let nodes = match &self.driver {
-            Driver::LatticeBoltzmann(lattice) => lattice.memory(self),
-            _ => 0,
-        };
         Explanation {
             title: self.title.clone(),
             units: self.units,
@@ -157,7 +153,7 @@ impl Scene {
                 None => driver::step_limit(self, spectral_radius),
             },
             lattice,
-            memory: memory.sum::<u64>() + nodes,
+            memory: memory.sum::<u64>() + self.lattice_memory(),
         }
     }
 }

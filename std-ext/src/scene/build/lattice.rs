@@ -1,12 +1,12 @@
 //! Builds the driver `lattice-boltzmann` from its values.
 
+use super::super::builder::Builder;
 use super::super::reader::Reader;
 use super::super::value::{Origin, default_name};
 use super::super::{
     Driver, Every, Flow, LatticeBoltzmann, MeshFileSource, MeshFiles, MeshSource, Obstacle, Output,
     Scene, SurfaceScene,
 };
-use super::Builder;
 use crate::flow::Barrier;
 use crate::flow::lattice_boltzmann::Kernel;
 use crate::flow::lattice_boltzmann::limits::{FREE_BOX, ImmersedMembrane, MACH, VISCOSITIES};
@@ -134,7 +134,7 @@ impl Builder<'_> {
             );
             self.doubt(&place("step", "lattice_viscosity"), message);
         }
-        let needed = lattice.memory(scene);
+        let needed = scene.lattice_memory();
         if let Some(free) = free_memory()
             && needed > free
         {

@@ -1,11 +1,11 @@
 //! Builds surfaces from their values.
 
+use super::super::builder::Builder;
 use super::super::effects::{Check, Effects, Stiffness};
 use super::super::problem::Problem;
 use super::super::reader::Reader;
 use super::super::value::default_name;
-use super::super::{Driver, MeshFileSource, MeshSource, Orientation, SurfaceScene};
-use super::Builder;
+use super::super::{Driver, MeshSource, Orientation, SurfaceScene};
 use crate::generate::{AnyShape, Family, check as check_mesh};
 use helfrich::shapes::Sphere;
 
@@ -49,14 +49,6 @@ impl Builder<'_> {
             vertices: size.unwrap_or(0),
             seed: surface.count("seed").unwrap_or(1),
             match_volume: surface.switch("match_volume").unwrap_or(false),
-        }
-    }
-
-    /// A mesh file, and whether it is welded.
-    pub(in crate::scene) fn mesh_file(&mut self, name: &str, around: Reader<'_>) -> MeshFileSource {
-        MeshFileSource {
-            path: self.file(name),
-            weld: around.switch("weld"),
         }
     }
 

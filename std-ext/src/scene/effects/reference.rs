@@ -1,7 +1,8 @@
 //! Stress-free positions of a mesh.
 
 use super::super::MeshFileSource;
-use super::super::keys::{Form, Keys, NUMBER, WELD, optional};
+use super::super::keys::{Form, Keys, NUMBER, optional};
+use super::super::mesh_source::WELD;
 use super::super::value::Origin;
 use super::{Builder, EffectError, MeshSource, Named, Preparation, Reader};
 use crate::generate::{AnyShape, Family};
@@ -26,7 +27,7 @@ pub enum ReferenceSource {
     /// The initial surface, with its own scale.
     Initial,
     /// The surface's mesh generated on another shape, with its family, vertices and seed.
-    Shape(#[serde(serialize_with = "crate::scene::surface::as_text")] AnyShape),
+    Shape(#[serde(serialize_with = "crate::scene::mesh_source::as_text")] AnyShape),
     /// A mesh file with the triangles of the surface.
     File(MeshFileSource),
 }

@@ -5,57 +5,12 @@ use crate::generate::Family;
 use crate::info::{MeshInfo, mean_edge};
 use crate::method::BendingMethod;
 use crate::scene::{
-    BoundaryIntegral, Dimension, Driver, Every, Flow, Integrator, Interaction, MeshSource,
-    Parameter, Parameters, Scene, Scheme, SurfaceScene,
+    BoundaryIntegral, Dimension, Driver, Every, Integrator, Interaction, MeshSource, Parameter,
+    Parameters, Scene, SurfaceScene,
 };
 
 pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
-    let (choice, parameters) = match driver {
-        Driver::Relax(relax) => {
-            let scheme = match relax.scheme {
-                Scheme::Minimise => "minimise: the energy of all effects, under the constraints",
-                Scheme::Overdamped => {
-                    "overdamped: forces without an energy, until they are below the residual"
-                }
-            };
-            let parameters = vec![
-                number.plain("residual", relax.residual),
-                number.plain("iterations", relax.iterations as f64),
-                number.plain("energy_error", relax.energy_error),
-            ];
-            (scheme.to_owned(), parameters)
-        }
-        Driver::BoundaryIntegral(integral) => {
-            let kept = kept(integral.volume_correction, integral.redistribution);
-            let mut parameters = vec![
-                number.of("viscosity", integral.viscosity, Dimension::VISCOSITY),
-                number.of("duration", integral.duration, Dimension::TIME),
-            ];
-            if let Some(rate) = integral.flow.rate() {
-                parameters.push(number.plain("strain", rate * integral.duration));
-            }
-            let choice = format!("Stokes flow without walls, Reynolds number 0, {kept}");
-            (choice, parameters)
-        }
-        Driver::LatticeBoltzmann(lattice) => {
-            let kept = kept(lattice.volume_correction, lattice.redistribution);
-            let mut parameters = vec![
-                number.of("viscosity", lattice.viscosity, Dimension::VISCOSITY),
-                number.of("duration", lattice.duration, Dimension::TIME),
-            ];
-            if let Some(rate) = lattice.flow.rate() {
-                parameters.push(number.plain("strain", rate * lattice.duration));
-            }
-            let inertia = match lattice.density {
-                Some(density) => {
-                    parameters.push(number.of("density", density, Dimension::DENSITY));
-                    "fluid with inertia"
-                }
-                None => "Stokes flow",
-            };
-            (format!("{inertia} in a box, {kept}"), parameters)
-        }
-    };
+    let (choice, parameters) = driver.explain(number);
     Active {
         name: driver.name(),
         choice,
@@ -63,61 +18,13 @@ pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
     }
 }
 
-/// Corrections of positions in addition to the flow.
-fn kept(volumes: bool, meshes: bool) -> String {
-    let volumes = match volumes {
-        true => "volumes kept to rounding",
-        false => "volumes not corrected",
-    };
-    let meshes = match meshes {
-        true => ", vertices of fluid surfaces slide along them",
-        false => "",
-    };
-    format!("{volumes}{meshes}")
-}
-
 /// The ambient flow, if there is a fluid.
 pub(super) fn flow(driver: &Driver, number: &Parameters) -> Option<Active> {
     let flow = driver.flow()?;
-    let rate = |value: f64| vec![number.of("rate", value, Dimension::RATE)];
-    let (formula, parameters) = match *flow {
-        Flow::Quiescent => ("", Vec::new()),
-        Flow::Shear { rate: value } => (", u = (γ̇ y, 0, 0)", rate(value)),
-        Flow::Extension { rate: value } => (", u = ε̇ (x, −y/2, −z/2)", rate(value)),
-        Flow::PlaneExtension { rate: value } => (", u = ε̇ (x, −y, 0)", rate(value)),
-        Flow::Linear { .. } => (
-            ", u = L·x, rate √(2 E:E)",
-            flow.rate().map(rate).unwrap_or_default(),
-        ),
-        Flow::Poiseuille {
-            centre_velocity,
-            radius,
-            ..
-        } => {
-            let mut parameters = vec![
-                number.of("centre_velocity", centre_velocity, Dimension::VELOCITY),
-                number.of("radius", radius, Dimension::LENGTH),
-            ];
-            parameters.extend(flow.rate().into_iter().flat_map(rate));
-            (", u = U (1 − ρ²/R²), rate 2U/R", parameters)
-        }
-        Flow::Channel {
-            centre_velocity,
-            width,
-            depth,
-        } => {
-            let mut parameters = vec![
-                number.of("centre_velocity", centre_velocity, Dimension::VELOCITY),
-                number.of("H", width, Dimension::LENGTH),
-            ];
-            parameters.extend(depth.map(|depth| number.of("depth", depth, Dimension::LENGTH)));
-            parameters.extend(flow.rate().into_iter().flat_map(rate));
-            (", along x between walls, rate 4U/H", parameters)
-        }
-    };
+    let (choice, parameters) = flow.explain(number);
     Some(Active {
         name: "flow",
-        choice: format!("{}{formula}", flow.name()),
+        choice,
         parameters,
     })
 }

@@ -1,120 +1,13 @@
-//! Drivers, which move the surfaces.
+//! The undisturbed flow of a scene.
 
-use super::LatticeBoltzmann;
+use super::keys::{
+    Form, Key, Keys, Kind, Range, any, count_of, kinds, of_kinds, optional, positive, required,
+};
+use super::parameter::{Parameter, Parameters};
+use super::units::Dimension;
 use crate::flow::{Ambient, Channel};
 use glam::DVec3;
-use helfrich::Images;
 use serde::Serialize;
-
-/// A driver, which moves the surfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case", tag = "kind")]
-pub enum Driver {
-    /// To an equilibrium, along a path without meaning: there is no time.
-    Relax(Relax),
-    /// Membranes in Stokes flow without walls.
-    BoundaryIntegral(BoundaryIntegral),
-    /// Membranes in a box of fluid on a lattice.
-    LatticeBoltzmann(LatticeBoltzmann),
-}
-
-impl Driver {
-    /// Its name, the `kind` of a scene's driver.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Relax(_) => "relax",
-            Self::BoundaryIntegral(_) => "boundary-integral",
-            Self::LatticeBoltzmann(_) => "lattice-boltzmann",
-        }
-    }
-
-    /// The ambient flow, of drivers that have one.
-    pub fn flow(&self) -> Option<&Flow> {
-        match self {
-            Self::Relax(_) => None,
-            Self::BoundaryIntegral(driver) => Some(&driver.flow),
-            Self::LatticeBoltzmann(driver) => Some(&driver.flow),
-        }
-    }
-
-    /// The periodic images of surfaces in a box; none in free space.
-    pub fn images(&self) -> Images<f64> {
-        match self {
-            Self::Relax(_) | Self::BoundaryIntegral(_) => Images::none(),
-            Self::LatticeBoltzmann(driver) => driver.images(),
-        }
-    }
-
-    /// Viscosity μ of the fluid outside the surfaces, of drivers with a fluid.
-    pub fn viscosity(&self) -> Option<f64> {
-        match self {
-            Self::Relax(_) => None,
-            Self::BoundaryIntegral(driver) => Some(driver.viscosity),
-            Self::LatticeBoltzmann(driver) => Some(driver.viscosity),
-        }
-    }
-}
-
-/// Settings of a relaxation, and its stopping criteria.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Relax {
-    /// The scheme, already chosen: never `auto`.
-    pub scheme: Scheme,
-    /// The run ends when the root mean square of the remaining force per area is below this, in
-    /// units of κ/R³ + K/R. K is the largest in-plane modulus, `4πR² = A`.
-    pub residual: f64,
-    /// Iterations after which the run ends in any case.
-    pub iterations: u64,
-    /// Whether vertices are moved along the surface to keep the mesh even.
-    pub redistribution: bool,
-    /// Largest relative error of the energy of a closed surface with bending at which a run counts
-    /// as converged.
-    pub energy_error: f64,
-}
-
-/// The minimisation scheme.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scheme {
-    /// Energy minimisation, for conservative methods.
-    Minimise,
-    /// Overdamped dynamics, for all methods.
-    Overdamped,
-}
-
-/// Membranes in Stokes flow, moved by boundary integrals.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct BoundaryIntegral {
-    /// Viscosity μ of the fluid outside, pressure times time.
-    pub viscosity: f64,
-    /// The undisturbed flow, without membranes.
-    pub flow: Flow,
-    /// The time at which the run ends; it begins at 0.
-    pub duration: f64,
-    /// The integrator, already chosen: never `auto`.
-    pub integrator: Integrator,
-    /// The error tolerance of a step, in units of the size of the surfaces.
-    pub tolerance: f64,
-    /// Whether the discrete volume of each closed surface is kept to rounding.
-    pub volume_correction: bool,
-    /// Whether vertices of fluid surfaces slide along them to keep the mesh even.
-    pub redistribution: bool,
-}
-
-/// The integrator. [`crate::dynamics::integrate::Scheme`] describes each.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case", tag = "name")]
-pub enum Integrator {
-    /// Stabilised steps of second order, where bending limits the step.
-    Rkc2,
-    /// A pair of third and second order.
-    Bs23,
-    /// The classical scheme of fourth order.
-    Rk4 {
-        /// The fixed step, a time.
-        step: f64,
-    },
-}
 
 /// A flow without membranes, over all space or in a box.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -250,6 +143,47 @@ impl Flow {
         }
     }
 
+    /// The flow in words, and the parameters.
+    pub(crate) fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
+        let rate = |value: f64| vec![number.of("rate", value, Dimension::RATE)];
+        let (formula, parameters) = match *self {
+            Self::Quiescent => ("", Vec::new()),
+            Self::Shear { rate: value } => (", u = (γ̇ y, 0, 0)", rate(value)),
+            Self::Extension { rate: value } => (", u = ε̇ (x, −y/2, −z/2)", rate(value)),
+            Self::PlaneExtension { rate: value } => (", u = ε̇ (x, −y, 0)", rate(value)),
+            Self::Linear { .. } => (
+                ", u = L·x, rate √(2 E:E)",
+                self.rate().map(rate).unwrap_or_default(),
+            ),
+            Self::Poiseuille {
+                centre_velocity,
+                radius,
+                ..
+            } => {
+                let mut parameters = vec![
+                    number.of("centre_velocity", centre_velocity, Dimension::VELOCITY),
+                    number.of("radius", radius, Dimension::LENGTH),
+                ];
+                parameters.extend(self.rate().into_iter().flat_map(rate));
+                (", u = U (1 − ρ²/R²), rate 2U/R", parameters)
+            }
+            Self::Channel {
+                centre_velocity,
+                width,
+                depth,
+            } => {
+                let mut parameters = vec![
+                    number.of("centre_velocity", centre_velocity, Dimension::VELOCITY),
+                    number.of("H", width, Dimension::LENGTH),
+                ];
+                parameters.extend(depth.map(|depth| number.of("depth", depth, Dimension::LENGTH)));
+                parameters.extend(self.rate().into_iter().flat_map(rate));
+                (", along x between walls, rate 4U/H", parameters)
+            }
+        };
+        (format!("{}{formula}", self.name()), parameters)
+    }
+
     /// Its name in scenes.
     pub fn name(&self) -> &'static str {
         match self {
@@ -281,3 +215,86 @@ fn shear_plane(gradient: [[f64; 3]; 3]) -> Option<[[f64; 3]; 2]> {
     let rest = rest.fold(along.dot(normal).abs() * rate, f64::max);
     (rest <= ROUNDING * rate).then(|| [along.to_array(), normal.to_array()])
 }
+
+const RATE: Key = required(
+    "rate",
+    Form::Number(Dimension::RATE, Range::NotZero),
+    "Shear rate γ̇ or rate of extension ε̇.",
+);
+
+const CENTRE_VELOCITY: Key = required(
+    "centre_velocity",
+    Form::Number(Dimension::VELOCITY, Range::NotZero),
+    "Velocity U on the axis, or in the middle of a channel without surfaces and obstacles.",
+);
+
+const KINDS: &[Kind] = &[
+    kind("quiescent", &[]),
+    kind("shear", &[RATE]),
+    kind("extension", &[RATE]),
+    kind("plane-extension", &[RATE]),
+    kind(
+        "linear",
+        &[required(
+            "gradient",
+            Form::Exactly(3, &Form::Exactly(3, &any(Dimension::RATE))),
+            "Velocity gradient L, row by row: [[∂u/∂x, ∂u/∂y, ∂u/∂z], [∂v/∂x, …], …]; its trace is 0.",
+        )],
+    ),
+    kind(
+        "poiseuille",
+        &[
+            CENTRE_VELOCITY,
+            required(
+                "radius",
+                positive(Dimension::LENGTH),
+                "Radius R of the tube of this flow. There are no walls: beyond R the flow is \
+                 reversed.",
+            ),
+            required("direction", Form::Direction, "Direction of axis and flow."),
+            optional(
+                "through",
+                Form::Vector(Dimension::LENGTH),
+                "A point of the axis; by default [0, 0, 0].",
+            ),
+        ],
+    ),
+    kind(
+        "channel",
+        &[
+            CENTRE_VELOCITY,
+            optional(
+                "section",
+                Form::Choice(|| vec!["plates", "duct"]),
+                "\"plates\", walls at the ends of y; \"duct\", of z too; by default plates.",
+            ),
+        ],
+    ),
+];
+
+const fn kind(name: &'static str, keys: &'static [Key]) -> Kind {
+    Kind {
+        name,
+        keys,
+        exactly_one: &[],
+    }
+}
+
+pub(super) static FLOW: Keys = Keys {
+    keys: &of_kinds::<{ 1 + count_of(KINDS) }>(
+        required(
+            "kind",
+            Form::Choice(|| kinds(&FLOW)),
+            "\"quiescent\"; \"shear\", u = (γ̇ y, 0, 0); \"extension\", u = ε̇ (x, −y/2, −z/2); \
+             \"plane-extension\", u = ε̇ (x, −y, 0); \"linear\", u = L·x; \"poiseuille\", \
+             u = U (1 − ρ²/R²) along an axis, ρ the distance from it; \"channel\", along x between the \
+             walls of a lattice's box, driven by a force on all fluid. On a lattice a shear is that of \
+             two walls at the ends of y.",
+        ),
+        KINDS,
+    ),
+    exactly_one: &[],
+    at_most_one: &[],
+    needs: &[],
+    kinds: KINDS,
+};

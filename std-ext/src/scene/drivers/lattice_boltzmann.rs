@@ -1,10 +1,15 @@
 //! Membranes in a box of fluid on a lattice.
 
-use super::{Flow, Interaction, Scene, SurfaceScene};
-use crate::flow::lattice_boltzmann::limits::{ImmersedMembrane, LatticeParameters};
-use crate::flow::lattice_boltzmann::{Kernel, Units, memory};
-use crate::flow::{AdhesiveWall, Barrier};
-use crate::info::{MeshInfo, mean_edge};
+use super::super::flow::Flow;
+use super::super::keys::{Form, Kind, NUMBER, optional, positive};
+use super::super::parameter::{Parameter, Parameters};
+use super::super::units::Dimension;
+use super::Described;
+use super::shared::{
+    DURATION, FLOW, REDISTRIBUTION, STEP, STRAIN, VISCOSITY, VOLUME_CORRECTION, kept,
+};
+use crate::flow::lattice_boltzmann::limits::LatticeParameters;
+use crate::flow::lattice_boltzmann::{Kernel, Units};
 use crate::scalar::Scalar;
 use helfrich::Images;
 use serde::Serialize;
@@ -106,52 +111,85 @@ impl LatticeBoltzmann {
             largest_speed: self.largest_speed(),
         }
     }
-
-    /// Memory in bytes: populations, forces and velocities at vertices, obstacles and viscosities.
-    pub(crate) fn memory(&self, scene: &Scene) -> u64 {
-        let nodes = self.cells.map(|count| count as u64).iter().product::<u64>();
-        let (populations, number) = match self.precision {
-            Scalar::F32 => (memory::<f32>(self.cells), 4),
-            _ => (memory::<f64>(self.cells), 8),
-        };
-        let ratio =
-            |surface: &SurfaceScene| surface.viscosity_ratio.is_some_and(|ratio| ratio != 1.0);
-        let contrast = u64::from(scene.surfaces.iter().any(ratio));
-        let labels = u64::from(!scene.obstacles.is_empty());
-        populations.unwrap_or(0) as u64 + nodes * (number * (6 + contrast) + 2 * labels)
-    }
 }
 
-impl Interaction {
-    /// The repulsion as limits of steps see it.
-    pub(crate) fn barrier(&self) -> Barrier {
-        let Self::Repulsion {
-            strength, cutoff, ..
-        } = *self;
-        Barrier { strength, cutoff }
-    }
-}
+impl Described for LatticeBoltzmann {
+    const KIND: Kind = Kind {
+        name: "lattice-boltzmann",
+        keys: &[
+            VISCOSITY.required(),
+            FLOW,
+            DURATION,
+            STRAIN,
+            optional(
+                "spacing",
+                positive(Dimension::LENGTH),
+                "Distance of the nodes of the lattice.",
+            ),
+            optional(
+                "resolution",
+                NUMBER,
+                "Number of nodes in the radius a of the sphere with the volume of the first surface, \
+                 instead of spacing.",
+            ),
+            optional(
+                "box",
+                Form::Exactly(3, &positive(Dimension::LENGTH)),
+                "Lengths of the box of fluid, rounded to whole nodes; by default 7 a along each axis, of \
+                 scenes with one surface.",
+            ),
+            optional(
+                "centre",
+                Form::Vector(Dimension::LENGTH),
+                "Centre of the box; by default [0, 0, 0].",
+            ),
+            optional(
+                "density",
+                positive(Dimension::DENSITY),
+                "Mass density ρ of the fluid, inside and outside; by default there is no inertia, and \
+                 the remaining inertia of the lattice is kept small.",
+            ),
+            optional(
+                "lattice_viscosity",
+                NUMBER,
+                "Kinematic viscosity ν on the lattice in units of spacing²/step, best from 0.02 to 1; \
+                 by default 1/3, less if a surface's viscosity ratio requires it, or the value that \
+                 follows from density and step.",
+            ),
+            STEP,
+            optional(
+                "kernel",
+                Form::Choice(|| vec!["two", "three", "four"]),
+                "The kernel that spreads forces of vertices: its number of nodes along each axis; by \
+                 default \"two\".",
+            ),
+            optional(
+                "precision",
+                Form::Choice(|| vec!["f32", "f64"]),
+                "Number type of the lattice; membranes are always f64; by default \"f64\".",
+            ),
+            VOLUME_CORRECTION,
+            REDISTRIBUTION,
+        ],
+        exactly_one: &[&["duration", "strain"], &["spacing", "resolution"]],
+    };
 
-impl SurfaceScene {
-    /// Size and stiffness of the surface, whose mesh has this radius, area and number of triangles.
-    pub(super) fn membrane(&self, radius: f64, area: f64, triangles: usize) -> ImmersedMembrane {
-        let stiffness = self.effects.stiffness();
-        ImmersedMembrane {
-            radius,
-            edge: mean_edge(area, triangles),
-            bending: stiffness.bending,
-            shear: stiffness.shear,
-            dilation: stiffness.area,
-            tension: stiffness.tension.abs(),
-            wall: self.effects.adhesion.map(|adhesion| AdhesiveWall {
-                strength: adhesion.strength,
-                range: adhesion.range,
-            }),
+    fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
+        let kept = kept(self.volume_correction, self.redistribution);
+        let mut parameters = vec![
+            number.of("viscosity", self.viscosity, Dimension::VISCOSITY),
+            number.of("duration", self.duration, Dimension::TIME),
+        ];
+        if let Some(rate) = self.flow.rate() {
+            parameters.push(number.plain("strain", rate * self.duration));
         }
-    }
-
-    /// The same of a surface with this mesh.
-    pub(crate) fn membrane_on(&self, mesh: &MeshInfo) -> ImmersedMembrane {
-        self.membrane(mesh.enclosed_radius(), mesh.area, mesh.triangles)
+        let inertia = match self.density {
+            Some(density) => {
+                parameters.push(number.of("density", density, Dimension::DENSITY));
+                "fluid with inertia"
+            }
+            None => "Stokes flow",
+        };
+        (format!("{inertia} in a box, {kept}"), parameters)
     }
 }

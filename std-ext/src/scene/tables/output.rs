@@ -1,7 +1,7 @@
 //! Keys of the outputs.
 
+use super::super::keys::{Form, Keys, NUMBER, optional, plain, positive, required};
 use super::super::units::Dimension;
-use super::{Form, Keys, NUMBER, optional, plain, positive, required};
 
 pub(super) static OUTPUT: Keys = Keys {
     keys: &[

@@ -1,8 +1,9 @@
 //! Keys of a surface and of its mesh.
 
 use super::super::effects;
+use super::super::keys::{Form, Key, Keys, NUMBER, any, joined, optional, plain, required};
+use super::super::mesh_source::WELD;
 use super::super::units::Dimension;
-use super::{Form, Key, Keys, NUMBER, any, joined, optional, plain, required};
 
 pub(super) static SURFACE: Keys = Keys {
     keys: &joined::<{ OWN.len() + effects::KEYS.len() }>(OWN, effects::KEYS),
@@ -114,13 +115,6 @@ const MESH: Key = optional(
     Form::File,
     "OBJ, OFF, STL, PLY or VTP file, relative to the scene's folder, such as the `last.vtp` of a run; \
      its coordinates are in the scene's unit of length.",
-);
-
-pub(in crate::scene) const WELD: Key = optional(
-    "weld",
-    Form::Switch,
-    "Whether vertices of the mesh file at the same point are merged, which is necessary for files \
-     with separate vertices for each face; unless this key is given, such files are refused.",
 );
 
 const SCALE: Key = optional(

@@ -1,0 +1,86 @@
+//! Membranes in Stokes flow without walls, moved by boundary integrals.
+
+use super::super::flow::Flow;
+use super::super::keys::{Form, Kind, NUMBER, optional};
+use super::super::parameter::{Parameter, Parameters};
+use super::super::units::Dimension;
+use super::Described;
+use super::shared::{
+    DURATION, FLOW, REDISTRIBUTION, STEP, STRAIN, VISCOSITY, VOLUME_CORRECTION, kept,
+};
+use serde::Serialize;
+
+/// Membranes in Stokes flow, moved by boundary integrals.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BoundaryIntegral {
+    /// Viscosity μ of the fluid outside, pressure times time.
+    pub viscosity: f64,
+    /// The undisturbed flow, without membranes.
+    pub flow: Flow,
+    /// The time at which the run ends; it begins at 0.
+    pub duration: f64,
+    /// The integrator, already chosen: never `auto`.
+    pub integrator: Integrator,
+    /// The error tolerance of a step, in units of the size of the surfaces.
+    pub tolerance: f64,
+    /// Whether the discrete volume of each closed surface is kept to rounding.
+    pub volume_correction: bool,
+    /// Whether vertices of fluid surfaces slide along them to keep the mesh even.
+    pub redistribution: bool,
+}
+
+/// The integrator. [`crate::dynamics::integrate::Scheme`] describes each.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "name")]
+pub enum Integrator {
+    /// Stabilised steps of second order, where bending limits the step.
+    Rkc2,
+    /// A pair of third and second order.
+    Bs23,
+    /// The classical scheme of fourth order.
+    Rk4 {
+        /// The fixed step, a time.
+        step: f64,
+    },
+}
+
+impl Described for BoundaryIntegral {
+    const KIND: Kind = Kind {
+        name: "boundary-integral",
+        keys: &[
+            VISCOSITY.required(),
+            FLOW,
+            DURATION,
+            STRAIN,
+            optional(
+                "integrator",
+                Form::Choice(|| vec!["auto", "rkc2", "bs23", "rk4"]),
+                "\"rkc2\" where bending or surface tension limits the step, \"bs23\" where they do not, \
+                 \"rk4\" for fixed steps; \"auto\", the default, is rkc2 if a surface bends or has a tension \
+                 and else bs23.",
+            ),
+            STEP,
+            optional(
+                "tolerance",
+                NUMBER,
+                "Error tolerance of a step, relative to the size of the surfaces; by default 1e-4.",
+            ),
+            VOLUME_CORRECTION,
+            REDISTRIBUTION,
+        ],
+        exactly_one: &[&["duration", "strain"]],
+    };
+
+    fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
+        let kept = kept(self.volume_correction, self.redistribution);
+        let mut parameters = vec![
+            number.of("viscosity", self.viscosity, Dimension::VISCOSITY),
+            number.of("duration", self.duration, Dimension::TIME),
+        ];
+        if let Some(rate) = self.flow.rate() {
+            parameters.push(number.plain("strain", rate * self.duration));
+        }
+        let choice = format!("Stokes flow without walls, Reynolds number 0, {kept}");
+        (choice, parameters)
+    }
+}

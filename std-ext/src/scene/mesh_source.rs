@@ -1,0 +1,135 @@
+//! Meshes of a scene: generated, or from files.
+
+use super::keys::{Form, Key, optional};
+use crate::generate::{AnyShape, Family};
+use crate::io::{MeshFile, ReadError, read, read_welded};
+use serde::Serialize;
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+pub(super) const WELD: Key = optional(
+    "weld",
+    Form::Switch,
+    "Whether vertices of the mesh file at the same point are merged, which is necessary for files \
+     with separate vertices for each face; unless this key is given, such files are refused.",
+);
+
+/// The source of a mesh.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MeshSource {
+    /// Generated on an exact shape: [`crate::generate::generate`].
+    Shape {
+        /// The shape.
+        #[serde(serialize_with = "as_text")]
+        shape: AnyShape,
+        /// The family: the distribution of vertices.
+        #[serde(serialize_with = "as_text")]
+        family: Family,
+        /// Number of vertices.
+        vertices: usize,
+        /// Seed of the families that are random.
+        seed: u64,
+        /// Whether the mesh is scaled so that it encloses the shape's volume.
+        match_volume: bool,
+    },
+    /// Read from a mesh file.
+    File(MeshFileSource),
+}
+
+/// A mesh file, and whether vertices at the same point are one.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct MeshFileSource {
+    /// The file.
+    pub path: PathBuf,
+    /// Whether vertices at the same point are merged. With `None` a mesh with split vertices is
+    /// refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weld: Option<bool>,
+}
+
+impl MeshFileSource {
+    /// Reads the file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or its mesh has split vertices and `weld` is not set; see
+    /// [`MeshSourceError`].
+    pub fn read(&self) -> Result<MeshFile, MeshSourceError> {
+        let Self { path, weld } = self;
+        if *weld == Some(true) {
+            return Ok(read_welded(path)?);
+        }
+        let file = read(path)?;
+        match file.split_vertices() {
+            count if count > 0 && weld.is_none() => Err(MeshSourceError::Split {
+                path: path.clone(),
+                count,
+            }),
+            _ => Ok(file),
+        }
+    }
+}
+
+/// Mesh files that have been read, so that each is read once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MeshFiles {
+    known: Vec<(MeshFileSource, Arc<MeshFile>)>,
+}
+
+impl MeshFiles {
+    /// The content of a file, read now or before.
+    ///
+    /// # Errors
+    /// As [`MeshFileSource::read`].
+    pub(crate) fn read(
+        &mut self,
+        source: &MeshFileSource,
+    ) -> Result<Arc<MeshFile>, MeshSourceError> {
+        if let Some((_, file)) = self.known.iter().find(|(known, _)| known == source) {
+            return Ok(Arc::clone(file));
+        }
+        let file = Arc::new(source.read()?);
+        self.known.push((source.clone(), Arc::clone(&file)));
+        Ok(file)
+    }
+}
+
+impl fmt::Display for MeshFileSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let welded = if self.weld == Some(true) {
+            ", welded"
+        } else {
+            ""
+        };
+        write!(f, "{}{welded}", self.path.display())
+    }
+}
+
+/// The reason why a mesh file of a scene cannot be used. The message is one line that starts with
+/// the name of the file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshSourceError {
+    /// The file cannot be read or welded.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The mesh has split vertices: boundary vertices with the same positions.
+    #[error(
+        "{}: the mesh has split vertices: {count} vertices of its boundary are at the same points as others: \
+         `weld = true` beside `mesh` merges them, `weld = false` keeps them apart", path.display()
+    )]
+    Split {
+        /// The file.
+        path: PathBuf,
+        /// Number of split vertices.
+        count: usize,
+    },
+}
+
+pub(super) fn as_text<S: serde::Serializer>(
+    value: &impl std::fmt::Display,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(value)
+}

@@ -1,0 +1,78 @@
+//! The table of all keys of a scene.
+
+mod output;
+mod surface;
+
+use super::drivers::DRIVER;
+use super::keys::{Form, Keys, NUMBER, optional, plain, positive, required};
+use super::units::Dimension;
+use output::OUTPUT;
+use surface::{OBSTACLE, SURFACE};
+
+pub(super) static SCENE: Keys = plain(&[
+    optional("title", Form::Text, "Description of the scene in one line."),
+    required(
+        "units",
+        Form::Choice(|| vec!["micro", "none"]),
+        "Units of plain numbers: \"micro\" is µm, pN and s, hence pN·µm = 1e-18 J, pN/µm = µN/m, \
+         pN/µm² = Pa; \"none\" is numbers without units.",
+    ),
+    optional(
+        "temperature",
+        NUMBER,
+        "Temperature in kelvin, by which \"20 kT\" is an energy; by default 298.15.",
+    ),
+    required(
+        "surface",
+        Form::Tables(&SURFACE),
+        "A surface and the effects that act on it; absent effects are off.",
+    ),
+    optional(
+        "interaction",
+        Form::Tables(&INTERACTION),
+        "What acts between surfaces.",
+    ),
+    optional(
+        "obstacle",
+        Form::Tables(&OBSTACLE),
+        "A closed body at rest in the fluid; for the driver \"lattice-boltzmann\".",
+    ),
+    required(
+        "driver",
+        Form::Table(&DRIVER),
+        "What moves the surfaces, and when the run ends.",
+    ),
+    optional(
+        "output",
+        Form::Table(&OUTPUT),
+        "What is written, and how often.",
+    ),
+]);
+
+static INTERACTION: Keys = plain(&[
+    required(
+        "kind",
+        Form::Choice(|| vec!["repulsion"]),
+        "The kind of interaction.",
+    ),
+    required(
+        "strength",
+        positive(Dimension::REPULSION),
+        "k in the energy per area w(d) = k r_c²/4 (1 − s²)³/s² of surfaces at a distance d, s = \
+         d/r_c. The pressure k r_c/2 (1 − s²)² (1 + 2s²)/s³ grows without bound as surfaces \
+         approach each other. If k r_c is about the applied pressure, they rest at two thirds of \
+         r_c.",
+    ),
+    required(
+        "cutoff",
+        positive(Dimension::LENGTH),
+        "Distance r_c beyond which there is no force: a few node spacings on a lattice, and less \
+         than the gaps of interest.",
+    ),
+    optional(
+        "between",
+        Form::Pair,
+        "Names of two surfaces; by default every pair interacts, and in a periodic box every \
+         surface with its own images. The same name twice: a surface with its own images only.",
+    ),
+]);
