@@ -6,7 +6,7 @@
 //! ```
 #![expect(clippy::print_stderr, reason = "progress, for whoever waits")]
 
-use helfrich_std::picture::{Axis, Curve, Marks, Plot};
+use helfrich_std::picture::{Axis, Chart, Curve, Marks, Point};
 use helfrich_std::run::run;
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::series::SeriesTable;
@@ -64,50 +64,45 @@ fn main() -> Result<(), Box<dyn Error>> {
         measured[2].push([row[0], row[2]]);
         measured[3].push([row[5], row[6]]);
     }
-    let curves = [
-        Curve {
-            name: "measured, Mills et al. 2004",
-            points: &measured[2],
-            bounds: &measured[3],
-            marks: Marks::Points,
-            colour: Some(1),
-        },
-        Curve {
-            name: "",
-            points: &measured[0],
-            bounds: &measured[1],
-            marks: Marks::Points,
-            colour: Some(1),
-        },
-        Curve {
-            name: "axial and transverse diameter, computed",
-            points: &axial,
-            bounds: &[],
-            marks: Marks::Line,
-            colour: Some(0),
-        },
-        Curve {
-            name: "",
-            points: &transverse,
-            bounds: &[],
-            marks: Marks::Line,
-            colour: Some(0),
-        },
-    ];
-    let plot = Plot {
-        size: [900, 640],
-        title: "Red blood cell stretched by optical tweezers",
-        x: Axis {
-            label: "force (pN)",
-            ..Axis::default()
-        },
-        y: Axis {
-            label: "diameter (µm)",
-            range: Some([0.0, 20.0]),
-            ..Axis::default()
-        },
-        curves: &curves,
+    let [lengths, length_bounds, widths, width_bounds] = measured;
+    let with_bounds = |(at, bounds)| Point {
+        bounds: Some(bounds),
+        ..Point::from(at)
     };
-    plot.draw()?.write_png(Path::new(&picture))?;
+    let published = |name: &str, points: Vec<[f64; 2]>, bounds: Vec<[f64; 2]>| Curve {
+        name: name.to_owned(),
+        points: points.into_iter().zip(bounds).map(with_bounds).collect(),
+        marks: Marks::Points,
+        style: Some(1),
+        ..Curve::default()
+    };
+    let computed = |name: &str, points: Vec<[f64; 2]>| Curve {
+        name: name.to_owned(),
+        points: points.into_iter().map(Point::from).collect(),
+        style: Some(0),
+        ..Curve::default()
+    };
+    let chart = Chart {
+        title: "Red blood cell stretched by optical tweezers".to_owned(),
+        axes: [
+            Axis {
+                label: "force (pN)".to_owned(),
+                ..Axis::default()
+            },
+            Axis {
+                label: "diameter (µm)".to_owned(),
+                range: Some([0.0, 20.0]),
+                ..Axis::default()
+            },
+        ],
+        curves: vec![
+            published("measured, Mills et al. 2004", widths, width_bounds),
+            published("", lengths, length_bounds),
+            computed("axial and transverse diameter, computed", axial),
+            computed("", transverse),
+        ],
+        guides: Vec::new(),
+    };
+    chart.draw([900, 640])?.write_png(Path::new(&picture))?;
     Ok(())
 }

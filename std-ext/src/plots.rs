@@ -5,7 +5,7 @@
 //! marks, which are doubled inside names. All points with the same name form one curve.
 
 use crate::io::without_mark;
-use crate::picture::{Axis, Canvas, Curve, Marks, PictureError, Plot};
+use crate::picture::{Axis, Canvas, Chart, Curve, Marks, PictureError, Point};
 use crate::scene::shipped_file;
 use crate::series::SeriesTable;
 use std::fs::File;
@@ -269,39 +269,34 @@ impl SeriesPlot<'_> {
         let points = self.curves.iter().map(SeriesCurve::points);
         let points = points.collect::<Result<Vec<_>, _>>()?;
         // The colours are the same with and without published curves.
-        let curve = |name, points, line, colour| Curve {
-            name,
-            points,
-            bounds: &[],
+        let curve = |name: &str, points: &[[f64; 2]], line, style| Curve {
+            name: name.to_owned(),
             // Marks make a series of one row visible, too.
             marks: match points {
                 [_] => Marks::Points,
                 _ => line,
             },
-            colour: Some(colour),
+            points: points.iter().copied().map(Point::from).collect(),
+            style: Some(style),
+            label: String::new(),
         };
         let computed = self.curves.iter().zip(&points).enumerate();
-        let computed = computed
-            .map(|(colour, (own, points))| curve(own.name, points.as_slice(), Marks::Line, colour));
+        let computed =
+            computed.map(|(style, (own, points))| curve(own.name, points, Marks::Line, style));
         let published = self.published.iter().zip(self.curves.len()..);
-        let published = published.map(|(own, colour)| {
-            let name = own.name.as_str();
-            curve(name, own.points.as_slice(), Marks::DashesAndPoints, colour)
-        });
-        // Lines are drawn last, over the marks.
-        let curves = Vec::from_iter(published.chain(computed));
-        let [right, up] = self.labels.map(|label| Axis {
-            label,
-            ..Axis::default()
-        });
-        let plot = Plot {
-            size: self.size,
-            title: self.title,
-            x: right,
-            y: up,
-            curves: &curves,
+        let published = published
+            .map(|(own, style)| curve(&own.name, &own.points, Marks::DashesAndPoints, style));
+        let chart = Chart {
+            title: self.title.to_owned(),
+            axes: self.labels.map(|label| Axis {
+                label: label.to_owned(),
+                ..Axis::default()
+            }),
+            // Lines are drawn last, over the marks.
+            curves: published.chain(computed).collect(),
+            guides: Vec::new(),
         };
-        Ok(plot.draw()?)
+        Ok(chart.draw(self.size)?)
     }
 }
 

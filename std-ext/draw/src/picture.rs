@@ -1,12 +1,12 @@
-//! Pictures: surfaces coloured by a field, flow on a plane, and plots of curves.
+//! Pictures: surfaces coloured by a field, flow on a plane, and charts of curves.
 //!
 //! Everything is drawn here, in a fixed order, without a graphics card, a font file or a thread:
 //! the same input gives the same bytes. The feature `png` writes them as PNG files.
 
 mod canvas;
+mod chart;
 mod colour;
 mod font;
-mod plot;
 #[cfg(feature = "png")]
 mod png;
 mod render;
@@ -15,8 +15,8 @@ mod streamlines;
 mod ticks;
 
 pub use canvas::Canvas;
+pub use chart::{Axis, Chart, Curve, Marks, Numbers, Point, Scale};
 pub use colour::{Colour, ColourMap};
-pub use plot::{Axis, Curve, Marks, Plot, Scale};
 pub use slice::FlowSlice;
 
 use canvas::{Anchor, Area, text_width};

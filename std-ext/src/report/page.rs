@@ -5,25 +5,26 @@
 
 mod accuracy;
 mod answers;
-pub mod chart;
 mod costs;
 mod curves;
 mod pictures;
 mod precision;
+pub mod svg;
 pub mod text;
 mod verdicts;
 
 use crate::io::replace_file;
 use crate::method::BendingMethod;
+use crate::picture::Chart;
 use crate::png;
 use crate::provenance::{Build, Provenance};
 use crate::report::SCATTERED;
 use crate::study::{ErrorFields, MOST_SCATTER, Quantity, Row};
 use crate::verdict::Verdict;
-use chart::{COLOURS, Chart};
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
+use svg::COLOURS;
 use text::escaped;
 
 /// The content of a page.
@@ -55,6 +56,9 @@ pub struct Section {
     /// The figures by name, for separate files.
     pub charts: Vec<(String, Chart)>,
 }
+
+/// Width and height of figures in pixels.
+const FIGURE_SIZE: [u32; 2] = [1200, 900];
 
 /// The quantities to choose from on the page.
 const QUANTITIES: [Quantity; 2] = [Quantity::ForceDensity, Quantity::Mean];
@@ -115,9 +119,9 @@ impl Page<'_> {
     pub fn write_figures(&self, folder: &Path) -> io::Result<()> {
         for (name, chart) in self.charts() {
             replace_file(&folder.join(format!("{name}.svg")), |out| {
-                chart.write_svg(&name, true, out)
+                svg::write(&chart, &name, true, out)
             })?;
-            let canvas = chart.draw().map_err(io::Error::other)?;
+            let canvas = chart.draw(FIGURE_SIZE).map_err(io::Error::other)?;
             replace_file(&folder.join(format!("{name}.png")), |out| {
                 png::encode(&canvas, out)
             })?;

@@ -5,8 +5,8 @@
 )]
 
 use helfrich_std::picture::{
-    Axis, Canvas, ColourMap, Colouring, Curve, Frame, Marks, PaintedSurface, Picture, PictureError,
-    Plot, Scale, Shading, View,
+    Axis, Canvas, Chart, ColourMap, Colouring, Curve, Frame, Marks, PaintedSurface, Picture,
+    PictureError, Point, Scale, Shading, View,
 };
 use helfrich_tests::meshes::{Mesh, cases, icosphere};
 use helfrich_tests::tolerance::PICTURE_RADIUS;
@@ -191,7 +191,7 @@ fn impossible_pictures_are_refused() {
             ..Axis::default()
         };
         assert!(matches!(
-            plot(x, &[]).draw(),
+            chart(x, Vec::new()).draw(SIZE),
             Err(PictureError::Range { .. })
         ));
     }
@@ -201,18 +201,19 @@ fn impossible_pictures_are_refused() {
         ..Axis::default()
     };
     assert!(matches!(
-        plot(x, &[]).draw(),
+        chart(x, Vec::new()).draw(SIZE),
         Err(PictureError::Range { .. })
     ));
 }
 
-fn plot<'a>(x: Axis<'a>, curves: &'a [Curve<'a>]) -> Plot<'a> {
-    Plot {
-        size: [450, 350],
-        title: "",
-        x,
-        y: Axis::default(),
+/// Width and height of charts.
+const SIZE: [u32; 2] = [450, 350];
+
+fn chart(x: Axis, curves: Vec<Curve>) -> Chart {
+    Chart {
+        axes: [x, Axis::default()],
         curves,
+        ..Chart::default()
     }
 }
 
@@ -244,24 +245,21 @@ fn points_are_where_their_axes_have_them() {
         (Scale::Logarithmic, [1e-6, 1e2], [1e-4, 1e-2, 1.0]),
     ] {
         let axis = Axis {
-            label: "",
             range: Some(range),
             scale,
+            ..Axis::default()
         };
         let places = values.map(|value| {
-            let points = [[value, value]];
-            let curves = [Curve {
-                name: "",
-                points: &points,
-                bounds: &[],
-                marks: Marks::Points,
-                colour: None,
-            }];
-            let plot = Plot {
-                y: axis,
-                ..plot(axis, &curves)
+            let chart = Chart {
+                axes: [axis.clone(), axis.clone()],
+                curves: vec![Curve {
+                    points: vec![Point::from([value, value])],
+                    marks: Marks::Points,
+                    ..Curve::default()
+                }],
+                ..Chart::default()
             };
-            coloured(&plot.draw().unwrap())
+            coloured(&chart.draw(SIZE).unwrap())
         });
         // To the right, and upwards.
         for (axis, direction) in [(0, 1.0), (1, -1.0)] {
@@ -293,18 +291,20 @@ proptest! {
             picture.length_unit = Some("m");
             picture.draw().unwrap();
         }
-        let points: Vec<[f64; 2]> = values.chunks(2).map(|pair| [pair[0], pair[1]]).collect();
+        let points = values.chunks(2).map(|pair| [pair[0], pair[1]]);
+        let points = points.map(|at| Point { bounds: Some(at), ..Point::from(at) });
         let curve = Curve {
-            name: "all",
-            points: &points,
-            bounds: &points,
+            name: "all".to_owned(),
+            points: points.collect(),
             marks: Marks::LineAndPoints,
-            colour: None,
+            ..Curve::default()
         };
         let scale = if logarithmic { Scale::Logarithmic } else { Scale::Linear };
         let axis = Axis { scale, ..Axis::default() };
-        for curves in [&[][..], &[curve], &[Curve { marks: Marks::Dashes, ..curve }]] {
-            Plot { y: axis, ..plot(axis, curves) }.draw().unwrap();
+        let dashed = Curve { marks: Marks::Dashes, ..curve.clone() };
+        for curves in [vec![], vec![curve], vec![dashed]] {
+            let axes = [axis.clone(), axis.clone()];
+            Chart { axes, curves, ..Chart::default() }.draw(SIZE).unwrap();
         }
     }
 }

@@ -1,11 +1,12 @@
 //! Errors against time and mesh, and what evaluations cost.
 
-use super::chart::{Axis, Chart, Point, mark};
 use super::costs;
-use super::curves::{curves, series};
-use super::text::{Scale, Table, count, csv_line, percent, signed, time_of};
+use super::curves::{curves, logarithmic, series};
+use super::svg::{self, mark};
+use super::text::{Table, count, csv_line, percent, signed, time_of};
 use super::{Page, QUANTITIES, called, each, style_of};
 use crate::answer::{Norm, seconds};
+use crate::picture::{Chart, Numbers, Point};
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 use crate::verdict::Verdict;
@@ -29,7 +30,7 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
             if chart.is_empty() {
                 writeln!(out, "<p class=\"note\">Nothing was measured here.</p>")?;
             } else {
-                chart.write_svg(&variant.name(&format!("error-{kind}")), false, out)?;
+                svg::write(&chart, &variant.name(&format!("error-{kind}")), false, out)?;
             }
             writeln!(out, "</div>")?;
         }
@@ -57,7 +58,7 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
             if chart.is_empty() {
                 writeln!(out, "<p class=\"note\">It was not measured.</p>")?;
             } else {
-                chart.write_svg(&format!("{kind}-{family}"), false, out)?;
+                svg::write(&chart, &format!("{kind}-{family}"), false, out)?;
                 costs::table(rows, family, kind)
                     .write_folded(&format!("{kind}-table-{family}"), out)?;
             }
@@ -182,7 +183,7 @@ fn error_chart(rows: &[Row], variant: &Variant<'_>, kind: &str) -> Chart {
         };
         (error.is_finite() && error > 0.0).then(|| Point {
             at: [at, error],
-            says: format!(
+            note: format!(
                 "{} {}, N = {}: {} off, {} an evaluation ({} a vertex)",
                 row.method.label(),
                 row.scalar,
@@ -191,11 +192,12 @@ fn error_chart(rows: &[Row], variant: &Variant<'_>, kind: &str) -> Chart {
                 time_of(row, seconds(row)),
                 time_of(row, 1e-9 * row.ns_per_vertex),
             ),
+            bounds: None,
         })
     };
-    let (label, scale) = match kind {
-        "time" => ("time of one evaluation", Scale::Time),
-        _ => ("number of vertices N", Scale::Count),
+    let (label, numbers) = match kind {
+        "time" => ("time of one evaluation", Numbers::Time),
+        _ => ("number of vertices N", Numbers::Plain),
     };
     let which = match norm {
         Norm::Max => "largest",
@@ -208,11 +210,8 @@ fn error_chart(rows: &[Row], variant: &Variant<'_>, kind: &str) -> Chart {
             variant.family
         ),
         axes: [
-            Axis { label, scale },
-            Axis {
-                label: "relative error",
-                scale: Scale::Share,
-            },
+            logarithmic(label, numbers),
+            logarithmic("relative error", Numbers::Share),
         ],
         curves: curves(rows, variant.family, variant.quantity, point),
         guides: vec![(0.01, "1 %".to_owned())],

@@ -1,8 +1,8 @@
 //! The cost of evaluations against the number of vertices.
 
-use super::chart::{Axis, Chart, Point};
-use super::curves::{columns, curves, series};
-use super::text::{Scale, Table, bytes, count, csv_line, time_of};
+use super::curves::{columns, curves, logarithmic, series};
+use super::text::{Table, bytes, count, csv_line, time_of};
+use crate::picture::{Chart, Numbers, Point};
 use crate::study::{Quantity, Row};
 use std::fmt::Display;
 
@@ -22,31 +22,29 @@ fn in_words(row: &Row, cost: f64, kind: &str) -> String {
 }
 
 pub(super) fn chart(rows: &[Row], family: &str, kind: &str) -> Chart {
-    let (label, scale) = match kind {
-        "cost" => ("time a vertex", Scale::Time),
-        _ => ("memory a vertex", Scale::Bytes),
+    let (label, numbers) = match kind {
+        "cost" => ("time a vertex", Numbers::Time),
+        _ => ("memory a vertex", Numbers::Bytes),
     };
     let point = |row: &Row| {
         let cost = cost(row, kind).filter(|cost| *cost > 0.0)?;
         Some(Point {
             at: [row.vertices as f64, cost],
-            says: format!(
+            note: format!(
                 "{} {}, N = {}: {} a vertex",
                 row.method.label(),
                 row.scalar,
                 count(row.vertices),
                 in_words(row, cost, kind)
             ),
+            bounds: None,
         })
     };
     Chart {
         title: format!("{label} against the number of vertices, {family} meshes"),
         axes: [
-            Axis {
-                label: "number of vertices N",
-                scale: Scale::Count,
-            },
-            Axis { label, scale },
+            logarithmic("number of vertices N", Numbers::Plain),
+            logarithmic(label, numbers),
         ],
         // Of f, which every method has.
         curves: curves(rows, family, Quantity::ForceDensity, point),

@@ -1,9 +1,9 @@
 //! The rows of a study, sorted into curves.
 
-use super::chart::{Curve, Point};
 use super::text::count;
 use super::{each, style_of};
 use crate::method::BendingMethod;
+use crate::picture::{Axis, Curve, Marks, Numbers, Point, Scale};
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 
@@ -40,6 +40,16 @@ pub(super) fn columns(series: &[Series<'_>]) -> (Vec<usize>, Vec<String>) {
     (numbers, head)
 }
 
+/// A logarithmic axis.
+pub(super) fn logarithmic(label: &str, numbers: Numbers) -> Axis {
+    Axis {
+        label: label.to_owned(),
+        range: None,
+        scale: Scale::Logarithmic,
+        numbers,
+    }
+}
+
 /// A curve for each method and number type; pairs of f32 have their own section.
 pub(super) fn curves(
     rows: &[Row],
@@ -52,9 +62,11 @@ pub(super) fn curves(
     let both = each(rows.iter().map(|row| row.scalar)).contains(&Scalar::F64);
     let curves = series.map(|(method, scalar, rows)| Curve {
         name: format!("{method} {scalar}"),
-        style: style_of(method),
-        dashed: scalar == Scalar::F32,
-        marked: true,
+        style: Some(style_of(method)),
+        marks: match scalar {
+            Scalar::F32 => Marks::DashesAndPoints,
+            _ => Marks::LineAndPoints,
+        },
         label: if scalar == Scalar::F64 || !both {
             method.label().to_owned()
         } else {
@@ -64,6 +76,6 @@ pub(super) fn curves(
     });
     let mut curves = Vec::from_iter(curves);
     // Full lines over broken ones.
-    curves.sort_by_key(|curve| !curve.dashed);
+    curves.sort_by_key(|curve| !curve.marks.is_dashed());
     curves
 }

@@ -1,26 +1,12 @@
 //! Formatting of numbers and texts for the page.
 
+use crate::picture::{Axis, Numbers, Scale};
 use crate::report::SCATTERED;
 use crate::study::Row;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
 use std::io::{self, Write};
-
-/// The numbers at an axis, and their unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
-    /// Plain numbers.
-    Linear,
-    /// Powers of ten.
-    Count,
-    /// Fractions, shown as powers of ten in per cent.
-    Share,
-    /// Seconds.
-    Time,
-    /// Bytes.
-    Bytes,
-}
 
 /// A text with HTML special characters escaped.
 pub fn escaped(text: &str) -> String {
@@ -136,7 +122,7 @@ pub fn count(number: usize) -> String {
 }
 
 /// The label of a mark on an axis.
-pub fn number_label(value: f64, scale: Scale) -> String {
+pub fn number_label(value: f64, axis: &Axis) -> String {
     let power = |value: f64| {
         let exponent = value.log10().round() as i32;
         if (-3..=3).contains(&exponent) && (value.log10() - f64::from(exponent)).abs() < 1e-9 {
@@ -147,17 +133,19 @@ pub fn number_label(value: f64, scale: Scale) -> String {
             format!("{}", (value * 1e6).round() / 1e6)
         }
     };
-    match scale {
-        Scale::Linear => format!("{}", (value * 1e6).round() / 1e6),
-        Scale::Count => power(value),
-        Scale::Share => format!("{} %", power(100.0 * value)),
-        Scale::Time => match value {
+    if axis.scale == Scale::Linear {
+        return format!("{}", (value * 1e6).round() / 1e6);
+    }
+    match axis.numbers {
+        Numbers::Plain => power(value),
+        Numbers::Share => format!("{} %", power(100.0 * value)),
+        Numbers::Time => match value {
             value if value < 0.99e-6 => format!("{} ns", power(1e9 * value)),
             value if value < 0.99e-3 => format!("{} µs", power(1e6 * value)),
             value if value < 0.99 => format!("{} ms", power(1e3 * value)),
             value => format!("{} s", power(value)),
         },
-        Scale::Bytes => match value {
+        Numbers::Bytes => match value {
             value if value < 0.99e3 => format!("{} B", power(value)),
             value if value < 0.99e6 => format!("{} kB", power(1e-3 * value)),
             value => format!("{} MB", power(1e-6 * value)),

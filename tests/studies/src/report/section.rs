@@ -2,11 +2,9 @@
 
 use crate::effects::{EffectCost, EffectCosts};
 use crate::flow::{BENDING, CAPILLARY_NUMBER, FlowRow, Solver, largest_deviation, published};
-use helfrich_std::report::page::chart::{Axis, Chart, Curve, Point};
-use helfrich_std::report::page::text::{
-    Scale, Table, count, csv_line, digits, escaped, percent, time,
-};
-use helfrich_std::report::page::{Section, style_of};
+use helfrich_std::picture::{Axis, Chart, Curve, Marks, Point};
+use helfrich_std::report::page::text::{Table, count, csv_line, digits, escaped, percent, time};
+use helfrich_std::report::page::{Section, style_of, svg};
 use helfrich_std::run::End;
 use std::io::{self, Write};
 
@@ -39,7 +37,7 @@ fn write_flow(rows: &[FlowRow], charts: &[(String, Chart)], out: &mut dyn Write)
             out,
             "<figure class=\"one\"><figcaption>D over the strain γ̇t: full lines by boundary integrals, broken lines on a lattice, circles published</figcaption>"
         )?;
-        chart.write_svg(id, false, out)?;
+        svg::write(chart, id, false, out)?;
         transients(rows).write_folded("transients", out)?;
         writeln!(out, "</figure>")?;
     }
@@ -68,19 +66,22 @@ fn charts(rows: &[FlowRow]) -> Vec<(String, Chart)> {
         let points = row.transient.iter().filter(|at| at[1].is_finite());
         let points = points.map(|&at| Point {
             at,
-            says: format!(
+            note: format!(
                 "{}, {}: D = {:.4} at γ̇t = {:.2}",
                 row.case.method.label(),
                 solver(row),
                 at[1],
                 at[0]
             ),
+            bounds: None,
         });
         curves.push(Curve {
             name: format!("{}, {}", row.case.method, solver(row)),
-            style: style_of(row.case.method),
-            dashed: lattice,
-            marked: false,
+            style: Some(style_of(row.case.method)),
+            marks: match lattice {
+                true => Marks::Dashes,
+                false => Marks::Line,
+            },
             label: if lattice {
                 String::new()
             } else {
@@ -93,29 +94,23 @@ fn charts(rows: &[FlowRow]) -> Vec<(String, Chart)> {
     for curve in published() {
         let points = curve.points.iter().map(|&at| Point {
             at,
-            says: format!("{}: D = {:.4} at γ̇t = {}", curve.name, at[1], at[0]),
+            bounds: None,
+            note: format!("{}: D = {:.4} at γ̇t = {}", curve.name, at[1], at[0]),
         });
         curves.push(Curve {
             points: points.collect(),
             name: curve.name,
-            style: PUBLISHED,
-            dashed: true,
-            marked: true,
+            style: Some(PUBLISHED),
+            marks: Marks::DashesAndPoints,
             label: String::new(),
         });
     }
     let chart = Chart {
         title: "Deformation D of a capsule in shear flow over the strain".to_owned(),
-        axes: [
-            Axis {
-                label: "strain γ̇t",
-                scale: Scale::Linear,
-            },
-            Axis {
-                label: "Taylor deformation D",
-                scale: Scale::Linear,
-            },
-        ],
+        axes: ["strain γ̇t", "Taylor deformation D"].map(|label| Axis {
+            label: label.to_owned(),
+            ..Axis::default()
+        }),
         curves,
         guides: Vec::new(),
     };

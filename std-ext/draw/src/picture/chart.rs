@@ -7,30 +7,30 @@ use super::{
     PictureError, capitals, check_size, extent, fitted, is_shown, outline_of, title, widened,
 };
 
-/// Curves over a pair of axes.
-#[derive(Clone, Debug)]
-pub struct Plot<'a> {
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    /// The title; none if empty.
-    pub title: &'a str,
-    /// The horizontal axis.
-    pub x: Axis<'a>,
-    /// The vertical axis.
-    pub y: Axis<'a>,
+/// Curves over a pair of axes: one description for pixels ([`Chart::draw`]) and for other painters.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chart {
+    /// One line that describes the chart; none if empty.
+    pub title: String,
+    /// The horizontal and the vertical axis.
+    pub axes: [Axis; 2],
     /// The curves, in the order in which they are drawn.
-    pub curves: &'a [Curve<'a>],
+    pub curves: Vec<Curve>,
+    /// Values at which a horizontal line with a label is drawn; not in pixels.
+    pub guides: Vec<(f64, String)>,
 }
 
-/// An axis of a [`Plot`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Axis<'a> {
+/// An axis of a [`Chart`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Axis {
     /// Name and unit.
-    pub label: &'a str,
+    pub label: String,
     /// Its ends; by default slightly more than the range of the curves.
     pub range: Option<[f64; 2]>,
     /// Linear or logarithmic scale.
     pub scale: Scale,
+    /// The numbers at a logarithmic axis; powers of ten in pixels.
+    pub numbers: Numbers,
 }
 
 /// The scale of an axis.
@@ -43,19 +43,53 @@ pub enum Scale {
     Logarithmic,
 }
 
-/// A curve of a [`Plot`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Curve<'a> {
+/// The form of the numbers at a logarithmic axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Numbers {
+    /// Powers of ten.
+    #[default]
+    Plain,
+    /// Fractions, shown as powers of ten in per cent.
+    Share,
+    /// Seconds.
+    Time,
+    /// Bytes.
+    Bytes,
+}
+
+/// A curve of a [`Chart`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
     /// Its name in the legend; an empty name leaves it out.
-    pub name: &'a str,
-    /// The points; one that is not finite interrupts the line.
-    pub points: &'a [[f64; 2]],
-    /// Lower and upper bound of y at each point, drawn as bars; points beyond the list have none.
-    pub bounds: &'a [[f64; 2]],
+    pub name: String,
+    /// The points, joined in this order; one that is not finite interrupts the line.
+    pub points: Vec<Point>,
     /// Lines or marks.
     pub marks: Marks,
-    /// Curves with the same number have the same colour; without it, each has its own.
-    pub colour: Option<usize>,
+    /// Curves with the same number have the same colour and marks; without it, each has its own.
+    pub style: Option<usize>,
+    /// The label at its last point, none if empty; not in pixels.
+    pub label: String,
+}
+
+/// A point of a [`Curve`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Point {
+    /// Its numbers on both axes.
+    pub at: [f64; 2],
+    /// Lower and upper bound of y, drawn as a bar.
+    pub bounds: Option<[f64; 2]>,
+    /// The text of its tooltip; not in pixels.
+    pub note: String,
+}
+
+impl From<[f64; 2]> for Point {
+    fn from(at: [f64; 2]) -> Self {
+        Self {
+            at,
+            ..Self::default()
+        }
+    }
 }
 
 /// Lines or marks for the points of a [`Curve`].
@@ -75,11 +109,18 @@ pub enum Marks {
 }
 
 impl Marks {
-    fn has_line(self) -> bool {
+    /// Whether a line joins the points.
+    pub fn has_line(self) -> bool {
         self != Self::Points
     }
 
-    fn has_points(self) -> bool {
+    /// Whether the line is broken.
+    pub fn is_dashed(self) -> bool {
+        matches!(self, Self::Dashes | Self::DashesAndPoints)
+    }
+
+    /// Whether the points are marked.
+    pub fn has_points(self) -> bool {
         matches!(
             self,
             Self::Points | Self::LineAndPoints | Self::DashesAndPoints
@@ -124,44 +165,44 @@ impl Projection {
     }
 }
 
-impl Plot<'_> {
-    /// Draws the plot.
+impl Chart {
+    /// Whether there is nothing to draw.
+    pub fn is_empty(&self) -> bool {
+        self.curves.iter().all(|curve| curve.points.is_empty())
+    }
+
+    /// Draws the chart in pixels, of this width and height.
     ///
     /// # Errors
     /// If the size or a range is impossible; see [`PictureError`].
-    pub fn draw(&self) -> Result<Canvas, PictureError> {
-        check_size(self.size)?;
-        let points = || self.curves.iter().flat_map(|curve| curve.points);
-        let bounds = || {
-            self.curves.iter().flat_map(|curve| {
-                let shown = curve.bounds.iter().zip(curve.points);
-                shown.flat_map(|(bounds, _)| bounds)
-            })
-        };
+    pub fn draw(&self, size: [u32; 2]) -> Result<Canvas, PictureError> {
+        check_size(size)?;
+        let [x, y] = &self.axes;
+        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let bounds = || points().flat_map(|point| point.bounds).flatten();
         let ranges = [
-            self.x.fitting(points().map(|point| point[0]))?,
-            self.y
-                .fitting(points().map(|point| point[1]).chain(bounds().copied()))?,
+            x.fitting(points().map(|point| point.at[0]))?,
+            y.fitting(points().map(|point| point.at[1]).chain(bounds()))?,
         ];
-        let mut canvas = Canvas::new(self.size);
-        let letters = capitals(self.size);
-        let [width, height] = self.size.map(f64::from);
+        let mut canvas = Canvas::new(size);
+        let letters = capitals(size);
+        let [width, height] = size.map(f64::from);
         let mut area = Area {
             left: 1.6 * letters,
             top: 2.0 * letters,
             right: width - 2.4 * letters,
             bottom: height - 1.8 * letters,
         };
-        title(&mut canvas, self.title, letters, &mut area);
-        let ticks = |axis: &Axis<'_>, [low, high]: [f64; 2], count: f64| {
+        title(&mut canvas, &self.title, letters, &mut area);
+        let ticks = |axis: &Axis, [low, high]: [f64; 2], count: f64| {
             let count = count.clamp(2.0, 8.0);
             match axis.scale {
                 Scale::Linear => Ticks::linear(low, high, count),
                 Scale::Logarithmic => Ticks::logarithmic(low, high, count),
             }
         };
-        let x_ticks = ticks(&self.x, ranges[0], area.width() / (9.0 * letters));
-        let y_ticks = ticks(&self.y, ranges[1], area.height() / (6.0 * letters));
+        let x_ticks = ticks(x, ranges[0], area.width() / (9.0 * letters));
+        let y_ticks = ticks(y, ranges[1], area.height() / (6.0 * letters));
         let numbers = y_ticks
             .marks
             .iter()
@@ -172,7 +213,7 @@ impl Plot<'_> {
         area.left += 2.8 * letters + numbers + letters;
         area.bottom -= 5.0 * letters;
         let projection = Projection {
-            scales: [self.x.scale, self.y.scale],
+            scales: [x.scale, y.scale],
             ranges,
             area,
         };
@@ -182,14 +223,14 @@ impl Plot<'_> {
         }
         let line = (0.1 * letters).max(1.0);
         canvas.stroke(&[outline_of(area)], line, INK);
-        let label = x_ticks.labelled(self.x.label);
-        let size = fitted(&label, letters, area.width());
+        let label = x_ticks.labelled(&x.label);
+        let height = fitted(&label, letters, area.width());
         let at = [0.5 * (area.left + area.right), label_y];
-        canvas.text(&label, at, size, Anchor::Centre, true);
-        let label = y_ticks.labelled(self.y.label);
-        let size = fitted(&label, letters, area.height());
+        canvas.text(&label, at, height, Anchor::Centre, true);
+        let label = y_ticks.labelled(&y.label);
+        let height = fitted(&label, letters, area.height());
         let at = [label_x, 0.5 * (area.top + area.bottom)];
-        canvas.text(&label, at, size, Anchor::Centre, false);
+        canvas.text(&label, at, height, Anchor::Centre, false);
         self.legend(&mut canvas, &projection, letters);
         Ok(canvas)
     }
@@ -239,7 +280,7 @@ impl Plot<'_> {
         let sample = 3.2 * letters;
         let names = named
             .iter()
-            .map(|(_, curve)| text_width(curve.name, letters))
+            .map(|(_, curve)| text_width(&curve.name, letters))
             .fold(0.0, f64::max);
         let room = area.width() - sample - 4.9 * letters;
         let size = letters * (room / names).min(1.0);
@@ -292,17 +333,17 @@ impl Plot<'_> {
                     canvas,
                     centre,
                     letters,
-                    curve.colour.unwrap_or(index),
+                    curve.style.unwrap_or(index),
                     colour,
                 );
             }
             let at = [left + sample + 0.8 * letters, y + 0.5 * letters];
-            canvas.text(curve.name, at, size, Anchor::Left, true);
+            canvas.text(&curve.name, at, size, Anchor::Left, true);
         }
     }
 }
 
-impl Axis<'_> {
+impl Axis {
     /// The ends of an axis: as given, or around all numbers that can be shown.
     fn fitting(&self, numbers: impl Iterator<Item = f64>) -> Result<[f64; 2], PictureError> {
         if let Some(range) = self.range {
@@ -310,7 +351,7 @@ impl Axis<'_> {
             return if is_shown(places) {
                 Ok(range)
             } else {
-                let of = self.label.to_owned();
+                let of = self.label.clone();
                 Err(PictureError::Range { of, range })
             };
         }
@@ -330,16 +371,22 @@ impl Axis<'_> {
     }
 }
 
-impl Curve<'_> {
+impl Curve {
     fn colour(&self, index: usize) -> Colour {
-        of_curve(self.colour.unwrap_or(index))
+        of_curve(self.style.unwrap_or(index))
+    }
+
+    /// The points with bounds: x, and the bounds.
+    fn bars(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
+        let bounds = |point: &Point| Some((point.at[0], point.bounds?));
+        self.points.iter().filter_map(bounds)
     }
 
     /// The parts of lines inside the axes.
     fn lines(&self, projection: &Projection) -> Vec<Vec<[f64; 2]>> {
         let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
         for pair in self.points.windows(2) {
-            let ends = [projection.point(pair[0]), projection.point(pair[1])];
+            let ends = [projection.point(pair[0].at), projection.point(pair[1].at)];
             let [Some(a), Some(b)] = ends else {
                 continue;
             };
@@ -357,7 +404,7 @@ impl Curve<'_> {
     fn draw(&self, canvas: &mut Canvas, projection: &Projection, letters: f64, index: usize) {
         let colour = self.colour(index);
         let thin = (0.11 * letters).max(1.0);
-        for (&[x, _], &[low, high]) in self.points.iter().zip(self.bounds) {
+        for (x, [low, high]) in self.bars() {
             let ends = [projection.point([x, low]), projection.point([x, high])];
             let [Some(a), Some(b)] = ends else {
                 continue;
@@ -378,11 +425,11 @@ impl Curve<'_> {
             self.stroke(canvas, &self.lines(projection), letters, colour);
         }
         if self.marks.has_points() {
-            for &point in self.points {
-                if let Some(at) = projection.point(point)
+            for point in &self.points {
+                if let Some(at) = projection.point(point.at)
                     && projection.area.contains(at)
                 {
-                    mark(canvas, at, letters, self.colour.unwrap_or(index), colour);
+                    mark(canvas, at, letters, self.style.unwrap_or(index), colour);
                 }
             }
         }
@@ -390,7 +437,7 @@ impl Curve<'_> {
 
     fn stroke(&self, canvas: &mut Canvas, lines: &[Vec<[f64; 2]>], letters: f64, colour: Colour) {
         let width = (0.17 * letters).max(1.2);
-        if matches!(self.marks, Marks::Dashes | Marks::DashesAndPoints) {
+        if self.marks.is_dashed() {
             let dashes: Vec<_> = lines
                 .iter()
                 .flat_map(|line| dashed(line, 0.9 * letters, 0.65 * letters))
@@ -403,13 +450,12 @@ impl Curve<'_> {
 
     /// An estimate of the part of the curve that an area would cover.
     fn hidden(&self, projection: &Projection, area: Area) -> usize {
-        let bounds = self.points.iter().zip(self.bounds);
-        let bars = bounds.filter(|&(&[x, _], &[low, high])| {
+        let bars = self.bars().filter(|&(x, [low, high])| {
             let ends = [projection.point([x, low]), projection.point([x, high])];
             matches!(ends, [Some(a), Some(b)] if area.clip([a, b]).is_some())
         });
-        let points = self.points.iter().filter(|&&point| {
-            let at = projection.point(point);
+        let points = self.points.iter().filter(|point| {
+            let at = projection.point(point.at);
             at.is_some_and(|at| area.contains(at))
         });
         let lines = self.lines(projection);
