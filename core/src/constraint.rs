@@ -273,17 +273,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
     ) -> Result<Correction<T>, ConstraintError> {
         let count = self.constraints.len();
         let components = memory.vertices.components().count();
-        let roundings = T::constant(ROUNDINGS) * T::epsilon();
-        for component in 0..components {
-            for (k, constraint) in self.constraints.iter().enumerate() {
-                if !constraint.targets.at(component).is_finite() {
-                    return Err(ConstraintError::Target {
-                        component,
-                        constraint: k,
-                    });
-                }
-            }
-        }
+        self.refuse_targets(components)?;
         let mut steps = 0;
         let mut worst = Worst::default();
         loop {
@@ -295,16 +285,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
             };
             self.measure(execution, surface, memory);
             worst = Worst::default();
-            let mut there = true;
-            for component in 0..components {
-                for (k, constraint) in self.constraints.iter().enumerate() {
-                    let target = constraint.targets.at(component);
-                    let off = memory.values[k * components + component] - target;
-                    worst.see(component, k, off.abs() * target.abs().reciprocal_or_zero());
-                    there &= off.abs() <= roundings * target.abs();
-                }
-            }
-            if there {
+            if self.is_met(&memory.values, components, &mut worst) {
                 let residual = worst.residual;
                 return Ok(Correction { steps, residual });
             }
@@ -313,52 +294,9 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
             memory.multipliers.clear();
             memory.multipliers.resize(count * components, T::zero());
             worst = Worst::default();
-            there = true;
+            let mut there = true;
             for component in 0..components {
-                let ConstraintsMemory {
-                    vertices,
-                    values,
-                    gradients,
-                    multipliers,
-                    system,
-                    ..
-                } = &mut *memory;
-                let vertices = vertices.of(component);
-                system.set_matrix(execution, vertices, gradients, count);
-                let mut here = true;
-                for (k, constraint) in self.constraints.iter().enumerate() {
-                    let target = constraint.targets.at(component);
-                    let off = target - values[k * components + component];
-                    let gradient = &gradients[k * positions.len()..];
-                    let reach = execution.sum(vertices.len(), |at| {
-                        let vertex = vertices[at][0] as usize;
-                        norm(gradient[vertex]) * norm(positions[vertex])
-                    });
-                    let allowed = roundings * (target.abs() + reach);
-                    here &= off.abs() <= allowed;
-                    let size = if target == T::zero() {
-                        reach
-                    } else {
-                        target.abs()
-                    };
-                    worst.see(component, k, off.abs() * size.reciprocal_or_zero());
-                    system.right[k] = off * system.over_norms[k];
-                }
-                if here {
-                    continue;
-                }
-                there = false;
-                let least = least_squared_sine(vertices.len());
-                if let Some(constraint) = system.solve(least) {
-                    return Err(ConstraintError::Dependent {
-                        component,
-                        constraint,
-                    });
-                }
-                for k in 0..count {
-                    let multiplier = system.right[k] * system.over_norms[k];
-                    multipliers[component * count + k] = multiplier;
-                }
+                there &= self.approach(execution, component, positions, memory, &mut worst)?;
             }
             if there {
                 let residual = worst.residual;
@@ -380,6 +318,95 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
             });
             steps += 1;
         }
+    }
+
+    /// Refuses targets that are not finite.
+    fn refuse_targets(&self, components: usize) -> Result<(), ConstraintError> {
+        for component in 0..components {
+            for (k, constraint) in self.constraints.iter().enumerate() {
+                if !constraint.targets.at(component).is_finite() {
+                    return Err(ConstraintError::Target {
+                        component,
+                        constraint: k,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether every value is its target to rounding.
+    fn is_met(&self, values: &[T], components: usize, worst: &mut Worst<T>) -> bool {
+        let roundings = T::constant(ROUNDINGS) * T::epsilon();
+        let mut met = true;
+        for component in 0..components {
+            for (k, constraint) in self.constraints.iter().enumerate() {
+                let target = constraint.targets.at(component);
+                let off = values[k * components + component] - target;
+                worst.see(component, k, off.abs() * target.abs().reciprocal_or_zero());
+                met &= off.abs() <= roundings * target.abs();
+            }
+        }
+        met
+    }
+
+    /// Sets the multipliers that bring a component nearer to its targets, unless it is there to the
+    /// rounding of its values: then the result is true.
+    fn approach(
+        &self,
+        execution: &impl Execution,
+        component: usize,
+        positions: &[[T; 3]],
+        memory: &mut ConstraintsMemory<T, Workspace<T, F>>,
+        worst: &mut Worst<T>,
+    ) -> Result<bool, ConstraintError> {
+        let roundings = T::constant(ROUNDINGS) * T::epsilon();
+        let count = self.constraints.len();
+        let components = memory.vertices.components().count();
+        let ConstraintsMemory {
+            vertices,
+            values,
+            gradients,
+            multipliers,
+            system,
+            ..
+        } = &mut *memory;
+        let vertices = vertices.of(component);
+        system.set_matrix(execution, vertices, gradients, count);
+        let mut here = true;
+        for (k, constraint) in self.constraints.iter().enumerate() {
+            let target = constraint.targets.at(component);
+            let off = target - values[k * components + component];
+            let gradient = &gradients[k * positions.len()..];
+            let reach = execution.sum(vertices.len(), |at| {
+                let vertex = vertices[at][0] as usize;
+                norm(gradient[vertex]) * norm(positions[vertex])
+            });
+            let allowed = roundings * (target.abs() + reach);
+            here &= off.abs() <= allowed;
+            let size = if target == T::zero() {
+                reach
+            } else {
+                target.abs()
+            };
+            worst.see(component, k, off.abs() * size.reciprocal_or_zero());
+            system.right[k] = off * system.over_norms[k];
+        }
+        if here {
+            return Ok(true);
+        }
+        let least = least_squared_sine(vertices.len());
+        if let Some(constraint) = system.solve(least) {
+            return Err(ConstraintError::Dependent {
+                component,
+                constraint,
+            });
+        }
+        for k in 0..count {
+            let multiplier = system.right[k] * system.over_norms[k];
+            multipliers[component * count + k] = multiplier;
+        }
+        Ok(false)
     }
 
     /// Removes from `field` (nodal forces or velocities) its component in the span of the
