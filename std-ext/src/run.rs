@@ -32,6 +32,7 @@ mod folder;
 mod identity;
 mod immersing;
 mod measure;
+mod multipliers;
 mod quality;
 mod relaxing;
 mod remedy;

@@ -3,6 +3,7 @@
 
 mod cache;
 mod errors;
+mod measured;
 mod timing;
 
 pub use cache::{Cache, CacheError, CacheProblem, LoadedCache};
@@ -17,7 +18,8 @@ use crate::method::{BendingMethod, Evaluated, Evaluator, MethodOptions};
 use crate::scalar::{HeldPositions, Scalar};
 use errors::natural_scales;
 use helfrich::SurfaceError;
-use serde::{Deserialize, Serialize};
+use measured::Measured;
+use serde::Serialize;
 use std::fmt;
 use std::time::Instant;
 
@@ -372,28 +374,6 @@ struct Level {
     made: Option<(GeneratedMesh, Reference)>,
 }
 
-/// The measurements of one method on one mesh.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Measured {
-    vertices: usize,
-    ns_per_vertex: f64,
-    ns_scatter: f64,
-    bytes_per_vertex: Option<f64>,
-    /// Largest and mean error of each quantity that is defined, in the order of [`Quantity::ALL`].
-    errors: Vec<[f64; 2]>,
-}
-
-impl Measured {
-    /// Caches the measurement, unless its times scatter: then it will be measured again.
-    fn keep(&self, key: String, cache: Option<&mut Cache>) {
-        if let Some(cache) = cache
-            && !is_scattered(self.ns_scatter)
-        {
-            cache.insert(key, self);
-        }
-    }
-}
-
 impl Case<'_> {
     /// The identity of a measurement; an f64 as its bits.
     fn key(self, asked: usize) -> String {
@@ -489,40 +469,5 @@ impl Case<'_> {
                 .map(|quantity| exact.errors(&fields, quantity))
                 .collect(),
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::provenance::{Build, Provenance};
-
-    #[test]
-    fn what_scatters_is_not_kept() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("cache");
-        let provenance = Provenance::here(Build {
-            commit: "",
-            compiler: "",
-            profile: "",
-            flags: "",
-            target: "",
-        });
-        let measured = |ns_scatter| Measured {
-            vertices: 42,
-            ns_per_vertex: 100.0,
-            ns_scatter,
-            bytes_per_vertex: None,
-            errors: vec![[0.2, 0.1]],
-        };
-        let open = || Cache::open(&path, &provenance).expect("a cache").cache;
-        let mut cache = open();
-        for (name, scatter) in [("steady", 0.1), ("scattered", 0.3), ("none", f64::NAN)] {
-            measured(scatter).keep(name.to_owned(), Some(&mut cache));
-        }
-        cache.save().expect("a file");
-        drop(cache);
-        let kept = ["steady", "scattered", "none"].map(|name| open().get::<Measured>(name));
-        assert_eq!(kept.map(|kept| kept.is_some()), [true, false, false]);
     }
 }

@@ -13,9 +13,13 @@ mod schema;
 mod shipped;
 
 use helfrich::Surface;
-use helfrich_std::generate::generate;
+// Private modules name these as parts of their own crate.
+use helfrich_std::generate::{self, generate};
 use helfrich_std::info::MeshInfo;
-use helfrich_std::scene::{MeshFileSource, MeshSource, Overrides, Place, SceneErrors, SceneFile};
+use helfrich_std::provenance;
+use helfrich_std::scene::{
+    self, MeshFileSource, MeshSource, Overrides, Place, SceneErrors, SceneFile,
+};
 use std::path::{Path, PathBuf};
 
 /// Where the shipped scenes are.

@@ -13,3 +13,25 @@ mod six;
 
 #[path = "../../../std-ext/src/sweep/vary.rs"]
 mod vary;
+
+#[path = "../../../std-ext/src/run/curved.rs"]
+mod curved;
+
+#[path = "../../../std-ext/src/run/multipliers.rs"]
+mod multipliers;
+
+#[expect(dead_code, reason = "the library uses what the tests do not")]
+#[path = "../../../std-ext/src/simulation/once.rs"]
+mod once;
+
+#[expect(dead_code, reason = "the library uses what the tests do not")]
+#[path = "../../../std-ext/src/study/timing.rs"]
+mod timing;
+
+#[path = "../../../std-ext/src/study/measured.rs"]
+mod measured;
+
+/// The cache that measurements name.
+mod cache {
+    pub(super) use helfrich_std::study::Cache;
+}
