@@ -341,7 +341,7 @@ fn units_are_converted_and_checked() {
 }
 
 #[test]
-fn contradictions_are_refused() {
+fn contradictions_of_methods_and_viscosities_are_refused() {
     let bending = "[surface.bending]\nmethod = \"J\"\nmodulus = 1\n";
     refused(
         &with(bending).replace("[driver]", "[driver]\nscheme = \"minimise\""),
@@ -383,6 +383,10 @@ fn contradictions_are_refused() {
             "leave [surface.membrane_viscosity] out",
         ],
     );
+}
+
+#[test]
+fn contradictions_of_elasticity_and_targets_are_refused() {
     refused_effect(
         "[surface.elasticity]\nlaw = \"neo-hookean\"\nshear_modulus = 1\narea_ratio = 1\n[surface.bending]\nmethod = \"B\"\nmodulus = 1",
         [11, 14],

@@ -45,10 +45,8 @@ fn warned(text: &str, line: usize, parts: &[&str]) {
     }
 }
 
-#[test]
-fn every_key_of_a_flow_is_read() {
-    let file = valid(
-        r#"
+/// A scene with every key of a flow without walls.
+const IN_FLOW: &str = r#"
 units = "micro"
 [[surface]]
 shape = "sphere:3"
@@ -88,8 +86,11 @@ points = [81, 41]
 normal = [1, 0, 0]
 size = [1, 1]
 points = [2, 2]
-"#,
-    );
+"#;
+
+#[test]
+fn every_key_of_a_flow_is_read() {
+    let file = valid(IN_FLOW);
     let scene = &file.scene;
     let expected = BoundaryIntegral {
         viscosity: 1.2e-3,

@@ -75,10 +75,8 @@ fn driver(scene: &Scene) -> LatticeBoltzmann {
     }
 }
 
-#[test]
-fn every_key_is_read() {
-    let file = valid(
-        r#"
+/// A scene with every key of a lattice.
+const ON_A_LATTICE: &str = r#"
 units = "micro"
 [[surface]]
 shape = "sphere:3"
@@ -118,8 +116,11 @@ point = [1, 2, 3]
 name = "all"
 stride = 2
 [[output.volume]]
-"#,
-    );
+"#;
+
+#[test]
+fn every_key_is_read() {
+    let file = valid(ON_A_LATTICE);
     let scene = &file.scene;
     let expected = LatticeBoltzmann {
         viscosity: 1.2e-3,

@@ -8,10 +8,8 @@ use helfrich_std::scene::{
     Overrides, Place, ReferenceSource, SceneFile, Scheme, Target, Units, VolumeTarget,
 };
 
-#[test]
-fn every_key_is_read() {
-    let file = valid(
-        r#"
+/// A scene with every key of surfaces, interactions, relaxations and outputs.
+const EVERYTHING: &str = r#"
 title = "Everything"
 units = "micro"
 
@@ -75,8 +73,11 @@ surfaces = false
 pictures = false
 picture_field = "bending-force"
 checkpoint_every = 11
-"#,
-    );
+"#;
+
+#[test]
+fn every_key_of_a_mesh_is_read() {
+    let file = valid(EVERYTHING);
     let lines = Vec::from_iter(file.warnings.iter().map(|warning| match warning.place {
         Place::Text { line, .. } => line,
         _ => 0,
@@ -110,6 +111,18 @@ checkpoint_every = 11
         ([0.0, 0.0, 1.0], 30.0)
     );
     assert_eq!(a.viscosity_ratio, Some(1.0));
+
+    assert_eq!(b.name, "surface-2");
+    assert_eq!(b.source, MeshSource::File(mesh_file("folder/cell.ply")));
+    assert_eq!((b.scale, b.position), (1.0, [0.0; 3]));
+}
+
+#[test]
+fn every_key_of_a_material_is_read() {
+    let file = valid(EVERYTHING);
+    let [a, b] = file.scene.surfaces.as_slice() else {
+        panic!("two surfaces");
+    };
     let bending = a.effects.bending.unwrap();
     assert_eq!(bending.method, BendingMethod::GompperKroll);
     assert_eq!(bending.options.areas, Some(DualArea::Voronoi));
@@ -139,14 +152,27 @@ checkpoint_every = 11
         (a.effects.adhesion, b.effects.adhesion),
         (None, Some(adhesion))
     );
+    let local = a.effects.local_area.as_ref().unwrap();
+    let rest = ReferenceSource::File(mesh_file("folder/rest.ply"));
+    assert_eq!((local.modulus, &local.reference.source), (3.0, &rest));
+    assert!(
+        b.effects.bending.is_none()
+            && b.effects.elasticity.is_none()
+            && b.effects.stretching.is_none()
+    );
+}
+
+#[test]
+fn every_key_of_targets_and_loads_is_read() {
+    let file = valid(EVERYTHING);
+    let [a, b] = file.scene.surfaces.as_slice() else {
+        panic!("two surfaces");
+    };
     let area = a.effects.area.unwrap();
     assert_eq!(
         (area.hold, area.target),
         (Hold::Penalty(5e6), Target::Value(200.0))
     );
-    let local = a.effects.local_area.as_ref().unwrap();
-    let rest = ReferenceSource::File(mesh_file("folder/rest.ply"));
-    assert_eq!((local.modulus, &local.reference.source), (3.0, &rest));
     let volume = a.effects.volume.unwrap();
     assert_eq!(
         (volume.hold, volume.target),
@@ -171,10 +197,6 @@ checkpoint_every = 11
         (&stretching.forces, stretching.fraction),
         (&vec![0.0, 30.0], 0.02)
     );
-
-    assert_eq!(b.name, "surface-2");
-    assert_eq!(b.source, MeshSource::File(mesh_file("folder/cell.ply")));
-    assert_eq!((b.scale, b.position), (1.0, [0.0; 3]));
     assert_eq!(b.effects.area.unwrap().hold, Hold::Exact);
     assert_eq!(b.effects.area.unwrap().target, Target::Initial);
     assert_eq!(b.effects.volume.unwrap().target, VolumeTarget::Value(50.0));
@@ -183,12 +205,12 @@ checkpoint_every = 11
         b.effects.area_difference.unwrap().target,
         AreaDifferenceTarget::Initial
     );
-    assert!(
-        b.effects.bending.is_none()
-            && b.effects.elasticity.is_none()
-            && b.effects.stretching.is_none()
-    );
+}
 
+#[test]
+fn every_key_of_a_relaxation_is_read() {
+    let file = valid(EVERYTHING);
+    let scene = &file.scene;
     let repulsion = Interaction::Repulsion {
         strength: 0.1,
         cutoff: 0.2,

@@ -4,6 +4,29 @@ use crate::fixture::{Fixture, obj, sheet};
 use crate::{fail, is_empty, text};
 use tempfile::TempDir;
 
+/// The messages about a file are one line that names it, and have these parts.
+#[track_caller]
+fn is_refused(name: &str, content: Vec<u8>, hints: &[&str]) {
+    let file = Fixture::new(name, content);
+    let csv = file.beside("out.csv");
+    for arguments in [
+        &["info", file.path()][..],
+        &["curvature", file.path(), "--csv", text(&csv)],
+    ] {
+        let message = fail(2, arguments);
+        assert!(
+            message.starts_with(&format!("error: {}", file.path())),
+            "{message}"
+        );
+        assert_eq!(message.lines().count(), 1, "{message}");
+        assert!(message.ends_with('\n'));
+        for hint in hints {
+            assert!(message.contains(hint), "{name}: no {hint:?} in {message}");
+        }
+    }
+    assert_eq!(file.names(), [name]);
+}
+
 #[test]
 fn bad_files_get_one_line_that_names_the_place() {
     let points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\n";
@@ -87,25 +110,12 @@ fn bad_files_get_one_line_that_names_the_place() {
             &["truncated"],
         ),
     ] {
-        let file = Fixture::new(name, content);
-        let csv = file.beside("out.csv");
-        for arguments in [
-            &["info", file.path()][..],
-            &["curvature", file.path(), "--csv", text(&csv)],
-        ] {
-            let message = fail(2, arguments);
-            assert!(
-                message.starts_with(&format!("error: {}", file.path())),
-                "{message}"
-            );
-            assert_eq!(message.lines().count(), 1, "{message}");
-            assert!(message.ends_with('\n'));
-            for hint in hints {
-                assert!(message.contains(hint), "{name}: no {hint:?} in {message}");
-            }
-        }
-        assert_eq!(file.names(), [name]);
+        is_refused(name, content, hints);
     }
+}
+
+#[test]
+fn missing_files_and_folders_are_bad_input() {
     let folder = TempDir::new().unwrap();
     let missing = folder.path().join("missing.obj");
     assert!(fail(2, &["info", text(&missing)]).contains("no such file"));

@@ -407,9 +407,12 @@ fn quality_of(mesh: &Mesh, method: impl helfrich::Force<f64>) -> Quality {
     prepared.quality(mesh.surface())
 }
 
+/// A kind of finding.
+type Kind = fn(&Finding) -> bool;
+
 /// Each kind of finding on a surface that has it, and on none that has not.
 #[test]
-fn every_kind_of_finding_is_found() {
+fn bad_triangles_are_found() {
     let sphere = icosphere(3);
     let replaced = |vertex: usize, position: [f64; 3]| {
         let mut mesh = sphere.clone();
@@ -424,7 +427,6 @@ fn every_kind_of_finding_is_found() {
             [0, 1, 2].map(|axis| to[axis] + part * (from[axis] - to[axis])),
         )
     };
-    type Kind = fn(&Finding) -> bool;
     let vertex: [(&str, Mesh, Kind); 4] = [
         ("uneven", near(0.1), |f| matches!(f, Finding::Uneven { .. })),
         ("thin", near(0.01), |f| {
@@ -466,7 +468,12 @@ fn every_kind_of_finding_is_found() {
             "{method} on a sphere"
         );
     }
+}
 
+/// Positions far from the origin, which f32 rounds.
+#[test]
+fn rounded_positions_are_found() {
+    let sphere = icosphere(3);
     let (mesh, at) = (&sphere.connectivity, |offset: f32| {
         Vec::from_iter(
             sphere
@@ -483,7 +490,11 @@ fn every_kind_of_finding_is_found() {
     };
     assert_eq!(rounded(&at(0.0)), 0);
     assert_eq!(rounded(&at(1e4)), sphere.positions.len());
+}
 
+/// Findings of areas and fits on surfaces that have them.
+#[test]
+fn bad_areas_and_fits_are_found() {
     let count =
         |quality: Quality, kind: Kind| quality.findings().iter().filter(|f| kind(f)).count();
     let few = quality_of(&tetrahedron(), GompperKroll::new(1.0));

@@ -18,17 +18,18 @@ fn ply_with_integer_coordinates_and_quads() {
     assert_eq!(file.positions[1], [2.0, 0.0, 0.0]);
 }
 
+const VERTEX: &str = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+const FACE: &str = "element face 1\nproperty list uchar int vertex_indices\n";
+const POINTS: &str = "0 0 0\n1 0 0\n0 1 0\n";
+
+fn declared(declarations: &str, body: &str) -> Result<MeshFile, ParseError> {
+    ply(&format!(
+        "ply\nformat ascii 1.0\n{declarations}end_header\n{body}"
+    ))
+}
+
 #[test]
-fn bad_ply_files() {
-    let vertex = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
-    let face = "element face 1\nproperty list uchar int vertex_indices\n";
-    let points = "0 0 0\n1 0 0\n0 1 0\n";
-    let with = |declarations: &str, body: &str| {
-        ply(&format!(
-            "ply\nformat ascii 1.0\n{declarations}end_header\n{body}"
-        ))
-    };
-    let mesh = |body: &str| with(&format!("{vertex}{face}"), body);
+fn bad_ply_headers() {
     for (result, message) in [
         (
             ply("plx\n"),
@@ -47,43 +48,52 @@ fn bad_ply_files() {
             "line 3: expected `element`, `property`, `comment` or `end_header`, found the end of the file",
         ),
         (
-            with("property float x\n", ""),
+            declared("property float x\n", ""),
             "line 3: expected `element` first, found `property`",
         ),
         (
-            with("element vertex -1\n", ""),
+            declared("element vertex -1\n", ""),
             "line 3: expected the number of elements, found `-1`",
         ),
         (
-            with("element vertex 1\nproperty quad x\n", ""),
+            declared("element vertex 1\nproperty quad x\n", ""),
             "line 4: expected a type such as float, double, uchar or int, found `quad`",
         ),
         (
-            with(
+            declared(
                 "element face 1\nproperty list uchar float vertex_index\n",
                 "",
             ),
             "line 4: expected an integer type such as uchar or int, found `float`",
         ),
         (
-            with(face, ""),
+            declared(FACE, ""),
             "line 5: the header declares no element `vertex`",
         ),
         (
-            with(vertex, points),
+            declared(VERTEX, POINTS),
             "line 7: the header declares no element `face`",
         ),
         (
-            with(&format!("{vertex}element face 1\n"), points),
+            declared(&format!("{VERTEX}element face 1\n"), POINTS),
             "line 8: the header declares no property `list … vertex_indices` of element `face`",
         ),
         (
-            with(
-                &format!("{face}element vertex 1\nproperty int x\nproperty int z\n"),
+            declared(
+                &format!("{FACE}element vertex 1\nproperty int x\nproperty int z\n"),
                 "",
             ),
             "line 8: the header declares no property `y` of element `vertex`",
         ),
+    ] {
+        assert_eq!(result.unwrap_err().to_string(), message);
+    }
+}
+
+#[test]
+fn bad_ply_bodies() {
+    let mesh = |body: &str| declared(&format!("{VERTEX}{FACE}"), body);
+    for (result, message) in [
         (
             mesh("0 0 0\n1 0\n"),
             "line 11 (vertex 1): expected coordinate z, found the end of the line",
@@ -97,27 +107,27 @@ fn bad_ply_files() {
             "line 10: the file is truncated: it ends after 1 of 3 vertices",
         ),
         (
-            mesh(points),
+            mesh(POINTS),
             "line 12: the file is truncated: it ends after 0 of 1 faces",
         ),
         (
-            mesh(&format!("{points}3 0 1\n")),
+            mesh(&format!("{POINTS}3 0 1\n")),
             "line 13 (face 0): expected a vertex number from 0 to 4294967295, found the end of the line",
         ),
         (
-            mesh(&format!("{points}3 0 1 -2\n")),
+            mesh(&format!("{POINTS}3 0 1 -2\n")),
             "line 13 (face 0): expected a vertex number from 0 to 4294967295, found `-2`",
         ),
         (
-            mesh(&format!("{points}3 0 1 3\n")),
+            mesh(&format!("{POINTS}3 0 1 3\n")),
             "line 13 (face 0): the face names vertex 3, but there are 3 vertices, numbered from 0",
         ),
         (
-            mesh(&format!("{points}-3 0 1 2\n")),
+            mesh(&format!("{POINTS}-3 0 1 2\n")),
             "line 13 (face 0): expected a list's length, found `-3`",
         ),
         (
-            mesh(&format!("{points}3 0 1 2\n3 2 1 0\n")),
+            mesh(&format!("{POINTS}3 0 1 2\n3 2 1 0\n")),
             "line 14: expected the end of the file, found `3`",
         ),
     ] {

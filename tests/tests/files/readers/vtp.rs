@@ -183,6 +183,110 @@ fn pieces_and_polygons_become_one_mesh() {
     assert_eq!(file.positions[6], [1.0, 1.0, 2.5]);
 }
 
+/// What replaces what in a file, and a part of the message.
+const WRONG: [[&str; 3]; 20] = [
+    [
+        "'PolyData'",
+        "\"ImageData\"",
+        "line 3: expected data of the type PolyData, found `ImageData`",
+    ],
+    [
+        "version=\"0.1\"",
+        "header_type=\"UInt16\"",
+        "line 3: expected headers of the type",
+    ],
+    [
+        "version=\"0.1\"",
+        "byte_order=\"Middle\"",
+        "line 3: expected the byte order",
+    ],
+    [
+        "version=\"0.1\"",
+        "compressor=\"vtkLZ4DataCompressor\"",
+        "the compressor vtkZLibDataCompressor, or none",
+    ],
+    [
+        "NumberOfStrips=\"0\"",
+        "NumberOfStrips=\"2\"",
+        "line 5: expected polygons only",
+    ],
+    [
+        "NumberOfPoints=\"4\"",
+        "NumberOfPoints=\"5\"",
+        "ends after 4 of 5 vertices",
+    ],
+    [
+        "NumberOfPoints=\"4\"",
+        "",
+        "line 5: expected a number of points",
+    ],
+    [
+        "0.1 0.2 0.3",
+        "0.1 0.2 z",
+        "line 8: expected a number, found `z`",
+    ],
+    [
+        "0.1 0.2 0.3",
+        "0.1 inf 0.3",
+        "line 8 (vertex 0): coordinate y is inf",
+    ],
+    [
+        "0 2 1\n",
+        "0 2 9\n",
+        "line 15 (face 0): the face names vertex 9",
+    ],
+    [
+        "0 2 1\n",
+        "0 2 -1\n",
+        "line 15 (face 0): the face names vertex -1",
+    ],
+    [
+        "0 2 1\n",
+        "0 2 2\n",
+        "corners 2 and 3 of the face are a repeated vertex",
+    ],
+    [
+        "0 2 1\n",
+        "0 2 1.5\n",
+        "line 15: expected a whole number, found `1.5`",
+    ],
+    [
+        " 3 6 9 12",
+        " 3 6 9 13",
+        "(face 3): expected ends of polygons",
+    ],
+    [
+        " 3 6 9 12",
+        " 3 6 5 12",
+        "(face 2): expected ends of polygons",
+    ],
+    [
+        "type=\"Int32\"",
+        "type=\"Float32\"",
+        "expected a type of whole numbers",
+    ],
+    [
+        "type=\"Int32\"",
+        "type=\"String\"",
+        "expected a type of numbers",
+    ],
+    [
+        "format=\"ascii\">\n",
+        "format=\"hex\">\n",
+        "expected the format ascii, binary or appended, found `hex`",
+    ],
+    [
+        "format=\"ascii\">\n",
+        "format=\"appended\" offset=\"0\">\n",
+        "expected appended data",
+    ],
+    [
+        "format=\"ascii\">\n",
+        "format=\"binary\">\n",
+        "expected data as long as their header says",
+    ],
+];
+
 #[test]
 fn wrong_files_say_where_and_what() {
     let text = ascii(&tetrahedron());
@@ -190,108 +294,7 @@ fn wrong_files_say_where_and_what() {
         assert!(text.contains(old), "{old}");
         message(&text.replacen(old, new, 1))
     };
-    for (old, new, hint) in [
-        (
-            "'PolyData'",
-            "\"ImageData\"",
-            "line 3: expected data of the type PolyData, found `ImageData`",
-        ),
-        (
-            "version=\"0.1\"",
-            "header_type=\"UInt16\"",
-            "line 3: expected headers of the type",
-        ),
-        (
-            "version=\"0.1\"",
-            "byte_order=\"Middle\"",
-            "line 3: expected the byte order",
-        ),
-        (
-            "version=\"0.1\"",
-            "compressor=\"vtkLZ4DataCompressor\"",
-            "the compressor vtkZLibDataCompressor, or none",
-        ),
-        (
-            "NumberOfStrips=\"0\"",
-            "NumberOfStrips=\"2\"",
-            "line 5: expected polygons only",
-        ),
-        (
-            "NumberOfPoints=\"4\"",
-            "NumberOfPoints=\"5\"",
-            "ends after 4 of 5 vertices",
-        ),
-        (
-            "NumberOfPoints=\"4\"",
-            "",
-            "line 5: expected a number of points",
-        ),
-        (
-            "0.1 0.2 0.3",
-            "0.1 0.2 z",
-            "line 8: expected a number, found `z`",
-        ),
-        (
-            "0.1 0.2 0.3",
-            "0.1 inf 0.3",
-            "line 8 (vertex 0): coordinate y is inf",
-        ),
-        (
-            "0 2 1\n",
-            "0 2 9\n",
-            "line 15 (face 0): the face names vertex 9",
-        ),
-        (
-            "0 2 1\n",
-            "0 2 -1\n",
-            "line 15 (face 0): the face names vertex -1",
-        ),
-        (
-            "0 2 1\n",
-            "0 2 2\n",
-            "corners 2 and 3 of the face are a repeated vertex",
-        ),
-        (
-            "0 2 1\n",
-            "0 2 1.5\n",
-            "line 15: expected a whole number, found `1.5`",
-        ),
-        (
-            " 3 6 9 12",
-            " 3 6 9 13",
-            "(face 3): expected ends of polygons",
-        ),
-        (
-            " 3 6 9 12",
-            " 3 6 5 12",
-            "(face 2): expected ends of polygons",
-        ),
-        (
-            "type=\"Int32\"",
-            "type=\"Float32\"",
-            "expected a type of whole numbers",
-        ),
-        (
-            "type=\"Int32\"",
-            "type=\"String\"",
-            "expected a type of numbers",
-        ),
-        (
-            "format=\"ascii\">\n",
-            "format=\"hex\">\n",
-            "expected the format ascii, binary or appended, found `hex`",
-        ),
-        (
-            "format=\"ascii\">\n",
-            "format=\"appended\" offset=\"0\">\n",
-            "expected appended data",
-        ),
-        (
-            "format=\"ascii\">\n",
-            "format=\"binary\">\n",
-            "expected data as long as their header says",
-        ),
-    ] {
+    for [old, new, hint] in WRONG {
         let found = with(old, new);
         assert!(found.contains(hint), "{new}: {found}");
     }

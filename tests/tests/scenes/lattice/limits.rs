@@ -9,7 +9,7 @@ use helfrich_tests::tolerance;
 /// Each limit of the valid range, with a value on either side of it; by hand, with a = μ = G = 1, edges of
 /// 0.151, and nodes 1/6 apart where nothing else is said.
 #[test]
-fn what_leaves_the_valid_range_is_warned_of() {
+fn steps_beyond_what_the_fluid_allows_are_warned_of() {
     assert_eq!(warnings(&capsule(&[])), [""; 0]);
     let soft = ("modulus = 0.1125", "modulus = 1e-4");
     let slow = ("rate = 0.15", "rate = 1e-3");
@@ -69,6 +69,13 @@ fn what_leaves_the_valid_range_is_warned_of() {
             "a `step` of 0.0037, a `lattice_viscosity` of 0.103, or a `resolution` of 5.92",
         ],
     );
+}
+
+#[test]
+fn steps_beyond_what_membranes_allow_are_warned_of() {
+    let soft = ("modulus = 0.1125", "modulus = 1e-4");
+    let slow = ("rate = 0.15", "rate = 1e-3");
+    let with = |lines: &str| format!("resolution = 6\n{lines}");
     // (K_s + G) step/(μ spacing), of which 0.5 is allowed and twice that, at a step of 1/24, too much.
     warned_beyond(
         &[
@@ -98,6 +105,10 @@ fn what_leaves_the_valid_range_is_warned_of() {
         17,
         &["which the bending of \"capsule\" allows"],
     );
+}
+
+#[test]
+fn edges_and_boxes_out_of_range_are_warned_of() {
     // Edges are 0.151 long.
     warned_beyond(
         &[("resolution = 6", "resolution = ?")],
@@ -135,6 +146,31 @@ fn what_leaves_the_valid_range_is_warned_of() {
             ],
         );
     }
+    // Walls of a channel are there to be felt.
+    let channel = "kind = \"channel\", centre_velocity = 0.1";
+    let channel = capsule(&[
+        ("kind = \"shear\", rate = 0.15", channel),
+        ("resolution = 6", "resolution = 6\nbox = [7, 3, 7]"),
+    ]);
+    assert_eq!(warnings(&channel), [""; 0]);
+    // More than any machine has: of the scene itself, for the mesh is too coarse for it as well.
+    let large = valid(&capsule(&[("resolution = 6", "resolution = 250")]));
+    let [message] = large.warnings.as_slice() else {
+        panic!("{:?}", large.warnings);
+    };
+    let message = message.to_string();
+    for part in [
+        "the lattice takes 1070 GB of memory",
+        "`precision` = \"f32\"",
+        "a `spacing` of",
+    ] {
+        assert!(message.contains(part), "`{part}` is not in: {message}");
+    }
+}
+
+#[test]
+fn viscosities_and_inertia_out_of_range_are_warned_of() {
+    let with = |lines: &str| format!("resolution = 6\n{lines}");
     for range in [["0.021", "0.019"], ["0.99", "1.01"]] {
         warned_beyond(
             &[("resolution = 6", "resolution = 6\nlattice_viscosity = ?")],
@@ -191,26 +227,6 @@ fn what_leaves_the_valid_range_is_warned_of() {
         8,
         &["in a box without walls nothing carries it"],
     );
-    // Walls of a channel are there to be felt.
-    let channel = "kind = \"channel\", centre_velocity = 0.1";
-    let channel = capsule(&[
-        ("kind = \"shear\", rate = 0.15", channel),
-        ("resolution = 6", "resolution = 6\nbox = [7, 3, 7]"),
-    ]);
-    assert_eq!(warnings(&channel), [""; 0]);
-    // More than any machine has: of the scene itself, for the mesh is too coarse for it as well.
-    let large = valid(&capsule(&[("resolution = 6", "resolution = 250")]));
-    let [message] = large.warnings.as_slice() else {
-        panic!("{:?}", large.warnings);
-    };
-    let message = message.to_string();
-    for part in [
-        "the lattice takes 1070 GB of memory",
-        "`precision` = \"f32\"",
-        "a `spacing` of",
-    ] {
-        assert!(message.contains(part), "`{part}` is not in: {message}");
-    }
 }
 
 /// A repulsion by which p(r_c/2) = 27/8 k r_c is ten times P = G/a: there −p' is 11/3 p/(r_c/2), and a vertex
