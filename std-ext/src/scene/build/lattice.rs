@@ -7,9 +7,10 @@ use super::super::{
     Driver, Every, Flow, LatticeBoltzmann, MeshFileSource, MeshFiles, MeshSource, Obstacle, Output,
     Scene, SurfaceScene,
 };
-use crate::flow::Barrier;
 use crate::flow::lattice_boltzmann::Kernel;
-use crate::flow::lattice_boltzmann::limits::{FREE_BOX, ImmersedMembrane, MACH, VISCOSITIES};
+use crate::flow::lattice_boltzmann::limits::{
+    FREE_BOX, ImmersedMembrane, MACH, VISCOSITIES, default_viscosity,
+};
 use crate::generate::{self, AnyShape};
 use crate::io::free_memory;
 use crate::scalar::Scalar;
@@ -18,15 +19,8 @@ use helfrich::Surface;
 use helfrich::shapes::Shape;
 use std::f64::consts::PI;
 
-/// The default kinematic viscosity on the lattice: about where compressibility and the delay of the
-/// flow require equally short steps.
-const LATTICE_VISCOSITY: f64 = 1.0 / 3.0;
-
 /// The largest number of nodes; more fit into no machine's memory.
 const NODES: f64 = 1e10;
-
-/// Ratio of the chosen step to the longest step that all limits allow.
-const MARGIN: f64 = 0.9;
 
 impl Builder<'_> {
     pub(super) fn lattice_boltzmann(
@@ -74,9 +68,12 @@ impl Builder<'_> {
             spacing,
             cells,
             centre: driver.vector("centre").unwrap_or_default(),
-            lattice_viscosity: driver
-                .number("lattice_viscosity")
-                .unwrap_or_else(|| default_viscosity(surfaces)),
+            lattice_viscosity: driver.number("lattice_viscosity").unwrap_or_else(|| {
+                let ratios = surfaces
+                    .iter()
+                    .filter_map(|surface| surface.viscosity_ratio);
+                default_viscosity(ratios)
+            }),
             step: driver.needed("step"),
             kernel: match driver.text("kernel") {
                 Some("three") => Kernel::Three,
@@ -335,7 +332,7 @@ impl Builder<'_> {
             .map(|density| density * lattice.spacing.powi(2) / lattice.viscosity);
         let Some(unit) = unit else {
             if !given {
-                lattice.step = MARGIN * shortest(lattice, membranes, &self.barriers);
+                lattice.step = lattice.parameters().chosen_step(membranes, &self.barriers);
             }
             return;
         };
@@ -351,7 +348,7 @@ impl Builder<'_> {
             (true, false) => lattice.lattice_viscosity = lattice.step / unit,
             (false, true) => lattice.step = lattice.lattice_viscosity * unit,
             (false, false) => {
-                let longest = MARGIN * shortest(lattice, membranes, &self.barriers);
+                let longest = lattice.parameters().chosen_step(membranes, &self.barriers);
                 lattice.step = longest.min(lattice.lattice_viscosity * unit);
                 lattice.lattice_viscosity = lattice.step / unit;
             }
@@ -473,30 +470,6 @@ impl Builder<'_> {
         self.different("obstacle", &Vec::from_iter(names), readers);
         obstacles
     }
-}
-
-/// The default kinematic viscosity on the lattice, adjusted, if possible, so that the lattice
-/// viscosity of the fluid inside is in the good range, too.
-fn default_viscosity(surfaces: &[SurfaceScene]) -> f64 {
-    let ratios = surfaces
-        .iter()
-        .filter_map(|surface| surface.viscosity_ratio);
-    let [least, most] = [*VISCOSITIES.start(), *VISCOSITIES.end()];
-    let inside = |viscosity: f64, ratio: f64| (viscosity * ratio).clamp(least, most) / ratio;
-    ratios.fold(LATTICE_VISCOSITY, inside).clamp(least, most)
-}
-
-/// The shortest of the limits of the step.
-fn shortest(
-    lattice: &LatticeBoltzmann,
-    membranes: &[ImmersedMembrane],
-    barriers: &[Barrier],
-) -> f64 {
-    let limits = lattice.parameters().step_limits(membranes, barriers);
-    limits
-        .iter()
-        .map(|limit| limit.step)
-        .fold(f64::NAN, f64::min)
 }
 
 /// Area of a shape, by the midpoint rule over its pre-image.

@@ -7,6 +7,11 @@ use std::ops::RangeInclusive;
 
 /// Lattice viscosities for which the method is stable and accurate.
 pub const VISCOSITIES: RangeInclusive<f64> = 0.02..=1.0;
+/// The lattice viscosity by default: about where compressibility and the delay of the flow require
+/// equally short steps.
+const VISCOSITY: f64 = 1.0 / 3.0;
+/// Ratio of a chosen step to the longest step that all limits allow.
+const MARGIN: f64 = 0.9;
 
 /// Limit of 3 P in lattice units, the relative change of density. At 0.01 the volume of a capsule
 /// changes by as much, and its deformation is wrong by 2 %.
@@ -90,6 +95,15 @@ pub struct ImmersedMembrane {
     pub wall: Option<AdhesiveWall>,
 }
 
+/// The lattice viscosity by default. If possible, that of the fluid inside membranes with these viscosity
+/// ratios is in the range [`VISCOSITIES`], too.
+pub fn default_viscosity(ratios: impl IntoIterator<Item = f64>) -> f64 {
+    let [least, most] = [*VISCOSITIES.start(), *VISCOSITIES.end()];
+    let inside = |viscosity: f64, ratio: f64| (viscosity * ratio).clamp(least, most) / ratio;
+    let viscosity = ratios.into_iter().fold(VISCOSITY, inside);
+    viscosity.clamp(least, most)
+}
+
 impl LatticeParameters {
     /// Lattice units in units of the parameters. Without inertia the density follows from viscosity
     /// and step: `μ step/(ν spacing²)`.
@@ -164,6 +178,13 @@ impl LatticeParameters {
         // What does not exist limits nothing.
         limits.retain(|limit| limit.step.is_finite());
         limits
+    }
+
+    /// A step somewhat shorter than every limit; NaN without limits.
+    pub fn chosen_step(&self, membranes: &[ImmersedMembrane], barriers: &[Barrier]) -> f64 {
+        let limits = self.step_limits(membranes, barriers);
+        let steps = limits.iter().map(|limit| limit.step);
+        MARGIN * steps.fold(f64::NAN, f64::min)
     }
 
     /// The limits due to membranes, whose forces are evaluated at the start of a step.
