@@ -9,7 +9,7 @@
 //! must not use `flatten`, `untagged` or `skip_serializing_if` of serde.
 
 use crate::io::replace_file;
-use crate::sha256::sha256;
+use crate::io::sha256;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -41,7 +41,6 @@ pub mod report;
 pub mod run;
 pub mod scene;
 pub mod series;
-mod sha256;
 pub mod simulation;
 mod six;
 pub mod study;

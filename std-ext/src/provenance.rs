@@ -1,6 +1,6 @@
 //! The origin of measurements: program, compiler, machine.
 
-use crate::sha256::sha256;
+use crate::io::sha256;
 use serde::Serialize;
 use std::fs;
 use std::thread::available_parallelism;

@@ -7,9 +7,10 @@
 use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
-    Components, Conservative, Cotangent, Curvatures, DualArea, Finding, LaplaceBeltrami,
-    MembraneViscosity, Method, Prepared, Projected, RigidBody, StrongForm, Surface, TriangleMesh,
-    remove_net_force_and_torque,
+    AreaDifference, Components, Conservative, Cotangent, Curvatures, DualArea, Finding, Gravity,
+    InPlane, LaplaceBeltrami, LocalArea, MembraneViscosity, Method, NeoHookean, OsmoticPressure,
+    Penalty, PointLoads, Prepared, Projected, Quantity, RigidBody, Skalak, StrongForm, Surface,
+    SurfaceTension, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
 };
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -36,11 +37,8 @@ pub struct Effect {
 
 impl Effect {
     /// A method whose force is the gradient of its energy.
-    pub fn conservative<M>(name: &'static str, method: M, mesh: &TriangleMesh) -> Self
-    where
-        M: Conservative<f64> + fmt::Debug + 'static,
-    {
-        Self::new(name, true, Box::new(prepared(method, mesh)))
+    pub fn conservative(name: &'static str, method: impl Potential, mesh: &TriangleMesh) -> Self {
+        Self::new(name, true, method.prepared(mesh).0)
     }
 
     /// A bending method with modulus κ and spontaneous curvature H0. Net force and torque are
@@ -116,11 +114,8 @@ impl Effect {
     }
 
     /// Replaces the method, and keeps the cost so far.
-    pub fn replace<M>(&mut self, method: M, mesh: &TriangleMesh)
-    where
-        M: Conservative<f64> + fmt::Debug + 'static,
-    {
-        self.prepared = Box::new(prepared(method, mesh));
+    pub fn replace(&mut self, method: impl Potential, mesh: &TriangleMesh) {
+        self.prepared = method.prepared(mesh).0;
         self.conservative = true;
     }
 
@@ -133,6 +128,46 @@ impl Effect {
     pub fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding)) {
         self.prepared.inspect(surface, report);
     }
+}
+
+/// A method whose force is the gradient of its energy, with loops that are compiled in this crate: they
+/// are as fast however a crate that calls them is optimised.
+///
+/// A new effect is one more line in the list below.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not in the list of potentials",
+    note = "add it to `potentials!` in std-ext/evaluate/src/effect.rs, where its loops are compiled"
+)]
+pub trait Potential: Conservative<f64> {
+    /// The method, prepared for a mesh.
+    fn prepared(self, mesh: &TriangleMesh) -> PreparedPotential;
+}
+
+/// A [`Potential`] that is prepared for a mesh.
+#[derive(Debug)]
+pub struct PreparedPotential(Box<dyn Act>);
+
+macro_rules! potentials {
+    ($($method:ty),* $(,)?) => {$(
+        impl Potential for $method {
+            fn prepared(self, mesh: &TriangleMesh) -> PreparedPotential {
+                PreparedPotential(Box::new(prepared(self, mesh)))
+            }
+        }
+    )*};
+}
+
+potentials! {
+    AreaDifference<f64>,
+    Gravity<f64>,
+    InPlane<f64, LocalArea<f64>>,
+    InPlane<f64, NeoHookean<f64>>,
+    InPlane<f64, Skalak<f64>>,
+    OsmoticPressure<f64>,
+    Penalty<f64, Quantity>,
+    PointLoads<f64>,
+    SurfaceTension<f64>,
+    WallAdhesion<f64>,
 }
 
 /// A method that cannot act, because it has no forces.
@@ -155,7 +190,8 @@ impl Visitor<f64> for Acting<'_> {
     where
         M: Conservative<f64> + fmt::Debug + 'static,
     {
-        Ok(Effect::conservative(self.name, method, self.mesh))
+        let prepared = Box::new(prepared(method, self.mesh));
+        Ok(Effect::new(self.name, true, prepared))
     }
 
     fn energy_and_curvatures<M>(self, method: M) -> Self::Output

@@ -17,6 +17,7 @@ mod obj;
 mod off;
 mod ply;
 mod replace;
+mod sha256;
 mod stl;
 mod text;
 mod vti;
@@ -28,6 +29,7 @@ mod write;
 mod xml;
 
 pub use replace::{UNFINISHED, check_replaceable, remove_unfinished, replace_file};
+pub use sha256::sha256;
 pub use vti::{Grid, write_vti};
 pub use vtk::{PointField, PointValues, VtkError};
 pub use vtp::{Collection, CollectionEntry, write_vtp};

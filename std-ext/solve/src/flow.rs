@@ -27,7 +27,7 @@ pub use boundary_integral::{DoubleLayer, SingleLayer, alone};
 pub use channel::Channel;
 pub use contact_stiffness::{AdhesiveWall, Barrier};
 pub use gmres::{Gmres, Product, Solved};
-pub use immersion::{Immersion, ImmersionError, ImmersionState};
+pub use immersion::{Immersion, ImmersionError, ImmersionPrecision, ImmersionState};
 pub use membranes::{Effort, Fluid, Membranes};
 pub use redistribution::Redistribution;
 pub use suspension::{Moving, SOLUTION_TOLERANCE, Suspension};

@@ -447,9 +447,9 @@ fn suspension(
         suspension.set_surroundings(&surroundings(&surfaces, simulation.images()));
     }
     let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
-    suspension.keep_volumes(KeptVolumes::new(&meshes, kept, positions));
+    suspension.keep_volumes(KeptVolumes::new(&meshes, &kept, positions));
     let slides = |number: usize| driver.redistribution && scene.surfaces[number].slides();
-    suspension.redistribute(Redistribution::new(&meshes, slides, SOLUTION_TOLERANCE));
+    suspension.redistribute(Redistribution::new(&meshes, &slides, SOLUTION_TOLERANCE));
     suspension
 }
 

@@ -9,8 +9,8 @@ use super::{End, Progress, RunError};
 use crate::dynamics::Problem;
 use crate::execute::available_threads;
 use crate::flow::lattice_boltzmann::limits::FINITE_BOX;
-use crate::flow::lattice_boltzmann::{Lattice, Node, Precision, Setup, Sides};
-use crate::flow::{Channel, Fluid, Immersion, KeptVolumes, Redistribution};
+use crate::flow::lattice_boltzmann::{Lattice, Node, Setup, Sides};
+use crate::flow::{Channel, Fluid, Immersion, ImmersionPrecision, KeptVolumes, Redistribution};
 use crate::scene::{Flow, LatticeBoltzmann, Scene};
 use crate::simulation::{Cost, Simulation};
 use std::array;
@@ -35,7 +35,7 @@ pub(super) struct Immersing<'a, T> {
 }
 
 /// A number type of lattices, whose states a checkpoint holds.
-pub(super) trait Stored: Precision {
+pub(super) trait Stored: ImmersionPrecision {
     fn stored(state: ImmersingState<Self>) -> DriveState;
 
     /// State from a checkpoint, if there is one.
@@ -239,7 +239,7 @@ impl<T: Stored> Drive for Immersing<'_, T> {
 }
 
 /// The box with its fluid in undisturbed flow, without membranes and obstacles.
-fn immersion<T: Precision>(
+fn immersion<T: ImmersionPrecision>(
     scene: &Scene,
     driver: LatticeBoltzmann,
     simulation: &Simulation,
@@ -279,9 +279,9 @@ fn immersion<T: Precision>(
     let ratios = Vec::from_iter(ratios.map(|surface| surface.viscosity_ratio.unwrap_or(1.0)));
     immersion.set_viscosity_ratios(&meshes, &ratios);
     let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
-    immersion.keep_volumes(KeptVolumes::new(&meshes, kept, positions));
+    immersion.keep_volumes(KeptVolumes::new(&meshes, &kept, positions));
     let slides = |number: usize| driver.redistribution && scene.surfaces[number].slides();
-    immersion.redistribute(Redistribution::new(&meshes, slides, SLIDING_TOLERANCE));
+    immersion.redistribute(Redistribution::new(&meshes, &slides, SLIDING_TOLERANCE));
     Ok(immersion)
 }
 

@@ -6,9 +6,9 @@
 //! and machine that made it: times depend on both, results on the program.
 
 use crate::io::replace_file;
+use crate::io::sha256;
 use crate::lock::{Lock, LockError};
 use crate::provenance::Provenance;
-use crate::sha256::sha256;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;

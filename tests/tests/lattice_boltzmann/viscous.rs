@@ -2,8 +2,8 @@
 
 use crate::{cells, lattice, periodic, stirred};
 use helfrich::{MembraneViscosity, Prepared, Surface};
-use helfrich_std::flow::lattice_boltzmann::{Kernel, Lattice, Precision, Setup, Units};
-use helfrich_std::flow::{Immersion, Membranes};
+use helfrich_std::flow::lattice_boltzmann::{Kernel, Lattice, Setup, Units};
+use helfrich_std::flow::{Immersion, ImmersionPrecision, Membranes};
 use helfrich_tests::meshes::{Mesh, dot, icosphere};
 use helfrich_tests::tolerance;
 use std::num::NonZeroUsize;
@@ -57,7 +57,7 @@ impl Membranes for Viscous<'_> {
 }
 
 /// A sphere in stirred fluid, in units of the lattice.
-fn immersion<T: Precision>(setup: Setup, mesh: &Mesh) -> Immersion<T> {
+fn immersion<T: ImmersionPrecision>(setup: Setup, mesh: &Mesh) -> Immersion<T> {
     let mut lattice = lattice::<T>(setup);
     lattice.fill(stirred(SIZE));
     let units = Units {
@@ -74,7 +74,7 @@ fn ball(refinement: u32) -> Mesh {
 }
 
 /// `Σ ρ u²/2` of all nodes.
-fn kinetic_energy<T: Precision>(lattice: &Lattice<T>) -> f64 {
+fn kinetic_energy<T: ImmersionPrecision>(lattice: &Lattice<T>) -> f64 {
     let nodes = cells(SIZE).map(|cell| lattice.node(cell));
     let energies = nodes.map(|node| 0.5 * node.density * dot(node.velocity, node.velocity));
     energies.sum()

@@ -6,6 +6,7 @@
 
 use super::{TIME, bits};
 use helfrich_std::checkpoint::{self, CheckpointProblem, Fingerprint};
+use helfrich_std::io::sha256;
 use helfrich_tests::meshes::cases;
 use proptest::prelude::*;
 use serde::de::DeserializeOwned;
@@ -228,4 +229,25 @@ fn fingerprints_are_sha_256() {
     ] {
         assert_eq!(Fingerprint::of(text).to_hex(), expected);
     }
+}
+
+/// The digests of FIPS 180-2 (2002), appendix B: a message of one block, of two, and of a million
+/// bytes, however they are divided.
+#[test]
+fn checksums_are_those_of_the_standard() {
+    let hexadecimal = |parts: &[&[u8]]| {
+        let bytes = sha256(parts).into_iter();
+        bytes.map(|byte| format!("{byte:02x}")).collect::<String>()
+    };
+    let one = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+    let two = "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1";
+    let long = "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0";
+    assert_eq!(hexadecimal(&[b"abc"]), one);
+    assert_eq!(hexadecimal(&[b"a", b"", b"bc"]), one);
+    let text = b"abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq";
+    assert_eq!(hexadecimal(&[text]), two);
+    let million = vec![b'a'; 1_000_000];
+    assert_eq!(hexadecimal(&[&million]), long);
+    let (first, rest) = million.split_at(12_345);
+    assert_eq!(hexadecimal(&[first, rest]), long);
 }

@@ -113,14 +113,24 @@ impl<T: Real> Evaluator<T> {
     }
 
     /// Evaluates, and collects all results of the method.
-    pub fn fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
+    pub fn fields(&mut self, surface: Surface<'_, T>) -> Fields<T>
+    where
+        T: Evaluated,
+    {
         self.evaluate(surface);
         self.last_fields(surface)
     }
 
     /// [`Self::fields`] from the last evaluation, which must have been for this surface; nothing is
     /// evaluated.
-    pub fn last_fields(&mut self, surface: Surface<'_, T>) -> Fields<T> {
+    pub fn last_fields(&mut self, surface: Surface<'_, T>) -> Fields<T>
+    where
+        T: Evaluated,
+    {
+        T::last_fields(self, surface)
+    }
+
+    fn collect(&mut self, surface: Surface<'_, T>) -> Fields<T> {
         match &mut self.ordered {
             None => collect(&mut *self.prepared, surface, &self.force),
             Some(ordered) => {
@@ -133,7 +143,14 @@ impl<T: Real> Evaluator<T> {
 
     /// Findings about the last evaluation, which must have been for this surface, including noise
     /// of its positions, with a flag for each vertex: see [`Prepared::quality`].
-    pub fn quality(&self, surface: Surface<'_, T>) -> Quality {
+    pub fn quality(&self, surface: Surface<'_, T>) -> Quality
+    where
+        T: Evaluated,
+    {
+        T::quality(self, surface)
+    }
+
+    fn gather(&self, surface: Surface<'_, T>) -> Quality {
         Quality::gather(surface.mesh(), |report| {
             self.inspect(surface, report);
             Noise::of(&Parallel::new(), surface).inspect(surface, report);
@@ -173,33 +190,48 @@ pub trait Evaluated: Real {
     ) -> Evaluator<Self> {
         Evaluator::with_execution(method, options, modulus, mesh, Serial)
     }
+
+    /// [`Evaluator::last_fields`].
+    fn last_fields(evaluator: &mut Evaluator<Self>, surface: Surface<'_, Self>) -> Fields<Self> {
+        evaluator.collect(surface)
+    }
+
+    /// [`Evaluator::quality`].
+    fn quality(evaluator: &Evaluator<Self>, surface: Surface<'_, Self>) -> Quality {
+        evaluator.gather(surface)
+    }
 }
 
 // Functions without type parameters, so that methods are compiled here and not again in every crate
 // that evaluates them.
-impl Evaluated for f32 {
-    fn evaluator(
-        method: BendingMethod,
-        options: &MethodOptions,
-        modulus: f32,
-        mesh: &TriangleMesh,
-        threads: Parallel,
-    ) -> Evaluator<f32> {
-        Evaluator::with_execution(method, options, modulus, mesh, threads)
-    }
+macro_rules! evaluated {
+    ($($number:ty),*) => {$(
+        impl Evaluated for $number {
+            fn evaluator(
+                method: BendingMethod,
+                options: &MethodOptions,
+                modulus: $number,
+                mesh: &TriangleMesh,
+                threads: Parallel,
+            ) -> Evaluator<$number> {
+                Evaluator::with_execution(method, options, modulus, mesh, threads)
+            }
+
+            fn last_fields(
+                evaluator: &mut Evaluator<$number>,
+                surface: Surface<'_, $number>,
+            ) -> Fields<$number> {
+                evaluator.collect(surface)
+            }
+
+            fn quality(evaluator: &Evaluator<$number>, surface: Surface<'_, $number>) -> Quality {
+                evaluator.gather(surface)
+            }
+        }
+    )*};
 }
 
-impl Evaluated for f64 {
-    fn evaluator(
-        method: BendingMethod,
-        options: &MethodOptions,
-        modulus: f64,
-        mesh: &TriangleMesh,
-        threads: Parallel,
-    ) -> Evaluator<f64> {
-        Evaluator::with_execution(method, options, modulus, mesh, threads)
-    }
-}
+evaluated!(f32, f64);
 
 impl Evaluator<f64> {
     /// Jets of degree 8, the highest: slow and not available in scenes, but the reference for other

@@ -195,12 +195,12 @@ struct Work {
 }
 
 /// A right-hand side that is counted, and whose velocities are finite.
-struct Checked<'a, R: ?Sized> {
-    inner: &'a mut R,
+struct Checked<'a> {
+    inner: &'a mut dyn RightHandSide,
     evaluations: &'a mut usize,
 }
 
-impl<R: RightHandSide + ?Sized> Checked<'_, R> {
+impl Checked<'_> {
     fn evaluate(
         &mut self,
         positions: &[Vector],
@@ -338,7 +338,7 @@ impl Integrator {
     /// If velocities cannot be computed.
     pub fn estimate_spectrum(
         &mut self,
-        right_hand_side: &mut (impl RightHandSide + ?Sized),
+        right_hand_side: &mut dyn RightHandSide,
     ) -> Result<Spectrum, Failure> {
         self.arrive(right_hand_side)?;
         let state = &mut self.state;
@@ -368,7 +368,7 @@ impl Integrator {
     /// then unchanged.
     pub fn step(
         &mut self,
-        right_hand_side: &mut (impl RightHandSide + ?Sized),
+        right_hand_side: &mut dyn RightHandSide,
         until: f64,
     ) -> Result<StepReport, Failure> {
         let remaining = until - self.state.time;
@@ -451,7 +451,7 @@ impl Integrator {
     /// As [`Self::step`].
     pub fn run(
         &mut self,
-        right_hand_side: &mut (impl RightHandSide + ?Sized),
+        right_hand_side: &mut dyn RightHandSide,
         until: f64,
         mut each: impl FnMut(&Self, &StepReport) -> bool,
     ) -> Result<StepReport, Failure> {
@@ -465,10 +465,7 @@ impl Integrator {
     }
 
     /// Evaluates the first velocities.
-    fn arrive(
-        &mut self,
-        right_hand_side: &mut (impl RightHandSide + ?Sized),
-    ) -> Result<(), Failure> {
+    fn arrive(&mut self, right_hand_side: &mut dyn RightHandSide) -> Result<(), Failure> {
         let state = &mut self.state;
         if state.velocities.len() == state.positions.len() {
             return Ok(());
@@ -485,7 +482,7 @@ impl Integrator {
     /// Takes a step of the scheme without error control; returns the error estimate.
     fn attempt(
         &mut self,
-        right_hand_side: &mut (impl RightHandSide + ?Sized),
+        right_hand_side: &mut dyn RightHandSide,
         end_time: f64,
         stages: usize,
     ) -> Result<f64, Failure> {
@@ -535,7 +532,7 @@ impl Integrator {
     /// The first step, from the change of velocities in an Euler step, as in that paper.
     fn first_step(
         &mut self,
-        right_hand_side: &mut (impl RightHandSide + ?Sized),
+        right_hand_side: &mut dyn RightHandSide,
         remaining: f64,
     ) -> Result<f64, Failure> {
         let longest = self.settings.longest_step.unwrap_or(f64::INFINITY);

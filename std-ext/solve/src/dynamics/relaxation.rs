@@ -220,7 +220,7 @@ impl Relaxation {
 
     /// Evaluates the start, with constraints at their targets, before the first step. The first step does
     /// not repeat this evaluation.
-    pub fn start(&mut self, problem: &mut (impl Problem + ?Sized)) -> StepReport {
+    pub fn start(&mut self, problem: &mut dyn Problem) -> StepReport {
         let here = match self.here.take() {
             Some(here) => here,
             None => match self.arrive(problem) {
@@ -234,7 +234,7 @@ impl Relaxation {
     }
 
     /// Takes one step; after the end nothing moves.
-    pub fn step(&mut self, problem: &mut (impl Problem + ?Sized)) -> StepReport {
+    pub fn step(&mut self, problem: &mut dyn Problem) -> StepReport {
         let here = match self.here.take() {
             Some(here) => here,
             None => match self.arrive(problem) {
@@ -280,7 +280,7 @@ impl Relaxation {
     /// Steps until the relaxation has ended; `each` sees every step and may stop it by `false`.
     pub fn run(
         &mut self,
-        problem: &mut (impl Problem + ?Sized),
+        problem: &mut dyn Problem,
         mut each: impl FnMut(&Self, &StepReport) -> bool,
     ) -> StepReport {
         loop {
@@ -319,10 +319,7 @@ impl Relaxation {
 
     /// The first point. Constraints are not restored where a run is resumed, so that it stays on its
     /// way.
-    fn arrive(
-        &mut self,
-        problem: &mut (impl Problem + ?Sized),
-    ) -> Result<Point, (Failure, Evaluation)> {
+    fn arrive(&mut self, problem: &mut dyn Problem) -> Result<Point, (Failure, Evaluation)> {
         let resumed = self.state.lowest_energy.is_some();
         let positions = self.state.positions.clone();
         let evaluations = self.state.evaluations;
@@ -339,7 +336,7 @@ impl Relaxation {
     /// Chooses a new frame if the surface has turned away from the old one.
     fn turn(
         &mut self,
-        problem: &mut (impl Problem + ?Sized),
+        problem: &mut dyn Problem,
         here: Point,
     ) -> Result<Point, (Failure, Evaluation)> {
         if !here.coordinates.turned(&self.places, &self.frame) {
@@ -356,7 +353,7 @@ impl Relaxation {
         self.frame = Frame::new(&self.membranes, &self.places, &self.state.anchor);
     }
 
-    fn ended(&mut self, problem: &mut (impl Problem + ?Sized), point: &Point) -> Option<Outcome> {
+    fn ended(&mut self, problem: &mut dyn Problem, point: &Point) -> Option<Outcome> {
         if point.residual <= self.settings.tolerance {
             return Some(Outcome::Converged);
         }
@@ -410,12 +407,7 @@ impl Relaxation {
 
     /// Redistributes the vertices of fluid membranes if this is due and cheap: with an energy it
     /// may cost a fraction of the gain of the step, otherwise nothing.
-    fn spread(
-        &mut self,
-        problem: &mut (impl Problem + ?Sized),
-        before: &Point,
-        point: Point,
-    ) -> (Point, bool) {
+    fn spread(&mut self, problem: &mut dyn Problem, before: &Point, point: Point) -> (Point, bool) {
         if !self.settings.redistribution || self.state.newton {
             return (point, false);
         }

@@ -104,7 +104,37 @@ pub enum ImmersionError {
 /// The largest speed of a vertex, in lattice units: half the speed of sound.
 const FASTEST: f64 = 0.289;
 
-impl<T: Precision> Immersion<T> {
+/// The number types of lattices with membranes in them: `f32` and `f64`, for which a step is compiled in
+/// this crate.
+pub trait ImmersionPrecision: Precision {
+    /// [`Immersion::advance`].
+    ///
+    /// # Errors
+    /// As there.
+    fn advance(
+        immersion: &mut Immersion<Self>,
+        membranes: &mut dyn Membranes,
+        positions: &mut [[f64; 3]],
+    ) -> Result<(), ImmersionError>;
+}
+
+macro_rules! precision {
+    ($($number:ty),*) => {$(
+        impl ImmersionPrecision for $number {
+            fn advance(
+                immersion: &mut Immersion<Self>,
+                membranes: &mut dyn Membranes,
+                positions: &mut [[f64; 3]],
+            ) -> Result<(), ImmersionError> {
+                immersion.advance_here(membranes, positions)
+            }
+        }
+    )*};
+}
+
+precision!(f32, f64);
+
+impl<T: ImmersionPrecision> Immersion<T> {
     /// An immersion of this number of vertices in a fluid whose first corner is at `origin`.
     pub fn new(
         lattice: Lattice<T>,
@@ -196,7 +226,16 @@ impl<T: Precision> Immersion<T> {
     /// If there is not one position per vertex.
     pub fn advance(
         &mut self,
-        membranes: &mut impl Membranes,
+        membranes: &mut dyn Membranes,
+        positions: &mut [[f64; 3]],
+    ) -> Result<(), ImmersionError> {
+        T::advance(self, membranes, positions)
+    }
+
+    /// As [`Self::advance`], compiled for the number type in the crate that calls it.
+    fn advance_here(
+        &mut self,
+        membranes: &mut dyn Membranes,
         positions: &mut [[f64; 3]],
     ) -> Result<(), ImmersionError> {
         self.check_speeds()?;
@@ -251,7 +290,7 @@ impl<T: Precision> Immersion<T> {
     /// Spreads the forces of viscous membranes to the fluid.
     fn add_viscous_forces(
         &mut self,
-        membranes: &mut impl Membranes,
+        membranes: &mut dyn Membranes,
         positions: &[[f64; 3]],
     ) -> Result<(), ImmersionError> {
         let Self {

@@ -21,6 +21,7 @@ pub mod limits;
 mod obstacle;
 mod reading;
 mod setup;
+mod speed;
 mod stencil;
 mod units;
 mod vectors;
@@ -31,6 +32,7 @@ pub use error::LatticeError;
 pub use immersed::{Immersed, Kernel};
 pub use reading::Node;
 pub use setup::{Setup, Sides};
+pub use speed::{Speed, measure_speed};
 pub use units::{Units, mach, memory, reynolds};
 
 use boundary::Links;
@@ -47,10 +49,39 @@ use viscosity::NodalViscosities;
 ///
 /// Populations are stored as deviations from rest, so that rounding in `f32` is 6·10⁻⁸ of the
 /// deviations.
-pub trait Precision: Vectors {}
+///
+/// Its functions are long loops, compiled in this crate for both types, so that their speed does
+/// not depend on how a crate that calls them is optimised.
+pub trait Precision: Vectors {
+    /// [`Lattice::advance`] by one step; keeps the velocities at its start, if asked to.
+    fn step(lattice: &mut Lattice<Self>, keep_velocities: bool);
 
-impl Precision for f32 {}
-impl Precision for f64 {}
+    /// [`measure_speed`].
+    ///
+    /// # Errors
+    /// As there.
+    fn measure_speed(setup: Setup, kernel: Kernel, points: usize) -> Result<Speed, LatticeError>;
+}
+
+macro_rules! precision {
+    ($($number:ty),*) => {$(
+        impl Precision for $number {
+            fn step(lattice: &mut Lattice<Self>, keep_velocities: bool) {
+                lattice.step_here(keep_velocities);
+            }
+
+            fn measure_speed(
+                setup: Setup,
+                kernel: Kernel,
+                points: usize,
+            ) -> Result<Speed, LatticeError> {
+                speed::measure_here::<Self>(setup, kernel, points)
+            }
+        }
+    )*};
+}
+
+precision!(f32, f64);
 
 fn number<T: Precision>(value: T) -> f64 {
     value.to_f64().unwrap_or(f64::NAN)
@@ -195,7 +226,7 @@ impl<T: Precision> Lattice<T> {
     /// Advances by a number of steps.
     pub fn advance(&mut self, steps: u64) {
         for _ in 0..steps {
-            self.step(None);
+            T::step(self, false);
         }
     }
 
@@ -206,14 +237,23 @@ impl<T: Precision> Lattice<T> {
     /// The velocities are rounded to the number type of the lattice, and available until the next
     /// such step.
     pub fn advance_keeping_velocities(&mut self) {
+        T::step(self, true);
+    }
+
+    /// A step, compiled in the crate that calls this.
+    fn step_here(&mut self, keep_velocities: bool) {
+        if !keep_velocities {
+            self.collide_and_stream(None);
+            return;
+        }
         let layout = &self.layout;
         let mut kept = (self.velocities.take()).unwrap_or_else(|| NodalVelocities::new(layout));
         kept.keep(self.forces.as_ref());
-        self.step(Some(&mut kept));
+        self.collide_and_stream(Some(&mut kept));
         self.velocities = Some(kept);
     }
 
-    fn step(&mut self, velocities: Option<&mut NodalVelocities<T>>) {
+    fn collide_and_stream(&mut self, velocities: Option<&mut NodalVelocities<T>>) {
         let odd = self.odd();
         let fluid = Fluid {
             tripled_viscosity: T::constant(3.0 * self.setup.viscosity),

@@ -59,7 +59,7 @@ impl Redistribution {
     /// velocities do.
     pub fn new(
         meshes: &[Arc<TriangleMesh>],
-        fluid: impl Fn(usize) -> bool,
+        fluid: &dyn Fn(usize) -> bool,
         tolerance: f64,
     ) -> Self {
         let mut all = Vec::new();
@@ -399,7 +399,7 @@ mod tests {
     ) -> Field {
         let mut velocities = Field::from_iter(positions.iter().map(|&x| material(x)));
         let meshes = [Arc::clone(mesh)];
-        Redistribution::new(&meshes, |_| true, 1e-8).slide(positions, &mut velocities);
+        Redistribution::new(&meshes, &|_| true, 1e-8).slide(positions, &mut velocities);
         velocities
     }
 
@@ -501,7 +501,7 @@ mod tests {
         let both = [positions.clone(), positions.clone()].concat();
         let material = Field::from_iter(both.iter().map(|&x| treading(x)));
         let mut velocities = material.clone();
-        let mut redistribution = Redistribution::new(&meshes, |number| number == 1, 1e-8);
+        let mut redistribution = Redistribution::new(&meshes, &|number| number == 1, 1e-8);
         redistribution.slide(&both, &mut velocities);
         assert_eq!(velocities[..162], material[..162]);
         assert_eq!(velocities[162..], alone);

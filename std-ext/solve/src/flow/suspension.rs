@@ -103,7 +103,7 @@ impl Suspension {
     /// If there is not one position and one velocity per vertex.
     pub fn set_velocities(
         &mut self,
-        membranes: &mut impl Membranes,
+        membranes: &mut dyn Membranes,
         positions: &[[f64; 3]],
         velocities: &mut [[f64; 3]],
     ) -> Result<(), String> {
@@ -118,7 +118,7 @@ impl Suspension {
     /// Sets the velocities of the material, which are those of the fluid.
     fn set_material_velocities(
         &mut self,
-        membranes: &mut impl Membranes,
+        membranes: &mut dyn Membranes,
         positions: &[[f64; 3]],
         velocities: &mut [[f64; 3]],
     ) -> Result<(), String> {
@@ -140,7 +140,7 @@ impl Suspension {
     /// Solves `u = b + K u` for u.
     fn solve(
         &mut self,
-        membranes: &mut impl Membranes,
+        membranes: &mut dyn Membranes,
         positions: &[[f64; 3]],
         velocities: &mut [[f64; 3]],
     ) -> Result<(), String> {
@@ -208,7 +208,7 @@ impl Suspension {
     /// If there is not one position per vertex.
     pub fn fluid_at(
         &mut self,
-        membranes: &mut impl Membranes,
+        membranes: &mut dyn Membranes,
         positions: &[[f64; 3]],
         points: &[[f64; 3]],
     ) -> Result<Fluid, String> {

@@ -32,7 +32,7 @@ impl KeptVolumes {
     /// If there are fewer positions than vertices.
     pub fn new(
         meshes: &[Arc<TriangleMesh>],
-        kept: impl Fn(usize) -> bool,
+        kept: &dyn Fn(usize) -> bool,
         positions: &[[f64; 3]],
     ) -> Self {
         let mut volumes = Vec::new();

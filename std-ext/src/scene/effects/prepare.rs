@@ -1,12 +1,10 @@
 //! Effects prepared for the mesh of their surface.
 
 use super::{Effects, Stretch};
-use crate::effect::{Effect, Lumping, NoForce, Viscosity};
+use crate::effect::{Effect, Lumping, NoForce, Potential, Viscosity};
 use helfrich::{
-    Conservative, Constraint, LoadError, Quantity, ReferenceError, Surface, SurfaceError, Targets,
-    TriangleMesh,
+    Constraint, LoadError, Quantity, ReferenceError, Surface, SurfaceError, Targets, TriangleMesh,
 };
-use std::fmt;
 
 /// The reason why an effect cannot be prepared for a mesh. The message is one line.
 #[derive(Debug, thiserror::Error)]
@@ -58,10 +56,7 @@ impl Preparation<'_> {
     }
 
     /// Adds an effect whose force is the gradient of its energy.
-    pub(super) fn conservative<M>(&mut self, name: &'static str, method: M)
-    where
-        M: Conservative<f64> + fmt::Debug + 'static,
-    {
+    pub(super) fn conservative(&mut self, name: &'static str, method: impl Potential) {
         let effect = Effect::conservative(name, method, self.surface.mesh());
         self.forces.push(effect);
     }

@@ -5,6 +5,7 @@ use super::super::keys::{Form, Keys, NUMBER, optional};
 use super::super::mesh_source::WELD;
 use super::super::value::Origin;
 use super::{Builder, EffectError, MeshSource, Named, Preparation, Reader};
+use crate::effect::Potential;
 use crate::generate::{AnyShape, Family};
 use helfrich::{InPlane, StrainEnergy, Surface};
 use serde::Serialize;
@@ -143,7 +144,8 @@ impl Preparation<'_> {
         reference: &Reference,
     ) -> Result<(), EffectError>
     where
-        W: StrainEnergy<f64> + fmt::Debug + 'static,
+        W: StrainEnergy<f64>,
+        InPlane<f64, W>: Potential,
     {
         let unstressed = Surface::new(self.mesh(), &self.unstressed)?;
         let law = InPlane::new(law, self.mesh(), unstressed)

@@ -4,15 +4,13 @@ use super::Active;
 use super::driver::interval;
 use crate::execute::available_threads;
 use crate::flow::lattice_boltzmann::limits::{FINITE_BOX, ImmersedMembrane, StepLimit};
-use crate::flow::lattice_boltzmann::{Immersed, Lattice, LatticeError, Precision, Setup, Sides};
+use crate::flow::lattice_boltzmann::{LatticeError, Setup, Sides, Speed, measure_speed};
 use crate::info::MeshInfo;
 use crate::scalar::Scalar;
 use crate::scene::{
     Dimension, Driver, Flow, Group, Interaction, LatticeBoltzmann, Parameters, Scene, SurfaceScene,
 };
 use serde::Serialize;
-use std::f64::consts::PI;
-use std::time::{Duration, Instant};
 
 /// Explanation of a lattice.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,8 +36,6 @@ pub struct LatticeExplanation {
 
 /// Seconds per vertex of an evaluation of elasticity, or of method B.
 const VERTEX_SECONDS: f64 = 1e-7;
-/// Duration of the measurement of fluid and of coupling.
-const TRIAL: Duration = Duration::from_millis(100);
 /// Nodes along each axis of the measured lattice, too many for a processor's cache.
 const TRIAL_NODES: usize = 48;
 
@@ -60,11 +56,8 @@ pub(super) fn explain(
     let steps = (lattice.duration / lattice.step).ceil();
     let nodes: f64 = lattice.cells.iter().map(|&count| count as f64).product();
     let vertices = surfaces.clone().map(|(_, mesh)| mesh.vertices).sum();
-    let [throughput, coupling] = match lattice.precision {
-        Scalar::F32 => trial::<f32>(lattice, vertices),
-        _ => trial::<f64>(lattice, vertices),
-    }
-    .unwrap_or([f64::NAN; 2]);
+    let speed = trial(lattice, vertices);
+    let [throughput, coupling] = speed.map_or([f64::NAN; 2], |speed| [speed.nodes, speed.coupling]);
     let forces = surfaces.map(|(surface, mesh)| {
         let bending = surface
             .effects
@@ -182,54 +175,17 @@ pub(super) fn step_limit(lattice: &LatticeExplanation, number: &Parameters) -> S
     format!("{first}; {}", Vec::from_iter(limits).join(", "))
 }
 
-/// Nodes updated per second, and seconds to place, spread and interpolate `points` points once.
-fn trial<T: Precision>(
-    lattice: &LatticeBoltzmann,
-    vertices: usize,
-) -> Result<[f64; 2], LatticeError> {
-    let cells = lattice.cells.map(|count| count.clamp(1, TRIAL_NODES));
-    let mut fluid = Lattice::<T>::new(Setup {
-        cells,
+/// The speed of this machine on a small lattice of the same kind.
+fn trial(lattice: &LatticeBoltzmann, vertices: usize) -> Result<Speed, LatticeError> {
+    let setup = Setup {
+        cells: lattice.cells.map(|count| count.clamp(1, TRIAL_NODES)),
         sides: [Sides::Periodic; 3],
         viscosity: 1.0 / 6.0,
         inertia: lattice.density.is_some(),
         threads: available_threads(),
-    })?;
-    // The points are distributed evenly over a sphere half as wide as the box, on a spiral with the
-    // golden angle.
-    let spiral = |index: usize| {
-        let z = 1.0 - (2 * index + 1) as f64 / vertices as f64;
-        let turn = index as f64 * PI * (3.0 - 5.0_f64.sqrt());
-        let across = (1.0 - z * z).sqrt();
-        let point = [across * turn.cos(), across * turn.sin(), z];
-        std::array::from_fn(|axis| cells[axis] as f64 * (0.5 + 0.25 * point[axis]))
     };
-    let points = Vec::from_iter((0..vertices).map(spiral));
-    let forces = vec![[0.0; 3]; vertices];
-    let mut velocities = vec![[0.0; 3]; vertices];
-    let mut immersed = Immersed::new(lattice.kernel);
-    let mut rounds = 0;
-    immersed.place(&fluid, &points)?;
-    immersed.spread(&mut fluid, &forces)?;
-    fluid.advance_keeping_velocities();
-    let start = Instant::now();
-    while start.elapsed() < TRIAL {
-        immersed.place(&fluid, &points)?;
-        fluid.clear_forces();
-        immersed.spread(&mut fluid, &forces)?;
-        immersed.interpolate_kept(&fluid, &mut velocities);
-        rounds += 1;
+    match lattice.precision {
+        Scalar::F32 => measure_speed::<f32>(setup, lattice.kernel, vertices),
+        _ => measure_speed::<f64>(setup, lattice.kernel, vertices),
     }
-    let coupling = start.elapsed().as_secs_f64() / f64::from(rounds);
-    let start = Instant::now();
-    let mut steps = 0;
-    while start.elapsed() < TRIAL {
-        // One even and one odd step, because their memory access differs.
-        for _ in 0..2 {
-            fluid.advance_keeping_velocities();
-        }
-        steps += 2;
-    }
-    let updates = cells.iter().product::<usize>() as f64 * f64::from(steps);
-    Ok([updates / start.elapsed().as_secs_f64(), coupling])
 }

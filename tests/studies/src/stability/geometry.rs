@@ -483,7 +483,7 @@ impl Trial<'_> {
     }
 
     /// Positions times a power of two: f follows to the last bit.
-    fn scaled<T: Real>(
+    fn scaled<T: Evaluated>(
         self,
         evaluator: &mut Evaluator<T>,
         mesh: &TriangleMesh,
@@ -499,7 +499,7 @@ impl Trial<'_> {
     }
 
     /// Positions on a grid, and moved by a multiple of its pitch: no bit of f changes.
-    fn moved<T: Real>(
+    fn moved<T: Evaluated>(
         self,
         evaluator: &mut Evaluator<T>,
         mesh: &TriangleMesh,

@@ -1,7 +1,7 @@
 //! One step of the pair of third and second order of P. Bogacki and L. F. Shampine, Appl. Math.
 //! Lett. 2 (1989) 321, whose last velocity is the first of the next step.
 
-use super::{Checked, Failure, RightHandSide, Start, Work};
+use super::{Checked, Failure, Start, Work};
 use crate::dynamics::vector::{add, scale};
 
 /// Length of the stability interval on the negative real axis: `1 + z + z²/2 + z³/6 = −1`.
@@ -9,7 +9,7 @@ pub(super) const STABILITY: f64 = 2.5127;
 
 /// Takes a step; returns the root mean square of the error estimate.
 pub(super) fn advance(
-    rhs: &mut Checked<'_, impl RightHandSide + ?Sized>,
+    rhs: &mut Checked<'_>,
     start: Start<'_>,
     end_time: f64,
     work: &mut Work,

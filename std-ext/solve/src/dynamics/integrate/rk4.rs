@@ -1,7 +1,7 @@
 //! One step of the classical Runge–Kutta scheme of fourth order: W. Kutta, Z. Math. Phys. 46 (1901)
 //! 435.
 
-use super::{Checked, Failure, RightHandSide, Start, Work};
+use super::{Checked, Failure, Start, Work};
 use crate::dynamics::vector::{add, scale};
 
 /// Length of the stability interval on the negative real axis: `1 + z + … + z⁴/24 = 1`.
@@ -9,7 +9,7 @@ pub(super) const STABILITY: f64 = 2.7852;
 
 /// Takes a step.
 pub(super) fn advance(
-    rhs: &mut Checked<'_, impl RightHandSide + ?Sized>,
+    rhs: &mut Checked<'_>,
     start: Start<'_>,
     end_time: f64,
     work: &mut Work,

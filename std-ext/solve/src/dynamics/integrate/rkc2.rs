@@ -1,7 +1,7 @@
 //! One step of the damped Runge–Kutta–Chebyshev scheme of second order: B. P. Sommeijer,
 //! L. F. Shampine and J. G. Verwer, J. Comput. Appl. Math. 88 (1998) 315.
 
-use super::{Checked, Failure, RightHandSide, Start, Work};
+use super::{Checked, Failure, Start, Work};
 use crate::dynamics::vector::{add, scale, sub};
 
 /// Damping ε of that paper: inside the stability interval |R| ≤ 1 − ε/3 but near 0.
@@ -41,7 +41,7 @@ pub(super) fn stages(step: f64, radius: f64) -> usize {
 
 /// Takes a step with this number of stages; returns the root mean square of the error estimate.
 pub(super) fn advance(
-    rhs: &mut Checked<'_, impl RightHandSide + ?Sized>,
+    rhs: &mut Checked<'_>,
     start: Start<'_>,
     end_time: f64,
     stages: usize,

@@ -3,7 +3,7 @@
 //! After each product the two Ritz values of the last three iterates are taken (W. E. Arnoldi,
 //! Quart. Appl. Math. 9 (1951) 17), so that complex pairs are found as well as real eigenvalues.
 
-use super::{Checked, Failure, RightHandSide, Settings, Start, Work};
+use super::{Checked, Failure, Settings, Start, Work};
 use crate::dynamics::vector::{Vector, add, dot, norm, scale, sub};
 use serde::{Deserialize, Serialize};
 
@@ -56,7 +56,7 @@ struct Ritz {
 /// Estimates the spectrum at a start. The iteration starts from `mode`, and sets it to its last
 /// iterate; `mode` is empty before the first call.
 pub(super) fn estimate(
-    rhs: &mut Checked<'_, impl RightHandSide + ?Sized>,
+    rhs: &mut Checked<'_>,
     start: Start<'_>,
     settings: &Settings,
     mode: &mut Vec<Vector>,

@@ -46,11 +46,7 @@ impl Relaxation {
     }
 
     /// The displacement that would cancel the force if the estimated stiffness were exact.
-    pub(super) fn direction(
-        &mut self,
-        problem: &(impl Problem + ?Sized),
-        here: &Point,
-    ) -> Vec<f64> {
+    pub(super) fn direction(&mut self, problem: &dyn Problem, here: &Point) -> Vec<f64> {
         let secants = std::mem::take(&mut self.state.secants);
         let mut direction = here.force.clone();
         secants.apply(&mut direction, |force| self.precondition(here, force));
@@ -63,7 +59,7 @@ impl Relaxation {
     /// The displacement that would cancel a force, by the preconditioner alone.
     pub(super) fn preconditioned(
         &mut self,
-        problem: &(impl Problem + ?Sized),
+        problem: &dyn Problem,
         here: &Point,
         force: &[f64],
     ) -> Vec<f64> {

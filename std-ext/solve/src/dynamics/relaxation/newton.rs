@@ -37,7 +37,7 @@ const HALVINGS: usize = 8;
 
 impl Relaxation {
     /// Whether to try Newton steps, or to continue with them.
-    pub(super) fn newton_is_due(&self, problem: &(impl Problem + ?Sized)) -> bool {
+    pub(super) fn newton_is_due(&self, problem: &dyn Problem) -> bool {
         if problem.is_conservative() || !self.settings.preconditioned {
             return false;
         }
@@ -47,11 +47,7 @@ impl Relaxation {
     }
 
     /// The next point by a Newton step; `None` if none has a lower residual.
-    pub(super) fn newton(
-        &mut self,
-        problem: &mut (impl Problem + ?Sized),
-        here: &Point,
-    ) -> Option<Trial> {
+    pub(super) fn newton(&mut self, problem: &mut dyn Problem, here: &Point) -> Option<Trial> {
         self.state.secants.clear();
         let right = packed(&here.force);
         let mut solution = vec![[0.0; 3]; right.len()];
@@ -93,7 +89,7 @@ impl Relaxation {
     /// force.
     fn softening(
         &mut self,
-        problem: &mut (impl Problem + ?Sized),
+        problem: &mut dyn Problem,
         here: &Point,
         force: &[f64],
     ) -> Result<Vec<f64>, Failure> {

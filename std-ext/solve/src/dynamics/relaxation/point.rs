@@ -28,7 +28,7 @@ impl Relaxation {
     /// Restores constraints if requested, and evaluates forces, energy and geometry.
     pub(super) fn evaluate(
         &mut self,
-        problem: &mut (impl Problem + ?Sized),
+        problem: &mut dyn Problem,
         mut positions: Vec<Vector>,
         restore: bool,
     ) -> Result<Point, (Failure, Evaluation)> {

@@ -67,7 +67,7 @@ impl Relaxation {
     /// preconditioned force.
     pub(super) fn advance(
         &mut self,
-        problem: &mut (impl Problem + ?Sized),
+        problem: &mut dyn Problem,
         here: &Point,
     ) -> Result<Trial, Outcome> {
         let newton = self.newton_is_due(problem);
@@ -115,7 +115,7 @@ impl Relaxation {
     /// of the first trial.
     fn search(
         &mut self,
-        problem: &mut (impl Problem + ?Sized),
+        problem: &mut dyn Problem,
         here: &Point,
         direction: &[f64],
         slope: f64,
@@ -185,7 +185,7 @@ impl Relaxation {
     /// A better step length, if a point is too far along a direction.
     fn too_far(
         &self,
-        problem: &(impl Problem + ?Sized),
+        problem: &dyn Problem,
         here: &Point,
         there: &Point,
         step: f64,

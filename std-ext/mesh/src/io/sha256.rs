@@ -48,8 +48,8 @@ const fn rounds() -> [u32; 64] {
     constants
 }
 
-/// The checksum of bytes in several parts.
-pub(crate) fn sha256(parts: &[&[u8]]) -> [u8; 32] {
+/// The SHA-256 of bytes in several parts, as if they were one.
+pub fn sha256(parts: &[&[u8]]) -> [u8; 32] {
     let mut state = START;
     let mut rest = [0; BLOCK];
     let (mut filled, mut length) = (0, 0_u64);
