@@ -7,13 +7,18 @@
 //! deviation of the noise that would explain it, pooled over nearby vertices. Odd and even degrees
 //! decay apart: the shape is expected to leave at most `1.8 S₆ max(S₅, S₆) / S₄`, and never more
 //! than `0.45 S₆`; what is left beyond that is noise. If R/S₆ indicates no noise but S₆/S₄ is not
-//! small, the mesh does not resolve the shape.
+//! small, the mesh does not resolve the shape there.
+//!
+//! Noise is the same everywhere, the residual of a shape is not: where R is least, noise is most of it.
+//! If these places agree, and R there is that of wider fits as well, they tell the noise of meshes that
+//! resolve the shape only in part.
 //!
 //! The constants were chosen so that no noise is seen on exact meshes of spheres, ellipsoids, tori and
 //! discocytes, even or not, of 42 to 5000 vertices, and σ within 15 % from about the part on that such
 //! meshes leave: 1e-4 mean edges at 2562 vertices, 1e-5 at 10242.
 
 mod fit;
+mod quiet;
 mod regression;
 mod smoothing;
 
@@ -56,8 +61,9 @@ const UPRIGHT: f64 = 0.0;
 /// Rings of vertices at a boundary whose fits are one-sided and leave more than noise.
 const BORDER: usize = 3;
 
-/// Upper bound of the residual that the shape leaves: over `S₆ max(S₅, S₆) / S₄`, and over S₆.
-const FORETOLD: f64 = 1.8;
+/// Residual that the shape leaves over `S₆ max(S₅, S₆) / S₄`: at most, and on most meshes; and at most over
+/// S₆.
+const FORETOLD: [f64; 2] = [1.8, 1.1];
 const CEILING: f64 = 0.45;
 
 /// S₆/S₄ from which on R/S₆ has to be that of noise or far below: R is no better known than S₆.
@@ -92,10 +98,14 @@ type Spectrum<T> = [[T; 2]; 4];
 
 /// Noise estimated around one vertex.
 struct Seen<T> {
-    /// Its standard deviation.
-    deviation: T,
     /// The standard deviation that explains the whole residual, shape and noise.
     most: T,
+    /// That of the noise, if the shape leaves as much as it may.
+    least: T,
+    /// That of the noise, if the shape leaves as much as it does on most meshes.
+    likely: T,
+    /// Whether the parts decay fast enough to tell noise from shape.
+    is_resolved: bool,
 }
 
 impl<T: Real> Noise<T> {
@@ -116,16 +126,23 @@ impl<T: Real> Noise<T> {
             Ok(place) => spectra[place],
             Err(_) => Spectrum::default(),
         };
-        let seen = pools
-            .iter()
-            .map(|pool| Seen::in_pool(pool.iter().map(of_vertex)));
-        let seen = Vec::from_iter(seen.flatten());
-        // On a mesh that does not resolve the shape, noise cannot be estimated.
-        if 2 * seen.len() < centres.len() {
+        let in_pool = |pool: &Vec<u32>| Seen::in_pool(pool.iter().map(of_vertex));
+        let seen = pools.iter().map(|pool| Some((pool, in_pool(pool)?)));
+        let mut seen = Vec::from_iter(seen.flatten());
+        let is_half = |count: usize| 2 * count >= centres.len();
+        if !is_half(seen.len()) {
             return Self::default();
         }
-        let found = median(seen.iter().map(|seen| seen.deviation));
-        let most = median(seen.iter().map(|seen| seen.most));
+        let resolved = seen.iter().filter(|(_, seen)| seen.is_resolved);
+        let resolved = Vec::from_iter(resolved.map(|(_, seen)| seen));
+        let (mut found, mut most) = (T::zero(), median(seen.iter().map(|(_, seen)| seen.most)));
+        if is_half(resolved.len()) {
+            found = median(resolved.iter().map(|seen| seen.least));
+            most = median(resolved.iter().map(|seen| seen.most));
+        }
+        if let Some(quiet) = quiet::noise(surface, &mut seen, found > T::zero()) {
+            found = found.max(quiet);
+        }
         let rounding = rounding(surface.positions());
         let rounding = if most >= T::constant(0.5) * rounding {
             rounding
@@ -203,17 +220,19 @@ fn spectra<T: Real>(
         &mut memory,
         &mut spectra[..],
         |(near, fit), place, spectrum| {
-            *spectrum = spectrum_at(surface, &normals, vertices[place], near, fit);
+            *spectrum = spectrum_at(surface, &normals, vertices[place], NEIGHBOURS, near, fit);
         },
     );
     spectra
 }
 
-/// The spectrum of the fit around a vertex; zeros if the fit fails.
+/// The spectrum of the fit around a vertex with so many neighbours, at first and at most; zeros if the fit
+/// fails.
 fn spectrum_at<T: Real>(
     surface: Surface<'_, T>,
     normals: &[Vec3<T>],
     vertex: u32,
+    [first, most]: [usize; 2],
     near: &mut Neighbourhood<T>,
     fit: &mut HeightFit<T>,
 ) -> Spectrum<T> {
@@ -223,7 +242,6 @@ fn spectrum_at<T: Real>(
         interpolates: true,
     };
     let here = normals[vertex as usize];
-    let [first, most] = NEIGHBOURS;
     near.nearest(surface, vertex, most);
     let mut count = first;
     loop {
@@ -263,8 +281,7 @@ fn normals<T: Real>(surface: Surface<'_, T>) -> Vec<Vec3<T>> {
 }
 
 impl<T: Real> Seen<T> {
-    /// The noise by the spectra of a pool; `None` where they decay too slowly to tell noise from shape, or
-    /// half of the fits failed.
+    /// The noise by the spectra of a pool; `None` where half of the fits failed.
     fn in_pool(spectra: impl Iterator<Item = Spectrum<T>>) -> Option<Self> {
         let mut sums = Spectrum::<T>::default();
         let mut fits = 0;
@@ -277,32 +294,38 @@ impl<T: Real> Seen<T> {
         if 2 * fits < POOL {
             return None;
         }
-        let [fourth, fifth, sixth, left]: [T; 4] = sums.map(|[parts, gain]| parts / gain);
-        let most = left.sqrt();
-        if [fourth, fifth, sixth, left]
-            .iter()
-            .any(|part| !part.is_finite())
-        {
+        let parts: [T; 4] = sums.map(|[parts, gain]| parts / gain);
+        if parts.iter().any(|part| !part.is_finite()) {
             return None;
         }
+        let [fourth, _, sixth, left] = parts;
         let square = |factor: f64| T::constant(factor * factor);
         let [least_flat, most_flat] = FLAT.map(|ratio| square(ratio) * sixth);
         let is_slow = sixth > square(SLOW) * fourth;
         let between = left > square(STEEP) * sixth && left < least_flat;
-        if left > most_flat || (between && is_slow) {
-            return None;
-        }
-        let ceiling = square(CEILING);
-        let foretold = square(FORETOLD) * fifth.max(sixth) * sixth;
-        let variance = if foretold < ceiling * sixth * fourth {
-            left - foretold / fourth
-        } else {
-            // Of noise, S₆ has as much as R.
-            (left - ceiling * sixth) / (T::one() - ceiling)
-        };
-        let deviation = variance.max(T::zero()).sqrt();
-        Some(Self { deviation, most })
+        let [least, likely] = FORETOLD.map(|factor| deviation(parts, factor));
+        Some(Self {
+            most: left.sqrt(),
+            least,
+            likely,
+            is_resolved: left <= most_flat && !(between && is_slow),
+        })
     }
+}
+
+/// The standard deviation of noise by the squares S₄², S₅², S₆² and R², if the shape leaves this factor
+/// times what S₄ to S₆ foretell.
+fn deviation<T: Real>([fourth, fifth, sixth, left]: [T; 4], factor: f64) -> T {
+    let square = |factor: f64| T::constant(factor * factor);
+    let ceiling = square(CEILING);
+    let foretold = square(factor) * fifth.max(sixth) * sixth;
+    let variance = if foretold < ceiling * sixth * fourth {
+        left - foretold / fourth
+    } else {
+        // Of noise, S₆ has as much as R.
+        (left - ceiling * sixth) / (T::one() - ceiling)
+    };
+    variance.max(T::zero()).sqrt()
 }
 
 fn median<T: Real>(values: impl Iterator<Item = T>) -> T {

@@ -1,0 +1,85 @@
+//! Noise of meshes that resolve the shape only in part, by the places where the residual is least.
+//!
+//! The residual of the shape grows with the width of a fit, at least where the mesh nearly resolves it; that
+//! of noise does not.
+
+use super::fit::HeightFit;
+use super::{NEIGHBOURS, POOL, Seen, median, normals, spectrum_at};
+use crate::neighbourhood::Neighbourhood;
+use crate::real::Real;
+use crate::surface::Surface;
+use alloc::vec::Vec;
+use core::cmp::Ordering;
+
+/// Part of the pools that is taken as quiet, and the part of it that may be too quiet by chance.
+const QUIET: usize = 4;
+const CHANCE: usize = 20;
+
+/// Least ratio of the residuals at the ends of both parts: that of noise is 0.8 to 0.9, that of shapes was
+/// below 0.3 where they vary at all.
+const STEADY: f64 = 0.6;
+
+/// Part of a mesh that a pool may be: pools that are all of a mesh agree whatever is on it.
+const MOST_OF_MESH: usize = 12;
+
+/// Neighbours of wider fits, and by which factor the residual may be larger in them: noise has 1.0 to 1.2,
+/// shapes had 1.3 to 2.
+const WIDE: usize = 72;
+const GROWTH: f64 = 1.25;
+
+/// The noise by the quiet ones among pools with what is seen in them, if there it is noise. `is_noisy` says
+/// that noise is known to be there.
+pub(super) fn noise<T: Real>(
+    surface: Surface<'_, T>,
+    seen: &mut [(&Vec<u32>, Seen<T>)],
+    is_noisy: bool,
+) -> Option<T> {
+    if MOST_OF_MESH * POOL > surface.mesh().vertex_count() {
+        return None;
+    }
+    let by_residual = |a: &Seen<T>, b: &Seen<T>| a.most.partial_cmp(&b.most);
+    seen.sort_by(|(_, a), (_, b)| by_residual(a, b).unwrap_or(Ordering::Equal));
+    let quiet = &seen[..seen.len() / QUIET];
+    let (loudest, too_quiet) = (&quiet.last()?.1, &seen[seen.len() / CHANCE].1);
+    let is_steady = too_quiet.most >= T::constant(STEADY) * loudest.most;
+    let of_quiet = |of: fn(&Seen<T>) -> T| median(quiet.iter().map(|(_, seen)| of(seen)));
+    let is_seen = is_steady && of_quiet(|seen| seen.least) > T::zero();
+    let is_noise = is_seen && (is_noisy || growth(surface, quiet) <= T::constant(GROWTH));
+    is_noise.then(|| of_quiet(|seen| seen.likely))
+}
+
+/// The median ratio of the residuals of wide fits to those of others; infinite if half of it is not known.
+fn growth<T: Real>(surface: Surface<'_, T>, pools: &[(&Vec<u32>, Seen<T>)]) -> T {
+    let normals = normals(surface);
+    let mut near = Neighbourhood::default();
+    let mut fit = HeightFit::default();
+    let mut of_pool = |pool: &Vec<u32>| {
+        let mut sums = [[T::zero(); 2]; 2];
+        for &vertex in pool {
+            let [first, _] = NEIGHBOURS;
+            let both = [[first; 2], [WIDE; 2]];
+            let [narrow, wide] = both.map(|counts| {
+                let spectrum = spectrum_at(surface, &normals, vertex, counts, &mut near, &mut fit);
+                spectrum[3]
+            });
+            // Only where both are known: the residual differs from place to place.
+            if narrow[1] > T::zero() && wide[1] > T::zero() {
+                for (sum, term) in sums
+                    .iter_mut()
+                    .flatten()
+                    .zip([narrow, wide].iter().flatten())
+                {
+                    *sum += *term;
+                }
+            }
+        }
+        let [narrow, wide] = sums.map(|[squares, gain]| squares / gain);
+        let growth = (wide / narrow).sqrt();
+        if growth.is_finite() {
+            growth
+        } else {
+            T::infinity()
+        }
+    };
+    median(pools.iter().map(|(pool, _)| of_pool(pool)))
+}
