@@ -13,6 +13,13 @@
 //! it: regression jets with as many neighbours as the shape allows. The effect of noise on a method
 //! is measured by adding the same amount again. Errors of noise and of the shape are independent,
 //! so their squares add up.
+//!
+//! Mean errors of J4 and J6 are also estimated from the distances of J4, J6 and jets of degree 8 from
+//! each other beyond noise. On meshes of 2562 vertices with noise of 1e-4 to 1e-2 edges the expected
+//! errors of H are within a factor of 1.5 of the true ones. Those of f are so on most shapes: they were
+//! 0.5 of the true ones on a torus of aspect 0.6, and twice the true ones on a sphere with deep waves,
+//! whose largest f noise hides. On shapes that are hardly resolved, as a torus of aspect 0.2, noise
+//! below 3e-4 edges is not seen.
 
 mod estimate;
 mod noisy;
@@ -289,7 +296,14 @@ impl Expected<'_> {
                     (false, true) => distance.hypot(both),
                     (false, false) => distance.hypot(in_norm(estimate.noise, wish.norm)),
                 };
-                found.max(noise)
+                let found = found.max(noise);
+                match wish.norm {
+                    Norm::Mean if !is_bound => {
+                        let by_shape = noise.hypot(estimate.by_shape(method));
+                        between(found, by_shape)
+                    }
+                    _ => found,
+                }
             }
         };
         let [max, mean] = measured.distances;
@@ -339,6 +353,21 @@ impl Expected<'_> {
         let found = factors.into_iter().find(suffices)?;
         Some((count * found).ceil())
     }
+}
+
+/// The error of J6 by the shape from its distance from degree 8 and that of J4: near the limit of resolution
+/// degree 8 is hardly better than degree 6.
+fn of_sixth(near: f64, far: f64) -> f64 {
+    near.max((near * far).sqrt())
+}
+
+/// An error from one estimate, which is too low where a method shares its noise with what it is compared
+/// with, and another, which is too high where noise is weak; both are too high near the limit of resolution.
+fn between(found: f64, by_shape: f64) -> f64 {
+    if by_shape.is_nan() {
+        return found;
+    }
+    by_shape.min((found * by_shape).sqrt())
 }
 
 /// Eighths of a doubling of the vertices, that are tried.
@@ -418,7 +447,7 @@ impl<'a> Ground<'a> {
             let fields = Evaluator::new(method, 1.0, self.mesh).fields(surface);
             self.degree_8.errors(&fields, self.quantity)
         });
-        let unknown = [0, 1].map(|norm| near[norm].max((near[norm] * far[norm]).sqrt()));
+        let unknown = [0, 1].map(|norm| of_sixth(near[norm], far[norm]));
         let mut jets = Evaluator::new(BendingMethod::J6, 1.0, self.mesh);
         let noise = self.noise_of(&mut jets, Scalar::F64)?;
         Ok(Expected {

@@ -9,6 +9,7 @@
 //! wins.
 
 mod choice;
+mod shape;
 
 use crate::generate::random::Random;
 use crate::method::{BendingMethod, Evaluator, Fields};
@@ -77,15 +78,20 @@ pub(super) struct Estimate {
     pub(super) bias: [f64; 2],
     /// Whether it is J6 itself.
     pub(super) is_j6: bool,
+    /// Mean errors of J4 and J6 by the shape, relative, from their distances beyond noise.
+    by_shape: [f64; 2],
 }
 
-/// The place of J6 among candidates, after the jets of degree 8.
+/// The places of the jets of degree 8 and of J6 among candidates.
+const EIGHTH: usize = 0;
 const J6: usize = 1;
 
 /// Candidates, each with its distances from others known.
 struct Candidates {
     quantity: Quantity,
     all: Vec<Candidate>,
+    /// Values of J4 of the quantity.
+    fourth: Vec<Values>,
     /// Areas of the vertices, 0 where nothing is known; their sum is 1.
     areas: Vec<f64>,
 }
@@ -121,7 +127,13 @@ impl Estimate {
             noise,
             bias: noise.map(|norm| norm * larger),
             is_j6: choice.index == J6,
+            by_shape: candidates.by_shape().map(|error| error / scale),
         })
+    }
+
+    /// The mean error of J4 or J6 by the shape, relative.
+    pub(super) fn by_shape(&self, method: BendingMethod) -> f64 {
+        self.by_shape[usize::from(method == BendingMethod::J6)]
     }
 
     /// The size of both its errors.
@@ -149,15 +161,23 @@ impl Candidates {
         let all: f64 = areas.iter().sum();
         areas.iter_mut().for_each(|area| *area /= all);
         let jets = |evaluator| jets(evaluator, surface, &fields.normal, &errors);
+        let mut fourth = jets(Evaluator::new(BendingMethod::J4, 1.0, mesh))?;
         let mut candidates = Self {
             quantity,
             all: Vec::new(),
+            fourth: std::mem::take(&mut fourth[quantity as usize]),
             areas,
         };
         candidates.add(jets(Evaluator::reference(1.0, mesh))?, Bias::Unknown);
         let sixth = jets(Evaluator::new(BendingMethod::J6, 1.0, mesh))?;
         let factors = [1.0; 2];
-        candidates.add(sixth, Bias::Distance { from: 0, factors });
+        candidates.add(
+            sixth,
+            Bias::Distance {
+                from: EIGHTH,
+                factors,
+            },
+        );
         candidates.climb(surface, &errors);
         Ok(candidates)
     }

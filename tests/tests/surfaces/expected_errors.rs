@@ -178,6 +178,26 @@ fn the_force_of_tubes_and_rims_with_noise() {
     }
 }
 
+/// Half of a flat ellipsoid is hardly resolved, and its noise is found all the same.
+#[test]
+fn errors_of_a_flat_ellipsoid_with_noise() {
+    let shape = "ellipsoid:1,1,0.4".parse().expect("a shape");
+    let case = Case::of_shape(&shape, Family::Regular, 2562);
+    for quantity in [Quantity::Mean, Quantity::ForceDensity] {
+        assert_expected(&case, 3e-4, quantity);
+    }
+}
+
+/// At the tips of a spindle jets of degree 8 are several times worse than those of degrees 4 and 6.
+#[test]
+fn errors_of_a_spindle_with_noise() {
+    let shape = "ellipsoid:0.4,0.4,2".parse().expect("a shape");
+    let case = Case::of_shape(&shape, Family::Irregular, 2562);
+    for part in [1e-4, 3e-4] {
+        assert_expected(&case, part, Quantity::Mean);
+    }
+}
+
 /// No noise of exact vertices, on shapes of many waves.
 #[test]
 fn exact_stars_have_no_noise() {
@@ -211,8 +231,8 @@ fn outside(cases: &[Case]) -> Vec<String> {
     outside
 }
 
-/// Known to be outside, with 2562 vertices: J6 where noise is hardly larger than what the mesh does, and is
-/// seen in part or not at all, H on a tube of 0.3 at 1e-4 (0.5) and f on an ellipsoid 1, 1, 0.4 at 3e-4 (0.5).
+/// Known to be outside: narrow shapes with 642 vertices, which hardly resolve them, so that noise is not seen,
+/// and f of an ellipsoid 1, 0.7, 0.4 at 1e-2 on the family `relaxed` (1.6).
 #[test]
 #[ignore = "half an hour: by hand, when the estimates of noise change"]
 fn everything_held_out() {
