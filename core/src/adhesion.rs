@@ -84,7 +84,10 @@ impl<T: Real> Method<T> for WallAdhesion<T> {
     fn check(&self) -> Result<(), ParameterError> {
         ParameterError::unless_finite("adhesion energy per area", self.strength)?;
         ParameterError::unless_finite("height of the minimum", self.distance)?;
-        ParameterError::unless_finite("inverse range of the adhesion", self.range.recip())
+        ParameterError::unless_finite("range of the adhesion", self.range)?;
+        ParameterError::unless_finite("inverse range of the adhesion", self.range.recip())?;
+        ParameterError::unless_all_finite("point of the wall", self.wall)?;
+        ParameterError::unless_all_finite("normal of the wall", self.normal)
     }
 
     fn inspect(

@@ -6,7 +6,7 @@ use crate::element::{Execution, Serial};
 use crate::functional::{ComponentElements, Functional, Quantity};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
-use crate::method::{Method, Workspace};
+use crate::method::{Method, ParameterError, Workspace};
 use crate::real::Real;
 use crate::surface::{Surface, SurfaceError};
 use crate::vec3::{add, dot, norm, scale, sub};
@@ -56,6 +56,16 @@ impl<T: Real> Targets<T> {
         match self {
             Self::Same(target) => *target,
             Self::PerComponent(targets) => targets[component],
+        }
+    }
+
+    /// Returns an error unless all targets are finite.
+    fn check(&self, parameter: &'static str) -> Result<(), ParameterError> {
+        match self {
+            Self::Same(target) => ParameterError::unless_finite(parameter, *target),
+            Self::PerComponent(targets) => {
+                ParameterError::unless_all_finite(parameter, targets.iter().copied())
+            }
         }
     }
 }
@@ -278,7 +288,10 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
         let mut worst = Worst::default();
         loop {
             let surface = match Surface::new(mesh, positions) {
-                Err(SurfaceError::NotFinite { .. }) if steps > 0 => {
+                // Positions were in range at the start: the steps have left it.
+                Err(SurfaceError::NotFinite { .. } | SurfaceError::TooLarge { .. })
+                    if steps > 0 =>
+                {
                     return Err(worst.not_reached(steps));
                 }
                 surface => surface?,

@@ -83,14 +83,15 @@ pub enum Finding {
         vertex: u32,
     },
     /// The triangles around this vertex are so small that a fourth derivative, of the order of the
-    /// mean curvature over their area, overflows. It is unknown and set to 0. Choose a unit of
-    /// length nearer to the size of the surface.
+    /// mean curvature over their area, overflows. It is unknown and set to 0. For method D, squares of
+    /// areas anywhere on the surface are no normal numbers. Choose a unit of length nearer to the size of
+    /// the surface.
     OutOfRange {
         /// The vertex.
         vertex: u32,
     },
-    /// This triangle is stretched so far that the energy or the forces of an in-plane law overflow:
-    /// they are infinite or NaN.
+    /// This triangle is stretched so far that the energy or the forces of an in-plane law overflow
+    /// (they are infinite or NaN), or that the forces have lost half of their digits.
     Overstretched {
         /// The triangle.
         triangle: u32,

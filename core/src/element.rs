@@ -314,6 +314,18 @@ pub fn check_output<T: Real, O>(surface: Surface<'_, T>, output: &[O]) {
     );
 }
 
+/// The entries of an output that belong to vertices.
+///
+/// # Panics
+/// As [`check_output`].
+pub(crate) fn of_vertices<'a, T: Real, O>(
+    surface: Surface<'_, T>,
+    output: &'a mut [O],
+) -> &'a mut [O] {
+    check_output(surface, output);
+    &mut output[..surface.positions().len()]
+}
+
 /// Scatters `elements` onto the vertices `start`, `start + 1`, …, one per entry of `output`: adds
 /// to these as [`Execution::scatter`] does, and to no other vertex. All executions use this
 /// function.

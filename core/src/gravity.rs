@@ -3,7 +3,7 @@
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::functional::{ComponentElements, closed_triangles, sixfold_volume};
 use crate::mesh::TriangleMesh;
-use crate::method::{Method, TwoPass};
+use crate::method::{Method, ParameterError, TwoPass};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, scale, sub};
@@ -63,6 +63,11 @@ impl<T: Real> Method<T> for Gravity<T> {
             pressures: Vec::new(),
             moments: Vec::new(),
         }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_all_finite("weight per volume", self.weight)?;
+        ParameterError::unless_all_finite("level of gravity", self.level)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::element::Execution;
 use crate::mesh::{TriangleMesh, VertexKind};
-use crate::method::{Conservative, Energy, Force, Method, Workspace};
+use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, normalise, scale, sub};
@@ -190,6 +190,11 @@ impl<T: Real> Method<T> for PointLoads<T> {
             self.vertices,
             mesh.vertex_count()
         );
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_all_finite("sum of the loads", self.sum)?;
+        ParameterError::unless_all_finite("level of the loads", self.level)
     }
 }
 

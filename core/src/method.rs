@@ -26,10 +26,12 @@ pub trait Method<T: Real>: Sized {
         Workspace::new(self, mesh)
     }
 
-    /// Checks the parameters: a modulus or a spontaneous curvature has to be a finite number.
+    /// Checks the parameters: each has to be a finite number. A bending modulus and the square of a
+    /// spontaneous curvature are at most the square root of the largest number, because results would
+    /// overflow.
     ///
     /// # Errors
-    /// The first parameter that is not finite.
+    /// The first parameter that is not finite or too large.
     fn check(&self) -> Result<(), ParameterError> {
         Ok(())
     }
@@ -122,12 +124,29 @@ impl<T: Real, M: Method<T>> fmt::Debug for Workspace<T, M> {
 /// The end of the message about a workspace.
 const REMEDY: &str = "make a workspace of that mesh, by Method::workspace or Prepared::new";
 
-/// A parameter of a method that is NaN or infinite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the {parameter} is not a finite number")]
-pub struct ParameterError {
-    /// Description of the parameter.
-    pub parameter: &'static str,
+/// A parameter with which a method cannot compute.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParameterError {
+    /// The parameter is NaN or infinite.
+    #[error("the {parameter} is not a finite number")]
+    NotFinite {
+        /// Description of the parameter.
+        parameter: &'static str,
+    },
+    /// The parameter is finite, but so large that results overflow.
+    #[error(
+        "the {parameter} is {value:e}: energies and forces overflow where it is above {limit:e}; \
+         choose larger units"
+    )]
+    TooLarge {
+        /// Description of the parameter.
+        parameter: &'static str,
+        /// The value.
+        value: f64,
+        /// The largest value that this number type computes with.
+        limit: f64,
+    },
 }
 
 impl ParameterError {
@@ -139,8 +158,42 @@ impl ParameterError {
         if value.is_finite() {
             Ok(())
         } else {
-            Err(Self { parameter })
+            Err(Self::NotFinite { parameter })
         }
+    }
+
+    /// Returns an error unless all values of this parameter are finite.
+    pub(crate) fn unless_all_finite<T: Real>(
+        parameter: &'static str,
+        values: impl IntoIterator<Item = T>,
+    ) -> Result<(), ParameterError> {
+        let mut values = values.into_iter();
+        values.try_for_each(|value| Self::unless_finite(parameter, value))
+    }
+
+    /// Returns an error unless the value is finite and at most `limit` in magnitude.
+    pub(crate) fn unless_within<T: Real>(
+        parameter: &'static str,
+        value: T,
+        limit: T,
+    ) -> Result<(), ParameterError> {
+        Self::unless_finite(parameter, value)?;
+        if value.abs() <= limit {
+            return Ok(());
+        }
+        let double = |x: T| x.to_f64().unwrap_or(f64::NAN);
+        Err(Self::TooLarge {
+            parameter,
+            value: double(value),
+            limit: double(limit),
+        })
+    }
+
+    /// The largest bending modulus, and the largest square of a spontaneous curvature: the square root
+    /// of the largest number. What overflows below it does so by the sizes of edges, and findings name
+    /// the vertices.
+    pub(crate) fn largest_modulus<T: Real>() -> T {
+        T::max_value().sqrt()
     }
 }
 

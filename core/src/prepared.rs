@@ -30,7 +30,7 @@ impl<T: Real, M: Method<T>> Prepared<T, M> {
     /// Prepares `method` for a mesh; evaluations are serial.
     ///
     /// # Panics
-    /// If a parameter of the method is not finite, see [`Method::check`].
+    /// If a parameter of the method is not finite or too large, see [`Method::check`].
     #[track_caller]
     pub fn new(method: M, mesh: &TriangleMesh) -> Self {
         Self::with_execution(method, mesh, Serial)
@@ -41,7 +41,7 @@ impl<T: Real, M: Method<T>, X: Execution> Prepared<T, M, X> {
     /// Prepares `method` for a mesh; evaluations run on `execution`.
     ///
     /// # Panics
-    /// If a parameter of the method is not finite, see [`Method::check`].
+    /// If a parameter of the method is not finite or too large, see [`Method::check`].
     #[track_caller]
     pub fn with_execution(method: M, mesh: &TriangleMesh, execution: X) -> Self {
         check(&method);
@@ -85,7 +85,7 @@ impl<T: Real, M: Method<T>, X: Execution> Prepared<T, M, X> {
     /// See [`Energy::energy`].
     ///
     /// # Panics
-    /// If the surface has another mesh than that of [`Self::new`], or a parameter is not finite.
+    /// If the surface has another mesh than that of [`Self::new`], or a parameter is not finite or too large.
     #[track_caller]
     pub fn energy(&mut self, surface: Surface<'_, T>) -> T
     where

@@ -3,7 +3,7 @@
 use crate::components::Components;
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::Execution;
+use crate::element::{Execution, of_vertices};
 use crate::lane::Lane;
 use crate::laplacian::Cotangent;
 use crate::mesh::TriangleMesh;
@@ -274,7 +274,7 @@ impl<T: Real, M: Force<T>> Force<T> for Projected<M> {
         own.resize(areas.len(), [T::zero(); 3]);
         self.0.add_force(execution, surface, method, own);
         remove_net_force_and_torque(components, surface, areas, bodies, own);
-        execution.map(&mut force[..areas.len()], |vertex, force| {
+        execution.map(of_vertices(surface, force), |vertex, force| {
             *force = add(*force, own[vertex]);
         });
     }
@@ -298,7 +298,7 @@ impl<T: Real, M: ForceDensity<T>> ForceDensity<T> for Projected<M> {
             ..
         } = memory;
         self.0.force_density(execution, surface, method, density);
-        let density = &mut density[..areas.len()];
+        let density = of_vertices(surface, density);
         let force = |vertex: usize| scale(areas[vertex], density[vertex]);
         set_bodies(components, surface, areas, bodies, force);
         execution.map(density, |vertex, density| {

@@ -132,6 +132,18 @@ impl<T: Real> Surface<'_, T> {
         unusual || self.is_uneven(vertex) || thin() || beyond()
     }
 
+    /// Whether a triangle has no area only because its edges are so short that the square of an area is
+    /// no normal number.
+    pub(crate) fn has_areas_below_range(&self) -> bool {
+        let least = T::min_positive_value() / T::epsilon();
+        (0..self.mesh().triangles().len()).any(|triangle| {
+            let triangle = self.triangle(triangle);
+            let squared = triangle.edges.map(|edge| dot(edge, edge));
+            let longest = squared.into_iter().fold(T::zero(), T::max);
+            triangle.doubled_area == T::zero() && longest > T::zero() && longest * longest < least
+        })
+    }
+
     /// Whether the edges at a vertex have very different lengths.
     fn is_uneven(&self, vertex: usize) -> bool {
         let squared = self.spokes(vertex).map(|edge| dot(edge, edge));

@@ -2,6 +2,7 @@
 
 use crate::lane::Lane;
 use crate::vec3::{Vec3, cross, dot, scale, sub};
+use num_traits::Float;
 
 /// The rule by which the area of a triangle is divided among its corners.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -66,7 +67,10 @@ impl<L: Lane> Triangle<L> {
     #[inline(always)]
     pub(crate) fn new(edges: [Vec3<L>; 3]) -> Self {
         let area_vector = cross(edges[1], edges[2]);
-        let doubled_area = dot(area_vector, area_vector).sqrt();
+        // A square below the smallest normal number has lost digits, and its root would be wrong.
+        let squared = dot(area_vector, area_vector);
+        let least = L::splat(L::Scalar::min_positive_value());
+        let doubled_area = L::select(squared.less(least), L::zero(), squared).sqrt();
         Self {
             edges,
             dots: [

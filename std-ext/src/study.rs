@@ -315,7 +315,7 @@ impl Study {
         }
         for &scalar in &self.scalars {
             let [.., third, force] = natural_scales(&self.shape, self.modulus);
-            if !(scalar.holds(self.modulus) && scalar.holds(third) && scalar.holds(force)) {
+            if !(scalar.holds_modulus(self.modulus) && scalar.holds(third) && scalar.holds(force)) {
                 return Err(StudyError::OutOfRange {
                     shape: self.shape,
                     modulus: self.modulus,

@@ -7,7 +7,7 @@ use crate::bending::SpontaneousCurvature;
 use crate::bending::area_vectors::{AreaVectorForce, AreaVectors};
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::{Corners, ElementKernel, Execution};
+use crate::element::{Corners, ElementKernel, Execution, of_vertices};
 use crate::lane::Lane;
 use crate::laplacian::{Cotangent, VertexSums};
 use crate::mesh::TriangleMesh;
@@ -294,7 +294,7 @@ impl<T: Real> Curvatures<T> for GompperKroll<T> {
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure(execution, surface, memory);
-        let curvature = &mut curvature[..surface.mesh().vertex_count()];
+        let curvature = of_vertices(surface, curvature);
         let cotangent = Cotangent::new(self.area);
         cotangent.sum(execution, surface, &mut memory.cotangent, curvature);
         let half = T::constant(0.5);

@@ -6,7 +6,7 @@ use crate::bending::SpontaneousCurvature;
 use crate::bending::hinge::{Hinge, Hinges};
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::{Corners, ElementKernel, Execution};
+use crate::element::{Corners, ElementKernel, Execution, of_vertices};
 use crate::lane::Lane;
 use crate::laplacian::{Cotangent, VertexSums};
 use crate::mesh::{TriangleMesh, VertexKind};
@@ -184,7 +184,7 @@ impl<T: Real> Curvatures<T> for Juelicher<T> {
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure(execution, surface, memory);
-        let curvature = &mut curvature[..surface.mesh().vertex_count()];
+        let curvature = of_vertices(surface, curvature);
         let cotangent = Cotangent::new(DualArea::Barycentric);
         cotangent.sum(execution, surface, &mut memory.cotangent, curvature);
         let means = &memory.curvature;

@@ -165,7 +165,9 @@ impl<T: Real> Method<T> for KantorNelson<T> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless_finite("modulus of an edge", self.edge_modulus)
+        // That of the edges is up to 2√3 times the bending modulus it is made of.
+        let limit = T::constant(4.0) * ParameterError::largest_modulus();
+        ParameterError::unless_within("modulus of an edge", self.edge_modulus, limit)
     }
 
     fn inspect(

@@ -19,7 +19,7 @@ use self::patches::{Field, Patches};
 use crate::bending::SpontaneousCurvature;
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::Execution;
+use crate::element::{Execution, of_vertices};
 use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
 use crate::mesh_identity::expect_parameter;
@@ -91,7 +91,7 @@ impl<T: Real> LoopSubdivision<T> {
         plan.set_controls(execution, surface, buffers);
         let controls = &buffers.controls;
         let origin = surface.positions()[plan.origin as usize];
-        let positions = &mut positions[..surface.mesh().vertex_count()];
+        let positions = of_vertices(surface, positions);
         execution.map(positions, |vertex, position| {
             let [x, y, z, _] = plan.limit.at(vertex, controls);
             *position = add(origin, [x, y, z]);
@@ -394,19 +394,16 @@ impl<T: Real> Curvatures<T> for LoopSubdivision<T> {
         let Buffers {
             controls, nodal, ..
         } = &*buffers;
-        execution.map(
-            &mut curvature[..mesh.vertex_count()],
-            |vertex, curvature| {
-                let [mean, gaussian] = plan.curvatures_at(mesh, controls, vertex);
-                *curvature = Curvature {
-                    normal: limit_normal(mesh, vertex, |v| position(controls, v)),
-                    mean,
-                    gaussian,
-                    area: nodal[vertex][3],
-                    kind: mesh.vertex_kind(vertex),
-                };
-            },
-        );
+        execution.map(of_vertices(surface, curvature), |vertex, curvature| {
+            let [mean, gaussian] = plan.curvatures_at(mesh, controls, vertex);
+            *curvature = Curvature {
+                normal: limit_normal(mesh, vertex, |v| position(controls, v)),
+                mean,
+                gaussian,
+                area: nodal[vertex][3],
+                kind: mesh.vertex_kind(vertex),
+            };
+        });
     }
 }
 
@@ -446,7 +443,7 @@ impl<T: Real> Conservative<T> for LoopSubdivision<T> {
         let LoopSubdivisionMemory { plan, buffers } = self.expect(workspace, surface);
         self.evaluate::<true>(execution, plan, surface, buffers);
         let nodal = &buffers.nodal;
-        execution.map(&mut force[..plan.vertices], |vertex, force| {
+        execution.map(of_vertices(surface, force), |vertex, force| {
             let [x, y, z, _] = nodal[vertex];
             *force = add(*force, finite_or_zero([x, y, z]));
         });
@@ -467,7 +464,7 @@ impl<T: Real> ForceDensity<T> for LoopSubdivision<T> {
         let LoopSubdivisionMemory { plan, buffers } = self.expect(workspace, surface);
         self.evaluate::<true>(execution, plan, surface, buffers);
         let nodal = &buffers.nodal;
-        execution.map(&mut density[..plan.vertices], |vertex, density| {
+        execution.map(of_vertices(surface, density), |vertex, density| {
             let [x, y, z, mass] = nodal[vertex];
             *density = scale(Lane::reciprocal_or_zero(mass), [x, y, z]);
         });

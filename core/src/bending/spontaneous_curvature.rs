@@ -46,13 +46,16 @@ impl<T: Real> SpontaneousCurvature<T> {
 
     /// Checks these numbers and a bending modulus, see [`Method::check`](crate::Method::check).
     pub(super) fn check_with(&self, modulus: T) -> Result<(), ParameterError> {
-        ParameterError::unless_finite("bending modulus", modulus)?;
+        let limit = ParameterError::largest_modulus::<T>();
+        ParameterError::unless_within("bending modulus", modulus, limit)?;
+        // κ H0² is an energy per area, with the same limit as κ and H0².
+        let limit = (limit / modulus.abs().max(T::one())).sqrt();
         let parameter = "spontaneous curvature";
         match self {
-            Self::Constant(constant) => ParameterError::unless_finite(parameter, *constant),
+            Self::Constant(constant) => ParameterError::unless_within(parameter, *constant, limit),
             Self::PerVertex(values) => values
                 .iter()
-                .try_for_each(|&value| ParameterError::unless_finite(parameter, value)),
+                .try_for_each(|&value| ParameterError::unless_within(parameter, value, limit)),
         }
     }
 

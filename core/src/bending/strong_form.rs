@@ -6,7 +6,7 @@
 use crate::bending::SpontaneousCurvature;
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::Execution;
+use crate::element::{Execution, of_vertices};
 use crate::laplacian::{Cotangent, HeatKernel, Jet, LaplaceBeltrami, Paraboloid, Rows};
 use crate::mesh::{TriangleMesh, VertexKind};
 use crate::method::{Energy, Force, ForceDensity, Method, ParameterError, Workspace};
@@ -319,8 +319,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> ForceDensity<T> for StrongForm<T, L>
         let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure_twice(execution, surface, memory);
         let found = &memory.found;
-        let vertices = surface.mesh().vertex_count();
-        execution.map(&mut density[..vertices], |vertex, density| {
+        execution.map(of_vertices(surface, density), |vertex, density| {
             *density = self.density_at(surface, found, vertex);
         });
     }
@@ -337,8 +336,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Force<T> for StrongForm<T, L> {
         let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure_twice(execution, surface, memory);
         let found = &memory.found;
-        let vertices = surface.mesh().vertex_count();
-        execution.map(&mut force[..vertices], |vertex, force| {
+        execution.map(of_vertices(surface, force), |vertex, force| {
             let density = self.density_at(surface, found, vertex);
             let nodal = scale(found.curvature[vertex].area, density);
             *force = add(*force, finite_or_zero(nodal));

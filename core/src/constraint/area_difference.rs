@@ -10,7 +10,7 @@ use crate::element::Execution;
 use crate::functional::{Functional, TotalArea, TotalMeanCurvature};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
-use crate::method::{Method, TwoPass, Workspace};
+use crate::method::{Method, ParameterError, TwoPass, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use alloc::vec::Vec;
@@ -69,6 +69,11 @@ impl<T: Real> Method<T> for AreaDifference<T> {
             areas: Vec::new(),
             weights: [Vec::new(), Vec::new()],
         }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("modulus of the area difference", self.modulus)?;
+        self.targets.check("target of ∫ H dS")
     }
 
     fn inspect(

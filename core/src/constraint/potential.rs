@@ -6,7 +6,7 @@ use crate::element::Execution;
 use crate::functional::{EnclosedVolume, Functional, Quantity, TotalArea};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
-use crate::method::{Conservative, Energy, Force, Method, Workspace};
+use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use alloc::vec::Vec;
@@ -18,6 +18,14 @@ pub trait Potential<T: Real> {
     /// # Panics
     /// If the potential has parameters for each component, but none for this one.
     fn at(&self, component: usize, value: T) -> [T; 2];
+
+    /// Checks the parameters, see [`Method::check`].
+    ///
+    /// # Errors
+    /// The first parameter that is not finite.
+    fn check(&self) -> Result<(), ParameterError> {
+        Ok(())
+    }
 }
 
 /// `φ = slope · F`.
@@ -30,6 +38,10 @@ pub struct Linear<T> {
 impl<T: Real> Potential<T> for Linear<T> {
     fn at(&self, _component: usize, value: T) -> [T; 2] {
         [self.slope * value, self.slope]
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("surface tension or pressure difference", self.slope)
     }
 }
 
@@ -48,6 +60,11 @@ impl<T: Real> Potential<T> for Quadratic<T> {
         let excess = value - target;
         let slope = self.modulus * excess * target.abs().reciprocal_or_zero();
         [T::constant(0.5) * excess * slope, slope]
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("modulus of a penalty", self.modulus)?;
+        self.targets.check("target of a penalty")
     }
 }
 
@@ -155,6 +172,11 @@ impl<T: Real, F: Functional<T>, P: Potential<T>> Method<T> for PotentialOf<F, P>
             values: Vec::new(),
             weights: Vec::new(),
         }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        self.functional.check()?;
+        self.potential.check()
     }
 
     fn inspect(

@@ -10,7 +10,7 @@ use crate::elasticity::Change;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
-use crate::method::{Method, Workspace};
+use crate::method::{Method, ParameterError, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, dot, sub};
@@ -115,6 +115,11 @@ impl<T: Real> Method<T> for MembraneViscosity<T> {
     type Memory = ();
 
     fn memory(&self, _mesh: &TriangleMesh) {}
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("shear viscosity of the membrane", self.shear)?;
+        ParameterError::unless_finite("dilational viscosity of the membrane", self.dilational)
+    }
 
     fn inspect(
         &self,

@@ -149,13 +149,13 @@ impl<T: Real> Repulsion<T> {
             });
         });
         let energy = execution.sum(vertices.len(), |k| vertices[k].area * sums[k][0]);
-        let energy = self.half_potential() * energy;
         // Of surfaces that touch, infinite terms may have met with both signs.
         let energy = if energy.is_nan() {
             T::infinity()
         } else {
             energy
         };
+        let energy = self.half_potential() * energy;
         (energy, Some(pairs))
     }
 

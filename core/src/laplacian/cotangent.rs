@@ -6,7 +6,7 @@
 
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::{Corners, ElementKernel, Execution};
+use crate::element::{Corners, ElementKernel, Execution, of_vertices};
 use crate::lane::Lane;
 use crate::laplacian::{LaplaceBeltrami, Rows, expect_measured};
 use crate::mesh::{TriangleMesh, VertexKind};
@@ -64,28 +64,25 @@ impl Cotangent {
         }
         let half = T::constant(0.5);
         let sums = &*sums;
-        execution.map(
-            &mut curvature[..mesh.vertex_count()],
-            |vertex, curvature| {
-                let [u, v, w, x, y, z, angles, area] = sums[vertex];
-                let kind = mesh.vertex_kind(vertex);
-                let normal = normalise([x, y, z]);
-                let over_area = match kind {
-                    VertexKind::Interior => Lane::reciprocal_or_zero(area),
-                    VertexKind::Boundary | VertexKind::Isolated => T::zero(),
-                };
-                let mean = -half * dot([u, v, w], normal) * over_area;
-                let gaussian = (T::TAU() - angles) * over_area;
-                let [mean, gaussian] = finite_or_zero([mean, gaussian]);
-                *curvature = Curvature {
-                    normal,
-                    mean,
-                    gaussian,
-                    area,
-                    kind,
-                };
-            },
-        );
+        execution.map(of_vertices(surface, curvature), |vertex, curvature| {
+            let [u, v, w, x, y, z, angles, area] = sums[vertex];
+            let kind = mesh.vertex_kind(vertex);
+            let normal = normalise([x, y, z]);
+            let over_area = match kind {
+                VertexKind::Interior => Lane::reciprocal_or_zero(area),
+                VertexKind::Boundary | VertexKind::Isolated => T::zero(),
+            };
+            let mean = -half * dot([u, v, w], normal) * over_area;
+            let gaussian = (T::TAU() - angles) * over_area;
+            let [mean, gaussian] = finite_or_zero([mean, gaussian]);
+            *curvature = Curvature {
+                normal,
+                mean,
+                gaussian,
+                area,
+                kind,
+            };
+        });
     }
 
     /// Sets `areas` to A_i, one entry per vertex: the mass matrix of this operator.
@@ -287,7 +284,7 @@ impl<T: Real> LaplaceBeltrami<T> for Cotangent {
         let mesh = surface.mesh();
         let CotangentMemory { sums, .. } = workspace.for_mesh(mesh);
         expect_measured(sums.0.len(), mesh.vertex_count());
-        let laplacian = &mut laplacian[..mesh.vertex_count()];
+        let laplacian = of_vertices(surface, laplacian);
         laplacian.fill([T::zero(); D]);
         execution.scatter(&Differences, surface, mesh.triangles(), field, laplacian);
         execution.map(&mut laplacian[..], |vertex, sum| {

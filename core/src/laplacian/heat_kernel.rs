@@ -5,7 +5,7 @@
 
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::{Execution, Ragged};
+use crate::element::{Execution, Ragged, of_vertices};
 use crate::lane::Lane;
 use crate::laplacian::{Cotangent, LaplaceBeltrami, Rows, VertexSums, expect_measured};
 use crate::mesh::{TriangleMesh, VertexKind};
@@ -314,6 +314,12 @@ impl<T: Real> Method<T> for HeatKernel<T> {
         let memory = workspace.for_mesh(surface.mesh());
         surface.report_uneven_mesh(report);
         surface.report_rough_vertices(report);
+        // The kernel of each vertex reaches far, and would miss the area of such a triangle.
+        if surface.has_areas_below_range() {
+            for vertex in 0..surface.mesh().vertex_count() as u32 {
+                report(Finding::OutOfRange { vertex });
+            }
+        }
         for (vertex, &length) in memory.gathered.lengths.iter().enumerate() {
             if length == 0 && surface.mesh().vertex_kind(vertex) != VertexKind::Isolated {
                 report(Finding::TooFewNeighbours {
@@ -334,7 +340,7 @@ impl<T: Real> Curvatures<T> for HeatKernel<T> {
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
         let vertices = surface.mesh().vertex_count();
-        let curvature = &mut curvature[..vertices];
+        let curvature = of_vertices(surface, curvature);
         let mixed = Cotangent::new(DualArea::Mixed);
         mixed.sum(execution, surface, &mut memory.cotangent, curvature);
         let Kernel {
@@ -365,7 +371,7 @@ impl<T: Real> LaplaceBeltrami<T> for HeatKernel<T> {
     ) {
         let memory = workspace.for_mesh(surface.mesh());
         expect_measured(memory.gathered.lengths.len(), surface.mesh().vertex_count());
-        let laplacian = &mut laplacian[..surface.mesh().vertex_count()];
+        let laplacian = of_vertices(surface, laplacian);
         execution.map(laplacian, |vertex, laplacian| {
             let mut sum = [T::zero(); D];
             for (neighbour, coefficient) in row(surface, memory, vertex) {

@@ -6,7 +6,7 @@ mod fits;
 
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::Execution;
+use crate::element::{Execution, of_vertices};
 use crate::laplacian::{Cotangent, LaplaceBeltrami, Rows, VertexSums, expect_measured};
 use crate::mesh::TriangleMesh;
 use crate::mesh_identity::expect_parameter;
@@ -150,7 +150,7 @@ impl<T: Real> Curvatures<T> for Paraboloid {
             scratches,
             ..
         } = memory;
-        let curvature = &mut curvature[..mesh.vertex_count()];
+        let curvature = of_vertices(surface, curvature);
         // Areas, and initial normals.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
         let slots = rows.ragged_slots(offsets);

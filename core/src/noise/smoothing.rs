@@ -2,7 +2,7 @@
 
 use super::fit::{HeightFit, Model};
 use super::normals;
-use crate::element::Execution;
+use crate::element::{Execution, of_vertices};
 use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
 use crate::surface::Surface;
@@ -47,7 +47,7 @@ impl Smoothing {
             interpolates: false,
         };
         let mut memory: Vec<(Neighbourhood<T>, HeightFit<T>)> = Vec::new();
-        let smooth = &mut smooth[..surface.mesh().vertex_count()];
+        let smooth = of_vertices(surface, smooth);
         execution.map_with(&mut memory, smooth, |(near, fit), vertex, position| {
             *position = surface.positions()[vertex];
             let here = normals[vertex];

@@ -323,7 +323,7 @@ fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
     let CurvatureArguments {
         modulus, scalar, ..
     } = arguments;
-    if !scalar.holds(*modulus) {
+    if !scalar.holds_modulus(*modulus) {
         let message = format!("the bending modulus {modulus} is out of the range of {scalar}");
         return Err(Failure::Input(message.into()));
     }

@@ -32,6 +32,16 @@ impl Scalar {
         range.contains(&value)
     }
 
+    /// Whether bending methods compute with this modulus in this type, see
+    /// [`Method::check`](helfrich::Method::check).
+    pub fn holds_modulus(self, modulus: f64) -> bool {
+        let largest = match self {
+            Self::F32 | Self::F32Pair => f64::from(f32::MAX.sqrt()),
+            Self::F64 => f64::MAX.sqrt(),
+        };
+        self.holds(modulus) && modulus <= largest
+    }
+
     /// `f32`, `f32-pair` or `f64`.
     pub fn name(self) -> &'static str {
         match self {

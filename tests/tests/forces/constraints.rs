@@ -502,6 +502,22 @@ fn corrections_in_single_precision() {
     tolerance::CONSTRAINED_SINGLE.assert(residual, 0.0, 1.0, "A/A0");
 }
 
+/// Steps towards these targets leave the range of positions.
+#[test]
+fn targets_beyond_the_range_are_not_reached() {
+    let start = icosphere(1).map(bent);
+    for target in [1e200, -1e200, 1e308] {
+        let mut mesh = start.clone();
+        let mut constraints = holding(&ALL[1..2], &mesh);
+        constraints.constraints[0].targets = Targets::from(target);
+        let mut prepared = Prepared::new(constraints, &mesh.connectivity);
+        let refused = correct(&mut prepared, &mut mesh).expect_err("out of reach");
+        let not_reached = matches!(refused, ConstraintError::NotReached { .. });
+        assert!(not_reached, "{target}: {refused}");
+        assert_eq!(mesh.positions, start.positions);
+    }
+}
+
 /// Everything is within rounding of an infinite target.
 #[test]
 fn infinite_targets_are_refused() {

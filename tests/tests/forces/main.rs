@@ -8,3 +8,4 @@ mod functionals;
 mod gravity;
 mod interaction;
 mod loads;
+mod parameters;

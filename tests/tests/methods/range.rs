@@ -1,10 +1,11 @@
 //! Sizes near the end of a number type's range: results scale, or a finding says that they do not.
 
-use helfrich::{Finding, GompperKroll, Prepared, StrongForm, Surface, TriangleMesh};
-use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, Fields};
-use helfrich_tests::laws::{
-    Candidate, ConservativeCandidate, ConservativeLaw, Law, for_each, for_each_conservative,
+use helfrich::{
+    Finding, GompperKroll, Hamann, Juelicher, LoopSubdivision, Prepared, SpontaneousCurvature,
+    StrongForm, Surface, TriangleMesh,
 };
+use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, Fields};
+use helfrich_tests::laws::{Candidate, Law, for_each};
 use helfrich_tests::meshes::{Mesh, bent, icosphere};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -65,12 +66,13 @@ fn results_scale_or_say_so<T: Evaluated>(exponents: impl Iterator<Item = i32>) {
 
 #[test]
 fn single_precision() {
-    results_scale_or_say_so::<f32>((-75..=25).step_by(10));
+    // Squares of areas leave the normal numbers at about 2^-29, before they vanish.
+    results_scale_or_say_so::<f32>((-75..=25).step_by(10).chain(-36..=-27));
 }
 
 #[test]
 fn double_precision() {
-    results_scale_or_say_so::<f64>((-600..=250).step_by(50));
+    results_scale_or_say_so::<f64>((-600..=250).step_by(50).chain(-268..=-252));
 }
 
 /// The jet's H of a small sphere is 1/R, and not 0: 1e-12 in f32, 1e-90 in f64.
@@ -139,18 +141,97 @@ fn moduli_that_are_no_numbers_are_refused() {
     assert!(refusal(|| _ = changed.energy(mesh.surface())).is_some());
 }
 
-/// An energy that overflows is infinite, and not 0.
+/// Moduli at which forces would overflow, and be 0, are refused; with the largest power of two that is
+/// not, energies and forces are those of the modulus 1 to the last bit.
 #[test]
-fn energies_that_overflow_are_not_zero() {
-    struct Overflows(Mesh);
-    impl ConservativeLaw for Overflows {
-        fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
-            let method = candidate.method(f64::MAX / 8.0);
-            let energy = Prepared::new(method, &self.0.connectivity).energy(self.0.surface());
-            assert!(energy.abs() > 1e300, "{}: {energy}", candidate.name());
+fn moduli_that_overflow_are_refused() {
+    struct Large(Mesh);
+    impl Law for Large {
+        fn check<C: Candidate>(&mut self, candidate: C) {
+            let (name, mesh) = (candidate.name(), &self.0);
+            for modulus in [1e155, f64::MAX / 8.0, -1e200] {
+                let message =
+                    refusal(|| drop(Prepared::new(candidate.method(modulus), &mesh.connectivity)));
+                let message = message.unwrap_or_else(|| panic!("{name}: {modulus} accepted"));
+                assert!(message.contains("overflow where it is above"), "{message}");
+            }
+            let largest = 2.0_f64.powi(511);
+            let results = |modulus: f64| {
+                let mut prepared = Prepared::new(candidate.method(modulus), &mesh.connectivity);
+                let mut force = vec![[0.0; 3]; mesh.positions.len()];
+                prepared.add_force(mesh.surface(), &mut force);
+                (prepared.energy(mesh.surface()), force)
+            };
+            let ((one, forces), (energy, found)) = (results(1.0), results(largest));
+            assert_eq!(energy, largest * one, "{name}");
+            for (found, force) in found.iter().zip(forces) {
+                assert_eq!(*found, force.map(|f| largest * f), "{name}");
+            }
         }
     }
-    for_each_conservative(&mut Overflows(icosphere(2).map(bent)));
+    for_each(&mut Large(icosphere(2).map(bent)));
+}
+
+/// H0 whose square overflows would leave vertices out. With the largest that is accepted the energy is
+/// `2κ H0² A`, because H is nothing beside it.
+#[test]
+fn spontaneous_curvatures_that_overflow_are_refused() {
+    let mesh = icosphere(2).map(bent);
+    let vertices = mesh.positions.len();
+    let one_of = |value: f64| {
+        let mut values = vec![0.0; vertices];
+        values[5] = value;
+        SpontaneousCurvature::PerVertex(values)
+    };
+    let largest = 2.0_f64.powi(255);
+    let expected = 2.0 * largest * largest * mesh.surface().area();
+    macro_rules! check {
+        ($($method:expr),*) => {
+            $(
+                let energy = |values: SpontaneousCurvature<f64>| {
+                    let mut method = $method;
+                    method.spontaneous_curvature = values;
+                    Prepared::new(method, &mesh.connectivity).energy(mesh.surface())
+                };
+                for value in [1e78, 1e200, -1e308] {
+                    for values in [SpontaneousCurvature::Constant(value), one_of(value)] {
+                        let message = refusal(|| _ = energy(values)).expect(stringify!($method));
+                        assert!(message.contains("spontaneous curvature is"), "{message}");
+                    }
+                }
+                let found = energy(largest.into());
+                // Areas of limit surfaces and of fits are smaller than those of triangles.
+                assert!((found / expected - 1.0).abs() < 0.05, "{}: {found}", stringify!($method));
+            )*
+        };
+    }
+    check!(
+        GompperKroll::new(1.0),
+        Juelicher::new(1.0),
+        Hamann::new(1.0),
+        LoopSubdivision::new(1.0),
+        StrongForm::meyer(1.0),
+        StrongForm::belkin(1.0),
+        StrongForm::farutin(1.0),
+        StrongForm::j4(1.0)
+    );
+}
+
+/// Outputs with fewer entries than vertices are refused in the same words everywhere.
+#[test]
+fn outputs_that_are_too_short_are_refused() {
+    struct Short(Mesh);
+    impl Law for Short {
+        fn check<C: Candidate>(&mut self, candidate: C) {
+            let mut prepared = Prepared::new(candidate.method(1.0), &self.0.connectivity);
+            let mut force = [[0.0; 3]; 161];
+            let message = refusal(|| prepared.add_force(self.0.surface(), &mut force));
+            let message = message.unwrap_or_else(|| panic!("{}", candidate.name()));
+            let documented = "the output has 161 entries, the surface 162 vertices";
+            assert_eq!(message, documented, "{}", candidate.name());
+        }
+    }
+    for_each(&mut Short(icosphere(2)));
 }
 
 /// A workspace of another mesh with as many vertices and triangles would give numbers, and is refused.

@@ -48,6 +48,26 @@ fn what_a_run_refuses_at_once_a_check_refuses() {
         ),
         (
             SCENE,
+            "surface.vesicle.bending.spontaneous_curvature=1e100",
+            "overflow where it is above",
+        ),
+        (
+            FLOW,
+            "surface.0.bending.modulus=1e200",
+            "overflow where it is above",
+        ),
+        (
+            SCENE,
+            "surface.vesicle.gravity={density_difference=1e308, acceleration=[0, 0, 1e308]}",
+            "the weight per volume is not a finite number",
+        ),
+        (
+            SCENE,
+            "surface.vesicle.elasticity={law=\"skalak\", shear_modulus=1e308, area_ratio=1e308}",
+            "the area modulus is not a finite number",
+        ),
+        (
+            SCENE,
             "surface.vesicle.volume.reduced=1e-300",
             "reduced volume of 1e-300",
         ),

@@ -145,7 +145,6 @@ impl SurfaceEffect for Adhesion {
                 wall: self.wall,
                 normal: normal.to_array(),
             },
-        );
-        Ok(())
+        )
     }
 }

@@ -122,7 +122,6 @@ impl SurfaceEffect for HeldArea {
 
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
         let targets = Self::targets(Some(*self), preparation.surface);
-        preparation.hold(Self::NAME, self.hold, Quantity::Area, targets);
-        Ok(())
+        preparation.hold(Self::NAME, self.hold, Quantity::Area, targets)
     }
 }

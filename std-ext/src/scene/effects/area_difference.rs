@@ -148,7 +148,7 @@ impl SurfaceEffect for HeldAreaDifference {
             Hold::Exact => preparation.constrain(Self::NAME, Quantity::MeanCurvature, targets),
             Hold::Penalty(modulus) => {
                 let penalty = helfrich::AreaDifference::new(modulus, targets);
-                preparation.conservative(Self::NAME, penalty);
+                preparation.conservative(Self::NAME, penalty)?;
             }
         }
         Ok(())

@@ -12,7 +12,7 @@ use crate::info::MeshInfo;
 use crate::method::{BendingMethod, MethodOptions};
 use crate::scene::{Driver, Flow};
 use crate::six::Six;
-use helfrich::Bandwidth;
+use helfrich::{Bandwidth, GompperKroll, Method, ParameterError};
 use serde::Serialize;
 
 /// Bending, `E = 2κ ∫ (H − H0)² dS`.
@@ -112,9 +112,20 @@ impl SurfaceEffect for Bending {
     }
 
     fn check_mesh(&self, check: &mut MeshCheck<'_>) {
+        // The same limits hold for every method.
+        let method = GompperKroll {
+            spontaneous_curvature: self.spontaneous_curvature.into(),
+            ..GompperKroll::new(self.modulus)
+        };
+        let range = Method::<f64>::check(&method);
         match check.driver {
-            Driver::Relax(_) => self.check_size(check),
-            _ => self.check_evenness(check),
+            Driver::Relax(_) => self.check_size(check, range),
+            _ => {
+                if let Err(error) = range {
+                    check.contradiction("bending", error.to_string());
+                }
+                self.check_evenness(check);
+            }
         }
     }
 
@@ -172,8 +183,8 @@ impl SurfaceEffect for Bending {
 }
 
 impl Bending {
-    /// Reports forces whose squares overflow or underflow.
-    fn check_size(&self, check: &mut MeshCheck<'_>) {
+    /// Reports forces whose squares overflow or underflow, and parameters beyond the `range`.
+    fn check_size(&self, check: &mut MeshCheck<'_>, range: Result<(), ParameterError>) {
         let radius = (check.mesh.area / (4.0 * std::f64::consts::PI)).sqrt();
         let unit = self.modulus / radius.powi(3);
         if !(unit * unit).is_normal() {
@@ -184,6 +195,8 @@ impl Bending {
                 Six(unit)
             );
             check.contradiction("bending.modulus", message);
+        } else if let Err(error) = range {
+            check.contradiction("bending", error.to_string());
         }
     }
 

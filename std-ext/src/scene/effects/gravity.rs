@@ -95,7 +95,6 @@ impl SurfaceEffect for Gravity {
                 weight: self.acceleration.map(|acceleration| density * acceleration),
                 level: preparation.position,
             },
-        );
-        Ok(())
+        )
     }
 }

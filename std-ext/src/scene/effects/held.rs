@@ -2,7 +2,7 @@
 
 use super::super::keys::{Form, Key, optional};
 use super::super::units::Dimension;
-use super::{MeshCheck, Parameter, Parameters, Preparation, Reader};
+use super::{EffectError, MeshCheck, Parameter, Parameters, Preparation, Reader};
 use crate::six::Six;
 use helfrich::{Quantity, Targets};
 use serde::Serialize;
@@ -111,13 +111,14 @@ impl Preparation<'_> {
         hold: Hold,
         quantity: Quantity,
         targets: Targets<f64>,
-    ) {
+    ) -> Result<(), EffectError> {
         match hold {
             Hold::Exact => self.constrain(name, quantity, targets),
             Hold::Penalty(modulus) => {
-                self.conservative(name, helfrich::Penalty::new(quantity, modulus, targets));
+                self.conservative(name, helfrich::Penalty::new(quantity, modulus, targets))?;
             }
         }
+        Ok(())
     }
 }
 

@@ -3,7 +3,8 @@
 use super::{Effects, Stretch};
 use crate::effect::{Effect, Lumping, NoForce, Potential, Viscosity};
 use helfrich::{
-    Constraint, LoadError, Quantity, ReferenceError, Surface, SurfaceError, Targets, TriangleMesh,
+    Constraint, LoadError, ParameterError, Quantity, ReferenceError, Surface, SurfaceError,
+    Targets, TriangleMesh,
 };
 
 /// The reason why an effect cannot be prepared for a mesh. The message is one line.
@@ -19,6 +20,9 @@ pub enum EffectError {
     /// Loads cannot be applied to the ends of a surface.
     #[error(transparent)]
     Load(#[from] LoadError),
+    /// A parameter is out of range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// The bending method has no force.
     #[error(transparent)]
     NoForce(#[from] NoForce),
@@ -55,10 +59,17 @@ impl Preparation<'_> {
         self.surface.mesh()
     }
 
-    /// Adds an effect whose force is the gradient of its energy.
-    pub(super) fn conservative(&mut self, name: &'static str, method: impl Potential) {
+    /// Adds an effect whose force is the gradient of its energy; refused if products of the scene's
+    /// numbers are not finite.
+    pub(super) fn conservative(
+        &mut self,
+        name: &'static str,
+        method: impl Potential,
+    ) -> Result<(), EffectError> {
+        method.check()?;
         let effect = Effect::conservative(name, method, self.surface.mesh());
         self.forces.push(effect);
+        Ok(())
     }
 
     /// Adds a quantity that is held exactly.

@@ -69,7 +69,6 @@ impl SurfaceEffect for Pressure {
     }
 
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
-        preparation.conservative(Self::NAME, OsmoticPressure::new(self.value));
-        Ok(())
+        preparation.conservative(Self::NAME, OsmoticPressure::new(self.value))
     }
 }

@@ -150,7 +150,6 @@ impl Preparation<'_> {
         let unstressed = Surface::new(self.mesh(), &self.unstressed)?;
         let law = InPlane::new(law, self.mesh(), unstressed)
             .and_then(|law| law.with_scaled_reference(reference.scale))?;
-        self.conservative(E::NAME, law);
-        Ok(())
+        self.conservative(E::NAME, law)
     }
 }

@@ -94,7 +94,7 @@ impl SurfaceEffect for Stretching {
 
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
         let mut stretch = Stretch::new(preparation.surface, self)?;
-        preparation.conservative(Self::NAME, stretch.set(0));
+        preparation.conservative(Self::NAME, stretch.set(0))?;
         preparation.stretch = Some(stretch);
         Ok(())
     }

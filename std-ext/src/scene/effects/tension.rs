@@ -65,7 +65,6 @@ impl SurfaceEffect for Tension {
     }
 
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
-        preparation.conservative(Self::NAME, SurfaceTension::new(self.value));
-        Ok(())
+        preparation.conservative(Self::NAME, SurfaceTension::new(self.value))
     }
 }

@@ -191,7 +191,6 @@ impl SurfaceEffect for HeldVolume {
                 map(&areas, |area| reduced * area.powf(1.5) / (6.0 * PI.sqrt()))
             }
         };
-        preparation.hold(Self::NAME, self.hold, Quantity::Volume, targets);
-        Ok(())
+        preparation.hold(Self::NAME, self.hold, Quantity::Volume, targets)
     }
 }
