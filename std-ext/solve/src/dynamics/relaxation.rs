@@ -22,6 +22,14 @@ use search::Trial;
 /// The fraction of the gain of a step that a redistribution of vertices may cost.
 const SPENT: f64 = 0.5;
 
+/// A relaxation with an energy and a residual below this is at rest if nothing improves for [`REST`] steps: what is
+/// left is rounding. From half as many on vertices are not redistributed, which would start it again,
+/// without end.
+const REST_RESIDUAL: f64 = 1e-6;
+
+/// See [`REST_RESIDUAL`].
+const REST: usize = 50;
+
 /// Number of steps between two attempts to redistribute vertices: the smallest, used initially and
 /// after a change of frame, and the largest.
 const WAIT: std::ops::RangeInclusive<usize> = 4..=256;
@@ -256,7 +264,7 @@ impl Relaxation {
         };
         self.refresh_preconditioners(&here.positions);
         let (next, step, redistributed) = match self.advance(problem, &here) {
-            Ok(Trial { point, step }) => {
+            Ok(Trial { point, step, .. }) => {
                 let (point, redistributed) = self.spread(problem, &here, point);
                 (point, step, redistributed)
             }
@@ -385,7 +393,9 @@ impl Relaxation {
         if *iteration >= self.settings.iteration_limit {
             return Some(Outcome::IterationLimit);
         }
-        if idle < self.settings.patience {
+        let rests = problem.is_conservative() && best.residual < REST_RESIDUAL;
+        let patience = if rests { REST } else { usize::MAX };
+        if idle < self.settings.patience.min(patience) {
             return None;
         }
         // A triangle at its limit may be the reason why steps have become so small.
@@ -408,7 +418,10 @@ impl Relaxation {
     /// Redistributes the vertices of fluid membranes if this is due and cheap: with an energy it
     /// may cost a fraction of the gain of the step, otherwise nothing.
     fn spread(&mut self, problem: &mut dyn Problem, before: &Point, point: Point) -> (Point, bool) {
-        if !self.settings.redistribution || self.state.newton {
+        let best = self.state.progress.map(|progress| progress.iteration);
+        let idle = best.map_or(0, |best| self.state.iteration - best);
+        let rests = problem.is_conservative() && point.residual < REST_RESIDUAL && 2 * idle >= REST;
+        if !self.settings.redistribution || self.state.newton || rests {
             return (point, false);
         }
         if self.state.wait > 1 {

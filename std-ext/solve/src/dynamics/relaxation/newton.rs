@@ -78,7 +78,11 @@ impl Relaxation {
             if let Ok(point) = self.evaluate(problem, positions, true)
                 && point.residual <= (1.0 - SUFFICIENT * step) * here.residual
             {
-                return Some(Trial { point, step });
+                return Some(Trial {
+                    point,
+                    step,
+                    crawls: false,
+                });
             }
             step *= 0.5;
         }

@@ -35,6 +35,8 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 pub(super) struct Trial {
     pub(super) point: Point,
     pub(super) step: f64,
+    /// Whether the force has hardly fallen although the step was doubled as often as allowed.
+    pub(super) crawls: bool,
 }
 
 /// The reason why a trial step is too long.
@@ -88,6 +90,12 @@ impl Relaxation {
                 Err((Failure::StepBelowFloor { step: 1.0 }, 0.0))
             };
             match found {
+                // Secants that were measured in rounding errors have no scale: steps along them would
+                // stay as short, and give more such secants.
+                Ok(trial) if trial.crawls => {
+                    self.state.secants.clear();
+                    return Ok(trial);
+                }
                 Ok(trial) => {
                     let mut step = direction;
                     step.iter_mut().for_each(|entry| *entry *= trial.step);
@@ -148,9 +156,14 @@ impl Relaxation {
             };
             match judged {
                 Ok((point, left)) => {
-                    let trial = Trial { point, step };
-                    let enough =
-                        left <= CURVATURE * slope || step >= longest || expansions >= EXPANSIONS;
+                    let falls = left <= CURVATURE * slope || step >= longest;
+                    let enough = falls || expansions >= EXPANSIONS;
+                    let crawls = enough && !falls;
+                    let trial = Trial {
+                        point,
+                        step,
+                        crawls,
+                    };
                     if enough {
                         return Ok(trial);
                     }
