@@ -14,6 +14,7 @@ mod once;
 mod placed;
 
 pub use build::build;
+pub(crate) use check::NARROW;
 pub use crossing::Crossing;
 pub use error::BuildError;
 pub use explain::{Active, Explanation, LatticeExplanation, SurfaceExplanation};

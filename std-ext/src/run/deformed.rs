@@ -4,7 +4,7 @@ use crate::deformation::{
     Deformation, ShearPlane, TankTreading, extremes, roughness, taylor, wrinkle_indicator,
 };
 use crate::enclosure::Inside;
-use crate::simulation::{Body, Simulation};
+use crate::simulation::{Body, NARROW, Simulation};
 use helfrich::Surface;
 use serde::{Deserialize, Serialize};
 
@@ -19,11 +19,6 @@ pub(super) struct Deformed {
     /// Smallest angle of each surface at the start, in degrees.
     angles: Vec<f64>,
 }
-
-/// Triangles of a fluid surface are too narrow below this many degrees, and below what they were at
-/// the start. Even meshes have 35 to 55; a drop at Ca = 0.02 whose mesh is drawn out is off by 10 % in
-/// D before it gets there.
-const NARROW: f64 = 20.0;
 
 /// A surface is rough at the scale of its mesh above this, and above twice what it was at the start.
 /// Smooth capsules stay below 0.1, and wrinkled ones reach 0.3 to 2.

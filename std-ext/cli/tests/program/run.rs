@@ -86,7 +86,7 @@ shape = "sphere:1"
 family = "regular"
 vertices = 162
 viscosity_ratio = 3
-membrane_viscosity = { shear = 20 }
+membrane_viscosity = { shear = 20, dilational = 20 }
 elasticity = { law = "neo-hookean", shear_modulus = 1 }
 bending = { method = "meyer", modulus = 0.05 }
 

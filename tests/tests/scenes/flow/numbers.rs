@@ -91,6 +91,34 @@ fn what_is_doubtful_in_flow_is_warned_of() {
     warned(&tube(1.1, 0.5), 13, &["reaches 1.500 from the axis"]);
 }
 
+/// Drops are less accurate on uneven meshes: said before the run. Capsules are judged by their bending.
+#[test]
+fn uneven_meshes_of_drops_are_warned_of() {
+    let elasticity = "elasticity = { law = \"neo-hookean\", shear_modulus = 1 }\n";
+    let bending = "bending = { method = \"B\", modulus = 0.1125 }\n";
+    let drop = |family: &str| {
+        capsule(&[
+            (elasticity, "tension.value = 1\n"),
+            (bending, ""),
+            ("\"regular\"", &format!("\"{family}\"")),
+        ])
+    };
+    for even in ["regular", "smooth", "relaxed"] {
+        assert_eq!(warnings(&valid(&drop(even))), [""; 0], "{even}");
+    }
+    for uneven in ["irregular", "hard"] {
+        let found = warnings(&valid(&drop(uneven)));
+        assert_eq!(found.len(), 1, "{uneven}: {found:?}");
+        for part in [
+            "the mesh of \"capsule\" is uneven",
+            "3.3 %",
+            "choose the family regular",
+        ] {
+            assert!(found[0].contains(part), "{uneven}: {}", found[0]);
+        }
+    }
+}
+
 #[test]
 fn overrides_change_flow_surface_and_law() {
     let set = |overrides: &[&str]| {

@@ -6,6 +6,34 @@ use helfrich_std::info::MeshInfo;
 use helfrich_std::simulation::Explanation;
 use helfrich_tests::tolerance;
 
+/// A membrane that resists shear alone is too stiff on a lattice, and somewhat too stiff on a coarse mesh:
+/// the figures of docs/FLOW.md, from η_s/(μa) of about 2 and 5 on. The radius is that of the mesh's volume.
+#[test]
+fn membranes_that_lock_are_warned_of() {
+    let with = |viscosity: &str| {
+        let lines = format!("membrane_viscosity = {{ {viscosity} }}\n[driver]");
+        capsule(&[("[driver]", &lines)])
+    };
+    for fine in [
+        "shear = 1",
+        "shear = 20, dilational = 20",
+        "shear = 20, dilational = 2.1",
+    ] {
+        assert_eq!(warnings(&with(fine)), [""; 0], "{fine}");
+    }
+    for locked in ["shear = 2.1", "shear = 20", "shear = 20, dilational = 1"] {
+        let found = warnings(&with(locked));
+        assert_eq!(found.len(), 1, "{locked}: {found:?}");
+        for part in [
+            "0.99, 0.83, 0.55 and 0.22",
+            "a `dilational` of the order of `shear`",
+            "more nodes per radius",
+        ] {
+            assert!(found[0].contains(part), "{locked}: {}", found[0]);
+        }
+    }
+}
+
 /// Each limit of the valid range, with a value on either side of it; by hand, with a = μ = G = 1, edges of
 /// 0.151, and nodes 1/6 apart where nothing else is said.
 #[test]
