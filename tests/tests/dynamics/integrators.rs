@@ -454,6 +454,28 @@ fn a_mode_that_grows_is_named() {
     assert_eq!(spectrum.vertex, 3);
 }
 
+/// Every mode decays. Velocities jump where vertices are displaced to one side, as those of methods that
+/// choose neighbours by distance: to differences on that side it looks like a mode that grows.
+#[test]
+fn jumps_are_no_growth() {
+    for jump in [1e-6, 1e-3, 1.0] {
+        let mut decay = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
+            for (v, x) in v.iter_mut().zip(x) {
+                *v = x.map(|x| -2.0 * x);
+                v[0] += if x[0] > 0.0 { jump } else { 0.0 };
+            }
+            Ok(())
+        };
+        let settings = Settings::new(Scheme::Rkc2, 1.0);
+        let start = vec![[0.0; 3]; 10];
+        let mut run = Integrator::new(start, 0.0, settings).expect("a start");
+        for _ in 0..6 {
+            let spectrum = run.estimate_spectrum(&mut decay).expect("velocities");
+            assert_eq!(spectrum.growth, None, "{jump}: {spectrum:?}");
+        }
+    }
+}
+
 /// Every mode decays. The second vertex feels the square of the first one's displacement, a term of
 /// even order: to differences it looks like a mode that grows if the sign of the mode alternates.
 #[test]

@@ -26,7 +26,8 @@ const PARALLEL: f64 = 1e-8;
 /// error.
 const GROWTH: f64 = 0.1;
 
-/// The largest relative residual with which two Ritz values count as eigenvalues.
+/// The largest relative residual with which two Ritz values count as eigenvalues, and the largest
+/// relative difference of products from both sides with which there is a derivative.
 const RESIDUAL: f64 = 0.1;
 
 /// The largest eigenvalue of the Jacobian ∂v/∂x.
@@ -114,7 +115,23 @@ pub(super) fn estimate(
             break (ritz, converged);
         }
     };
-    let grows = ritz.real > GROWTH * ritz.modulus && ritz.residual <= RESIDUAL;
+    let mut grows = ritz.real > GROWTH * ritz.modulus && ritz.residual <= RESIDUAL;
+    if grows {
+        // Velocities that jump, as those of methods that choose neighbours by distance, look like a
+        // growing mode on one side only.
+        for (moved, (x, m)) in moved.iter_mut().zip(x.iter().zip(&*before)) {
+            *moved = sub(*x, scale(displacement, *m));
+        }
+        let there = product.clone();
+        rhs.evaluate(moved, start.time, product)?;
+        iterations += 1;
+        for (product, v) in product.iter_mut().zip(start.velocities) {
+            *product = scale(displacement.recip(), sub(*v, *product));
+        }
+        let difference = there.iter().zip(&*product).map(|(a, b)| sub(*a, *b));
+        let apart = super::root_mean_square(difference);
+        grows = apart <= RESIDUAL * super::root_mean_square(there.iter().copied());
+    }
     Ok(Spectrum {
         radius: MARGIN * ritz.modulus,
         iterations,
