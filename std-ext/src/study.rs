@@ -168,7 +168,7 @@ pub enum StudyError {
     Generate(#[from] GenerateError),
     /// The curvatures overflow, or lose their digits.
     #[error(
-        "{shape} cannot be studied in {scalar}: with its size and κ = {modulus:?}, 1/R³ or κ/R³ \
+        "{shape} cannot be studied in {scalar}: with its size and κ = {modulus:?}, κ², 1/R³ or κ/R³ \
          are out of range"
     )]
     OutOfRange {

@@ -436,7 +436,9 @@ fn wrong_study_arguments() {
         (&["--modulus", "0"], "above 0"),
         (&["--modulus", "-1"], "above 0"),
         (&["--modulus", "inf"], "above 0"),
-        (&["--modulus", "1e300", "--scalar", "f64,f32"], "f32"),
+        // The square of the modulus has to be in range.
+        (&["--modulus", "1e100", "--scalar", "f64,f32"], "in f32"),
+        (&["--modulus", "1e300", "--scalar", "f64,f32"], "in f64"),
         (&["--seed", "x"], "seed"),
         (&["--nope"], "--nope"),
     ] {
