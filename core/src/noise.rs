@@ -100,9 +100,9 @@ type Spectrum<T> = [[T; 2]; 4];
 struct Seen<T> {
     /// The standard deviation that explains the whole residual, shape and noise.
     most: T,
-    /// That of the noise, if the shape leaves as much as it may.
+    /// The standard deviation of the noise, if the shape leaves as much as it may.
     least: T,
-    /// That of the noise, if the shape leaves as much as it does on most meshes.
+    /// The standard deviation of the noise, if the shape leaves as much as it does on most meshes.
     likely: T,
     /// Whether the parts decay fast enough to tell noise from shape.
     is_resolved: bool,

@@ -234,7 +234,7 @@ fn outside(cases: &[Case]) -> Vec<String> {
 /// Known to be outside: narrow shapes with 642 vertices, which hardly resolve them, so that noise is not seen,
 /// and f of an ellipsoid 1, 0.7, 0.4 at 1e-2 on the family `relaxed` (1.6).
 #[test]
-#[ignore = "half an hour: by hand, when the estimates of noise change"]
+#[ignore = "half an hour: by hand, see CONTRIBUTING"]
 fn everything_held_out() {
     let mut cases = Vec::new();
     let ellipsoids = [

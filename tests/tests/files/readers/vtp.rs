@@ -183,7 +183,7 @@ fn pieces_and_polygons_become_one_mesh() {
     assert_eq!(file.positions[6], [1.0, 1.0, 2.5]);
 }
 
-/// What replaces what in a file, and a part of the message.
+/// Replaced text of a file, its replacement, and a part of the message.
 const WRONG: [[&str; 3]; 20] = [
     [
         "'PolyData'",
