@@ -11,12 +11,11 @@ use crate::flow::lattice_boltzmann::Kernel;
 use crate::flow::lattice_boltzmann::limits::{
     FREE_BOX, ImmersedMembrane, MACH, VISCOSITIES, default_viscosity,
 };
-use crate::generate::{self, AnyShape};
+use crate::generate;
 use crate::io::free_memory;
 use crate::scalar::Scalar;
 use crate::six::rounded;
 use helfrich::Surface;
-use helfrich::shapes::Shape;
 use std::f64::consts::PI;
 
 /// The largest number of nodes; more fit into no machine's memory.
@@ -227,7 +226,11 @@ impl Builder<'_> {
                         return Vec::new();
                     }
                     let characteristic = shape.euler_characteristic().unsigned_abs() as usize;
-                    Ok((shape.volume(), area(shape), 2 * (vertices - characteristic)))
+                    Ok((
+                        shape.volume(),
+                        shape.area(),
+                        2 * (vertices - characteristic),
+                    ))
                 }
                 MeshSource::File(file) => measure(file, &mut self.meshes),
             };
@@ -470,23 +473,6 @@ impl Builder<'_> {
         self.different("obstacle", &Vec::from_iter(names), readers);
         obstacles
     }
-}
-
-/// Area of a shape, by the midpoint rule over its pre-image.
-fn area(shape: &AnyShape) -> f64 {
-    if let AnyShape::Torus(torus) = shape {
-        return 4.0 * PI * PI * torus.radius * torus.tube_radius;
-    }
-    let count = 64;
-    let middle = |index: i32| (f64::from(index) + 0.5) / f64::from(count);
-    let points = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
-    let elements = points.map(|(i, j)| {
-        let z = 2.0 * middle(i) - 1.0;
-        let (sine, cosine) = (2.0 * PI * middle(j)).sin_cos();
-        let across = (1.0 - z * z).sqrt();
-        shape.area_element([across * cosine, across * sine, z])
-    });
-    4.0 * PI * elements.sum::<f64>() / f64::from(count * count)
 }
 
 /// Volume, area and number of triangles of a mesh file, or the reason why they are unknown.

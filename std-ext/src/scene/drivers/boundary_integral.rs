@@ -3,10 +3,10 @@
 use super::super::flow::Flow;
 use super::super::keys::{Form, Kind, NUMBER, optional};
 use super::super::parameter::{Parameter, Parameters};
-use super::super::units::Dimension;
 use super::Described;
 use super::shared::{
-    DURATION, FLOW, REDISTRIBUTION, STEP, STRAIN, VISCOSITY, VOLUME_CORRECTION, kept,
+    DURATION, FLOW, REDISTRIBUTION, STEP, STRAIN, VISCOSITY, VOLUME_CORRECTION, flow_parameters,
+    kept,
 };
 use serde::Serialize;
 
@@ -73,13 +73,7 @@ impl Described for BoundaryIntegral {
 
     fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
         let kept = kept(self.volume_correction, self.redistribution);
-        let mut parameters = vec![
-            number.of("viscosity", self.viscosity, Dimension::VISCOSITY),
-            number.of("duration", self.duration, Dimension::TIME),
-        ];
-        if let Some(rate) = self.flow.rate() {
-            parameters.push(number.plain("strain", rate * self.duration));
-        }
+        let parameters = flow_parameters(number, self.viscosity, self.duration, self.flow);
         let choice = format!("Stokes flow without walls, Reynolds number 0, {kept}");
         (choice, parameters)
     }

@@ -6,7 +6,8 @@ use super::super::parameter::{Parameter, Parameters};
 use super::super::units::Dimension;
 use super::Described;
 use super::shared::{
-    DURATION, FLOW, REDISTRIBUTION, STEP, STRAIN, VISCOSITY, VOLUME_CORRECTION, kept,
+    DURATION, FLOW, REDISTRIBUTION, STEP, STRAIN, VISCOSITY, VOLUME_CORRECTION, flow_parameters,
+    kept,
 };
 use crate::flow::lattice_boltzmann::limits::LatticeParameters;
 use crate::flow::lattice_boltzmann::{Kernel, Units};
@@ -176,13 +177,7 @@ impl Described for LatticeBoltzmann {
 
     fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
         let kept = kept(self.volume_correction, self.redistribution);
-        let mut parameters = vec![
-            number.of("viscosity", self.viscosity, Dimension::VISCOSITY),
-            number.of("duration", self.duration, Dimension::TIME),
-        ];
-        if let Some(rate) = self.flow.rate() {
-            parameters.push(number.plain("strain", rate * self.duration));
-        }
+        let mut parameters = flow_parameters(number, self.viscosity, self.duration, self.flow);
         let inertia = match self.density {
             Some(density) => {
                 parameters.push(number.of("density", density, Dimension::DENSITY));

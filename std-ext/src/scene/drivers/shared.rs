@@ -1,7 +1,8 @@
 //! Keys that several drivers have.
 
-use super::super::flow::FLOW as FLOW_KEYS;
+use super::super::flow::{FLOW as FLOW_KEYS, Flow};
 use super::super::keys::{Form, Key, NUMBER, optional, positive};
+use super::super::parameter::{Parameter, Parameters};
 use super::super::units::Dimension;
 
 pub(super) const REDISTRIBUTION: Key = optional(
@@ -64,4 +65,22 @@ pub(super) fn kept(volumes: bool, meshes: bool) -> String {
         false => "",
     };
     format!("{volumes}{meshes}")
+}
+
+/// The viscosity of the fluid and the duration, for `explain`; in a shear or another flow with a rate
+/// also the strain at the end.
+pub(super) fn flow_parameters(
+    number: &Parameters,
+    viscosity: f64,
+    duration: f64,
+    flow: Flow,
+) -> Vec<Parameter> {
+    let mut parameters = vec![
+        number.of("viscosity", viscosity, Dimension::VISCOSITY),
+        number.of("duration", duration, Dimension::TIME),
+    ];
+    if let Some(rate) = flow.rate() {
+        parameters.push(number.plain("strain", rate * duration));
+    }
+    parameters
 }
