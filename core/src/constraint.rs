@@ -18,8 +18,8 @@ mod system;
 
 pub use area_difference::{AreaDifference, AreaDifferenceMemory};
 pub use potential::{
-    Linear, OsmoticPressure, Penalty, Potential, PotentialMemory, PotentialOf, Quadratic,
-    SurfaceTension,
+    GaussianBending, LineTension, Linear, OsmoticPressure, Penalty, Potential, PotentialMemory,
+    PotentialOf, Quadratic, SurfaceTension,
 };
 use system::System;
 

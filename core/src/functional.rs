@@ -1,5 +1,5 @@
-//! Functionals of connected components (area, volume, integrated mean curvature) with exact
-//! gradients.
+//! Functionals of connected components (area, volume, length of the boundary, integrated curvatures)
+//! with exact gradients.
 
 use crate::components::Components;
 use crate::element::{ElementKernel, Execution};
@@ -11,14 +11,18 @@ use crate::vec3::{cross, dot};
 use alloc::vec::Vec;
 use core::ops::Range;
 
+mod boundary_length;
 mod enclosed_volume;
 mod quantity;
 mod total_area;
+mod total_gaussian_curvature;
 mod total_mean_curvature;
 
+pub use boundary_length::BoundaryLength;
 pub use enclosed_volume::EnclosedVolume;
 pub use quantity::{Quantity, QuantityMemory};
 pub use total_area::TotalArea;
+pub use total_gaussian_curvature::{GaussianCurvatureMemory, TotalGaussianCurvature};
 pub use total_mean_curvature::TotalMeanCurvature;
 
 /// A number F_c of each connected component c of a surface, with its exact gradient.
@@ -62,7 +66,7 @@ pub trait Functional<T: Real>: Method<T> {
     );
 }
 
-/// Triangles (three corners) or hinges (four), sorted by connected component.
+/// Boundary edges (two corners), triangles (three) or hinges (four), sorted by connected component.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ComponentElements<const CORNERS: usize> {
     components: Components,

@@ -26,8 +26,9 @@
 //! * [`elasticity`] in the plane is [`InPlane`] with a law, over a reference that may differ from
 //!   the shape at the start: [`NeoHookean`], [`Skalak`], [`LocalArea`].
 //! * A [`Functional`] is a number of each connected component: [`TotalArea`], [`EnclosedVolume`],
-//!   [`TotalMeanCurvature`]. Energies are made of them ([`Penalty`], [`SurfaceTension`],
-//!   [`OsmoticPressure`], [`AreaDifference`]), and [`Constraints`] hold them exactly.
+//!   [`TotalMeanCurvature`], [`TotalGaussianCurvature`], [`BoundaryLength`]. Energies are made of them
+//!   ([`Penalty`], [`SurfaceTension`], [`OsmoticPressure`], [`AreaDifference`], and of open edges
+//!   [`LineTension`] and [`GaussianBending`]), and [`Constraints`] hold them exactly.
 //! * [`Gravity`], [`PointLoads`] and [`WallAdhesion`] are external forces. [`Repulsion`] is an
 //!   [`Interaction`], which acts between surfaces. [`MembraneViscosity`] is a [`Dissipation`],
 //!   which depends on velocities.
@@ -101,8 +102,8 @@ pub use bending::{
 };
 pub use components::Components;
 pub use constraint::{
-    AreaDifference, Constraint, ConstraintError, Constraints, Correction, OsmoticPressure, Penalty,
-    SurfaceTension, Targets,
+    AreaDifference, Constraint, ConstraintError, Constraints, Correction, GaussianBending,
+    LineTension, OsmoticPressure, Penalty, SurfaceTension, Targets,
 };
 pub use corrected_curvature::{CorrectedCurvature, CorrectedCurvatureMemory, VertexNormals};
 pub use curvature::{Curvature, Curvatures};
@@ -110,7 +111,10 @@ pub use diagnostic::{Finding, Quality};
 pub use dissipation::{Dissipation, MembraneViscosity};
 pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, StrainEnergy};
 pub use element::{Execution, Serial};
-pub use functional::{EnclosedVolume, Functional, Quantity, TotalArea, TotalMeanCurvature};
+pub use functional::{
+    BoundaryLength, EnclosedVolume, Functional, Quantity, TotalArea, TotalGaussianCurvature,
+    TotalMeanCurvature,
+};
 pub use gravity::{Gravity, GravityMemory};
 pub use indices::TriangleIndices;
 pub use interaction::{Images, Interaction, Repulsion};

@@ -246,6 +246,66 @@ pub fn disc(rings: u32) -> Mesh {
     Mesh::new(positions, triangles)
 }
 
+/// A round disc of radius 1, of `rings` circles of evenly spaced vertices around its centre.
+pub fn round_disc(rings: u32) -> Mesh {
+    let disc = disc(rings);
+    let mut positions = vec![[0.0; 3]];
+    for ring in 1..=rings {
+        for step in 0..6 * ring {
+            let angle = std::f64::consts::TAU * f64::from(step) / f64::from(6 * ring);
+            let radius = f64::from(ring) / f64::from(rings);
+            positions.push([radius * angle.cos(), radius * angle.sin(), 0.0]);
+        }
+    }
+    Mesh::new(positions, disc.connectivity.triangles().to_vec())
+}
+
+/// The cap of the unit sphere about its highest point, out to this polar angle.
+pub fn cap(rings: u32, angle: f64) -> Mesh {
+    round_disc(rings).map(|[x, y, _]| {
+        let radius = x.hypot(y);
+        let (sine, cosine) = (angle * radius).sin_cos();
+        let outward = if radius > 0.0 { sine / radius } else { 0.0 };
+        [outward * x, outward * y, cosine]
+    })
+}
+
+/// A tube of `around` vertices in each of `rows` + 1 circles, open at both ends, of radius
+/// `radius(z)` at heights z from −`height` to `height`.
+pub fn tube(around: u32, rows: u32, height: f64, radius: impl Fn(f64) -> f64) -> Mesh {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    let number = |row: u32, step: u32| row * around + step % around;
+    for row in 0..=rows {
+        let z = height * (2.0 * f64::from(row) / f64::from(rows) - 1.0);
+        for step in 0..around {
+            // Every second circle by half an edge, for triangles that are nearly equilateral.
+            let step = f64::from(step) + 0.5 * f64::from(row % 2);
+            let angle = std::f64::consts::TAU * step / f64::from(around);
+            positions.push([radius(z) * angle.cos(), radius(z) * angle.sin(), z]);
+        }
+    }
+    for row in 0..rows {
+        for step in 0..around {
+            let [a, b] = [number(row, step), number(row, step + 1)];
+            let [c, d] = [number(row + 1, step), number(row + 1, step + 1)];
+            let pair = if row % 2 == 0 {
+                [[a, b, c], [b, d, c]]
+            } else {
+                [[a, b, d], [a, d, c]]
+            };
+            triangles.extend(pair);
+        }
+    }
+    Mesh::new(positions, triangles)
+}
+
+/// The catenoid `r = cosh z` out to this height, in triangles that are nearly equilateral.
+pub fn catenoid(around: u32, height: f64) -> Mesh {
+    let step = std::f64::consts::TAU / f64::from(around) * 0.75_f64.sqrt();
+    let rows = (2.0 * height / step).round() as u32;
+    tube(around, rows, height, f64::cosh)
+}
+
 /// A torus with radii 1 and 0.4 of `around` × `across` quadrilaterals, each cut in two.
 pub fn torus(around: u32, across: u32) -> Mesh {
     let mut positions = Vec::new();

@@ -3,7 +3,9 @@
 use super::Targets;
 use crate::diagnostic::Finding;
 use crate::element::Execution;
-use crate::functional::{EnclosedVolume, Functional, Quantity, TotalArea};
+use crate::functional::{
+    BoundaryLength, EnclosedVolume, Functional, Quantity, TotalArea, TotalGaussianCurvature,
+};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
 use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
@@ -41,7 +43,10 @@ impl<T: Real> Potential<T> for Linear<T> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless_finite("surface tension or pressure difference", self.slope)
+        ParameterError::unless_finite(
+            "tension, pressure difference or Gaussian modulus",
+            self.slope,
+        )
     }
 }
 
@@ -86,6 +91,12 @@ pub type SurfaceTension<T> = PotentialOf<TotalArea, Linear<T>>;
 /// `E = −Δp V`, Δp the pressure inside minus the one outside: positive inflates. It does not act on
 /// components with boundary.
 pub type OsmoticPressure<T> = PotentialOf<EnclosedVolume, Linear<T>>;
+/// `E = Λ L`, Λ the line tension of the boundary and L its length, positive if it contracts: J. D.
+/// Litster, Phys. Lett. A 53 (1975) 193. It does not act on components without boundary.
+pub type LineTension<T> = PotentialOf<BoundaryLength, Linear<T>>;
+/// `E = κ_G ∫ K dS`, κ_G the Gaussian modulus: W. Helfrich, Z. Naturforsch. C 28 (1973) 693. Its forces
+/// act at the boundary alone; on a component without boundary the energy is the constant 2πχ κ_G.
+pub type GaussianBending<T> = PotentialOf<TotalGaussianCurvature, Linear<T>>;
 
 impl<T: Real, F> PotentialOf<F, Quadratic<T>> {
     /// The penalty with modulus k and targets F0.
@@ -104,6 +115,26 @@ impl<T: Real> PotentialOf<TotalArea, Linear<T>> {
         Self {
             functional: TotalArea,
             potential: Linear { slope: tension },
+        }
+    }
+}
+
+impl<T: Real> PotentialOf<BoundaryLength, Linear<T>> {
+    /// The energy with line tension Λ, energy per length.
+    pub fn new(tension: T) -> Self {
+        Self {
+            functional: BoundaryLength,
+            potential: Linear { slope: tension },
+        }
+    }
+}
+
+impl<T: Real> PotentialOf<TotalGaussianCurvature, Linear<T>> {
+    /// The energy with Gaussian modulus κ_G, an energy.
+    pub fn new(modulus: T) -> Self {
+        Self {
+            functional: TotalGaussianCurvature,
+            potential: Linear { slope: modulus },
         }
     }
 }

@@ -3,8 +3,8 @@
 use autodiff::F1;
 use helfrich::functional::ComponentElements;
 use helfrich::{
-    EnclosedVolume, Functional, Method, Quantity, Real, Serial, Surface, TotalArea,
-    TotalMeanCurvature,
+    BoundaryLength, EnclosedVolume, Functional, Method, Quantity, Real, Serial, Surface, TotalArea,
+    TotalGaussianCurvature, TotalMeanCurvature, TriangleMesh,
 };
 use helfrich_tests::meshes::{
     Mesh, SplitMix64, bent, cases, disc, hemisphere, icosphere, octahedron, rough_any, tetrahedron,
@@ -77,6 +77,8 @@ fn check_gradient(mesh: &Mesh) {
     check(TotalArea, mesh);
     check(EnclosedVolume, mesh);
     check(TotalMeanCurvature, mesh);
+    check(TotalGaussianCurvature, mesh);
+    check(BoundaryLength, mesh);
     for quantity in [Quantity::Area, Quantity::Volume, Quantity::MeanCurvature] {
         check(quantity, mesh);
     }
@@ -143,10 +145,11 @@ fn mean_curvature_of_spheres_converges() {
     );
 }
 
-/// Each component has the values and gradients that it has alone; open ones enclose nothing.
+/// Each component has the values and gradients that it has alone; open ones enclose nothing, and closed
+/// ones have no edge.
 #[test]
 fn components_are_independent() {
-    fn check(functional: impl Functional<f64> + Copy, open: bool) {
+    fn check(functional: impl Functional<f64> + Copy, measures: fn(&TriangleMesh) -> bool) {
         let whole = several();
         let workspace = functional.workspace(&whole.connectivity);
         let components = functional.components(&workspace).clone();
@@ -164,10 +167,10 @@ fn components_are_independent() {
             let alone = Mesh::new(whole.positions.clone(), triangles);
             let found = values(functional, &alone, &alone.positions);
             let nonzero = Vec::from_iter(found.iter().filter(|&&value| value != 0.0));
-            if alone.connectivity.is_closed() || open {
+            if measures(&alone.connectivity) {
                 assert_eq!(nonzero, [&value]);
             } else {
-                assert_eq!((nonzero.len(), value), (0, 0.0), "encloses nothing");
+                assert_eq!((nonzero.len(), value), (0, 0.0), "nothing to measure");
             }
             let gradient = gradient(functional, &alone, &vec![1.0; found.len()]);
             for (vertex, &gradient) in gradient.iter().enumerate() {
@@ -187,9 +190,10 @@ fn components_are_independent() {
             assert_eq!(gradient, expected);
         }
     }
-    check(TotalArea, true);
-    check(EnclosedVolume, false);
-    check(TotalMeanCurvature, true);
+    check(TotalArea, |_| true);
+    check(EnclosedVolume, TriangleMesh::is_closed);
+    check(TotalMeanCurvature, |_| true);
+    check(BoundaryLength, |mesh| !mesh.is_closed());
 }
 
 /// Moved by 2²⁷ ≈ 1e8 radii, on a grid that does not round there: not a bit changes.
@@ -211,6 +215,8 @@ fn offsets_do_not_matter() {
     check(TotalArea, &here, &there);
     check(EnclosedVolume, &here, &there);
     check(TotalMeanCurvature, &here, &there);
+    check(TotalGaussianCurvature, &here, &there);
+    check(BoundaryLength, &here, &there);
 }
 
 /// A component's elements, each in the component of its first corner.

@@ -37,7 +37,7 @@ fn parameters_that_are_no_numbers_are_refused() {
             level: place,
         };
         refused(deep, "level of gravity");
-        let slope = "surface tension or pressure difference";
+        let slope = "tension, pressure difference or Gaussian modulus";
         refused(SurfaceTension::new(value), slope);
         refused(OsmoticPressure::new(value), slope);
         let modulus = "modulus of a penalty";

@@ -1,12 +1,13 @@
 //! A workspace of another mesh is refused, by everything that takes one.
 
 use helfrich::{
-    AreaDifference, Conservative, Constraint, Constraints, ControlPoints, CorrectedCurvature,
-    Cotangent, Curvature, Curvatures, Dissipation, DualArea, EnclosedVolume, Energy, Force,
-    ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher, KantorNelson,
-    LaplaceBeltrami, LoopSubdivision, MembraneViscosity, Method, NeoHookean, Paraboloid,
-    PointLoads, Prepared, Projected, Quantity, Rows, Serial, SpontaneousCurvature, StrongForm,
-    Surface, Targets, TotalArea, TotalMeanCurvature, TriangleMesh, VertexNormals, Workspace,
+    AreaDifference, BoundaryLength, Conservative, Constraint, Constraints, ControlPoints,
+    CorrectedCurvature, Cotangent, Curvature, Curvatures, Dissipation, DualArea, EnclosedVolume,
+    Energy, Force, ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher,
+    KantorNelson, LaplaceBeltrami, LoopSubdivision, MembraneViscosity, Method, NeoHookean,
+    Paraboloid, PointLoads, Prepared, Projected, Quantity, Rows, Serial, SpontaneousCurvature,
+    StrongForm, Surface, Targets, TotalArea, TotalGaussianCurvature, TotalMeanCurvature,
+    TriangleMesh, VertexNormals, Workspace,
 };
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
@@ -231,6 +232,8 @@ fn functionals_and_effects_refuse_workspaces_of_other_meshes() {
     meshes.check_functional("area", &TotalArea);
     meshes.check_functional("volume", &EnclosedVolume);
     meshes.check_functional("mean curvature", &TotalMeanCurvature);
+    meshes.check_functional("Gaussian curvature", &TotalGaussianCurvature);
+    meshes.check_functional("boundary", &BoundaryLength);
     for quantity in [Quantity::Area, Quantity::Volume, Quantity::MeanCurvature] {
         meshes.check_functional("quantity", &quantity);
     }
