@@ -8,7 +8,9 @@
 //! force along them, and Newton steps follow where secants do not converge.
 //!
 //! A fluid membrane has no in-plane resistance: its vertices move along their normals only, and are
-//! redistributed along the surface, which does not change the shape.
+//! redistributed along the surface, which does not change the shape. Vertices at a free edge also move
+//! across the edge, because the edge is where such a membrane ends. Fixed vertices stay where they are, to
+//! the last bit, and what acts on them does not count: their support bears it.
 //!
 //! Everything is serial and depends on the positions alone, so that a stored and restored state
 //! continues bit for bit.
@@ -89,8 +91,8 @@ impl Evaluation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Motion {
-    /// Along the vertex normals, for fluid membranes. Tangential forces, which are then errors of the
-    /// discretisation, have no effect.
+    /// Along the vertex normals, and at an edge across it, for fluid membranes. Other tangential forces,
+    /// which are then errors of the discretisation, have no effect.
     AlongNormals,
     /// In all directions: for membranes with in-plane elasticity.
     Free,
@@ -109,6 +111,21 @@ pub struct Membrane {
     pub in_plane_modulus: f64,
     /// The freedom of its vertices.
     pub motion: Motion,
+    /// Whether each vertex is fixed, as those of a supported edge are; empty if none is. Exact
+    /// constraints of the [`Problem`] must not move fixed vertices either.
+    pub fixed: Vec<bool>,
+}
+
+impl Membrane {
+    /// Whether a vertex is fixed.
+    fn is_fixed(&self, vertex: usize) -> bool {
+        self.fixed.get(vertex).is_some_and(|&fixed| fixed)
+    }
+
+    /// Whether any vertex is fixed.
+    fn has_support(&self) -> bool {
+        self.fixed.contains(&true)
+    }
 }
 
 /// Settings of a relaxation.

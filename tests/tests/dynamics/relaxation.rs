@@ -131,6 +131,7 @@ impl Vesicle {
             bending_modulus: 1.0,
             in_plane_modulus: 0.0,
             motion: Motion::AlongNormals,
+            fixed: Vec::new(),
         };
         let positions = self.start.positions.clone();
         let mut relaxation =
@@ -274,6 +275,7 @@ fn an_elastic_sphere_regains_its_shape() {
         bending_modulus: 0.0,
         in_plane_modulus: 3.0,
         motion: Motion::Free,
+        fixed: Vec::new(),
     };
     let mut relaxation =
         Relaxation::new(vec![membrane], positions, Settings::default()).expect("a sphere");

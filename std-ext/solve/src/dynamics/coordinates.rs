@@ -85,14 +85,16 @@ impl Coordinates {
                 let cosine = vector::dot(self.normals[vertex], frame.directions()[vertex]);
                 sum += self.areas[vertex] * (1.0 - cosine * cosine);
                 // Vertices in no triangle have no normal, now or before.
-                if self.areas[vertex] > 0.0 {
+                if self.areas[vertex] > 0.0 && !frame.is_fixed(vertex) {
                     least = least.min(cosine);
                 }
             }
             let area: f64 = self.areas[place.vertices()].iter().sum();
             sum > LARGEST_TURN * LARGEST_TURN * area || least < LEAST_COSINE
         };
-        places.iter().any(|place| place.width == 1 && turned(place))
+        places
+            .iter()
+            .any(|place| place.along_normals && turned(place))
     }
 
     /// Calls `each` with a number's index, its group and 1/area, or 0 where there is no area.

@@ -3,11 +3,12 @@
 use super::Membrane;
 use super::place::{Place, geometry, number_count, reciprocal_or_zero};
 use super::vector::{self, Vector};
-use helfrich::Components;
+use helfrich::{Components, VertexKind};
 
 /// Forces and displacements as long vectors of numbers: three per vertex or, for fluid membranes,
 /// one: the displacement u along the direction of the vertex. Such scalars need no transport from
-/// one surface to the next.
+/// one surface to the next. A fluid membrane with a free edge has three numbers per vertex, too, of
+/// which [`Freedom`] leaves one in the interior and two at the edge.
 ///
 /// The directions of a fluid membrane are the normals n of an earlier surface, the anchor. With the
 /// current normals, a sequence of normal steps could add up to any tangential displacement. Every
@@ -18,11 +19,56 @@ use helfrich::Components;
 /// vertices, and it would do so towards meshes with too low an energy. With the rigid motions `ρ_k`
 /// of the present positions, whose `b_k = n·ρ_k` at the anchor are orthonormal, displacements are
 /// `n u + Σ_k (ρ_k − n b_k) Σ A b_k u`, and forces transform by the transpose. Without net force
-/// and torque, u has no component along b_k.
+/// and torque, u has no component along b_k. A body with fixed vertices has no rigid motions, and one
+/// with a free edge follows them by the motion of its edge.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Frame {
     directions: Vec<Vector>,
+    freedoms: Vec<Freedom>,
     modes: Vec<Mode>,
+}
+
+/// The displacements that a vertex is free to make.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Freedom {
+    All,
+    /// Along the direction of the vertex.
+    Along,
+    /// All but those along this unit vector, the tangent of an edge.
+    Across(Vector),
+    /// None.
+    Fixed,
+}
+
+impl Freedom {
+    /// The freedom of the vertices of a membrane.
+    fn of(membrane: &Membrane, place: &Place, anchor: &[Vector]) -> Vec<Self> {
+        let mesh = &membrane.mesh;
+        let of_kind = |(vertex, kind): (usize, &VertexKind)| match kind {
+            _ if membrane.is_fixed(vertex) => Self::Fixed,
+            _ if !place.along_normals => Self::All,
+            VertexKind::Boundary => {
+                let ring = mesh.one_ring(vertex);
+                let [first, last] = [ring.first(), ring.last()]
+                    .map(|end| end.map_or(vertex, |&end| end as usize) + place.first_vertex);
+                Self::Across(vector::unit(vector::sub(anchor[last], anchor[first])))
+            }
+            _ => Self::Along,
+        };
+        let kinds = mesh.vertex_kinds().iter().enumerate();
+        kinds.map(of_kind).collect()
+    }
+
+    /// The part of a vector that is free.
+    fn restrict(self, direction: Vector, entry: Vector) -> Vector {
+        let part = |along: Vector| vector::scale(vector::dot(entry, along), along);
+        match self {
+            Self::All => entry,
+            Self::Along => part(direction),
+            Self::Across(tangent) => vector::sub(entry, part(tangent)),
+            Self::Fixed => [0.0; 3],
+        }
+    }
 }
 
 /// A rigid motion of a body.
@@ -57,10 +103,18 @@ impl Frame {
     pub(super) fn new(membranes: &[Membrane], places: &[Place], anchor: &[Vector]) -> Self {
         let (directions, areas) = geometry(membranes, places, anchor);
         let mut modes = Vec::new();
+        let mut freedoms = Vec::with_capacity(anchor.len());
         for (membrane, place) in membranes.iter().zip(places) {
+            freedoms.extend(Freedom::of(membrane, place, anchor));
             if place.width == 1 {
                 let components = Components::new(&membrane.mesh);
-                for component in 0..components.count() as u32 {
+                let of_vertex = components.of_vertex();
+                let mut supported = vec![false; components.count()];
+                for (vertex, &component) in of_vertex.iter().enumerate() {
+                    supported[component as usize] |= membrane.is_fixed(vertex);
+                }
+                let bodies = 0..components.count() as u32;
+                for component in bodies.filter(|&body| !supported[body as usize]) {
                     let vertices: Vec<(u32, u32)> = components
                         .of_vertex()
                         .iter()
@@ -75,7 +129,35 @@ impl Frame {
                 }
             }
         }
-        Self { directions, modes }
+        Self {
+            directions,
+            freedoms,
+            modes,
+        }
+    }
+
+    /// Whether a vertex does not move.
+    pub(super) fn is_fixed(&self, vertex: usize) -> bool {
+        self.freedoms[vertex] == Freedom::Fixed
+    }
+
+    /// Removes from numbers what vertices are not free to do.
+    pub(super) fn restrict(&self, places: &[Place], numbers: &mut [f64]) {
+        for place in places {
+            let numbers = &mut numbers[place.numbers()];
+            let vertices = place.vertices();
+            if place.width == 1 {
+                for (number, vertex) in numbers.iter_mut().zip(vertices) {
+                    if self.is_fixed(vertex) {
+                        *number = 0.0;
+                    }
+                }
+            } else {
+                for (entry, vertex) in numbers.as_chunks_mut().0.iter_mut().zip(vertices) {
+                    *entry = self.freedoms[vertex].restrict(self.directions[vertex], *entry);
+                }
+            }
+        }
     }
 
     /// The directions of all vertices.
@@ -104,6 +186,7 @@ impl Frame {
                 numbers.copy_from_slice(field[vertices].as_flattened());
             }
         }
+        self.restrict(places, &mut numbers);
         let along = numbers.clone();
         for mode in &self.modes {
             let slip = |(k, &(vertex, number)): (usize, &(u32, u32))| {
@@ -167,6 +250,9 @@ impl Frame {
         numbers: &[f64],
     ) -> Vec<Vector> {
         let mut field = vec![[0.0; 3]; self.directions.len()];
+        let mut free = numbers.to_vec();
+        self.restrict(places, &mut free);
+        let numbers = &free[..];
         for place in places {
             let numbers = &numbers[place.numbers()];
             let vertices = place.vertices();

@@ -2,6 +2,7 @@
 
 use super::vector::{self, Vector};
 use super::{Membrane, Motion};
+use helfrich::VertexKind;
 
 /// The ranges of a membrane's vertices and numbers among those of all membranes.
 #[derive(Clone, Copy, Debug)]
@@ -10,6 +11,8 @@ pub(super) struct Place {
     pub(super) vertices: usize,
     pub(super) first_number: usize,
     pub(super) width: usize,
+    /// Whether the membrane is fluid.
+    pub(super) along_normals: bool,
 }
 
 impl Place {
@@ -18,18 +21,20 @@ impl Place {
         let (mut first_vertex, mut first_number) = (0, 0);
         let mut place = |membrane: &Membrane| {
             let vertices = membrane.mesh.vertex_count();
-            let width = match membrane.motion {
-                Motion::AlongNormals => 1,
-                Motion::Free => 3,
-            };
+            let along_normals = membrane.motion == Motion::AlongNormals;
             let place = Self {
                 first_vertex,
                 vertices,
                 first_number,
-                width,
+                width: if along_normals && !has_free_edge(membrane) {
+                    1
+                } else {
+                    3
+                },
+                along_normals,
             };
             first_vertex += vertices;
-            first_number += width * vertices;
+            first_number += place.width * vertices;
             place
         };
         membranes.iter().map(&mut place).collect()
@@ -42,6 +47,13 @@ impl Place {
     pub(super) fn numbers(&self) -> std::ops::Range<usize> {
         self.first_number..self.first_number + self.width * self.vertices
     }
+}
+
+/// Whether any vertex of an edge can move.
+fn has_free_edge(membrane: &Membrane) -> bool {
+    let kinds = membrane.mesh.vertex_kinds().iter().enumerate();
+    let mut edge = kinds.filter(|(_, kind)| **kind == VertexKind::Boundary);
+    edge.any(|(vertex, _)| !membrane.is_fixed(vertex))
 }
 
 /// Number of degrees of freedom.

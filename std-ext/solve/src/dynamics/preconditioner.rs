@@ -10,7 +10,8 @@ use helfrich::TriangleMesh;
 /// With cotangent stiffness S, lumped areas M and a shift σ = 1/R², R the radius of the sphere of the
 /// same area, `P = (κ L + K M)⁻¹ M L⁻¹`, `L = S + σ M`: symmetric and positive definite, the inverse
 /// of `κ L M⁻¹ L + K L`. The shift stands for the stiffness of the longest waves and keeps
-/// translations finite.
+/// translations finite. Fixed vertices are not coupled to the others, whose displacements therefore fall
+/// to 0 towards them.
 #[derive(Clone, Debug)]
 pub(super) struct Preconditioner {
     pattern: Pattern,
@@ -68,6 +69,13 @@ impl Preconditioner {
         for (&[a, b], &value) in mesh.edges().iter().zip(&stiffness) {
             diagonal[a as usize] -= value;
             diagonal[b as usize] -= value;
+        }
+        if membrane.has_support() {
+            for (edge, value) in mesh.edges().iter().zip(&mut stiffness) {
+                if edge.iter().any(|&end| membrane.is_fixed(end as usize)) {
+                    *value = 0.0;
+                }
+            }
         }
         let (bending, in_plane) = (membrane.bending_modulus, membrane.in_plane_modulus);
         let pattern = &self.pattern;

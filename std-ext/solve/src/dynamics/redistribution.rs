@@ -13,7 +13,7 @@ const SHARE: f64 = 0.5;
 /// Root-mean-square displacement, in edges, below which vertices are not moved.
 const SETTLED: f64 = 1e-3;
 
-/// Moves every interior vertex of fluid membranes along the surface, part of the way to the
+/// Moves every interior vertex of fluid membranes that is not fixed along the surface, part of the way to the
 /// area-weighted centre of the triangles around it, so that areas become even and angles good.
 /// Returns whether any membrane was moved by more than a thousandth of an edge.
 ///
@@ -31,6 +31,7 @@ pub(super) fn redistribute(
         if membrane.motion == Motion::AlongNormals {
             let range = place.vertices();
             let surface = Geometry {
+                membrane,
                 mesh: &membrane.mesh,
                 normals: &coordinates.normals[range.clone()],
                 positions: &positions[range.clone()],
@@ -48,6 +49,7 @@ pub(super) fn redistribute(
 }
 
 struct Geometry<'a> {
+    membrane: &'a Membrane,
     mesh: &'a TriangleMesh,
     normals: &'a [Vector],
     positions: &'a [Vector],
@@ -74,7 +76,8 @@ impl Geometry<'_> {
         let mut squares = 0.0;
         let mut displacements = vec![[0.0; 3]; self.positions.len()];
         for (vertex, (sum, weight)) in sums.into_iter().enumerate() {
-            if self.mesh.vertex_kind(vertex) != VertexKind::Interior {
+            let fixed = self.membrane.is_fixed(vertex);
+            if fixed || self.mesh.vertex_kind(vertex) != VertexKind::Interior {
                 continue;
             }
             let offset = vector::scale(SHARE * reciprocal_or_zero(weight), sum);
@@ -128,6 +131,7 @@ mod tests {
             bending_modulus: 1.0,
             in_plane_modulus: 0.0,
             motion: Motion::AlongNormals,
+            fixed: Vec::new(),
         }];
         let places = Place::of(&membranes);
         let mut positions = generated.positions.clone();

@@ -107,7 +107,8 @@ impl Relaxation {
     /// Membranes at these positions, one membrane after the other.
     ///
     /// # Errors
-    /// If the number of positions differs from that of vertices, or a membrane has no stiffness.
+    /// If the number of positions differs from that of vertices, a membrane has no stiffness, or
+    /// flags of fixed vertices do not fit its mesh.
     pub fn new(
         membranes: Vec<Membrane>,
         positions: Vec<[f64; 3]>,
@@ -161,6 +162,16 @@ impl Relaxation {
                     membrane: index,
                     bending,
                     in_plane,
+                });
+            }
+        }
+        for (index, membrane) in membranes.iter().enumerate() {
+            let vertices = membrane.mesh.vertex_count();
+            if ![0, vertices].contains(&membrane.fixed.len()) {
+                return Err(SetupError::Fixed {
+                    membrane: index,
+                    flags: membrane.fixed.len(),
+                    vertices,
                 });
             }
         }
@@ -514,6 +525,7 @@ mod tests {
                 bending_modulus: 1.0,
                 in_plane_modulus: 0.0,
                 motion: Motion::AlongNormals,
+                fixed: Vec::new(),
             }]
         }
     }

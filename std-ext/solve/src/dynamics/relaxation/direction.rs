@@ -52,6 +52,7 @@ impl Relaxation {
         secants.apply(&mut direction, |force| self.precondition(here, force));
         self.state.secants = secants;
         let groups = problem.groups();
+        self.frame.restrict(&self.places, &mut direction);
         here.coordinates.keep(&self.places, groups, &mut direction);
         direction
     }
@@ -66,6 +67,7 @@ impl Relaxation {
         let mut direction = force.to_vec();
         self.precondition(here, &mut direction);
         let groups = problem.groups();
+        self.frame.restrict(&self.places, &mut direction);
         here.coordinates.keep(&self.places, groups, &mut direction);
         direction
     }

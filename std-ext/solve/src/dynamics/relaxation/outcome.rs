@@ -122,4 +122,14 @@ pub enum SetupError {
         /// Its in-plane modulus.
         in_plane: f64,
     },
+    /// Each vertex needs one flag that says whether it is fixed, or no vertex has one.
+    #[error("membrane {membrane} has {vertices} vertices, and {flags} flags of fixed ones")]
+    Fixed {
+        /// The membrane, from 0.
+        membrane: usize,
+        /// The number of flags.
+        flags: usize,
+        /// Number of vertices of the membrane.
+        vertices: usize,
+    },
 }
