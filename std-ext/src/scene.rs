@@ -8,6 +8,7 @@
 //! One table (`tables`) lists all keys with form, dimension and range. The messages of the parser and
 //! [`json_schema`] are generated from it.
 
+mod boundary;
 mod build;
 mod builder;
 mod check;
@@ -29,12 +30,14 @@ mod tables;
 mod units;
 mod value;
 
+pub use boundary::Boundary;
 pub(crate) use drivers::AXES;
 pub use drivers::{BoundaryIntegral, Driver, Integrator, LatticeBoltzmann, Relax, Scheme};
 pub use effects::{
-    Adhesion, AreaDifferenceTarget, Bending, EffectError, Effects, Elasticity, Gravity, Group,
-    HeldArea, HeldAreaDifference, HeldVolume, Hold, InPlaneLaw, LocalArea, MembraneViscosity,
-    Pressure, Reference, ReferenceSource, Stretching, Target, Tension, VolumeTarget,
+    Adhesion, AreaDifferenceTarget, Bending, EffectError, Effects, Elasticity, GaussianBending,
+    Gravity, Group, HeldArea, HeldAreaDifference, HeldVolume, Hold, InPlaneLaw, LineTension,
+    LocalArea, MembraneViscosity, Pressure, Reference, ReferenceSource, Stretching, Target,
+    Tension, VolumeTarget,
 };
 pub(crate) use effects::{
     Groups, MeshCheck, Named, Preparation, Stretch, SurfaceEffect, capillary_number, reduced_volume,

@@ -7,10 +7,11 @@
 use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
-    AreaDifference, Components, Conservative, Cotangent, Curvatures, DualArea, Finding, Gravity,
-    InPlane, LaplaceBeltrami, LocalArea, MembraneViscosity, Method, NeoHookean, OsmoticPressure,
-    Penalty, PointLoads, Prepared, Projected, Quantity, RigidBody, Skalak, StrongForm, Surface,
-    SurfaceTension, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
+    AreaDifference, Components, Conservative, Cotangent, Curvatures, DualArea, Finding,
+    GaussianBending, Gravity, InPlane, LaplaceBeltrami, LineTension, LocalArea, MembraneViscosity,
+    Method, NeoHookean, OsmoticPressure, Penalty, PointLoads, Prepared, Projected, Quantity,
+    RigidBody, Skalak, StrongForm, Surface, SurfaceTension, TriangleMesh, WallAdhesion,
+    remove_net_force_and_torque,
 };
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -159,10 +160,12 @@ macro_rules! potentials {
 
 potentials! {
     AreaDifference<f64>,
+    GaussianBending<f64>,
     Gravity<f64>,
     InPlane<f64, LocalArea<f64>>,
     InPlane<f64, NeoHookean<f64>>,
     InPlane<f64, Skalak<f64>>,
+    LineTension<f64>,
     OsmoticPressure<f64>,
     Penalty<f64, Quantity>,
     PointLoads<f64>,

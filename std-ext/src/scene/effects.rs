@@ -9,9 +9,11 @@ mod area;
 mod area_difference;
 mod bending;
 mod elasticity;
+mod gaussian_bending;
 mod gravity;
 mod groups;
 mod held;
+mod line_tension;
 mod local_area;
 mod membrane_viscosity;
 mod prepare;
@@ -26,10 +28,12 @@ pub use area::{HeldArea, Target};
 pub use area_difference::{AreaDifferenceTarget, HeldAreaDifference};
 pub use bending::Bending;
 pub use elasticity::{Elasticity, InPlaneLaw};
+pub use gaussian_bending::GaussianBending;
 pub use gravity::Gravity;
 pub use groups::Group;
 pub(crate) use groups::{Groups, capillary_number};
 pub use held::Hold;
+pub use line_tension::LineTension;
 pub use local_area::LocalArea;
 pub use membrane_viscosity::MembraneViscosity;
 pub use prepare::EffectError;
@@ -45,7 +49,7 @@ pub use volume::{HeldVolume, VolumeTarget};
 use super::builder::Builder;
 use super::keys::{Form, Key, Keys, optional};
 use super::reader::Reader;
-use super::{Driver, MeshSource, Parameter, Parameters};
+use super::{Boundary, Driver, MeshSource, Parameter, Parameters};
 use crate::info::MeshInfo;
 use helfrich::Quantity;
 use serde::Serialize;
@@ -109,6 +113,8 @@ macro_rules! effects {
 effects! {
     /// Bending.
     bending: Bending,
+    /// Bending by the Gaussian modulus.
+    gaussian_bending: GaussianBending,
     /// Elasticity in the surface's plane.
     elasticity: Elasticity,
     /// Area of each triangle.
@@ -121,6 +127,8 @@ effects! {
     area_difference: HeldAreaDifference,
     /// Surface tension.
     tension: Tension,
+    /// Line tension of the edge of an open surface.
+    line_tension: LineTension,
     /// Pressure inside minus pressure outside.
     pressure: Pressure,
     /// Weight of the enclosed fluid minus that of the fluid that it displaces.
@@ -303,6 +311,8 @@ pub(crate) struct MeshCheck<'a> {
     pub(crate) effects: &'a Effects,
     /// The source of the mesh.
     pub(crate) source: &'a MeshSource,
+    /// The support of its edge, if it is open.
+    pub(crate) boundary: Boundary,
     /// The mesh, scaled as the scene says.
     pub(crate) mesh: &'a MeshInfo,
     /// The driver.
@@ -314,11 +324,27 @@ pub(crate) struct MeshCheck<'a> {
 }
 
 impl MeshCheck<'_> {
+    /// Whether some vertices are fixed.
+    fn is_supported(&self) -> bool {
+        self.mesh.boundary_edges > 0 && !self.boundary.is_free()
+    }
+
     fn contradiction(&mut self, path: &str, message: String) {
         self.contradictions.push((path.to_owned(), message));
     }
 
     fn doubt(&mut self, path: &str, message: String) {
         self.doubts.push((path.to_owned(), message));
+    }
+}
+
+/// Refuses an effect of an edge on a lattice, whose steps are chosen before any force is known.
+fn refuse_on_lattice(effect: &'static str, check: &mut Check<'_, '_>) {
+    if matches!(check.driver, Some(Driver::LatticeBoltzmann(_))) {
+        let message = format!(
+            "`{effect}` is not among the forces by which the driver \"lattice-boltzmann\" limits its \
+             steps: choose the driver \"relax\" or \"boundary-integral\""
+        );
+        check.contradiction(effect, message);
     }
 }

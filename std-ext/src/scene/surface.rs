@@ -1,5 +1,6 @@
 //! A surface of a scene: its mesh, position and effects.
 
+use super::boundary::Boundary;
 use super::effects::Effects;
 use super::mesh_source::MeshSource;
 use crate::flow::AdhesiveWall;
@@ -21,6 +22,9 @@ pub struct SurfaceScene {
     /// Rotation of the mesh about its origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Orientation>,
+    /// Support of its edge, if it is open.
+    #[serde(skip_serializing_if = "Boundary::is_free")]
+    pub boundary: Boundary,
     /// Viscosity ratio λ of the fluid inside to the fluid of the driver, which is outside of all
     /// surfaces. Only flow drivers use viscosities.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -293,5 +293,6 @@ fn membrane(mesh: &Arc<TriangleMesh>, scene: &SurfaceScene) -> Membrane {
         } else {
             Motion::Free
         },
+        fixed: scene.boundary.fixed(mesh),
     }
 }

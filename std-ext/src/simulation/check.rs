@@ -41,6 +41,13 @@ impl SceneFile {
                 ),
             );
         }
+        if mesh.boundary_edges == 0 && !scene.boundary.is_free() {
+            let message = format!(
+                "the mesh of \"{}\" is closed, and has no edge to support: leave `boundary` out",
+                scene.name
+            );
+            problem("boundary", message);
+        }
         let effects = scene.effects.iter();
         let needing_a_volume = effects.filter(|(_, effect)| effect.needs_volume());
         let flows = scene.viscosity_ratio.is_some_and(|ratio| ratio != 1.0);
@@ -263,6 +270,7 @@ fn of_effects<'a>(
         name: &scene.name,
         effects: &scene.effects,
         source: &scene.source,
+        boundary: scene.boundary,
         mesh,
         driver,
         contradictions: Vec::new(),

@@ -11,8 +11,8 @@ pub use lattice::LatticeExplanation;
 use crate::generate::ShapeDeviation;
 use crate::info::MeshInfo;
 use crate::scene::{
-    Dimension, Driver, Effects, Group, Interaction, MeshSource, Parameter, Parameters, Relax,
-    Scene, Scheme, SurfaceScene, Units, thermal_energy,
+    Boundary, Dimension, Driver, Effects, Group, Interaction, MeshSource, Parameter, Parameters,
+    Relax, Scene, Scheme, SurfaceScene, Units, thermal_energy,
 };
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -185,6 +185,12 @@ fn explain_surface(surface: &SurfaceScene, mesh: &MeshInfo, scene: &Scene) -> Su
             format!("{shape}, {family}{volume}")
         }
         MeshSource::File(file) => file.to_string(),
+    };
+    let source = match surface.boundary {
+        _ if mesh.boundary_edges == 0 => source,
+        Boundary::Free => format!("{source}, with a free edge"),
+        Boundary::Hinged => format!("{source}, with a hinged edge"),
+        Boundary::Clamped => format!("{source}, with a clamped edge"),
     };
     let on = surface.effects.iter().map(|(name, effect)| {
         let (choice, parameters) = effect.explain(&number);

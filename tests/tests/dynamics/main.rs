@@ -3,6 +3,7 @@
 mod capsules;
 mod contact;
 mod drops;
+mod edges;
 mod immersed;
 mod integrators;
 mod relaxation;

@@ -46,7 +46,7 @@ fn explanations_name_effects_and_groups() {
     close("k R²/κ", 54.0);
     let text = explanation.to_string();
     for part in [
-        "off: local_area, area_difference",
+        "off: gaussian_bending, local_area, area_difference",
         "step limit          none",
         "modulus = 0.5 pN·µm",
         "memory",

@@ -1,5 +1,6 @@
 //! Builds surfaces from their values.
 
+use super::super::boundary::Boundary;
 use super::super::builder::Builder;
 use super::super::effects::{Check, Effects, Stiffness};
 use super::super::problem::Problem;
@@ -21,6 +22,10 @@ impl Builder<'_> {
             scale: surface.number("scale").unwrap_or(1.0),
             position: surface.vector("position").unwrap_or_default(),
             orientation: orientation(surface),
+            boundary: surface
+                .text("boundary")
+                .and_then(Boundary::parse)
+                .unwrap_or_default(),
             viscosity_ratio: surface.number("viscosity_ratio"),
             effects: Effects::read(surface, &source, self),
             source,
@@ -98,6 +103,16 @@ impl Builder<'_> {
     /// Reports values that are invalid or doubtful for drivers with fluid.
     fn in_fluid(&mut self, surface: &SurfaceScene, reader: Reader<'_>, driver: &Driver) {
         let SurfaceScene { name, .. } = surface;
+        if !surface.boundary.is_free() {
+            self.contradiction(
+                &reader.origin_of("boundary"),
+                format!(
+                    "a flow would also act on the support of \"{name}\", and the force that its support \
+                     exerts on the fluid is not computed: choose the driver \"relax\", or \
+                     `boundary = \"free\"`"
+                ),
+            );
+        }
         if surface.effects.stiffness() == Stiffness::default() {
             self.contradiction(
                 reader.origin(),

@@ -92,6 +92,7 @@ impl SurfaceEffect for HeldArea {
     }
 
     fn check_mesh(&self, check: &mut MeshCheck<'_>) {
+        self.hold.check_support(Self::NAME, check);
         if let Target::Value(target) = self.target {
             let has = check.mesh.area;
             check.compare("area.target", "target area", target, has, LEAST_RATIO);

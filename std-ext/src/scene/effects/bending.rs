@@ -10,7 +10,7 @@ use crate::effect::Effect;
 use crate::generate::Family;
 use crate::info::MeshInfo;
 use crate::method::{BendingMethod, MethodOptions};
-use crate::scene::{Driver, Flow};
+use crate::scene::{Boundary, Driver, Flow};
 use crate::six::Six;
 use helfrich::{Bandwidth, GompperKroll, Method, ParameterError};
 use serde::Serialize;
@@ -112,6 +112,7 @@ impl SurfaceEffect for Bending {
     }
 
     fn check_mesh(&self, check: &mut MeshCheck<'_>) {
+        self.check_edge(check);
         // The same limits hold for every method.
         let method = GompperKroll {
             spontaneous_curvature: self.spontaneous_curvature.into(),
@@ -197,6 +198,28 @@ impl Bending {
             check.contradiction("bending.modulus", message);
         } else if let Err(error) = range {
             check.contradiction("bending", error.to_string());
+        }
+    }
+
+    /// Reports methods without an energy, or with another one, at an edge.
+    fn check_edge(&self, check: &mut MeshCheck<'_>) {
+        if check.mesh.boundary_edges == 0 {
+            return;
+        }
+        let (name, method) = (check.name, self.method);
+        if !method.is_conservative() {
+            let message = format!(
+                "\"{name}\" is open, and {method} has no forces at an edge, where only the gradient of \
+                 an energy says what acts: choose gompper-kroll (B), juelicher, hamann or loop (S)"
+            );
+            check.contradiction("bending.method", message);
+        }
+        if method == BendingMethod::KantorNelson && check.boundary != Boundary::Clamped {
+            let message = format!(
+                "\"{name}\" is open, and the energy of method kantor-nelson (A) includes a Gaussian \
+                 modulus, −4κ/3 on equilateral triangles, which acts at its edge: choose gompper-kroll (B)"
+            );
+            check.doubt("bending.method", message);
         }
     }
 

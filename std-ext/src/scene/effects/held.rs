@@ -32,6 +32,18 @@ impl Hold {
         }
     }
 
+    /// Refuses a constraint on a surface with a supported edge.
+    pub(super) fn check_support(self, effect: &'static str, check: &mut MeshCheck<'_>) {
+        if self.is_exact() && check.is_supported() {
+            let message = format!(
+                "a constraint would move the supported edge of \"{}\": hold `{effect}` by a penalty, with \
+                 a `modulus`",
+                check.name
+            );
+            check.contradiction(&format!("{effect}.constraint"), message);
+        }
+    }
+
     pub(super) fn read(table: Reader<'_>) -> Self {
         table.number("modulus").map_or(Self::Exact, Self::Penalty)
     }

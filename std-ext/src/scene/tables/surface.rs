@@ -1,5 +1,6 @@
 //! Keys of a surface and of its mesh.
 
+use super::super::boundary::BOUNDARY;
 use super::super::effects;
 use super::super::keys::{Form, Key, Keys, NUMBER, any, joined, optional, plain, required};
 use super::super::mesh_source::WELD;
@@ -27,6 +28,7 @@ const OWN: &[Key] = &[
     SCALE,
     POSITION,
     ORIENTATION,
+    BOUNDARY,
     optional(
         "viscosity_ratio",
         NUMBER,
