@@ -11,6 +11,7 @@ mod laplacian;
 mod laws;
 mod loop_subdivision;
 mod memory;
+mod open;
 mod paraboloid;
 mod precision;
 mod range;

@@ -1,0 +1,99 @@
+//! Open surfaces that are known exactly: a spherical cap and a catenoid.
+
+use helfrich::{Curvatures, GompperKroll, Hamann, Juelicher, LoopSubdivision, VertexKind};
+use helfrich_tests::laws::{
+    Balanced, CurvatureLaw, ForceIsDifference, ForceIsGradient, Invariant, Measured, for_each,
+    for_each_conservative, for_each_curvatures,
+};
+use helfrich_tests::meshes::{Mesh, bent, cap, catenoid};
+
+/// The laws of all methods on open surfaces, minimal or not.
+#[test]
+fn laws_hold_on_open_surfaces() {
+    for smooth in [cap(4, 2.0), catenoid(12, 0.9)] {
+        for mesh in [smooth.map(bent), smooth] {
+            for_each_conservative(&mut ForceIsGradient(&mesh));
+            for_each_conservative(&mut ForceIsDifference(&mesh));
+            for_each_conservative(&mut Balanced(&mesh));
+            for_each(&mut Invariant {
+                mesh: &mesh,
+                seed: 3,
+            });
+        }
+    }
+}
+
+/// H and K of an exact surface at a point of it.
+type Exact = fn([f64; 3]) -> [f64; 2];
+
+fn of_cap(_: [f64; 3]) -> [f64; 2] {
+    [1.0, 1.0]
+}
+
+/// H = 0 and `K = −1/cosh⁴ z` on `r = cosh z`.
+fn of_catenoid([_, _, z]: [f64; 3]) -> [f64; 2] {
+    [0.0, -z.cosh().powi(-4)]
+}
+
+/// The root mean square errors of H and K over interior vertices, by area.
+fn errors<M: Curvatures<f64>>(method: M, mesh: &Mesh, exact: Exact) -> [f64; 2] {
+    let curvature = Measured::new(method, mesh).curvature;
+    let (mut sums, mut total) = ([0.0; 2], 0.0);
+    for (found, &position) in curvature.iter().zip(&mesh.positions) {
+        if found.kind == VertexKind::Interior {
+            let [mean, gaussian] = exact(position);
+            sums[0] += found.area * (found.mean - mean).powi(2);
+            sums[1] += found.area * (found.gaussian - gaussian).powi(2);
+            total += found.area;
+        }
+    }
+    sums.map(|sum: f64| (sum / total).sqrt())
+}
+
+/// Methods whose values near an edge depend on the missing surface beyond it, or on normals there, so
+/// that their errors fall with the root of the edge length: those of kernels, of limit surfaces that end in
+/// another curve, and of averaged normals.
+const CUT_OFF: [&str; 4] = [
+    "Belkin et al.",
+    "heat kernel, published bandwidth",
+    "Corrected measures, averaged normals",
+    "S",
+];
+
+struct Converges;
+
+impl Converges {
+    /// On the catenoid's even triangles errors are of second order; on the uneven ones of the cap they
+    /// fall.
+    fn check_method<M: Curvatures<f64>>(&self, name: &str, method: impl Fn() -> M) {
+        let compare = |make: fn(u32) -> Mesh, exact: Exact, least: f64| {
+            let [coarse, fine] = [8, 16].map(|size| errors(method(), &make(size), exact));
+            for (k, what) in ["H", "K"].into_iter().enumerate() {
+                let (coarse, fine) = (coarse[k], fine[k]);
+                assert!(
+                    fine * least < coarse && fine < 0.15,
+                    "{name}: errors {coarse} and {fine} of {what}"
+                );
+            }
+        };
+        let least = if CUT_OFF.contains(&name) { 1.2 } else { 3.4 };
+        compare(|size| catenoid(4 * size, 1.0), of_catenoid, least);
+        compare(|size| cap(size, 1.0), of_cap, 1.1);
+    }
+}
+
+impl CurvatureLaw for Converges {
+    fn check<M: Curvatures<f64> + Copy>(&mut self, name: &str, method: M) {
+        self.check_method(name, || method);
+    }
+}
+
+/// At interior vertices, whatever the edge.
+#[test]
+fn curvatures_of_open_surfaces_converge() {
+    for_each_curvatures(&mut Converges);
+    Converges.check_method("B", || GompperKroll::new(1.0));
+    Converges.check_method("Jülicher", || Juelicher::new(1.0));
+    Converges.check_method("Hamann", || Hamann::new(1.0));
+    Converges.check_method("S", || LoopSubdivision::new(1.0));
+}
