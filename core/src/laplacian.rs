@@ -3,6 +3,7 @@
 //! Sign: `Δ_S = div_S grad_S`, negative semi-definite; on a sphere `Δ_S x = −2 H n` with `H > 0`.
 
 mod cotangent;
+mod finite_elements;
 mod heat_kernel;
 mod jet;
 mod least_squares;
@@ -22,6 +23,7 @@ use crate::curvature::Curvatures;
 use crate::element::{Execution, Ragged, Strided};
 use crate::method::Workspace;
 use crate::real::{Real, finite_or_zero};
+use crate::sparse_matrix::SparseMatrix;
 use crate::surface::Surface;
 use alloc::vec::Vec;
 
@@ -87,6 +89,8 @@ fn expect_measured(measured: usize, surface_vertices: usize) {
 
 /// A matrix in compressed rows without its diagonal:
 /// `(Δ φ)_i = Σ_j c_ij (φ_j − φ_i)`, so that constants give exactly zero.
+///
+/// [`Self::fill_matrix`] turns it into a [`SparseMatrix`], with the diagonal.
 ///
 /// A row may have room for more entries than it holds, so that an operator whose neighbours move
 /// with the positions can be refilled without allocation.
@@ -202,6 +206,21 @@ impl<T: Real> Rows<T> {
     /// If `field` or `result` have fewer entries than there are rows.
     pub fn apply_to_scalar(&self, execution: &impl Execution, field: &[T], result: &mut [T]) {
         self.apply::<1>(execution, field.as_chunks().0, result.as_chunks_mut().0);
+    }
+
+    /// Fills `matrix` with these rows and their diagonal: the columns of a row in increasing order,
+    /// and minus the sum of the row as its diagonal entry. Memory of `matrix` is reused.
+    ///
+    /// The form without diagonal maps constants to exactly 0, the matrix to their rounding.
+    pub fn fill_matrix(&self, matrix: &mut SparseMatrix<T>) {
+        matrix.reset(self.len(), |row| self.row(row).0);
+        for row in 0..self.len() {
+            let (columns, coefficients) = self.row(row);
+            for (&column, &coefficient) in columns.iter().zip(coefficients) {
+                matrix.add(row, column as usize, coefficient);
+            }
+        }
+        matrix.close_rows();
     }
 
     /// Makes room for `rows` rows of up to `capacity` entries each, all empty, and returns for each

@@ -21,6 +21,8 @@
 //!   from any [`Points`].
 //! * [`LaplaceBeltrami`] operators measure [`Curvatures`] and apply to fields: [`Cotangent`],
 //!   [`HeatKernel`], [`Paraboloid`], [`Jet`].
+//! * [`Cotangent`] has the stiffness and mass matrices of linear finite elements, as
+//!   [`SparseMatrix`] for any solver, with gradient and divergence.
 //! * [`bending`] methods give an [`Energy`], a nodal [`Force`], a [`ForceDensity`]; the exact
 //!   gradients among them are [`Conservative`].
 //! * [`elasticity`] in the plane is [`InPlane`] with a law, over a reference that may differ from
@@ -47,8 +49,8 @@
 //!   Positive surface tension contracts, positive osmotic pressure inflates.
 //! * H is in 1/length, K in 1/length², Δ_S H in 1/length³, κ in units of energy; lengths are in
 //!   whatever unit the positions have.
-//! * *Pointwise* values are per area; *integrated* ones belong to a vertex and are named areas,
-//!   gradients or stiffness.
+//! * *Pointwise* values are per area; *integrated* ones belong to a vertex and are named areas, mass,
+//!   stiffness, gradients of an energy or functional, or integrated.
 //!
 //! # Features
 //!
@@ -90,6 +92,7 @@ mod real;
 mod reduction;
 mod reordering;
 pub mod shapes;
+mod sparse_matrix;
 pub mod subdivision;
 mod surface;
 mod triangle;
@@ -131,6 +134,7 @@ pub use prepared::Prepared;
 pub use projection::{Projected, ProjectedMemory, RigidBody, remove_net_force_and_torque};
 pub use real::Real;
 pub use reordering::Reordering;
+pub use sparse_matrix::SparseMatrix;
 pub use subdivision::Subdivision;
 pub use surface::{Surface, SurfaceError};
 pub use triangle::DualArea;

@@ -30,8 +30,8 @@ pub use finite::Finite;
 pub use gradient::{Balanced, ForceIsDifference, ForceIsGradient, check_gradient, imbalance, net};
 pub use invariance::{Invariant, InvariantFits, ScaleFree, ScaleFreeSingle};
 pub use operators::{
-    ConstantsVanish, CurvatureFollows, LaplacianFollows, Measured, RowsAgree, check_operator,
-    findings_on_small_meshes,
+    ConstantsVanish, CurvatureFollows, LaplacianFollows, MatrixAgrees, Measured, RowsAgree,
+    check_operator, findings_on_small_meshes,
 };
 
 /// Number of vertices from which methods that choose by thresholds take their first choice nearly everywhere.

@@ -146,6 +146,17 @@ pub const SPHERE_EXACT: Tolerance = Tolerance::new(
 );
 /// Δ_S of polynomials on flat patches, relative to Σ|c| times the field.
 pub const FLAT_EXACT: Tolerance = Tolerance::new(1e-14, "exact but for rounding");
+/// Stiffness, mass, gradient and divergence in two ways, relative to ε times the sum of the absolute
+/// terms, each with the condition `l²/2A` of its triangle.
+pub const FINITE_ELEMENTS: Tolerance = Tolerance::new(
+    32.0,
+    "edges, normal and area of a triangle round a few times each, and a vertex has a dozen triangles",
+);
+/// l (l + 1) by Rayleigh quotients of spherical harmonics on a sphere of 2562 vertices, relative.
+pub const RAYLEIGH_QUOTIENT: Tolerance = Tolerance::new(
+    2e-2,
+    "second order: edges of 0.07 in waves of length 2π/l, squared, and l = 3 at most",
+);
 /// Areas, volumes and angles of known polyhedra, relative.
 pub const POLYHEDRON: Tolerance = Tolerance::new(1e-15, "a few roundings of f64");
 /// Δ_S x against −2 n on the icosphere of 2562 vertices, largest error.

@@ -19,7 +19,8 @@ use alloc::vec::Vec;
 
 /// `Δ_S φ(i) = 1/(2 A_i) Σ_j (cot α + cot β)(φ_j − φ_i)`.
 ///
-/// * Pointwise; the integrated form, without 1/A_i, is symmetric: [`Cotangent::assemble_stiffness`].
+/// * Pointwise. The integrated form, without 1/A_i, is symmetric; its negative is the stiffness
+///   matrix, [`Cotangent::assemble_stiffness`].
 /// * `H = −½ (Δ_S x)·n` with n the normalised sum of the area vectors of the triangles around the
 ///   vertex (the direction in which the enclosed volume grows), `K = (2π − Σ angles)/A_i`.
 /// * At a boundary vertex the operator has a free boundary (no flux through it), n is the sum over
@@ -85,7 +86,7 @@ impl Cotangent {
         });
     }
 
-    /// Sets `areas` to A_i, one entry per vertex: the mass matrix of this operator.
+    /// Sets `areas` to A_i, one entry per vertex: the lumped mass matrix.
     ///
     /// # Panics
     /// If `areas` has fewer entries than the surface has vertices.
@@ -107,12 +108,8 @@ impl Cotangent {
         }
     }
 
-    /// Fills `rows` with the symmetric, integrated form `½ (cot α + cot β)`: dimensionless;
-    /// applied to positions it gives `−∂A/∂x_i`. Both entries of an edge are equal to the last bit.
-    ///
-    /// # Panics
-    /// If the surface has another mesh than that of the workspace.
-    pub fn assemble_stiffness<T: Real>(
+    /// Fills `rows` with the integrated form, without 1/A_i: `½ (cot α + cot β)` for each edge.
+    fn integrate<T: Real>(
         &self,
         surface: Surface<'_, T>,
         workspace: &Workspace<T, Self>,
@@ -301,7 +298,7 @@ impl<T: Real> LaplaceBeltrami<T> for Cotangent {
     ) {
         let CotangentMemory { sums, .. } = workspace.for_mesh(surface.mesh());
         expect_measured(sums.0.len(), surface.mesh().vertex_count());
-        self.assemble_stiffness(surface, workspace, rows);
+        self.integrate(surface, workspace, rows);
         for vertex in 0..surface.mesh().vertex_count() {
             let over_area = sums.over_area(vertex);
             for coefficient in rows.row_mut(vertex) {

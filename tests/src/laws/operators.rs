@@ -4,7 +4,9 @@
 use super::{CurvatureLaw, Finite, OperatorLaw, ROOM};
 use crate::meshes::{GENERIC, Mesh, SplitMix64, difference, norm, rotation, small, turned};
 use crate::tolerance;
-use helfrich::{Curvature, Curvatures, Finding, LaplaceBeltrami, Method, Rows, Serial, Workspace};
+use helfrich::{
+    Curvature, Curvatures, Finding, LaplaceBeltrami, Method, Rows, Serial, SparseMatrix, Workspace,
+};
 use helfrich_std::generate::{Family, generate};
 
 /// An operator that has measured a surface.
@@ -159,6 +161,56 @@ impl OperatorLaw for RowsAgree<'_> {
     }
 }
 
+/// Rows with their diagonal are a valid matrix that does what the operator does; filled again, it is
+/// the same.
+#[derive(Clone, Copy, Debug)]
+pub struct MatrixAgrees<'a>(pub &'a Mesh);
+
+impl OperatorLaw for MatrixAgrees<'_> {
+    fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L) {
+        let measured = Measured::new(operator, self.0);
+        let vertices = self.0.positions.len();
+        let mut rows = Rows::new();
+        measured.assemble(&mut rows);
+        let mut matrix = SparseMatrix::new();
+        rows.fill_matrix(&mut matrix);
+        assert_eq!(matrix.size(), vertices, "{name}: one row a vertex");
+
+        let field = SplitMix64::new(3).directions(vertices);
+        let expected = measured.apply(&field);
+        let mut result = vec![[f64::NAN; 3]; vertices];
+        matrix.apply(&Serial, &field, &mut result);
+        for vertex in 0..vertices {
+            let (columns, values) = matrix.row(vertex);
+            assert!(columns.is_sorted_by(|a, b| a < b), "{name}: {columns:?}");
+            assert!(columns.contains(&vertex), "{name}: no diagonal at {vertex}");
+            let given = Vec::from_iter(rows.row(vertex).0.iter().map(|&column| column as usize));
+            for (column, value) in columns.iter().zip(values) {
+                let place = given.iter().position(|it| it == column);
+                let coefficient = place.map(|place| rows.row(vertex).1[place]);
+                assert_eq!(coefficient, (*column != vertex).then_some(*value), "{name}");
+            }
+            let scale = 2.0 * values.iter().map(|c| c.abs()).sum::<f64>();
+            let scale = scale.max(f64::MIN_POSITIVE);
+            let (diagonal, implied) = (matrix.diagonal(vertex), rows.diagonal(vertex));
+            tolerance::OPERATOR_ROUNDING.assert(diagonal, implied, scale, name);
+            let error = norm(difference(result[vertex], expected[vertex]));
+            tolerance::OPERATOR_ROUNDING.assert(error, 0.0, scale, name);
+        }
+        let entries = rows_entries(&rows) + vertices;
+        assert_eq!(matrix.values().len(), entries, "{name}: entries");
+
+        let before = matrix.clone();
+        rows.fill_matrix(&mut matrix);
+        assert_eq!(matrix, before, "{name}: filled again");
+    }
+}
+
+/// Number of entries of all rows.
+fn rows_entries(rows: &Rows<f64>) -> usize {
+    (0..rows.len()).map(|row| rows.row(row).0.len()).sum()
+}
+
 /// Curvatures follow: n turns, H, K and A stay; H and K scale as 1/length and its square. Turned
 /// are only meshes that leave room for operators that choose by thresholds.
 #[derive(Clone, Copy, Debug)]
@@ -247,6 +299,7 @@ pub fn check_operator(name: &str, operator: impl LaplaceBeltrami<f64> + Copy) {
     };
     ConstantsVanish(mesh).check(name, operator);
     RowsAgree(mesh).check(name, operator);
+    MatrixAgrees(mesh).check(name, operator);
     CurvatureFollows(mesh).check(name, operator);
     LaplacianFollows(mesh).check(name, operator);
 
@@ -269,6 +322,7 @@ pub fn findings_on_small_meshes(
         OperatorLaw::check(&mut Finite(&mesh), name, operator);
         ConstantsVanish(&mesh).check(name, operator);
         RowsAgree(&mesh).check(name, operator);
+        MatrixAgrees(&mesh).check(name, operator);
         (name, Measured::new(operator, &mesh).findings())
     };
     small().into_iter().map(check).collect()

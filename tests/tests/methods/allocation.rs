@@ -1,9 +1,9 @@
 //! Nothing is allocated after the first evaluation.
 
 use helfrich::{
-    Constraint, Constraints, Cotangent, Curvature, DualArea, Images, InPlane, Interaction,
-    LaplaceBeltrami, Method, NeoHookean, Prepared, Quantity, Real, Repulsion, Rows, Serial,
-    Surface, Targets,
+    Constraint, Constraints, Cotangent, Curvature, Curvatures, DualArea, Images, InPlane,
+    Interaction, LaplaceBeltrami, Method, NeoHookean, Prepared, Quantity, Real, Repulsion, Rows,
+    Serial, SparseMatrix, Surface, Targets,
 };
 use helfrich_tests::allocation::allocations;
 use helfrich_tests::laws::{
@@ -172,14 +172,24 @@ fn constraints_allocate_once() {
 }
 
 #[test]
-fn stiffness_is_refilled_in_place() {
+fn matrices_are_refilled_in_place() {
     let Allocation { mesh, moved } = Allocation::of(icosphere(2));
     let operator = Cotangent::new(DualArea::Mixed);
-    let workspace = operator.workspace(&mesh.connectivity);
+    let mut workspace = operator.workspace(&mesh.connectivity);
+    let mut curvature = vec![Curvature::default(); mesh.positions.len()];
     let mut rows = Rows::new();
-    operator.assemble_stiffness(mesh.surface(), &workspace, &mut rows);
-    let count = allocations(|| operator.assemble_stiffness(moved.surface(), &workspace, &mut rows));
-    assert_eq!(count, 0);
+    operator.curvatures(&Serial, mesh.surface(), &mut workspace, &mut curvature);
+    operator.assemble(mesh.surface(), &workspace, &mut rows);
+    let [mut stiffness, mut mass, mut pointwise] = [(); 3].map(|()| SparseMatrix::new());
+    let mut fill = |mesh: &Mesh| {
+        allocations(|| {
+            operator.assemble_stiffness(mesh.surface(), &mut stiffness);
+            operator.assemble_mass(mesh.surface(), &mut mass);
+            rows.fill_matrix(&mut pointwise);
+        })
+    };
+    assert!(fill(&mesh) > 0);
+    assert_eq!(fill(&moved), 0);
 }
 
 /// An in-plane law over a mesh as its own reference.

@@ -1,12 +1,9 @@
 //! The laws of operators, over every operator, and those of the cotangent operator.
 
-use autodiff::F1;
-use helfrich::{
-    Cotangent, DualArea, GompperKroll, Jet, Method, Prepared, Rows, Serial, Surface, VertexKind,
-};
+use helfrich::{Cotangent, DualArea, GompperKroll, Jet, Prepared, Rows, Serial, VertexKind};
 use helfrich_tests::laws::{
-    ConstantsVanish, CurvatureFollows, Measured, RowsAgree, covered_modules, for_each_curvatures,
-    for_each_operator, method_modules,
+    ConstantsVanish, CurvatureFollows, MatrixAgrees, Measured, RowsAgree, covered_modules,
+    for_each_curvatures, for_each_operator, method_modules,
 };
 use helfrich_tests::meshes::{
     Inscribed, Mesh, Rough, SplitMix64, bent, cases, difference, disc, dot, hemisphere,
@@ -34,14 +31,6 @@ fn dual_areas(kind: DualArea, mesh: &Mesh) -> Vec<f64> {
     let mut areas = vec![f64::NAN; mesh.positions.len()];
     Cotangent::new(kind).dual_areas(&Serial, mesh.surface(), &mut areas);
     areas
-}
-
-fn stiffness(mesh: &Mesh) -> Rows<f64> {
-    let operator = Cotangent::default();
-    let workspace = operator.workspace(&mesh.connectivity);
-    let mut rows = Rows::new();
-    operator.assemble_stiffness(mesh.surface(), &workspace, &mut rows);
-    rows
 }
 
 /// Σ |cot| of the angles that a vertex's operator uses, by angles: independent of the library.
@@ -75,22 +64,13 @@ proptest! {
     }
 
     #[test]
-    fn curvatures_follow_motions(rough in rough_any()) {
-        for_each_curvatures(&mut CurvatureFollows(&rough.mesh()));
+    fn matrices_are_the_rows(rough in rough_any()) {
+        for_each_operator(&mut MatrixAgrees(&rough.mesh()));
     }
 
     #[test]
-    fn stiffness_is_symmetric_to_the_last_bit(rough in rough_any()) {
-        let rows = stiffness(&rough.mesh());
-        for row in 0..rows.len() {
-            let (columns, coefficients) = rows.row(row);
-            for (&column, coefficient) in columns.iter().zip(coefficients) {
-                let (back, others) = rows.row(column as usize);
-                let place = back.iter().position(|&c| c as usize == row);
-                let place = place.expect("the pattern is symmetric");
-                prop_assert_eq!(*coefficient, others[place]);
-            }
-        }
+    fn curvatures_follow_motions(rough in rough_any()) {
+        for_each_curvatures(&mut CurvatureFollows(&rough.mesh()));
     }
 
     #[test]
@@ -123,25 +103,6 @@ proptest! {
             let scale = areas.iter().map(|area| area.abs()).sum();
             let what = format!("{kind:?} areas");
             tolerance::AREA_SUM.assert(areas.iter().sum(), mesh.surface().area(), scale, &what);
-        }
-    }
-
-    /// The integrated Laplacian of the positions is −∂A/∂x.
-    #[test]
-    fn stiffness_of_positions_is_the_gradient_of_the_area(rough in rough_any()) {
-        let mesh = rough.mesh();
-        let vertices = mesh.positions.len();
-        let mut integrated = vec![[f64::NAN; 3]; vertices];
-        stiffness(&mesh).apply(&Serial, &mesh.positions, &mut integrated);
-        let mut random = SplitMix64::new(rough.seed);
-        let largest = helfrich_tests::laws::largest(&integrated);
-        for _ in 0..10 {
-            let (vertex, axis) = (random.below(vertices), random.below(3));
-            let mut positions = Vec::from_iter(mesh.positions.iter().map(|x| x.map(F1::cst)));
-            positions[vertex][axis] = F1::var(mesh.positions[vertex][axis]);
-            let surface = Surface::new(&mesh.connectivity, &positions).expect("finite positions");
-            let expected = -surface.area().dx;
-            tolerance::GRADIENT_DUAL.assert(integrated[vertex][axis], expected, largest, "−∂A/∂x");
         }
     }
 
@@ -253,20 +214,6 @@ fn spheres_with_negative_areas_are_exact() {
         negative * 100 >= vertices,
         "{negative} of {vertices} areas negative"
     );
-}
-
-#[test]
-fn negative_semidefinite_where_no_cotangent_sum_is_negative() {
-    for mesh in [icosphere(3), torus(24, 16), disc(6), hemisphere(3)] {
-        let mut random = SplitMix64::new(5);
-        for _ in 0..20 {
-            let field = Vec::from_iter((0..mesh.positions.len()).map(|_| random.symmetric()));
-            let mut result = vec![f64::NAN; field.len()];
-            stiffness(&mesh).apply_to_scalar(&Serial, &field, &mut result);
-            let product = field.iter().zip(&result).map(|(f, l)| f * l).sum::<f64>();
-            assert!(product < 0.0, "⟨f, Δf⟩ = {product}");
-        }
-    }
 }
 
 #[test]

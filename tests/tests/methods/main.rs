@@ -5,6 +5,7 @@ use helfrich_tests::allocation::Counting;
 mod allocation;
 mod corrected;
 mod execution;
+mod finite_elements;
 mod heat_kernel;
 mod juelicher;
 mod laplacian;

@@ -2,12 +2,12 @@
 
 use helfrich::{
     AreaDifference, BoundaryLength, Conservative, Constraint, Constraints, ControlPoints,
-    CorrectedCurvature, Cotangent, Curvature, Curvatures, Dissipation, DualArea, EnclosedVolume,
-    Energy, Force, ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher,
-    KantorNelson, LaplaceBeltrami, LoopSubdivision, MembraneViscosity, Method, NeoHookean,
-    Paraboloid, PointLoads, Prepared, Projected, Quantity, Rows, Serial, SpontaneousCurvature,
-    StrongForm, Surface, Targets, TotalArea, TotalGaussianCurvature, TotalMeanCurvature,
-    TriangleMesh, VertexNormals, Workspace,
+    CorrectedCurvature, Curvature, Curvatures, Dissipation, EnclosedVolume, Energy, Force,
+    ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher, KantorNelson,
+    LaplaceBeltrami, LoopSubdivision, MembraneViscosity, Method, NeoHookean, Paraboloid,
+    PointLoads, Prepared, Projected, Quantity, Rows, Serial, SpontaneousCurvature, StrongForm,
+    Surface, Targets, TotalArea, TotalGaussianCurvature, TotalMeanCurvature, TriangleMesh,
+    VertexNormals, Workspace,
 };
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
@@ -220,10 +220,6 @@ fn operators_refuse_workspaces_of_other_meshes() {
     meshes.check_density("E", &StrongForm::farutin(1.0));
     meshes.check_density("J4", &Projected(StrongForm::j4(1.0)));
     meshes.check_density("S", &LoopSubdivision::new(1.0));
-    let cotangent = Cotangent::new(DualArea::Mixed);
-    meshes.refused("stiffness", &cotangent, |workspace, mesh| {
-        cotangent.assemble_stiffness(mesh.surface(), workspace, &mut Rows::new());
-    });
 }
 
 #[test]

@@ -10,7 +10,7 @@ use super::{Bound, Group, Outcome, Row};
 use glam::DVec3;
 use helfrich::{
     Cotangent, DualArea, Energy, Force, GompperKroll, InPlane, Juelicher, KantorNelson,
-    LoopSubdivision, MembraneViscosity, Method, NeoHookean, Prepared, Real, Rows, Serial, Skalak,
+    LoopSubdivision, MembraneViscosity, NeoHookean, Prepared, Real, Serial, Skalak, SparseMatrix,
     StrainEnergy, StrongForm, Surface, TriangleMesh,
 };
 use helfrich_std::generate::random::Random;
@@ -392,12 +392,12 @@ impl Formula {
             Self::Angles => surface.triangle_angles(0).to_vec(),
             Self::Cotangents => {
                 let operator = cotangent(DualArea::Mixed);
-                let mut rows = Rows::new();
-                let workspace = operator.workspace(&mesh);
-                operator.assemble_stiffness(surface, &workspace, &mut rows);
-                (0..rows.len())
-                    .flat_map(|row| rows.row(row).1.to_vec())
-                    .collect()
+                let mut stiffness = SparseMatrix::new();
+                operator.assemble_stiffness(surface, &mut stiffness);
+                let edges = stiffness
+                    .triplets()
+                    .filter(|(row, column, _)| row != column);
+                edges.map(|(_, _, value)| value).collect()
             }
             Self::VoronoiArea | Self::MixedArea => {
                 let kind = match self {
