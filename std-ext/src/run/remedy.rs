@@ -16,7 +16,14 @@ const NEAR: f64 = 0.05;
 /// The remedy for a mesh that a relaxation spoils, or that does not resolve the shape: method S on an
 /// even mesh that is made for nearly the shape that is asked for. With it, vesicles of reduced volume
 /// down to 0.6 come to the energies of theory.
+///
+/// Line tension draws edges together, and no mesh resolves an edge that has closed.
 pub(super) fn remedy(surface: &SurfaceScene) -> String {
+    if surface.effects.line_tension.is_some() {
+        return "an edge may have closed under `line_tension`, and triangles cannot grow together: choose \
+                a smaller one, or go on with a closed mesh"
+            .to_owned();
+    }
     let is_loop = surface
         .effects
         .bending

@@ -3,11 +3,13 @@
 use helfrich::{Conservative, GaussianBending, GompperKroll, Hamann, Juelicher, LoopSubdivision};
 use helfrich_std::dynamics::{Outcome, Relaxation, Settings, StepReport};
 use helfrich_std::io::write;
+use helfrich_std::run::{End, run};
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::simulation::build;
 use helfrich_tests::laws::energy;
 use helfrich_tests::meshes::{Mesh, cap, catenoid, norm, round_disc, tube};
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// Bessel's J0 and J1, by their power series.
 fn bessel(x: f64) -> [f64; 2] {
@@ -63,16 +65,20 @@ fn a_disc_buckles_at_the_line_tension_of_a_plate() {
     check("S", || LoopSubdivision::new(1.0));
 }
 
-/// Relaxes a surface with these keys in a scene; returns its mesh and the last report.
-fn relaxed(start: &Mesh, keys: &str, settings: Settings) -> (Mesh, StepReport) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("start.ply");
+/// A scene in which a surface relaxes with these keys, in a folder.
+fn scene(folder: &Path, start: &Mesh, keys: &str) -> SceneFile {
+    let path = folder.join("start.ply");
     write(&path, &start.positions, &start.connectivity).expect("a mesh file");
     let text = format!(
         "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\nmesh = \"start.ply\"\n{keys}"
     );
-    let scene = folder.path().join("scene.toml");
-    let file = SceneFile::parse(&text, &scene, &Overrides::default()).expect("a scene");
+    SceneFile::parse(&text, &folder.join("scene.toml"), &Overrides::default()).expect("a scene")
+}
+
+/// Relaxes a surface with these keys in a scene; returns its mesh and the last report.
+fn relaxed(start: &Mesh, keys: &str, settings: Settings) -> (Mesh, StepReport) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = scene(folder.path(), start, keys);
     let (mut simulation, positions) = build(&file).expect("a simulation");
     let membranes = simulation.membranes();
     let mut relaxation = Relaxation::new(membranes, positions, settings).expect("a start");
@@ -178,5 +184,29 @@ fn a_disc_flattens_or_closes() {
                 );
             }
         }
+    }
+}
+
+/// The run of a disc that closes says so, and what a film between rings becomes is written.
+#[test]
+fn runs_of_open_surfaces_end_as_they_should() {
+    let disc = round_disc(6).map(|[x, y, _]| [x, y, 0.2 * (1.0 - x * x - y * y)]);
+    let closing = "bending = { method = \"B\", modulus = 1 }\narea = { constraint = \"exact\" }\n\
+                   line_tension = { value = 8 }";
+    let film = "boundary = \"hinged\"\ntension = { value = 1 }";
+    let tube = tube(24, 6, 0.6, |_| 0.6_f64.cosh());
+    for (start, keys, end, part) in [
+        (&disc, closing, End::Failed, "closed under `line_tension`"),
+        (&tube, film, End::Converged, "converged"),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = scene(folder.path(), start, keys);
+        let built = build(&file).expect("a simulation");
+        let out = folder.path().join("out");
+        let summary = run(&file.scene, built, &out, false, &|| false, &mut |_| {});
+        let summary = summary.expect("a run");
+        assert_eq!(summary.end, end, "{}", summary.message);
+        assert!(summary.message.contains(part), "{}", summary.message);
+        assert!(out.join("last.vtp").exists());
     }
 }
