@@ -128,7 +128,10 @@ pub use mesh::{MeshError, TriangleMesh, VertexKind};
 pub use method::{
     Conservative, Energy, Force, ForceDensity, Method, ParameterError, TwoPass, Workspace,
 };
-pub use noise::{Noise, Regression, RegressionFields, RegressionFits, Smoothing};
+pub use noise::{
+    AdaptiveJet, Estimate, Measured, Noise, Regression, RegressionFields, RegressionFits, Scale,
+    Smoothing, Verdict,
+};
 pub use points::{Points, PointsMut};
 pub use prepared::Prepared;
 pub use projection::{Projected, ProjectedMemory, RigidBody, remove_net_force_and_torque};

@@ -17,9 +17,12 @@
 //! discocytes, even or not, of 42 to 5000 vertices, and σ within 15 % from about the part on that such
 //! meshes leave: 1e-4 mean edges at 2562 vertices, 1e-5 at 10242.
 
+mod adaptive;
 mod fit;
+mod one_stage;
 mod quiet;
 mod regression;
+mod slopes;
 mod smoothing;
 
 use crate::diagnostic::Finding;
@@ -29,6 +32,7 @@ use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, norm, normalise};
+pub use adaptive::{AdaptiveJet, Estimate, Measured, Scale, Verdict};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
@@ -179,32 +183,37 @@ impl<T: Real> Noise<T> {
 /// Around each centre the vertices whose fits are pooled: those reached first along edges, none of them
 /// near a boundary.
 fn pools<T: Real>(surface: Surface<'_, T>, centres: &[usize]) -> Vec<Vec<u32>> {
-    let near_border = near_border(surface.mesh());
+    let rings = rings_from_border(surface.mesh());
     let mut neighbourhood = Neighbourhood::default();
     let pool = |&centre: &usize| {
         neighbourhood.at_least(surface, centre as u32, POOL);
         let reached = neighbourhood.found.iter().map(|&(_, vertex)| vertex);
         let all = iter::once(centre as u32).chain(reached).take(POOL);
-        all.filter(|&vertex| !near_border[vertex as usize])
+        all.filter(|&vertex| usize::from(rings[vertex as usize]) == BORDER)
             .collect()
     };
     centres.iter().map(pool).collect()
 }
 
-/// Whether each vertex is at a boundary or within [`BORDER`] rings of it, or isolated.
-fn near_border(mesh: &TriangleMesh) -> Vec<bool> {
-    let outside = |kind: &VertexKind| *kind != VertexKind::Interior;
-    let mut near = Vec::from_iter(mesh.vertex_kinds().iter().map(outside));
+/// The distance of each vertex from a boundary in rings, at most [`BORDER`]; 0 of isolated vertices.
+fn rings_from_border(mesh: &TriangleMesh) -> Vec<u8> {
+    let of_kind = |kind: &VertexKind| match kind {
+        VertexKind::Interior => BORDER as u8,
+        _ => 0,
+    };
+    let mut rings = Vec::from_iter(mesh.vertex_kinds().iter().map(of_kind));
     if mesh.is_closed() {
-        return near;
+        return rings;
     }
-    for _ in 1..BORDER {
-        let beside = |vertex: usize| mesh.one_ring(vertex).iter().any(|&v| near[v as usize]);
-        near = (0..near.len())
-            .map(|vertex| near[vertex] || beside(vertex))
-            .collect();
+    for ring in 1..BORDER as u8 {
+        for vertex in 0..rings.len() {
+            let is_beside = |&other: &u32| rings[other as usize] == ring - 1;
+            if rings[vertex] > ring && mesh.one_ring(vertex).iter().any(is_beside) {
+                rings[vertex] = ring;
+            }
+        }
     }
-    near
+    rings
 }
 
 /// The spectrum of the fit around each of `vertices`.

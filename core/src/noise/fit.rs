@@ -20,6 +20,9 @@ const TILTS: usize = 3;
 /// Number of partial sums of a scalar product, which do not wait for each other.
 const SUMS: usize = 8;
 
+/// Largest number of coefficients: of degree 6, with a constant.
+const MOST_COLUMNS: usize = 28;
+
 /// A polynomial that is fitted to heights over a tangent plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Model<T> {
@@ -63,6 +66,7 @@ pub(super) struct HeightFit<T> {
 impl<T: Real> HeightFit<T> {
     /// Loads the neighbours of a vertex, which are sorted by distance. A polynomial that does not
     /// interpolate uses the vertex itself, too.
+    #[inline(always)]
     pub(super) fn gather(
         &mut self,
         surface: Surface<'_, T>,
@@ -85,6 +89,7 @@ impl<T: Real> HeightFit<T> {
     /// Fits heights over the plane of `normal`, which is tilted until the polynomial hardly leans.
     /// Returns the smallest entry of the triangular factor's diagonal, of columns of length 1; 0 if
     /// there are too few neighbours.
+    #[inline(always)]
     pub(super) fn fit(&mut self, normal: &mut Vec3<T>, model: &Model<T>) -> T {
         let columns = model.columns();
         if self.offsets.len() <= columns {
@@ -111,6 +116,7 @@ impl<T: Real> HeightFit<T> {
     }
 
     /// Sets weighted monomials, degree by degree, and heights.
+    #[inline(always)]
     fn set_columns(&mut self, normal: Vec3<T>, frame: [Vec3<T>; 2], model: &Model<T>) {
         let rows = self.offsets.len();
         let columns = model.columns();
@@ -143,6 +149,7 @@ impl<T: Real> HeightFit<T> {
     }
 
     /// Makes the columns orthonormal, and transforms the heights.
+    #[inline(always)]
     fn factorise(&mut self, columns: usize) -> T {
         let rows = self.offsets.len();
         let width = columns + 1;
@@ -206,6 +213,14 @@ impl<T: Real> HeightFit<T> {
         }
     }
 
+    /// Sets `coefficients` to those of the polynomial of a degree up to the model's, heights and places in
+    /// radii.
+    pub(super) fn coefficients(&self, model: &Model<T>, degree: usize, coefficients: &mut Vec<T>) {
+        let columns = model.columns();
+        let part = |place: usize| self.upper[place * (columns + 1) + columns];
+        self.combine(model.start(degree + 1), part, coefficients);
+    }
+
     /// Sets `coefficients` to those of the polynomial of a degree up to the model's that is fitted to the
     /// heights and, on top of them, to `errors` at the fit's vertices, in order; in radii.
     pub(super) fn coefficients_with(
@@ -250,6 +265,52 @@ impl<T: Real> HeightFit<T> {
             *entry *= weight;
         }
         row
+    }
+
+    /// Sets each of `rows` to that of a functional of the coefficients of degrees 0 to 2, as [`Self::row`]
+    /// does. A model that interpolates has no constant, and no row entry of the vertex itself.
+    #[inline(always)]
+    pub(super) fn rows<const F: usize>(
+        &self,
+        model: &Model<T>,
+        degree: usize,
+        functionals: &[[T; 6]; F],
+        rows: &mut [Vec<T>; F],
+    ) {
+        let (length, count) = (self.offsets.len(), model.start(degree + 1));
+        let width = model.columns() + 1;
+        let before = usize::from(model.interpolates);
+        for row in rows.iter_mut() {
+            row.clear();
+            row.resize(length, T::zero());
+        }
+        let mut solved = [[T::zero(); F]; MOST_COLUMNS];
+        for place in 0..count {
+            let mut sums = [T::zero(); F];
+            for (sum, functional) in sums.iter_mut().zip(functionals) {
+                let factor = functional.get(place + before).copied();
+                *sum = factor.unwrap_or(T::zero()) * self.scales[place];
+            }
+            for (earlier, known) in solved[..place].iter().enumerate() {
+                let upper = self.upper[earlier * width + place];
+                for (sum, &known) in sums.iter_mut().zip(known) {
+                    *sum -= upper * known;
+                }
+            }
+            let over = self.upper[place * width + place].recip();
+            let column = &self.columns[place * length..][..length];
+            for ((row, sum), solved) in rows.iter_mut().zip(sums).zip(&mut solved[place]) {
+                *solved = sum * over;
+                for (entry, &unit) in row.iter_mut().zip(column) {
+                    *entry += *solved * unit;
+                }
+            }
+        }
+        for row in rows {
+            for (entry, &weight) in row.iter_mut().zip(&self.weights) {
+                *entry *= weight;
+            }
+        }
     }
 
     /// The distance of the farthest neighbour.
@@ -300,6 +361,7 @@ impl<T: Real> HeightFit<T> {
 }
 
 /// A scalar product.
+#[inline(always)]
 fn product<T: Real>(a: &[T], b: &[T]) -> T {
     let mut sums = [T::zero(); SUMS];
     let (whole_a, rest_a) = a.as_chunks::<SUMS>();

@@ -2,6 +2,7 @@
 //! coefficients.
 
 use super::fit::{HeightFit, Model};
+use super::slopes::Slopes;
 use super::{normals, smoothing};
 use crate::element::Execution;
 use crate::lane::Lane;
@@ -119,69 +120,14 @@ impl<T: Real, const R: usize> Around<T, R> {
             for copy in (0..R).rev() {
                 let error = |row: usize| errors[self.vertices[row] as usize][copy];
                 fit.coefficients_with(model, degree, error, &mut coefficients);
-                let slopes = Slopes::new(&coefficients, fit.radius());
+                let slopes = Slopes::new(&coefficients[1..], fit.radius());
                 self.curvatures[which][copy] = slopes.curvatures();
             }
             fit.coefficients_with(model, degree, |_| T::zero(), &mut coefficients);
-            let functional = Slopes::new(&coefficients, fit.radius()).laplacian(fit.radius());
+            let functional = Slopes::new(&coefficients[1..], fit.radius()).laplacian(fit.radius());
             self.laplacians[which] = fit.row(model, degree, &functional);
         }
         self.average = fit.row(model, DEGREES[0], &[T::one()]);
-    }
-}
-
-/// Derivatives of a height function.
-struct Slopes<T> {
-    /// z_x and z_y.
-    first: [T; 2],
-    /// z_xx, z_xy and z_yy.
-    second: [T; 3],
-}
-
-impl<T: Real> Slopes<T> {
-    /// From the coefficients of 1, x, y, x², xy, y², in radii.
-    fn new(coefficients: &[T], radius: T) -> Self {
-        let two = T::constant(2.0);
-        let factors = [two, T::one(), two];
-        Self {
-            first: [coefficients[1], coefficients[2]],
-            second: from_fn(|k| factors[k] * coefficients[3 + k] / radius),
-        }
-    }
-
-    /// 1 + z_x² + z_y².
-    fn metric(&self) -> T {
-        let [p, q] = self.first;
-        T::one() + p * p + q * q
-    }
-
-    /// Trace of second derivatives with the inverse of the metric, times [`Self::metric`].
-    fn trace(&self) -> [T; 3] {
-        let [p, q] = self.first;
-        let two = T::constant(2.0);
-        [T::one() + q * q, -two * p * q, T::one() + p * p]
-    }
-
-    /// H and K.
-    fn curvatures(&self) -> [T; 2] {
-        let [r, s, t] = self.second;
-        let [along_r, along_s, along_t] = self.trace();
-        let square = self.metric();
-        let twice = (along_r * r + along_s * s + along_t * t) / (square * square.sqrt());
-        let gaussian = (r * t - s * s) / (square * square);
-        [-T::constant(0.5) * twice, gaussian]
-    }
-
-    /// The Laplace–Beltrami operator as factors of a field's coefficients:
-    /// `g^{ab} φ_ab + 2H z_c φ_c/√g`, heights above the surface counted along its normal.
-    fn laplacian(&self, radius: T) -> [T; 6] {
-        let [mean, _] = self.curvatures();
-        let two = T::constant(2.0);
-        let over = (self.metric() * radius * radius).recip();
-        let [along_r, along_s, along_t] = self.trace().map(|factor| factor * over);
-        let along = two * mean / (self.metric().sqrt() * radius);
-        let [p, q] = self.first.map(|slope| slope * along);
-        [T::zero(), p, q, two * along_r, along_s, two * along_t]
     }
 }
 

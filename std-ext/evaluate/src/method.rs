@@ -16,6 +16,7 @@ pub use evaluator::{Evaluated, Evaluator};
 pub use fields::Fields;
 pub use listed::{ListVisitor, ListedCurvatures, ListedEnergy, ListedOperator, Of};
 pub use options::{InvalidBandwidth, MethodOptions, UnknownAreas, UnusedOption};
+pub(crate) use ordered::Ordered;
 
 use helfrich::{
     CorrectedCurvature, Cotangent, GompperKroll, Hamann, HeatKernel, Jet, Juelicher, KantorNelson,

@@ -1,7 +1,11 @@
-//! Noise of positions, its smoothing, and regression jets in f64, compiled once here for all other crates.
+//! Noise of positions, its smoothing, regression jets and adaptive jets in f64, compiled once here for all
+//! other crates.
 
 use crate::execute::Parallel;
-use helfrich::{Noise, Regression, RegressionFields, RegressionFits, Smoothing, Surface};
+use crate::method::Ordered;
+use helfrich::{
+    AdaptiveJet, Measured, Noise, Regression, RegressionFields, RegressionFits, Smoothing, Surface,
+};
 
 /// The noise of a surface, on all threads: see [`Noise::of`].
 pub fn noise_of(surface: Surface<'_, f64>) -> Noise<f64> {
@@ -45,4 +49,21 @@ pub fn averaged(
         field = fits.average(&Parallel::new(), &field);
     }
     field
+}
+
+/// A surface measured by adaptive jets on all threads, in a cache-friendly order if it is large: see
+/// [`AdaptiveJet::measure`]. `None` if `watch` returned false.
+pub fn measured(
+    jet: &AdaptiveJet<f64>,
+    surface: Surface<'_, f64>,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Option<Vec<Measured<f64>>> {
+    let execution = Parallel::new();
+    let Some(mut ordered) = Ordered::of(surface.mesh()) else {
+        return jet.measure(&execution, surface, None, watch);
+    };
+    let names = ordered.order().vertices().to_vec();
+    let (surface, _) = ordered.parts(surface);
+    let measured = jet.measure(&execution, surface, Some(&names), watch)?;
+    Some(ordered.order().undo(&measured))
 }

@@ -14,10 +14,10 @@ use helfrich_std::study::Quantity;
 use helfrich_tests::star::Star;
 
 /// A mesh, and what is exactly known at its vertices.
-struct Case {
-    name: String,
-    mesh: TriangleMesh,
-    exact: Vec<ExactPoint<f64>>,
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) mesh: TriangleMesh,
+    pub(crate) exact: Vec<ExactPoint<f64>>,
 }
 
 /// A star of five harmonics of degrees 2 to 5.
@@ -34,7 +34,7 @@ fn star(seed: u64) -> Star {
 }
 
 impl Case {
-    fn of_star(seed: u64, family: Family, vertices: usize) -> Self {
+    pub(crate) fn of_star(seed: u64, family: Family, vertices: usize) -> Self {
         let sphere = "sphere".parse().expect("a shape");
         let made = generate(&sphere, family, vertices, seed).expect("a mesh");
         let star = star(seed);
@@ -45,7 +45,7 @@ impl Case {
         }
     }
 
-    fn of_shape(shape: &AnyShape, family: Family, vertices: usize) -> Self {
+    pub(crate) fn of_shape(shape: &AnyShape, family: Family, vertices: usize) -> Self {
         let made = generate(shape, family, vertices, 1).expect("a mesh");
         Self {
             name: format!("{shape}, {family}, {vertices}"),
@@ -54,11 +54,11 @@ impl Case {
         }
     }
 
-    fn positions(&self) -> Vec<[f64; 3]> {
+    pub(crate) fn positions(&self) -> Vec<[f64; 3]> {
         self.exact.iter().map(|point| point.position).collect()
     }
 
-    fn mean_edge(&self) -> f64 {
+    pub(crate) fn mean_edge(&self) -> f64 {
         let positions = self.positions();
         let surface = Surface::new(&self.mesh, &positions).expect("positions");
         let edges = self.mesh.edges().iter();
@@ -71,7 +71,7 @@ impl Case {
 
     /// Normal errors of this standard deviation in every coordinate: the method of Box and Muller, in
     /// Marsaglia's form.
-    fn disturbed(&self, deviation: f64) -> Vec<[f64; 3]> {
+    pub(crate) fn disturbed(&self, deviation: f64) -> Vec<[f64; 3]> {
         let mut random = Random::new(777);
         let mut error = || {
             let point = random.in_disc();
@@ -132,7 +132,7 @@ impl Case {
     }
 }
 
-fn torus(aspect: f64) -> AnyShape {
+pub(crate) fn torus(aspect: f64) -> AnyShape {
     AnyShape::Torus(Torus::new(1.0, aspect).expect("radii"))
 }
 

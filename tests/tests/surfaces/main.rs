@@ -1,5 +1,6 @@
 //! Meshes and surfaces: connectivity, geometry, subdivision, exact shapes and what is made on them.
 
+mod adaptive;
 mod expected_errors;
 mod families;
 mod mesh;

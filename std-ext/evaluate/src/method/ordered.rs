@@ -8,7 +8,7 @@ const WORTH_ORDERING: usize = 100_000;
 
 /// A mesh in another order, and the surface that was evaluated last.
 #[derive(Debug)]
-pub(super) struct Ordered<T> {
+pub(crate) struct Ordered<T> {
     order: Reordering,
     mesh: TriangleMesh,
     positions: Vec<[T; 3]>,
@@ -18,7 +18,7 @@ pub(super) struct Ordered<T> {
 
 impl<T: Real> Ordered<T> {
     /// An order for a mesh, if reordering is worthwhile.
-    pub(super) fn of(mesh: &TriangleMesh) -> Option<Self> {
+    pub(crate) fn of(mesh: &TriangleMesh) -> Option<Self> {
         if mesh.vertex_count() < WORTH_ORDERING {
             return None;
         }
@@ -34,17 +34,17 @@ impl<T: Real> Ordered<T> {
     }
 
     /// The mesh in this order.
-    pub(super) fn mesh(&self) -> &TriangleMesh {
+    pub(crate) fn mesh(&self) -> &TriangleMesh {
         &self.mesh
     }
 
     /// The order.
-    pub(super) fn order(&self) -> &Reordering {
+    pub(crate) fn order(&self) -> &Reordering {
         &self.order
     }
 
     /// A surface in this order, and memory for its forces.
-    pub(super) fn parts(&mut self, surface: Surface<'_, T>) -> (Surface<'_, T>, &mut [[T; 3]]) {
+    pub(crate) fn parts(&mut self, surface: Surface<'_, T>) -> (Surface<'_, T>, &mut [[T; 3]]) {
         let Self {
             order,
             mesh,
@@ -57,7 +57,7 @@ impl<T: Real> Ordered<T> {
     }
 
     /// The forces in the order of the user's mesh.
-    pub(super) fn put_back(&self, force: &mut [[T; 3]]) {
+    pub(crate) fn put_back(&self, force: &mut [[T; 3]]) {
         let old = self.order.vertices().iter();
         for (&vertex, found) in old.zip(&self.force) {
             force[vertex as usize] = *found;
@@ -65,7 +65,7 @@ impl<T: Real> Ordered<T> {
     }
 
     /// All results of a method, in the order of the user's mesh.
-    pub(super) fn undo(&self, fields: &Fields<T>) -> Fields<T> {
+    pub(crate) fn undo(&self, fields: &Fields<T>) -> Fields<T> {
         let order = &self.order;
         Fields {
             area: order.undo(&fields.area),

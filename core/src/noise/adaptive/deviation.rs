@@ -1,0 +1,138 @@
+//! Standard deviation of the positions around every vertex, and what the mesh resolves.
+
+use super::{Ground, POOL, Verdict};
+use crate::element::Execution;
+use crate::noise::{Noise, Spectrum, rounding};
+use crate::real::Real;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::cmp::Ordering;
+
+/// Residual that the shape leaves over S₅S₆/S₄, and at most over S₆.
+const FORETOLD: f64 = 1.5;
+const CEILING: f64 = 0.35;
+
+/// R/S₆ above which it is noise also if less than half of the mesh has any; if no noise is seen on the mesh
+/// as a whole, as much as noise has.
+const CERTAIN: f64 = 0.5;
+
+/// Part of the vertices whose noise may be larger than what is assumed of all at least.
+const QUIETEST: f64 = 0.05;
+
+/// R/S₆ of shapes at most, of noise, and S₆/S₄ from which on the shape is hardly resolved.
+const STEEP: f64 = 0.35;
+const FLAT: [f64; 2] = [0.8, 1.3];
+const SLOW: f64 = 0.15;
+
+/// Noise around every vertex.
+pub(super) struct Deviations<T> {
+    /// σ², squared lengths.
+    pub(super) variances: Vec<T>,
+    pub(super) verdicts: Vec<Verdict>,
+}
+
+impl<T: Real> Deviations<T> {
+    pub(super) fn new(
+        execution: &impl Execution,
+        ground: &Ground<'_, T>,
+        spectra: &[Spectrum<T>],
+        known: T,
+    ) -> Self {
+        let square = |factor: f64| T::constant(factor * factor);
+        // The squares of S₄, S₅, S₆ and R.
+        let mut parts = vec![[T::nan(); 4]; spectra.len()];
+        execution.map(&mut parts[..], |vertex, parts| {
+            let mut sums = Spectrum::<T>::default();
+            for other in ground.pool(vertex, POOL) {
+                if ground.is_near_border(other) {
+                    continue;
+                }
+                let terms = spectra[other].iter().flatten();
+                for (sum, &term) in sums.iter_mut().flatten().zip(terms) {
+                    *sum += term;
+                }
+            }
+            *parts = sums.map(|[squares, gain]| squares / gain);
+        });
+        let found = |&[fourth, fifth, sixth, left]: &[T; 4]| {
+            let ceiling = square(CEILING);
+            let foretold = square(FORETOLD) * fifth * sixth / fourth;
+            let variance = if foretold < ceiling * sixth {
+                left - foretold
+            } else {
+                (left - ceiling * sixth) / (T::one() - ceiling)
+            };
+            // Also false for NaN.
+            if variance > T::zero() {
+                variance
+            } else {
+                T::zero()
+            }
+        };
+        let mut variances = Vec::from_iter(parts.iter().map(found));
+        let inside = parts.iter().filter(|parts| parts[3].is_finite()).count();
+        let is_unresolved = |parts: &&[T; 4]| resolution(parts) == Verdict::Unresolved;
+        let unresolved = parts.iter().filter(is_unresolved).count();
+        let seen = variances.iter().filter(|&&variance| variance > T::zero());
+        let everywhere = Noise::of(execution, ground.surface).length;
+        let certain = if everywhere > T::zero() {
+            CERTAIN
+        } else {
+            FLAT[0]
+        };
+        if 2 * unresolved > inside {
+            // Where the shape is taken for noise nearly everywhere, the quietest places tell more.
+            variances.fill(everywhere * everywhere);
+        } else if everywhere == T::zero() || 2 * seen.count() < variances.len() {
+            for (variance, &[_, _, sixth, left]) in variances.iter_mut().zip(&parts) {
+                if left < square(certain) * sixth {
+                    *variance = T::zero();
+                }
+            }
+        }
+        let least = quantile(&variances, QUIETEST);
+        let rounding = rounding(ground.surface.positions());
+        let least = least.max(rounding * rounding).max(known * known);
+        for variance in &mut variances {
+            *variance = variance.max(least);
+        }
+        let verdicts = parts.iter().zip(&variances).enumerate();
+        let verdicts = verdicts.map(|(vertex, (parts, &variance))| {
+            match (ground.is_near_border(vertex), resolution(parts)) {
+                (true, _) => Verdict::OneSided,
+                (_, Verdict::Unresolved) => Verdict::Unresolved,
+                _ if variance > T::zero() => Verdict::Noise,
+                _ => Verdict::Clean,
+            }
+        });
+        Self {
+            verdicts: verdicts.collect(),
+            variances,
+        }
+    }
+
+    /// Whether there is noise anywhere.
+    pub(super) fn is_seen(&self) -> bool {
+        self.variances.iter().any(|&variance| variance > T::zero())
+    }
+}
+
+/// Whether the mesh resolves the shape, by the squares of S₄, S₅, S₆ and R.
+fn resolution<T: Real>(&[fourth, _, sixth, left]: &[T; 4]) -> Verdict {
+    let square = |factor: f64| T::constant(factor * factor);
+    let is_between = left > square(STEEP) * sixth && left < square(FLAT[0]) * sixth;
+    let is_slow = sixth > square(SLOW) * fourth;
+    if left > square(FLAT[1]) * sixth || (is_between && is_slow) {
+        Verdict::Unresolved
+    } else {
+        Verdict::Clean
+    }
+}
+
+/// The value that this part of all is below.
+fn quantile<T: Real>(values: &[T], part: f64) -> T {
+    let mut values = values.to_vec();
+    values.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+    let place = (values.len() as f64 * part) as usize;
+    values.get(place).copied().unwrap_or(T::zero())
+}

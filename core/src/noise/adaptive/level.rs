@@ -1,0 +1,359 @@
+//! Fits with one number of neighbours around every vertex, and what noise makes of them.
+
+use super::{Ground, ONE_STAGE, QUANTITIES, REPLICAS, Values};
+use crate::element::{Execution, SlotKernel, Slots, Strided};
+use crate::neighbourhood::Neighbourhood;
+use crate::noise::fit::{HeightFit, Model};
+use crate::noise::slopes::Slopes;
+use crate::noise::{Spectrum, one_stage, smoothing};
+use crate::real::Real;
+use crate::vec3::Vec3;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Least diagonal entry of the triangular factor with which a fit is accepted: at once, and with all the
+/// neighbours that it may have.
+const CONDITIONING: [f64; 2] = [0.012, 0.001];
+
+/// Number of neighbours from which on they determine a polynomial of degree 6 well on any mesh.
+const SURE: usize = 64;
+
+/// Neighbours of jets at a boundary: with fewer, errors of the positions are amplified several times.
+const ONE_SIDED: usize = 80;
+
+/// The degrees of the polynomials: those of one orthogonal basis, the lower one is its beginning.
+pub(super) const DEGREES: [usize; 2] = [4, 6];
+
+/// Which fits a level has.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kind<T> {
+    pub(super) model: Model<T>,
+    /// Number of neighbours at first, and at most if the fit needs more.
+    pub(super) neighbours: [usize; 2],
+}
+
+impl<T: Real> Kind<T> {
+    /// A polynomial through the vertex, as [`Jet::j6`](crate::Jet::j6) has it.
+    pub(super) fn interpolating() -> Self {
+        Self {
+            model: Model {
+                degree: DEGREES[1],
+                sharpness: T::constant(7.0),
+                interpolates: true,
+            },
+            neighbours: [56, 112],
+        }
+    }
+
+    /// A regression with a constant term. With few neighbours, of which some lie near a conic section, it
+    /// may need more.
+    pub(super) fn regression(neighbours: usize) -> Self {
+        let more = if neighbours < SURE { neighbours / 2 } else { 0 };
+        Self {
+            model: Model {
+                degree: DEGREES[1],
+                sharpness: T::constant(4.0),
+                interpolates: false,
+            },
+            neighbours: [neighbours, neighbours + more],
+        }
+    }
+
+    /// The neighbours of a fit, the vertex itself included.
+    fn room(&self) -> usize {
+        self.neighbours[1] + 1
+    }
+}
+
+/// The results of one degree, NaN where there is no fit: H, K and f, and the changes of each by
+/// [`REPLICAS`] independent errors of standard deviation 1 in every height.
+#[derive(Clone, Debug)]
+pub(super) struct Estimates<T> {
+    pub(super) values: [Vec<T>; QUANTITIES],
+    pub(super) changes: [Vec<Values<T>>; QUANTITIES],
+}
+
+/// Fits around every vertex.
+pub(super) struct Level<T> {
+    pub(super) kind: Kind<T>,
+    /// Of degrees 4 and 6.
+    pub(super) of_degrees: [Estimates<T>; 2],
+    /// Number of neighbours, 0 where there is no fit.
+    pub(super) neighbours: Vec<u32>,
+    /// The parts of the degrees, of interpolating fits.
+    pub(super) spectra: Vec<Spectrum<T>>,
+}
+
+/// Results of the first stage at a vertex.
+#[derive(Clone, Copy)]
+struct AtVertex<T> {
+    /// H and K of both degrees.
+    values: [[T; 2]; 2],
+    changes: [[Values<T>; 2]; 2],
+    /// 1/ρ².
+    over_area: T,
+    neighbours: u32,
+    spectrum: Spectrum<T>,
+    /// f and its changes, where it is that of one polynomial.
+    force: Option<(T, Values<T>)>,
+}
+
+/// Memory of a worker.
+#[derive(Debug)]
+pub(super) struct Scratch<T> {
+    near: Neighbourhood<T>,
+    pub(super) fit: HeightFit<T>,
+    /// The normal over whose plane heights were fitted.
+    pub(super) normal: Vec3<T>,
+    pub(super) coefficients: Vec<T>,
+    rows: [Vec<T>; 3],
+}
+
+impl<T: Real> Default for Scratch<T> {
+    fn default() -> Self {
+        Self {
+            near: Neighbourhood::default(),
+            fit: HeightFit::default(),
+            normal: [T::zero(); 3],
+            coefficients: Vec::new(),
+            rows: [const { Vec::new() }; 3],
+        }
+    }
+}
+
+impl<T: Real> Scratch<T> {
+    /// Fits a vertex: the number of neighbours, 0 if they do not determine the polynomial.
+    #[inline(always)]
+    pub(super) fn fit(&mut self, ground: &Ground<'_, T>, vertex: usize, kind: &Kind<T>) -> usize {
+        let surface = ground.surface;
+        let [first, most] = kind.neighbours;
+        let is_one_sided = kind.model.interpolates && ground.rings[vertex] == 0;
+        let mut wanted = if is_one_sided { ONE_SIDED } else { first };
+        loop {
+            let near = &mut self.near;
+            let count = smoothing::reach(surface, &ground.normals, vertex as u32, wanted, near);
+            self.fit
+                .gather(surface, vertex as u32, &near.found[..count], &kind.model);
+            self.normal = ground.upright[vertex];
+            let conditioning = self.fit.fit(&mut self.normal, &kind.model);
+            let is_last = count < wanted || wanted == most;
+            if conditioning >= T::constant(CONDITIONING[usize::from(is_last)]) {
+                return count;
+            }
+            if is_last {
+                return 0;
+            }
+            wanted = (wanted + wanted / 4).min(most);
+        }
+    }
+
+    /// The bending force by one interpolating polynomial, and its changes by errors of the heights: by
+    /// central differences, in steps of the cube root of the rounding of heights.
+    fn one_stage(
+        &mut self,
+        ground: &Ground<'_, T>,
+        kind: &Kind<T>,
+        vertices: &[u32],
+    ) -> (T, Values<T>) {
+        let radius = self.fit.radius();
+        let over = (radius * radius * radius).recip();
+        let step = T::epsilon().cbrt() * radius;
+        let here = ground.errors(vertices[0]);
+        let mut with = |replica: usize, factor: T| {
+            let error =
+                |row: usize| factor * (ground.errors(vertices[row + 1])[replica] - here[replica]);
+            let coefficients = &mut self.coefficients;
+            self.fit
+                .coefficients_with(&kind.model, DEGREES[1], error, coefficients);
+            over * one_stage::force_density(coefficients)
+        };
+        let value = with(0, T::zero());
+        let changes = core::array::from_fn(|replica| {
+            (with(replica, step) - with(replica, -step)) / (step + step)
+        });
+        (value, changes)
+    }
+
+    /// The nearest vertices that the last fit took.
+    pub(super) fn neighbours(&self, count: usize) -> &[(T, u32)] {
+        &self.near.found[..count]
+    }
+
+    /// Takes H, K, their changes and the row of Δ_S from the fit.
+    #[inline(always)]
+    fn take(
+        &mut self,
+        ground: &Ground<'_, T>,
+        kind: &Kind<T>,
+        which: usize,
+        vertices: &[u32],
+        at: &mut AtVertex<T>,
+        row: &mut [f32],
+    ) {
+        let degree = DEGREES[which];
+        let own = usize::from(!kind.model.interpolates);
+        let fit = &mut self.fit;
+        let radius = fit.radius();
+        fit.coefficients(&kind.model, degree, &mut self.coefficients);
+        let slopes = Slopes::new(&self.coefficients[own..], radius);
+        at.values[which] = slopes.curvatures();
+        let [of_mean, of_gaussian] = slopes.variations(radius);
+        let laplacian = slopes
+            .laplacian(radius)
+            .map(|factor| factor * radius * radius);
+        fit.rows(
+            &kind.model,
+            degree,
+            &[of_mean, of_gaussian, laplacian],
+            &mut self.rows,
+        );
+        let [of_mean, of_gaussian, laplacian] = &self.rows;
+        // Errors are those of heights above the vertex, unless it has a sample of its own.
+        let here = ground.errors(vertices[0]);
+        for (changes, row) in at.changes[which].iter_mut().zip([of_mean, of_gaussian]) {
+            *changes = [T::zero(); REPLICAS];
+            for (&vertex, &entry) in vertices[1 - own..].iter().zip(row) {
+                let there = ground.errors(vertex);
+                for ((change, &there), &here) in changes.iter_mut().zip(there).zip(here) {
+                    let error = if own == 1 { there } else { there - here };
+                    *change += entry * error;
+                }
+            }
+        }
+        for (entry, &value) in row[1 - own..].iter_mut().zip(laplacian) {
+            *entry = value.to_f32().unwrap_or(f32::NAN);
+        }
+    }
+}
+
+/// The fits of a level.
+struct Fits<'a, T> {
+    ground: &'a Ground<'a, T>,
+    kind: &'a Kind<T>,
+}
+
+/// Results at a vertex, its neighbours, and the rows of both degrees.
+type FitSlots<'a, T> = (&'a mut [AtVertex<T>], (Strided<'a, u32>, Strided<'a, f32>));
+
+impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
+    #[inline(always)]
+    fn set(&self, scratch: &mut Scratch<T>, start: usize, slots: FitSlots<'a, T>) {
+        let Self { ground, kind } = *self;
+        let room = kind.room();
+        for (vertex, (at, (vertices, rows))) in (start..).zip(slots.into_slots()) {
+            let count = scratch.fit(ground, vertex, kind);
+            if count == 0 {
+                continue;
+            }
+            at.neighbours = count as u32;
+            let radius = scratch.fit.radius();
+            at.over_area = (radius * radius).recip();
+            vertices[0] = vertex as u32;
+            for (entry, &(_, neighbour)) in vertices[1..].iter_mut().zip(&scratch.near.found) {
+                *entry = neighbour;
+            }
+            let vertices = &vertices[..=count];
+            if kind.model.interpolates {
+                at.spectrum = scratch.fit.spectrum(&kind.model);
+                if ground.rings[vertex] < ONE_STAGE {
+                    at.force = Some(scratch.one_stage(ground, kind, vertices));
+                }
+            }
+            for (which, row) in rows.chunks_exact_mut(room).enumerate() {
+                scratch.take(ground, kind, which, vertices, at, &mut row[..=count]);
+            }
+        }
+    }
+}
+
+impl<T: Real> Level<T> {
+    /// Fits around every vertex of a surface.
+    pub(super) fn new(execution: &impl Execution, ground: &Ground<'_, T>, kind: &Kind<T>) -> Self {
+        let count = ground.normals.len();
+        let room = kind.room();
+        let none = AtVertex {
+            values: [[T::nan(); 2]; 2],
+            changes: [[[T::nan(); REPLICAS]; 2]; 2],
+            over_area: T::nan(),
+            neighbours: 0,
+            spectrum: Spectrum::default(),
+            force: None,
+        };
+        let mut all = vec![none; count];
+        let mut vertices = vec![0_u32; count * room];
+        let mut laplacians = vec![0.0_f32; count * 2 * room];
+        let slots = (
+            &mut all[..],
+            (
+                Strided::new(&mut vertices, room),
+                Strided::new(&mut laplacians, 2 * room),
+            ),
+        );
+        let mut scratch = Vec::new();
+        execution.run(&mut scratch, slots, &Fits { ground, kind });
+        let of_degrees = [0, 1]
+            .map(|which| Estimates::new(execution, &all, which, &vertices, &laplacians, room));
+        Self {
+            kind: *kind,
+            of_degrees,
+            neighbours: all.iter().map(|at| at.neighbours).collect(),
+            spectra: all.iter().map(|at| at.spectrum).collect(),
+        }
+    }
+}
+
+impl<T: Real> Estimates<T> {
+    /// The second stage: f from Δ_S of the fitted H.
+    fn new(
+        execution: &impl Execution,
+        all: &[AtVertex<T>],
+        which: usize,
+        vertices: &[u32],
+        laplacians: &[f32],
+        room: usize,
+    ) -> Self {
+        let two = T::constant(2.0);
+        let mut forces = vec![(T::nan(), [T::nan(); REPLICAS]); all.len()];
+        execution.map(&mut forces[..], |vertex, (force, changes)| {
+            let at = &all[vertex];
+            if at.neighbours == 0 {
+                return;
+            }
+            if let Some(one_stage) = at.force {
+                (*force, *changes) = one_stage;
+                return;
+            }
+            let [mean, gaussian] = at.values[which];
+            let [of_mean, of_gaussian] = &at.changes[which];
+            let row = &laplacians[(2 * vertex + which) * room..][..=at.neighbours as usize];
+            let others = &vertices[vertex * room..];
+            let (mut sum, mut sums) = (T::zero(), [T::zero(); REPLICAS]);
+            for (&other, &entry) in others.iter().zip(row) {
+                let other = &all[other as usize];
+                let entry = T::constant(f64::from(entry));
+                sum += entry * (other.values[which][0] - mean);
+                let there = &other.changes[which][0];
+                for ((sum, &there), &here) in sums.iter_mut().zip(there).zip(of_mean) {
+                    *sum += entry * (there - here);
+                }
+            }
+            let by_mean = two * (T::constant(3.0) * mean * mean - gaussian);
+            *force = two * (at.over_area * sum + two * mean * (mean * mean - gaussian));
+            for (replica, (change, sum)) in changes.iter_mut().zip(sums).enumerate() {
+                let along = by_mean * of_mean[replica] - two * mean * of_gaussian[replica];
+                *change = two * (at.over_area * sum + along);
+            }
+        });
+        let of = |quantity: usize| {
+            let values = all.iter().map(|at| at.values[which][quantity]);
+            let changes = all.iter().map(|at| at.changes[which][quantity]);
+            (Vec::from_iter(values), Vec::from_iter(changes))
+        };
+        let ((mean, of_mean), (gaussian, of_gaussian)) = (of(0), of(1));
+        let (force, of_force) = forces.into_iter().unzip();
+        Self {
+            values: [mean, gaussian, force],
+            changes: [of_mean, of_gaussian, of_force],
+        }
+    }
+}

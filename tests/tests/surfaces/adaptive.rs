@@ -1,0 +1,376 @@
+//! Adaptive jets: as good as the best fixed fit at any noise, jets themselves without, and bars that hold.
+
+use crate::expected_errors::{Case, torus};
+use helfrich::shapes::ExactPoint;
+use helfrich::{
+    AdaptiveJet, Estimate, Jet, Measured, Prepared, Regression, Serial, StrongForm, Surface,
+    TriangleMesh, Verdict,
+};
+use helfrich_std::execute::Parallel;
+use helfrich_std::generate::{AnyShape, Family};
+use helfrich_std::noise::measured;
+use helfrich_tests::meshes::{self, SplitMix64};
+
+/// H, K and f.
+const QUANTITIES: usize = 3;
+
+fn exact(point: &ExactPoint<f64>, quantity: usize) -> f64 {
+    [point.mean, point.gaussian, point.force_density(1.0)][quantity]
+}
+
+fn estimate(at: &Measured<f64>, quantity: usize) -> Estimate<f64> {
+    [at.mean, at.gaussian, at.force_density][quantity]
+}
+
+fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
+    (sum / count).sqrt()
+}
+
+fn of(jet: &AdaptiveJet<f64>, mesh: &TriangleMesh, positions: &[[f64; 3]]) -> Vec<Measured<f64>> {
+    let surface = Surface::new(mesh, positions).expect("positions");
+    measured(jet, surface, &mut |_| true).expect("not interrupted")
+}
+
+fn shape(name: &str) -> AnyShape {
+    name.parse().expect("a shape")
+}
+
+/// The least error of any fixed degree and number of neighbours, of each quantity.
+fn best_fixed(case: &Case, positions: &[[f64; 3]]) -> [f64; QUANTITIES] {
+    let surface = Surface::new(&case.mesh, positions).expect("positions");
+    let none = vec![[0.0; 1]; positions.len()];
+    let mut best = [f64::INFINITY; QUANTITIES];
+    for neighbours in [45, 64, 90, 128, 181, 256, 362, 512] {
+        let fits = Regression { neighbours }.fit(&Parallel::new(), surface, &none);
+        for fields in fits.fields(&Parallel::new()) {
+            let all = [fields.mean, fields.gaussian, fields.force_density];
+            for (quantity, (best, field)) in best.iter_mut().zip(all).enumerate() {
+                let pairs = field.iter().zip(&case.exact);
+                let errors = pairs.map(|([found], at)| found - exact(at, quantity));
+                *best = best.min(root_mean_square(errors));
+            }
+        }
+    }
+    best
+}
+
+/// 1.3 times the best fixed fit: what scatters is the choice at single vertices. Bars are for 99 of 100
+/// vertices; the worst case of the design was 92. They are of some use: at most 10 times the error.
+#[test]
+fn with_noise_it_is_as_good_as_the_best_fixed_fit() {
+    for case in [
+        Case::of_star(1, Family::Irregular, 2562),
+        Case::of_shape(&shape("discocyte"), Family::Regular, 2562),
+    ] {
+        for part in [1e-4, 1e-2] {
+            let positions = case.disturbed(part * case.mean_edge());
+            let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
+            let best = best_fixed(&case, &positions);
+            for (quantity, best) in best.into_iter().enumerate() {
+                let errors = found.iter().zip(&case.exact);
+                let errors = errors
+                    .map(|(at, exact_at)| estimate(at, quantity).value - exact(exact_at, quantity));
+                let errors = Vec::from_iter(errors);
+                let error = root_mean_square(errors.iter().copied());
+                assert!(
+                    error < 1.3 * best,
+                    "{}, {part}, {quantity}: {error} {best}",
+                    case.name
+                );
+                let ratios = found.iter().zip(&errors);
+                let ratios = ratios.map(|(at, error)| estimate(at, quantity).error / error.abs());
+                let mut ratios = Vec::from_iter(ratios);
+                ratios.sort_by(f64::total_cmp);
+                let within = ratios.iter().filter(|&&ratio| ratio >= 1.0).count();
+                let within = within as f64 / ratios.len() as f64;
+                assert!(within > 0.92, "{}, {part}, {quantity}: {within}", case.name);
+                let median = ratios[ratios.len() / 2];
+                assert!(median < 10.0, "{}, {part}, {quantity}: {median}", case.name);
+            }
+            let seen = found
+                .iter()
+                .filter(|at| at.verdict == Verdict::Noise)
+                .count();
+            assert!(seen as f64 > 0.9 * found.len() as f64);
+        }
+    }
+}
+
+/// To the last bit, and bars cover the error of the mesh.
+#[test]
+fn without_noise_it_is_the_jet() {
+    for case in [
+        Case::of_star(2, Family::Hard, 2562),
+        Case::of_shape(&torus(0.3), Family::Regular, 2562),
+        Case::of_shape(&shape("discocyte"), Family::Irregular, 2562),
+    ] {
+        let positions = case.positions();
+        let surface = Surface::new(&case.mesh, &positions).expect("positions");
+        let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
+        let mut jet = Prepared::new(Jet::j6(), &case.mesh);
+        for (at, jet) in found.iter().zip(jet.curvatures(surface)) {
+            assert_eq!([at.mean.value, at.gaussian.value], [jet.mean, jet.gaussian]);
+            assert_eq!(
+                (at.deviation, at.verdict),
+                (0.0, Verdict::Clean),
+                "{}",
+                case.name
+            );
+        }
+        let mut density = vec![[0.0; 3]; positions.len()];
+        let mut form = Prepared::new(StrongForm::new(1.0, Jet::j6()), &case.mesh);
+        form.force_density(surface, &mut density);
+        for (at, density) in found.iter().zip(density) {
+            let length = density.map(|x| x * x).iter().sum::<f64>().sqrt();
+            let value = at.force_density.value.abs();
+            assert!((value - length).abs() <= 1e-12 * value, "{value} {length}");
+        }
+        for quantity in 0..QUANTITIES {
+            let is_within = |(at, point): &(&Measured<f64>, &ExactPoint<f64>)| {
+                let estimate = estimate(at, quantity);
+                (estimate.value - exact(point, quantity)).abs() <= estimate.error
+            };
+            let within = found.iter().zip(&case.exact).filter(is_within).count();
+            let part = within as f64 / found.len() as f64;
+            assert!(part > 0.97, "{}, {quantity}: {part}", case.name);
+        }
+    }
+}
+
+/// Noise below what can be seen costs f some accuracy, unless its size is told.
+#[test]
+fn known_noise_need_not_be_seen() {
+    let case = Case::of_shape(&torus(0.4), Family::Irregular, 2562);
+    let deviation = 3e-5 * case.mean_edge();
+    let positions = case.disturbed(deviation);
+    let [_, _, best] = best_fixed(&case, &positions);
+    let error = |jet: AdaptiveJet<f64>| {
+        let found = of(&jet, &case.mesh, &positions);
+        let errors = found.iter().zip(&case.exact);
+        root_mean_square(errors.map(|(at, point)| at.force_density.value - exact(point, 2)))
+    };
+    let unknown = error(AdaptiveJet::default());
+    assert!(unknown < 4.0 * best, "{unknown} {best}");
+    let known = error(AdaptiveJet {
+        deviation,
+        neighbours: None,
+    });
+    assert!(known < 1.3 * best, "{known} {best}");
+}
+
+/// A number of neighbours that is told is taken wherever the surface does not turn away.
+#[test]
+fn a_fixed_scale_is_kept() {
+    let case = Case::of_star(3, Family::Irregular, 2562);
+    let jet = AdaptiveJet {
+        neighbours: Some(100),
+        ..AdaptiveJet::default()
+    };
+    for at in of(&jet, &case.mesh, &case.positions()) {
+        for quantity in 0..QUANTITIES {
+            assert_eq!(estimate(&at, quantity).scale.neighbours, 100);
+        }
+    }
+}
+
+fn angle([a, b, c]: [f64; 3], other: [f64; 3]) -> f64 {
+    let [x, y, z] = meshes::cross([a, b, c], other);
+    x.hypot(y).hypot(z).min(1.0).asin().to_degrees()
+}
+
+/// Circles around the axis are lines of curvature. Median and 95 % of the angles, by the noise.
+#[test]
+fn directions_follow_the_surface() {
+    for shape in [torus(0.4), shape("discocyte")] {
+        let case = Case::of_shape(&shape, Family::Irregular, 2562);
+        for (part, [median, most]) in [(0.0, [0.01, 0.1]), (1e-2, [1.0, 4.0])] {
+            let positions = case.disturbed(part * case.mean_edge());
+            let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
+            let angles = found.iter().zip(&case.exact).filter_map(|(at, point)| {
+                let [x, y, _] = point.position;
+                let around = meshes::unit([-y, x, 0.0]);
+                let [first, second] = at.directions?.map(|along| angle(along, around));
+                Some(first.min(second))
+            });
+            let mut angles = Vec::from_iter(angles);
+            assert!(angles.len() as f64 > 0.98 * found.len() as f64);
+            angles.sort_by(f64::total_cmp);
+            let [half, nearly_all] = [50, 95].map(|part| angles[angles.len() * part / 100]);
+            assert!(
+                half < median && nearly_all < most,
+                "{part}: {half} {nearly_all}"
+            );
+        }
+    }
+}
+
+/// Every point of a sphere is an umbilic.
+#[test]
+fn umbilics_have_no_direction() {
+    let case = Case::of_shape(&shape("sphere"), Family::Irregular, 2562);
+    for part in [0.0, 1e-3, 1e-2] {
+        let positions = case.disturbed(part * case.mean_edge());
+        let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
+        let told = found.iter().filter(|at| at.directions.is_some()).count();
+        assert!(told as f64 <= 0.01 * found.len() as f64, "{part}: {told}");
+    }
+}
+
+/// On a torus H depends on the angle of the tube alone: dH/ds = −sin v/(2 (R + r cos v)²) · R, and lines
+/// of extreme curvature are v = 0 and π.
+#[test]
+fn gradients_are_those_of_the_surface() {
+    let (large, small) = (1.0, 0.4);
+    let case = Case::of_shape(&torus(small), Family::Irregular, 2562);
+    let found = of(&AdaptiveJet::default(), &case.mesh, &case.positions());
+    let (mut errors, mut sizes) = (0.0, 0.0);
+    for (at, point) in found.iter().zip(&case.exact) {
+        let [x, y, z] = point.position;
+        let away = x.hypot(y);
+        let (sine, cosine) = (z / small, (away - large) / small);
+        let slope = -large * sine / (2.0 * small * away * away);
+        // The unit vector along the tube.
+        let along = [-sine * x / away, -sine * y / away, cosine];
+        let error = meshes::difference(at.gradient_of_mean, along.map(|c| slope * c));
+        errors += meshes::dot(error, error);
+        sizes += slope * slope;
+    }
+    assert!(
+        (errors / sizes).sqrt() < 0.02,
+        "{}",
+        (errors / sizes).sqrt()
+    );
+}
+
+/// A discocyte cut by a plane: errors relative to those of the interior, ring by ring.
+#[test]
+fn borders_have_one_sided_fits() {
+    let case = Case::of_shape(&shape("discocyte"), Family::Irregular, 10242);
+    let is_left = |point: &ExactPoint<f64>| {
+        let [x, y, z] = point.position;
+        0.5 * x + 0.3 * y + 0.6 * z < 0.2
+    };
+    let left = Vec::from_iter(case.exact.iter().map(is_left));
+    let triangles = case.mesh.triangles().iter().copied();
+    let triangles = triangles.filter(|corners| corners.iter().all(|&v| left[v as usize]));
+    let mut numbers = vec![u32::MAX; left.len()];
+    let mut points = Vec::new();
+    let triangles = triangles.map(|corners| {
+        corners.map(|vertex| {
+            let number = &mut numbers[vertex as usize];
+            if *number == u32::MAX {
+                *number = points.len() as u32;
+                points.push(case.exact[vertex as usize]);
+            }
+            *number
+        })
+    });
+    let triangles = Vec::from_iter(triangles);
+    let mesh = TriangleMesh::new(points.len(), triangles).expect("a mesh");
+    let positions = Vec::from_iter(points.iter().map(|point| point.position));
+    let found = of(&AdaptiveJet::default(), &mesh, &positions);
+    let mut rings = vec![u32::MAX; points.len()];
+    for ring in 0..4 {
+        for vertex in 0..rings.len() {
+            let beside = |&other: &u32| ring > 0 && rings[other as usize] == ring - 1;
+            let is_next = mesh.one_ring(vertex).iter().any(beside);
+            if rings[vertex] == u32::MAX && (is_next || (ring == 0 && !mesh.is_interior(vertex))) {
+                rings[vertex] = ring;
+            }
+        }
+    }
+    let error = |quantity: usize, ring: u32| {
+        let of_ring = (0..rings.len()).filter(|&vertex| rings[vertex] == ring);
+        let errors =
+            of_ring.map(|v| estimate(&found[v], quantity).value - exact(&points[v], quantity));
+        let size = root_mean_square(points.iter().map(|point| exact(point, quantity)));
+        root_mean_square(errors) / size
+    };
+    assert!(
+        error(0, 0) < 1e-3 && error(2, 0) < 0.1,
+        "{} {}",
+        error(0, 0),
+        error(2, 0)
+    );
+    for quantity in 0..QUANTITIES {
+        let inside = error(quantity, u32::MAX);
+        assert!(error(quantity, 2) < 5.0 * inside, "{quantity}");
+        let at_border = (0..rings.len()).filter(|&vertex| rings[vertex] == 0);
+        let (mut within, mut count) = (0, 0);
+        for vertex in at_border {
+            let estimate = estimate(&found[vertex], quantity);
+            assert_eq!(found[vertex].verdict, Verdict::OneSided);
+            let error = (estimate.value - exact(&points[vertex], quantity)).abs();
+            within += usize::from(error <= estimate.error);
+            count += 1;
+        }
+        assert!(50 * within >= 49 * count, "{quantity}: {within} of {count}");
+    }
+}
+
+/// Numbers of threads and of vertices change nothing but the rounding; names keep error bars, too.
+#[test]
+fn results_follow_the_vertices() {
+    let case = Case::of_star(4, Family::Irregular, 642);
+    let positions = case.disturbed(1e-3 * case.mean_edge());
+    let surface = Surface::new(&case.mesh, &positions).expect("positions");
+    let jet = AdaptiveJet::default();
+    let serial = jet
+        .measure(&Serial, surface, None, &mut |_| true)
+        .expect("results");
+    let parallel = jet.measure(&Parallel::new(), surface, None, &mut |_| true);
+    assert_eq!(
+        format!("{serial:?}"),
+        format!("{:?}", parallel.expect("results"))
+    );
+    let order = SplitMix64::new(3).permutation(positions.len());
+    let mut moved = positions.clone();
+    let mut names = vec![0; positions.len()];
+    for (old, &new) in order.iter().enumerate() {
+        (moved[new], names[new]) = (positions[old], old as u32);
+    }
+    let triangles = case.mesh.triangles().iter();
+    let triangles = triangles.map(|corners| corners.map(|vertex| order[vertex as usize] as u32));
+    let mesh = TriangleMesh::new(positions.len(), triangles.collect()).expect("a mesh");
+    let surface = Surface::new(&mesh, &moved).expect("positions");
+    let relabelled = jet
+        .measure(&Serial, surface, Some(&names), &mut |_| true)
+        .expect("results");
+    for (at, &new) in serial.iter().zip(&order) {
+        for quantity in 0..QUANTITIES {
+            let [here, there] = [at, &relabelled[new]].map(|at| estimate(at, quantity));
+            // Rounding, amplified by two derivatives or four.
+            assert!(
+                (here.value - there.value).abs() <= 1e-6 * here.error,
+                "{here:?} {there:?}"
+            );
+            assert!(
+                (here.error / there.error - 1.0).abs() < 1e-6,
+                "{here:?} {there:?}"
+            );
+        }
+    }
+}
+
+/// Whatever the mesh: results or none, and never a panic.
+#[test]
+fn small_and_degenerate_meshes_are_measured() {
+    for (name, mesh) in meshes::small() {
+        let surface = mesh.surface();
+        let found = AdaptiveJet::default().measure(&Serial, surface, None, &mut |_| true);
+        let found = found.expect("results");
+        assert_eq!(found.len(), mesh.positions.len(), "{name}");
+        let flat = mesh.map(|[x, y, _]| [x, y, 0.0]);
+        AdaptiveJet::default().measure(&Serial, flat.surface(), None, &mut |_| true);
+    }
+    let mesh = meshes::icosphere(2);
+    let stopped = AdaptiveJet::default().measure(&Serial, mesh.surface(), None, &mut |_| false);
+    assert!(stopped.is_none());
+    let single = mesh.positions_in::<f32>();
+    let surface = Surface::new(&mesh.connectivity, &single).expect("positions");
+    let found = AdaptiveJet::default().measure(&Serial, surface, None, &mut |_| true);
+    for at in found.expect("results") {
+        assert!((at.mean.value - 1.0).abs() < 0.01, "{at:?}");
+    }
+}
