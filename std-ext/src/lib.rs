@@ -5,6 +5,7 @@
 //!   [`subdivide`]: refined meshes.
 //! * [`method`] and [`scalar`]: the bending methods and number types, chosen at run time.
 //!   [`info`]: properties of a mesh.
+//! * [`measurement`]: curvatures with error bars, by jets that choose their scale from the noise.
 //! * [`execute`]: threads and wide vectors for the core's loops.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge;
 //!   [`answer`]: the cheapest method for an accuracy; [`recommend`]: the cheapest method on a mesh
@@ -33,6 +34,7 @@ pub mod answer;
 pub mod checkpoint;
 mod findings;
 pub mod lock;
+pub mod measurement;
 pub mod plots;
 mod png;
 pub mod provenance;

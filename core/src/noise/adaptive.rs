@@ -128,8 +128,10 @@ pub enum Verdict {
 /// What is known at a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured<T> {
-    /// Unit normal.
+    /// Unit normal; 0 where it is undefined.
     pub normal: Vec3<T>,
+    /// Mixed area.
+    pub area: T,
     /// H, in 1/length, positive on a sphere.
     pub mean: Estimate<T>,
     /// K, in 1/length².

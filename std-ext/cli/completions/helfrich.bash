@@ -97,7 +97,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__curvature)
-            opts="-h --weld --method --modulus --areas --bandwidth --scalar --csv --threads --help"
+            opts="-h --weld --method --modulus --areas --bandwidth --scalar --errors --sigma --scale --csv --vtp --threads --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -123,7 +123,19 @@ _helfrich() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --sigma)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --scale)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --csv)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --vtp)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

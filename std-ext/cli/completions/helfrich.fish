@@ -28,7 +28,7 @@ complete -c helfrich -n "__fish_helfrich_needs_command" -s h -l help -d 'Print h
 complete -c helfrich -n "__fish_helfrich_needs_command" -s V -l version -d 'Print version'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "study" -d 'Compare bending methods with exact shapes: error and time side by side'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "recommend" -d 'Recommend a method for a mesh file, by measurements on that mesh'
-complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "curvature" -d 'Curvatures and force density at every vertex of a mesh file, as CSV'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "curvature" -d 'Curvatures and force density at every vertex of a mesh file, with error bars, as CSV or VTP'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "info" -d 'Show counts, topology, area, volume and quality of a mesh file'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "subdivide" -d 'Refine a mesh file by Loop\'s rules: four triangles for each triangle and level'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "run" -d 'Run a scene: surfaces, the effects that act on each, and what drives them'
@@ -63,14 +63,18 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l json -d 
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l method -d 'Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet has the degree that suits the mesh' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l method -d 'Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet chooses degree and neighbours from the noise at each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l modulus -d 'Bending modulus κ' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l areas -d 'Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scalar -d 'Number type: f32, f32-pair (positions in pairs of f32) or f64' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l sigma -d 'Standard deviation of the positions along the normal, a length, where it is known: at least so much noise is assumed. By default it is found from the positions' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scale -d 'Number of neighbours of the fits of `jet`, 28 to 4096. By default it is chosen at each vertex, for H, K and f, from the noise' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l csv -d 'Write to this file instead of standard output (`-`)' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l vtp -d 'Write the surface with all results to this `.vtp` file; a table is then written only with `--csv`' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l errors -d 'Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; `--method jet` always has them'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -s h -l help -d 'Print help'
@@ -100,7 +104,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -l threads -d
 complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "study" -d 'Compare bending methods with exact shapes: error and time side by side'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "recommend" -d 'Recommend a method for a mesh file, by measurements on that mesh'
-complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "curvature" -d 'Curvatures and force density at every vertex of a mesh file, as CSV'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "curvature" -d 'Curvatures and force density at every vertex of a mesh file, with error bars, as CSV or VTP'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "info" -d 'Show counts, topology, area, volume and quality of a mesh file'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "subdivide" -d 'Refine a mesh file by Loop\'s rules: four triangles for each triangle and level'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "run" -d 'Run a scene: surfaces, the effects that act on each, and what drives them'

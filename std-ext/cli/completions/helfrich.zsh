@@ -68,14 +68,18 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (curvature)
 _arguments "${_arguments_options[@]}" : \
-'--method=[Method by name or letter\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet has the degree that suits the mesh]:METHOD:_default' \
+'--method=[Method by name or letter\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet chooses degree and neighbours from the noise at each vertex]:METHOD:_default' \
 '--modulus=[Bending modulus κ]:MODULUS:_default' \
 '--areas=[Areas of vertices, of gompper-kroll and meyer\: mixed, voronoi or barycentric. By default mixed]:AREAS:_default' \
 '--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '--scalar=[Number type\: f32, f32-pair (positions in pairs of f32) or f64]:SCALAR:_default' \
+'--sigma=[Standard deviation of the positions along the normal, a length, where it is known\: at least so much noise is assumed. By default it is found from the positions]:LENGTH:_default' \
+'--scale=[Number of neighbours of the fits of \`jet\`, 28 to 4096. By default it is chosen at each vertex, for H, K and f, from the noise]:NEIGHBOURS:_default' \
 '--csv=[Write to this file instead of standard output (\`-\`)]:CSV:_files' \
+'--vtp=[Write the surface with all results to this \`.vtp\` file; a table is then written only with \`--csv\`]:FILE:_files' \
 '--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
 '--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
+'--errors[Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; \`--method jet\` always has them]' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
@@ -209,7 +213,7 @@ _helfrich_commands() {
     local commands; commands=(
 'study:Compare bending methods with exact shapes\: error and time side by side' \
 'recommend:Recommend a method for a mesh file, by measurements on that mesh' \
-'curvature:Curvatures and force density at every vertex of a mesh file, as CSV' \
+'curvature:Curvatures and force density at every vertex of a mesh file, with error bars, as CSV or VTP' \
 'info:Show counts, topology, area, volume and quality of a mesh file' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
 'run:Run a scene\: surfaces, the effects that act on each, and what drives them' \
@@ -235,7 +239,7 @@ _helfrich__subcmd__help_commands() {
     local commands; commands=(
 'study:Compare bending methods with exact shapes\: error and time side by side' \
 'recommend:Recommend a method for a mesh file, by measurements on that mesh' \
-'curvature:Curvatures and force density at every vertex of a mesh file, as CSV' \
+'curvature:Curvatures and force density at every vertex of a mesh file, with error bars, as CSV or VTP' \
 'info:Show counts, topology, area, volume and quality of a mesh file' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
 'run:Run a scene\: surfaces, the effects that act on each, and what drives them' \

@@ -3,21 +3,22 @@
 //! This is a library so that other programs of the repository can share its output to terminals and
 //! files ([`terminal`]) and extend the page of a study ([`study`]).
 
+mod curvature;
 mod recommend;
 pub mod study;
 pub mod terminal;
 
 use cap::Cap;
 use clap::{CommandFactory, Parser, Subcommand};
+use curvature::{CurvatureArguments, curvature};
 use helfrich::{Bandwidth, DualArea, Finding, Surface};
-use helfrich_std::execute::{Parallel, available_threads, with_threads};
+use helfrich_std::execute::{available_threads, with_threads};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, read_welded, write};
-use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, MethodOptions};
+use helfrich_std::method::{BendingMethod, MethodOptions};
 use helfrich_std::noise::noise_of;
 use helfrich_std::report;
 use helfrich_std::run::{End, check, run};
-use helfrich_std::scalar::{HeldPositions, Scalar};
 use helfrich_std::scene::{Overrides, SHIPPED, Scene, SceneFile, ShippedScene, shipped_files};
 use helfrich_std::simulation::{Simulation, build};
 use helfrich_std::subdivide::{Target, subdivide};
@@ -25,13 +26,12 @@ use helfrich_std::sweep::{Outcome, Sweep, Vary};
 use recommend::{RecommendArguments, recommend_method};
 use std::alloc::System;
 use std::fs;
-use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 use study::{StudyArguments, study};
-use terminal::{Failure, ProgressBar, file_named, interruption, print, save, say};
+use terminal::{Failure, ProgressBar, interruption, print, save, say};
 
 /// The allocator counts bytes, so that studies can report the memory of a method.
 #[global_allocator]
@@ -59,7 +59,7 @@ enum Command {
     Study(StudyArguments),
     /// Recommend a method for a mesh file, by measurements on that mesh.
     Recommend(RecommendArguments),
-    /// Curvatures and force density at every vertex of a mesh file, as CSV.
+    /// Curvatures and force density at every vertex of a mesh file, with error bars, as CSV or VTP.
     Curvature(CurvatureArguments),
     /// Show counts, topology, area, volume and quality of a mesh file.
     Info(MeshArguments),
@@ -165,30 +165,6 @@ struct MeshArguments {
     /// each face.
     #[arg(long)]
     weld: bool,
-}
-
-#[derive(clap::Args)]
-struct CurvatureArguments {
-    #[command(flatten)]
-    input: MeshArguments,
-    #[arg(long, default_value = "meyer", help = format!(
-        "Method by name or letter: {}; jet has the degree that suits the mesh",
-        BendingMethod::names()
-    ))]
-    method: BendingMethod,
-    /// Bending modulus κ.
-    #[arg(long, default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
-    modulus: f64,
-    #[command(flatten)]
-    options: OptionArguments,
-    /// Number type: f32, f32-pair (positions in pairs of f32) or f64.
-    #[arg(long, default_value = "f64")]
-    scalar: Scalar,
-    /// Write to this file instead of standard output (`-`).
-    #[arg(long)]
-    csv: Option<PathBuf>,
-    #[command(flatten)]
-    threads: ThreadArguments,
 }
 
 #[derive(clap::Args)]
@@ -317,53 +293,6 @@ fn subdivide_file(arguments: &SubdivideArguments) -> Result<(), Failure> {
         WriteError::Unwritable { .. } => Failure::Output(error.to_string()),
         _ => Failure::input(error),
     })
-}
-
-fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
-    let CurvatureArguments {
-        modulus, scalar, ..
-    } = arguments;
-    if !scalar.holds_modulus(*modulus) {
-        let message = format!("the bending modulus {modulus} is out of the range of {scalar}");
-        return Err(Failure::Input(message.into()));
-    }
-    if let Some(csv) = file_named(arguments.csv.as_ref()) {
-        refuse_replacing(&arguments.input.mesh, "the mesh", csv, "the table")?;
-    }
-    let options = arguments.options.checked(&[arguments.method])?;
-    let file = load(&arguments.input)?;
-    match arguments.scalar {
-        Scalar::F32 | Scalar::F32Pair => curvature_in::<f32>(arguments, &options, &file),
-        Scalar::F64 => curvature_in::<f64>(arguments, &options, &file),
-    }
-}
-
-fn curvature_in<T: Evaluated>(
-    arguments: &CurvatureArguments,
-    options: &MethodOptions,
-    file: &MeshFile,
-) -> Result<(), Failure> {
-    let held = HeldPositions::<T>::new(arguments.scalar, &file.positions);
-    let surface = held.surface(&file.mesh).map_err(|error| {
-        Failure::mesh(
-            &arguments.input.mesh,
-            format!("{error} in {}", arguments.scalar),
-        )
-    })?;
-    let modulus = T::constant(arguments.modulus);
-    let (method, threads) = (arguments.method, Parallel::new());
-    let mut evaluator = Evaluator::with_options(method, options, modulus, &file.mesh, threads);
-    let fields = evaluator.fields(surface);
-    warn(&arguments.input.mesh, &evaluator.findings(surface));
-    // Noise is measured on the positions of the file, in f64: rounded to f32 it may not be visible.
-    if let Ok(surface) = Surface::new(&file.mesh, &file.positions) {
-        tell_noise(&arguments.input.mesh, surface);
-    }
-    let csv = |out: &mut dyn Write| report::curvature_csv(held.positions(), &fields, out);
-    match file_named(arguments.csv.as_ref()) {
-        Some(path) => save(path, csv),
-        None => print(csv),
-    }
 }
 
 /// Reads and prepares the scene of a file with its overrides, and prints its warnings.
@@ -516,27 +445,6 @@ fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
             ));
             Err(Failure::Unfinished(4))
         }
-    }
-}
-
-/// Prints the noise of the positions, if any was found, and the number of vertices where it
-/// dominates f.
-fn tell_noise(path: &Path, surface: Surface<'_, f64>) {
-    let noise = noise_of(surface);
-    if !noise.is_seen() {
-        return;
-    }
-    let mut findings = Vec::new();
-    noise.inspect(surface, &mut |finding| findings.push(finding));
-    warn(path, &findings);
-    let (path, seen) = (path.display(), report::noise_of_positions(&noise));
-    if findings.is_empty() {
-        say(format_args!("note: {path}: noise of positions {seen}"));
-    } else {
-        say(format_args!(
-            "warning: {path}: noise of positions {seen}: finer meshes of the same noise are worse; smooth \
-             the positions, take a coarser mesh, or let `helfrich recommend` measure what is left"
-        ));
     }
 }
 

@@ -1,5 +1,6 @@
 //! Data as CSV.
 
+use crate::measurement::{Column, ColumnValues, verdict_name};
 use crate::method::Fields;
 use crate::series::quoted;
 use crate::study::Row;
@@ -43,14 +44,15 @@ pub fn study_csv(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
 }
 
 /// Writes a line for each vertex, with the header
-/// `vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz`; numbers with enough digits to identify every
-/// f64, and empty fields where the method defines no value.
+/// `vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz` and the names of `more` columns, for vectors with `_x`,
+/// `_y` and `_z`; numbers with enough digits to identify every f64, and empty fields where nothing is known.
 ///
 /// # Errors
 /// If `out` cannot be written to.
 pub fn curvature_csv<T: Real>(
     positions: &[[T; 3]],
     fields: &Fields<T>,
+    more: &[Column],
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let all = |values: Option<[T; 3]>| match values {
@@ -59,11 +61,18 @@ pub fn curvature_csv<T: Real>(
         None => ",,".to_owned(),
     };
     let one = |value: Option<T>| value.map_or_else(String::new, |value| format!("{value:?}"));
-    writeln!(out, "vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz")?;
+    write!(out, "vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz")?;
+    for Column { name, values } in more {
+        match values {
+            ColumnValues::Vectors(_) => write!(out, ",{name}_x,{name}_y,{name}_z")?,
+            _ => write!(out, ",{name}")?,
+        }
+    }
+    writeln!(out)?;
     for (vertex, &position) in positions.iter().enumerate() {
         let normal = fields.normal[vertex];
         let has_normal = normal.iter().any(|component| !component.is_zero());
-        writeln!(
+        write!(
             out,
             "{vertex},{},{:?},{},{},{},{},{}",
             all(Some(position)),
@@ -74,6 +83,27 @@ pub fn curvature_csv<T: Real>(
             one(fields.laplacian_of_mean[vertex]),
             all(fields.force_density[vertex]),
         )?;
+        for Column { values, .. } in more {
+            match values {
+                ColumnValues::Scalars(values) => write!(out, ",{}", number(values[vertex]))?,
+                ColumnValues::Vectors(values) => {
+                    let [x, y, z] = values[vertex].map(number);
+                    write!(out, ",{x},{y},{z}")?;
+                }
+                ColumnValues::Verdicts(verdicts) => {
+                    write!(out, ",{}", verdict_name(verdicts[vertex]))?;
+                }
+            }
+        }
+        writeln!(out)?;
     }
     Ok(())
+}
+
+/// A number with enough digits; nothing if it is not known.
+fn number(value: f64) -> String {
+    match value.is_finite() {
+        true => format!("{value:?}"),
+        false => String::new(),
+    }
 }

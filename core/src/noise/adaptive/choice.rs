@@ -473,6 +473,7 @@ impl<T: Real> Chosen<T> {
             });
             Measured {
                 normal: curvature[vertex].normal,
+                area: curvature[vertex].area,
                 mean,
                 gaussian: estimate(vertex, 1),
                 force_density: estimate(vertex, 2),

@@ -14,6 +14,7 @@ mod bad_input;
 mod checked;
 mod curvature;
 mod disasters;
+mod error_bars;
 mod fixture;
 mod guides;
 mod info;

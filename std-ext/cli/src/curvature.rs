@@ -1,0 +1,268 @@
+//! `helfrich curvature`.
+
+use crate::terminal::{Failure, ProgressBar, file_named, interruption, print, save, say};
+use crate::{
+    MeshArguments, OptionArguments, ThreadArguments, load, positive, refuse_replacing, warn,
+};
+use helfrich::{AdaptiveJet, Surface, Verdict};
+use helfrich_std::execute::Parallel;
+use helfrich_std::io::{MeshFile, PointField, PointValues, check_replaceable, write_vtp};
+use helfrich_std::measurement::{Column, ColumnValues, Measurement};
+use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, Fields, MethodOptions};
+use helfrich_std::noise::noise_of;
+use helfrich_std::report;
+use helfrich_std::scalar::{HeldPositions, Scalar};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+#[derive(clap::Args)]
+pub(crate) struct CurvatureArguments {
+    #[command(flatten)]
+    input: MeshArguments,
+    #[arg(long, default_value = "meyer", help = format!(
+        "Method by name or letter: {}; jet chooses degree and neighbours from the noise at each vertex",
+        BendingMethod::names()
+    ))]
+    method: BendingMethod,
+    /// Bending modulus κ.
+    #[arg(long, default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
+    modulus: f64,
+    #[command(flatten)]
+    options: OptionArguments,
+    /// Number type: f32, f32-pair (positions in pairs of f32) or f64.
+    #[arg(long, default_value = "f64")]
+    scalar: Scalar,
+    /// Add principal curvatures, error bars and a verdict to the results of any method, by comparison with
+    /// jets that choose their scale from the noise; `--method jet` always has them.
+    #[arg(long)]
+    errors: bool,
+    /// Standard deviation of the positions along the normal, a length, where it is known: at least so much
+    /// noise is assumed. By default it is found from the positions.
+    #[arg(long, value_name = "LENGTH", value_parser = positive, allow_negative_numbers = true)]
+    sigma: Option<f64>,
+    /// Number of neighbours of the fits of `jet`, 28 to 4096. By default it is chosen at each vertex, for H,
+    /// K and f, from the noise.
+    #[arg(long, value_name = "NEIGHBOURS", value_parser = clap::value_parser!(u32).range(28..=4096))]
+    scale: Option<u32>,
+    /// Write to this file instead of standard output (`-`).
+    #[arg(long)]
+    csv: Option<PathBuf>,
+    /// Write the surface with all results to this `.vtp` file; a table is then written only with `--csv`.
+    #[arg(long, value_name = "FILE")]
+    vtp: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) threads: ThreadArguments,
+}
+
+/// The measurement of the positions, if the arguments ask for one.
+fn measurement(
+    arguments: &CurvatureArguments,
+    surface: Surface<'_, f64>,
+) -> Result<Option<Measurement>, Failure> {
+    let CurvatureArguments { sigma, scale, .. } = arguments;
+    if arguments.method != BendingMethod::Jet && !arguments.errors {
+        return Ok(None);
+    }
+    let jet = AdaptiveJet {
+        deviation: sigma.unwrap_or(0.0),
+        neighbours: scale.map(|neighbours| neighbours as usize),
+    };
+    let stop = interruption();
+    let mut bar = ProgressBar::default();
+    let measured = Measurement::new(surface, &jet, &mut |done| {
+        bar.show(done, "noise, and fits of every scale");
+        !stop.load(Ordering::Relaxed)
+    });
+    bar.clear();
+    let measured = measured.ok_or(Failure::Unfinished(130))?;
+    tell_verdicts(&arguments.input.mesh, surface, &measured);
+    Ok(Some(measured))
+}
+
+/// Prints what the fits say of the mesh.
+fn tell_verdicts(path: &Path, surface: Surface<'_, f64>, measured: &Measurement) {
+    let path = path.display();
+    if measured.deviation() > 0.0 {
+        let seen = report::deviation_of_positions(measured.deviation(), surface);
+        say(format_args!(
+            "note: {path}: noise of positions {seen}, taken to be independent from vertex to vertex: error \
+             bars do not contain errors that neighbours share"
+        ));
+    }
+    let all = measured.vertices.len();
+    let unresolved = measured.count(Verdict::Unresolved);
+    if 50 * unresolved > all {
+        say(format_args!(
+            "warning: {path}: {unresolved} of {all} vertices: the mesh does not resolve the shape: refine it"
+        ));
+    }
+    let unknown = measured.count(Verdict::Unknown);
+    if unknown > 0 {
+        say(format_args!(
+            "warning: {path}: {unknown} of {all} vertices: too few neighbours for a fit, no values"
+        ));
+    }
+}
+
+/// Runs the command.
+pub(crate) fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
+    let CurvatureArguments {
+        modulus, scalar, ..
+    } = arguments;
+    if !scalar.holds_modulus(*modulus) {
+        let message = format!("the bending modulus {modulus} is out of the range of {scalar}");
+        return Err(Failure::Input(message.into()));
+    }
+    if let Some(csv) = file_named(arguments.csv.as_ref()) {
+        refuse_replacing(&arguments.input.mesh, "the mesh", csv, "the table")?;
+    }
+    if let Some(vtp) = &arguments.vtp {
+        refuse_replacing(&arguments.input.mesh, "the mesh", vtp, "the surface")?;
+        check_replaceable(vtp).map_err(|error| Failure::output(vtp.display(), &error))?;
+    }
+    let is_measured = arguments.method == BendingMethod::Jet || arguments.errors;
+    if !is_measured && (arguments.sigma.is_some() || arguments.scale.is_some()) {
+        let message = "--sigma and --scale are for --method jet, or with --errors";
+        return Err(Failure::Input(message.into()));
+    }
+    let options = arguments.options.checked(&[arguments.method])?;
+    let file = load(&arguments.input)?;
+    match arguments.scalar {
+        Scalar::F32 | Scalar::F32Pair => curvature_in::<f32>(arguments, &options, &file),
+        Scalar::F64 => curvature_in::<f64>(arguments, &options, &file),
+    }
+}
+
+fn curvature_in<T: Evaluated>(
+    arguments: &CurvatureArguments,
+    options: &MethodOptions,
+    file: &MeshFile,
+) -> Result<(), Failure> {
+    let held = HeldPositions::<T>::new(arguments.scalar, &file.positions);
+    let surface = held.surface(&file.mesh).map_err(|error| {
+        Failure::mesh(
+            &arguments.input.mesh,
+            format!("{error} in {}", arguments.scalar),
+        )
+    })?;
+    // In f64, from the positions as they are held: their digits count as noise.
+    let exact = Vec::from_iter(held.positions().iter().map(|x| x.map(to_f64)));
+    let exact = match arguments.scalar {
+        Scalar::F32 => &exact,
+        _ => &file.positions,
+    };
+    let exact = Surface::new(&file.mesh, exact)
+        .map_err(|error| Failure::mesh(&arguments.input.mesh, error))?;
+    let measured = measurement(arguments, exact)?;
+    let modulus = arguments.modulus;
+    if let (Some(measured), BendingMethod::Jet) = (&measured, arguments.method) {
+        let fields = measured.fields(modulus);
+        let mut columns = measured.columns(&fields, modulus);
+        columns.extend(measured.columns_of_jets());
+        return save_results(arguments, exact.positions(), &fields, &columns, file);
+    }
+    let (method, threads) = (arguments.method, Parallel::new());
+    let number = T::constant(modulus);
+    let mut evaluator = Evaluator::with_options(method, options, number, &file.mesh, threads);
+    let fields = evaluator.fields(surface);
+    warn(&arguments.input.mesh, &evaluator.findings(surface));
+    // Noise is measured on the positions of the file, in f64: rounded to f32 it may not be visible.
+    if measured.is_none()
+        && let Ok(surface) = Surface::new(&file.mesh, &file.positions)
+    {
+        tell_noise(&arguments.input.mesh, surface);
+    }
+    let columns = measured.map_or_else(Vec::new, |measured| measured.columns(&fields, modulus));
+    save_results(arguments, held.positions(), &fields, &columns, file)
+}
+
+fn to_f64<T: Evaluated>(x: T) -> f64 {
+    x.to_f64().unwrap_or(f64::NAN)
+}
+
+/// Writes the table, and the surface if it is asked for.
+fn save_results<T: Evaluated>(
+    arguments: &CurvatureArguments,
+    positions: &[[T; 3]],
+    fields: &Fields<T>,
+    columns: &[Column],
+    file: &MeshFile,
+) -> Result<(), Failure> {
+    let csv = |out: &mut dyn Write| report::curvature_csv(positions, fields, columns, out);
+    if let Some(path) = &arguments.vtp {
+        save_surface(path, fields, columns, file)?;
+        if arguments.csv.is_none() {
+            return Ok(());
+        }
+    }
+    match file_named(arguments.csv.as_ref()) {
+        Some(path) => save(path, csv),
+        None => print(csv),
+    }
+}
+
+/// Writes the surface with all results as fields.
+fn save_surface<T: Evaluated>(
+    path: &Path,
+    fields: &Fields<T>,
+    columns: &[Column],
+    file: &MeshFile,
+) -> Result<(), Failure> {
+    let numbers = |values: &[Option<T>]| {
+        let values = values.iter().map(|value| value.map_or(f64::NAN, to_f64));
+        ColumnValues::Scalars(values.collect())
+    };
+    let normals = fields.normal.iter().map(|normal| normal.map(to_f64));
+    let densities = fields.force_density.iter();
+    let densities = densities.map(|density| density.map_or([f64::NAN; 3], |f| f.map(to_f64)));
+    let areas = fields.area.iter().map(|&area| to_f64(area));
+    let own = [
+        ("area", ColumnValues::Scalars(areas.collect())),
+        ("normal", ColumnValues::Vectors(normals.collect())),
+        ("H", numbers(&fields.mean)),
+        ("K", numbers(&fields.gaussian)),
+        ("LapH", numbers(&fields.laplacian_of_mean)),
+        ("f", ColumnValues::Vectors(densities.collect())),
+    ];
+    let own = own.map(|(name, values)| Column { name, values });
+    // VTK has no words: verdicts are numbered in their order, from clean to unknown.
+    let verdicts = columns.iter().find_map(|column| match &column.values {
+        ColumnValues::Verdicts(verdicts) => Some(Vec::from_iter(
+            verdicts.iter().map(|&verdict| f64::from(verdict as u8)),
+        )),
+        _ => None,
+    });
+    let all = own.iter().chain(columns).map(|column| PointField {
+        name: column.name,
+        values: match &column.values {
+            ColumnValues::Scalars(values) => PointValues::Scalars(values),
+            ColumnValues::Vectors(values) => PointValues::Vectors(values),
+            ColumnValues::Verdicts(_) => PointValues::Scalars(verdicts.as_deref().unwrap_or(&[])),
+        },
+    });
+    let all = Vec::from_iter(all);
+    write_vtp(path, &file.mesh, &file.positions, None, &all)
+        .map_err(|error| Failure::Output(error.to_string()))
+}
+
+/// Prints the noise of the positions, if any was found, and the number of vertices where it
+/// dominates f.
+fn tell_noise(path: &Path, surface: Surface<'_, f64>) {
+    let noise = noise_of(surface);
+    if !noise.is_seen() {
+        return;
+    }
+    let mut findings = Vec::new();
+    noise.inspect(surface, &mut |finding| findings.push(finding));
+    warn(path, &findings);
+    let (path, seen) = (path.display(), report::noise_of_positions(&noise));
+    if findings.is_empty() {
+        say(format_args!("note: {path}: noise of positions {seen}"));
+    } else {
+        say(format_args!(
+            "warning: {path}: noise of positions {seen}: finer meshes of the same noise are worse; smooth \
+             the positions, take a coarser mesh, or let `helfrich recommend` measure what is left"
+        ));
+    }
+}

@@ -1,0 +1,148 @@
+//! `helfrich curvature` with error bars.
+
+use crate::fixture::{Fixture, disturbed, obj};
+use crate::{fail, run, text};
+use helfrich::shapes::Shape;
+use helfrich_std::generate::{AnyShape, Family, GeneratedMesh, generate};
+use helfrich_std::io::read;
+use std::collections::HashMap;
+use std::fs;
+
+/// An ellipsoid with noise of 1e-3 of its size, a fiftieth of an edge.
+fn noisy() -> (AnyShape, GeneratedMesh, Fixture) {
+    let shape: AnyShape = "ellipsoid:1,0.8,0.6".parse().unwrap();
+    let mut made = generate(&shape, Family::Irregular, 2562, 1).unwrap();
+    made.positions = disturbed(&made.positions, 1e-3);
+    let file = Fixture::new("mesh.obj", obj(&made.positions, made.mesh.triangles()));
+    (shape, made, file)
+}
+
+/// The columns of a table by their names.
+fn columns(csv: &str) -> HashMap<String, Vec<String>> {
+    let mut lines = csv.lines();
+    let names = Vec::from_iter(lines.next().unwrap().split(','));
+    let mut columns: HashMap<String, Vec<String>> = HashMap::new();
+    for line in lines {
+        let fields = Vec::from_iter(line.split(','));
+        assert_eq!(fields.len(), names.len());
+        for (name, field) in names.iter().zip(fields) {
+            columns
+                .entry((*name).to_owned())
+                .or_default()
+                .push(field.to_owned());
+        }
+    }
+    columns
+}
+
+fn numbers(columns: &HashMap<String, Vec<String>>, name: &str) -> Vec<f64> {
+    let fields = columns[name].iter();
+    fields
+        .map(|field| field.parse().unwrap_or(f64::NAN))
+        .collect()
+}
+
+/// At nine of ten vertices and more the bar is longer than the error, whatever the method; those of jets
+/// are short.
+#[test]
+fn bars_hold_for_every_method() {
+    let (shape, made, file) = noisy();
+    let exact = Vec::from_iter(made.preimages.iter().map(|&at| shape.at(at)));
+    let mut widths = Vec::new();
+    for method in ["jet", "meyer", "loop", "j6"] {
+        let arguments = ["curvature", file.path(), "--method", method, "--errors"];
+        let columns = columns(&run(&arguments).stdout);
+        let [mean, bar] = ["H", "H_error"].map(|name| numbers(&columns, name));
+        let is_within =
+            |vertex: &usize| (mean[*vertex] - exact[*vertex].mean).abs() <= bar[*vertex];
+        let within = (0..exact.len()).filter(is_within).count();
+        assert!(within * 100 >= 92 * exact.len(), "{method}: {within}");
+        let verdicts = columns["verdict"].iter();
+        assert!(
+            verdicts.filter(|&verdict| verdict == "noise").count() > 2300,
+            "{method}"
+        );
+        let mut bars = bar.clone();
+        bars.sort_by(f64::total_cmp);
+        widths.push(bars[bars.len() / 2]);
+        if method == "jet" {
+            let force = ["fx", "fy", "fz"].map(|name| numbers(&columns, name));
+            let bar = numbers(&columns, "f_error");
+            let is_within = |vertex: &usize| {
+                let density = exact[*vertex].force_density(1.0);
+                let off = (0..3).map(|k| force[k][*vertex] - density * exact[*vertex].normal[k]);
+                off.map(|x| x * x).sum::<f64>().sqrt() <= bar[*vertex]
+            };
+            let within = (0..exact.len()).filter(is_within).count();
+            assert!(within * 100 >= 92 * exact.len(), "f: {within}");
+            let [larger, smaller] = ["k1", "k2"].map(|name| numbers(&columns, name));
+            for (vertex, &mean) in mean.iter().enumerate() {
+                assert!((0.5 * (larger[vertex] + smaller[vertex]) - mean).abs() < 1e-12);
+            }
+            let sigma = numbers(&columns, "sigma");
+            assert!(sigma.iter().all(|sigma| (0.6e-3..1.5e-3).contains(sigma)));
+        }
+    }
+    // Wide fits average noise, and the one-ring of a vertex does not.
+    assert!(widths[0] < 0.2 * widths[1], "{widths:?}");
+}
+
+#[test]
+fn scale_and_noise_can_be_told() {
+    let (_, _, file) = noisy();
+    let arguments = ["curvature", file.path(), "--method", "jet"];
+    let told = run(&[&arguments[..], &["--scale", "200", "--sigma", "0.01"]].concat()).stdout;
+    let columns = columns(&told);
+    let neighbours = numbers(&columns, "f_neighbours");
+    assert!(neighbours.iter().all(|&count| count <= 200.0));
+    assert!(neighbours.iter().filter(|&&count| count == 200.0).count() > 1500);
+    assert!(
+        numbers(&columns, "sigma")
+            .iter()
+            .all(|&sigma| sigma >= 0.01)
+    );
+    let error = fail(
+        2,
+        &[
+            "curvature",
+            file.path(),
+            "--method",
+            "meyer",
+            "--sigma",
+            "0.1",
+        ],
+    );
+    assert!(error.contains("--errors"), "{error}");
+    fail(
+        2,
+        &["curvature", file.path(), "--method", "jet", "--scale", "12"],
+    );
+    fail(
+        2,
+        &["curvature", file.path(), "--method", "jet", "--sigma", "-1"],
+    );
+}
+
+/// Every column is a field, vectors as vectors, and the file is a mesh that can be read again.
+#[test]
+fn results_are_fields_of_a_surface() {
+    let (_, made, file) = noisy();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("surface.vtp");
+    let vtp = text(&out);
+    let printed = run(&["curvature", file.path(), "--method", "jet", "--vtp", vtp]);
+    assert_eq!(printed.stdout, "");
+    let written = fs::read_to_string(&out).unwrap();
+    for name in [
+        "H",
+        "H_error",
+        "f_error",
+        "direction1",
+        "gradient_H",
+        "verdict",
+        "f_neighbours",
+    ] {
+        assert!(written.contains(&format!("Name=\"{name}\"")), "{name}");
+    }
+    assert_eq!(read(&out).unwrap().positions, made.positions);
+}

@@ -1,0 +1,201 @@
+//! Curvatures and force densities with error bars, of jets that choose their scale, and of other methods
+//! by comparison.
+
+use crate::method::Fields;
+use crate::noise;
+use helfrich::{AdaptiveJet, Estimate, Measured, Real, Surface, Verdict};
+
+/// What is known at every vertex of a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// In the order of the vertices.
+    pub vertices: Vec<Measured<f64>>,
+}
+
+/// A quantity at every vertex; NaN where it is not known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name in files.
+    pub name: &'static str,
+    /// Its values.
+    pub values: ColumnValues,
+}
+
+/// The values of a [`Column`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum ColumnValues {
+    /// One number per vertex.
+    Scalars(Vec<f64>),
+    /// One vector per vertex.
+    Vectors(Vec<[f64; 3]>),
+    /// One verdict per vertex.
+    Verdicts(Vec<Verdict>),
+}
+
+/// The word for a verdict in files and messages.
+pub const fn verdict_name(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Clean => "clean",
+        Verdict::Noise => "noise",
+        Verdict::Unresolved => "unresolved",
+        Verdict::OneSided => "one-sided",
+        Verdict::Unknown => "unknown",
+    }
+}
+
+fn known(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+impl Measurement {
+    /// Measures a surface on all threads; `None` if `watch`, which is called with the part of the work that
+    /// is done, returned false.
+    pub fn new(
+        surface: Surface<'_, f64>,
+        jet: &AdaptiveJet<f64>,
+        watch: &mut dyn FnMut(f64) -> bool,
+    ) -> Option<Self> {
+        let vertices = noise::measured(jet, surface, watch)?;
+        Some(Self { vertices })
+    }
+
+    /// The values as those of a method with a bending modulus: f is κ times that of the measurement, and
+    /// Δ_S H is what f, H and K say.
+    pub fn fields(&self, modulus: f64) -> Fields<f64> {
+        let all = self.vertices.iter();
+        let of = |value: fn(&Measured<f64>) -> f64| {
+            let values = self.vertices.iter().map(|at| known(value(at)));
+            values.collect()
+        };
+        Fields {
+            area: all.clone().map(|at| at.area).collect(),
+            normal: all.clone().map(|at| at.normal).collect(),
+            mean: of(|at| at.mean.value),
+            gaussian: of(|at| at.gaussian.value),
+            laplacian_of_mean: of(|at| {
+                let (mean, gaussian) = (at.mean.value, at.gaussian.value);
+                0.5 * at.force_density.value - 2.0 * mean * (mean * mean - gaussian)
+            }),
+            force_density: all
+                .map(|at| {
+                    let density = known(modulus * at.force_density.value)?;
+                    Some(at.normal.map(|component| density * component))
+                })
+                .collect(),
+        }
+    }
+
+    /// Principal curvatures and error bars of a method's results with a bending modulus: its distance from
+    /// the measurement, and the bar of that. Those of [`Self::fields`] are the bars of the measurement
+    /// itself.
+    pub fn columns<T: Real>(&self, fields: &Fields<T>, modulus: f64) -> Vec<Column> {
+        let number = |value: Option<T>| value.and_then(|value| value.to_f64()).unwrap_or(f64::NAN);
+        let mean = |vertex: usize| number(fields.mean[vertex]);
+        let gaussian = |vertex: usize| number(fields.gaussian[vertex]);
+        let principal = |which: usize| {
+            let sign = [1.0, -1.0][which];
+            self.each(|vertex, at| {
+                let (mean, own) = (mean(vertex), at.mean.value);
+                if mean == own {
+                    return at.principal[which].value;
+                }
+                mean + sign * (mean * mean - gaussian(vertex)).max(0.0).sqrt()
+            })
+        };
+        let bars = |values: &[f64], of: &dyn Fn(&Measured<f64>) -> Estimate<f64>| {
+            self.each(|vertex, at| {
+                let estimate = of(at);
+                (values[vertex] - estimate.value).abs() + estimate.error
+            })
+        };
+        let [larger, smaller] = [principal(0), principal(1)];
+        let force = self.each(|vertex, at| {
+            let Some(density) = fields.force_density[vertex] else {
+                return f64::NAN;
+            };
+            let off = (0..3).map(|axis| {
+                let own = modulus * at.force_density.value * at.normal[axis];
+                number(Some(density[axis])) - own
+            });
+            let off = off.map(|x| x * x).sum::<f64>().sqrt();
+            off + modulus * at.force_density.error
+        });
+        let scalars = |name, values| Column {
+            name,
+            values: ColumnValues::Scalars(values),
+        };
+        vec![
+            scalars("H_error", bars(&self.each(|v, _| mean(v)), &|at| at.mean)),
+            scalars(
+                "K_error",
+                bars(&self.each(|v, _| gaussian(v)), &|at| at.gaussian),
+            ),
+            scalars("f_error", force),
+            scalars("k1_error", bars(&larger, &|at| at.principal[0])),
+            scalars("k2_error", bars(&smaller, &|at| at.principal[1])),
+            scalars("k1", larger),
+            scalars("k2", smaller),
+            scalars("sigma", self.each(|_, at| at.deviation)),
+            Column {
+                name: "verdict",
+                values: ColumnValues::Verdicts(self.vertices.iter().map(|at| at.verdict).collect()),
+            },
+        ]
+    }
+
+    /// What only jets know: directions of k₁ and k₂, the gradient of H, the derivatives of k₁ and k₂ along
+    /// their directions, and degree and number of neighbours of the fits for each quantity.
+    pub fn columns_of_jets(&self) -> Vec<Column> {
+        let none = [f64::NAN; 3];
+        let direction = |which: usize| {
+            let of = |at: &Measured<f64>| at.directions.map_or(none, |both| both[which]);
+            ColumnValues::Vectors(self.vertices.iter().map(of).collect())
+        };
+        let extremality = |which: usize| {
+            let of = |at: &Measured<f64>| at.extremalities.map_or(f64::NAN, |both| both[which]);
+            ColumnValues::Scalars(self.vertices.iter().map(of).collect())
+        };
+        let gradient = self.vertices.iter().map(|at| at.gradient_of_mean);
+        let degrees = |of: fn(&Measured<f64>) -> Estimate<f64>| {
+            ColumnValues::Scalars(self.each(|_, at| f64::from(of(at).scale.degree)))
+        };
+        let neighbours = |of: fn(&Measured<f64>) -> Estimate<f64>| {
+            ColumnValues::Scalars(self.each(|_, at| f64::from(of(at).scale.neighbours)))
+        };
+        let columns = [
+            ("direction1", direction(0)),
+            ("direction2", direction(1)),
+            ("gradient_H", ColumnValues::Vectors(gradient.collect())),
+            ("extremality1", extremality(0)),
+            ("extremality2", extremality(1)),
+            ("H_degree", degrees(|at| at.mean)),
+            ("H_neighbours", neighbours(|at| at.mean)),
+            ("K_degree", degrees(|at| at.gaussian)),
+            ("K_neighbours", neighbours(|at| at.gaussian)),
+            ("f_degree", degrees(|at| at.force_density)),
+            ("f_neighbours", neighbours(|at| at.force_density)),
+        ];
+        columns.map(|(name, values)| Column { name, values }).into()
+    }
+
+    /// Number of vertices with a verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        let is_same = |at: &&Measured<f64>| at.verdict == verdict;
+        self.vertices.iter().filter(is_same).count()
+    }
+
+    /// The median of σ; 0 if no noise was found.
+    pub fn deviation(&self) -> f64 {
+        let mut deviations = self.each(|_, at| at.deviation);
+        deviations.sort_by(f64::total_cmp);
+        deviations.get(deviations.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    fn each(&self, of: impl Fn(usize, &Measured<f64>) -> f64) -> Vec<f64> {
+        self.vertices
+            .iter()
+            .enumerate()
+            .map(|(vertex, at)| of(vertex, at))
+            .collect()
+    }
+}
