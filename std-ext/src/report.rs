@@ -1,11 +1,13 @@
 //! Presentation of data: tables and CSV. Nothing is computed here.
 
 mod csv;
+mod noisy;
 pub mod page;
 mod recommendation;
 
 pub use crate::findings::first_of_each_kind;
 pub use csv::{curvature_csv, study_csv};
+pub use noisy::{noise_section, noise_table};
 pub use recommendation::recommendation;
 
 use crate::info::MeshInfo;

@@ -4,11 +4,13 @@
 mod cache;
 mod errors;
 mod measured;
+mod noisy;
 mod timing;
 
 pub use cache::{Cache, CacheError, CacheProblem, LoadedCache};
 pub use errors::ErrorFields;
 pub(crate) use errors::Reference;
+pub use noisy::{BEST_FIXED, Bars, NoiseRow, NoiseStudy};
 pub use timing::MOST_SCATTER;
 pub(crate) use timing::{Timing, is_scattered};
 

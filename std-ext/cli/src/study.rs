@@ -12,7 +12,9 @@ use helfrich_std::provenance::{Build, Provenance};
 use helfrich_std::report;
 use helfrich_std::report::page::{Page, Section};
 use helfrich_std::scalar::Scalar;
-use helfrich_std::study::{Cache, LoadedCache, Progress, Quantity, Row, Session, Study};
+use helfrich_std::study::{
+    Cache, LoadedCache, NoiseRow, NoiseStudy, Progress, Quantity, Row, Session, Study,
+};
 use helfrich_std::verdict::verdicts;
 use std::fs;
 use std::io::{self, Write};
@@ -71,8 +73,28 @@ pub struct StudyArguments {
     /// Also write the rows as CSV to this file; `-` for standard output, instead of the table.
     #[arg(long)]
     csv: Option<PathBuf>,
+    /// Compare methods, `jet` and the best fixed fit on vertices with noise instead: standard deviations of
+    /// every coordinate in mean edges, from 0 to 1; on 2562 vertices and of all methods by default. With
+    /// `--html` this is a further part of the page.
+    #[arg(
+        long,
+        value_name = "EDGES",
+        value_delimiter = ',',
+        num_args = 0..=1,
+        default_missing_value = "0,1e-4,1e-3,1e-2,3e-2",
+        value_parser = part_of_edge
+    )]
+    noise: Option<Vec<f64>>,
     #[command(flatten)]
     kept: CacheArguments,
+}
+
+/// A standard deviation in mean edges.
+fn part_of_edge(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("a number from 0 to 1 is needed".to_owned()),
+    }
 }
 
 /// Where measurements are kept.
@@ -140,6 +162,11 @@ fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), 
             .chain(arguments.html.as_deref())
             .chain(arguments.kept.cache.as_deref()),
     )?;
+    if arguments.noise.is_some() && arguments.html.is_none() {
+        let rows = arguments.noise_rows()?;
+        let table = |out: &mut dyn Write| report::noise_table(&rows, out);
+        return show_rows(arguments.json.as_ref(), &rows, table);
+    }
     let _figures = arguments.figures.as_deref().map(own_folder).transpose()?;
     let stop = interruption();
     let interrupted = || stop.load(Ordering::Relaxed);
@@ -180,7 +207,11 @@ fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), 
         None => Ok(Vec::new()),
     };
     keep(cache.as_mut());
-    let sections = sections?;
+    let mut sections = sections?;
+    if arguments.noise.is_some() {
+        let noise = report::noise_section(&arguments.noise_rows()?);
+        sections.push(noise.map_err(|error| Failure::output(file.display(), &error))?);
+    }
     if interrupted() {
         return Err(left_off(cache.as_ref()));
     }
@@ -219,6 +250,42 @@ impl StudyArguments {
             modulus: self.modulus,
             seed: self.seed,
         })
+    }
+
+    /// Measures methods on vertices with noise.
+    fn noise_rows(&self) -> Result<Vec<NoiseRow>, Failure> {
+        if self.csv.is_some() && self.html.is_none() {
+            let message = "--noise has no CSV: take --json, or the table";
+            return Err(Failure::Input(message.into()));
+        }
+        let methods = match self.method.concat() {
+            none if none.is_empty() => {
+                [&BendingMethod::ALL[..], &BendingMethod::CURVATURES].concat()
+            }
+            given => unique(given),
+        };
+        let study = NoiseStudy {
+            shape: self.shape,
+            families: unique(self.family.concat()),
+            vertices: match &self.vertices {
+                none if none.is_empty() => vec![2562],
+                numbers => numbers.clone(),
+            },
+            methods,
+            deviations: self.noise.clone().map(unique).unwrap_or_default(),
+            seed: self.seed,
+        };
+        let stop = interruption();
+        let mut bar = ProgressBar::default();
+        let rows = study.run(&|| stop.load(Ordering::Relaxed), &mut |progress| {
+            let Progress { done, total, at } = progress;
+            bar.show(done as f64 / total as f64, at);
+        });
+        bar.clear();
+        if stop.load(Ordering::Relaxed) {
+            return Err(Failure::Unfinished(130));
+        }
+        rows.map_err(Failure::input)
     }
 
     /// Writes the rows as CSV and JSON where that is asked for, and `table` unless one of them goes to

@@ -146,3 +146,42 @@ fn results_are_fields_of_a_surface() {
     }
     assert_eq!(read(&out).unwrap().positions, made.positions);
 }
+
+/// Without noise `jet` is J6; with it, it is nearly the best of all fits, and much better than J6.
+#[test]
+fn methods_are_compared_at_each_noise() {
+    let arguments = [
+        "study",
+        "--noise",
+        "0,1e-2",
+        "--method",
+        "meyer,j6",
+        "--vertices",
+        "2562",
+    ];
+    let more = ["--family", "regular", "--json", "-"];
+    let rows = run(&[&arguments[..], &more].concat()).stdout;
+    let rows: Vec<serde_json::Value> = serde_json::from_str(&rows).unwrap();
+    let error = |method: &str, deviation: f64, quantity: usize| {
+        let is_wanted = |row: &&serde_json::Value| {
+            row["method"] == method && row["deviation"].as_f64() == Some(deviation)
+        };
+        let row = rows.iter().find(is_wanted).unwrap();
+        row["errors"][quantity].as_f64().unwrap()
+    };
+    for quantity in 0..3 {
+        let [jet, j6] = ["jet", "j6"].map(|method| error(method, 0.0, quantity));
+        assert!((jet / j6 - 1.0).abs() < 1e-9);
+        let [jet, j6, best] =
+            ["jet", "j6", "best fixed fit"].map(|method| error(method, 1e-2, quantity));
+        assert!(
+            jet < 1.3 * best && jet < 0.2 * j6,
+            "{quantity}: {jet} {best} {j6}"
+        );
+        assert!(error("meyer", 1e-2, quantity) > jet);
+    }
+    let table = run(&arguments).stdout;
+    assert!(table.contains("bars of jet"), "{table}");
+    fail(2, &["study", "--noise", "-1"]);
+    fail(2, &["study", "--noise", "2"]);
+}
