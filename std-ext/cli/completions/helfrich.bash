@@ -435,7 +435,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__study)
-            opts="-h --shape --method --areas --bandwidth --family --vertices --scalar --modulus --seed --html --figures --json --csv --cache --fresh --help"
+            opts="-h --shape --method --areas --bandwidth --family --vertices --scalar --modulus --seed --html --figures --json --csv --noise --cache --fresh --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -490,6 +490,10 @@ _helfrich() {
                     return 0
                     ;;
                 --csv)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --noise)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

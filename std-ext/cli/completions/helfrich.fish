@@ -49,6 +49,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l html -d 'Wri
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l figures -d 'Also write every figure of the page as SVG and PNG to this folder' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l json -d 'Also write the rows as JSON to this file; `-` for standard output, instead of the table' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l csv -d 'Also write the rows as CSV to this file; `-` for standard output, instead of the table' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l noise -d 'Compare methods, `jet` and the best fixed fit on vertices with noise instead: standard deviations of every coordinate in mean edges, from 0 to 1; on 2562 vertices and of all methods by default. With `--html` this is a further part of the page' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l cache -d 'Where measurements are kept for the next time, as if interrupted; for pages by default in the user\'s folder of caches' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l fresh -d 'Measure everything again'
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -s h -l help -d 'Print help'

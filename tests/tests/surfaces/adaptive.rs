@@ -111,6 +111,7 @@ fn without_noise_it_is_the_jet() {
         let mut jet = Prepared::new(Jet::j6(), &case.mesh);
         for (at, jet) in found.iter().zip(jet.curvatures(surface)) {
             assert_eq!([at.mean.value, at.gaussian.value], [jet.mean, jet.gaussian]);
+            assert_eq!(at.normal, jet.normal);
             assert_eq!(
                 (at.deviation, at.verdict),
                 (0.0, Verdict::Clean),

@@ -58,9 +58,12 @@ pub(super) fn set<'f, T: Real>(
             .fit
             .rows(&fitted.kind.model, fitted.degree, &functionals, rows);
         let [shear, along_x, along_y] = &*rows;
-        at.normal = slopes.normal(axes);
         let vectors = slopes.gradient(axes);
         let own = usize::from(!fitted.kind.model.interpolates);
+        // Jets have set theirs.
+        if own == 1 {
+            at.normal = slopes.normal(axes);
+        }
         let neighbours = scratch.neighbours(count);
         let gradient = |field: &[T]| {
             let here = field[vertex];
