@@ -29,8 +29,9 @@ const SIGNIFICANT: f64 = 4.0;
 /// Growth of a neighbourhood from which on two fits tell the bias of the larger one.
 const TELLING: f64 = 1.17;
 
-/// Orders with which the bias of H, K and f falls with the radius.
-const ORDERS: [f64; QUANTITIES] = [6.0, 6.0, 4.0];
+/// Orders with which the bias of H, K and f falls with the number of neighbours: half of those with the
+/// radius.
+const ORDERS: [i32; QUANTITIES] = [3, 3, 2];
 
 /// The bias of the first regression jet over its distance from the jet, and of degree 4 over its distance
 /// from degree 6.
@@ -271,11 +272,12 @@ impl<T: Real> Chosen<T> {
                 if is_first {
                     return Some(T::constant(FROM_JET));
                 }
-                let growth = f64::from(neighbours[vertex]) / f64::from(before.neighbours[vertex]);
-                let left = growth.powf(-0.5 * ORDERS[quantity]);
+                let [now, then] = [neighbours[vertex], before.neighbours[vertex]];
+                let growth = T::constant(f64::from(now)) / T::constant(f64::from(then));
+                let left = growth.powi(ORDERS[quantity]).recip();
                 // Also true for NaN, without a fit.
-                let is_telling = growth >= TELLING || !growth.is_finite();
-                is_telling.then(|| T::constant((1.0 - left).recip()))
+                let is_telling = growth >= T::constant(TELLING) || !growth.is_finite();
+                is_telling.then(|| (T::one() - left).recip())
             };
             Bias::new(&distances, factor, &before.bias[quantity])
         });
