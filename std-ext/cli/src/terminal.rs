@@ -5,13 +5,17 @@ mod progress_bar;
 pub use progress_bar::ProgressBar;
 
 use helfrich_std::io::{check_replaceable, replace_file};
+#[cfg(unix)]
+use signal_hook::consts::SIGHUP;
+use signal_hook::consts::{SIGINT, SIGTERM};
 use std::error::Error;
+use std::ffi::c_int;
 use std::fmt::Display;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// The reason why a program ends early.
 #[derive(Debug)]
@@ -111,10 +115,21 @@ pub fn check_outputs<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<()
 }
 
 /// Becomes true when the program is asked to stop.
+///
+/// No thread waits for signals: what one allocates would count as memory of the method that a study
+/// measures at that time.
 pub fn interruption() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&stop);
-    // Without a handler an interrupt ends the run at once: the last checkpoint remains.
-    let _ = ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed));
+    for &signal in SIGNALS {
+        // Without a handler an interrupt ends the run at once: the last checkpoint remains.
+        let _ = signal_hook::flag::register(signal, Arc::clone(&stop));
+    }
     stop
 }
+
+/// The signals that ask a program to stop: from the keyboard, from other programs, and from a terminal
+/// that is closed.
+#[cfg(unix)]
+const SIGNALS: &[c_int] = &[SIGINT, SIGTERM, SIGHUP];
+#[cfg(not(unix))]
+const SIGNALS: &[c_int] = &[SIGINT, SIGTERM];
