@@ -30,7 +30,7 @@ pub(super) struct RecommendArguments {
     #[arg(long, default_value = "max", value_parser = norm)]
     norm: Norm,
     /// Methods to choose from, by name or letter; by default all.
-    #[arg(long, value_delimiter = ',', default_value = "all", value_parser = methods)]
+    #[arg(long, value_delimiter = ',', default_value = "all", value_parser = candidates)]
     method: Vec<Vec<BendingMethod>>,
     #[command(flatten)]
     options: OptionArguments,
@@ -55,6 +55,15 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The methods of a name: `jet` among all, too.
+fn candidates(name: &str) -> Result<Vec<BendingMethod>, String> {
+    let mut named = methods(name)?;
+    if name == "all" {
+        named.push(BendingMethod::Jet);
+    }
+    Ok(named)
+}
+
 fn quantity(text: &str) -> Result<Quantity, String> {
     let named = Quantity::ALL
         .into_iter()
@@ -68,8 +77,8 @@ fn norm(text: &str) -> Result<Norm, String> {
 }
 
 pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Failure> {
-    let candidates = unique(arguments.method.concat());
-    let options = arguments.options.checked(&candidates)?;
+    let methods = unique(arguments.method.concat());
+    let options = arguments.options.checked(&methods)?;
     let json = file_named(arguments.json.as_ref());
     if let Some(json) = json {
         refuse_replacing(&arguments.input.mesh, "the mesh", json, "the answer")?;
@@ -80,7 +89,7 @@ pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Fai
         quantity: arguments.quantity,
         norm: arguments.norm,
         target: arguments.error,
-        methods: candidates,
+        methods,
         options,
         scalars: unique(arguments.scalar.clone()),
     };

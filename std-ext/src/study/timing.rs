@@ -36,6 +36,14 @@ impl Timing {
         Self::of(times)
     }
 
+    /// The time of a single run.
+    pub(crate) fn of_one(median: Duration) -> Self {
+        Self {
+            median,
+            scatter: 0.0,
+        }
+    }
+
     /// Combines one run and further runs.
     fn of(mut times: Vec<Duration>) -> Self {
         times.sort_unstable();

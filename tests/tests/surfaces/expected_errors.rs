@@ -2,13 +2,14 @@
 //! nothing was adjusted to.
 
 use helfrich::shapes::{Discocyte, ExactPoint, Shape, Torus};
-use helfrich::{Noise, Surface, TriangleMesh};
+use helfrich::{AdaptiveJet, Noise, Surface, TriangleMesh};
 use helfrich_std::answer::Norm;
 use helfrich_std::execute::Parallel;
 use helfrich_std::generate::random::Random;
 use helfrich_std::generate::{AnyShape, Family, generate};
+use helfrich_std::measurement::Measurement;
 use helfrich_std::method::{BendingMethod, Evaluator, MethodOptions};
-use helfrich_std::recommend::{Recommendation, Wish, recommend};
+use helfrich_std::recommend::{Candidate, Recommendation, Wish, recommend};
 use helfrich_std::scalar::Scalar;
 use helfrich_std::study::Quantity;
 use helfrich_tests::star::Star;
@@ -85,7 +86,14 @@ impl Case {
     /// The mean error of a method on other positions, relative to the largest value of the shape.
     fn truth(&self, positions: &[[f64; 3]], method: BendingMethod, quantity: Quantity) -> f64 {
         let surface = Surface::new(&self.mesh, positions).expect("positions");
-        let fields = Evaluator::new(method, 1.0, &self.mesh).fields(surface);
+        let fields = match method {
+            BendingMethod::Jet => {
+                let jet = AdaptiveJet::default();
+                let measured = Measurement::new(surface, &jet, &mut |_| true);
+                measured.expect("not interrupted").fields(1.0)
+            }
+            _ => Evaluator::new(method, 1.0, &self.mesh).fields(surface),
+        };
         let (mut errors, mut areas, mut largest) = (0.0, 0.0, 0.0_f64);
         for (vertex, exact) in self.exact.iter().enumerate() {
             let (error, size) = match quantity {
@@ -105,12 +113,17 @@ impl Case {
         errors / areas / largest
     }
 
-    fn recommendation(&self, positions: &[[f64; 3]], quantity: Quantity) -> Recommendation {
+    fn recommendation(
+        &self,
+        positions: &[[f64; 3]],
+        quantity: Quantity,
+        methods: &[BendingMethod],
+    ) -> Recommendation {
         let wish = Wish {
             quantity,
             norm: Norm::Mean,
             target: 0.01,
-            methods: vec![BendingMethod::J4, BendingMethod::J6],
+            methods: methods.to_vec(),
             options: MethodOptions::default(),
             scalars: vec![Scalar::F64],
         };
@@ -121,8 +134,9 @@ impl Case {
     /// Expected over true mean errors of J4 and J6, for noise of this part of a mean edge.
     fn ratios(&self, part: f64, quantity: Quantity) -> ([f64; 2], Recommendation) {
         let positions = self.disturbed(part * self.mean_edge());
-        let found = self.recommendation(&positions, quantity);
-        let ratios = [BendingMethod::J4, BendingMethod::J6].map(|method| {
+        let jets = [BendingMethod::J4, BendingMethod::J6];
+        let found = self.recommendation(&positions, quantity, &jets);
+        let ratios = jets.map(|method| {
             let mut candidates = found.candidates.iter();
             let candidate = candidates.find(|candidate| candidate.method == method);
             let expected = candidate.expect("a candidate").expected;
@@ -159,6 +173,47 @@ fn assert_expected(case: &Case, part: f64, quantity: Quantity) {
         let vertices = case.mesh.vertex_count() as f64;
         assert!(needed.is_none_or(|needed| needed < vertices), "{needed:?}");
     }
+}
+
+/// Whatever error is asked for, the answer has at most twice the true error of any cheaper method; the
+/// dearest of all, `jet`, knows its own error as well as J4 and J6 do.
+#[test]
+fn no_cheaper_method_has_half_the_error_of_an_answer() {
+    let shape = "ellipsoid:1,0.7,0.4".parse().expect("a shape");
+    let case = Case::of_shape(&shape, Family::Relaxed, 2562);
+    let positions = case.disturbed(1e-3 * case.mean_edge());
+    // The heat kernel takes minutes.
+    let mut methods = BendingMethod::ALL.to_vec();
+    methods.retain(|&method| method != BendingMethod::Belkin);
+    methods.push(BendingMethod::Jet);
+    let quantity = Quantity::ForceDensity;
+    let mut candidates = case
+        .recommendation(&positions, quantity, &methods)
+        .candidates;
+    // What methods cost as documented: times that are measured here are those of a busy machine.
+    let cost = |candidate: &Candidate| match candidate.method {
+        BendingMethod::Jet => f64::INFINITY,
+        method => method.description().relative_cost,
+    };
+    candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    let truths = candidates.iter();
+    let truths = truths.map(|candidate| case.truth(&positions, candidate.method, quantity));
+    let truths = Vec::from_iter(truths);
+    for (index, (answer, truth)) in candidates.iter().zip(&truths).enumerate() {
+        let mut cheaper = candidates[..index].iter().zip(&truths);
+        if cheaper
+            .clone()
+            .all(|(other, _)| other.expected > answer.expected)
+        {
+            let better = cheaper.find(|(_, other)| **other < 0.5 * truth);
+            assert!(better.is_none(), "{better:?} {answer:?} {truth}");
+        }
+    }
+    let (jet, truth) = (candidates.last(), truths.last());
+    let (jet, truth) = jet.zip(truth).expect("candidates");
+    let ratio = jet.expected / truth;
+    assert_eq!(jet.method, BendingMethod::Jet);
+    assert!((1.0 / 1.5..1.5).contains(&ratio), "{jet:?} {truth}");
 }
 
 /// The largest f is found though f itself is lost in noise.

@@ -63,6 +63,8 @@ pub(super) struct Candidate<T> {
 struct Bias<T> {
     wide: Vec<T>,
     narrow: Vec<T>,
+    /// Without what may be unseen.
+    seen: Vec<T>,
     /// Lower bound.
     local: Vec<T>,
 }
@@ -148,6 +150,7 @@ impl<T: Real> Candidate<T> {
         let bias = Bias {
             wide: none.clone(),
             narrow: none.clone(),
+            seen: none.clone(),
             local: none,
         };
         let jets = Self {
@@ -198,11 +201,13 @@ impl<T: Real> Bias<T> {
             all.collect()
         };
         let beyond = |mean: T, variance: T| positive(mean - variance) + unseen * variance;
+        let seen = |mean: T, variance: T| positive(mean - variance);
         let significant =
             |mean: T, variance: T| positive(mean - T::constant(SIGNIFICANT) * variance);
         Self {
             wide: of(&distances.wide, &other.wide, &beyond),
             narrow: of(&distances.narrow, &other.narrow, &beyond),
+            seen: of(&distances.wide, &other.seen, &seen),
             local: of(&distances.local, &other.local, &significant),
         }
     }
@@ -347,15 +352,18 @@ impl<T: Real> Chosen<T> {
         self.least.iter().filter(gains).count() as f64 / self.least.len() as f64
     }
 
-    /// For each candidate the squares of its bias at a vertex by pools of one size: of every degree the
-    /// least of a fit and of all larger ones, because the bias grows with the scale.
-    fn biases(&self, vertex: usize, quantity: usize, is_wide: bool, biases: &mut Vec<T>) {
+    /// For each candidate one of the squares of its bias at a vertex: of every degree the least of a fit
+    /// and of all larger ones, because the bias grows with the scale.
+    fn biases(
+        &self,
+        vertex: usize,
+        quantity: usize,
+        which: fn(&Bias<T>) -> &[T],
+        biases: &mut Vec<T>,
+    ) {
         biases.clear();
-        biases.extend(self.all.iter().map(|candidate| {
-            let bias = &candidate.bias[quantity];
-            let known = if is_wide { &bias.wide } else { &bias.narrow };
-            known[vertex]
-        }));
+        let all = self.all.iter();
+        biases.extend(all.map(|candidate| which(&candidate.bias[quantity])[vertex]));
         for of_degree in [&self.sixth, &self.fourth] {
             let mut least = T::infinity();
             for &candidate in of_degree.iter().rev() {
@@ -376,8 +384,8 @@ impl<T: Real> Chosen<T> {
         quantity: usize,
         among: &[usize],
         biases: &mut Vec<T>,
-    ) -> Option<(usize, T)> {
-        self.biases(vertex, quantity, true, biases);
+    ) -> Option<(usize, T, T)> {
+        self.biases(vertex, quantity, |bias| &bias.wide, biases);
         let bias_of = |candidate: usize, biases: &[T]| {
             biases[candidate].max(self.all[candidate].bias[quantity].local[vertex])
         };
@@ -396,19 +404,19 @@ impl<T: Real> Chosen<T> {
             }
         }
         let (candidate, _) = best?;
+        let variance = self.all[candidate].variance[quantity][vertex];
         let mut bias = bias_of(candidate, biases);
+        self.biases(vertex, quantity, |bias| &bias.seen, biases);
+        let expected = bias_of(candidate, biases) + variance;
         if candidate == 0 {
             for excess in &self.excess[quantity] {
                 bias = bias.max(excess[vertex]);
             }
         } else {
-            self.biases(vertex, quantity, false, biases);
+            self.biases(vertex, quantity, |bias| &bias.narrow, biases);
             bias = bias.max(biases[candidate]);
         }
-        Some((
-            candidate,
-            bias + self.all[candidate].variance[quantity][vertex],
-        ))
+        Some((candidate, bias + variance, expected))
     }
 
     /// The choice at every vertex; among the fits with the most neighbours only, if `is_fixed`.
@@ -440,7 +448,7 @@ impl<T: Real> Chosen<T> {
         // Neighbours may see a bias that this vertex does not.
         let largest = |vertex: usize, quantity: usize| {
             let around = ground.pool(vertex, LOCAL);
-            let squares = around.filter_map(|other| choices[other][quantity].map(|(_, s)| s));
+            let squares = around.filter_map(|other| choices[other][quantity].map(|(_, s, _)| s));
             squares.fold(T::zero(), |most, square: T| most.max(square))
         };
         let at_border = |vertex: usize| !ground.surface.mesh().is_interior(vertex);
@@ -448,9 +456,10 @@ impl<T: Real> Chosen<T> {
             let nothing = Estimate {
                 value: T::nan(),
                 error: T::nan(),
+                expected: T::nan(),
                 scale: Scale::default(),
             };
-            let Some((candidate, _)) = choices[vertex][quantity] else {
+            let Some((candidate, _, expected)) = choices[vertex][quantity] else {
                 return nothing;
             };
             let one_sided = if at_border(vertex) { ONE_SIDED } else { 1.0 };
@@ -459,17 +468,19 @@ impl<T: Real> Chosen<T> {
                 error: two_or_three(vertex)
                     * T::constant(one_sided)
                     * largest(vertex, quantity).sqrt(),
+                expected: expected.sqrt(),
                 scale: self.all[candidate].scale(vertex),
             }
         };
         let measured = (0..count).map(|vertex| {
             let mean = estimate(vertex, 0);
-            let principal = choices[vertex][0].map_or([mean; 2], |(candidate, _)| {
+            let principal = choices[vertex][0].map_or([mean; 2], |(candidate, ..)| {
                 let gaussian = self.all[candidate].values[1][vertex];
                 let root = positive(mean.value * mean.value - gaussian).sqrt();
                 [root, -root].map(|root| Estimate {
                     value: mean.value + root,
                     error: T::constant(PRINCIPAL) * mean.error,
+                    expected: T::constant(PRINCIPAL) * mean.expected,
                     scale: mean.scale,
                 })
             });
@@ -492,7 +503,7 @@ impl<T: Real> Chosen<T> {
         });
         let mut measured = Vec::from_iter(measured);
         let fitted = |vertex: usize| {
-            let (candidate, _) = choices[vertex][0]?;
+            let (candidate, ..) = choices[vertex][0]?;
             let found = &self.all[candidate];
             let [mean, gaussian, _] = &found.values;
             let square = largest(vertex, 0);
