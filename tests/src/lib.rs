@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub mod allocation;
 pub mod invariants;
+pub mod isosurface;
 pub mod laws;
 pub mod meshes;
 pub mod potentials;

@@ -94,7 +94,7 @@ pub struct Estimate<T> {
     pub value: T,
     /// The error bar: the true error is estimated to be within it at 99 of 100 vertices.
     pub error: T,
-    /// The expected error: the estimated root of the mean of its square.
+    /// The expected error, as the root of the mean of its square; an upper estimate without noise.
     pub expected: T,
     /// The fit that gave the value.
     pub scale: Scale,

@@ -3,6 +3,7 @@
 mod adaptive;
 mod expected_errors;
 mod families;
+mod isosurfaces;
 mod mesh;
 mod noise;
 mod points;

@@ -407,8 +407,10 @@ impl<T: Real> Chosen<T> {
         let variance = self.all[candidate].variance[quantity][vertex];
         let mut bias = bias_of(candidate, biases);
         self.biases(vertex, quantity, |bias| &bias.seen, biases);
-        let expected = bias_of(candidate, biases) + variance;
+        let mut expected = bias_of(candidate, biases) + variance;
         if candidate == 0 {
+            let [wide, ..] = &self.excess[quantity];
+            expected += wide[vertex];
             for excess in &self.excess[quantity] {
                 bias = bias.max(excess[vertex]);
             }
