@@ -13,7 +13,7 @@ mod hinge;
 mod juelicher;
 mod kantor_nelson;
 mod loop_subdivision;
-mod spontaneous_curvature;
+mod material_parameter;
 mod strong_form;
 
 pub(crate) use area_vectors::AreaVectors;
@@ -26,5 +26,5 @@ pub use kantor_nelson::{KantorNelson, KantorNelsonMemory};
 pub use loop_subdivision::{
     ConsistentMemory, ControlPoints, LoopSubdivision, LoopSubdivisionMemory,
 };
-pub use spontaneous_curvature::SpontaneousCurvature;
+pub use material_parameter::MaterialParameter;
 pub use strong_form::{StrongForm, StrongFormMemory};

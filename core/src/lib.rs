@@ -101,7 +101,7 @@ mod vec3;
 pub use adhesion::{WallAdhesion, WallAdhesionMemory};
 pub use bending::{
     ControlPoints, GompperKroll, Hamann, Juelicher, KantorNelson, LoopSubdivision,
-    SpontaneousCurvature, StrongForm,
+    MaterialParameter, StrongForm,
 };
 pub use components::Components;
 pub use constraint::{

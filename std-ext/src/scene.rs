@@ -16,6 +16,7 @@ mod drivers;
 mod effects;
 mod flow;
 mod keys;
+mod material;
 mod mesh_source;
 mod output;
 mod overrides;
@@ -43,6 +44,7 @@ pub(crate) use effects::{
     Groups, MeshCheck, Named, Preparation, Stretch, SurfaceEffect, capillary_number, reduced_volume,
 };
 pub use flow::Flow;
+pub use material::Material;
 pub(crate) use mesh_source::MeshFiles;
 pub use mesh_source::{MeshFileSource, MeshSource, MeshSourceError};
 pub use output::{Every, Output, PictureField, Plot, Probe, Slice, Volume};

@@ -25,6 +25,7 @@ use crate::dynamics::{Evaluation, Held, Membrane, Motion, Problem};
 use crate::effect::{Effect, Viscosity};
 use crate::execute::Parallel;
 use crate::flow::Membranes;
+use crate::io::Column;
 use crate::scene::{Named, SceneError, Stretch, Stretching};
 use helfrich::interaction::RepulsionMemory;
 use helfrich::{Images, Quantity, Repulsion, Surface, TriangleMesh};
@@ -59,6 +60,7 @@ pub struct Body {
     /// The place of each of its constraints among those of the simulation.
     places: Vec<usize>,
     stretch: Option<Stretch>,
+    columns: Vec<Arc<Column>>,
 }
 
 /// A closed body at rest in the fluid.
@@ -140,10 +142,16 @@ impl Body {
         Some((stretch.force(), stretch.axis()))
     }
 
-    /// Whether vertices may slide along the surface in a flow: the surface is fluid, and no vertex
-    /// is loaded.
+    /// Whether vertices may slide along the surface in a flow: the surface is fluid, no vertex is
+    /// loaded, and none has parameters of its own.
     pub fn slides(&self) -> bool {
-        self.membrane.motion == Motion::AlongNormals && self.stretch.is_none()
+        let is_fluid = self.membrane.motion == Motion::AlongNormals;
+        is_fluid && self.stretch.is_none() && self.columns.is_empty()
+    }
+
+    /// The columns of its mesh file that belong to its material, with which files of it are written.
+    pub fn columns(&self) -> &[Arc<Column>] {
+        &self.columns
     }
 
     /// The surface at these positions of all surfaces; none if one of them is not finite.

@@ -4,9 +4,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use helfrich::{TriangleMesh, VertexKind};
-use helfrich_std::io::{Format, parse};
+use helfrich_std::io::{Format, ParseError, parse, parse_with_columns};
 
-/// Parses bytes; what is accepted has finite positions and vertices that exist.
+/// Parses bytes; what is accepted has finite positions and vertices that exist, and columns of their
+/// number.
 ///
 /// # Panics
 /// If it has not, or if an error's message is no single line.
@@ -18,12 +19,22 @@ pub fn check_reader(bytes: &[u8], format: Format) {
             assert!(!file.mesh.triangles().is_empty());
             let mut corners = file.mesh.triangles().iter().flatten();
             assert!(corners.all(|&vertex| (vertex as usize) < file.positions.len()));
+            match parse_with_columns(bytes, format) {
+                Ok((same, columns)) => {
+                    assert_eq!(same, file);
+                    let length = file.positions.len();
+                    assert!(columns.iter().all(|column| column.values.len() == length));
+                }
+                Err(error) => check_message(&error),
+            }
         }
-        Err(error) => {
-            let message = error.to_string();
-            assert!(!message.is_empty() && !message.chars().any(char::is_control));
-        }
+        Err(error) => check_message(&error),
     }
+}
+
+fn check_message(error: &ParseError) {
+    let message = error.to_string();
+    assert!(!message.is_empty() && !message.chars().any(char::is_control));
 }
 
 /// Checks everything that [`TriangleMesh`] promises, from its list of triangles alone.

@@ -3,7 +3,7 @@
 //! G. Gompper and D. M. Kroll, J. Phys. I France 6 (1996) 1305; the choice of areas after
 //! C. Itzykson, in: Random Surfaces and Quantum Gravity (1986). The gradient is our own.
 
-use crate::bending::SpontaneousCurvature;
+use crate::bending::MaterialParameter;
 use crate::bending::area_vectors::{AreaVectorForce, AreaVectors};
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
@@ -18,10 +18,10 @@ use crate::triangle::{Barycentric, DualArea, Kind, Mixed, Triangle, Voronoi};
 use crate::vec3::{Vec3, add, dot, norm, scale, sub};
 use alloc::vec::Vec;
 
-/// `E = (κ/2) Σ_i |L_i|² / A_i` with `L_i = ½ Σ_j (cot α + cot β)(x_i − x_j) = ∂A/∂x_i`, and the
+/// `E = ½ Σ_i κ_i |L_i|² / A_i` with `L_i = ½ Σ_j (cot α + cot β)(x_i − x_j) = ∂A/∂x_i`, and the
 /// exact gradient of this energy, the change of the areas included.
 ///
-/// With spontaneous curvature `E = 2κ Σ_i |L_i/(2A_i) − H0_i n_i|² A_i`, which is the same for H0 =
+/// With spontaneous curvature `E = 2 Σ_i κ_i |L_i/(2A_i) − H0_i n_i|² A_i`, which is the same for H0 =
 /// 0. Here n_i is the normalised sum N_i of the area vectors of the triangles around the vertex, so
 /// that the curvature vector is compared with the preferred one. The alternative `|L| − 2 A H0`
 /// needs the sign of H, and has a kink where L vanishes.
@@ -31,9 +31,9 @@ use alloc::vec::Vec;
 #[derive(Clone, Debug, PartialEq)]
 pub struct GompperKroll<T> {
     /// Bending modulus κ, in units of energy.
-    pub modulus: T,
+    pub modulus: MaterialParameter<T>,
     /// Spontaneous curvature H0.
-    pub spontaneous_curvature: SpontaneousCurvature<T>,
+    pub spontaneous_curvature: MaterialParameter<T>,
     /// The areas A_i. `Mixed` areas are positive on every mesh. With `Voronoi`, the method as
     /// published, the energy is unbounded below where obtuse triangles make an area negative; with
     /// `Barycentric` forces do not converge, even on a sphere.
@@ -49,8 +49,8 @@ impl<T: Real> GompperKroll<T> {
     /// The method with other areas; [`DualArea::Voronoi`] is the published choice.
     pub fn with_areas(modulus: T, area: DualArea) -> Self {
         Self {
-            modulus,
-            spontaneous_curvature: SpontaneousCurvature::default(),
+            modulus: modulus.into(),
+            spontaneous_curvature: MaterialParameter::default(),
             area,
         }
     }
@@ -110,7 +110,7 @@ impl<T: Real> GompperKroll<T> {
         scale(self.spontaneous_curvature.at(vertex), [x, y, z])
     }
 
-    /// Adds the terms `−2κ Σ H0 L·n + 2κ Σ H0² A`: their contributions to w and s, and those
+    /// Adds the terms `−2 Σ κ H0 L·n + 2 Σ κ H0² A`: their contributions to w and s, and those
     /// through the change of the normals.
     fn add_spontaneous(
         &self,
@@ -119,16 +119,16 @@ impl<T: Real> GompperKroll<T> {
         memory: &mut GompperKrollMemory<T>,
         force: &mut [[T; 3]],
     ) {
-        let doubled = T::constant(2.0) * self.modulus;
+        let doubled = |vertex| T::constant(2.0) * self.modulus.at(vertex);
         let mut weights = core::mem::take(&mut memory.weights);
         let mut turns = core::mem::take(&mut memory.turns);
         let memory_now = &*memory;
         execution.map(&mut weights[..], |vertex, weight| {
             let wanted = self.wanted(memory_now, vertex);
             for (entry, wanted) in weight.iter_mut().zip(wanted) {
-                *entry -= doubled * wanted;
+                *entry -= doubled(vertex) * wanted;
             }
-            weight[3] -= doubled * dot(wanted, wanted);
+            weight[3] -= doubled(vertex) * dot(wanted, wanted);
         });
         turns.resize(weights.len(), [T::zero(); 4]);
         execution.map(&mut turns[..], |vertex, turn| {
@@ -137,7 +137,7 @@ impl<T: Real> GompperKroll<T> {
             let (gradient, normal) = (scale(area, [x, y, z]), [u, v, w]);
             let across = sub(gradient, scale(dot(gradient, normal), normal));
             let spontaneous = self.spontaneous_curvature.at(vertex);
-            let [x, y, z] = scale(doubled * spontaneous * over, across);
+            let [x, y, z] = scale(doubled(vertex) * spontaneous * over, across);
             *turn = [x, y, z, T::zero()];
         });
         let triangles = surface.mesh().triangles();
@@ -261,7 +261,7 @@ impl<T: Real> Method<T> for GompperKroll<T> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        self.spontaneous_curvature.check_with(self.modulus)
+        MaterialParameter::check(&self.modulus, &self.spontaneous_curvature)
     }
 
     fn inspect(
@@ -317,7 +317,7 @@ impl<T: Real> TwoPass for GompperKroll<T> {
         memory: &mut GompperKrollMemory<T>,
     ) {
         let mesh = surface.mesh();
-        self.spontaneous_curvature.expect(self, mesh);
+        MaterialParameter::expect(self, &self.modulus, &self.spontaneous_curvature, mesh);
         memory.curvature.clear();
         memory.curvature.resize(mesh.vertex_count(), [T::zero(); 4]);
         let (triangles, sums) = (mesh.triangles(), &mut memory.curvature[..]);
@@ -367,9 +367,9 @@ impl<T: Real> TwoPass for GompperKroll<T> {
                 )
             };
             let [term] = finite_or_zero([dot(excess, excess) * area]);
-            term
+            self.modulus.at(vertex) * term
         });
-        T::constant(0.5) * self.modulus * sum
+        T::constant(0.5) * sum
     }
 
     fn add_measured_force(
@@ -387,7 +387,8 @@ impl<T: Real> TwoPass for GompperKroll<T> {
         execution.map(&mut weights[..], |vertex, weight| {
             let [x, y, z, _] = curvature[vertex];
             let squared = dot([x, y, z], [x, y, z]);
-            *weight = finite_or_zero([x, y, z, half * squared].map(|entry| self.modulus * entry));
+            let modulus = self.modulus.at(vertex);
+            *weight = finite_or_zero([x, y, z, half * squared].map(|entry| modulus * entry));
         });
         if !self.spontaneous_curvature.is_zero() {
             self.add_spontaneous(execution, surface, memory, force);

@@ -3,7 +3,7 @@
 //! B. Hamann, in: Geometric Modelling, Computing Supplementum 8 (1993) 139. As an energy: T. Mimura and
 //! Y. Inoue, arXiv 2503.00302 (2025). The gradient is our own.
 
-use crate::bending::SpontaneousCurvature;
+use crate::bending::MaterialParameter;
 use crate::bending::area_vectors::{AreaVectorForce, AreaVectors};
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
@@ -16,7 +16,7 @@ use crate::surface::Surface;
 use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub, tangent_frame};
 use alloc::vec::Vec;
 
-/// `E = 2κ Σ_i (H_i − H0_i)² A_i` over interior vertices, and the exact gradient of this energy.
+/// `E = 2 Σ_i κ_i (H_i − H0_i)² A_i` over interior vertices, and the exact gradient of this energy.
 ///
 /// At each vertex let `n = N/|N|`, N the sum of the area vectors around it. The neighbours' heights z over
 /// the plane normal to n are fitted by `z = ½ pᵀ C p`, with a symmetric 2×2 matrix C and p the positions in
@@ -28,9 +28,9 @@ use alloc::vec::Vec;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hamann<T> {
     /// Bending modulus κ, in units of energy.
-    pub modulus: T,
+    pub modulus: MaterialParameter<T>,
     /// Spontaneous curvature H0.
-    pub spontaneous_curvature: SpontaneousCurvature<T>,
+    pub spontaneous_curvature: MaterialParameter<T>,
 }
 
 /// Memory of [`Hamann`].
@@ -94,8 +94,8 @@ impl<T: Real> Hamann<T> {
     /// The method without spontaneous curvature.
     pub fn new(modulus: T) -> Self {
         Self {
-            modulus,
-            spontaneous_curvature: SpontaneousCurvature::default(),
+            modulus: modulus.into(),
+            spontaneous_curvature: MaterialParameter::default(),
         }
     }
 
@@ -132,7 +132,8 @@ impl<T: Real> Hamann<T> {
         fit[12] = over;
         // ∂E/∂tr C = −½ ∂E/∂H, and the two factors 1/ρ of a slope.
         fit[14] = mean(&fit) - self.spontaneous_curvature.at(vertex);
-        let by_mean = -T::constant(2.0) * self.modulus * fit[14] * (area / T::constant(3.0));
+        let by_mean =
+            -T::constant(2.0) * self.modulus.at(vertex) * fit[14] * (area / T::constant(3.0));
         fit[13] = by_mean * over * over;
         finite_or_zero(fit)
     }
@@ -146,7 +147,7 @@ impl<T: Real> Method<T> for Hamann<T> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        self.spontaneous_curvature.check_with(self.modulus)
+        MaterialParameter::check(&self.modulus, &self.spontaneous_curvature)
     }
 
     fn inspect(
@@ -175,7 +176,11 @@ impl<T: Real> TwoPass for Hamann<T> {
         surface: Surface<'_, T>,
         memory: &mut HamannMemory<T>,
     ) {
-        self.spontaneous_curvature.expect(self, surface.mesh());
+        let Self {
+            modulus,
+            spontaneous_curvature,
+        } = self;
+        MaterialParameter::expect(self, modulus, spontaneous_curvature, surface.mesh());
         let HamannMemory { sums, fits, .. } = memory;
         AreaVectors.sum(execution, surface, sums);
         fits.resize(sums.len(), [T::zero(); 15]);
@@ -189,8 +194,11 @@ impl<T: Real> TwoPass for Hamann<T> {
         memory: &mut HamannMemory<T>,
     ) -> T {
         let HamannMemory { sums, fits, .. } = memory;
-        let term = |i: usize| fits[i][14] * fits[i][14] * sums[i][3] / T::constant(3.0);
-        T::constant(2.0) * self.modulus * execution.sum(fits.len(), term)
+        let term = |i: usize| {
+            let squared = fits[i][14] * fits[i][14];
+            self.modulus.at(i) * (squared * sums[i][3] / T::constant(3.0))
+        };
+        T::constant(2.0) * execution.sum(fits.len(), term)
     }
 
     fn add_measured_force(
@@ -210,7 +218,7 @@ impl<T: Real> TwoPass for Hamann<T> {
             let [x, y, z, _] = sums[vertex];
             let over = norm([x, y, z]).reciprocal_or_zero() * fit[12].reciprocal_or_zero();
             let [x, y, z] = scale(-fit[13] * over, sum);
-            let shrink = -T::constant(2.0) * self.modulus * fit[14] * fit[14];
+            let shrink = -T::constant(2.0) * self.modulus.at(vertex) * fit[14] * fit[14];
             *turn = finite_or_zero([x, y, z, shrink]);
         });
         execution.scatter(

@@ -2,7 +2,7 @@
 //!
 //! F. Jülicher, J. Phys. II France 6 (1996) 1797. The gradient is our own.
 
-use crate::bending::SpontaneousCurvature;
+use crate::bending::MaterialParameter;
 use crate::bending::hinge::{Hinge, Hinges};
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
@@ -16,7 +16,7 @@ use crate::surface::Surface;
 use crate::triangle::DualArea;
 use alloc::vec::Vec;
 
-/// `E = 2κ Σ_i (H_i − H0_i)² A_i` with `H_i = M_i/A_i`, `M_i = ¼ Σ_edges l θ` over the edges at the
+/// `E = 2 Σ_i κ_i (H_i − H0_i)² A_i` with `H_i = M_i/A_i`, `M_i = ¼ Σ_edges l θ` over the edges at the
 /// vertex. l is the length of an edge, θ the angle between the normals of its two triangles,
 /// positive where the surface is convex, and A_i a third of the area of the triangles around the
 /// vertex. The force is the exact gradient of this energy.
@@ -32,9 +32,9 @@ use alloc::vec::Vec;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Juelicher<T> {
     /// Bending modulus κ, in units of energy.
-    pub modulus: T,
+    pub modulus: MaterialParameter<T>,
     /// Spontaneous curvature H0.
-    pub spontaneous_curvature: SpontaneousCurvature<T>,
+    pub spontaneous_curvature: MaterialParameter<T>,
 }
 
 /// Memory of [`Juelicher`].
@@ -53,8 +53,8 @@ impl<T: Real> Juelicher<T> {
     /// The method without spontaneous curvature.
     pub fn new(modulus: T) -> Self {
         Self {
-            modulus,
-            spontaneous_curvature: SpontaneousCurvature::default(),
+            modulus: modulus.into(),
+            spontaneous_curvature: MaterialParameter::default(),
         }
     }
 
@@ -151,7 +151,7 @@ impl<T: Real> Method<T> for Juelicher<T> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        self.spontaneous_curvature.check_with(self.modulus)
+        MaterialParameter::check(&self.modulus, &self.spontaneous_curvature)
     }
 
     fn inspect(
@@ -205,7 +205,11 @@ impl<T: Real> TwoPass for Juelicher<T> {
         memory: &mut JuelicherMemory<T>,
     ) {
         let mesh = surface.mesh();
-        self.spontaneous_curvature.expect(self, mesh);
+        let Self {
+            modulus,
+            spontaneous_curvature,
+        } = self;
+        MaterialParameter::expect(self, modulus, spontaneous_curvature, mesh);
         let JuelicherMemory {
             hinges, curvature, ..
         } = memory;
@@ -232,9 +236,9 @@ impl<T: Real> TwoPass for Juelicher<T> {
         let sum = execution.sum(curvature.len(), |vertex| {
             let excess = self.excess(surface.mesh(), curvature, vertex);
             let [term] = finite_or_zero([excess * excess * curvature[vertex][1]]);
-            term
+            self.modulus.at(vertex) * term
         });
-        T::constant(2.0) * self.modulus * sum
+        T::constant(2.0) * sum
     }
 
     /// `dE = Σ 4κ (H − H0) dM − 2κ (H² − H0²) dA`.
@@ -253,8 +257,8 @@ impl<T: Real> TwoPass for Juelicher<T> {
             ..
         } = memory;
         weights.resize(curvature.len(), [T::zero(); 2]);
-        let doubled = T::constant(2.0) * self.modulus;
         execution.map(&mut weights[..], |vertex, weight| {
+            let doubled = T::constant(2.0) * self.modulus.at(vertex);
             let excess = doubled * self.excess(mesh, curvature, vertex);
             let sum = curvature[vertex][0] + self.spontaneous_curvature.at(vertex);
             *weight = finite_or_zero([-(excess + excess), excess * sum]);

@@ -16,7 +16,7 @@ pub use controls::ControlPoints;
 use self::controls::ControlMap;
 use self::evaluation::PatchMemory;
 use self::patches::{Field, Patches};
-use crate::bending::SpontaneousCurvature;
+use crate::bending::MaterialParameter;
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
 use crate::element::{Execution, of_vertices};
@@ -30,7 +30,7 @@ use crate::surface::Surface;
 use crate::vec3::{add, dot, scale};
 use alloc::vec::Vec;
 
-/// `E = 2κ ∫ (H − H0)² dS` over the limit surface of Loop subdivision, by three quadrature points
+/// `E = 2 ∫ κ (H − H0)² dS` over the limit surface of Loop subdivision, by three quadrature points
 /// per triangle, and the exact gradient of this sum with respect to the nodes.
 ///
 /// The control points follow from the nodes by a linear map, `C = QX`, and the nodal forces are
@@ -49,13 +49,15 @@ use alloc::vec::Vec;
 /// forces.
 ///
 /// Spontaneous curvature that is given per vertex is a function in the same basis as the surface,
-/// with control values `Q H0`.
+/// with control values `Q H0`. A bending modulus that is given per vertex is one with the control
+/// values κ themselves: Q could make it negative between a soft and a stiff vertex, and basis
+/// functions, which are not negative, cannot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopSubdivision<T> {
     /// Bending modulus κ, in units of energy.
-    pub modulus: T,
+    pub modulus: MaterialParameter<T>,
     /// Spontaneous curvature H0.
-    pub spontaneous_curvature: SpontaneousCurvature<T>,
+    pub spontaneous_curvature: MaterialParameter<T>,
     /// The map from nodes to control points. A workspace depends on it.
     pub controls: ControlPoints,
 }
@@ -69,8 +71,8 @@ impl<T: Real> LoopSubdivision<T> {
     /// The method with any choice of control points.
     pub fn with_controls(modulus: T, controls: ControlPoints) -> Self {
         Self {
-            modulus,
-            spontaneous_curvature: SpontaneousCurvature::default(),
+            modulus: modulus.into(),
+            spontaneous_curvature: MaterialParameter::default(),
             controls,
         }
     }
@@ -133,7 +135,8 @@ impl<T: Real> LoopSubdivision<T> {
         let memory = workspace.for_mesh_mut(surface.mesh());
         let made = memory.plan.control_points;
         expect_parameter::<Self, _>("the control points", made, self.controls);
-        self.spontaneous_curvature.expect(self, surface.mesh());
+        let (modulus, spontaneous) = (&self.modulus, &self.spontaneous_curvature);
+        MaterialParameter::expect(self, modulus, spontaneous, surface.mesh());
         memory
     }
 
@@ -146,18 +149,23 @@ impl<T: Real> LoopSubdivision<T> {
         buffers: &mut Buffers<T>,
     ) {
         plan.set_controls(execution, surface, buffers);
-        let spontaneous = match &self.spontaneous_curvature {
-            SpontaneousCurvature::Constant(constant) => Field::Constant(*constant),
-            SpontaneousCurvature::PerVertex(values) => {
-                plan.set_field(execution, values, &mut buffers.field);
-                Field::Controlled(&buffers.field.controls)
-            }
+        let (modulus, spontaneous) = (&self.modulus, &self.spontaneous_curvature);
+        let spontaneous = if spontaneous.varies() {
+            plan.set_field(execution, spontaneous.values(), &mut buffers.field);
+            Field::Controlled(&buffers.field.controls)
+        } else {
+            Field::Constant(spontaneous.at(0))
+        };
+        let modulus = if modulus.varies() {
+            plan.set_control_values(execution, modulus.values(), &mut buffers.moduli);
+            Field::Controlled(&buffers.moduli)
+        } else {
+            Field::Constant(modulus.at(0))
         };
         let patches = &plan.patches;
         patches.evaluate::<GRADIENT>(
             execution,
-            self.modulus,
-            spontaneous,
+            [modulus, spontaneous],
             &buffers.controls,
             &mut buffers.patches,
         );
@@ -255,6 +263,19 @@ impl<T: Real> Plan<T> {
         self.patches.refine(execution, coarse, fine);
     }
 
+    /// The control values of a quantity whose values at the vertices are control values.
+    fn set_control_values(
+        &self,
+        execution: &impl Execution,
+        values: &[T],
+        controls: &mut Vec<[T; 1]>,
+    ) {
+        controls.resize(self.patches.control_count(), [T::zero()]);
+        let (coarse, fine) = controls.split_at_mut(self.vertices);
+        execution.map(&mut *coarse, |vertex, control| *control = [values[vertex]]);
+        self.patches.refine(execution, coarse, fine);
+    }
+
     /// Sums the contributions of the patches to their nodes into the first entries of
     /// `buffers.gathered`, one per control point.
     fn collect(&self, execution: &impl Execution, buffers: &mut Buffers<T>) {
@@ -318,6 +339,8 @@ struct Buffers<T> {
     scratch: Vec<[T; 4]>,
     /// Spontaneous curvature that varies.
     field: FieldBuffers<T>,
+    /// Control values of a bending modulus that varies.
+    moduli: Vec<[T; 1]>,
 }
 
 /// A quantity at the vertices and its control values.
@@ -347,7 +370,7 @@ impl<T: Real> Method<T> for LoopSubdivision<T> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        self.spontaneous_curvature.check_with(self.modulus)
+        MaterialParameter::check(&self.modulus, &self.spontaneous_curvature)
     }
 
     /// Reports the triangles whose limit surface has no area at a quadrature point, which was left

@@ -3,7 +3,7 @@
 //!
 //! Z.-C. Ou-Yang and W. Helfrich, Phys. Rev. A 39 (1989) 5280.
 
-use crate::bending::SpontaneousCurvature;
+use crate::bending::MaterialParameter;
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
 use crate::element::{Execution, of_vertices};
@@ -16,24 +16,25 @@ use crate::triangle::DualArea;
 use crate::vec3::{Vec3, add, dot, scale, sub};
 use alloc::vec::Vec;
 
-/// `f = 2κ [Δ_S(H − H0) + 2(H − H0)(H² − K + H0 H)] n − 4κ (H − H0) ∇_S H0`, with Δ_S, H, K and n
-/// of one operator; nodal forces `F_i = f_i A_i`.
+/// `f = 2[Δ_S(κ(H − H0)) + 2κ(H − H0)(H² − K + H0 H)] n − 4κ (H − H0) ∇_S H0 + 2 (H − H0)² ∇_S κ`,
+/// with Δ_S, H, K and n of one operator; nodal forces `F_i = f_i A_i`.
 ///
-/// The last term, tangential to the surface, is present only where the spontaneous curvature H0
-/// varies. Its gradient comes from the same operator: `∇_S φ = ½ Σ_j c_ij (φ_j − φ_i)(x_j − x_i)`
-/// without its component along n, because `Δ(φ x) = φ Δx + x Δφ + 2 ∇φ`.
+/// The last two terms, tangential to the surface, are present only where the spontaneous curvature
+/// H0 or the bending modulus κ vary: the material moves to where it is bent as it prefers, and stiff
+/// material to where less is bent. Gradients come from the same operator: `∇_S φ = ½ Σ_j c_ij
+/// (φ_j − φ_i)(x_j − x_i)` without its component along n, because `Δ(φ x) = φ Δx + x Δφ + 2 ∇φ`.
 ///
 /// The force is not the gradient of a discrete energy: forces sum to zero only in the limit of fine
-/// meshes, see [`Projected`](crate::Projected). The reported energy is `2κ Σ (H_i − H0_i)² A_i`, a
-/// quadrature of `2κ ∫ (H − H0)² dS` over interior vertices.
+/// meshes, see [`Projected`](crate::Projected). The reported energy is `2 Σ κ_i (H_i − H0_i)² A_i`, a
+/// quadrature of `2 ∫ κ (H − H0)² dS` over interior vertices.
 ///
 /// f is defined where the vertex and all its neighbours are interior, and 0 elsewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrongForm<T, L> {
     /// Bending modulus κ, in units of energy.
-    pub modulus: T,
+    pub modulus: MaterialParameter<T>,
     /// Spontaneous curvature H0.
-    pub spontaneous_curvature: SpontaneousCurvature<T>,
+    pub spontaneous_curvature: MaterialParameter<T>,
     /// The operator.
     pub operator: L,
 }
@@ -42,8 +43,8 @@ impl<T: Real, L> StrongForm<T, L> {
     /// The force density with any operator, without spontaneous curvature.
     pub fn new(modulus: T, operator: L) -> Self {
         Self {
-            modulus,
-            spontaneous_curvature: SpontaneousCurvature::default(),
+            modulus: modulus.into(),
+            spontaneous_curvature: MaterialParameter::default(),
             operator,
         }
     }
@@ -98,9 +99,14 @@ struct Found<T> {
     curvature: Vec<Curvature<T>>,
     /// H − H0.
     excess: Vec<T>,
+    /// κ(H − H0), where κ varies; otherwise empty.
+    moment: Vec<T>,
+    /// Δ_S(H − H0), or where κ varies Δ_S(κ(H − H0)).
     laplacian_of_mean: Vec<T>,
-    /// The operator's rows, where H0 varies and its gradient is needed.
+    /// The operator's rows, where κ or H0 vary and their gradients are needed.
     rows: Rows<T>,
+    /// Whether the rows are those of the last surface.
+    varies: bool,
 }
 
 impl<T, W> StrongFormMemory<T, W> {
@@ -109,7 +115,8 @@ impl<T, W> StrongFormMemory<T, W> {
         &self.found.curvature
     }
 
-    /// Δ_S(H − H0) at each vertex, 0 where f is not defined; empty until a force was evaluated.
+    /// Δ_S(H − H0) at each vertex, or Δ_S(κ(H − H0)) if the bending modulus varies; 0 where f is not
+    /// defined, and empty until a force was evaluated.
     pub fn laplacian_of_mean(&self) -> &[T] {
         &self.found.laplacian_of_mean
     }
@@ -133,9 +140,9 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
             }
             let excess = mean - self.spontaneous_curvature.at(vertex);
             let [term] = finite_or_zero([excess * excess * area]);
-            term
+            self.modulus.at(vertex) * term
         });
-        T::constant(2.0) * self.modulus * sum
+        T::constant(2.0) * sum
     }
 
     fn measure(
@@ -145,7 +152,8 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         memory: &mut StrongFormMemory<T, Workspace<T, L>>,
     ) {
         let vertices = surface.mesh().vertex_count();
-        self.spontaneous_curvature.expect(self, surface.mesh());
+        let (modulus, spontaneous) = (&self.modulus, &self.spontaneous_curvature);
+        MaterialParameter::expect(self, modulus, spontaneous, surface.mesh());
         let StrongFormMemory { operator, found } = memory;
         found.curvature.resize(vertices, Curvature::default());
         let curvature = &mut found.curvature;
@@ -153,7 +161,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
             .curvatures(execution, surface, operator, curvature);
     }
 
-    /// Measures the surface, and computes Δ_S(H − H0).
+    /// Measures the surface, and applies the operator to H − H0 or κ(H − H0).
     fn measure_twice(
         &self,
         execution: &impl Execution,
@@ -166,17 +174,31 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         let Found {
             curvature,
             excess,
+            moment,
             laplacian_of_mean,
             rows,
+            varies,
         } = found;
         excess.resize(mesh.vertex_count(), T::zero());
         laplacian_of_mean.resize(mesh.vertex_count(), T::zero());
         execution.map(&mut excess[..], |vertex, excess| {
             *excess = curvature[vertex].mean - self.spontaneous_curvature.at(vertex);
         });
+        moment.clear();
+        if self.modulus.varies() {
+            moment.resize(mesh.vertex_count(), T::zero());
+            execution.map(&mut moment[..], |vertex, moment| {
+                *moment = self.modulus.at(vertex) * excess[vertex];
+            });
+        }
+        let field = if moment.is_empty() {
+            &*excess
+        } else {
+            &*moment
+        };
         let laplacian = &mut laplacian_of_mean[..];
         self.operator
-            .apply_to_scalar(execution, surface, operator, excess, laplacian);
+            .apply_to_scalar(execution, surface, operator, field, laplacian);
         if !mesh.is_closed() {
             execution.map(laplacian, |vertex, value| {
                 *value = if mesh.is_surrounded(vertex) {
@@ -186,16 +208,10 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
                 };
             });
         }
-        if self.varies() {
+        *varies = !moment.is_empty() || self.spontaneous_curvature.varies();
+        if *varies {
             self.operator.assemble(surface, operator, rows);
         }
-    }
-
-    fn varies(&self) -> bool {
-        matches!(
-            self.spontaneous_curvature,
-            SpontaneousCurvature::PerVertex(_)
-        )
     }
 
     /// f at one vertex, after both applications of the operator.
@@ -214,39 +230,48 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         } else {
             T::zero()
         };
+        let modulus = self.modulus.at(vertex);
+        // The Laplacian has the factor κ already where κ varies.
+        let [outside, inside] = match found.moment.is_empty() {
+            true => [modulus, T::one()],
+            false => [T::one(), modulus],
+        };
         let cubic = excess * (mean * mean - gaussian + spontaneous * mean);
-        let along_normal = two * (found.laplacian_of_mean[vertex] + two * cubic);
-        let density = scale(defined * self.modulus * along_normal, normal);
-        if !self.varies() {
+        let along_normal = two * (found.laplacian_of_mean[vertex] + two * inside * cubic);
+        let density = scale(defined * outside * along_normal, normal);
+        if !found.varies {
             return finite_or_zero(density);
         }
-        let gradient = self.gradient_of_spontaneous(surface, &found.rows, vertex);
-        let tangential = sub(gradient, scale(dot(gradient, normal), normal));
-        let four = T::constant(4.0);
-        let weight = defined * four * self.modulus * excess;
-        finite_or_zero(sub(density, scale(weight, tangential)))
+        let along_surface = |parameter: &MaterialParameter<T>| {
+            let gradient = gradient(parameter, surface, &found.rows, vertex);
+            sub(gradient, scale(dot(gradient, normal), normal))
+        };
+        let weight = defined * two * excess;
+        let bent = scale(two * modulus, along_surface(&self.spontaneous_curvature));
+        let stiff = scale(excess, along_surface(&self.modulus));
+        finite_or_zero(sub(density, scale(weight, sub(bent, stiff))))
     }
+}
 
-    /// `½ Σ_j c_ij (H0_j − H0_i)(x_j − x_i)`.
-    fn gradient_of_spontaneous(
-        &self,
-        surface: Surface<'_, T>,
-        rows: &Rows<T>,
-        vertex: usize,
-    ) -> Vec3<T> {
-        let here = self.spontaneous_curvature.at(vertex);
-        let (columns, coefficients) = rows.row(vertex);
-        let mut sum = [T::zero(); 3];
-        for (&column, &coefficient) in columns.iter().zip(coefficients) {
-            let step = self.spontaneous_curvature.at(column as usize) - here;
-            let weight = T::constant(0.5) * coefficient * step;
-            sum = add(
-                sum,
-                scale(weight, surface.difference(vertex as u32, column)),
-            );
-        }
-        sum
+/// `½ Σ_j c_ij (φ_j − φ_i)(x_j − x_i)`.
+fn gradient<T: Real>(
+    parameter: &MaterialParameter<T>,
+    surface: Surface<'_, T>,
+    rows: &Rows<T>,
+    vertex: usize,
+) -> Vec3<T> {
+    let here = parameter.at(vertex);
+    let (columns, coefficients) = rows.row(vertex);
+    let mut sum = [T::zero(); 3];
+    for (&column, &coefficient) in columns.iter().zip(coefficients) {
+        let step = parameter.at(column as usize) - here;
+        let weight = T::constant(0.5) * coefficient * step;
+        sum = add(
+            sum,
+            scale(weight, surface.difference(vertex as u32, column)),
+        );
     }
+    sum
 }
 
 impl<T: Real, L: LaplaceBeltrami<T> + Sync> Method<T> for StrongForm<T, L> {
@@ -258,14 +283,16 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Method<T> for StrongForm<T, L> {
             found: Found {
                 curvature: Vec::new(),
                 excess: Vec::new(),
+                moment: Vec::new(),
                 laplacian_of_mean: Vec::new(),
                 rows: Rows::new(),
+                varies: false,
             },
         }
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        self.spontaneous_curvature.check_with(self.modulus)
+        MaterialParameter::check(&self.modulus, &self.spontaneous_curvature)
     }
 
     fn inspect(

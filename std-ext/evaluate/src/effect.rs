@@ -8,10 +8,10 @@ use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
     AreaDifference, Components, Conservative, Cotangent, Curvatures, DualArea, Finding,
-    GaussianBending, Gravity, InPlane, LaplaceBeltrami, LineTension, LocalArea, MembraneViscosity,
-    Method, NeoHookean, OsmoticPressure, Penalty, PointLoads, Prepared, Projected, Quantity,
-    RigidBody, Skalak, StrongForm, Surface, SurfaceTension, TriangleMesh, WallAdhesion,
-    remove_net_force_and_torque,
+    GaussianBending, Gravity, InPlane, LaplaceBeltrami, LineTension, LocalArea, MaterialParameter,
+    MembraneViscosity, Method, NeoHookean, OsmoticPressure, Penalty, PointLoads, Prepared,
+    Projected, Quantity, RigidBody, Skalak, StrongForm, Surface, SurfaceTension, TriangleMesh,
+    WallAdhesion, remove_net_force_and_torque,
 };
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -42,19 +42,23 @@ impl Effect {
         Self::new(name, true, method.prepared(mesh).0)
     }
 
-    /// A bending method with modulus κ and spontaneous curvature H0. Net force and torque are
+    /// A bending method with this modulus κ and spontaneous curvature H0. Net force and torque are
     /// removed from forces without an energy, because nothing in a scene would balance them.
     ///
     /// # Errors
-    /// If the method is an operator for curvatures only.
+    /// If the method is an operator for curvatures only, or kantor-nelson (A) and one of these varies.
     pub fn bending(
         name: &'static str,
         method: BendingMethod,
         options: &MethodOptions,
-        [modulus, spontaneous_curvature]: [f64; 2],
+        [modulus, spontaneous_curvature]: [MaterialParameter<f64>; 2],
         lumping: Lumping,
         mesh: &TriangleMesh,
-    ) -> Result<Self, NoForce> {
+    ) -> Result<Self, CannotBend> {
+        let varies = modulus.varies() || spontaneous_curvature.varies();
+        if method == BendingMethod::KantorNelson && varies {
+            return Err(CannotBend::Uniform(method));
+        }
         let settings = Settings {
             modulus,
             spontaneous_curvature,
@@ -173,10 +177,17 @@ potentials! {
     WallAdhesion<f64>,
 }
 
-/// A method that cannot act, because it has no forces.
+/// The reason why a method cannot act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0} measures curvatures only and has no force: choose a bending method, such as j4")]
-pub struct NoForce(pub BendingMethod);
+#[non_exhaustive]
+pub enum CannotBend {
+    /// It has no forces.
+    #[error("{0} measures curvatures only and has no force: choose a bending method, such as j4")]
+    NoForce(BendingMethod),
+    /// It has no parameters for each vertex.
+    #[error("{0} has one modulus for all edges: choose another method for one that varies")]
+    Uniform(BendingMethod),
+}
 
 /// A bending method as an effect.
 struct Acting<'a> {
@@ -187,7 +198,7 @@ struct Acting<'a> {
 }
 
 impl Visitor<f64> for Acting<'_> {
-    type Output = Result<Effect, NoForce>;
+    type Output = Result<Effect, CannotBend>;
 
     fn energy<M>(self, method: M) -> Self::Output
     where
@@ -219,7 +230,7 @@ impl Visitor<f64> for Acting<'_> {
     where
         M: Curvatures<f64> + fmt::Debug + 'static,
     {
-        Err(NoForce(self.bending))
+        Err(CannotBend::NoForce(self.bending))
     }
 }
 

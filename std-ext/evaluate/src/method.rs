@@ -19,8 +19,8 @@ pub use options::{InvalidBandwidth, MethodOptions, UnknownAreas, UnusedOption};
 pub(crate) use ordered::Ordered;
 
 use helfrich::{
-    CorrectedCurvature, Cotangent, GompperKroll, Hamann, HeatKernel, Jet, Juelicher, KantorNelson,
-    LoopSubdivision, Paraboloid, Real, StrongForm, VertexNormals,
+    ControlPoints, CorrectedCurvature, Cotangent, GompperKroll, Hamann, HeatKernel, Jet, Juelicher,
+    KantorNelson, LoopSubdivision, Paraboloid, Real, StrongForm, VertexNormals,
 };
 use std::fmt;
 use std::str::FromStr;
@@ -204,7 +204,7 @@ macro_rules! methods {
 methods! {
     all {
         /// A: dihedral angles.
-        KantorNelson: energy(KantorNelson<T>, |settings: Settings<'_, T>| KantorNelson::new(settings.modulus)),
+        KantorNelson: energy(KantorNelson<T>, |settings: Settings<'_, T>| KantorNelson::new(settings.modulus.at(0))),
         Description {
             name: "kantor-nelson",
             letter: Some("A"),
@@ -216,11 +216,10 @@ methods! {
             bytes: Bytes::Fixed(90),
         };
         /// B: squared cotangent Laplacian.
-        GompperKroll: energy_and_curvatures(GompperKroll<T>, |settings: Settings<'_, T>| {
-            let areas = settings.options.areas_or_default();
-            let mut method = GompperKroll::with_areas(settings.modulus, areas);
-            method.spontaneous_curvature = settings.spontaneous_curvature.into();
-            method
+        GompperKroll: energy_and_curvatures(GompperKroll<T>, |settings: Settings<'_, T>| GompperKroll {
+            modulus: settings.modulus,
+            spontaneous_curvature: settings.spontaneous_curvature,
+            area: settings.options.areas_or_default(),
         }),
         Description {
             name: "gompper-kroll",
@@ -234,7 +233,8 @@ methods! {
         };
         /// C: strong form over the cotangent operator.
         Meyer: strong_form(Cotangent, |settings: Settings<'_, T>| {
-            settings.strong_form(Cotangent::new(settings.options.areas_or_default()))
+            let areas = settings.options.areas_or_default();
+            settings.strong_form(Cotangent::new(areas))
         }),
         Description {
             name: "meyer",
@@ -248,7 +248,8 @@ methods! {
         };
         /// D: strong form over a heat kernel.
         Belkin: strong_form(HeatKernel<T>, |settings: Settings<'_, T>| {
-            settings.strong_form(HeatKernel::new(settings.options.bandwidth_or_default()))
+            let bandwidth = settings.options.bandwidth_or_default();
+            settings.strong_form(HeatKernel::new(bandwidth))
         }),
         Description {
             name: "belkin",
@@ -262,7 +263,7 @@ methods! {
         };
         /// E: strong form over paraboloids fitted to one-rings.
         Farutin: strong_form(Paraboloid, |settings: Settings<'_, T>| {
-            settings.strong_form(StrongForm::farutin(settings.modulus).operator)
+            settings.strong_form(Paraboloid::default())
         }),
         Description {
             name: "farutin",
@@ -275,10 +276,10 @@ methods! {
             bytes: Bytes::Fixed(250),
         };
         /// S: the limit surface of Loop subdivision.
-        Loop: energy_and_curvatures(LoopSubdivision<T>, |settings: Settings<'_, T>| {
-            let mut method = LoopSubdivision::new(settings.modulus);
-            method.spontaneous_curvature = settings.spontaneous_curvature.into();
-            method
+        Loop: energy_and_curvatures(LoopSubdivision<T>, |settings: Settings<'_, T>| LoopSubdivision {
+            modulus: settings.modulus,
+            spontaneous_curvature: settings.spontaneous_curvature,
+            controls: ControlPoints::default(),
         }),
         Description {
             name: "loop",
@@ -292,10 +293,9 @@ methods! {
             bytes: Bytes::ByValence([1700, 6000]),
         };
         /// Jülicher's: squared mean curvature from dihedral angles.
-        Juelicher: energy_and_curvatures(Juelicher<T>, |settings: Settings<'_, T>| {
-            let mut method = Juelicher::new(settings.modulus);
-            method.spontaneous_curvature = settings.spontaneous_curvature.into();
-            method
+        Juelicher: energy_and_curvatures(Juelicher<T>, |settings: Settings<'_, T>| Juelicher {
+            modulus: settings.modulus,
+            spontaneous_curvature: settings.spontaneous_curvature,
         }),
         Description {
             name: "juelicher",
@@ -308,10 +308,9 @@ methods! {
             bytes: Bytes::Fixed(85),
         };
         /// Hamann's: paraboloids fitted to one-rings in the frame of averaged normals.
-        Hamann: energy_and_curvatures(Hamann<T>, |settings: Settings<'_, T>| {
-            let mut method = Hamann::new(settings.modulus);
-            method.spontaneous_curvature = settings.spontaneous_curvature.into();
-            method
+        Hamann: energy_and_curvatures(Hamann<T>, |settings: Settings<'_, T>| Hamann {
+            modulus: settings.modulus,
+            spontaneous_curvature: settings.spontaneous_curvature,
         }),
         Description {
             name: "hamann",
@@ -351,7 +350,8 @@ methods! {
     by_mesh {
         /// J of the degree that suits the mesh.
         Jet: strong_form(Jet<T>, |settings: Settings<'_, T>| {
-            settings.strong_form(Jet::for_mesh(settings.mesh))
+            let jet = Jet::for_mesh(settings.mesh);
+            settings.strong_form(jet)
         }),
         Description {
             name: "jet",

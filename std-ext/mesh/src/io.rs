@@ -3,7 +3,8 @@
 //! Coordinates keep the unit of the file and all digits of `f64`. Polygons are split into the fan
 //! of triangles around their first corner: (a, b, c, d, …) becomes (a, b, c), (a, c, d), …, which
 //! is correct for convex polygons. Everything other than positions and faces, such as normals,
-//! colours and textures, is skipped.
+//! colours and textures, is skipped, unless the numbers at the vertices are asked for:
+//! [`read_with_columns`].
 //!
 //! Surfaces with fields on them, and fields on grids, are also written for VTK and ParaView: [`write_vtp`],
 //! [`write_vti`], [`Collection`].
@@ -51,6 +52,16 @@ pub struct MeshFile {
     pub mesh: TriangleMesh,
 }
 
+/// Numbers at the vertices of a mesh file: an array of VTP's point data with one component, or a
+/// property of PLY's vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// One number for each vertex, which need not be finite.
+    pub values: Vec<f64>,
+}
+
 /// The formats that can be read and written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -66,7 +77,7 @@ pub enum Format {
     /// Polygon File Format (Stanford), ASCII or binary, little or big endian.
     Ply,
     /// Polygons of VTK's PolyData in XML: as text, in base64 or appended, raw or compressed by
-    /// zlib, with pieces one after another. Fields, lines and single vertices are skipped.
+    /// zlib, with pieces one after another. Lines and single vertices are skipped.
     Vtp,
 }
 
@@ -211,6 +222,14 @@ pub enum Problem {
         /// The number of complete items found.
         found: usize,
     },
+    /// An array of numbers at the vertices has another length.
+    #[error("an array of PointData has {found} numbers, and its piece {points} points")]
+    ColumnLength {
+        /// The number of its numbers.
+        found: usize,
+        /// The number of points.
+        points: usize,
+    },
     /// The length of a binary STL file does not match its number of faces.
     #[error(
         "a binary STL file of {faces} faces has {} bytes, but there are {length}: it is truncated or damaged", 84 + 50 * faces
@@ -330,6 +349,23 @@ impl fmt::Display for Place {
 /// If the file cannot be read, if its format is unknown, or if its content is not an oriented manifold
 /// with finite coordinates; see [`ReadError`] and [`Problem`].
 pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
+    read_and(path, parse)
+}
+
+/// Reads a mesh file, and the numbers at its vertices in the order of the file. Formats other than VTP
+/// and PLY have none. Arrays of several components, as those of vectors, are skipped.
+///
+/// # Errors
+/// As [`read`]; also if a column cannot be read.
+pub fn read_with_columns(path: &Path) -> Result<(MeshFile, Vec<Column>), ReadError> {
+    read_and(path, parse_with_columns)
+}
+
+/// Reads a file, and parses it in its format.
+fn read_and<R>(
+    path: &Path,
+    parse: impl FnOnce(&[u8], Format) -> Result<R, ParseError>,
+) -> Result<R, ReadError> {
     let bytes = read_whole(path, None).map_err(|error| {
         let path = path.to_owned();
         match error.kind() {
@@ -366,16 +402,43 @@ pub fn read_welded(path: &Path) -> Result<MeshFile, ReadError> {
 /// If the bytes are not a mesh in this format, or not an oriented manifold with finite coordinates; see
 /// [`Problem`].
 pub fn parse(bytes: &[u8], format: Format) -> Result<MeshFile, ParseError> {
+    let (file, _) = parse_and(bytes, format, Columns::Skipped)?;
+    Ok(file)
+}
+
+/// The mesh in a file's bytes, and the numbers at its vertices: [`read_with_columns`].
+///
+/// # Errors
+/// As [`parse`]; also if a column cannot be read.
+pub fn parse_with_columns(
+    bytes: &[u8],
+    format: Format,
+) -> Result<(MeshFile, Vec<Column>), ParseError> {
+    parse_and(bytes, format, Columns::Read)
+}
+
+/// Whether numbers at vertices are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Columns {
+    Read,
+    Skipped,
+}
+
+fn parse_and(
+    bytes: &[u8],
+    format: Format,
+    columns: Columns,
+) -> Result<(MeshFile, Vec<Column>), ParseError> {
     if bytes.is_empty() {
         return Err(Problem::EmptyFile.anywhere());
     }
     let text = without_mark(bytes);
     match format {
-        Format::Obj => obj::parse(text),
-        Format::Off => off::parse(text),
-        Format::Stl => stl::parse(bytes),
-        Format::Ply => ply::parse(text),
-        Format::Vtp => vtp::parse(text),
+        Format::Obj => Ok((obj::parse(text)?, Vec::new())),
+        Format::Off => Ok((off::parse(text)?, Vec::new())),
+        Format::Stl => Ok((stl::parse(bytes)?, Vec::new())),
+        Format::Ply => ply::parse(text, columns),
+        Format::Vtp => vtp::parse(text, columns),
     }
 }
 

@@ -16,14 +16,15 @@ pub(super) fn refuse_idle(
     let acting = simulation.resolve(positions);
     let is_idle = |force: &[[f64; 3]]| force.as_flattened().iter().all(|&entry| entry == 0.0);
     for (body, surface) in simulation.bodies().iter().zip(&scene.surfaces) {
-        let Some(bending) = surface.effects.bending else {
+        let Some(bending) = &surface.effects.bending else {
             continue;
         };
         let label = simulation.label("bending", body);
         let own = acting.iter().find(|acting| acting.effect == label);
         let idle = own.is_some_and(|acting| is_idle(&acting.force[body.vertices()]));
         if idle && let Some(at) = body.surface(positions) {
-            let mut evaluator = Evaluator::new(bending.method, bending.modulus, body.mesh());
+            let mut evaluator =
+                Evaluator::new(bending.method, bending.modulus.largest(), body.mesh());
             evaluator.evaluate(at);
             let vertices = interior(at);
             if left_out(&evaluator.findings(at), at) == vertices {

@@ -2,13 +2,15 @@
 //! corners.
 
 use glam::DVec3;
-use helfrich::Surface;
+use helfrich::{MaterialParameter, Surface};
 
 /// Integrals over a component of a closed surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Integrals {
-    /// `∫ H² dA`.
+    /// `∫ κ H² dA`.
     pub(super) squared_mean: f64,
+    /// `∫ κ (H − H0)² dA`.
+    pub(super) squared_excess: f64,
     /// `∫ dA`.
     pub(super) area: f64,
     /// The enclosed volume.
@@ -43,13 +45,20 @@ pub(super) struct Curved<'a> {
     surface: Surface<'a, f64>,
     normal: &'a [[f64; 3]],
     mean: &'a [f64],
+    /// Bending modulus κ and spontaneous curvature H0.
+    material: [MaterialParameter<f64>; 2],
     /// The gradient of H at each vertex.
     gradient: Vec<DVec3>,
 }
 
 impl<'a> Curved<'a> {
     /// The curved surface from unit normals and mean curvatures at the vertices.
-    pub(super) fn new(surface: Surface<'a, f64>, normal: &'a [[f64; 3]], mean: &'a [f64]) -> Self {
+    pub(super) fn new(
+        surface: Surface<'a, f64>,
+        normal: &'a [[f64; 3]],
+        mean: &'a [f64],
+        material: [MaterialParameter<f64>; 2],
+    ) -> Self {
         let mut sums = vec![(DVec3::ZERO, 0.0); surface.mesh().vertex_count()];
         for triangle in surface.mesh().triangles() {
             let [a, b, c] = corners(surface, *triangle);
@@ -72,6 +81,7 @@ impl<'a> Curved<'a> {
             surface,
             normal,
             mean,
+            material,
             gradient: sums.into_iter().map(mean_of).collect(),
         }
     }
@@ -95,6 +105,9 @@ impl<'a> Curved<'a> {
         let origin = DVec3::from_array(self.surface.positions()[0]);
         let p = corners(self.surface, triangle).map(|p| p - origin);
         let h = triangle.map(|vertex| self.mean[vertex as usize]);
+        let [moduli, spontaneous] = &self.material;
+        let [moduli, spontaneous] =
+            [moduli, spontaneous].map(|of| triangle.map(|vertex| of.at(vertex as usize)));
         let mut edge_p = [DVec3::ZERO; 3];
         let mut edge_h = [0.0; 3];
         for edge in 0..3 {
@@ -124,7 +137,10 @@ impl<'a> Curved<'a> {
                 + y * y * h[1]
                 + z * z * h[2]
                 + 2.0 * (y * z * edge_h[0] + z * x * edge_h[1] + x * y * edge_h[2]);
-            integrals.squared_mean += mean * mean * area;
+            let here = |[a, b, c]: [f64; 3]| x * a + y * b + z * c;
+            let (modulus, excess) = (here(moduli), mean - here(spontaneous));
+            integrals.squared_mean += modulus * mean * mean * area;
+            integrals.squared_excess += modulus * excess * excess * area;
             integrals.area += area;
             integrals.volume += position.dot(vector) / 3.0;
             integrals.mean += mean * area;
@@ -140,8 +156,8 @@ fn corners(surface: Surface<'_, f64>, triangle: [u32; 3]) -> [DVec3; 3] {
 mod tests {
     use super::Curved;
     use crate::generate::{AnyShape, Family, generate};
-    use helfrich::Surface;
     use helfrich::shapes::Shape;
+    use helfrich::{MaterialParameter, Surface};
 
     /// How far the integrals over an ellipsoid are off with exact normals and curvatures: area, volume
     /// and `∫H² dA`, relative.
@@ -154,7 +170,8 @@ mod tests {
         let mean = Vec::from_iter(exact.iter().map(|point| point.mean));
         let surface = Surface::new(&generated.mesh, &generated.positions).expect("fits");
         let groups = vec![0; vertices];
-        let found = Curved::new(surface, &normal, &mean).integrals(&groups, 1)[0];
+        let material = [1.0, 0.0].map(MaterialParameter::Constant);
+        let found = Curved::new(surface, &normal, &mean, material).integrals(&groups, 1)[0];
         let squared = squared_mean(1.0, 1.5);
         [
             found.area / shape.area() - 1.0,

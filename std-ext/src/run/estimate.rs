@@ -10,7 +10,7 @@
 use super::curved::{Curved, Integrals};
 use super::multipliers::multipliers;
 use crate::method::{BendingMethod, Evaluator};
-use crate::scene::{Bending, Named, Scene, SurfaceEffect, SurfaceScene};
+use crate::scene::{Bending, Material, Named, Scene, SurfaceEffect, SurfaceScene};
 use crate::simulation::{Acting, Body, Simulation};
 use crate::six::Six;
 use glam::DVec3;
@@ -29,7 +29,7 @@ pub struct EnergyEstimate {
     /// energy are those of the curved surface as well. This adds `Σ λ (F − F_h)`, with F of the
     /// curved surface, F_h of the mesh, and λ the multiplier with which bending balances ∂F_h/∂x.
     pub estimate: f64,
-    /// Difference of both energies relative to `2κ ∫H² dA` of the jets plus the elastic energy. NaN
+    /// Difference of both energies relative to `2 ∫κ H² dA` of the jets plus the elastic energy. NaN
     /// where jets do not measure every vertex.
     pub error: f64,
 }
@@ -101,7 +101,7 @@ struct Estimating<'a> {
 
 impl Estimating<'_> {
     fn find(&self) -> Option<EnergyEstimate> {
-        let bending = self.surface.effects.bending?;
+        let bending = self.surface.effects.bending.as_ref()?;
         let mesh = self.at.mesh();
         if !mesh.is_closed() {
             return None;
@@ -115,23 +115,18 @@ impl Estimating<'_> {
             return Some(self.estimate(energy, [f64::NAN; 2]));
         };
         let (groups, count) = mesh.components();
-        let curved = Curved::new(self.at, &fields.normal, &mean);
+        let material = [&bending.modulus, &bending.spontaneous_curvature].map(Material::parameter);
+        let curved = Curved::new(self.at, &fields.normal, &mean, material);
         let integrals = curved.integrals(&groups, count);
         let of_all = |of: fn(&Integrals) -> f64| integrals.iter().map(of).sum::<f64>();
-        let squared = of_all(|of| of.squared_mean);
-        let spontaneous = bending.spontaneous_curvature;
-        // 2κ ∫ (H − H0)² dA.
-        let smooth = 2.0
-            * bending.modulus
-            * (squared - 2.0 * spontaneous * of_all(|of| of.mean)
-                + spontaneous * spontaneous * of_all(|of| of.area));
+        let smooth = 2.0 * of_all(|of| of.squared_excess);
         let held = match self.surface.is_fluid() {
             true => self.held(&integrals, &fields.normal, &groups),
             // Surface and reference are both measured on flat triangles, so their errors cancel.
             false => 0.0,
         };
         let estimate = energy - bent + smooth + held;
-        let scale = 2.0 * bending.modulus * squared + elastic;
+        let scale = 2.0 * of_all(|of| of.squared_mean) + elastic;
         Some(self.estimate(energy, [estimate, scale]))
     }
 

@@ -11,7 +11,7 @@ use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_
 use crate::png;
 use crate::scene::{Driver, Flow, LatticeBoltzmann, Output, Plot, Scene, Slice, Units};
 use crate::series::SeriesTable;
-use crate::simulation::{Acting, Simulation};
+use crate::simulation::{Acting, Body, Simulation};
 use glam::DVec3;
 
 /// Width and height of the pictures, in pixels.
@@ -66,19 +66,31 @@ pub(super) fn refuse_pictures(output: &Output) -> Result<(), RunError> {
     }
 }
 
+/// The columns of the mesh file of a surface that belong to its material.
+fn columns(body: &Body) -> impl Iterator<Item = PointField<'_>> {
+    body.columns().iter().map(|column| PointField {
+        name: &column.name,
+        values: PointValues::Scalars(&column.values),
+    })
+}
+
 impl Run<'_> {
     pub(super) fn write_surfaces(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
         make_folder(&self.folder.join("surfaces"))?;
         let positions = self.drive.positions();
         for (part, body) in self.simulation.bodies().iter().enumerate() {
             let fields = measure::fields(&self.simulation, body, positions, acting);
-            let fields = Vec::from_iter(fields.iter().map(|(name, values)| PointField {
+            let mut fields = Vec::from_iter(fields.iter().map(|(name, values)| PointField {
                 name,
                 values: match values {
                     measure::Values::Scalars(values) => PointValues::Scalars(values),
                     measure::Values::Vectors(values) => PointValues::Vectors(values),
                 },
             }));
+            let columns = columns(body);
+            let is_free = |name: &str| fields.iter().all(|field| field.name != name);
+            let columns = Vec::from_iter(columns.filter(|column| is_free(column.name)));
+            fields.extend(columns);
             let name = format!("surfaces/{}-{:08}.vtp", body.name(), mark.number);
             write_vtp(
                 &self.folder.join(&name),
@@ -98,7 +110,7 @@ impl Run<'_> {
     }
 
     /// The surfaces at the end of the run, from which another run can start: `last.vtp`, or
-    /// `last-NAME.vtp` for each of several.
+    /// `last-NAME.vtp` for each of several. They have the columns on which the scene depends.
     pub(super) fn write_last(&self) -> Result<(), RunError> {
         let Mark { time, .. } = self.drive.mark();
         let positions = self.drive.positions();
@@ -109,7 +121,9 @@ impl Run<'_> {
                 _ => format!("last-{}.vtp", body.name()),
             };
             let own = &positions[body.vertices()];
-            write_vtp(&self.folder.join(name), body.mesh(), own, Some(time), &[])
+            let path = self.folder.join(name);
+            let columns = Vec::from_iter(columns(body));
+            write_vtp(&path, body.mesh(), own, Some(time), &columns)
                 .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
         }
         Ok(())

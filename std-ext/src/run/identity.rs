@@ -45,8 +45,11 @@ pub(crate) fn fingerprint(
         driver,
     );
     let mut text = serde_json::to_string(&parts).unwrap_or_default();
-    for body in simulation.bodies() {
+    for (body, surface) in simulation.bodies().iter().zip(&scene.surfaces) {
         add_triangles(body.mesh(), &mut text);
+        for column in surface.effects.columns() {
+            add_numbers(&column.values, &mut text);
+        }
     }
     add_positions(positions, &mut text);
     for obstacle in simulation.obstacles() {
@@ -108,7 +111,11 @@ fn add_triangles(mesh: &TriangleMesh, text: &mut String) {
 }
 
 fn add_positions(positions: &[[f64; 3]], text: &mut String) {
-    for coordinate in positions.as_flattened() {
-        let _ = write!(text, "{:x},", coordinate.to_bits());
+    add_numbers(positions.as_flattened(), text);
+}
+
+fn add_numbers(numbers: &[f64], text: &mut String) {
+    for number in numbers {
+        let _ = write!(text, "{:x},", number.to_bits());
     }
 }

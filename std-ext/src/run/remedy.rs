@@ -27,6 +27,7 @@ pub(super) fn remedy(surface: &SurfaceScene) -> String {
     let is_loop = surface
         .effects
         .bending
+        .as_ref()
         .is_some_and(|bending| bending.method == BendingMethod::Loop);
     let MeshSource::Shape {
         shape,
@@ -138,7 +139,7 @@ pub(super) fn advice(surfaces: &[SurfaceScene]) -> String {
 
 /// Remedy for a surface that bends by forces without an energy.
 fn without_energy(surface: &SurfaceScene) -> Option<String> {
-    let method = surface.effects.bending?.method;
+    let method = surface.effects.bending.as_ref()?.method;
     if method.is_conservative() {
         return None;
     }

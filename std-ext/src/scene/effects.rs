@@ -51,9 +51,11 @@ use super::keys::{Form, Key, Keys, optional};
 use super::reader::Reader;
 use super::{Boundary, Driver, MeshSource, Parameter, Parameters};
 use crate::info::MeshInfo;
+use crate::io::Column;
 use helfrich::Quantity;
 use serde::Serialize;
 use std::fmt;
+use std::sync::Arc;
 
 /// Defines [`Effects`] and everything that follows from the list of effects. The order of the list
 /// is the order of keys, of `explain`, of forces and of columns.
@@ -174,6 +176,11 @@ pub(crate) trait SurfaceEffect: fmt::Debug {
         false
     }
 
+    /// The columns of the mesh file that belong to its material.
+    fn columns(&self) -> Vec<&Arc<Column>> {
+        Vec::new()
+    }
+
     /// The stress-free positions; `None` for effects without reference.
     fn reference(&self) -> Option<&Reference> {
         None
@@ -239,6 +246,17 @@ impl Effects {
     /// Whether no effect is on.
     pub fn is_empty(&self) -> bool {
         self.iter().next().is_none()
+    }
+
+    /// The columns of the mesh file that belong to the material, each once.
+    pub(crate) fn columns(&self) -> Vec<&Arc<Column>> {
+        let mut columns: Vec<&Arc<Column>> = Vec::new();
+        for column in self.iter().flat_map(|(_, effect)| effect.columns()) {
+            if !columns.iter().any(|known| known.name == column.name) {
+                columns.push(column);
+            }
+        }
+        columns
     }
 
     /// The moduli of all effects together.

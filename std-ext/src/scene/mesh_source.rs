@@ -2,7 +2,7 @@
 
 use super::keys::{Form, Key, optional};
 use crate::generate::{AnyShape, Family};
-use crate::io::{MeshFile, ReadError, read, read_welded};
+use crate::io::{Column, MeshFile, ReadError, read, read_welded, read_with_columns};
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
@@ -60,10 +60,20 @@ impl MeshFileSource {
         if *weld == Some(true) {
             return Ok(read_welded(path)?);
         }
-        let file = read(path)?;
+        self.whole(read(path)?)
+    }
+
+    /// Reads the file with the numbers at its vertices, which are not welded.
+    fn read_with_columns(&self) -> Result<(MeshFile, Vec<Column>), MeshSourceError> {
+        let (file, columns) = read_with_columns(&self.path)?;
+        Ok((self.whole(file)?, columns))
+    }
+
+    /// Refuses a mesh with split vertices that are not to be.
+    fn whole(&self, file: MeshFile) -> Result<MeshFile, MeshSourceError> {
         match file.split_vertices() {
-            count if count > 0 && weld.is_none() => Err(MeshSourceError::Split {
-                path: path.clone(),
+            count if count > 0 && self.weld.is_none() => Err(MeshSourceError::Split {
+                path: self.path.clone(),
                 count,
             }),
             _ => Ok(file),
@@ -74,7 +84,16 @@ impl MeshFileSource {
 /// Mesh files that have been read, so that each is read once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MeshFiles {
-    known: Vec<(MeshFileSource, Arc<MeshFile>)>,
+    known: Vec<Known>,
+}
+
+/// A file that has been read.
+#[derive(Clone, Debug)]
+struct Known {
+    source: MeshFileSource,
+    file: Arc<MeshFile>,
+    /// The numbers at its vertices, if they were asked for.
+    columns: Option<Vec<Arc<Column>>>,
 }
 
 impl MeshFiles {
@@ -86,12 +105,40 @@ impl MeshFiles {
         &mut self,
         source: &MeshFileSource,
     ) -> Result<Arc<MeshFile>, MeshSourceError> {
-        if let Some((_, file)) = self.known.iter().find(|(known, _)| known == source) {
-            return Ok(Arc::clone(file));
+        if let Some(known) = self.known.iter().find(|known| known.source == *source) {
+            return Ok(Arc::clone(&known.file));
         }
         let file = Arc::new(source.read()?);
-        self.known.push((source.clone(), Arc::clone(&file)));
+        self.known.push(Known {
+            source: source.clone(),
+            file: Arc::clone(&file),
+            columns: None,
+        });
         Ok(file)
+    }
+
+    /// The numbers at the vertices of a file that is not welded, read now or before.
+    ///
+    /// # Errors
+    /// As [`MeshFileSource::read`], and if a column cannot be read.
+    pub(crate) fn columns(
+        &mut self,
+        source: &MeshFileSource,
+    ) -> Result<Vec<Arc<Column>>, MeshSourceError> {
+        let of_source = |known: &&Known| known.source == *source;
+        let known = self.known.iter().find(of_source);
+        if let Some(columns) = known.and_then(|known| known.columns.clone()) {
+            return Ok(columns);
+        }
+        let (file, columns) = source.read_with_columns()?;
+        let columns = Vec::from_iter(columns.into_iter().map(Arc::new));
+        self.known.retain(|known| known.source != *source);
+        self.known.push(Known {
+            source: source.clone(),
+            file: Arc::new(file),
+            columns: Some(columns.clone()),
+        });
+        Ok(columns)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reads values that have been compared with the table of keys.
 
 use super::check::{nonempty, number};
-use super::keys::{Form, Keys};
+use super::keys::{Form, Keys, Range};
 use super::units::{Dimension, Scale};
 use super::value::{Node, Origin, Table, Value};
 
@@ -78,6 +78,18 @@ impl<'a> Reader<'a> {
             }
         }
         self.form(key).and_then(of).unwrap_or(Dimension::NONE)
+    }
+
+    /// Which numbers the key allows.
+    pub(super) fn range(&self, key: &str) -> Range {
+        fn of(form: &Form) -> Option<Range> {
+            match form {
+                Form::Number(_, range) => Some(*range),
+                Form::Either(forms) => forms.iter().find_map(of),
+                _ => None,
+            }
+        }
+        self.form(key).and_then(of).unwrap_or(Range::Any)
     }
 
     /// A number, if the key has one.

@@ -41,10 +41,11 @@ impl SurfaceScene {
         !self.effects.iter().any(|(_, effect)| effect.is_solid())
     }
 
-    /// Whether vertices may slide along the surface in a flow: the surface is fluid, and no vertex
-    /// is loaded.
+    /// Whether vertices may slide along the surface in a flow: the surface is fluid, no vertex is
+    /// loaded, and none has parameters of its own.
     pub fn slides(&self) -> bool {
-        self.is_fluid() && self.effects.stretching.is_none()
+        let alike = self.effects.columns().is_empty();
+        self.is_fluid() && self.effects.stretching.is_none() && alike
     }
 
     /// Whether bending or surface tension limits explicit steps in a flow.
@@ -54,7 +55,7 @@ impl SurfaceScene {
 
     /// Whether all effects are gradients of energies, unlike bending by a method in strong form.
     pub fn is_conservative(&self) -> bool {
-        let bending = self.effects.bending;
+        let bending = self.effects.bending.as_ref();
         bending.is_none_or(|bending| bending.method.is_conservative())
     }
 

@@ -242,6 +242,7 @@ impl Placed {
             effects,
             viscosity,
             stretch,
+            columns: scene.effects.columns().into_iter().cloned().collect(),
         })
     }
 

@@ -215,6 +215,7 @@ fn explain_surface(surface: &SurfaceScene, mesh: &MeshInfo, scene: &Scene) -> Su
         bending_cost: surface
             .effects
             .bending
+            .as_ref()
             .map(|bending| bending.method.description().relative_cost),
     }
 }

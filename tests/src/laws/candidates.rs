@@ -3,7 +3,8 @@
 
 use helfrich::{
     Bandwidth, Conservative, ControlPoints, Cotangent, DualArea, Energy, Force, GompperKroll,
-    HeatKernel, KantorNelson, LoopSubdivision, Paraboloid, Real, StrongForm, TriangleMesh,
+    HeatKernel, KantorNelson, LoopSubdivision, MaterialParameter, Paraboloid, Real, StrongForm,
+    TriangleMesh,
 };
 use helfrich_std::method::{
     BendingMethod, ListedEnergy, ListedOperator, MethodOptions, Of, Settings,
@@ -74,8 +75,8 @@ pub(super) fn settings<T: Real>(modulus: T) -> Settings<'static, T> {
         TriangleMesh::new(4, triangles).expect("a tetrahedron")
     });
     Settings {
-        modulus,
-        spontaneous_curvature: T::zero(),
+        modulus: modulus.into(),
+        spontaneous_curvature: MaterialParameter::default(),
         options: &OPTIONS,
         mesh: &MESH,
     }

@@ -6,6 +6,7 @@ mod drops;
 mod edges;
 mod immersed;
 mod integrators;
+mod material;
 mod relaxation;
 mod scenes;
 mod strong_form;

@@ -1,5 +1,6 @@
 //! Mesh files.
 
+mod columns;
 mod readers;
 mod weld;
 mod writers;

@@ -89,11 +89,11 @@ fn spontaneous_curvature() {
         let mut one = Juelicher::new(1.3);
         let mut two = Juelicher::new(F1::cst(1.3));
         one.spontaneous_curvature = constant.map_or_else(
-            || helfrich::SpontaneousCurvature::PerVertex(varying.clone()),
+            || helfrich::MaterialParameter::PerVertex(varying.clone()),
             Into::into,
         );
         two.spontaneous_curvature = constant.map_or_else(
-            || helfrich::SpontaneousCurvature::PerVertex(dual.clone()),
+            || helfrich::MaterialParameter::PerVertex(dual.clone()),
             |x| F1::cst(x).into(),
         );
         check_gradient(&one, two, &made.mesh, &made.positions);

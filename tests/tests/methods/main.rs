@@ -11,6 +11,7 @@ mod juelicher;
 mod laplacian;
 mod laws;
 mod loop_subdivision;
+mod material;
 mod memory;
 mod open;
 mod paraboloid;

@@ -1,7 +1,7 @@
 //! Sizes near the end of a number type's range: results scale, or a finding says that they do not.
 
 use helfrich::{
-    Finding, GompperKroll, Hamann, Juelicher, LoopSubdivision, Prepared, SpontaneousCurvature,
+    Finding, GompperKroll, Hamann, Juelicher, LoopSubdivision, MaterialParameter, Prepared,
     StrongForm, Surface, TriangleMesh,
 };
 use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, Fields};
@@ -106,7 +106,7 @@ fn what_is_out_of_range_is_said() {
 }
 
 /// The message of a panic; none if there was no panic.
-fn refusal(evaluate: impl FnOnce()) -> Option<String> {
+pub(crate) fn refusal(evaluate: impl FnOnce()) -> Option<String> {
     let payload = catch_unwind(AssertUnwindSafe(evaluate)).err()?;
     Some(payload.downcast_ref::<String>().expect("a message").clone())
 }
@@ -137,7 +137,7 @@ fn moduli_that_are_no_numbers_are_refused() {
             .contains("spontaneous curvature")
     );
     let mut changed = Prepared::new(StrongForm::meyer(1.0), &mesh.connectivity);
-    changed.method_mut().modulus = f64::NAN;
+    changed.method_mut().modulus = f64::NAN.into();
     assert!(refusal(|| _ = changed.energy(mesh.surface())).is_some());
 }
 
@@ -181,20 +181,20 @@ fn spontaneous_curvatures_that_overflow_are_refused() {
     let one_of = |value: f64| {
         let mut values = vec![0.0; vertices];
         values[5] = value;
-        SpontaneousCurvature::PerVertex(values)
+        MaterialParameter::PerVertex(values)
     };
     let largest = 2.0_f64.powi(255);
     let expected = 2.0 * largest * largest * mesh.surface().area();
     macro_rules! check {
         ($($method:expr),*) => {
             $(
-                let energy = |values: SpontaneousCurvature<f64>| {
+                let energy = |values: MaterialParameter<f64>| {
                     let mut method = $method;
                     method.spontaneous_curvature = values;
                     Prepared::new(method, &mesh.connectivity).energy(mesh.surface())
                 };
                 for value in [1e78, 1e200, -1e308] {
-                    for values in [SpontaneousCurvature::Constant(value), one_of(value)] {
+                    for values in [MaterialParameter::Constant(value), one_of(value)] {
                         let message = refusal(|| _ = energy(values)).expect(stringify!($method));
                         assert!(message.contains("spontaneous curvature is"), "{message}");
                     }

@@ -1,8 +1,8 @@
 //! Methods by name do what the core's methods do, with the same defaults wherever they are chosen.
 
 use helfrich::{
-    Bandwidth, Conservative, DualArea, ForceDensity, GompperKroll, HeatKernel, Prepared,
-    StrongForm, Surface,
+    Bandwidth, Conservative, DualArea, ForceDensity, GompperKroll, HeatKernel, MaterialParameter,
+    Prepared, StrongForm, Surface,
 };
 use helfrich_std::effect::{Effect, Lumping};
 use helfrich_std::execute::Parallel;
@@ -50,7 +50,7 @@ fn runs_and_studies_evaluate_the_same_method() {
             "bending",
             method,
             &options,
-            [1.0, 0.0],
+            [1.0, 0.0].map(MaterialParameter::Constant),
             Lumping::Own,
             &mesh.mesh,
         )
@@ -67,7 +67,7 @@ fn runs_and_studies_evaluate_the_same_method() {
             "bending",
             method,
             &options,
-            [1.0, 0.0],
+            [1.0, 0.0].map(MaterialParameter::Constant),
             Lumping::Own,
             &mesh.mesh,
         )

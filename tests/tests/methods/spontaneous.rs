@@ -4,8 +4,8 @@ use autodiff::F1;
 use helfrich::shapes::{Ellipsoid, Shape};
 use helfrich::{
     Components, ControlPoints, Cotangent, DualArea, ForceDensity, GompperKroll, Jet, KantorNelson,
-    LaplaceBeltrami, LoopSubdivision, Prepared, Projected, ReferenceError, Serial,
-    SpontaneousCurvature, StrongForm, Surface, TriangleMesh, remove_net_force_and_torque,
+    LaplaceBeltrami, LoopSubdivision, MaterialParameter, Prepared, Projected, ReferenceError,
+    Serial, StrongForm, Surface, TriangleMesh, remove_net_force_and_torque,
 };
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_tests::accuracy::{exact_points, force_and_energy, surface};
@@ -33,8 +33,8 @@ fn gompper_kroll_has_the_exact_gradient() {
         let mut one = GompperKroll::new(1.3);
         let mut two = GompperKroll::new(F1::cst(1.3));
         if per_vertex {
-            one.spontaneous_curvature = SpontaneousCurvature::PerVertex(values.clone());
-            two.spontaneous_curvature = SpontaneousCurvature::PerVertex(dual.clone());
+            one.spontaneous_curvature = MaterialParameter::PerVertex(values.clone());
+            two.spontaneous_curvature = MaterialParameter::PerVertex(dual.clone());
         } else {
             one.spontaneous_curvature = 0.7.into();
             two.spontaneous_curvature = F1::cst(0.7).into();
@@ -67,8 +67,8 @@ fn loop_subdivision_has_the_exact_gradient() {
             one.spontaneous_curvature = 0.7.into();
             two.spontaneous_curvature = F1::cst(0.7).into();
             check_gradient(&one, two.clone(), mesh, positions);
-            one.spontaneous_curvature = SpontaneousCurvature::PerVertex(values.clone());
-            two.spontaneous_curvature = SpontaneousCurvature::PerVertex(dual.clone());
+            one.spontaneous_curvature = MaterialParameter::PerVertex(values.clone());
+            two.spontaneous_curvature = MaterialParameter::PerVertex(dual.clone());
             check_gradient(&one, two, mesh, positions);
         }
     }
@@ -93,7 +93,7 @@ fn loop_subdivision_with_varying_spontaneous_curvature() {
         let field = |x: &[f64; 3]| alpha + beta * (x[2] + x[0].hypot(x[1]));
         let values = made.positions.iter().map(field).collect();
         let mut method = LoopSubdivision::new(1.0);
-        method.spontaneous_curvature = SpontaneousCurvature::PerVertex(values);
+        method.spontaneous_curvature = MaterialParameter::PerVertex(values);
         let (_, energy) = force_and_energy(method, surface(&made));
         (energy - expected).abs() / expected
     };
@@ -129,7 +129,7 @@ fn energy_of_a_sphere() {
 #[test]
 fn zero_per_vertex_is_none() {
     let made = made("discocyte", Family::Relaxed, 642);
-    let zero = SpontaneousCurvature::PerVertex(vec![0.0; 642]);
+    let zero = MaterialParameter::PerVertex(vec![0.0; 642]);
     let plain = GompperKroll::new(1.0);
     let mut varying = plain.clone();
     varying.spontaneous_curvature = zero.clone();
@@ -160,7 +160,7 @@ fn strong_form_with_varying_spontaneous_curvature() {
         let (alpha, beta) = (0.4, 0.9);
         let values = made.positions.iter().map(|x| alpha + beta * x[2]).collect();
         let mut method = StrongForm::new(1.0, Jet::j4());
-        method.spontaneous_curvature = SpontaneousCurvature::PerVertex(values);
+        method.spontaneous_curvature = MaterialParameter::PerVertex(values);
         let found = density(method, surface(&made));
         let mut worst = 0.0_f64;
         for (point, found) in exact_points(&made).iter().zip(found) {

@@ -4,10 +4,10 @@ use helfrich::{
     AreaDifference, BoundaryLength, Conservative, Constraint, Constraints, ControlPoints,
     CorrectedCurvature, Curvature, Curvatures, Dissipation, EnclosedVolume, Energy, Force,
     ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher, KantorNelson,
-    LaplaceBeltrami, LoopSubdivision, MembraneViscosity, Method, NeoHookean, Paraboloid,
-    PointLoads, Prepared, Projected, Quantity, Rows, Serial, SpontaneousCurvature, StrongForm,
-    Surface, Targets, TotalArea, TotalGaussianCurvature, TotalMeanCurvature, TriangleMesh,
-    VertexNormals, Workspace,
+    LaplaceBeltrami, LoopSubdivision, MaterialParameter, MembraneViscosity, Method, NeoHookean,
+    Paraboloid, PointLoads, Prepared, Projected, Quantity, Rows, Serial, StrongForm, Surface,
+    Targets, TotalArea, TotalGaussianCurvature, TotalMeanCurvature, TriangleMesh, VertexNormals,
+    Workspace,
 };
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
@@ -406,10 +406,10 @@ fn workspaces_of_other_normals_are_refused() {
 #[test]
 fn spontaneous_curvatures_for_other_meshes_are_refused() {
     let mesh = icosphere(2).map(bent);
-    let check = |name: &str, energy: &dyn Fn(SpontaneousCurvature<f64>)| {
+    let check = |name: &str, energy: &dyn Fn(MaterialParameter<f64>)| {
         let vertices = mesh.positions.len();
         for count in [3, vertices - 1, vertices + 1] {
-            let values = SpontaneousCurvature::PerVertex(vec![0.5; count]);
+            let values = MaterialParameter::PerVertex(vec![0.5; count]);
             let message = refusal(|| energy(values));
             let message = message.unwrap_or_else(|| panic!("{name}: accepted {count}"));
             let documented = format!(
@@ -418,7 +418,7 @@ fn spontaneous_curvatures_for_other_meshes_are_refused() {
             );
             assert!(message.contains(&documented), "{name}: {message}");
         }
-        energy(SpontaneousCurvature::PerVertex(vec![0.5; vertices]));
+        energy(MaterialParameter::PerVertex(vec![0.5; vertices]));
     };
     macro_rules! check {
         ($($method:expr),*) => {

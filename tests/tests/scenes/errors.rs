@@ -43,7 +43,7 @@ fn missing_keys_name_the_table() {
         "[surface.bending]\nmethod = \"B\"",
         [8, 1],
         &[
-            "`surface.0.bending` lacks `modulus`: an energy in pN·µm, above 0 is needed. Bending modulus κ",
+            "`surface.0.bending` lacks `modulus`: an energy in pN·µm, above 0, or a table is needed. Bending modulus κ",
         ],
     );
     let (place, message) =
@@ -74,7 +74,7 @@ fn wrong_forms_say_what_is_needed() {
     refused_effect(
         &bending("true"),
         [10, 11],
-        &["`modulus` is true or false: an energy in pN·µm is needed"],
+        &["`modulus` is true or false: an energy in pN·µm, above 0, or a table is needed"],
     );
     refused_effect(
         &bending("[1]"),

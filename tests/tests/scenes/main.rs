@@ -1,5 +1,6 @@
 //! Scene files: what is right is read, what is wrong is said.
 
+mod columns;
 mod edges;
 mod errors;
 mod explanations;

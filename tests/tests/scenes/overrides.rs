@@ -2,7 +2,7 @@
 
 use super::{parse_with, with};
 use helfrich_std::method::BendingMethod;
-use helfrich_std::scene::{Every, Overrides};
+use helfrich_std::scene::{Every, Material, Overrides};
 
 /// Without a value a key is taken away; what is not there is no mistake, unless it is needed.
 #[test]
@@ -47,7 +47,7 @@ fn overrides_replace_and_add() {
             .bending
             .unwrap()
             .modulus,
-        0.3
+        Material::Number(0.3)
     );
     assert_eq!(
         one("surface.cell.bending.modulus = 3")
@@ -55,7 +55,7 @@ fn overrides_replace_and_add() {
             .bending
             .unwrap()
             .modulus,
-        3.0
+        Material::Number(3.0)
     );
     assert_eq!(
         one("surface.0.bending.modulus=2e-19 J")
@@ -63,7 +63,7 @@ fn overrides_replace_and_add() {
             .bending
             .unwrap()
             .modulus,
-        0.2
+        Material::Number(0.2)
     );
     assert_eq!(
         one("surface.0.bending.modulus=\"2e-19 J\"")
@@ -71,7 +71,7 @@ fn overrides_replace_and_add() {
             .bending
             .unwrap()
             .modulus,
-        0.2
+        Material::Number(0.2)
     );
     assert_eq!(
         one("surface.0.bending.method=J")

@@ -4,8 +4,8 @@ use super::{folder, generated, mesh_file, shipped, valid, with};
 use helfrich::DualArea;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::scene::{
-    Adhesion, AreaDifferenceTarget, Driver, Every, Hold, InPlaneLaw, Interaction, MeshSource,
-    Overrides, Place, ReferenceSource, SceneFile, Scheme, Target, Units, VolumeTarget,
+    Adhesion, AreaDifferenceTarget, Driver, Every, Hold, InPlaneLaw, Interaction, Material,
+    MeshSource, Overrides, Place, ReferenceSource, SceneFile, Scheme, Target, Units, VolumeTarget,
 };
 
 /// A scene with every key of surfaces, interactions, relaxations and outputs.
@@ -123,12 +123,12 @@ fn every_key_of_a_material_is_read() {
     let [a, b] = file.scene.surfaces.as_slice() else {
         panic!("two surfaces");
     };
-    let bending = a.effects.bending.unwrap();
+    let bending = a.effects.bending.as_ref().unwrap();
     assert_eq!(bending.method, BendingMethod::GompperKroll);
     assert_eq!(bending.options.areas, Some(DualArea::Voronoi));
     assert_eq!(
-        (bending.modulus, bending.spontaneous_curvature),
-        (0.2, -0.5)
+        [&bending.modulus, &bending.spontaneous_curvature],
+        [0.2, -0.5].map(Material::Number).each_ref()
     );
     let elasticity = a.effects.elasticity.as_ref().unwrap();
     let law = InPlaneLaw::Skalak {

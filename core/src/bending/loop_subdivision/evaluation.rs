@@ -18,8 +18,8 @@ use core::ops::Range;
 /// compiled for the vector width of the surrounding loop.
 pub(super) struct Evaluation<'a, T, const GRADIENT: bool> {
     pub(super) patches: &'a Patches<T>,
-    pub(super) modulus: T,
-    pub(super) spontaneous: Field<'a, T>,
+    /// Bending modulus and spontaneous curvature.
+    pub(super) material: [Field<'a, T>; 2],
     pub(super) controls: &'a [[T; 4]],
 }
 
@@ -28,7 +28,9 @@ pub(super) struct Evaluation<'a, T, const GRADIENT: bool> {
 pub(super) struct Together<T> {
     /// The nodes of each patch, relative to its first node.
     spokes: Vec<Vec3<Several<T>>>,
-    /// Spontaneous curvature, energy, area, and derivatives of the energy, at each point.
+    /// Bending modulus, spontaneous curvature, energy over the modulus, area, and derivatives of the
+    /// energy, at each point.
+    moduli: [Several<T>; 3],
     wanted: [Several<T>; 3],
     energies: [Several<T>; 3],
     areas: [Several<T>; 3],
@@ -41,6 +43,7 @@ impl<T: Real> Default for Together<T> {
     fn default() -> Self {
         Self {
             spokes: Vec::new(),
+            moduli: Default::default(),
             wanted: Default::default(),
             energies: Default::default(),
             areas: Default::default(),
@@ -63,8 +66,7 @@ impl<T: Real> Patches<T> {
     pub(super) fn evaluate<const GRADIENT: bool>(
         &self,
         execution: &impl Execution,
-        modulus: T,
-        spontaneous: Field<'_, T>,
+        material: [Field<'_, T>; 2],
         controls: &[[T; 4]],
         memory: &mut PatchMemory<T>,
     ) {
@@ -72,8 +74,7 @@ impl<T: Real> Patches<T> {
         blocks.resize_with(self.len().div_ceil(BLOCK), Block::default);
         let evaluation = Evaluation::<T, GRADIENT> {
             patches: self,
-            modulus,
-            spontaneous,
+            material,
             controls,
         };
         execution.run(together, &mut blocks[..], &evaluation);
@@ -106,7 +107,7 @@ impl<T: Real, const GRADIENT: bool> SlotKernel<Together<T>, &mut [Block<T>]>
                     .iter_mut()
                     .enumerate()
                 {
-                    block.energy += self.modulus * together.energy(lane);
+                    block.energy += together.energy(lane);
                     *areas = together.areas(lane);
                 }
                 if GRADIENT {
@@ -123,7 +124,12 @@ impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
     /// Loads patches with these bases, one per entry.
     #[inline(always)]
     fn gather(&self, alike: Range<usize>, bases: &[NodeBasis<T>], together: &mut Together<T>) {
-        let Together { spokes, wanted, .. } = together;
+        let Together {
+            spokes,
+            moduli,
+            wanted,
+            ..
+        } = together;
         spokes.resize(bases.len(), [Several::zero(); 3]);
         for lane in 0..WIDTH {
             // Unused entries repeat the last patch.
@@ -137,8 +143,10 @@ impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
                     spoke[axis].0[lane] = control[axis] - first[axis];
                 }
             }
-            let values = self.spontaneous.at(nodes, bases);
+            let [modulus, spontaneous] = self.material;
+            let (own, values) = (modulus.at(nodes, bases), spontaneous.at(nodes, bases));
             for point in 0..3 {
+                moduli[point].0[lane] = own[point];
                 wanted[point].0[lane] = values[point];
             }
         }
@@ -148,7 +156,6 @@ impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
     #[inline(always)]
     fn evaluate(&self, bases: &[NodeBasis<T>], together: &mut Together<T>) {
         let weight = T::constant(WEIGHT);
-        let strength = Several::splat(weight * self.modulus);
         for point in 0..3 {
             let mut derivatives = [[Several::zero(); 3]; 5];
             for (k, derivative) in derivatives.iter_mut().enumerate() {
@@ -161,6 +168,7 @@ impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
             // and is not masked.
             together.energies[point] = geometry.energy(Several::splat(weight), wanted);
             if GRADIENT {
+                let strength = Several::splat(weight) * together.moduli[point];
                 together.gradients[point] = geometry.gradient(strength, wanted);
             }
         }
@@ -179,9 +187,9 @@ impl<T: Real> Together<T> {
     #[inline(always)]
     fn energy(&self, lane: usize) -> T {
         let mut sum = T::zero();
-        for energy in &self.energies {
+        for (modulus, energy) in self.moduli.iter().zip(&self.energies) {
             let [energy] = finite_or_zero([energy.0[lane]]);
-            sum += energy;
+            sum += modulus.0[lane] * energy;
         }
         sum
     }

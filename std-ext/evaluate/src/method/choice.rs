@@ -1,7 +1,9 @@
 //! Macros that make the run-time method set from its list.
 
 use super::MethodOptions;
-use helfrich::{Conservative, Curvatures, LaplaceBeltrami, Real, StrongForm, TriangleMesh};
+use helfrich::{
+    Conservative, Curvatures, LaplaceBeltrami, MaterialParameter, Real, StrongForm, TriangleMesh,
+};
 use std::fmt;
 
 /// A computation for any method.
@@ -30,12 +32,12 @@ pub(crate) trait Visitor<T: Real> {
 }
 
 /// Parameters from which methods are made.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Settings<'a, T> {
-    /// Bending modulus κ.
-    pub modulus: T,
+    /// Bending modulus κ; kantor-nelson (A) takes that of the first vertex.
+    pub modulus: MaterialParameter<T>,
     /// Spontaneous curvature H0; kantor-nelson (A) does not support it.
-    pub spontaneous_curvature: T,
+    pub spontaneous_curvature: MaterialParameter<T>,
     /// Options; a method takes those that it has.
     pub options: &'a MethodOptions,
     /// The mesh, for methods that are chosen by it.
@@ -44,9 +46,11 @@ pub struct Settings<'a, T> {
 
 impl<T: Real> Settings<'_, T> {
     /// A method in strong form over an operator.
-    pub(super) fn strong_form<L>(&self, operator: L) -> StrongForm<T, L> {
-        let mut method = StrongForm::new(self.modulus, operator);
-        method.spontaneous_curvature = self.spontaneous_curvature.into();
-        method
+    pub(super) fn strong_form<L>(self, operator: L) -> StrongForm<T, L> {
+        StrongForm {
+            modulus: self.modulus,
+            spontaneous_curvature: self.spontaneous_curvature,
+            operator,
+        }
     }
 }

@@ -6,8 +6,8 @@ use super::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use crate::execute::Parallel;
 use helfrich::{
     Conservative, Cotangent, Curvature, Curvatures, DualArea, Execution, Finding, Jet,
-    LaplaceBeltrami, Noise, Prepared, Quality, Real, Serial, StrongForm, Surface, TriangleMesh,
-    VertexKind,
+    LaplaceBeltrami, MaterialParameter, Noise, Prepared, Quality, Real, Serial, StrongForm,
+    Surface, TriangleMesh, VertexKind,
 };
 use std::fmt;
 
@@ -60,8 +60,8 @@ impl<T: Real> Evaluator<T> {
         let vertices = mesh.vertex_count();
         let mesh = ordered.as_ref().map_or(mesh, Ordered::mesh);
         let settings = Settings {
-            modulus,
-            spontaneous_curvature: T::zero(),
+            modulus: modulus.into(),
+            spontaneous_curvature: MaterialParameter::default(),
             options,
             mesh,
         };

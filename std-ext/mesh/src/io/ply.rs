@@ -3,21 +3,29 @@
 //! Source: G. Turk, The PLY Polygon File Format (1994). A text header declares elements, each with
 //! a number and a list of properties; the body holds them one after the other. This reader uses the
 //! properties `x`, `y`, `z` of the element `vertex` and the list `vertex_indices` (or
-//! `vertex_index`) of the element `face`, and skips all others.
+//! `vertex_index`) of the element `face`, and skips all others; those of one number for each vertex only
+//! if columns are not asked for.
 
+mod body;
+
+use self::body::{Ascii, Binary, Body};
 use super::text::{Text, parsed};
-use super::{Builder, CORNER, Element, MeshFile, ParseError, Position, Problem, finite};
+use super::{Builder, Column, Columns, MeshFile, ParseError, Problem};
 use std::io::{self, Write};
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+pub(super) fn parse(bytes: &[u8], wanted: Columns) -> Result<(MeshFile, Vec<Column>), ParseError> {
     let mut text = Text::new(bytes);
     let (encoding, groups) = header(&mut text)?;
-    match encoding {
+    let mut columns = match wanted {
+        Columns::Read => Vec::from_iter(groups.iter().flat_map(Group::columns)),
+        Columns::Skipped => Vec::new(),
+    };
+    let builder = match encoding {
         Encoding::Ascii => {
             let mut body = Ascii { text, first: None };
-            let builder = elements(&mut body, &groups, bytes.len())?;
+            let builder = elements(&mut body, &groups, bytes.len(), &mut columns)?;
             body.text.end_of_file()?;
-            builder.finish()
+            builder
         }
         Encoding::Binary(order) => {
             let rest = text.rest();
@@ -27,11 +35,15 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
                 order,
                 ended: false,
             };
-            let builder = elements(&mut body, &groups, rest.len())?;
+            let builder = elements(&mut body, &groups, rest.len(), &mut columns)?;
             body.end_of_file()?;
-            builder.finish()
+            builder
         }
-    }
+    };
+    let file = builder.finish()?;
+    // A header may declare vertices twice, each time with other properties.
+    columns.retain(|column| column.values.len() == file.positions.len());
+    Ok((file, columns))
 }
 
 pub(super) fn write(
@@ -85,11 +97,28 @@ enum Role {
     Other,
 }
 
+impl Group {
+    /// The columns of its properties, still empty.
+    fn columns(&self) -> impl Iterator<Item = Column> {
+        self.properties
+            .iter()
+            .filter_map(|property| match property {
+                Property::Number(name, _) => Some(Column {
+                    name: name.clone(),
+                    values: Vec::new(),
+                }),
+                _ => None,
+            })
+    }
+}
+
 enum Property {
     /// A coordinate of a vertex, by axis.
     Coordinate(usize, Scalar),
     /// The list of a face's corners.
     Corners { length: Scalar, item: Scalar },
+    /// Another number of a vertex, by its name.
+    Number(String, Scalar),
     /// Something to skip.
     Scalar(Scalar),
     /// A list to skip.
@@ -217,16 +246,15 @@ fn property(text: &mut Text<'_>, role: Role) -> Result<Property, ParseError> {
         };
     }
     let kind = scalar(word, text)?;
-    let axis = match text.word() {
-        Some(b"x") => Some(0),
-        Some(b"y") => Some(1),
-        Some(b"z") => Some(2),
-        Some(_) => None,
-        None => return Err(text.expected(NAME, None, None)),
-    };
-    Ok(match axis {
-        Some(axis) if role == Role::Vertex => Property::Coordinate(axis, kind),
-        _ => Property::Scalar(kind),
+    Ok(match (text.word(), role) {
+        (Some(b"x"), Role::Vertex) => Property::Coordinate(0, kind),
+        (Some(b"y"), Role::Vertex) => Property::Coordinate(1, kind),
+        (Some(b"z"), Role::Vertex) => Property::Coordinate(2, kind),
+        (Some(name), Role::Vertex) => {
+            Property::Number(String::from_utf8_lossy(name).into_owned(), kind)
+        }
+        (Some(_), _) => Property::Scalar(kind),
+        (None, _) => return Err(text.expected(NAME, None, None)),
     })
 }
 
@@ -275,38 +303,20 @@ fn undeclared(groups: &[Group]) -> Option<&'static str> {
     None
 }
 
-/// The part of a file behind its header, value by value. `element` is the one that is being read,
-/// for error messages.
-trait Body {
-    /// Starts a record.
-    fn begin(&mut self, element: Option<Element>) -> Result<(), ParseError>;
-    /// The current position.
-    fn position(&self) -> Position;
-    fn coordinate(
-        &mut self,
-        axis: usize,
-        kind: Scalar,
-        element: Element,
-    ) -> Result<f64, ParseError>;
-    fn corner(&mut self, kind: Scalar, element: Element) -> Result<u32, ParseError>;
-    fn length(&mut self, kind: Scalar, element: Option<Element>) -> Result<usize, ParseError>;
-    fn skip(
-        &mut self,
-        kind: Scalar,
-        count: usize,
-        element: Option<Element>,
-    ) -> Result<(), ParseError>;
-    /// Finishes a record.
-    fn end(&mut self, element: Option<Element>) -> Result<(), ParseError>;
-    /// Whether the last error was that there is nothing left.
-    fn has_ended(&self) -> bool;
-}
-
-/// Reads all groups; `length` is the body's, in bytes.
-fn elements(body: &mut impl Body, groups: &[Group], length: usize) -> Result<Builder, ParseError> {
+/// Reads all groups; `length` is the body's, in bytes. `columns` are those of all groups, or none.
+fn elements(
+    body: &mut impl Body,
+    groups: &[Group],
+    length: usize,
+    columns: &mut [Column],
+) -> Result<Builder, ParseError> {
     let mut builder = Builder::new(0);
+    let mut rest = columns;
     let mut corners = Vec::new();
     for group in groups {
+        let own = group.columns().count().min(rest.len());
+        let (columns, after) = std::mem::take(&mut rest).split_at_mut(own);
+        rest = after;
         let what = match group.role {
             Role::Vertex => {
                 builder.reserve(group.count, 0, length);
@@ -326,7 +336,7 @@ fn elements(body: &mut impl Body, groups: &[Group], length: usize) -> Result<Bui
             group.count
         };
         for found in 0..count {
-            if let Err(error) = element(body, group, &mut corners, &mut builder) {
+            if let Err(error) = element(body, group, &mut corners, columns, &mut builder) {
                 return Err(if body.has_ended() {
                     Problem::truncated(what, count, found).at(body.position(), None)
                 } else {
@@ -343,8 +353,10 @@ fn element(
     body: &mut impl Body,
     group: &Group,
     corners: &mut Vec<u32>,
+    columns: &mut [Column],
     builder: &mut Builder,
 ) -> Result<(), ParseError> {
+    let mut columns = columns.iter_mut();
     let vertex = builder.next_vertex();
     let face = builder.next_face();
     let element = match group.role {
@@ -360,6 +372,10 @@ fn element(
             Property::Coordinate(axis, kind) => {
                 point[axis] = body.coordinate(axis, kind, vertex)?
             }
+            Property::Number(_, kind) => match columns.next() {
+                Some(column) => column.values.push(body.number(kind, vertex)?),
+                None => body.skip(kind, 1, element)?,
+            },
             Property::Corners { length, item } => {
                 corners.clear();
                 for _ in 0..body.length(length, element)? {
@@ -380,216 +396,4 @@ fn element(
         Role::Other => {}
     }
     Ok(())
-}
-
-const LIST_LENGTH: &str = "a list's length";
-
-/// A body with one element per line.
-struct Ascii<'a> {
-    text: Text<'a>,
-    /// The line's first word, until it is used.
-    first: Option<&'a [u8]>,
-}
-
-impl<'a> Ascii<'a> {
-    fn word(&mut self) -> Option<&'a [u8]> {
-        self.first.take().or_else(|| self.text.word())
-    }
-}
-
-impl Body for Ascii<'_> {
-    fn begin(&mut self, element: Option<Element>) -> Result<(), ParseError> {
-        self.first = self.text.statement();
-        match self.first {
-            Some(_) => Ok(()),
-            None => Err(self.text.expected("an element", None, element)),
-        }
-    }
-
-    fn position(&self) -> Position {
-        self.text.position()
-    }
-
-    fn coordinate(&mut self, axis: usize, _: Scalar, element: Element) -> Result<f64, ParseError> {
-        let word = self.word();
-        self.text.coordinate(axis, word, element)
-    }
-
-    fn corner(&mut self, _: Scalar, element: Element) -> Result<u32, ParseError> {
-        let word = self.word();
-        parsed(word).ok_or_else(|| self.text.expected(CORNER, word, Some(element)))
-    }
-
-    fn length(&mut self, _: Scalar, element: Option<Element>) -> Result<usize, ParseError> {
-        let word = self.word();
-        parsed(word).ok_or_else(|| self.text.expected(LIST_LENGTH, word, element))
-    }
-
-    fn skip(
-        &mut self,
-        _: Scalar,
-        count: usize,
-        element: Option<Element>,
-    ) -> Result<(), ParseError> {
-        for _ in 0..count {
-            if self.word().is_none() {
-                return Err(self.text.expected("another property", None, element));
-            }
-        }
-        Ok(())
-    }
-
-    fn end(&mut self, element: Option<Element>) -> Result<(), ParseError> {
-        match self.word() {
-            None => Ok(()),
-            word => Err(self.text.expected("the end of the line", word, element)),
-        }
-    }
-
-    fn has_ended(&self) -> bool {
-        self.text.has_ended()
-    }
-}
-
-/// A binary body: records without separators.
-struct Binary<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    order: ByteOrder,
-    ended: bool,
-}
-
-impl Binary<'_> {
-    /// The next N bytes, the least significant first.
-    #[inline]
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let Some(bytes) = self.bytes[self.at..].first_chunk::<N>() else {
-            self.ended = true;
-            return None;
-        };
-        self.at += N;
-        let mut bytes = *bytes;
-        if matches!(self.order, ByteOrder::Big) {
-            bytes.reverse();
-        }
-        Some(bytes)
-    }
-
-    #[inline]
-    fn integer(&mut self, kind: Scalar) -> Option<i64> {
-        Some(match kind {
-            Scalar::I8 => i8::from_le_bytes(self.take()?).into(),
-            Scalar::U8 => u8::from_le_bytes(self.take()?).into(),
-            Scalar::I16 => i16::from_le_bytes(self.take()?).into(),
-            Scalar::U16 => u16::from_le_bytes(self.take()?).into(),
-            Scalar::I32 => i32::from_le_bytes(self.take()?).into(),
-            Scalar::U32 => u32::from_le_bytes(self.take()?).into(),
-            // Not reached: headers in which a list length or a corner has such a type are refused.
-            Scalar::F32 | Scalar::F64 => return None,
-        })
-    }
-
-    #[inline]
-    fn real(&mut self, kind: Scalar) -> Option<f64> {
-        match kind {
-            Scalar::F32 => self.take().map(|bytes| f32::from_le_bytes(bytes).into()),
-            Scalar::F64 => self.take().map(f64::from_le_bytes),
-            // At most 32 bits: exact.
-            _ => self.integer(kind).map(|number| number as f64),
-        }
-    }
-
-    #[cold]
-    fn expected(
-        &self,
-        expected: &'static str,
-        number: Option<i64>,
-        element: Option<Element>,
-    ) -> ParseError {
-        let found = match number {
-            Some(number) => number.to_string(),
-            None => "the end of the file".to_owned(),
-        };
-        Problem::Expected { expected, found }.at(self.position(), element)
-    }
-
-    /// Nothing more than white space, which some programs append.
-    fn end_of_file(&self) -> Result<(), ParseError> {
-        let rest = &self.bytes[self.at..];
-        if rest.iter().all(u8::is_ascii_whitespace) {
-            return Ok(());
-        }
-        let expected = "the end of the file";
-        let found = format!("{} bytes more", rest.len());
-        Err(Problem::Expected { expected, found }.at(self.position(), None))
-    }
-}
-
-impl Body for Binary<'_> {
-    fn begin(&mut self, _: Option<Element>) -> Result<(), ParseError> {
-        Ok(())
-    }
-
-    fn position(&self) -> Position {
-        Position::Byte(self.at)
-    }
-
-    #[inline]
-    fn coordinate(
-        &mut self,
-        axis: usize,
-        kind: Scalar,
-        element: Element,
-    ) -> Result<f64, ParseError> {
-        let position = self.position();
-        let value = self
-            .real(kind)
-            .ok_or_else(|| self.expected("a coordinate", None, Some(element)))?;
-        finite(value, axis, || value.to_string())
-            .map_err(|problem| problem.at(position, Some(element)))
-    }
-
-    #[inline]
-    fn corner(&mut self, kind: Scalar, element: Element) -> Result<u32, ParseError> {
-        let number = self.integer(kind);
-        number
-            .and_then(|number| number.try_into().ok())
-            .ok_or_else(|| self.expected(CORNER, number, Some(element)))
-    }
-
-    #[inline]
-    fn length(&mut self, kind: Scalar, element: Option<Element>) -> Result<usize, ParseError> {
-        let number = self.integer(kind);
-        number
-            .and_then(|number| number.try_into().ok())
-            .ok_or_else(|| self.expected(LIST_LENGTH, number, element))
-    }
-
-    #[inline]
-    fn skip(
-        &mut self,
-        kind: Scalar,
-        count: usize,
-        element: Option<Element>,
-    ) -> Result<(), ParseError> {
-        let left = self.bytes.len() - self.at;
-        match count.checked_mul(kind.size()) {
-            Some(length) if length <= left => {
-                self.at += length;
-                Ok(())
-            }
-            _ => {
-                self.ended = true;
-                Err(self.expected("another property", None, element))
-            }
-        }
-    }
-
-    fn end(&mut self, _: Option<Element>) -> Result<(), ParseError> {
-        Ok(())
-    }
-
-    fn has_ended(&self) -> bool {
-        self.ended
-    }
 }

@@ -39,6 +39,7 @@ impl Builder<'_> {
             let method = surface
                 .effects
                 .bending
+                .as_ref()
                 .map_or("", |bending| bending.method.name());
             self.contradiction(
                 &driver.origin_of("scheme"),

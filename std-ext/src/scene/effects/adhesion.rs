@@ -80,10 +80,10 @@ impl Adhesion {
 impl SurfaceEffect for Adhesion {
     /// An edge along a curve of radius r rises by about h²/(2r).
     fn check_mesh(&self, check: &mut MeshCheck<'_>) {
-        let Some(bending) = check.effects.bending else {
+        let Some(bending) = &check.effects.bending else {
             return;
         };
-        let radius = self.contact_radius(bending.modulus);
+        let radius = self.contact_radius(bending.modulus.least());
         let longest = check.mesh.edge_lengths[1];
         if longest * longest > radius * self.range {
             let message = format!(

@@ -1,6 +1,7 @@
 //! Bending.
 
 use super::super::keys::{Form, Keys, any, optional, plain, positive, required};
+use super::super::material::COLUMN;
 use super::super::units::Dimension;
 use super::{
     Builder, Check, Described, EffectError, Groups, MeshCheck, MeshSource, Named, Parameter,
@@ -9,14 +10,16 @@ use super::{
 use crate::effect::Effect;
 use crate::generate::Family;
 use crate::info::MeshInfo;
+use crate::io::Column;
 use crate::method::{BendingMethod, MethodOptions};
-use crate::scene::{Boundary, Driver, Flow};
+use crate::scene::{Boundary, Driver, Flow, Material};
 use crate::six::Six;
-use helfrich::{Bandwidth, GompperKroll, Method, ParameterError};
+use helfrich::{Bandwidth, DualArea, GompperKroll, Method, ParameterError};
 use serde::Serialize;
+use std::sync::Arc;
 
-/// Bending, `E = 2κ ∫ (H − H0)² dS`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// Bending, `E = 2 ∫ κ (H − H0)² dS`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bending {
     /// The method.
     pub method: BendingMethod,
@@ -24,9 +27,9 @@ pub struct Bending {
     #[serde(flatten)]
     pub options: MethodOptions,
     /// Bending modulus κ, an energy.
-    pub modulus: f64,
+    pub modulus: Material,
     /// Spontaneous curvature H0 = c0/2, 1/length, positive on a sphere; 0 if there is none.
-    pub spontaneous_curvature: f64,
+    pub spontaneous_curvature: Material,
 }
 
 fn methods() -> Vec<&'static str> {
@@ -40,7 +43,7 @@ fn methods() -> Vec<&'static str> {
 }
 
 impl Described for Bending {
-    const SUMMARY: &'static str = "Bending, E = 2κ ∫ (H − H0)² dS.";
+    const SUMMARY: &'static str = "Bending, E = 2 ∫ κ (H − H0)² dS.";
 
     const KEYS: &'static Keys = &plain(&[
         required(
@@ -48,7 +51,11 @@ impl Described for Bending {
             Form::Choice(methods),
             "The bending method, by its name or letter.",
         ),
-        required("modulus", positive(Dimension::ENERGY), "Bending modulus κ."),
+        required(
+            "modulus",
+            Form::Either(&[positive(Dimension::ENERGY), COLUMN]),
+            "Bending modulus κ; a column of the mesh file for one at each vertex.",
+        ),
         optional(
             MethodOptions::AREAS,
             Form::Choice(MethodOptions::areas_names),
@@ -66,12 +73,15 @@ impl Described for Bending {
         ),
         optional(
             "spontaneous_curvature",
-            any(Dimension::CURVATURE),
-            "Spontaneous curvature H0 = c0/2, positive on a sphere; by default 0.",
+            Form::Either(&[any(Dimension::CURVATURE), COLUMN]),
+            "Spontaneous curvature H0 = c0/2, positive on a sphere; by default 0. A column of the mesh \
+             file for one at each vertex.",
         ),
     ]);
 
-    fn read(table: Reader<'_>, _: &MeshSource, _: &mut Builder<'_>) -> Self {
+    fn read(table: Reader<'_>, source: &MeshSource, builder: &mut Builder<'_>) -> Self {
+        let mut material = |key| Material::read(table, key, source, builder);
+        let [modulus, curvature] = ["modulus", "spontaneous_curvature"].map(&mut material);
         let method = table.text("method").and_then(|text| text.parse().ok());
         let areas = table.text(MethodOptions::AREAS);
         let bandwidth = table.text(MethodOptions::BANDWIDTH);
@@ -84,8 +94,8 @@ impl Described for Bending {
                     .and_then(|name| MethodOptions::parse_bandwidth(name).ok())
                     .or(in_mean_areas.map(Bandwidth::MeanArea)),
             },
-            modulus: table.needed("modulus"),
-            spontaneous_curvature: table.number("spontaneous_curvature").unwrap_or(0.0),
+            modulus: modulus.unwrap_or(Material::Number(f64::NAN)),
+            spontaneous_curvature: curvature.unwrap_or(Material::Number(0.0)),
         }
     }
 }
@@ -93,12 +103,29 @@ impl Described for Bending {
 impl SurfaceEffect for Bending {
     fn check(&self, check: &mut Check<'_, '_>) {
         let is_kantor_nelson = self.method == BendingMethod::KantorNelson;
-        if is_kantor_nelson && self.spontaneous_curvature != 0.0 {
+        if is_kantor_nelson && self.modulus.column().is_some() {
+            check.contradiction(
+                "bending.modulus",
+                "method kantor-nelson (A) has one modulus for all edges: choose another method, or a \
+                 number"
+                    .to_owned(),
+            );
+        }
+        if is_kantor_nelson && self.spontaneous_curvature != Material::Number(0.0) {
             check.contradiction(
                 "bending.spontaneous_curvature",
                 "method kantor-nelson (A) has no spontaneous curvature: choose another method"
                     .to_owned(),
             );
+        }
+        let held = check.effects.local_area.is_some() || check.effects.elasticity.is_some();
+        if self.varies() && !held {
+            let message = format!(
+                "κ and H0 belong to the material of \"{}\", and nothing keeps its parts from growing at \
+                 the cost of each other: add `elasticity` or `local_area`",
+                check.name
+            );
+            check.doubt(Self::NAME, message);
         }
         if let Err(unused) = self.options.check(self.method) {
             check.contradiction(&format!("bending.{}", unused.option), unused.to_string());
@@ -115,8 +142,9 @@ impl SurfaceEffect for Bending {
         self.check_edge(check);
         // The same limits hold for every method.
         let method = GompperKroll {
-            spontaneous_curvature: self.spontaneous_curvature.into(),
-            ..GompperKroll::new(self.modulus)
+            modulus: self.modulus.parameter(),
+            spontaneous_curvature: self.spontaneous_curvature.parameter(),
+            area: DualArea::default(),
         };
         let range = Method::<f64>::check(&method);
         match check.driver {
@@ -130,9 +158,17 @@ impl SurfaceEffect for Bending {
         }
     }
 
+    fn columns(&self) -> Vec<&Arc<Column>> {
+        let parameters = [&self.modulus, &self.spontaneous_curvature];
+        parameters
+            .into_iter()
+            .filter_map(Material::column)
+            .collect()
+    }
+
     fn stiffness(&self) -> Stiffness {
         Stiffness {
-            bending: self.modulus,
+            bending: self.modulus.largest(),
             ..Stiffness::default()
         }
     }
@@ -143,29 +179,45 @@ impl SurfaceEffect for Bending {
     }
 
     fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
-        let curvature = self.spontaneous_curvature;
-        let mut parameters = vec![number.of("modulus", self.modulus, Dimension::ENERGY)];
-        if curvature != 0.0 {
-            let name = "spontaneous_curvature";
-            parameters.push(number.of(name, curvature, Dimension::CURVATURE));
-        }
-        let choice = match self.options {
+        let mut choice = match self.options {
             options if options.is_default() => self.method.to_string(),
             options => format!("{}, {options}", self.method),
         };
+        let mut parameters = Vec::new();
+        for (name, material, dimension) in [
+            ("modulus", &self.modulus, Dimension::ENERGY),
+            (
+                "spontaneous_curvature",
+                &self.spontaneous_curvature,
+                Dimension::CURVATURE,
+            ),
+        ] {
+            match material {
+                Material::Number(value) if *value == 0.0 => {}
+                Material::Number(value) => parameters.push(number.of(name, *value, dimension)),
+                Material::Column { .. } => {
+                    let range = material.range().unwrap_or_default();
+                    choice.push_str(&format!(", {name} {range}"));
+                }
+            }
+        }
         (choice, parameters)
     }
 
     fn groups(&self, groups: &mut Groups<'_>) {
-        if self.spontaneous_curvature != 0.0 {
-            let reduced = 2.0 * self.spontaneous_curvature * groups.radius();
+        let spontaneous = self.spontaneous_curvature.uniform();
+        if let Some(curvature) = spontaneous.filter(|&curvature| curvature != 0.0) {
+            let reduced = 2.0 * curvature * groups.radius();
             groups.add("reduced spontaneous curvature", "c0 R = 2 H0 R", reduced);
         }
         let rate = groups.driver.flow().and_then(Flow::rate);
-        if let (Some(rate), Some(viscosity)) = (rate, groups.driver.viscosity()) {
+        let modulus = self.modulus.uniform();
+        if let (Some(rate), Some(viscosity), Some(modulus)) =
+            (rate, groups.driver.viscosity(), modulus)
+        {
             let viscous = viscosity * rate * groups.mesh.enclosed_radius().powi(3);
             let name = "capillary number by κ";
-            groups.add(name, "Ca_κ = μγ̇a³/κ", viscous / self.modulus);
+            groups.add(name, "Ca_κ = μγ̇a³/κ", viscous / modulus);
         }
     }
 
@@ -174,7 +226,7 @@ impl SurfaceEffect for Bending {
             Self::NAME,
             self.method,
             &self.options,
-            [self.modulus, self.spontaneous_curvature],
+            [&self.modulus, &self.spontaneous_curvature].map(Material::parameter),
             preparation.lumping,
             preparation.mesh(),
         )?;
@@ -184,10 +236,18 @@ impl SurfaceEffect for Bending {
 }
 
 impl Bending {
+    /// Whether κ or H0 are different somewhere.
+    fn varies(&self) -> bool {
+        let parameters = [&self.modulus, &self.spontaneous_curvature];
+        parameters
+            .iter()
+            .any(|parameter| parameter.uniform().is_none())
+    }
+
     /// Reports forces whose squares overflow or underflow, and parameters beyond the `range`.
     fn check_size(&self, check: &mut MeshCheck<'_>, range: Result<(), ParameterError>) {
         let radius = (check.mesh.area / (4.0 * std::f64::consts::PI)).sqrt();
-        let unit = self.modulus / radius.powi(3);
+        let unit = self.modulus.largest() / radius.powi(3);
         if !(unit * unit).is_normal() {
             let message = format!(
                 "forces per area of \"{}\" are of the size of κ/R³ = {}, whose square is beyond the \

@@ -36,8 +36,8 @@ impl Described for GaussianBending {
 impl SurfaceEffect for GaussianBending {
     fn check(&self, check: &mut Check<'_, '_>) {
         super::refuse_on_lattice(Self::NAME, check);
-        let bending = check.effects.bending;
-        let unstable = bending.is_none_or(|bending| self.modulus < -2.0 * bending.modulus);
+        let bending = check.effects.bending.as_ref();
+        let unstable = bending.is_none_or(|bending| self.modulus < -2.0 * bending.modulus.least());
         if unstable || self.modulus > 0.0 {
             let message = "with a Gaussian modulus below −2κ or above 0 the energy has no minimum: a \
                            membrane with a free edge bends without end";

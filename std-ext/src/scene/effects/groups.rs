@@ -42,9 +42,9 @@ impl Groups<'_> {
         (self.mesh.area / (4.0 * PI)).sqrt()
     }
 
-    /// The bending modulus κ, if the surface bends.
+    /// The bending modulus κ, if the surface bends and it is the same everywhere.
     pub(super) fn bending_modulus(&self) -> Option<f64> {
-        Some(self.effects.bending?.modulus)
+        self.effects.bending.as_ref()?.modulus.uniform()
     }
 }
 

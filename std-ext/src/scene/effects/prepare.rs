@@ -1,7 +1,7 @@
 //! Effects prepared for the mesh of their surface.
 
 use super::{Effects, Stretch};
-use crate::effect::{Effect, Lumping, NoForce, Potential, Viscosity};
+use crate::effect::{CannotBend, Effect, Lumping, Potential, Viscosity};
 use helfrich::{
     Constraint, LoadError, ParameterError, Quantity, ReferenceError, Surface, SurfaceError,
     Targets, TriangleMesh,
@@ -23,9 +23,9 @@ pub enum EffectError {
     /// A parameter is out of range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// The bending method has no force.
+    /// The bending method cannot act.
     #[error(transparent)]
-    NoForce(#[from] NoForce),
+    Bending(#[from] CannotBend),
     /// The surface does not start where the effect can act; the message says where it should.
     #[error("{0}")]
     Misplaced(String),

@@ -162,7 +162,11 @@ fn of_one(surface: &SurfaceScene, mesh: &MeshInfo, viscosity: f64) -> Option<f64
         return None;
     };
     let even = matches!(family, Family::Regular | Family::Smooth | Family::Relaxed);
-    let method = surface.effects.bending.map(|bending| bending.method);
+    let method = surface
+        .effects
+        .bending
+        .as_ref()
+        .map(|bending| bending.method);
     let known = method.is_none_or(|method| method == BendingMethod::GompperKroll);
     if !even || !known || surface.effects.tension.is_some() {
         return None;
@@ -179,7 +183,8 @@ fn of_one(surface: &SurfaceScene, mesh: &MeshInfo, viscosity: f64) -> Option<f64
     let bending = surface
         .effects
         .bending
-        .map_or(0.0, |bending| bending.modulus);
+        .as_ref()
+        .map_or(0.0, |bending| bending.modulus.largest());
     let edge = mean_edge(mesh.area, mesh.triangles);
     let stretch = 0.355 * (in_plane + local_area) / edge;
     let radius = stretch.max(2.65 * bending / edge.powi(3)) / viscosity;

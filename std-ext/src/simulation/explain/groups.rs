@@ -57,11 +57,14 @@ fn small_deformation(
     let capillary = capillary_number(&surface.effects, mesh, driver)?;
     let reference = &elasticity.reference;
     let unstressed = reference.is_initial() && reference.scale == 1.0;
-    let flat = |bending: Bending| bending.spontaneous_curvature == 0.0;
+    let plain = |bending: &Bending| {
+        let spontaneous = bending.spontaneous_curvature.uniform();
+        spontaneous == Some(0.0) && bending.modulus.uniform().is_some()
+    };
     // A pressure has no effect, because the volume is conserved.
     let known = ["elasticity", "bending", "volume", "pressure"];
-    let alone =
-        effects.names().all(|name| known.contains(&name)) && effects.bending.is_none_or(flat);
+    let alone = effects.names().all(|name| known.contains(&name))
+        && effects.bending.as_ref().is_none_or(plain);
     let sphere = matches!(
         surface.source,
         MeshSource::Shape {
@@ -74,7 +77,7 @@ fn small_deformation(
         return None;
     }
     let radius = mesh.enclosed_radius();
-    let modulus = effects.bending.map_or(0.0, |bending| bending.modulus);
+    let modulus = effects.stiffness().bending;
     let b = modulus / (radius * radius * elasticity.law.shear_modulus());
     Some(match elasticity.law {
         InPlaneLaw::NeoHookean { .. } => (

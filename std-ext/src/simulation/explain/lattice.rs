@@ -62,6 +62,7 @@ pub(super) fn explain(
         let bending = surface
             .effects
             .bending
+            .as_ref()
             .map_or(0.0, |bending| bending.method.description().relative_cost);
         let viscous = 2.0 * viscous_products(surface, lattice);
         mesh.vertices as f64 * VERTEX_SECONDS * (1.0 + bending + viscous)

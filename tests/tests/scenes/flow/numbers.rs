@@ -5,7 +5,7 @@ use super::{capsule, driver, warned, warnings, with_flow};
 use helfrich::Surface;
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::info::MeshInfo;
-use helfrich_std::scene::{Flow, MeshSource};
+use helfrich_std::scene::{Flow, Material, MeshSource};
 use helfrich_std::simulation::Explanation;
 use helfrich_std::simulation::build;
 use helfrich_tests::tolerance;
@@ -137,7 +137,8 @@ fn overrides_change_flow_surface_and_law() {
     let surface = &scene.surfaces[0];
     assert_eq!(driver(&scene).flow, Flow::Shear { rate: 0.3 });
     assert_eq!(driver(&scene).duration, 10.0 / 0.3);
-    assert_eq!(surface.effects.bending.unwrap().modulus, 0.0025);
+    let bending = surface.effects.bending.as_ref().unwrap();
+    assert_eq!(bending.modulus, Material::Number(0.0025));
     assert!(matches!(
         surface.source,
         MeshSource::Shape { vertices: 2562, .. }

@@ -1,7 +1,7 @@
 //! The polygons of a PolyData file as a mesh.
 
 use super::super::xml::{Tag, Tags, line_of};
-use super::super::{Builder, MeshFile, ParseError, Problem, finite};
+use super::super::{Builder, Column, Columns, MeshFile, ParseError, Problem, finite};
 use super::array::{Array, Storage};
 
 /// A piece of the surface.
@@ -12,6 +12,8 @@ struct Piece<'a> {
     points: Option<Array<'a>>,
     connectivity: Option<Array<'a>>,
     ends: Option<Array<'a>>,
+    /// Arrays of one component at the points, if they are read.
+    columns: Vec<(String, Array<'a>)>,
 }
 
 /// The structure of a file, without its numbers.
@@ -20,16 +22,52 @@ struct Outline<'a> {
     pieces: Vec<Piece<'a>>,
 }
 
-pub(in crate::io) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
-    let Outline { storage, pieces } = outline(bytes)?;
+pub(in crate::io) fn parse(
+    bytes: &[u8],
+    columns: Columns,
+) -> Result<(MeshFile, Vec<Column>), ParseError> {
+    let Outline { storage, pieces } = outline(bytes, columns)?;
     let mut builder = Builder::new(0);
     for piece in &pieces {
         piece.add_to(&mut builder, &storage)?;
     }
-    builder.finish()
+    Ok((builder.finish()?, joined(&pieces, &storage)?))
 }
 
-fn outline(bytes: &[u8]) -> Result<Outline<'_>, ParseError> {
+/// The columns that every piece with points has, one piece after the other.
+fn joined(pieces: &[Piece<'_>], storage: &Storage<'_>) -> Result<Vec<Column>, ParseError> {
+    let pieces = Vec::from_iter(pieces.iter().filter(|piece| piece.vertices > 0));
+    let names = pieces.first().map_or(&[][..], |piece| &piece.columns);
+    let mut columns = Vec::new();
+    for (name, _) in names {
+        let of_piece = |piece: &&Piece<'_>| piece.columns.iter().any(|(own, _)| own == name);
+        if !pieces.iter().all(of_piece) {
+            continue;
+        }
+        let mut values = Vec::new();
+        for piece in &pieces {
+            for (_, array) in piece.columns.iter().filter(|(own, _)| own == name).take(1) {
+                let own = array.floats(storage)?;
+                let found = own.values.len();
+                if found != piece.vertices {
+                    let problem = Problem::ColumnLength {
+                        found,
+                        points: piece.vertices,
+                    };
+                    return Err(problem.at(own.first_position(storage.file), None));
+                }
+                values.extend(own.values);
+            }
+        }
+        columns.push(Column {
+            name: name.clone(),
+            values,
+        });
+    }
+    Ok(columns)
+}
+
+fn outline(bytes: &[u8], columns: Columns) -> Result<Outline<'_>, ParseError> {
     let mut tags = Tags::new(bytes);
     let mut storage = None;
     let mut pieces: Vec<Piece<'_>> = Vec::new();
@@ -58,7 +96,16 @@ fn outline(bytes: &[u8]) -> Result<Outline<'_>, ParseError> {
                 let Some(piece) = pieces.last_mut() else {
                     continue;
                 };
-                let place = match (section, tag.attribute("Name")) {
+                let name = tag.attribute("Name");
+                if let (b"PointData", Some(name), Columns::Read) = (section, name, columns) {
+                    let components = tag.attribute("NumberOfComponents");
+                    // Texts, which are no numbers, are skipped.
+                    if let (None | Some("1"), Ok(array)) = (components, Array::new(bytes, &tag)) {
+                        piece.columns.push((name.to_owned(), array));
+                    }
+                    continue;
+                }
+                let place = match (section, name) {
                     (b"Points", _) => &mut piece.points,
                     (b"Polys", Some("connectivity")) => &mut piece.connectivity,
                     (b"Polys", Some("offsets")) => &mut piece.ends,

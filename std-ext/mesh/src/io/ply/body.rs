@@ -1,0 +1,256 @@
+//! The body of a PLY file: its elements, as text or binary.
+
+use super::super::text::{Text, parsed};
+use super::super::{CORNER, Element, ParseError, Position, Problem, finite};
+use super::{ByteOrder, Scalar};
+
+/// The part of a file behind its header, value by value. `element` is the one that is being read,
+/// for error messages.
+pub(super) trait Body {
+    /// Starts a record.
+    fn begin(&mut self, element: Option<Element>) -> Result<(), ParseError>;
+    /// The current position.
+    fn position(&self) -> Position;
+    fn coordinate(
+        &mut self,
+        axis: usize,
+        kind: Scalar,
+        element: Element,
+    ) -> Result<f64, ParseError>;
+    fn number(&mut self, kind: Scalar, element: Element) -> Result<f64, ParseError>;
+    fn corner(&mut self, kind: Scalar, element: Element) -> Result<u32, ParseError>;
+    fn length(&mut self, kind: Scalar, element: Option<Element>) -> Result<usize, ParseError>;
+    fn skip(
+        &mut self,
+        kind: Scalar,
+        count: usize,
+        element: Option<Element>,
+    ) -> Result<(), ParseError>;
+    /// Finishes a record.
+    fn end(&mut self, element: Option<Element>) -> Result<(), ParseError>;
+    /// Whether the last error was that there is nothing left.
+    fn has_ended(&self) -> bool;
+}
+
+const LIST_LENGTH: &str = "a list's length";
+
+/// A body with one element per line.
+pub(super) struct Ascii<'a> {
+    pub(super) text: Text<'a>,
+    /// The line's first word, until it is used.
+    pub(super) first: Option<&'a [u8]>,
+}
+
+impl<'a> Ascii<'a> {
+    fn word(&mut self) -> Option<&'a [u8]> {
+        self.first.take().or_else(|| self.text.word())
+    }
+}
+
+impl Body for Ascii<'_> {
+    fn begin(&mut self, element: Option<Element>) -> Result<(), ParseError> {
+        self.first = self.text.statement();
+        match self.first {
+            Some(_) => Ok(()),
+            None => Err(self.text.expected("an element", None, element)),
+        }
+    }
+
+    fn position(&self) -> Position {
+        self.text.position()
+    }
+
+    fn coordinate(&mut self, axis: usize, _: Scalar, element: Element) -> Result<f64, ParseError> {
+        let word = self.word();
+        self.text.coordinate(axis, word, element)
+    }
+
+    fn number(&mut self, _: Scalar, element: Element) -> Result<f64, ParseError> {
+        let word = self.word();
+        parsed(word).ok_or_else(|| self.text.expected("a number", word, Some(element)))
+    }
+
+    fn corner(&mut self, _: Scalar, element: Element) -> Result<u32, ParseError> {
+        let word = self.word();
+        parsed(word).ok_or_else(|| self.text.expected(CORNER, word, Some(element)))
+    }
+
+    fn length(&mut self, _: Scalar, element: Option<Element>) -> Result<usize, ParseError> {
+        let word = self.word();
+        parsed(word).ok_or_else(|| self.text.expected(LIST_LENGTH, word, element))
+    }
+
+    fn skip(
+        &mut self,
+        _: Scalar,
+        count: usize,
+        element: Option<Element>,
+    ) -> Result<(), ParseError> {
+        for _ in 0..count {
+            if self.word().is_none() {
+                return Err(self.text.expected("another property", None, element));
+            }
+        }
+        Ok(())
+    }
+
+    fn end(&mut self, element: Option<Element>) -> Result<(), ParseError> {
+        match self.word() {
+            None => Ok(()),
+            word => Err(self.text.expected("the end of the line", word, element)),
+        }
+    }
+
+    fn has_ended(&self) -> bool {
+        self.text.has_ended()
+    }
+}
+
+/// A binary body: records without separators.
+pub(super) struct Binary<'a> {
+    pub(super) bytes: &'a [u8],
+    pub(super) at: usize,
+    pub(super) order: ByteOrder,
+    pub(super) ended: bool,
+}
+
+impl Binary<'_> {
+    /// The next N bytes, the least significant first.
+    #[inline]
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let Some(bytes) = self.bytes[self.at..].first_chunk::<N>() else {
+            self.ended = true;
+            return None;
+        };
+        self.at += N;
+        let mut bytes = *bytes;
+        if matches!(self.order, ByteOrder::Big) {
+            bytes.reverse();
+        }
+        Some(bytes)
+    }
+
+    #[inline]
+    fn integer(&mut self, kind: Scalar) -> Option<i64> {
+        Some(match kind {
+            Scalar::I8 => i8::from_le_bytes(self.take()?).into(),
+            Scalar::U8 => u8::from_le_bytes(self.take()?).into(),
+            Scalar::I16 => i16::from_le_bytes(self.take()?).into(),
+            Scalar::U16 => u16::from_le_bytes(self.take()?).into(),
+            Scalar::I32 => i32::from_le_bytes(self.take()?).into(),
+            Scalar::U32 => u32::from_le_bytes(self.take()?).into(),
+            // Not reached: headers in which a list length or a corner has such a type are refused.
+            Scalar::F32 | Scalar::F64 => return None,
+        })
+    }
+
+    #[inline]
+    fn real(&mut self, kind: Scalar) -> Option<f64> {
+        match kind {
+            Scalar::F32 => self.take().map(|bytes| f32::from_le_bytes(bytes).into()),
+            Scalar::F64 => self.take().map(f64::from_le_bytes),
+            // At most 32 bits: exact.
+            _ => self.integer(kind).map(|number| number as f64),
+        }
+    }
+
+    #[cold]
+    fn expected(
+        &self,
+        expected: &'static str,
+        number: Option<i64>,
+        element: Option<Element>,
+    ) -> ParseError {
+        let found = match number {
+            Some(number) => number.to_string(),
+            None => "the end of the file".to_owned(),
+        };
+        Problem::Expected { expected, found }.at(self.position(), element)
+    }
+
+    /// Nothing more than white space, which some programs append.
+    pub(super) fn end_of_file(&self) -> Result<(), ParseError> {
+        let rest = &self.bytes[self.at..];
+        if rest.iter().all(u8::is_ascii_whitespace) {
+            return Ok(());
+        }
+        let expected = "the end of the file";
+        let found = format!("{} bytes more", rest.len());
+        Err(Problem::Expected { expected, found }.at(self.position(), None))
+    }
+}
+
+impl Body for Binary<'_> {
+    fn begin(&mut self, _: Option<Element>) -> Result<(), ParseError> {
+        Ok(())
+    }
+
+    fn position(&self) -> Position {
+        Position::Byte(self.at)
+    }
+
+    #[inline]
+    fn coordinate(
+        &mut self,
+        axis: usize,
+        kind: Scalar,
+        element: Element,
+    ) -> Result<f64, ParseError> {
+        let position = self.position();
+        let value = self
+            .real(kind)
+            .ok_or_else(|| self.expected("a coordinate", None, Some(element)))?;
+        finite(value, axis, || value.to_string())
+            .map_err(|problem| problem.at(position, Some(element)))
+    }
+
+    #[inline]
+    fn number(&mut self, kind: Scalar, element: Element) -> Result<f64, ParseError> {
+        let number = self.real(kind);
+        number.ok_or_else(|| self.expected("a number", None, Some(element)))
+    }
+
+    #[inline]
+    fn corner(&mut self, kind: Scalar, element: Element) -> Result<u32, ParseError> {
+        let number = self.integer(kind);
+        number
+            .and_then(|number| number.try_into().ok())
+            .ok_or_else(|| self.expected(CORNER, number, Some(element)))
+    }
+
+    #[inline]
+    fn length(&mut self, kind: Scalar, element: Option<Element>) -> Result<usize, ParseError> {
+        let number = self.integer(kind);
+        number
+            .and_then(|number| number.try_into().ok())
+            .ok_or_else(|| self.expected(LIST_LENGTH, number, element))
+    }
+
+    #[inline]
+    fn skip(
+        &mut self,
+        kind: Scalar,
+        count: usize,
+        element: Option<Element>,
+    ) -> Result<(), ParseError> {
+        let left = self.bytes.len() - self.at;
+        match count.checked_mul(kind.size()) {
+            Some(length) if length <= left => {
+                self.at += length;
+                Ok(())
+            }
+            _ => {
+                self.ended = true;
+                Err(self.expected("another property", None, element))
+            }
+        }
+    }
+
+    fn end(&mut self, _: Option<Element>) -> Result<(), ParseError> {
+        Ok(())
+    }
+
+    fn has_ended(&self) -> bool {
+        self.ended
+    }
+}

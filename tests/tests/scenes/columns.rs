@@ -1,0 +1,197 @@
+//! Parameters at each vertex, from columns of mesh files.
+
+use helfrich::{Surface, TriangleMesh};
+use helfrich_std::dynamics::Problem;
+use helfrich_std::info::MeshInfo;
+use helfrich_std::io::{PointField, PointValues, write, write_vtp};
+use helfrich_std::method::BendingMethod;
+use helfrich_std::scene::{Overrides, SceneErrors, SceneFile};
+use helfrich_std::simulation::build;
+use helfrich_tests::meshes::{Mesh, icosphere};
+use tempfile::TempDir;
+
+/// A sphere with columns in a folder of its own.
+struct Files {
+    folder: TempDir,
+    mesh: Mesh,
+}
+
+impl Files {
+    /// `equal` is 2 everywhere, `jump` 1 below and 4 above, `H0` the height, `zero` 0 at vertex 7 and
+    /// `wrong` no number there.
+    fn new() -> Self {
+        let folder = TempDir::new().unwrap();
+        let mesh = icosphere(2);
+        let of = |value: &dyn Fn(usize, [f64; 3]) -> f64| {
+            let positions = mesh.positions.iter().enumerate();
+            Vec::from_iter(positions.map(|(vertex, &x)| value(vertex, x)))
+        };
+        let columns = [
+            ("equal", of(&|_, _| 2.0)),
+            ("jump", of(&|_, x| if x[2] > 0.0 { 4.0 } else { 1.0 })),
+            ("H0", of(&|_, x| x[2])),
+            ("zero", of(&|vertex, _| if vertex == 7 { 0.0 } else { 1.0 })),
+            (
+                "wrong",
+                of(&|vertex, _| if vertex == 7 { f64::NAN } else { 1.0 }),
+            ),
+        ];
+        let fields = Vec::from_iter(columns.iter().map(|(name, values)| PointField {
+            name,
+            values: PointValues::Scalars(values),
+        }));
+        let path = folder.path().join("sphere.vtp");
+        write_vtp(&path, &mesh.connectivity, &mesh.positions, None, &fields).unwrap();
+        let path = folder.path().join("sphere.off");
+        write(&path, &mesh.positions, &mesh.connectivity).unwrap();
+        Self { folder, mesh }
+    }
+
+    /// A scene with these keys of the surface, and of its bending besides the method.
+    fn scene(&self, surface: &str, bending: &str) -> Result<SceneFile, SceneErrors> {
+        let text = format!(
+            "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\n{surface}\nlocal_area.modulus \
+             = 1\n[surface.bending]\n{bending}\n"
+        );
+        let path = self.folder.path().join("scene.toml");
+        SceneFile::parse(&text, &path, &Overrides::default())
+    }
+
+    fn refused(&self, surface: &str, bending: &str, parts: &[&str]) {
+        let message = self.scene(surface, bending).unwrap_err().to_string();
+        for part in parts {
+            assert!(message.contains(part), "{part}: {message}");
+        }
+    }
+}
+
+const MESH: &str = "mesh = \"sphere.vtp\"";
+
+/// Energy and forces of a scene at its start, on a sphere that is moved a little.
+fn evaluated(file: &SceneFile) -> (f64, Vec<[f64; 3]>) {
+    let (mut simulation, mut positions) = build(file).unwrap();
+    for position in &mut positions {
+        position[0] *= 1.2;
+    }
+    let mut force = vec![[0.0; 3]; positions.len()];
+    let evaluation = simulation.evaluate(&positions, &mut force);
+    (evaluation.energy, force)
+}
+
+/// A column of equal numbers is the number, to the last bit and by every method that has columns; one
+/// of other numbers is not.
+#[test]
+fn a_column_of_equal_numbers_is_the_number() {
+    let files = Files::new();
+    let methods = BendingMethod::ALL.into_iter();
+    for method in methods.filter(|&method| method != BendingMethod::KantorNelson) {
+        let with = |modulus: &str, curvature: &str| {
+            let bending = format!(
+                "method = \"{method}\"\nmodulus = {modulus}\nspontaneous_curvature = {curvature}"
+            );
+            let file = files.scene(MESH, &bending);
+            evaluated(&file.unwrap_or_else(|errors| panic!("{errors}")))
+        };
+        let equal = "{ column = \"equal\" }";
+        let number = with("2", "2");
+        assert_eq!(with(equal, equal), number, "{method}");
+        assert_ne!(with("{ column = \"jump\" }", "2"), number, "{method}");
+        assert_ne!(with("2", "{ column = \"H0\" }"), number, "{method}");
+    }
+}
+
+#[test]
+fn unusable_columns_are_refused() {
+    let files = Files::new();
+    let column = |name: &str| format!("method = \"B\"\nmodulus = {{ column = \"{name}\" }}");
+    let bending = column("kapa");
+    let known = "\"equal\", \"jump\", \"H0\", \"zero\", \"wrong\"";
+    files.refused(
+        MESH,
+        &bending,
+        &[
+            "scene.toml:9:",
+            "sphere.vtp has no column \"kapa\" of single numbers: it has ",
+            known,
+        ],
+    );
+    files.refused(
+        "mesh = \"sphere.off\"",
+        &bending,
+        &["it has none; .vtp and .ply files may have columns"],
+    );
+    files.refused(
+        "mesh = \"missing.vtp\"",
+        &bending,
+        &["missing.vtp: there is no such file"],
+    );
+    files.refused(
+        "shape = \"sphere:1\"\nvertices = 42",
+        &bending,
+        &["the mesh of the surface is generated, and has no column \"kapa\""],
+    );
+    files.refused(
+        "mesh = \"sphere.vtp\"\nweld = true",
+        &column("jump"),
+        &["`weld` makes one vertex of several"],
+    );
+    files.refused(
+        MESH,
+        &column("zero"),
+        &["the column \"zero\" is 0 at vertex 7: `modulus` has to be a finite number above 0"],
+    );
+    files.refused(
+        MESH,
+        "method = \"B\"\nmodulus = 1\nspontaneous_curvature = { column = \"wrong\" }",
+        &["the column \"wrong\" is NaN at vertex 7"],
+    );
+    files.refused(
+        MESH,
+        &column("jump").replace("\"B\"", "\"A\""),
+        &["method kantor-nelson (A) has one modulus for all edges"],
+    );
+    files.refused(
+        MESH,
+        "method = \"B\"\nmodulus = { colum = \"jump\" }",
+        &["no key `colum` in `surface.0.bending.modulus`"],
+    );
+}
+
+/// The range of a column is explained; numbers that vary form no group.
+#[test]
+fn columns_are_explained() {
+    let files = Files::new();
+    let bending = "method = \"B\"\nmodulus = { column = \"jump\" }\nspontaneous_curvature = 1";
+    let file = files.scene(MESH, bending).unwrap();
+    let mesh: &TriangleMesh = &files.mesh.connectivity;
+    let info = MeshInfo::new(Surface::new(mesh, &files.mesh.positions).unwrap());
+    let text = file.scene.explain(&[info]).to_string();
+    assert!(
+        text.contains("modulus from 1 to 4 by column \"jump\""),
+        "{text}"
+    );
+    assert!(text.contains("c0 R = 2 H0 R"), "{text}");
+    assert!(!text.contains("k R²/κ"), "{text}");
+    assert!(file.warnings.is_empty(), "{:?}", file.warnings);
+}
+
+/// Without anything that keeps areas, one part grows at the cost of the other.
+#[test]
+fn parts_whose_area_nothing_holds_are_doubted() {
+    let files = Files::new();
+    let bending = "method = \"B\"\nmodulus = { column = \"jump\" }";
+    let text = format!(
+        "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\n{MESH}\n[surface.bending]\n{bending}\n"
+    );
+    let path = files.folder.path().join("scene.toml");
+    let file = SceneFile::parse(&text, &path, &Overrides::default()).unwrap();
+    let [warning] = file.warnings.as_slice() else {
+        panic!("{:?}", file.warnings);
+    };
+    assert!(
+        warning
+            .to_string()
+            .contains("add `elasticity` or `local_area`"),
+        "{warning}"
+    );
+}
