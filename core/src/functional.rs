@@ -19,6 +19,7 @@ mod total_gaussian_curvature;
 mod total_mean_curvature;
 
 pub use boundary_length::BoundaryLength;
+pub(crate) use boundary_length::LengthGradient;
 pub use enclosed_volume::EnclosedVolume;
 pub use quantity::{Quantity, QuantityMemory};
 pub use total_area::TotalArea;

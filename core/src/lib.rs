@@ -31,6 +31,8 @@
 //!   [`TotalMeanCurvature`], [`TotalGaussianCurvature`], [`BoundaryLength`]. Energies are made of them
 //!   ([`Penalty`], [`SurfaceTension`], [`OsmoticPressure`], [`AreaDifference`], and of open edges
 //!   [`LineTension`] and [`GaussianBending`]), and [`Constraints`] hold them exactly.
+//! * [`GaussianDomains`] and [`BorderTension`] are energies of parts of a membrane with other
+//!   parameters.
 //! * [`Gravity`], [`PointLoads`] and [`WallAdhesion`] are external forces. [`Repulsion`] is an
 //!   [`Interaction`], which acts between surfaces. [`MembraneViscosity`] is a [`Dissipation`],
 //!   which depends on velocities.
@@ -70,6 +72,7 @@ mod corrected_curvature;
 mod curvature;
 mod diagnostic;
 mod dissipation;
+mod domains;
 pub mod elasticity;
 pub mod element;
 pub mod functional;
@@ -112,6 +115,7 @@ pub use corrected_curvature::{CorrectedCurvature, CorrectedCurvatureMemory, Vert
 pub use curvature::{Curvature, Curvatures};
 pub use diagnostic::{Finding, Quality};
 pub use dissipation::{Dissipation, MembraneViscosity};
+pub use domains::{BorderTension, GaussianDomains, GaussianDomainsMemory};
 pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, StrainEnergy};
 pub use element::{Execution, Serial};
 pub use functional::{

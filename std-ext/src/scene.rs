@@ -35,10 +35,10 @@ pub use boundary::Boundary;
 pub(crate) use drivers::AXES;
 pub use drivers::{BoundaryIntegral, Driver, Integrator, LatticeBoltzmann, Relax, Scheme};
 pub use effects::{
-    Adhesion, AreaDifferenceTarget, Bending, EffectError, Effects, Elasticity, GaussianBending,
-    Gravity, Group, HeldArea, HeldAreaDifference, HeldVolume, Hold, InPlaneLaw, LineTension,
-    LocalArea, MembraneViscosity, Pressure, Reference, ReferenceSource, Stretching, Target,
-    Tension, VolumeTarget,
+    Adhesion, AreaDifferenceTarget, Bending, BorderTension, EffectError, Effects, Elasticity,
+    GaussianBending, Gravity, Group, HeldArea, HeldAreaDifference, HeldVolume, Hold, InPlaneLaw,
+    LineTension, LocalArea, MembraneViscosity, Pressure, Reference, ReferenceSource, Stretching,
+    Target, Tension, VolumeTarget,
 };
 pub(crate) use effects::{
     Groups, MeshCheck, Named, Preparation, Stretch, SurfaceEffect, capillary_number, reduced_volume,

@@ -6,9 +6,9 @@ use crate::method::ParameterError;
 use crate::real::Real;
 use alloc::vec::Vec;
 
-/// A parameter in `E = 2 ∫ κ (H − H0)² dS`: the bending modulus κ, an energy, or the spontaneous
-/// curvature H0 = c0/2, 1/length, which is positive for a membrane that prefers the curvature of the
-/// outside of a sphere.
+/// A parameter in `E = 2 ∫ κ (H − H0)² dS + ∫ κ_G K dS`: the bending modulus κ or the Gaussian modulus
+/// κ_G, energies, or the spontaneous curvature H0 = c0/2, 1/length, which is positive for a membrane that
+/// prefers the curvature of the outside of a sphere.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialParameter<T> {
     /// One value for all vertices.
@@ -75,23 +75,25 @@ impl<T: Real> MaterialParameter<T> {
         })
     }
 
-    /// Refuses a mesh with another number of vertices than either of these has values; the message
-    /// names the method.
-    pub(super) fn expect<M>(_method: &M, modulus: &Self, spontaneous: &Self, mesh: &TriangleMesh) {
-        for (parameter, what) in [
-            (modulus, "bending moduli"),
-            (spontaneous, "spontaneous curvatures"),
-        ] {
-            if let Self::PerVertex(values) = parameter {
-                assert!(
-                    values.len() == mesh.vertex_count(),
-                    "{} has {} {what}, one per vertex, and is used with a mesh of {} vertices: give one \
-                     for each vertex, or a constant",
-                    WithoutPaths(core::any::type_name::<M>()),
-                    values.len(),
-                    mesh.vertex_count(),
-                );
-            }
+    /// Refuses a mesh with another number of vertices than a bending modulus or a spontaneous curvature
+    /// has values; the message names the method.
+    pub(super) fn expect<M>(method: &M, modulus: &Self, spontaneous: &Self, mesh: &TriangleMesh) {
+        modulus.expect_each(method, "bending moduli", mesh);
+        spontaneous.expect_each(method, "spontaneous curvatures", mesh);
+    }
+
+    /// Refuses a mesh with another number of vertices than values, which are `what`; the message names
+    /// the method.
+    pub(crate) fn expect_each<M>(&self, _method: &M, what: &str, mesh: &TriangleMesh) {
+        if let Self::PerVertex(values) = self {
+            assert!(
+                values.len() == mesh.vertex_count(),
+                "{} has {} {what}, one per vertex, and is used with a mesh of {} vertices: give one \
+                 for each vertex, or a constant",
+                WithoutPaths(core::any::type_name::<M>()),
+                values.len(),
+                mesh.vertex_count(),
+            );
         }
     }
 

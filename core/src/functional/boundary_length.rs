@@ -18,7 +18,7 @@ use crate::vec3::{neg, norm, scale};
 pub struct BoundaryLength;
 
 /// `w ∂L/∂x`.
-struct LengthGradient<T>(T);
+pub(crate) struct LengthGradient<T>(pub(crate) T);
 
 impl<T: Real> ElementKernel<T, 2, 0, 3> for LengthGradient<T> {
     #[inline(always)]

@@ -7,11 +7,11 @@
 use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
-    AreaDifference, Components, Conservative, Cotangent, Curvatures, DualArea, Finding,
-    GaussianBending, Gravity, InPlane, LaplaceBeltrami, LineTension, LocalArea, MaterialParameter,
-    MembraneViscosity, Method, NeoHookean, OsmoticPressure, Penalty, PointLoads, Prepared,
-    Projected, Quantity, RigidBody, Skalak, StrongForm, Surface, SurfaceTension, TriangleMesh,
-    WallAdhesion, remove_net_force_and_torque,
+    AreaDifference, BorderTension, Components, Conservative, Cotangent, Curvatures, DualArea,
+    Finding, GaussianBending, GaussianDomains, Gravity, InPlane, LaplaceBeltrami, LineTension,
+    LocalArea, MaterialParameter, MembraneViscosity, Method, NeoHookean, OsmoticPressure, Penalty,
+    PointLoads, Prepared, Projected, Quantity, RigidBody, Skalak, StrongForm, Surface,
+    SurfaceTension, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
 };
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -164,7 +164,9 @@ macro_rules! potentials {
 
 potentials! {
     AreaDifference<f64>,
+    BorderTension<f64>,
     GaussianBending<f64>,
+    GaussianDomains<f64>,
     Gravity<f64>,
     InPlane<f64, LocalArea<f64>>,
     InPlane<f64, NeoHookean<f64>>,

@@ -8,6 +8,7 @@ mod adhesion;
 mod area;
 mod area_difference;
 mod bending;
+mod border_tension;
 mod elasticity;
 mod gaussian_bending;
 mod gravity;
@@ -27,6 +28,7 @@ pub use adhesion::Adhesion;
 pub use area::{HeldArea, Target};
 pub use area_difference::{AreaDifferenceTarget, HeldAreaDifference};
 pub use bending::Bending;
+pub use border_tension::BorderTension;
 pub use elasticity::{Elasticity, InPlaneLaw};
 pub use gaussian_bending::GaussianBending;
 pub use gravity::Gravity;
@@ -131,6 +133,8 @@ effects! {
     tension: Tension,
     /// Line tension of the edge of an open surface.
     line_tension: LineTension,
+    /// Line tension of the borders between domains.
+    border_tension: BorderTension,
     /// Pressure inside minus pressure outside.
     pressure: Pressure,
     /// Weight of the enclosed fluid minus that of the fluid that it displaces.
@@ -296,6 +300,18 @@ impl Check<'_, '_> {
     /// Whether the driver has neither time nor fluid.
     fn relaxes(&self) -> bool {
         matches!(self.driver, Some(Driver::Relax(_)))
+    }
+
+    /// Reports parts of the surface that can grow at the cost of each other.
+    fn doubt_unheld_parts(&mut self, path: &str) {
+        if self.effects.local_area.is_none() && self.effects.elasticity.is_none() {
+            let message = format!(
+                "parts of \"{}\" are different, and nothing keeps one from growing at the cost of another: \
+                 add `elasticity` or `local_area`",
+                self.name
+            );
+            self.doubt(path, message);
+        }
     }
 
     /// Reports a contradiction at a key `effect` or `effect.key`.

@@ -3,6 +3,7 @@
 mod adhesion;
 mod constraints;
 mod dissipation;
+mod domains;
 mod edges;
 mod elasticity;
 mod functionals;

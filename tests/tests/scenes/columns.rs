@@ -1,6 +1,5 @@
 //! Parameters at each vertex, from columns of mesh files.
 
-use helfrich::{Surface, TriangleMesh};
 use helfrich_std::dynamics::Problem;
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{PointField, PointValues, write, write_vtp};
@@ -163,8 +162,7 @@ fn columns_are_explained() {
     let files = Files::new();
     let bending = "method = \"B\"\nmodulus = { column = \"jump\" }\nspontaneous_curvature = 1";
     let file = files.scene(MESH, bending).unwrap();
-    let mesh: &TriangleMesh = &files.mesh.connectivity;
-    let info = MeshInfo::new(Surface::new(mesh, &files.mesh.positions).unwrap());
+    let info = MeshInfo::new(files.mesh.surface());
     let text = file.scene.explain(&[info]).to_string();
     assert!(
         text.contains("modulus from 1 to 4 by column \"jump\""),
@@ -173,6 +171,71 @@ fn columns_are_explained() {
     assert!(text.contains("c0 R = 2 H0 R"), "{text}");
     assert!(!text.contains("k R²/κ"), "{text}");
     assert!(file.warnings.is_empty(), "{:?}", file.warnings);
+}
+
+/// The effects of domains: their energies at the start, what is explained, and what is refused.
+#[test]
+fn domains_have_borders() {
+    let files = Files::new();
+    let tension = |domains: &str| {
+        format!("{MESH}\nborder_tension = {{ value = 2, domains = {{ column = \"{domains}\" }} }}")
+    };
+    let bending = "method = \"B\"\nmodulus = 1";
+    let file = files.scene(&tension("jump"), bending).unwrap();
+    let (mut simulation, positions) = build(&file).unwrap();
+    let acting = simulation.resolve(&positions);
+    let acting = acting
+        .iter()
+        .find(|acting| acting.effect == "border_tension");
+    let length = acting.expect("a border").energy / 2.0;
+    // The equator, in a zigzag.
+    let turn = 2.0 * std::f64::consts::PI;
+    assert!(length > turn && length < 1.25 * turn, "{length}");
+    let info = MeshInfo::new(files.mesh.surface());
+    let text = file.scene.explain(&[info]).to_string();
+    assert!(
+        text.contains("2 domains") && text.contains("Λ R/κ"),
+        "{text}"
+    );
+    files.refused(
+        &tension("equal"),
+        bending,
+        &["the column \"equal\" is 2 everywhere, and one domain has no border"],
+    );
+    files.refused(
+        &tension("H0"),
+        bending,
+        &["the label of a domain has to be a whole number"],
+    );
+    files.refused(
+        &tension("wrong"),
+        bending,
+        &["the column \"wrong\" is NaN at vertex 7: `domains` has to be a finite number"],
+    );
+}
+
+/// A Gaussian modulus does something to a closed surface where it varies, and there only.
+#[test]
+fn gaussian_moduli_have_columns() {
+    let files = Files::new();
+    let with = |gaussian: &str| {
+        let surface = format!("{MESH}\ngaussian_bending.modulus = {gaussian}");
+        let file = files.scene(&surface, "method = \"B\"\nmodulus = 5");
+        let file = file.unwrap_or_else(|errors| panic!("{errors}"));
+        let (simulation, _) = build(&file).unwrap();
+        let warnings = simulation.warnings().iter().map(ToString::to_string);
+        let idle = "`gaussian_bending` does nothing";
+        (
+            evaluated(&file),
+            warnings.filter(|text| text.contains(idle)).count(),
+        )
+    };
+    let number = with("2");
+    assert_eq!(with("{ column = \"equal\" }"), number);
+    assert_eq!(number.1, 1);
+    let (results, idle) = with("{ column = \"jump\" }");
+    assert_ne!(results, number.0);
+    assert_eq!(idle, 0);
 }
 
 /// Without anything that keeps areas, one part grows at the cost of the other.

@@ -118,14 +118,8 @@ impl SurfaceEffect for Bending {
                     .to_owned(),
             );
         }
-        let held = check.effects.local_area.is_some() || check.effects.elasticity.is_some();
-        if self.varies() && !held {
-            let message = format!(
-                "κ and H0 belong to the material of \"{}\", and nothing keeps its parts from growing at \
-                 the cost of each other: add `elasticity` or `local_area`",
-                check.name
-            );
-            check.doubt(Self::NAME, message);
+        if self.varies() {
+            check.doubt_unheld_parts(Self::NAME);
         }
         if let Err(unused) = self.options.check(self.method) {
             check.contradiction(&format!("bending.{}", unused.option), unused.to_string());

@@ -1,34 +1,39 @@
 //! Bending by the Gaussian modulus.
 
-use super::super::keys::{Keys, any, plain, required};
+use super::super::keys::{Form, Keys, any, plain, required};
+use super::super::material::{COLUMN, Material};
 use super::super::units::Dimension;
 use super::{
     Builder, Check, Described, EffectError, Groups, MeshCheck, MeshSource, Named, Parameter,
     Parameters, Preparation, Reader, SurfaceEffect,
 };
+use crate::io::Column;
 use crate::scene::Boundary;
 use serde::Serialize;
+use std::sync::Arc;
 
-/// Bending by the Gaussian modulus, `E = κ_G ∫ K dS`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// Bending by the Gaussian modulus, `E = ∫ κ_G K dS`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GaussianBending {
     /// Gaussian modulus κ_G, an energy.
-    pub modulus: f64,
+    pub modulus: Material,
 }
 
 impl Described for GaussianBending {
-    const SUMMARY: &'static str =
-        "Bending by the Gaussian modulus, E = κ_G ∫ K dS; it acts at the edge of an open surface.";
+    const SUMMARY: &'static str = "Bending by the Gaussian modulus, E = ∫ κ_G K dS; it acts at the edge of an open surface, and where κ_G \
+         varies.";
 
     const KEYS: &'static Keys = &plain(&[required(
         "modulus",
-        any(Dimension::ENERGY),
-        "Gaussian modulus κ_G; −2κ to 0 for a membrane that is stable when flat.",
+        Form::Either(&[any(Dimension::ENERGY), COLUMN]),
+        "Gaussian modulus κ_G; −2κ to 0 for a membrane that is stable when flat. A column of the mesh file \
+         for one at each vertex.",
     )]);
 
-    fn read(table: Reader<'_>, _: &MeshSource, _: &mut Builder<'_>) -> Self {
+    fn read(table: Reader<'_>, source: &MeshSource, builder: &mut Builder<'_>) -> Self {
+        let modulus = Material::read(table, "modulus", source, builder);
         Self {
-            modulus: table.needed("modulus"),
+            modulus: modulus.unwrap_or(Material::Number(f64::NAN)),
         }
     }
 }
@@ -37,15 +42,22 @@ impl SurfaceEffect for GaussianBending {
     fn check(&self, check: &mut Check<'_, '_>) {
         super::refuse_on_lattice(Self::NAME, check);
         let bending = check.effects.bending.as_ref();
-        let unstable = bending.is_none_or(|bending| self.modulus < -2.0 * bending.modulus.least());
-        if unstable || self.modulus > 0.0 {
+        let unstable =
+            bending.is_none_or(|bending| self.modulus.least() < -2.0 * bending.modulus.least());
+        if unstable || self.modulus.largest() > 0.0 {
             let message = "with a Gaussian modulus below −2κ or above 0 the energy has no minimum: a \
                            membrane with a free edge bends without end";
             check.doubt("gaussian_bending.modulus", message.to_owned());
         }
+        if self.modulus.uniform().is_none() {
+            check.doubt_unheld_parts(Self::NAME);
+        }
     }
 
     fn check_mesh(&self, check: &mut MeshCheck<'_>) {
+        if self.modulus.uniform().is_none() {
+            return;
+        }
         let reason = if check.mesh.boundary_edges == 0 {
             "is closed, so that its energy is the constant 2πχ κ_G"
         } else if check.boundary == Boundary::Clamped {
@@ -60,23 +72,40 @@ impl SurfaceEffect for GaussianBending {
         check.doubt(Self::NAME, message);
     }
 
+    fn columns(&self) -> Vec<&Arc<Column>> {
+        self.modulus.column().into_iter().collect()
+    }
+
     fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
-        let modulus = number.of("modulus", self.modulus, Dimension::ENERGY);
-        (String::new(), vec![modulus])
+        match &self.modulus {
+            Material::Number(modulus) => {
+                let modulus = number.of("modulus", *modulus, Dimension::ENERGY);
+                (String::new(), vec![modulus])
+            }
+            column => {
+                let range = column.range().unwrap_or_default();
+                (format!("modulus {range}"), Vec::new())
+            }
+        }
     }
 
     fn groups(&self, groups: &mut Groups<'_>) {
-        if let Some(modulus) = groups.bending_modulus() {
-            groups.add(
-                "Gaussian over bending modulus",
-                "κ_G/κ",
-                self.modulus / modulus,
-            );
+        if let (Some(bending), Some(gaussian)) = (groups.bending_modulus(), self.modulus.uniform())
+        {
+            groups.add("Gaussian over bending modulus", "κ_G/κ", gaussian / bending);
         }
     }
 
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
-        let method = helfrich::GaussianBending::new(self.modulus);
-        preparation.conservative(Self::NAME, method)
+        match self.modulus.uniform() {
+            Some(modulus) => {
+                let method = helfrich::GaussianBending::new(modulus);
+                preparation.conservative(Self::NAME, method)
+            }
+            None => {
+                let modulus = self.modulus.parameter();
+                preparation.conservative(Self::NAME, helfrich::GaussianDomains { modulus })
+            }
+        }
     }
 }

@@ -1,0 +1,210 @@
+//! Domains: a Gaussian modulus at each vertex, and the line tension of borders.
+
+use autodiff::F1;
+use helfrich::{
+    BorderTension, GaussianBending, GaussianDomains, MaterialParameter, Prepared, Real, Serial,
+    TriangleMesh,
+};
+use helfrich_tests::laws::{check_gradient, energy, forces};
+use helfrich_tests::meshes::{
+    Mesh, SplitMix64, cap, cases, disc, dot, icosphere, norm, rough_any, torus,
+};
+use helfrich_tests::tolerance;
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+/// Three domains at random, so that some triangles belong to each of them.
+fn at_random(vertices: usize) -> (Vec<f64>, Vec<i64>) {
+    let mut random = SplitMix64::new(3);
+    let moduli = (0..vertices).map(|_| random.symmetric()).collect();
+    let labels = (0..vertices).map(|_| random.below(3) as i64 - 1).collect();
+    (moduli, labels)
+}
+
+fn gaussian<T: Real>(moduli: &[f64]) -> GaussianDomains<T> {
+    let moduli = moduli.iter().map(|&modulus| T::constant(modulus));
+    GaussianDomains {
+        modulus: MaterialParameter::PerVertex(moduli.collect()),
+    }
+}
+
+fn border<T: Real>(mesh: &TriangleMesh, labels: &[i64]) -> BorderTension<T> {
+    BorderTension::new(T::constant(1.7), mesh, labels)
+}
+
+proptest! {
+    #![proptest_config(cases(32))]
+
+    /// Also without net force and torque.
+    #[test]
+    fn forces_are_gradients(rough in rough_any()) {
+        let Mesh { connectivity: mesh, positions } = &rough.mesh();
+        let (moduli, labels) = at_random(positions.len());
+        check_gradient(&gaussian(&moduli), gaussian::<F1>(&moduli), mesh, positions);
+        check_gradient(&border(mesh, &labels), border::<F1>(mesh, &labels), mesh, positions);
+    }
+}
+
+/// On closed surfaces a constant without force, to the last bit; on open ones that of the edge.
+#[test]
+fn equal_moduli_are_one() {
+    let modulus = -0.9;
+    for (mesh, total) in [(icosphere(2), 4.0 * PI), (torus(9, 7), 0.0), (disc(4), 0.0)] {
+        let vertices = mesh.positions.len();
+        let rough = mesh.map(|[x, y, z]| [x + 0.1 * y * z, 1.3 * y, z + 0.2 * x * x]);
+        let Mesh {
+            connectivity: mesh,
+            positions,
+        } = &rough;
+        let each = gaussian(&vec![modulus; vertices]);
+        let one = GaussianBending::new(modulus);
+        let [found, expected] = [
+            energy(each.clone(), mesh, positions),
+            energy(one, mesh, positions),
+        ];
+        tolerance::GAUSS_BONNET.assert(found, expected, vertices as f64, "∫ κ_G K dS");
+        let (found_forces, expected_forces) =
+            (forces(each, mesh, positions), forces(one, mesh, positions));
+        if mesh.is_closed() {
+            tolerance::SAME.assert(found, modulus * total, 1.0, "2πχ κ_G");
+            assert!(
+                found_forces.iter().all(|force| *force == [0.0; 3]),
+                "closed"
+            );
+        }
+        for (found, expected) in found_forces.iter().zip(expected_forces) {
+            for axis in 0..3 {
+                tolerance::SAME.assert(found[axis], expected[axis], 1.0, "force");
+            }
+        }
+    }
+}
+
+/// The circle of each vertex of a cap of `rings` circles about its highest point.
+fn circles(rings: u32) -> Vec<u32> {
+    let circle = |ring: u32| std::iter::repeat_n(ring, 6 * ring as usize);
+    std::iter::once(0)
+        .chain((1..=rings).flat_map(circle))
+        .collect()
+}
+
+/// `E = κ_G ∫ K dS` of the inner half of the circles, the rest without modulus: K is the area of the
+/// normals, `2π (1 − n_z)` at the border midway between two circles. Of second order, also on a spheroid.
+#[test]
+fn the_energy_of_a_domain_converges() {
+    for (stretch, name) in [(1.0, "sphere"), (1.6, "spheroid")] {
+        let errors = [8, 16, 32].map(|rings: u32| {
+            let angle = 2.0;
+            let mesh = cap(rings, angle).map(|[x, y, z]| [x, y, stretch * z]);
+            let circles = circles(rings);
+            let inner = |&circle: &u32| if circle <= rings / 2 { 1.3 } else { 0.0 };
+            let moduli = Vec::from_iter(circles.iter().map(inner));
+            let found = energy(gaussian(&moduli), &mesh.connectivity, &mesh.positions);
+            let middle = angle * (f64::from(rings / 2) + 0.5) / f64::from(rings);
+            let (sine, cosine) = middle.sin_cos();
+            let along = cosine / stretch;
+            let exact = 1.3 * 2.0 * PI * (1.0 - along / along.hypot(sine));
+            (found - exact).abs()
+        });
+        let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+        assert!(
+            orders.iter().all(|order| (order - 2.0).abs() < 0.4),
+            "{name}: {orders:?}, {errors:?}"
+        );
+    }
+}
+
+/// A border that moves outward along a sphere gains `Δκ_G K` times the area it passes: with every point
+/// moved by the polar angle ε, `dE = Δκ_G 2π sin θ ε`.
+#[test]
+fn a_jump_of_the_modulus_pushes_its_border() {
+    let errors = [8, 16, 32].map(|rings: u32| {
+        let mesh = cap(rings, 2.0);
+        let circles = circles(rings);
+        let moduli = circles
+            .iter()
+            .map(|&circle| if circle <= rings / 2 { -0.4 } else { -1.7 });
+        let moduli = Vec::from_iter(moduli);
+        let force = forces(gaussian(&moduli), &mesh.connectivity, &mesh.positions);
+        let mut work = 0.0;
+        for ((&force, &[x, y, z]), &circle) in force.iter().zip(&mesh.positions).zip(&circles) {
+            // The edge of the cap has forces of its own.
+            if circle > 0 && circle < rings - 1 {
+                let across = x.hypot(y);
+                work += dot(force, [z * x / across, z * y / across, -across]);
+            }
+        }
+        let middle = 2.0 * (f64::from(rings / 2) + 0.5) / f64::from(rings);
+        let expected = -1.3 * 2.0 * PI * middle.sin();
+        (work / expected - 1.0).abs()
+    });
+    assert!(
+        errors[2] < 5e-3 && errors[2] < 0.4 * errors[1] && errors[1] < 0.4 * errors[0],
+        "{errors:?}"
+    );
+}
+
+/// Between two circles: `L = ½ (L_1 + L_2)`, and each vertex of the two is pulled towards the axis by
+/// `Λ sin(π/N)` of N on its circle: Λ/ρ per length of the border. Others feel nothing.
+#[test]
+fn a_circular_border_contracts() {
+    let (rings, tension) = (8, 1.7);
+    let mesh = cap(rings, 1.4);
+    let circles = circles(rings);
+    let labels = Vec::from_iter(circles.iter().map(|&circle| i64::from(circle > 4)));
+    let method: BorderTension<f64> = border(&mesh.connectivity, &labels);
+    let across = |x: &[f64; 3]| x[0].hypot(x[1]);
+    let half_turn = |circle: u32| PI / f64::from(6 * circle);
+    let perimeter = |circle: u32| {
+        let vertex = circles.iter().position(|&found| found == circle).unwrap();
+        let side = 2.0 * across(&mesh.positions[vertex]) * half_turn(circle).sin();
+        f64::from(6 * circle) * side
+    };
+    let length = 0.5 * (perimeter(4) + perimeter(5));
+    let found = method.length(&Serial, mesh.surface());
+    tolerance::SAME.assert(found, length, length, "L");
+    let found = energy(method.clone(), &mesh.connectivity, &mesh.positions);
+    tolerance::SAME.assert(found, tension * length, length, "Λ L");
+    let middle = 2.0 * PI * (1.4_f64 * 4.5 / 8.0).sin();
+    assert!((length / middle - 1.0).abs() < 0.01, "{length} {middle}");
+    let force = forces(method, &mesh.connectivity, &mesh.positions);
+    for ((x, force), &circle) in mesh.positions.iter().zip(force).zip(&circles) {
+        let pull = match circle {
+            4 | 5 => tension * half_turn(circle).sin() / across(x),
+            _ => 0.0,
+        };
+        let inward = [-pull * x[0], -pull * x[1], 0.0];
+        for axis in 0..3 {
+            tolerance::SAME.assert(force[axis], inward[axis], tension, "force");
+        }
+    }
+}
+
+/// Three domains in one equilateral triangle of side 1: three times a third of its height.
+#[test]
+fn three_domains_meet_in_a_triangle() {
+    let mesh = TriangleMesh::new(3, vec![[0, 1, 2]]).unwrap();
+    let height = 0.75_f64.sqrt();
+    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, height, 0.0]];
+    let method: BorderTension<f64> = border(&mesh, &[7, -3, 0]);
+    let found = energy(method.clone(), &mesh, &positions);
+    tolerance::SAME.assert(found, 1.7 * height, 1.0, "Λ L");
+    for force in forces(method, &mesh, &positions) {
+        tolerance::SAME.assert(norm(force), 1.7 * 0.5, 1.0, "force");
+    }
+}
+
+#[test]
+#[should_panic(expected = "make it by BorderTension::new for that mesh")]
+fn borders_of_another_mesh_are_refused() {
+    let (here, there) = (icosphere(1), torus(7, 6));
+    let method: BorderTension<f64> = border(&there.connectivity, &[0; 42]);
+    Prepared::new(method, &here.connectivity);
+}
+
+#[test]
+#[should_panic(expected = "41 Gaussian moduli, one per vertex")]
+fn moduli_of_another_mesh_are_refused() {
+    let mesh = icosphere(1);
+    energy(gaussian(&[1.0; 41]), &mesh.connectivity, &mesh.positions);
+}
