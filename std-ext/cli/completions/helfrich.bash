@@ -97,7 +97,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__curvature)
-            opts="-h --weld --method --modulus --areas --bandwidth --scalar --errors --sigma --scale --csv --vtp --threads --help"
+            opts="-h --weld --method --modulus --areas --bandwidth --scalar --errors --sigma --scale --csv --vtp --picture --colour-by --threads --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -137,6 +137,14 @@ _helfrich() {
                     ;;
                 --vtp)
                     COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --picture)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --colour-by)
+                    COMPREPLY=($(compgen -W "H K f k1 k2" -- "${cur}"))
                     return 0
                     ;;
                 --threads)

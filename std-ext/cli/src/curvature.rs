@@ -1,6 +1,10 @@
 //! `helfrich curvature`.
 
-use crate::terminal::{Failure, ProgressBar, file_named, interruption, print, save, say};
+mod picture;
+
+use crate::terminal::{
+    Failure, ProgressBar, check_outputs, file_named, interruption, print, save, say,
+};
 use crate::{
     MeshArguments, OptionArguments, ThreadArguments, load, positive, refuse_replacing, warn,
 };
@@ -12,6 +16,7 @@ use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, Fields, MethodOp
 use helfrich_std::noise::noise_of;
 use helfrich_std::report;
 use helfrich_std::scalar::{HeldPositions, Scalar};
+use picture::Painted;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -51,6 +56,20 @@ pub(crate) struct CurvatureArguments {
     /// Write the surface with all results to this `.vtp` file; a table is then written only with `--csv`.
     #[arg(long, value_name = "FILE")]
     vtp: Option<PathBuf>,
+    /// Draw the surface to this `.png` file, with the principal directions that `--method jet` finds; a
+    /// table is then written only with `--csv`. Where the error bar is as wide as the range of the values,
+    /// the surface is grey.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// The quantity that the picture shows; k1 and k2 with `--method jet` or `--errors`.
+    #[arg(
+        long,
+        value_name = "QUANTITY",
+        default_value = "H",
+        requires = "picture",
+        value_enum
+    )]
+    colour_by: Painted,
     #[command(flatten)]
     pub(crate) threads: ThreadArguments,
 }
@@ -121,9 +140,20 @@ pub(crate) fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
         refuse_replacing(&arguments.input.mesh, "the mesh", vtp, "the surface")?;
         check_replaceable(vtp).map_err(|error| Failure::output(vtp.display(), &error))?;
     }
+    if let Some(picture) = &arguments.picture {
+        refuse_replacing(&arguments.input.mesh, "the mesh", picture, "the picture")?;
+        check_replaceable(picture).map_err(|error| Failure::output(picture.display(), &error))?;
+    }
+    if let (Some(vtp), Some(picture)) = (&arguments.vtp, &arguments.picture) {
+        check_outputs([vtp.as_path(), picture])?;
+    }
     let is_measured = arguments.method == BendingMethod::Jet || arguments.errors;
     if !is_measured && (arguments.sigma.is_some() || arguments.scale.is_some()) {
         let message = "--sigma and --scale are for --method jet, or with --errors";
+        return Err(Failure::Input(message.into()));
+    }
+    if !is_measured && arguments.colour_by.is_measured() {
+        let message = "--colour-by k1 and k2 are for --method jet, or with --errors";
         return Err(Failure::Input(message.into()));
     }
     let options = arguments.options.checked(&[arguments.method])?;
@@ -192,9 +222,15 @@ fn save_results<T: Evaluated>(
     let csv = |out: &mut dyn Write| report::curvature_csv(positions, fields, columns, out);
     if let Some(path) = &arguments.vtp {
         save_surface(path, fields, columns, file)?;
-        if arguments.csv.is_none() {
-            return Ok(());
-        }
+    }
+    if let Some(path) = &arguments.picture {
+        let surface = Surface::new(&file.mesh, &file.positions)
+            .map_err(|error| Failure::mesh(&arguments.input.mesh, error))?;
+        picture::draw(path, arguments.colour_by, surface, fields, columns)?;
+    }
+    let is_written = arguments.vtp.is_some() || arguments.picture.is_some();
+    if is_written && arguments.csv.is_none() {
+        return Ok(());
     }
     match file_named(arguments.csv.as_ref()) {
         Some(path) => save(path, csv),

@@ -12,6 +12,7 @@ mod png;
 mod render;
 mod slice;
 mod streamlines;
+mod strokes;
 mod ticks;
 
 pub use canvas::Canvas;
@@ -124,6 +125,10 @@ pub struct PaintedSurface<'a> {
     pub shading: Shading,
     /// Whether the edges of the triangles are drawn.
     pub edges: bool,
+    /// Fields of directions with one unit vector per vertex, as those of principal curvature: drawn as
+    /// short lines at vertices that are spread evenly over the picture, those of a second field shorter.
+    /// Where a vector is not finite there is no line.
+    pub strokes: &'a [&'a [[f64; 3]]],
 }
 
 /// Shading of a surface.
@@ -190,12 +195,12 @@ impl Picture<'_> {
         check_size(self.size)?;
         for (surface, painted) in self.surfaces.iter().enumerate() {
             let vertices = painted.surface.mesh().vertex_count();
-            if let Some(field) = painted.field
-                && field.len() != vertices
-            {
+            let counts = painted.strokes.iter().map(|field| field.len());
+            let mut counts = painted.field.iter().map(|field| field.len()).chain(counts);
+            if let Some(found) = counts.find(|&found| found != vertices) {
                 return Err(PictureError::CountMismatch {
                     surface,
-                    found: field.len(),
+                    found,
                     vertices,
                 });
             }
@@ -236,7 +241,10 @@ impl Picture<'_> {
             .iter()
             .map(|surface| Painted::new(surface, &camera, range))
             .collect();
-        render::draw(&mut canvas, scene, &painted, &camera, &table);
+        let depths = render::draw(&mut canvas, scene, &painted, &camera, &table);
+        for surface in self.surfaces {
+            strokes::draw(&mut canvas, scene, surface, &camera, &depths, letters);
+        }
         if let Some(unit) = self.length_unit {
             let at = [area.left, area.bottom];
             scale_bar(&mut canvas, at, area.width(), letters, camera.scale, unit);

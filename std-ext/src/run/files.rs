@@ -147,6 +147,7 @@ impl Run<'_> {
                 field: field.as_deref(),
                 shading: Shading::Smooth,
                 edges: false,
+                strokes: &[],
             })
         });
         let surfaces = Vec::from_iter(surfaces);

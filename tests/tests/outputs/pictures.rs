@@ -45,6 +45,7 @@ fn painted<'a>(mesh: &'a Mesh, field: Option<&'a [f64]>) -> PaintedSurface<'a> {
         field,
         shading: Shading::Smooth,
         edges: false,
+        strokes: &[],
     }
 }
 
@@ -80,6 +81,39 @@ fn a_sphere_covers_a_disc_of_the_right_size() {
         let centre = seen.iter().map(|at| at[axis]).sum::<f64>() / count;
         PICTURE_RADIUS.assert(centre, 200.0, expected, "centre in pixels");
     }
+}
+
+/// A line at a vertex in front is seen, one at a vertex behind is not.
+#[test]
+fn lines_are_drawn_on_the_side_that_is_seen() {
+    let ball = icosphere(3);
+    let plain = [painted(&ball, None)];
+    let plain = picture(&plain, ColourMap::Sequential).draw().unwrap();
+    let ends = [-1.0, 1.0].map(|side| {
+        let along = |x: &[f64; 3]| side * x[1];
+        let mut vertices = (0..ball.positions.len()).collect::<Vec<_>>();
+        vertices.sort_by(|&a, &b| along(&ball.positions[b]).total_cmp(&along(&ball.positions[a])));
+        vertices[0]
+    });
+    for (vertex, is_seen) in ends.into_iter().zip([true, false]) {
+        let mut directions = vec![[f64::NAN; 3]; ball.positions.len()];
+        directions[vertex] = [1.0, 0.0, 0.0];
+        let surfaces = [PaintedSurface {
+            strokes: &[&directions],
+            ..painted(&ball, None)
+        }];
+        let canvas = picture(&surfaces, ColourMap::Sequential).draw().unwrap();
+        assert_eq!(canvas.rgb() != plain.rgb(), is_seen);
+        let darkest = |canvas: &Canvas| canvas.rgb().chunks(3).map(|part| part[1]).min();
+        assert_eq!(darkest(&canvas) < darkest(&plain), is_seen);
+    }
+    let few = [[0.0; 3]];
+    let surfaces = [PaintedSurface {
+        strokes: &[&few],
+        ..painted(&ball, None)
+    }];
+    let refused = picture(&surfaces, ColourMap::Sequential).draw();
+    assert!(matches!(refused, Err(PictureError::CountMismatch { .. })));
 }
 
 #[test]

@@ -147,6 +147,54 @@ fn results_are_fields_of_a_surface() {
     assert_eq!(read(&out).unwrap().positions, made.positions);
 }
 
+/// A picture of `jet` has the lines of curvature, that of another method has none.
+#[test]
+fn surfaces_are_drawn() {
+    let (_, made, file) = noisy();
+    let folder = tempfile::tempdir().unwrap();
+    let draw = |name: &str, arguments: &[&str]| {
+        let out = folder.path().join(name);
+        let all = ["curvature", file.path(), "--picture", text(&out)];
+        let printed = run(&[&all[..], arguments].concat());
+        assert_eq!((printed.code, &*printed.stdout), (Some(0), ""));
+        let decoder = png::Decoder::new(std::io::Cursor::new(fs::read(out).unwrap()));
+        let mut reader = decoder.read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        pixels
+    };
+    // Of all pixels that are dark or white: lines, and their rims.
+    let lines = |pixels: &[u8]| {
+        let of = |part: &[u8]| part.iter().all(|&x| x < 40);
+        pixels.chunks(3).filter(|pixel| of(pixel)).count()
+    };
+    let jet = draw("jet.png", &["--method", "jet"]);
+    let j6 = draw("j6.png", &["--method", "j6", "--errors"]);
+    assert!(
+        lines(&jet) > 4 * lines(&j6),
+        "{} {}",
+        lines(&jet),
+        lines(&j6)
+    );
+    let smaller = draw("k2.png", &["--method", "jet", "--colour-by", "k2"]);
+    assert!(smaller != jet);
+    let out = folder.path().join("none.png");
+    let refused = fail(
+        2,
+        &[
+            "curvature",
+            file.path(),
+            "--picture",
+            text(&out),
+            "--colour-by",
+            "k1",
+        ],
+    );
+    assert!(refused.contains("--errors"), "{refused}");
+    fail(2, &["curvature", file.path(), "--picture", file.path()]);
+    assert!(!out.exists() && read(file.path().as_ref()).unwrap().positions == made.positions);
+}
+
 /// Without noise `jet` is J6; with it, it is nearly the best of all fits, and much better than J6.
 #[test]
 fn methods_are_compared_at_each_noise() {

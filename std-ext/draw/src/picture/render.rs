@@ -91,11 +91,16 @@ impl Camera {
     }
 
     /// Pixels to the right and down, and the nearness to the viewer.
-    fn project(&self, x: [f64; 3]) -> [f64; 3] {
+    pub(super) fn project(&self, x: [f64; 3]) -> [f64; 3] {
         let [right, up, near] = self
             .axes
             .map(|axis| self.scale * dot(axis, sub(x, self.centre)));
         [self.middle[0] + right, self.middle[1] - up, near]
+    }
+
+    /// The cosine between a direction, either way, and the direction to the viewer.
+    pub(super) fn tilt(&self, direction: [f64; 3]) -> f64 {
+        dot(direction, self.axes[2]).abs()
     }
 
     /// The direction to the light: beside the viewer, so that a sphere is shaded.
@@ -181,7 +186,7 @@ impl Painted {
 }
 
 /// Sums of the triangles' normals, weighted by area.
-fn vertex_normals(surface: Surface<'_, f64>) -> Vec<[f64; 3]> {
+pub(super) fn vertex_normals(surface: Surface<'_, f64>) -> Vec<[f64; 3]> {
     let mut normals = vec![[0.0; 3]; surface.mesh().vertex_count()];
     for (triangle, corners) in surface.mesh().triangles().iter().enumerate() {
         let area = surface.triangle_area(triangle);
@@ -207,6 +212,25 @@ const NOTHING: Sample = Sample {
     light: [1.0; 3],
 };
 
+/// The nearness of the nearest surface in the middle of every pixel of an area.
+pub(super) struct Depths {
+    left: usize,
+    top: usize,
+    across: usize,
+    near: Vec<f64>,
+}
+
+impl Depths {
+    /// The nearness at a point of the picture; −∞ where there is no surface.
+    pub(super) fn at(&self, [x, y]: [f64; 2]) -> f64 {
+        let column = (x as usize).checked_sub(self.left);
+        let row = (y as usize).checked_sub(self.top);
+        let inside = column.filter(|&column| column < self.across).zip(row);
+        let near = inside.and_then(|(column, row)| self.near.get(row * self.across + column));
+        near.copied().unwrap_or(f64::NEG_INFINITY)
+    }
+}
+
 /// Draws surfaces into an area of a canvas.
 pub(super) fn draw(
     canvas: &mut Canvas,
@@ -214,11 +238,12 @@ pub(super) fn draw(
     surfaces: &[Painted],
     camera: &Camera,
     table: &Table,
-) {
+) -> Depths {
     let (left, right) = (area.left as usize, area.right as usize);
     let (top, bottom) = (area.top as usize, area.bottom as usize);
     let across = SAMPLES * right.saturating_sub(left);
     let mut samples = vec![NOTHING; across * SAMPLES * BAND];
+    let mut near = Vec::with_capacity(right.saturating_sub(left) * bottom.saturating_sub(top));
     for from in (top..bottom).step_by(BAND) {
         let rows = from..(from + BAND).min(bottom);
         samples.fill(NOTHING);
@@ -255,8 +280,16 @@ pub(super) fn draw(
                     let share = 1.0 / (SAMPLES * SAMPLES) as f32;
                     *pixel = sum.map(|sum| colour::encoded(share * sum));
                 }
+                let middle = (SAMPLES * row + SAMPLES / 2) * across + SAMPLES * column;
+                near.push(samples[middle + SAMPLES / 2].near);
             }
         }
+    }
+    Depths {
+        left,
+        top,
+        across: right.saturating_sub(left),
+        near,
     }
 }
 
