@@ -110,6 +110,31 @@ impl<T: Real> GompperKroll<T> {
         scale(self.spontaneous_curvature.at(vertex), [x, y, z])
     }
 
+    /// The energy with the modulus at each vertex.
+    fn energy_with(
+        &self,
+        execution: &impl Execution,
+        memory: &GompperKrollMemory<T>,
+        modulus: impl Fn(usize) -> T + Sync,
+    ) -> T {
+        let curvature = &memory.curvature;
+        let plain = self.spontaneous_curvature.is_zero();
+        let sum = execution.sum(curvature.len(), |vertex| {
+            let [x, y, z, area] = curvature[vertex];
+            let excess = if plain {
+                [x, y, z]
+            } else {
+                sub(
+                    [x, y, z],
+                    scale(T::constant(2.0), self.wanted(memory, vertex)),
+                )
+            };
+            let [term] = finite_or_zero([dot(excess, excess) * area]);
+            modulus(vertex) * term
+        });
+        T::constant(0.5) * sum
+    }
+
     /// Adds the terms `−2 Σ κ H0 L·n + 2 Σ κ H0² A`: their contributions to w and s, and those
     /// through the change of the normals.
     fn add_spontaneous(
@@ -306,6 +331,22 @@ impl<T: Real> Curvatures<T> for GompperKroll<T> {
     }
 }
 
+/// Sets the derivatives of the energy with respect to the area vectors and areas of the vertices.
+fn set_weights<T: Real>(
+    execution: &impl Execution,
+    curvature: &[[T; 4]],
+    weights: &mut [[T; 4]],
+    modulus: impl Fn(usize) -> T + Sync,
+) {
+    let half = T::constant(0.5);
+    execution.map(weights, |vertex, weight| {
+        let [x, y, z, _] = curvature[vertex];
+        let squared = dot([x, y, z], [x, y, z]);
+        let modulus = modulus(vertex);
+        *weight = finite_or_zero([x, y, z, half * squared].map(|entry| modulus * entry));
+    });
+}
+
 impl<T: Real> TwoPass for GompperKroll<T> {
     type Scalar = T;
 
@@ -353,23 +394,15 @@ impl<T: Real> TwoPass for GompperKroll<T> {
         _surface: Surface<'_, T>,
         memory: &mut GompperKrollMemory<T>,
     ) -> T {
-        let memory = &*memory;
-        let curvature = &memory.curvature;
-        let plain = self.spontaneous_curvature.is_zero();
-        let sum = execution.sum(curvature.len(), |vertex| {
-            let [x, y, z, area] = curvature[vertex];
-            let excess = if plain {
-                [x, y, z]
-            } else {
-                sub(
-                    [x, y, z],
-                    scale(T::constant(2.0), self.wanted(memory, vertex)),
-                )
-            };
-            let [term] = finite_or_zero([dot(excess, excess) * area]);
-            self.modulus.at(vertex) * term
-        });
-        T::constant(0.5) * sum
+        // Once for each kind, so that loops with one modulus do not look it up.
+        match &self.modulus {
+            MaterialParameter::Constant(modulus) => {
+                self.energy_with(execution, memory, |_| *modulus)
+            }
+            MaterialParameter::PerVertex(moduli) => {
+                self.energy_with(execution, memory, |vertex| moduli[vertex])
+            }
+        }
     }
 
     fn add_measured_force(
@@ -379,17 +412,18 @@ impl<T: Real> TwoPass for GompperKroll<T> {
         memory: &mut GompperKrollMemory<T>,
         force: &mut [[T; 3]],
     ) {
-        let half = T::constant(0.5);
         let GompperKrollMemory {
             curvature, weights, ..
         } = memory;
         weights.resize(curvature.len(), [T::zero(); 4]);
-        execution.map(&mut weights[..], |vertex, weight| {
-            let [x, y, z, _] = curvature[vertex];
-            let squared = dot([x, y, z], [x, y, z]);
-            let modulus = self.modulus.at(vertex);
-            *weight = finite_or_zero([x, y, z, half * squared].map(|entry| modulus * entry));
-        });
+        match &self.modulus {
+            MaterialParameter::Constant(modulus) => {
+                set_weights(execution, curvature, weights, |_| *modulus);
+            }
+            MaterialParameter::PerVertex(moduli) => {
+                set_weights(execution, curvature, weights, |vertex| moduli[vertex]);
+            }
+        }
         if !self.spontaneous_curvature.is_zero() {
             self.add_spontaneous(execution, surface, memory, force);
         }
