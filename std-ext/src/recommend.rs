@@ -345,7 +345,7 @@ impl Expected<'_> {
         }
     }
 
-    /// What the adaptive jet says of itself.
+    /// The candidate of the adaptive jet, with the errors that it expects itself.
     fn of_adaptive(&self, adaptive: &Adaptive, reference: &Reference, wish: &Wish) -> Candidate {
         let [max, mean] = reference.errors(&adaptive.fields, wish.quantity);
         let expected = in_norm(adaptive.expected, wish.norm) / reference.scale(wish.quantity);

@@ -15,7 +15,7 @@ fn column(name: &str, values: &[f64]) -> Column {
     }
 }
 
-/// What is written is read, bit for bit; vectors are not numbers.
+/// Columns are read as they were written, bit for bit; vectors are not numbers.
 #[test]
 fn columns_of_vtp_files_keep_all_digits() {
     let folder = TempDir::new().unwrap();
