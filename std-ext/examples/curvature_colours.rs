@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         field: Some(&mean),
         shading: Shading::Smooth,
         edges: false,
-        strokes: &[],
+        strokes: None,
     }];
     let picture = Picture {
         size: [900, 700],

@@ -144,7 +144,7 @@ _helfrich() {
                     return 0
                     ;;
                 --colour-by)
-                    COMPREPLY=($(compgen -W "H K f k1 k2" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "H K f k1 k2 H_error K_error f_error k1_error k2_error sigma" -- "${cur}"))
                     return 0
                     ;;
                 --threads)

@@ -73,16 +73,22 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l sigma -d
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scale -d 'Number of neighbours of the fits of `jet`, 28 to 4096. By default it is chosen at each vertex, for H, K and f, from the noise' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l csv -d 'Write to this file instead of standard output (`-`)' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l vtp -d 'Write the surface with all results to this `.vtp` file; a table is then written only with `--csv`' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l picture -d 'Draw the surface to this `.png` file, with the principal directions that `--method jet` finds; a table is then written only with `--csv`. Where the error bar is as wide as the range of the values, the surface is grey' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l colour-by -d 'The quantity that the picture shows; k1 and k2 with `--method jet` or `--errors`' -r -f -a "H\t'Mean curvature'
-K\t'Gaussian curvature'
-f\t'Force density along the normal'
-k1\t'The larger principal curvature'
-k2\t'The smaller principal curvature'"
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l picture -d 'Draw the surface to this `.png` file, with principal directions if `--method jet` or `--errors` finds them; a table is then written only with `--csv`. Where twice the error bar exceeds the range of the colours, the surface is grey' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l colour-by -d 'The quantity that the picture shows, by the name of its column; f along the normal. All but H, K and f need `--method jet` or `--errors`' -r -f -a "H\t''
+K\t''
+f\t''
+k1\t''
+k2\t''
+H_error\t''
+K_error\t''
+f_error\t''
+k1_error\t''
+k2_error\t''
+sigma\t''"
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l errors -d 'Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; `--method jet` always has them'
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l levels -d 'Number of refinements' -r

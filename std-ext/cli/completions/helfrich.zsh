@@ -78,17 +78,13 @@ _arguments "${_arguments_options[@]}" : \
 '--scale=[Number of neighbours of the fits of \`jet\`, 28 to 4096. By default it is chosen at each vertex, for H, K and f, from the noise]:NEIGHBOURS:_default' \
 '--csv=[Write to this file instead of standard output (\`-\`)]:CSV:_files' \
 '--vtp=[Write the surface with all results to this \`.vtp\` file; a table is then written only with \`--csv\`]:FILE:_files' \
-'--picture=[Draw the surface to this \`.png\` file, with the principal directions that \`--method jet\` finds; a table is then written only with \`--csv\`. Where the error bar is as wide as the range of the values, the surface is grey]:FILE:_files' \
-'--colour-by=[The quantity that the picture shows; k1 and k2 with \`--method jet\` or \`--errors\`]:QUANTITY:((H\:"Mean curvature"
-K\:"Gaussian curvature"
-f\:"Force density along the normal"
-k1\:"The larger principal curvature"
-k2\:"The smaller principal curvature"))' \
+'--picture=[Draw the surface to this \`.png\` file, with principal directions if \`--method jet\` or \`--errors\` finds them; a table is then written only with \`--csv\`. Where twice the error bar exceeds the range of the colours, the surface is grey]:FILE:_files' \
+'--colour-by=[The quantity that the picture shows, by the name of its column; f along the normal. All but H, K and f need \`--method jet\` or \`--errors\`]:QUANTITY:(H K f k1 k2 H_error K_error f_error k1_error k2_error sigma)' \
 '--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
 '--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '--errors[Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; \`--method jet\` always has them]' \
-'-h[Print help (see more with '\''--help'\'')]' \
-'--help[Print help (see more with '\''--help'\'')]' \
+'-h[Print help]' \
+'--help[Print help]' \
 ':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
 && ret=0
 ;;

@@ -8,15 +8,15 @@ use crate::terminal::{
 use crate::{
     MeshArguments, OptionArguments, ThreadArguments, load, positive, refuse_replacing, warn,
 };
+use clap::builder::PossibleValuesParser;
 use helfrich::{AdaptiveJet, Surface, Verdict};
 use helfrich_std::execute::Parallel;
-use helfrich_std::io::{MeshFile, PointField, PointValues, check_replaceable, write_vtp};
+use helfrich_std::io::{MeshFile, PointField, PointValues, write_vtp};
 use helfrich_std::measurement::{Column, ColumnValues, Measurement};
 use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, Fields, MethodOptions};
 use helfrich_std::noise::noise_of;
 use helfrich_std::report;
 use helfrich_std::scalar::{HeldPositions, Scalar};
-use picture::Painted;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -56,20 +56,21 @@ pub(crate) struct CurvatureArguments {
     /// Write the surface with all results to this `.vtp` file; a table is then written only with `--csv`.
     #[arg(long, value_name = "FILE")]
     vtp: Option<PathBuf>,
-    /// Draw the surface to this `.png` file, with the principal directions that `--method jet` finds; a
-    /// table is then written only with `--csv`. Where the error bar is as wide as the range of the values,
-    /// the surface is grey.
+    /// Draw the surface to this `.png` file, with principal directions if `--method jet` or `--errors` finds
+    /// them; a table is then written only with `--csv`. Where twice the error bar exceeds the range of the
+    /// colours, the surface is grey.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// The quantity that the picture shows; k1 and k2 with `--method jet` or `--errors`.
+    /// The quantity that the picture shows, by the name of its column; f along the normal. All but H, K and f
+    /// need `--method jet` or `--errors`.
     #[arg(
         long,
         value_name = "QUANTITY",
         default_value = "H",
         requires = "picture",
-        value_enum
+        value_parser = PossibleValuesParser::new(picture::QUANTITIES)
     )]
-    colour_by: Painted,
+    colour_by: String,
     #[command(flatten)]
     pub(crate) threads: ThreadArguments,
 }
@@ -133,28 +134,24 @@ pub(crate) fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
         let message = format!("the bending modulus {modulus} is out of the range of {scalar}");
         return Err(Failure::Input(message.into()));
     }
-    if let Some(csv) = file_named(arguments.csv.as_ref()) {
-        refuse_replacing(&arguments.input.mesh, "the mesh", csv, "the table")?;
+    let outputs = [
+        (file_named(arguments.csv.as_ref()), "the table"),
+        (arguments.vtp.as_deref(), "the surface"),
+        (arguments.picture.as_deref(), "the picture"),
+    ];
+    for (path, new) in outputs {
+        if let Some(path) = path {
+            refuse_replacing(&arguments.input.mesh, "the mesh", path, new)?;
+        }
     }
-    if let Some(vtp) = &arguments.vtp {
-        refuse_replacing(&arguments.input.mesh, "the mesh", vtp, "the surface")?;
-        check_replaceable(vtp).map_err(|error| Failure::output(vtp.display(), &error))?;
-    }
-    if let Some(picture) = &arguments.picture {
-        refuse_replacing(&arguments.input.mesh, "the mesh", picture, "the picture")?;
-        check_replaceable(picture).map_err(|error| Failure::output(picture.display(), &error))?;
-    }
-    if let (Some(vtp), Some(picture)) = (&arguments.vtp, &arguments.picture) {
-        check_outputs([vtp.as_path(), picture])?;
-    }
+    check_outputs(outputs.into_iter().filter_map(|(path, _)| path))?;
     let is_measured = arguments.method == BendingMethod::Jet || arguments.errors;
     if !is_measured && (arguments.sigma.is_some() || arguments.scale.is_some()) {
         let message = "--sigma and --scale are for --method jet, or with --errors";
         return Err(Failure::Input(message.into()));
     }
-    if !is_measured && arguments.colour_by.is_measured() {
-        let message = "--colour-by k1 and k2 are for --method jet, or with --errors";
-        return Err(Failure::Input(message.into()));
+    if let Some(path) = &arguments.picture {
+        picture::check(path, &arguments.colour_by, is_measured)?;
     }
     let options = arguments.options.checked(&[arguments.method])?;
     let file = load(&arguments.input)?;
@@ -190,7 +187,14 @@ fn curvature_in<T: Evaluated>(
         let fields = measured.fields(modulus);
         let mut columns = measured.columns(&fields, modulus);
         columns.extend(measured.columns_of_jets());
-        return save_results(arguments, exact.positions(), &fields, &columns, file);
+        return save_results(
+            arguments,
+            exact.positions(),
+            &fields,
+            &columns,
+            Some(measured),
+            file,
+        );
     }
     let (method, threads) = (arguments.method, Parallel::new());
     let number = T::constant(modulus);
@@ -203,20 +207,29 @@ fn curvature_in<T: Evaluated>(
     {
         tell_noise(&arguments.input.mesh, surface);
     }
+    let measured = measured.as_ref();
     let columns = measured.map_or_else(Vec::new, |measured| measured.columns(&fields, modulus));
-    save_results(arguments, held.positions(), &fields, &columns, file)
+    save_results(
+        arguments,
+        held.positions(),
+        &fields,
+        &columns,
+        measured,
+        file,
+    )
 }
 
 fn to_f64<T: Evaluated>(x: T) -> f64 {
     x.to_f64().unwrap_or(f64::NAN)
 }
 
-/// Writes the table, and the surface if it is asked for.
+/// Writes the table, the surface and the picture, as they are asked for.
 fn save_results<T: Evaluated>(
     arguments: &CurvatureArguments,
     positions: &[[T; 3]],
     fields: &Fields<T>,
     columns: &[Column],
+    measured: Option<&Measurement>,
     file: &MeshFile,
 ) -> Result<(), Failure> {
     let csv = |out: &mut dyn Write| report::curvature_csv(positions, fields, columns, out);
@@ -226,7 +239,14 @@ fn save_results<T: Evaluated>(
     if let Some(path) = &arguments.picture {
         let surface = Surface::new(&file.mesh, &file.positions)
             .map_err(|error| Failure::mesh(&arguments.input.mesh, error))?;
-        picture::draw(path, arguments.colour_by, surface, fields, columns)?;
+        picture::draw(
+            path,
+            &arguments.colour_by,
+            surface,
+            fields,
+            columns,
+            measured,
+        )?;
     }
     let is_written = arguments.vtp.is_some() || arguments.picture.is_some();
     if is_written && arguments.csv.is_none() {

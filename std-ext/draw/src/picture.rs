@@ -125,10 +125,9 @@ pub struct PaintedSurface<'a> {
     pub shading: Shading,
     /// Whether the edges of the triangles are drawn.
     pub edges: bool,
-    /// Fields of directions with one unit vector per vertex, as those of principal curvature: drawn as
-    /// short lines at vertices that are spread evenly over the picture, those of a second field shorter.
-    /// Where a vector is not finite there is no line.
-    pub strokes: &'a [&'a [[f64; 3]]],
+    /// Two directions per vertex where they are known, as unit vectors, such as those of k₁ and k₂: drawn
+    /// as short lines at vertices that are spread evenly over the picture, the second ones shorter.
+    pub strokes: Option<&'a [Option<[[f64; 3]; 2]>]>,
 }
 
 /// Shading of a surface.
@@ -195,8 +194,11 @@ impl Picture<'_> {
         check_size(self.size)?;
         for (surface, painted) in self.surfaces.iter().enumerate() {
             let vertices = painted.surface.mesh().vertex_count();
-            let counts = painted.strokes.iter().map(|field| field.len());
-            let mut counts = painted.field.iter().map(|field| field.len()).chain(counts);
+            let counts = [
+                painted.field.map(<[_]>::len),
+                painted.strokes.map(<[_]>::len),
+            ];
+            let mut counts = counts.into_iter().flatten();
             if let Some(found) = counts.find(|&found| found != vertices) {
                 return Err(PictureError::CountMismatch {
                     surface,

@@ -1,9 +1,10 @@
 //! Errors on noisy shapes, as a table of text and as a part of a page.
 
 use crate::report::page::Section;
-use crate::report::page::text::escaped;
+use crate::report::page::text::{Table, count, csv_line, escaped, percent};
 use crate::study::{BEST_FIXED, NoiseRow};
 use std::io::{self, Write};
+use std::iter;
 
 /// The quantities of [`NoiseRow::errors`].
 const SYMBOLS: [&str; 3] = ["H", "K", "f"];
@@ -40,7 +41,7 @@ fn error(row: Option<&NoiseRow>, quantity: usize) -> String {
 fn bars(row: Option<&NoiseRow>, quantity: usize) -> String {
     let bars = row.and_then(|row| row.bars).map(|bars| bars[quantity]);
     bars.map_or_else(String::new, |bars| {
-        format!("{:.1} % ×{:.1}", 100.0 * bars.within, bars.median)
+        format!("{:.1} %, ×{:.1}", 100.0 * bars.within, bars.median)
     })
 }
 
@@ -84,6 +85,71 @@ pub fn noise_table(rows: &[NoiseRow], out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
+/// The table of one quantity on one mesh, the bars of `jet` below its errors.
+fn table_of(rows: &[NoiseRow], deviations: &[f64], quantity: usize) -> Table {
+    let own = rows.iter().filter(|row| row.method != BEST_FIXED);
+    let least = |deviation: f64| {
+        let same = own.clone().filter(|row| row.deviation == deviation);
+        let errors = same.filter_map(|row| row.errors[quantity]);
+        errors.fold(f64::INFINITY, f64::min)
+    };
+    let cell = |row: Option<&NoiseRow>| {
+        let Some((row, error)) = row.and_then(|row| Some((row, row.errors[quantity]?))) else {
+            return "–".to_owned();
+        };
+        match row.method != BEST_FIXED && error == least(row.deviation) {
+            true => format!("<b>{}</b>", percent(error)),
+            false => percent(error),
+        }
+    };
+    let line = |head: &str, cell: &dyn Fn(f64) -> String| {
+        let cells = deviations.iter().map(|&deviation| cell(deviation));
+        Vec::from_iter(iter::once(escaped(head)).chain(cells))
+    };
+    let mut lines = Vec::new();
+    for method in methods(rows) {
+        lines.push(line(method, &|deviation| {
+            cell(find(rows, method, deviation))
+        }));
+        if method == "jet" {
+            lines.push(line("bars of jet", &|deviation| {
+                let text = bars(find(rows, method, deviation), quantity);
+                format!("<span>{text}</span>")
+            }));
+        }
+    }
+    let mut csv = "method,noise_in_edges,error,within_bar,median_of_bar_over_error\n".to_owned();
+    for row in rows {
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+        let bars = row.bars.map(|bars| bars[quantity]);
+        let [within, median] = [bars.map(|bars| bars.within), bars.map(|bars| bars.median)];
+        let error = number(row.errors[quantity]);
+        let (within, median) = (number(within), number(median));
+        csv_line(
+            &mut csv,
+            &[&row.method, &row.deviation, &error, &within, &median],
+        );
+    }
+    let NoiseRow {
+        family, vertices, ..
+    } = rows[0];
+    let head = deviations.iter().map(|&deviation| match deviation {
+        0.0 => "no noise".to_owned(),
+        _ => format!("{deviation} edges"),
+    });
+    Table {
+        caption: format!(
+            "{}: errors on {} meshes of {} vertices",
+            SYMBOLS[quantity],
+            escaped(family),
+            count(vertices)
+        ),
+        head: iter::once("method".to_owned()).chain(head).collect(),
+        rows: lines,
+        csv,
+    }
+}
+
 /// The part of a page that says which method bears which noise.
 ///
 /// # Errors
@@ -94,54 +160,15 @@ pub fn noise_section(rows: &[NoiseRow]) -> io::Result<Section> {
         html,
         "<section id=\"noise\"><h2>Which method at which noise</h2><p>Root mean square errors over that of the \
          exact field, by the standard deviation of every coordinate in mean lengths of an edge. The least \
-         error of a method is printed bold; “{BEST_FIXED}” is the least of any fit with the same degree and \
-         number of neighbours at every vertex, which a user cannot know. Below <code>jet</code>: the part of \
-         the vertices whose error is within its error bar, and the median of the bar over the error.</p>"
+         error of a method is printed bold; “{BEST_FIXED}” is the least of any regression jet with the same \
+         degree and number of neighbours at every vertex, which a user cannot know. Bars of <code>jet</code>: \
+         the part of the vertices whose error is within its error bar, and the median of the bar over the \
+         error.</p>"
     )?;
     for (rows, deviations) in meshes(rows) {
-        let NoiseRow {
-            family, vertices, ..
-        } = rows[0];
         for (quantity, symbol) in SYMBOLS.iter().enumerate() {
-            write!(
-                html,
-                "<h3>{symbol} · {} · {vertices} vertices</h3><table><thead><tr><th>method</th>",
-                escaped(family)
-            )?;
-            for deviation in &deviations {
-                write!(html, "<th>{deviation:e}</th>")?;
-            }
-            write!(html, "</tr></thead><tbody>")?;
-            let methods = methods(rows);
-            let least = |deviation: f64| {
-                let own = methods.iter().filter(|&&method| method != BEST_FIXED);
-                let errors =
-                    own.filter_map(|method| find(rows, method, deviation)?.errors[quantity]);
-                errors.fold(f64::INFINITY, f64::min)
-            };
-            for method in &methods {
-                write!(html, "<tr><th>{}</th>", escaped(method))?;
-                for &deviation in &deviations {
-                    let row = find(rows, method, deviation);
-                    let is_least =
-                        row.and_then(|row| row.errors[quantity]) == Some(least(deviation));
-                    let text = error(row, quantity);
-                    match is_least && *method != BEST_FIXED {
-                        true => write!(html, "<td><strong>{text}</strong></td>")?,
-                        false => write!(html, "<td>{text}</td>")?,
-                    }
-                }
-                write!(html, "</tr>")?;
-            }
-            write!(html, "<tr><th>bars of jet</th>")?;
-            for &deviation in &deviations {
-                write!(
-                    html,
-                    "<td>{}</td>",
-                    bars(find(rows, "jet", deviation), quantity)
-                )?;
-            }
-            writeln!(html, "</tr></tbody></table>")?;
+            let id = format!("noise-{}-{}-{symbol}", rows[0].family, rows[0].vertices);
+            table_of(rows, &deviations, quantity).write(&id, &mut html)?;
         }
     }
     writeln!(html, "</section>")?;

@@ -147,7 +147,7 @@ impl Run<'_> {
                 field: field.as_deref(),
                 shading: Shading::Smooth,
                 edges: false,
-                strokes: &[],
+                strokes: None,
             })
         });
         let surfaces = Vec::from_iter(surfaces);

@@ -45,7 +45,7 @@ fn painted<'a>(mesh: &'a Mesh, field: Option<&'a [f64]>) -> PaintedSurface<'a> {
         field,
         shading: Shading::Smooth,
         edges: false,
-        strokes: &[],
+        strokes: None,
     }
 }
 
@@ -96,10 +96,10 @@ fn lines_are_drawn_on_the_side_that_is_seen() {
         vertices[0]
     });
     for (vertex, is_seen) in ends.into_iter().zip([true, false]) {
-        let mut directions = vec![[f64::NAN; 3]; ball.positions.len()];
-        directions[vertex] = [1.0, 0.0, 0.0];
+        let mut directions = vec![None; ball.positions.len()];
+        directions[vertex] = Some([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
         let surfaces = [PaintedSurface {
-            strokes: &[&directions],
+            strokes: Some(&directions),
             ..painted(&ball, None)
         }];
         let canvas = picture(&surfaces, ColourMap::Sequential).draw().unwrap();
@@ -107,13 +107,53 @@ fn lines_are_drawn_on_the_side_that_is_seen() {
         let darkest = |canvas: &Canvas| canvas.rgb().chunks(3).map(|part| part[1]).min();
         assert_eq!(darkest(&canvas) < darkest(&plain), is_seen);
     }
-    let few = [[0.0; 3]];
     let surfaces = [PaintedSurface {
-        strokes: &[&few],
+        strokes: Some(&[None]),
         ..painted(&ball, None)
     }];
     let refused = picture(&surfaces, ColourMap::Sequential).draw();
     assert!(matches!(refused, Err(PictureError::CountMismatch { .. })));
+}
+
+/// The lines of a ball end where a nearer ball begins.
+#[test]
+fn lines_end_where_another_surface_hides_them() {
+    let ball = icosphere(4);
+    let directions = Vec::from_iter(ball.positions.iter().map(|&[x, y, _]| {
+        let length = (x * x + y * y).sqrt();
+        let around = [-y / length, x / length, 0.0];
+        (length > 0.0).then_some([around, around])
+    }));
+    let near = ball.map(|[x, y, z]| [x - 0.5, y - 3.0, z]);
+    let far = ball.map(|[x, y, z]| [x + 0.5, y + 3.0, z]);
+    let [plain, lines] = [None, Some(&directions[..])].map(|strokes| {
+        let far = PaintedSurface {
+            strokes,
+            ..painted(&far, None)
+        };
+        let surfaces = [painted(&near, None), far];
+        picture(&surfaces, ColourMap::Sequential).draw().unwrap()
+    });
+    // Of the nearer ball, without the width of a line at its edge; as in the test of its size.
+    let letters = 12.0 * (400.0_f64 / 900.0).sqrt();
+    let radius = (400.0 - 4.0 * letters) / 4.0;
+    let centre = [200.0 - 0.5 * radius, 200.0];
+    let [width, _] = lines.size();
+    let from_centre = |at: usize| {
+        let x = [(at % width) as f64 + 0.5, (at / width) as f64 + 0.5];
+        ((x[0] - centre[0]).powi(2) + (x[1] - centre[1]).powi(2)).sqrt()
+    };
+    let rgb = [lines.rgb(), plain.rgb()];
+    let changed = (0..rgb[0].len() / 3)
+        .filter(|at| rgb[0][3 * at..3 * at + 3] != rgb[1][3 * at..3 * at + 3])
+        .map(from_centre);
+    let changed = Vec::from_iter(changed);
+    assert!(changed.len() > 1000, "{}", changed.len());
+    let nearest = changed.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(
+        (radius - 3.0..radius + 3.0).contains(&nearest),
+        "{nearest} of {radius}"
+    );
 }
 
 #[test]
@@ -319,7 +359,10 @@ proptest! {
         let ball = icosphere(0).map(|x| x.map(|x| size * x));
         for field in [&values, &vec![values[0]; 12]] {
             let map = if diverging { ColourMap::Diverging } else { ColourMap::Sequential };
-            let surfaces = [PaintedSurface { edges: diverging, ..painted(&ball, Some(field)) }];
+            let direction = [values[0], values[1], values[2]];
+            let strokes = [Some([[1.0, 0.0, 0.0], direction]); 12];
+            let strokes = Some(&strokes[..]);
+            let surfaces = [PaintedSurface { edges: diverging, strokes, ..painted(&ball, Some(field)) }];
             let mut picture = picture(&surfaces, map);
             picture.view = View::default();
             picture.length_unit = Some("m");

@@ -1,9 +1,9 @@
 //! The picture of `helfrich curvature`.
 
 use super::to_f64;
-use crate::terminal::Failure;
+use crate::terminal::{Failure, save};
 use helfrich::Surface;
-use helfrich_std::measurement::{Column, ColumnValues};
+use helfrich_std::measurement::{Column, ColumnValues, Measurement};
 use helfrich_std::method::{Evaluated, Fields};
 use helfrich_std::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
 use std::path::Path;
@@ -11,61 +11,51 @@ use std::path::Path;
 /// Width and height in pixels.
 const SIZE: [u32; 2] = [900, 700];
 
-/// The quantities that a surface can be coloured by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Painted {
-    /// Mean curvature.
-    #[value(name = "H")]
-    Mean,
-    /// Gaussian curvature.
-    #[value(name = "K")]
-    Gaussian,
-    /// Force density along the normal.
-    #[value(name = "f")]
-    ForceDensity,
-    /// The larger principal curvature.
-    #[value(name = "k1")]
-    Larger,
-    /// The smaller principal curvature.
-    #[value(name = "k2")]
-    Smaller,
+/// The quantities that every surface can be coloured by.
+const OF_METHODS: [&str; 3] = ["H", "K", "f"];
+
+/// The quantities that a surface can be coloured by, by the names of their columns. A measurement has those
+/// that are not among [`OF_METHODS`].
+pub(super) const QUANTITIES: [&str; 11] = [
+    "H", "K", "f", "k1", "k2", "H_error", "K_error", "f_error", "k1_error", "k2_error", "sigma",
+];
+
+/// Checks a picture's name and quantity before the work starts.
+pub(super) fn check(path: &Path, quantity: &str, is_measured: bool) -> Result<(), Failure> {
+    let is_png = path
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("png"));
+    if !is_png {
+        let path = path.display();
+        let message = format!("{path}: pictures are PNG files: give it a name that ends in .png");
+        return Err(Failure::Input(message.into()));
+    }
+    if !is_measured && !OF_METHODS.contains(&quantity) {
+        let message = format!("--colour-by {quantity} is for --method jet, or with --errors");
+        return Err(Failure::Input(message.into()));
+    }
+    Ok(())
 }
 
-impl Painted {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Mean => "H",
-            Self::Gaussian => "K",
-            Self::ForceDensity => "f",
-            Self::Larger => "k1",
-            Self::Smaller => "k2",
+/// A quantity at every vertex; NaN where there is none.
+fn values<T: Evaluated>(quantity: &str, fields: &Fields<T>, columns: &[Column]) -> Vec<f64> {
+    let numbers = |values: &[Option<T>]| {
+        let numbers = values.iter().map(|value| value.map_or(f64::NAN, to_f64));
+        numbers.collect()
+    };
+    match quantity {
+        "H" => numbers(&fields.mean),
+        "K" => numbers(&fields.gaussian),
+        "f" => {
+            let both = fields.force_density.iter().zip(&fields.normal);
+            let along = both.map(|(density, normal)| {
+                let parts = density.iter().flatten().zip(normal);
+                let along = parts.map(|(&f, &n)| to_f64(f) * to_f64(n));
+                density.map_or(f64::NAN, |_| along.sum())
+            });
+            along.collect()
         }
-    }
-
-    /// Whether only a measurement has it.
-    pub(super) fn is_measured(self) -> bool {
-        matches!(self, Self::Larger | Self::Smaller)
-    }
-
-    fn of<T: Evaluated>(self, fields: &Fields<T>, columns: &[Column]) -> Vec<f64> {
-        let numbers = |values: &[Option<T>]| {
-            let numbers = values.iter().map(|value| value.map_or(f64::NAN, to_f64));
-            numbers.collect()
-        };
-        match self {
-            Self::Mean => numbers(&fields.mean),
-            Self::Gaussian => numbers(&fields.gaussian),
-            Self::ForceDensity => {
-                let both = fields.force_density.iter().zip(&fields.normal);
-                let along = both.map(|(density, normal)| {
-                    let parts = density.iter().flatten().zip(normal);
-                    let along = parts.map(|(&f, &n)| to_f64(f) * to_f64(n));
-                    density.map_or(f64::NAN, |_| along.sum())
-                });
-                along.collect()
-            }
-            Self::Larger | Self::Smaller => scalars(columns, self.name()).to_vec(),
-        }
+        _ => scalars(columns, quantity).to_vec(),
     }
 }
 
@@ -78,16 +68,7 @@ fn scalars<'a>(columns: &'a [Column], name: &str) -> &'a [f64] {
     }
 }
 
-/// The vectors of a column; `None` if there is no such column.
-fn vectors<'a>(columns: &'a [Column], name: &str) -> Option<&'a [[f64; 3]]> {
-    let column = columns.iter().find(|column| column.name == name)?;
-    match &column.values {
-        ColumnValues::Vectors(values) => Some(values),
-        _ => None,
-    }
-}
-
-/// The part of sorted finite values up to which a fraction of them lies.
+/// The finite value below which a fraction of them lies; NaN without any.
 fn quantile(values: &[f64], part: f64) -> f64 {
     let mut values = Vec::from_iter(values.iter().copied().filter(|value| value.is_finite()));
     values.sort_by(f64::total_cmp);
@@ -96,47 +77,67 @@ fn quantile(values: &[f64], part: f64) -> f64 {
     values.get(at).copied().unwrap_or(f64::NAN)
 }
 
-/// Draws the surface in the colours of a quantity, with principal directions if they are known. Where the
-/// error bar is as wide as the range of the values, the surface is grey: colours would say nothing.
+/// Draws the surface in the colours of a quantity, with principal directions if they are known.
+///
+/// Colours span four median error bars at least: noise is not to look like shape. Where twice the bar is
+/// more than they span, the surface is grey: a colour would say nothing.
 pub(super) fn draw<T: Evaluated>(
     path: &Path,
-    quantity: Painted,
+    quantity: &str,
     surface: Surface<'_, f64>,
     fields: &Fields<T>,
     columns: &[Column],
+    measured: Option<&Measurement>,
 ) -> Result<(), Failure> {
-    let name = quantity.name();
-    let mut values = quantity.of(fields, columns);
-    let errors = scalars(columns, &format!("{name}_error"));
-    let range = quantile(&values, 0.99) - quantile(&values, 0.01);
-    let range = range.max(quantile(&values, 0.5).abs());
+    let mut values = values(quantity, fields, columns);
+    let [low, middle, high] = [0.01, 0.5, 0.99].map(|part| quantile(&values, part));
+    if middle.is_nan() {
+        let message =
+            format!("no vertex has a value of {quantity}: choose another --method or --colour-by");
+        return Err(Failure::Input(message.into()));
+    }
+    let errors = scalars(columns, &format!("{quantity}_error"));
+    let typical = quantile(errors, 0.5);
+    let is_noise = high - low < 4.0 * typical;
+    // Values that are equal but for rounding would need more digits than a bar of colours has.
+    let half = (2.0 * typical).max(0.01 * middle.abs());
+    let span = if is_noise { 2.0 * half } else { high - low };
     for (value, &error) in values.iter_mut().zip(errors) {
         // Also grey where nothing is known of the error.
-        if error.is_nan() || error > range {
+        if error.is_nan() || 2.0 * error > span {
             *value = f64::NAN;
         }
     }
-    let mut label = name.to_owned();
-    let typical = quantile(errors, 0.5);
+    // Values that cannot be told from 0 have a scale on both sides of it.
+    let is_zero = is_noise && half > middle.abs();
+    let is_signed = is_zero || values.iter().any(|&value| value < 0.0);
+    let range = is_noise.then(|| match is_signed {
+        true => [-half - middle.abs(), half + middle.abs()],
+        false => [middle - half, middle + half],
+    });
+    let mut label = quantity.to_owned();
     if typical.is_finite() {
-        label = format!("{name} (median error bar {typical:.1e})");
+        label = format!("{quantity} (median error bar {typical:.1e})");
     }
-    let directions = ["direction1", "direction2"];
-    let strokes = Vec::from_iter(directions.iter().filter_map(|name| vectors(columns, name)));
-    let is_signed = values.iter().any(|&value| value < 0.0);
+    let vertices = measured.map_or(&[][..], |measured| &measured.vertices);
+    let directions = Vec::from_iter(vertices.iter().map(|vertex| vertex.directions));
+    let has_directions = directions.iter().any(Option::is_some);
     let picture = Picture {
         size: SIZE,
-        title: "",
+        title: match has_directions {
+            true => "directions of k₁ (long lines) and k₂ (short lines)",
+            false => "",
+        },
         surfaces: &[PaintedSurface {
             surface,
             field: Some(&values),
             shading: Shading::Smooth,
             edges: false,
-            strokes: &strokes,
+            strokes: has_directions.then_some(&directions),
         }],
         colours: Colouring {
             label: &label,
-            range: None,
+            range,
             map: match is_signed {
                 true => ColourMap::Diverging,
                 false => ColourMap::Sequential,
@@ -146,7 +147,5 @@ pub(super) fn draw<T: Evaluated>(
         length_unit: None,
     };
     let canvas = picture.draw().map_err(Failure::input)?;
-    canvas
-        .write_png(path)
-        .map_err(|error| Failure::output(path.display(), &error))
+    save(path, |out| canvas.encode_png(out))
 }

@@ -5,6 +5,8 @@ use crate::{fail, run, text};
 use helfrich::shapes::Shape;
 use helfrich_std::generate::{AnyShape, Family, GeneratedMesh, generate};
 use helfrich_std::io::read;
+use helfrich_std::report::noise_section;
+use helfrich_std::study::{BEST_FIXED, Bars, NoiseRow};
 use std::collections::HashMap;
 use std::fs;
 
@@ -147,7 +149,8 @@ fn results_are_fields_of_a_surface() {
     assert_eq!(read(&out).unwrap().positions, made.positions);
 }
 
-/// A picture of `jet` has the lines of curvature, that of another method has none.
+/// With a measurement there are lines of curvature, also over the values of another method; without there are
+/// none.
 #[test]
 fn surfaces_are_drawn() {
     let (_, made, file) = noisy();
@@ -163,36 +166,53 @@ fn surfaces_are_drawn() {
         reader.next_frame(&mut pixels).unwrap();
         pixels
     };
-    // Of all pixels that are dark or white: lines, and their rims.
+    // Of all pixels that are dark: lines.
     let lines = |pixels: &[u8]| {
         let of = |part: &[u8]| part.iter().all(|&x| x < 40);
         pixels.chunks(3).filter(|pixel| of(pixel)).count()
     };
     let jet = draw("jet.png", &["--method", "jet"]);
-    let j6 = draw("j6.png", &["--method", "j6", "--errors"]);
-    assert!(
-        lines(&jet) > 4 * lines(&j6),
-        "{} {}",
-        lines(&jet),
-        lines(&j6)
+    let [without, with] = [
+        draw("j6.png", &["--method", "j6"]),
+        draw("j6-errors.PNG", &["--method", "j6", "--errors"]),
+    ];
+    for pixels in [&jet, &with] {
+        let both = [pixels, &without].map(|pixels| lines(pixels));
+        assert!(both[0] > 4 * both[1], "{both:?}");
+    }
+    for quantity in ["k2", "H_error"] {
+        let other = draw("other.png", &["--method", "jet", "--colour-by", quantity]);
+        assert!(other != jet, "{quantity}");
+    }
+    let refused = |name: &str, arguments: &[&str], reason: &str| {
+        let out = folder.path().join(name);
+        let all = ["curvature", file.path(), "--picture", text(&out)];
+        let ended = run(&[&all[..], arguments].concat());
+        assert_eq!((ended.code, &*ended.stdout), (Some(2), ""));
+        assert!(ended.stderr.contains(reason), "{}", ended.stderr);
+        assert!(!out.exists(), "{name}");
+    };
+    refused("none.png", &["--colour-by", "k1"], "--errors");
+    refused("none.png", &["--colour-by", "direction1"], "H_error");
+    refused(
+        "none.png",
+        &["--method", "kantor-nelson"],
+        "no vertex has a value of H",
     );
-    let smaller = draw("k2.png", &["--method", "jet", "--colour-by", "k2"]);
-    assert!(smaller != jet);
-    let out = folder.path().join("none.png");
-    let refused = fail(
-        2,
-        &[
-            "curvature",
-            file.path(),
-            "--picture",
-            text(&out),
-            "--colour-by",
-            "k1",
-        ],
+    refused("none.jpg", &[], "a name that ends in .png");
+    let both = folder.path().join("both.png");
+    refused(
+        "both.png",
+        &["--vtp", text(&both)],
+        "two outputs have this name",
     );
-    assert!(refused.contains("--errors"), "{refused}");
+    let copy = Fixture::new("mesh.png", "");
+    fail(2, &["curvature", copy.path(), "--picture", copy.path()]);
     fail(2, &["curvature", file.path(), "--picture", file.path()]);
-    assert!(!out.exists() && read(file.path().as_ref()).unwrap().positions == made.positions);
+    assert_eq!(
+        read(file.path().as_ref()).unwrap().positions,
+        made.positions
+    );
 }
 
 /// Without noise `jet` is J6; with it, it is nearly the best of all fits, and much better than J6.
@@ -232,4 +252,41 @@ fn methods_are_compared_at_each_noise() {
     assert!(table.contains("bars of jet"), "{table}");
     fail(2, &["study", "--noise", "-1"]);
     fail(2, &["study", "--noise", "2"]);
+}
+
+/// The bars of `jet` are below its errors, and the least error is bold: the best fixed fit is no method.
+#[test]
+fn a_page_has_a_table_for_each_quantity() {
+    let row = |method, error| NoiseRow {
+        family: "regular",
+        vertices: 2562,
+        deviation: 1e-2,
+        method,
+        errors: [Some(error), None, Some(10.0 * error)],
+        bars: (method == "jet").then_some(
+            [Bars {
+                within: 0.994,
+                median: 3.9,
+            }; 3],
+        ),
+        verdicts: None,
+    };
+    let rows = [row("meyer", 0.12), row("jet", 0.09), row(BEST_FIXED, 0.07)];
+    let html = String::from_utf8(noise_section(&rows).unwrap().html).unwrap();
+    let (_, table) = html.split_once("id=\"noise-regular-2562-H\"").unwrap();
+    let (table, _) = table.split_once("</table>").unwrap();
+    let cells = [
+        "0.01 edges",
+        "12 %",
+        "<b>9.0 %</b>",
+        "99.4 %, ×3.9",
+        "<td>7.0 %",
+    ];
+    let places = cells.map(|cell| {
+        table
+            .find(cell)
+            .unwrap_or_else(|| panic!("{cell}: {table}"))
+    });
+    assert!(places.is_sorted(), "{table}");
+    assert_eq!(html.matches("<table").count(), 3);
 }

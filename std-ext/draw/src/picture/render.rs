@@ -92,10 +92,14 @@ impl Camera {
 
     /// Pixels to the right and down, and the nearness to the viewer.
     pub(super) fn project(&self, x: [f64; 3]) -> [f64; 3] {
-        let [right, up, near] = self
-            .axes
-            .map(|axis| self.scale * dot(axis, sub(x, self.centre)));
-        [self.middle[0] + right, self.middle[1] - up, near]
+        let [right, down, near] = self.turn(sub(x, self.centre)).map(|x| self.scale * x);
+        [self.middle[0] + right, self.middle[1] + down, near]
+    }
+
+    /// A direction's parts to the right, down and to the viewer.
+    pub(super) fn turn(&self, direction: [f64; 3]) -> [f64; 3] {
+        let [right, up, near] = self.axes.map(|axis| dot(axis, direction));
+        [right, -up, near]
     }
 
     /// The cosine between a direction, either way, and the direction to the viewer.

@@ -4,29 +4,92 @@ use super::PaintedSurface;
 use super::canvas::{Area, Canvas};
 use super::colour::{INK, WHITE};
 use super::render::{Camera, Depths, vertex_normals};
+use helfrich::Surface;
+use std::collections::BTreeMap;
 
-/// Distance of neighbouring lines, in heights of capitals.
-const SPACING: f64 = 1.9;
+/// The least distance of neighbouring lines, in heights of capitals and in edges of the mesh: with fewer
+/// edges there is not a vertex in every cell of a lattice.
+const LEAST_SPACING: [f64; 2] = [2.0, 1.3];
 
-/// Lengths of the lines of each field, in the same: the first ones are longer.
-const LENGTHS: [f64; 2] = [1.6, 0.7];
+/// Lengths of the lines of the first and the second direction, over their distance: they do not touch.
+const LENGTHS: [f64; 2] = [0.8, 0.45];
 
-/// Width of a line, and with its light rims, by which it stands out from dark colours.
-const WIDTH: f64 = 0.13;
-const RIMMED: f64 = 0.3;
+/// Widths of these lines, and of the light rims on both sides, by which they stand out from dark colours, in
+/// heights of capitals.
+const WIDTHS: [f64; 2] = [0.14, 0.09];
+const RIM: f64 = 0.08;
 
 /// The least cosine between a surface's normal and the view: beyond, lines are too foreshortened to be read.
 const LEAST_TILT: f64 = 0.25;
 
-/// A vertex in front, where lines may be drawn.
-#[derive(Clone, Copy)]
-struct Seen {
+/// A place for a line, and the visible vertex nearest to it.
+struct Place {
     vertex: usize,
-    /// Squared distance from the middle of its cell, in pixels.
+    /// Pixels from the place to the vertex.
     off: f64,
+    /// Pixels to the right and down, and nearness.
+    at: [f64; 3],
+    /// The nearness by which the surface may differ from a line that touches it.
+    slack: f64,
 }
 
-/// Draws the lines of a surface at one visible vertex in each cell of a lattice over the picture.
+/// The middles of the cells of a lattice over the picture, its odd rows shifted by half a cell, wherever
+/// there is a visible vertex with directions in the cell: with the one nearest to the middle. Lines at the
+/// vertices themselves would be spread as unevenly as the vertices.
+fn places(
+    painted: &PaintedSurface<'_>,
+    directions: &[Option<[[f64; 3]; 2]>],
+    camera: &Camera,
+    depths: &Depths,
+    spacing: f64,
+) -> BTreeMap<[i64; 2], Place> {
+    let mut places = BTreeMap::<_, Place>::new();
+    let positions = painted.surface.positions().iter();
+    let normals = vertex_normals(painted.surface);
+    for (vertex, (&position, normal)) in positions.zip(normals).enumerate() {
+        let [x, y, near] = camera.project(position);
+        let tilt = camera.tilt(normal);
+        // The surface around a vertex is nearer by as much as it rises there, and on coarse meshes bent.
+        let slack = 0.1 * spacing * (1.0 + 1.0 / tilt);
+        let is_seen = tilt >= LEAST_TILT && near >= depths.at([x, y]) - slack;
+        if !is_seen || directions[vertex].is_none() {
+            continue;
+        }
+        let row = (y / spacing).floor();
+        let shift = 0.5 * row.rem_euclid(2.0);
+        let column = (x / spacing + shift).floor();
+        let middle = [column + 0.5 - shift, row + 0.5].map(|at| spacing * at);
+        let off = ((x - middle[0]).powi(2) + (y - middle[1]).powi(2)).sqrt();
+        let surface = depths.at(middle);
+        // On the same part of the surface, which rises by at most so much on the way.
+        let is_there = (surface - near).abs() <= slack + off / tilt;
+        let cell = [row as i64, column as i64];
+        if is_there && places.get(&cell).is_none_or(|other| off < other.off) {
+            let at = [middle[0], middle[1], surface];
+            places.insert(
+                cell,
+                Place {
+                    vertex,
+                    off,
+                    at,
+                    slack,
+                },
+            );
+        }
+    }
+    places
+}
+
+/// The edge of a mesh of equal triangles with the same area.
+fn edge(surface: Surface<'_, f64>) -> f64 {
+    let triangles = surface.mesh().triangles().len();
+    let area: f64 = (0..triangles)
+        .map(|triangle| surface.triangle_area(triangle))
+        .sum();
+    (4.0 / 3.0_f64.sqrt() * area / triangles as f64).sqrt()
+}
+
+/// Draws the lines of a surface, as far as the surface reaches and nothing hides it.
 pub(super) fn draw(
     canvas: &mut Canvas,
     area: Area,
@@ -35,54 +98,35 @@ pub(super) fn draw(
     depths: &Depths,
     letters: f64,
 ) {
-    if painted.strokes.is_empty() {
+    let Some(directions) = painted.strokes else {
         return;
-    }
-    let spacing = SPACING * letters;
-    let [across, down] = [area.width(), area.bottom - area.top]
-        .map(|extent| (extent / spacing).ceil().max(0.0) as usize);
-    let mut cells: Vec<Option<Seen>> = vec![None; across * down];
-    let positions = painted.surface.positions();
-    for (vertex, (&position, normal)) in positions
-        .iter()
-        .zip(vertex_normals(painted.surface))
-        .enumerate()
-    {
-        let is_known = |field: &&[[f64; 3]]| field[vertex].iter().all(|x| x.is_finite());
-        let [x, y, near] = camera.project(position);
-        let tilt = camera.tilt(normal);
-        // The surface around the vertex is nearer by as much as it rises within a pixel or two.
-        let is_hidden = near < depths.at([x, y]) - 2.0 * (1.0 + 1.0 / tilt);
-        let is_steep = tilt.is_nan() || tilt < LEAST_TILT;
-        if is_steep || is_hidden || !painted.strokes.iter().any(is_known) {
-            continue;
-        }
-        let [column, row] = [(x - area.left) / spacing, (y - area.top) / spacing];
-        let is_inside = column >= 0.0 && row >= 0.0 && column < across as f64 && row < down as f64;
-        if !is_inside {
-            continue;
-        }
-        let off = (column.fract() - 0.5).powi(2) + (row.fract() - 0.5).powi(2);
-        let cell = &mut cells[row as usize * across + column as usize];
-        if cell.is_none_or(|seen| off < seen.off) {
-            *cell = Some(Seen { vertex, off });
-        }
-    }
-    let lines = painted.strokes.iter().zip(LENGTHS).map(|(field, length)| {
-        let half = 0.5 * length * letters / camera.scale;
-        let lines = cells.iter().flatten().map(|seen| {
-            let (position, direction) = (positions[seen.vertex], field[seen.vertex]);
-            [-half, half].map(|part| {
-                let end = [0, 1, 2].map(|axis| position[axis] + part * direction[axis]);
-                let [x, y, _] = camera.project(end);
-                [x, y]
-            })
+    };
+    let units = [letters, camera.scale * edge(painted.surface)];
+    let [least, of_mesh] = [0, 1].map(|unit| LEAST_SPACING[unit] * units[unit]);
+    let spacing = least.max(of_mesh);
+    let places = places(painted, directions, camera, depths, spacing);
+    // From a place along a line, pixel by pixel, while the surface is there.
+    let reach = |place: &Place, [right, down, nearer]: [f64; 3], length: f64| {
+        let [x, y, near] = place.at;
+        let half = 0.5 * length * spacing;
+        let steps = (1..=half.ceil() as usize).map(|step| half.min(step as f64));
+        let ends = steps.map(|step| [x + step * right, y + step * down, near + step * nearer]);
+        let on_surface = ends.take_while(|&[x, y, near]| {
+            area.contains([x, y]) && (near - depths.at([x, y])).abs() <= place.slack
         });
-        let known = lines.filter(|ends| ends.iter().flatten().all(|x| x.is_finite()));
-        Vec::from_iter(known.map(|ends| ends.to_vec()))
+        on_surface.last().map_or([x, y], |[x, y, _]| [x, y])
+    };
+    let lines = [0, 1].map(|which| {
+        let lines = places.values().filter_map(|place| {
+            let along = camera.turn(directions[place.vertex]?[which]);
+            let ends = [along, along.map(|x| -x)].map(|to| reach(place, to, LENGTHS[which]));
+            (ends[0] != ends[1]).then(|| ends.to_vec())
+        });
+        Vec::from_iter(lines)
     });
-    let lines = lines.collect::<Vec<_>>().concat();
-    for (width, colour) in [(RIMMED, WHITE), (WIDTH, INK)] {
-        canvas.stroke(&lines, (width * letters).max(1.0), colour);
+    for (rim, colour) in [(RIM, WHITE), (0.0, INK)] {
+        for (lines, width) in lines.iter().zip(WIDTHS) {
+            canvas.stroke(lines, ((width + 2.0 * rim) * letters).max(1.0), colour);
+        }
     }
 }

@@ -28,7 +28,7 @@ pub(super) fn all(page: &Page<'_>) -> io::Result<Vec<(String, Vec<u8>)>> {
                 field: Some(&field),
                 shading: Shading::Smooth,
                 edges: false,
-                strokes: &[],
+                strokes: None,
             }];
             let picture = Picture {
                 size: [420, 280],
