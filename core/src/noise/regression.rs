@@ -17,7 +17,7 @@ use core::array::from_fn;
 const CONDITIONING: f64 = 1e-3;
 
 /// The degrees of the polynomials: of one orthogonal basis, the lower one is its beginning.
-const DEGREES: [usize; 2] = [4, 6];
+pub(super) const DEGREES: [usize; 2] = [4, 6];
 
 /// Regression jets: least-squares polynomials of degrees 4 and 6 with a constant term, of the heights of k
 /// neighbours over the tangent plane, weighted `exp(−4 r²/ρ²)`.

@@ -1,7 +1,7 @@
 //! Positions on polynomials that are fitted to more vertices than they have coefficients.
 
 use super::fit::{HeightFit, Model};
-use super::normals;
+use super::{Measured, Verdict, normals};
 use crate::element::{Execution, of_vertices};
 use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
@@ -16,33 +16,71 @@ const LEAST: usize = 64;
 const UPRIGHT: f64 = 0.35;
 
 /// Moves each vertex along its normal onto a polynomial fitted to its neighbourhood: a least-squares jet
-/// of degree 4 with a constant term, weighted `exp(−4 r²/ρ²)`.
+/// with a constant term, weighted `exp(−4 r²/ρ²)`.
 ///
-/// Repeated application removes ever longer waves of noise. The change of the shape grows with the
-/// sixth power of the radius of a neighbourhood: several applications with few neighbours change
-/// the shape less than one with many. Positions along the surface do not change.
+/// Repeated application removes ever longer waves of noise. The change of the shape grows with a high
+/// power of the radius of a neighbourhood, the sixth for degree 4 and the eighth for degree 6: several
+/// applications with few neighbours change the shape less than one with many. Positions along the surface
+/// do not change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Smoothing {
+    /// Degree of the polynomials, 2 … 6.
+    pub degree: usize,
     /// Number of neighbours k of a fit. Where the surface turns away fewer are used, but at least
     /// min(k, 64).
     pub neighbours: usize,
 }
 
 impl Smoothing {
+    /// The one scale for a surface that adaptive jets have measured: of their fits for H the degree that
+    /// most vertices have, and the median of the neighbours there. `None` unless half of the vertices have
+    /// noise, and half of all fits average it: other surfaces are better left as they are.
+    pub fn of_measured<T: Real>(measured: &[Measured<T>]) -> Option<Self> {
+        let is_noisy = |at: &&Measured<T>| at.verdict == Verdict::Noise;
+        let noisy = measured.iter().filter(is_noisy).count();
+        let of_degree = |degree: u8| {
+            let scales = measured.iter().map(|at| at.mean.scale);
+            let own = scales.filter(|scale| !scale.interpolates && scale.degree == degree);
+            let mut neighbours = Vec::from_iter(own.map(|scale| scale.neighbours));
+            neighbours.sort_unstable();
+            (degree, neighbours)
+        };
+        let [fourth, sixth] = super::regression::DEGREES.map(|degree| of_degree(degree as u8));
+        let averaging = fourth.1.len() + sixth.1.len();
+        if 2 * noisy.min(averaging) < measured.len() {
+            return None;
+        }
+        let (degree, neighbours) = if sixth.1.len() >= fourth.1.len() {
+            sixth
+        } else {
+            fourth
+        };
+        let median = *neighbours.get(neighbours.len() / 2)?;
+        Some(Self {
+            degree: usize::from(degree),
+            neighbours: median as usize,
+        })
+    }
+
     /// Sets `smooth` to the positions after smoothing, one entry per vertex. A vertex whose
     /// neighbours do not determine a fit is not moved.
     ///
     /// # Panics
-    /// If `smooth` has fewer entries than the surface has vertices.
+    /// If `smooth` has fewer entries than the surface has vertices, or the degree is not 2 to 6.
     pub fn apply<T: Real>(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
         smooth: &mut [[T; 3]],
     ) {
+        assert!(
+            (2..=6).contains(&self.degree),
+            "polynomials that smooth have degrees 2 to 6, not {}",
+            self.degree
+        );
         let normals = normals(surface);
         let model = Model {
-            degree: 4,
+            degree: self.degree,
             sharpness: T::constant(4.0),
             interpolates: false,
         };

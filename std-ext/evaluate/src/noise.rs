@@ -12,12 +12,57 @@ pub fn noise_of(surface: Surface<'_, f64>) -> Noise<f64> {
     Noise::of(&Parallel::new(), surface)
 }
 
-/// The positions of a surface, smoothed over a number of neighbours on all threads: see
-/// [`Smoothing::apply`].
-pub fn smoothed(surface: Surface<'_, f64>, neighbours: usize) -> Vec<[f64; 3]> {
+/// The positions of a surface, smoothed on all threads: see [`Smoothing::apply`].
+pub fn smoothed(surface: Surface<'_, f64>, smoothing: Smoothing) -> Vec<[f64; 3]> {
     let mut smooth = surface.positions().to_vec();
-    Smoothing { neighbours }.apply(&Parallel::new(), surface, &mut smooth);
+    smoothing.apply(&Parallel::new(), surface, &mut smooth);
     smooth
+}
+
+/// A surface without the noise that it had.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quieted {
+    /// The noise.
+    pub noise: Noise<f64>,
+    /// The scale of the fits onto which vertices were moved, [`Quieted::TIMES`] times.
+    pub smoothing: Smoothing,
+    /// The positions then.
+    pub positions: Vec<[f64; 3]>,
+    /// The root mean square of the distances by which they moved.
+    pub moved: f64,
+}
+
+impl Quieted {
+    /// How often vertices are moved. One fit leaves differences between neighbouring fits, which the fourth
+    /// derivatives of f amplify: after four, f by jets was off by 0.3 to 0.9 of what it was after one, on
+    /// discocytes, ellipsoids and tori with noise of 1e-4 to 3e-2 edges. Eight gained little more.
+    pub const TIMES: usize = 4;
+
+    /// Takes the noise out of a surface, at one scale that adaptive jets choose: see
+    /// [`Smoothing::of_measured`]. `None` where there is none, or the mesh does not resolve the shape.
+    pub fn new(surface: Surface<'_, f64>) -> Option<Self> {
+        let noise = noise_of(surface);
+        // This costs little; the choice takes as long as two dozen evaluations of jets.
+        if !noise.is_seen() {
+            return None;
+        }
+        let measured = measured(&AdaptiveJet::default(), surface, &mut |_| true)?;
+        let smoothing = Smoothing::of_measured(&measured)?;
+        let mut positions = surface.positions().to_vec();
+        for _ in 0..Self::TIMES {
+            let smooth = smoothed(Surface::new(surface.mesh(), &positions).ok()?, smoothing);
+            positions = smooth;
+        }
+        let both = surface.positions().iter().zip(&positions);
+        let squares = both.map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>());
+        let moved = (squares.sum::<f64>() / positions.len() as f64).sqrt();
+        Some(Self {
+            noise,
+            smoothing,
+            positions,
+            moved,
+        })
+    }
 }
 
 /// Copies of a surface that [`regression`] fits together: the surface as it is, and some with more noise.

@@ -11,7 +11,7 @@ use crate::generate::random::Random;
 use crate::method::{BendingMethod, Evaluator, Fields};
 use crate::noise;
 use crate::study::Quantity;
-use helfrich::{Noise, Surface, SurfaceError, TriangleMesh};
+use helfrich::{Noise, Smoothing, Surface, SurfaceError, TriangleMesh};
 
 /// Copies of the positions with noise added.
 pub(super) const REPLICAS: usize = 2;
@@ -115,7 +115,11 @@ fn smoothed(
     neighbours: usize,
 ) -> Result<Vec<[f64; 3]>, SurfaceError> {
     let surface = Surface::new(mesh, positions)?;
-    Ok(noise::smoothed(surface, neighbours))
+    let smoothing = Smoothing {
+        degree: 4,
+        neighbours,
+    };
+    Ok(noise::smoothed(surface, smoothing))
 }
 
 /// Around each vertex those reached first along edges, and itself.

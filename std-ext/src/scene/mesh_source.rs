@@ -3,6 +3,8 @@
 use super::keys::{Form, Key, optional};
 use crate::generate::{AnyShape, Family};
 use crate::io::{Column, MeshFile, ReadError, read, read_welded, read_with_columns};
+use crate::noise::Quieted;
+use helfrich::Surface;
 use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
@@ -94,6 +96,8 @@ struct Known {
     file: Arc<MeshFile>,
     /// The numbers at its vertices, if they were asked for.
     columns: Option<Vec<Arc<Column>>>,
+    /// The surface without noise, if it was asked for and has some.
+    quieted: Option<Option<Arc<Quieted>>>,
 }
 
 impl MeshFiles {
@@ -113,6 +117,7 @@ impl MeshFiles {
             source: source.clone(),
             file: Arc::clone(&file),
             columns: None,
+            quieted: None,
         });
         Ok(file)
     }
@@ -137,8 +142,30 @@ impl MeshFiles {
             source: source.clone(),
             file: Arc::new(file),
             columns: Some(columns.clone()),
+            quieted: None,
         });
         Ok(columns)
+    }
+
+    /// The surface of a file without its noise, found now or before; `None` if it has none.
+    ///
+    /// # Errors
+    /// As [`MeshFileSource::read`].
+    pub(crate) fn quieted(
+        &mut self,
+        source: &MeshFileSource,
+    ) -> Result<Option<Arc<Quieted>>, MeshSourceError> {
+        let file = self.read(source)?;
+        let known = self.known.iter_mut().find(|known| known.source == *source);
+        let Some(known) = known else {
+            return Ok(None);
+        };
+        let quieted = known.quieted.get_or_insert_with(|| {
+            // Positions that no surface can have are reported by those who use them.
+            let surface = Surface::new(&file.mesh, &file.positions).ok()?;
+            Quieted::new(surface).map(Arc::new)
+        });
+        Ok(quieted.clone())
     }
 }
 

@@ -6,6 +6,7 @@ use super::mesh_source::MeshSource;
 use crate::flow::AdhesiveWall;
 use crate::flow::lattice_boltzmann::limits::ImmersedMembrane;
 use crate::info::{MeshInfo, mean_edge};
+use crate::method::BendingMethod;
 use serde::Serialize;
 
 /// One surface and the effects that act on it.
@@ -57,6 +58,12 @@ impl SurfaceScene {
     pub fn is_conservative(&self) -> bool {
         let bending = self.effects.bending.as_ref();
         bending.is_none_or(|bending| bending.method.is_conservative())
+    }
+
+    /// Whether its bending method chooses its scale from the noise of the mesh file.
+    pub(crate) fn averages_noise(&self) -> bool {
+        let bending = self.effects.bending.as_ref();
+        bending.is_some_and(|bending| bending.method == BendingMethod::Jet)
     }
 
     /// Size and stiffness of the surface, whose mesh has this radius, area and number of triangles.

@@ -41,7 +41,11 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
             surface.orientation,
             surface.position,
             &mut files,
+            surface.averages_noise(),
         )?;
+        if let Some(quieted) = &start.quieted {
+            warnings.push(file.noise_warning(index, quieted));
+        }
         let vertices = positions.len()..positions.len() + start.positions.len();
         let mut context = Context {
             file,
@@ -105,6 +109,7 @@ fn obstacles(
             obstacle.orientation,
             obstacle.position,
             files,
+            false,
         )?;
         let surface = Surface::new(&start.mesh, &start.positions).map_err(|source| {
             BuildError::Positions {

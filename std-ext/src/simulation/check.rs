@@ -5,11 +5,12 @@ mod overlap;
 
 use crate::generate::{Family, ShapeDeviation};
 use crate::info::MeshInfo;
+use crate::noise::Quieted;
 use crate::scene::{
     Driver, Flow, Interaction, MeshCheck, MeshSource, Reference, SceneError, SceneErrors,
     SceneFile, SurfaceScene,
 };
-use crate::six::Six;
+use crate::six::{Six, rounded};
 use glam::DVec3;
 use helfrich::TriangleMesh;
 
@@ -192,6 +193,28 @@ impl SceneFile {
             }
         }
         warnings
+    }
+
+    /// A warning that vertices of a surface do not start where its mesh file has them.
+    pub(super) fn noise_warning(&self, surface: usize, quieted: &Quieted) -> SceneError {
+        let scene = &self.scene.surfaces[surface];
+        let Quieted {
+            noise, smoothing, ..
+        } = quieted;
+        let message = format!(
+            "the mesh of \"{}\" is noisy: its vertices lie off a smooth surface by σ = {}, {} of an edge. \
+             The noise is taken out once, at the start: vertices were moved {} times onto fits of degree {} \
+             to {} neighbours, by {} in all (root mean square); choose j6 or j4 to start from the file as \
+             it is",
+            scene.name,
+            Six(rounded(scene.scale.abs() * noise.length)),
+            Six(rounded(noise.edges)),
+            Quieted::TIMES,
+            smoothing.degree,
+            smoothing.neighbours,
+            Six(rounded(scene.scale.abs() * quieted.moved)),
+        );
+        self.doubt(&format!("surface.{surface}.bending.method"), message)
     }
 
     /// A warning about the mesh of an obstacle.

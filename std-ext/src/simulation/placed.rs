@@ -2,8 +2,10 @@
 
 use super::error::BuildError;
 use crate::generate::{GeneratedMesh, generate};
+use crate::noise::Quieted;
 use crate::scene::{MeshFiles, MeshSource, Orientation};
 use helfrich::{Surface, TriangleMesh};
+use std::sync::Arc;
 
 /// Scales a closed mesh so that it encloses this volume.
 pub(super) fn scale_to_volume(mesh: &TriangleMesh, positions: &mut [[f64; 3]], volume: f64) {
@@ -26,9 +28,13 @@ pub(super) struct Placed {
     pub(super) positions: Vec<[f64; 3]>,
     /// The points of the shape for the vertices of a generated mesh.
     pub(super) preimages: Option<Vec<[f64; 3]>>,
+    /// What was taken out of the mesh file, in its own unit.
+    pub(super) quieted: Option<Arc<Quieted>>,
 }
 
 impl Placed {
+    /// `without_noise` says that vertices of a mesh file are moved onto a smooth surface if they have
+    /// noise.
     pub(super) fn new(
         name: &str,
         source: &MeshSource,
@@ -36,7 +42,9 @@ impl Placed {
         orientation: Option<Orientation>,
         position: [f64; 3],
         files: &mut MeshFiles,
+        without_noise: bool,
     ) -> Result<Self, BuildError> {
+        let mut quieted = None;
         let (mesh, mut unplaced, preimages) = match source {
             MeshSource::Shape {
                 shape,
@@ -61,8 +69,14 @@ impl Placed {
                 (mesh, positions, Some(preimages))
             }
             MeshSource::File(file) => {
+                if without_noise {
+                    quieted = files.quieted(file)?;
+                }
                 let file = files.read(file)?;
-                (file.mesh.clone(), file.positions.clone(), None)
+                let positions = quieted
+                    .as_ref()
+                    .map_or(&file.positions, |quieted| &quieted.positions);
+                (file.mesh.clone(), positions.clone(), None)
             }
         };
         for vertex in &mut unplaced {
@@ -78,6 +92,7 @@ impl Placed {
             unplaced,
             positions,
             preimages,
+            quieted,
         })
     }
 }

@@ -8,6 +8,7 @@ mod flow;
 mod hostile;
 mod lattice;
 mod meshes;
+mod noise;
 mod overrides;
 mod private;
 mod reading;

@@ -2,11 +2,14 @@
 
 use helfrich::shapes::Shape;
 use helfrich::{
-    Finding, Noise, Prepared, Regression, Serial, Smoothing, StrongForm, Surface, TriangleMesh,
+    AdaptiveJet, Finding, Noise, Prepared, Regression, Serial, Smoothing, StrongForm, Surface,
+    TriangleMesh,
 };
 use helfrich_std::execute::Parallel;
 use helfrich_std::generate::random::Random;
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
+use helfrich_std::method::{BendingMethod, Evaluator};
+use helfrich_std::noise::{Quieted, measured};
 use helfrich_tests::star::Star;
 
 fn mesh(shape: &str, family: Family, vertices: usize) -> Option<GeneratedMesh> {
@@ -224,7 +227,11 @@ fn smoothing_takes_noise_and_leaves_the_shape() {
     let smooth = |positions: &[[f64; 3]]| {
         let surface = Surface::new(&made.mesh, positions).expect("positions");
         let mut smooth = positions.to_vec();
-        Smoothing { neighbours: 48 }.apply(&Parallel::new(), surface, &mut smooth);
+        let smoothing = Smoothing {
+            degree: 4,
+            neighbours: 48,
+        };
+        smoothing.apply(&Parallel::new(), surface, &mut smooth);
         smooth
     };
     // Along the exact normal, in edges.
@@ -241,6 +248,116 @@ fn smoothing_takes_noise_and_leaves_the_shape() {
     let once = smooth(&noisy);
     assert!(off(&once) < 0.7 * off(&noisy), "{}", off(&once));
     assert!(off(&smooth(&once)) < 0.9 * off(&once));
+}
+
+/// The root mean square of the distances by which vertices of a sphere move along the normal.
+fn shift_on_sphere(vertices: usize, degree: usize) -> f64 {
+    let made = mesh("sphere", Family::Smooth, vertices).expect("a mesh");
+    let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
+    let mut smooth = made.positions.clone();
+    let smoothing = Smoothing {
+        degree,
+        neighbours: 90,
+    };
+    smoothing.apply(&Parallel::new(), surface, &mut smooth);
+    let off = |x: &[f64; 3]| (x.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).powi(2);
+    (smooth.iter().map(off).sum::<f64>() / smooth.len() as f64).sqrt()
+}
+
+/// A polynomial of degree d misses terms from d + 1 on, and those of odd degree average out around a vertex:
+/// with the edges halved, a fit to as many neighbours moves a vertex by 2⁻⁶ and 2⁻⁸ of that.
+#[test]
+fn smoothing_changes_shapes_with_a_high_order() {
+    for (degree, order) in [(4, 6.0), (6, 8.0)] {
+        let [coarse, fine] = [2562, 10242].map(|vertices| shift_on_sphere(vertices, degree));
+        let found = (coarse / fine).log2();
+        // Neighbourhoods are 0.4 wide on the coarse mesh: its square is the size of the
+        // next term, a sixth on the coarse mesh and a quarter of that on the fine one.
+        assert!((found - order).abs() < 0.1, "{degree}: {found}");
+    }
+}
+
+/// Numbers of vertices mean nothing, up to rounding of sums in another order.
+#[test]
+fn smoothing_does_not_depend_on_the_order_of_vertices() {
+    let made = mesh("ellipsoid:1,0.8,0.6", Family::Irregular, 642).expect("a mesh");
+    let noisy = disturbed(&made.positions, 1e-2 * mean_edge(&made));
+    let last = noisy.len() as u32 - 1;
+    let triangles = made.mesh.triangles().iter();
+    let triangles = Vec::from_iter(triangles.map(|corners| corners.map(|corner| last - corner)));
+    let turned = TriangleMesh::new(noisy.len(), triangles).expect("a mesh");
+    let turned_positions = Vec::from_iter(noisy.iter().rev().copied());
+    let smoothing = Smoothing {
+        degree: 6,
+        neighbours: 90,
+    };
+    let smooth = |mesh: &TriangleMesh, positions: &[[f64; 3]]| {
+        let surface = Surface::new(mesh, positions).expect("positions");
+        let mut smooth = positions.to_vec();
+        smoothing.apply(&Parallel::new(), surface, &mut smooth);
+        smooth
+    };
+    let here = smooth(&made.mesh, &noisy);
+    let there = smooth(&turned, &turned_positions);
+    for (a, b) in here.iter().zip(there.iter().rev()) {
+        // The rounding of a fit: of 1 by its condition, which is below 10⁴.
+        assert!(
+            (0..3).all(|axis| (a[axis] - b[axis]).abs() < 1e-12),
+            "{a:?} {b:?}"
+        );
+    }
+}
+
+/// One scale for the mesh leaves no more of the error of H than fits whose scale is chosen at every vertex,
+/// because it is applied repeatedly. The more noise, the wider are the fits.
+#[test]
+fn noise_is_taken_out_at_one_scale() {
+    let made = mesh("discocyte", Family::Irregular, 2562).expect("a mesh");
+    let exact = made.preimages.iter().map(|&at| made.shape.at(at).mean);
+    let exact = Vec::from_iter(exact);
+    let off = |found: &dyn Fn(usize) -> f64| {
+        let squares = (0..exact.len()).map(|vertex| (found(vertex) - exact[vertex]).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let mut neighbours = Vec::new();
+    for deviation in [1e-3, 1e-2] {
+        let noisy = disturbed(&made.positions, deviation * mean_edge(&made));
+        let surface = Surface::new(&made.mesh, &noisy).expect("positions");
+        let measured = measured(&AdaptiveJet::default(), surface, &mut |_| true).expect("a result");
+        let quieted = Quieted::new(surface).expect("noise");
+        assert_eq!(Smoothing::of_measured(&measured), Some(quieted.smoothing));
+        neighbours.push(quieted.smoothing.degree.abs_diff(7) * quieted.smoothing.neighbours);
+        let surface = Surface::new(&made.mesh, &quieted.positions).expect("positions");
+        let jets = Evaluator::new(BendingMethod::J6, 1.0, &made.mesh).fields(surface);
+        let [by_jets, by_scales] = [
+            off(&|vertex| jets.mean[vertex].expect("H")),
+            off(&|vertex| measured[vertex].mean.value),
+        ];
+        assert!(by_jets < by_scales, "{deviation}: {by_jets} {by_scales}");
+        // Vertices move by what their noise along the normal was, and by less than a third of it more.
+        let moved = quieted.moved / (deviation * mean_edge(&made));
+        assert!((0.9..1.3).contains(&moved), "{deviation}: {moved}");
+    }
+    assert!(neighbours[0] < neighbours[1], "{neighbours:?}");
+}
+
+/// Neither where there is none, nor where the shape itself is rough on the mesh.
+#[test]
+fn exact_and_unresolved_meshes_are_left_as_they_are() {
+    for (shape, family, vertices) in [
+        ("discocyte", Family::Irregular, 2562),
+        ("discocyte", Family::Irregular, 642),
+        ("torus", Family::Regular, 642),
+        ("ellipsoid:1,0.8,0.6", Family::Hard, 1280),
+        ("sphere", Family::Smooth, 162),
+    ] {
+        let made = mesh(shape, family, vertices).expect("a mesh");
+        let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
+        assert_eq!(Quieted::new(surface), None, "{shape}, {family}, {vertices}");
+        let measured = measured(&AdaptiveJet::default(), surface, &mut |_| true).expect("a result");
+        let smoothing = Smoothing::of_measured(&measured);
+        assert_eq!(smoothing, None, "{shape}, {family}, {vertices}");
+    }
 }
 
 /// Root mean squares of the errors of f by degrees 4 and 6 on noisy positions, relative to that of f, and

@@ -1,6 +1,6 @@
 //! `helfrich run --resume`: what is gone on with, what begins again, and what is left alone.
 
-use crate::fixture::obj;
+use crate::fixture::{disturbed, obj};
 use crate::run::{FLOW, LATTICE, SCENE, command, files, run, succeed, summary};
 use crate::text;
 use helfrich_std::generate::{AnyShape, Family, generate};
@@ -230,6 +230,52 @@ fn a_run_goes_on_to_a_later_end() {
         let [whole, extended] = rows;
         assert!(whole.iter().all(|row| extended.contains(row)), "{first}");
         assert!(extended.len() <= whole.len() + 1, "{first}");
+    }
+}
+
+/// Measured vertices, whose noise is taken out at the start.
+const NOISY: &str = r#"
+units = "none"
+[[surface]]
+mesh = "mesh.obj"
+bending = { method = "jet", modulus = 1 }
+volume = { constraint = "exact" }
+area = { constraint = "exact" }
+[driver]
+kind = "relax"
+iterations = 6
+[output]
+every = 2
+checkpoint_every = 3
+pictures = false
+"#;
+
+/// Noise is found anew when a run is taken up again, in the same file: the run goes on with the same
+/// positions, and says the same.
+#[test]
+fn a_run_without_its_noise_goes_on() {
+    let (folder, scene) = folder_with(NOISY);
+    let shape: AnyShape = "ellipsoid:1,0.8,0.6".parse().unwrap();
+    let made = generate(&shape, Family::Smooth, 642, 1).unwrap();
+    let mesh = obj(&disturbed(&made.positions, 1e-3), made.mesh.triangles());
+    fs::write(folder.path().join("mesh.obj"), mesh).unwrap();
+    let [whole, extended] = ["whole", "extended"].map(|name| folder.path().join(name));
+    run(&scene, &whole, &[]);
+    run(&scene, &extended, &["--set", "driver.iterations=4"]);
+    let output = run(&scene, &extended, &["--resume"]);
+    // Six steps are too few for an equilibrium.
+    assert_eq!(output.status.code(), Some(4), "{output:?}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("is noisy"), "{said}");
+    let [first, second] = [&whole, &extended].map(|out| summary(out));
+    for key in ["iterations", "last", "warnings", "fingerprint"] {
+        assert_eq!(first[key], second[key], "{key}");
+    }
+    assert!(first["warnings"][0].as_str().unwrap().contains("is noisy"));
+    let [first, second] = [&whole, &extended].map(|out| files(out));
+    for name in ["last.vtp", "series.csv"] {
+        let name = Path::new(name);
+        assert!(first[name] == second[name], "{name:?}");
     }
 }
 
