@@ -2,8 +2,8 @@
 
 use helfrich::shapes::Shape;
 use helfrich::{
-    AdaptiveJet, Finding, Noise, Prepared, Regression, Serial, Smoothing, StrongForm, Surface,
-    TriangleMesh,
+    AdaptiveJet, Finding, Measured, Noise, Prepared, Regression, Serial, Smoothing, StrongForm,
+    Surface, TriangleMesh, Verdict,
 };
 use helfrich_std::execute::Parallel;
 use helfrich_std::generate::random::Random;
@@ -358,6 +358,16 @@ fn exact_and_unresolved_meshes_are_left_as_they_are() {
         let smoothing = Smoothing::of_measured(&measured);
         assert_eq!(smoothing, None, "{shape}, {family}, {vertices}");
     }
+    // A quarter of the mesh has noise: one scale would change the rest for nothing.
+    let made = mesh("ellipsoid:1,0.8,0.6", Family::Irregular, 2562).expect("a mesh");
+    let noisy = disturbed(&made.positions, 1e-2 * mean_edge(&made));
+    let parts = made.positions.iter().zip(&noisy);
+    let partly = Vec::from_iter(parts.map(|(x, y)| if x[0] > 0.5 { *y } else { *x }));
+    let surface = Surface::new(&made.mesh, &partly).expect("positions");
+    let measured = measured(&AdaptiveJet::default(), surface, &mut |_| true).expect("a result");
+    let noisy = |at: &&Measured<f64>| at.verdict == Verdict::Noise && !at.mean.scale.interpolates;
+    assert!(measured.iter().filter(noisy).count() > 2562 / 8);
+    assert_eq!(Smoothing::of_measured(&measured), None);
 }
 
 /// Root mean squares of the errors of f by degrees 4 and 6 on noisy positions, relative to that of f, and
