@@ -19,8 +19,7 @@ mod strong_form;
 pub(crate) use area_vectors::AreaVectors;
 pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
 pub use hamann::{Hamann, HamannMemory};
-pub(crate) use hinge::Hinge;
-pub use hinge::Hinges;
+pub use hinge::{Hinge, Hinges, OverHinges, OverHingesMemory};
 pub use juelicher::{Juelicher, JuelicherMemory};
 pub use kantor_nelson::{KantorNelson, KantorNelsonMemory};
 pub use loop_subdivision::{

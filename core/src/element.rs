@@ -8,8 +8,7 @@
 
 mod energy;
 
-pub(crate) use energy::ElementEnergy;
-pub use energy::ElementMemory;
+pub use energy::{ElementEnergy, ElementMemory};
 
 use crate::lane::Lane;
 use crate::real::Real;

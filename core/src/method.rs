@@ -172,7 +172,10 @@ impl ParameterError {
     }
 
     /// Returns an error unless the value is finite and at most `limit` in magnitude.
-    pub(crate) fn unless_within<T: Real>(
+    ///
+    /// # Errors
+    /// The parameter is not finite, or above the limit.
+    pub fn unless_within<T: Real>(
         parameter: &'static str,
         value: T,
         limit: T,
@@ -192,7 +195,7 @@ impl ParameterError {
     /// The largest bending modulus, and the largest square of a spontaneous curvature: the square root
     /// of the largest number. What overflows below it does so by the sizes of edges, and findings name
     /// the vertices.
-    pub(crate) fn largest_modulus<T: Real>() -> T {
+    pub fn largest_modulus<T: Real>() -> T {
         T::max_value().sqrt()
     }
 }

@@ -1,8 +1,12 @@
 //! Two triangles that meet in an edge, and the angle between them.
 
-use crate::element::Corners;
+use crate::diagnostic::Finding;
+use crate::element::{Corners, ElementEnergy, ElementMemory, Execution};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
+use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
+use crate::real::Real;
+use crate::surface::Surface;
 use crate::vec3::{Vec3, add, cross, dot, neg, norm, scale, sub};
 use alloc::vec::Vec;
 
@@ -37,23 +41,29 @@ impl Hinges {
     }
 }
 
-/// One hinge: the sine and cosine of its angle, and the ingredients of its gradient.
-pub(crate) struct Hinge<L> {
+/// One hinge, two triangles at an edge: the sine and cosine of the angle θ between their normals,
+/// positive where the surface is convex, and the ingredients of its gradient.
+#[derive(Clone, Copy, Debug)]
+pub struct Hinge<L> {
     edge: Vec3<L>,
-    pub(crate) edge_length: L,
+    /// The length of the edge.
+    pub edge_length: L,
     /// One over the edge's length.
     along: L,
     normals: [Vec3<L>; 2],
     reciprocals: [L; 2],
-    pub(crate) cosine: L,
-    pub(crate) sine: L,
+    /// cos θ.
+    pub cosine: L,
+    /// sin θ.
+    pub sine: L,
     /// 1, or 0 where a triangle or the edge has no extent.
-    pub(crate) presence: L,
+    pub presence: L,
 }
 
 impl<L: Lane> Hinge<L> {
+    /// The hinge of two ends of an edge, the corner on its left and the one on its right.
     #[inline(always)]
-    pub(crate) fn new(corners: &Corners<L, 4>) -> Self {
+    pub fn new(corners: &Corners<L, 4>) -> Self {
         let edge = corners.difference(0, 1);
         let left = cross(edge, corners.difference(0, 2));
         let right = cross(corners.difference(0, 3), edge);
@@ -79,14 +89,14 @@ impl<L: Lane> Hinge<L> {
 
     /// θ in (−π, π]; 0 where a triangle or the edge has no extent.
     #[inline(always)]
-    pub(crate) fn angle(&self) -> L {
+    pub fn angle(&self) -> L {
         // If the hinge has no extent, sine and cosine are 0 or meaningless.
         self.presence * self.sine.atan2(self.cosine)
     }
 
     /// The unit vector along the edge; 0 for one without length.
     #[inline(always)]
-    pub(crate) fn direction(&self) -> Vec3<L> {
+    pub fn direction(&self) -> Vec3<L> {
         scale(self.along, self.edge)
     }
 
@@ -94,7 +104,7 @@ impl<L: Lane> Hinge<L> {
     /// triangle lowers θ by the inverse of its height. The ends of the edge share the opposite
     /// force in proportion to the position of the corner's foot between them.
     #[inline(always)]
-    pub(crate) fn forces(&self, corners: &Corners<L, 4>, torque: L) -> [Vec3<L>; 4] {
+    pub fn forces(&self, corners: &Corners<L, 4>, torque: L) -> [Vec3<L>; 4] {
         let lever = |side: usize| scale(torque * self.reciprocals[side], self.normals[side]);
         let (left, right) = (lever(0), lever(1));
         // Scalar products of the edge with the vectors from its ends to the corner.
@@ -110,14 +120,115 @@ impl<L: Lane> Hinge<L> {
 
     /// `weight ∂(l θ)/∂x = weight (θ ∂l + l ∂θ)` at the four corners, l the edge's length.
     #[inline(always)]
-    pub(crate) fn length_times_angle_gradient(
-        &self,
-        corners: &Corners<L, 4>,
-        weight: L,
-    ) -> [Vec3<L>; 4] {
+    pub fn length_times_angle_gradient(&self, corners: &Corners<L, 4>, weight: L) -> [Vec3<L>; 4] {
         let weight = weight * self.presence;
         let [a, b, left, right] = self.forces(corners, -(weight * self.edge_length));
         let stretch = scale(weight * self.angle(), self.direction());
         [sub(a, stretch), add(b, stretch), left, right]
+    }
+}
+
+/// A bending method of your own, from the formula of one hinge: `E = Σ w` over the interior edges of
+/// a mesh, and the forces that the formula gives.
+///
+/// The corners of a hinge are the two ends of the edge, the corner on its left and the one on its
+/// right. A formula should contribute nothing where [`Hinge::presence`] is 0. Whether its forces are
+/// the gradient of its energy, the laws of `helfrich-tests` show.
+///
+/// ```
+/// use helfrich::bending::{Hinge, OverHinges};
+/// use helfrich::element::{Corners, ElementEnergy};
+/// use helfrich::{Prepared, Real, Surface, TriangleMesh};
+///
+/// /// w = 1 − cos θ, half of it for each end.
+/// struct OfCosine;
+///
+/// impl<T: Real> ElementEnergy<T, 4> for OfCosine {
+///     fn evaluate(&self, _: usize, corners: &Corners<T, 4>) -> ([[T; 3]; 4], [T; 4]) {
+///         let hinge = Hinge::new(corners);
+///         let half = T::constant(0.5) * hinge.presence * (T::one() - hinge.cosine);
+///         let forces = hinge.forces(corners, hinge.presence * hinge.sine);
+///         (forces, [half, half, T::zero(), T::zero()])
+///     }
+/// }
+///
+/// let mesh = TriangleMesh::new(4, vec![[0, 1, 2], [0, 3, 1]])?;
+/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let energy = Prepared::new(OverHinges(OfCosine), &mesh).energy(Surface::new(&mesh, &points)?);
+/// assert_eq!(energy, 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverHinges<E>(pub E);
+
+/// Memory of [`OverHinges`].
+#[derive(Clone, Debug)]
+pub struct OverHingesMemory<T> {
+    hinges: Hinges,
+    sums: ElementMemory<T>,
+}
+
+impl<T: Real, E: ElementEnergy<T, 4>> Method<T> for OverHinges<E> {
+    type Memory = OverHingesMemory<T>;
+
+    fn memory(&self, mesh: &TriangleMesh) -> OverHingesMemory<T> {
+        OverHingesMemory {
+            hinges: Hinges::new(mesh),
+            sums: ElementMemory::default(),
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        self.0.check()
+    }
+
+    fn inspect(
+        &self,
+        surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        workspace.for_mesh(surface.mesh());
+        surface.report_uneven_mesh(report);
+        surface.report_valences(report);
+        surface.report_rough_vertices(report);
+    }
+}
+
+impl<T: Real, E: ElementEnergy<T, 4>> Energy<T> for OverHinges<E> {
+    fn energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+    ) -> T {
+        let OverHingesMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
+        sums.energy(execution, surface, &hinges.vertices, &self.0)
+    }
+}
+
+impl<T: Real, E: ElementEnergy<T, 4>> Force<T> for OverHinges<E> {
+    fn add_force(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        force: &mut [[T; 3]],
+    ) {
+        let OverHingesMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
+        sums.add_force(execution, surface, &hinges.vertices, &self.0, force);
+    }
+}
+
+impl<T: Real, E: ElementEnergy<T, 4>> Conservative<T> for OverHinges<E> {
+    fn add_force_and_energy(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        force: &mut [[T; 3]],
+    ) -> T {
+        let OverHingesMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
+        sums.add_force_and_energy(execution, surface, &hinges.vertices, &self.0, force)
     }
 }

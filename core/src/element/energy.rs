@@ -1,6 +1,7 @@
 //! Energies that are sums over elements.
 
 use super::{Corners, ElementKernel, Execution};
+use crate::method::ParameterError;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::add;
@@ -8,15 +9,24 @@ use alloc::vec::Vec;
 
 /// An energy `Σ w`, w a function of the corners of one element.
 ///
-/// Laws: those of an [`ElementKernel`]. Where only one of the two results is wanted, compilers leave out
-/// the arithmetic of the other.
-pub(crate) trait ElementEnergy<T: Real, const CORNERS: usize>: Sync {
+/// Laws: those of an [`ElementKernel`], and the forces are the exact gradient. Where only one of the
+/// two results is wanted, compilers leave out the arithmetic of the other.
+pub trait ElementEnergy<T: Real, const CORNERS: usize>: Sync {
     /// −∂w/∂x at each corner of element `element`, and the part of w that each corner gets.
     fn evaluate(
         &self,
         element: usize,
         corners: &Corners<T, CORNERS>,
     ) -> ([[T; 3]; CORNERS], [T; CORNERS]);
+
+    /// Refuses parameters that are no numbers, or so large that results overflow. By default there
+    /// are none to refuse.
+    ///
+    /// # Errors
+    /// The parameter, its value and its limit.
+    fn check(&self) -> Result<(), ParameterError> {
+        Ok(())
+    }
 }
 
 struct Forces<E>(E);
