@@ -1,7 +1,7 @@
 //! The method that reaches an accuracy in the shortest time, decided from measured rows by a fixed
 //! rule.
 
-use crate::method::BendingMethod;
+use crate::method::AnyMethod;
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 
@@ -47,7 +47,7 @@ pub struct Question<'a> {
     /// The largest allowed error, relative to the largest exact value.
     pub target: f64,
     /// The method in question; `None` for all methods.
-    pub method: Option<BendingMethod>,
+    pub method: Option<AnyMethod>,
 }
 
 /// Time of one evaluation of the whole mesh.
@@ -105,8 +105,8 @@ fn is_kept(rows: &[Row], row: &Row, question: &Question<'_>) -> bool {
 pub fn for_everything<'a>(
     rows: &'a [Row],
     questions: &[Question<'a>],
-) -> Option<(BendingMethod, Vec<&'a Row>)> {
-    let mut methods: Vec<BendingMethod> = Vec::new();
+) -> Option<(AnyMethod, Vec<&'a Row>)> {
+    let mut methods: Vec<AnyMethod> = Vec::new();
     for row in rows {
         if !methods.contains(&row.method) {
             methods.push(row.method);

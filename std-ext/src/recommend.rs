@@ -31,7 +31,9 @@ mod noisy;
 
 use crate::answer::Norm;
 use crate::execute::Parallel;
-use crate::method::{BendingMethod, Evaluated, Evaluator, MethodOptions};
+use crate::method::{
+    AnyMethod, BendingMethod, Compiled, Evaluated, Evaluator, MethodOptions, RepeatedName,
+};
 use crate::noise::noise_of;
 use crate::scalar::{HeldPositions, Scalar};
 use crate::study::{Progress, Quantity, Reference, Timing, is_scattered};
@@ -53,7 +55,7 @@ pub struct Wish {
     pub target: f64,
     /// The methods to choose from. `jet` chooses its scale where there is noise; without, it is J4 or J6, and
     /// is left out beside these.
-    pub methods: Vec<BendingMethod>,
+    pub methods: Vec<AnyMethod>,
     /// Options of the methods; each takes those that it has.
     pub options: MethodOptions,
     /// The number types to choose from.
@@ -64,7 +66,7 @@ pub struct Wish {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Candidate {
     /// The method.
-    pub method: BendingMethod,
+    pub method: AnyMethod,
     /// Its options other than the defaults.
     #[serde(flatten)]
     pub options: MethodOptions,
@@ -135,6 +137,12 @@ pub struct Recommendation {
     pub candidates: Vec<Candidate>,
 }
 
+/// Methods that the reference judges by distances without a bound.
+const JETS: [AnyMethod; 2] = [
+    AnyMethod::Listed(BendingMethod::J4),
+    AnyMethod::Listed(BendingMethod::J6),
+];
+
 /// Largest estimated error at the worst vertex for which the estimate is reliable: beyond, one
 /// vertex may have so large an error that it is the largest value, which makes all relative errors
 /// small.
@@ -144,6 +152,9 @@ pub const RESOLVED: f64 = 0.2;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecommendError {
+    /// Two methods have one name.
+    #[error(transparent)]
+    Name(#[from] RepeatedName),
     /// The positions cannot be used in this number type.
     #[error("the mesh cannot be held in {scalar}: {source}")]
     Surface {
@@ -166,7 +177,7 @@ pub enum RecommendError {
 /// Measures every candidate on a mesh, and chooses. `None` if interrupted.
 ///
 /// # Errors
-/// If the positions do not fit a number type, or no vertex can be compared.
+/// If the positions do not fit a number type, no vertex can be compared, or two methods have one name.
 pub fn recommend(
     mesh: &TriangleMesh,
     positions: &[[f64; 3]],
@@ -174,6 +185,7 @@ pub fn recommend(
     interrupted: &dyn Fn() -> bool,
     progress: &mut dyn FnMut(Progress<'_>),
 ) -> Result<Option<Recommendation>, RecommendError> {
+    AnyMethod::check_names(&wish.methods)?;
     let quantity = wish.quantity;
     let surface = Surface::new(mesh, positions).map_err(|source| RecommendError::Surface {
         scalar: Scalar::F64,
@@ -198,10 +210,8 @@ pub fn recommend(
     tell(1, "reference: jets of degrees 6 and 4");
     let expected = ground.of_jets().map_err(failed)?;
     // Without noise it is one of these.
-    let degrees = [BendingMethod::J4, BendingMethod::J6];
-    let is_repeated = |method| {
-        method == BendingMethod::Jet && degrees.iter().all(|degree| wish.methods.contains(degree))
-    };
+    let are_given = JETS.iter().all(|&degree| wish.methods.contains(&degree));
+    let is_repeated = |method: AnyMethod| method == BendingMethod::Jet && are_given;
     let mut candidates = Vec::new();
     let mut done = 2;
     for &scalar in &wish.scalars {
@@ -297,15 +307,15 @@ impl Expected<'_> {
     /// Expected error of a method, from its measured distances.
     fn of_candidate(
         &self,
-        (method, options, scalar): (BendingMethod, MethodOptions, Scalar),
+        (method, options, scalar): (AnyMethod, MethodOptions, Scalar),
         measured: &Measured,
         wish: &Wish,
     ) -> Candidate {
-        let is_bound = !matches!(method, BendingMethod::J4 | BendingMethod::J6);
+        let is_bound = !JETS.contains(&method);
         let [distance, noise] =
             [measured.distances, measured.noise].map(|errors| in_norm(errors, wish.norm));
         let expected = match &self.estimate {
-            None if (method, scalar) == (BendingMethod::J6, Scalar::F64) => {
+            None if method == BendingMethod::J6 && scalar == Scalar::F64 => {
                 in_norm(self.unknown, wish.norm)
             }
             None if is_bound => in_norm(self.unknown, wish.norm) + distance,
@@ -350,7 +360,7 @@ impl Expected<'_> {
         let [max, mean] = reference.errors(&adaptive.fields, wish.quantity);
         let expected = in_norm(adaptive.expected, wish.norm) / reference.scale(wish.quantity);
         Candidate {
-            method: BendingMethod::Jet,
+            method: BendingMethod::Jet.into(),
             options: MethodOptions::default(),
             scalar: Scalar::F64,
             max,
@@ -500,15 +510,15 @@ impl<'a> Ground<'a> {
     }
 
     /// Errors from the reference, by noise and by the mesh, and the time of an evaluation.
-    fn measure<T: Evaluated>(
+    fn measure<T: Compiled>(
         &self,
-        (method, options, scalar): (BendingMethod, MethodOptions, Scalar),
+        (method, options, scalar): (AnyMethod, MethodOptions, Scalar),
     ) -> Result<Measured, SurfaceError> {
         let held = HeldPositions::<T>::new(scalar, self.positions);
         let surface = held.surface(self.mesh)?;
         let threads = Parallel::single();
         let modulus = T::one();
-        let mut evaluator = Evaluator::with_options(method, &options, modulus, self.mesh, threads);
+        let mut evaluator = method.evaluator(&options, modulus, self.mesh, threads);
         let start = Instant::now();
         evaluator.evaluate(surface);
         let time = Timing::of_runs(start.elapsed(), || evaluator.evaluate(surface));

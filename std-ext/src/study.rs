@@ -16,7 +16,7 @@ pub(crate) use timing::{Timing, is_scattered};
 
 use crate::execute::Parallel;
 use crate::generate::{self, AnyShape, Family, GenerateError, GeneratedMesh, generate};
-use crate::method::{BendingMethod, Evaluated, Evaluator, MethodOptions};
+use crate::method::{AnyMethod, Compiled, MethodOptions, RepeatedName};
 use crate::scalar::{HeldPositions, Scalar};
 use errors::natural_scales;
 use helfrich::SurfaceError;
@@ -52,7 +52,8 @@ impl Quantity {
     ];
 
     /// Whether a method defines this quantity.
-    pub fn is_defined_by(self, method: BendingMethod) -> bool {
+    pub fn is_defined_by(self, method: impl Into<AnyMethod>) -> bool {
+        let method = method.into();
         let [mean, gaussian, laplacian] = method.description().defines;
         match self {
             Self::Mean => mean,
@@ -82,8 +83,8 @@ pub struct Study {
     pub families: Vec<Family>,
     /// Numbers of vertices of the meshes, in any order; duplicates are ignored.
     pub vertices: Vec<usize>,
-    /// The methods.
-    pub methods: Vec<BendingMethod>,
+    /// The methods: of the list, and of your own.
+    pub methods: Vec<AnyMethod>,
     /// Options of the methods; each takes those that it has.
     pub options: MethodOptions,
     /// The number types.
@@ -104,7 +105,7 @@ pub struct Row {
     /// Number of vertices of the mesh.
     pub vertices: usize,
     /// The method.
-    pub method: BendingMethod,
+    pub method: AnyMethod,
     /// Its options other than the defaults.
     #[serde(flatten)]
     pub options: MethodOptions,
@@ -168,6 +169,9 @@ pub enum StudyError {
     /// A mesh cannot be made.
     #[error(transparent)]
     Generate(#[from] GenerateError),
+    /// Two methods have one name.
+    #[error(transparent)]
+    Name(#[from] RepeatedName),
     /// The curvatures overflow, or lose their digits.
     #[error(
         "{shape} cannot be studied in {scalar}: with its size and κ = {modulus:?}, κ², 1/R³ or κ/R³ \
@@ -198,7 +202,7 @@ impl Study {
     /// studies are refused before anything is computed.
     ///
     /// # Errors
-    /// If a mesh cannot be made, or does not fit a number type.
+    /// If a mesh cannot be made or does not fit a number type, or two methods have one name.
     pub fn run(&self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StudyError> {
         self.run_in(&mut Session {
             progress,
@@ -211,7 +215,7 @@ impl Study {
     /// Makes the study with interruption and cache as given by the session.
     ///
     /// # Errors
-    /// If a mesh cannot be made, or does not fit a number type.
+    /// If a mesh cannot be made or does not fit a number type, or two methods have one name.
     pub fn run_in(&self, session: &mut Session<'_>) -> Result<Vec<Row>, StudyError> {
         self.check()?;
         let mut numbers = self.vertices.clone();
@@ -312,6 +316,7 @@ impl Study {
 
     /// Refuses invalid studies.
     fn check(&self) -> Result<(), StudyError> {
+        AnyMethod::check_names(&self.methods)?;
         for &vertices in &self.vertices {
             generate::check(&self.shape, vertices)?;
         }
@@ -362,7 +367,7 @@ impl Row {
 struct Case<'a> {
     study: &'a Study,
     family: Family,
-    method: BendingMethod,
+    method: AnyMethod,
     scalar: Scalar,
 }
 
@@ -437,7 +442,7 @@ impl Case<'_> {
         Ok(quantities.zip(&measured.errors).map(row).collect())
     }
 
-    fn measure<T: Evaluated>(
+    fn measure<T: Compiled>(
         self,
         mesh: &GeneratedMesh,
         exact: &Reference,
@@ -450,8 +455,7 @@ impl Case<'_> {
         // Of one thread: what others leave of the rest would be measured, too.
         let threads = Parallel::single();
         let options = &self.study.options;
-        let mut evaluator =
-            Evaluator::with_options(self.method, options, modulus, &mesh.mesh, threads);
+        let mut evaluator = self.method.evaluator(options, modulus, &mesh.mesh, threads);
         let start = Instant::now();
         evaluator.evaluate(surface);
         let first = start.elapsed();

@@ -1,6 +1,6 @@
 //! Convergence of methods, decided from measured errors by a fixed rule.
 
-use crate::method::BendingMethod;
+use crate::method::AnyMethod;
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 use std::fmt;
@@ -64,7 +64,7 @@ pub struct Verdict {
     /// The number type.
     pub scalar: Scalar,
     /// The method.
-    pub method: BendingMethod,
+    pub method: AnyMethod,
     /// The quantity compared.
     pub quantity: Quantity,
     /// Order of the largest error over the finest meshes.

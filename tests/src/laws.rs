@@ -1,8 +1,8 @@
 //! The laws of the traits, each written once and run over every implementation.
 //!
-//! Every method and operator of the program's list is in the suite by itself; variants that are not in
-//! the list enter by one line in [`for_each`], [`for_each_conservative`] or [`for_each_operator`].
-//! [`covered_modules`] is what the coverage tests compare with the files of the library.
+//! [`check_conservative`] and [`check`] run a method of your own through them. Every method and operator
+//! of the program's list is in the suite by itself; variants that are not in the list enter by one line in
+//! [`for_each`], [`for_each_conservative`] or [`for_each_operator`].
 
 use crate::meshes::Mesh;
 use helfrich::{
@@ -13,9 +13,6 @@ use helfrich_std::method::{
     ListVisitor, ListedCurvatures, ListedEnergy, ListedOperator, Of, for_each_listed,
 };
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
 mod candidates;
 mod finite;
 mod gradient;
@@ -23,8 +20,8 @@ mod invariance;
 mod operators;
 
 pub use candidates::{
-    Candidate, ConservativeCandidate, GuardedParaboloid, Hinged, Listed, ListedStrong,
-    PublishedHeatKernel, SquaredLaplacian, StrongCotangent, Subdivided, Sum,
+    Candidate, ConservativeCandidate, CosineOfHinge, GuardedParaboloid, HingeFormula, Hinged,
+    Listed, ListedStrong, PublishedHeatKernel, SquaredLaplacian, StrongCotangent, Subdivided, Sum,
 };
 pub use finite::Finite;
 pub use gradient::{Balanced, ForceIsDifference, ForceIsGradient, check_gradient, imbalance, net};
@@ -75,6 +72,7 @@ pub fn for_each_conservative(law: &mut impl ConservativeLaw) {
     for_each_listed(&mut Energies(law));
     law.check(Hinged::OppositeGaussianModulus);
     law.check(Hinged::SphereEnergy);
+    law.check(HingeFormula);
     law.check(SquaredLaplacian(DualArea::Voronoi));
     law.check(SquaredLaplacian(DualArea::Barycentric));
     law.check(Subdivided(ControlPoints::Nodes));
@@ -153,42 +151,34 @@ pub fn for_each_curvatures(law: &mut impl CurvatureLaw) {
     for_each_listed(&mut AsLaw(law));
 }
 
-/// The library's files that [`for_each`] runs through the laws of methods, and, as far as they are
-/// operators, [`for_each_operator`] through those of operators.
-pub fn covered_modules() -> Vec<&'static str> {
-    struct Modules(Vec<&'static str>);
-    impl Law for Modules {
-        fn check<C: Candidate>(&mut self, candidate: C) {
-            self.0.extend(candidate.modules());
-        }
-    }
-    let mut modules = Modules(Vec::new());
-    for_each(&mut modules);
-    modules.0
-}
-
-/// The modules of a folder of the library that have a method in them.
+/// Every law of methods, on one mesh.
 ///
 /// # Panics
-/// If there are none.
-pub fn method_modules(folder: &str) -> Vec<String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../core/src")
-        .join(folder);
-    let files = fs::read_dir(&folder).expect("a folder of core");
-    let files = files.map(|file| file.expect("a file").path());
-    let has_method = |file: &PathBuf| {
-        let text = fs::read_to_string(file).unwrap_or_default();
-        text.contains(" Method<T> for ")
+/// If the method breaks a law.
+pub fn check(method: impl Candidate, mesh: &Mesh) {
+    let law = ScaleFree {
+        mesh,
+        scale: 1e-5,
+        modulus: 1e-19,
     };
-    let name = |file: PathBuf| file.file_stem()?.to_str().map(str::to_owned);
-    let modules = Vec::from_iter(files.filter(has_method).filter_map(name));
-    assert!(
-        !modules.is_empty(),
-        "no method found in {}",
-        folder.display()
-    );
-    modules
+    Law::check(&mut Finite(mesh), method);
+    Law::check(&mut Invariant { mesh, seed: 1 }, method);
+    Law::check(&mut ScaleFreeSingle(law), method);
+    let (mut law, scale, modulus) = (law, 2.0_f64.powi(-17), 2.0_f64.powi(-63));
+    Law::check(&mut law, method);
+    (law.scale, law.modulus) = (scale, modulus);
+    Law::check(&mut law, method);
+}
+
+/// Every law of methods with an energy, those of [`check`] among them, on one mesh.
+///
+/// # Panics
+/// If the method breaks a law.
+pub fn check_conservative(method: impl ConservativeCandidate, mesh: &Mesh) {
+    check(method, mesh);
+    ForceIsGradient(mesh).check(method);
+    ForceIsDifference(mesh).check(method);
+    Balanced(mesh).check(method);
 }
 
 /// The energy of a surface.

@@ -1,7 +1,10 @@
-//! Laws, meshes and tolerances that the tests share.
+//! Laws, meshes and tolerances that the tests share, for methods of your own, too: `laws::check` and
+//! `laws::check_conservative` run the laws, [`meshes`] and [`exact`] have strategies of proptest, and
+//! [`tolerance`] the bounds with their reasons.
 
 pub mod accuracy;
 pub mod allocation;
+pub mod exact;
 pub mod invariants;
 pub mod isosurface;
 pub mod laws;

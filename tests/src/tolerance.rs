@@ -10,7 +10,8 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
-    const fn new(value: f64, reason: &'static str) -> Self {
+    /// The tolerance `value`, because of `reason`.
+    pub const fn new(value: f64, reason: &'static str) -> Self {
         Self { value, reason }
     }
 
@@ -207,6 +208,12 @@ pub const ON_SPHERE: &[OnSphere] = &[
     OnSphere {
         method: "Kantor–Nelson, sphere energy",
         energy: 1.0,
+        energy_error: HINGED_SPHERE_ENERGY,
+        density: HINGED_SPHERE_DENSITY,
+    },
+    OnSphere {
+        method: "Kantor–Nelson, formula of a hinge",
+        energy: 1.0 / 3.0,
         energy_error: HINGED_SPHERE_ENERGY,
         density: HINGED_SPHERE_DENSITY,
     },

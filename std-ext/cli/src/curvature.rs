@@ -6,14 +6,15 @@ use crate::terminal::{
     Failure, ProgressBar, check_outputs, file_named, interruption, print, save, say,
 };
 use crate::{
-    MeshArguments, OptionArguments, ThreadArguments, load, positive, refuse_replacing, warn,
+    MeshArguments, OptionArguments, ThreadArguments, load, method_names, positive,
+    refuse_replacing, warn,
 };
 use clap::builder::PossibleValuesParser;
 use helfrich::{AdaptiveJet, Surface, Verdict};
 use helfrich_std::execute::Parallel;
 use helfrich_std::io::{MeshFile, PointField, PointValues, write_vtp};
 use helfrich_std::measurement::{Column, ColumnValues, Measurement};
-use helfrich_std::method::{BendingMethod, Evaluated, Evaluator, Fields, MethodOptions};
+use helfrich_std::method::{AnyMethod, BendingMethod, Compiled, Evaluated, Fields, MethodOptions};
 use helfrich_std::noise::noise_of;
 use helfrich_std::report;
 use helfrich_std::scalar::{HeldPositions, Scalar};
@@ -25,11 +26,11 @@ use std::sync::atomic::Ordering;
 pub(crate) struct CurvatureArguments {
     #[command(flatten)]
     input: MeshArguments,
-    #[arg(long, default_value = "meyer", help = format!(
+    #[arg(long, default_value = "meyer", value_parser = crate::method, help = format!(
         "Method by name or letter: {}; jet chooses degree and neighbours from the noise at each vertex",
-        BendingMethod::names()
+        method_names()
     ))]
-    method: BendingMethod,
+    method: AnyMethod,
     /// Bending modulus κ.
     #[arg(long, default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
     modulus: f64,
@@ -161,7 +162,7 @@ pub(crate) fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
     }
 }
 
-fn curvature_in<T: Evaluated>(
+fn curvature_in<T: Compiled>(
     arguments: &CurvatureArguments,
     options: &MethodOptions,
     file: &MeshFile,
@@ -183,7 +184,9 @@ fn curvature_in<T: Evaluated>(
         .map_err(|error| Failure::mesh(&arguments.input.mesh, error))?;
     let measured = measurement(arguments, exact)?;
     let modulus = arguments.modulus;
-    if let (Some(measured), BendingMethod::Jet) = (&measured, arguments.method) {
+    if let Some(measured) = &measured
+        && arguments.method == BendingMethod::Jet
+    {
         let fields = measured.fields(modulus);
         let mut columns = measured.columns(&fields, modulus);
         columns.extend(measured.columns_of_jets());
@@ -196,9 +199,8 @@ fn curvature_in<T: Evaluated>(
             file,
         );
     }
-    let (method, threads) = (arguments.method, Parallel::new());
-    let number = T::constant(modulus);
-    let mut evaluator = Evaluator::with_options(method, options, number, &file.mesh, threads);
+    let (method, number) = (arguments.method, T::constant(modulus));
+    let mut evaluator = method.evaluator(options, number, &file.mesh, Parallel::new());
     let fields = evaluator.fields(surface);
     warn(&arguments.input.mesh, &evaluator.findings(surface));
     // Noise is measured on the positions of the file, in f64: rounded to f32 it may not be visible.

@@ -1,6 +1,7 @@
 //! The program `helfrich`: parses its arguments, calls the library, prints.
 //!
-//! This is a library so that other programs of the repository can share its output to terminals and
+//! This is a library so that programs with methods of their own can have all commands
+//! ([`program_with`]), and so that other programs of the repository can share its output to terminals and
 //! files ([`terminal`]) and extend the page of a study ([`study`]).
 
 mod curvature;
@@ -15,7 +16,7 @@ use helfrich::{Bandwidth, DualArea, Finding, Surface};
 use helfrich_std::execute::{available_threads, with_threads};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, read_welded, write};
-use helfrich_std::method::{BendingMethod, MethodOptions};
+use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions, OwnMethod};
 use helfrich_std::noise::noise_of;
 use helfrich_std::report;
 use helfrich_std::run::{End, check, run};
@@ -29,6 +30,7 @@ use std::fs;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 use study::{StudyArguments, study};
 use terminal::{Failure, ProgressBar, interruption, print, save, say};
@@ -196,7 +198,7 @@ pub(crate) struct OptionArguments {
 
 impl OptionArguments {
     /// The options, if each belongs to at least one of the methods.
-    fn checked(&self, methods: &[BendingMethod]) -> Result<MethodOptions, Failure> {
+    fn checked(&self, methods: &[AnyMethod]) -> Result<MethodOptions, Failure> {
         let options = MethodOptions {
             areas: self.areas,
             bandwidth: self.bandwidth,
@@ -218,8 +220,51 @@ pub fn command() -> clap::Command {
     Arguments::command()
 }
 
+/// Methods of the caller of [`program_with`], which arguments can name.
+static OWN: OnceLock<Vec<AnyMethod>> = OnceLock::new();
+
+/// The methods of the caller's own.
+fn own_methods() -> &'static [AnyMethod] {
+    OWN.get().map_or(&[], Vec::as_slice)
+}
+
+/// The names of all methods with their letters, separated by commas.
+fn method_names() -> String {
+    let own = own_methods().iter().map(|method| format!(", {method}"));
+    BendingMethod::names() + &String::from_iter(own)
+}
+
+/// The method of this name or letter.
+fn method(name: &str) -> Result<AnyMethod, String> {
+    let is_meant = |own: &&AnyMethod| {
+        let description = own.description();
+        let names = [Some(description.name), description.letter];
+        let mut names = names.into_iter().flatten();
+        names.any(|own| own.eq_ignore_ascii_case(name))
+    };
+    if let Some(own) = own_methods().iter().find(is_meant) {
+        return Ok(*own);
+    }
+    let listed = name.parse::<BendingMethod>();
+    listed.map(AnyMethod::from).map_err(|_| {
+        let names = method_names();
+        format!("there is no bending method `{name}`: the methods are {names}")
+    })
+}
+
 /// Runs the program with its command-line arguments.
 pub fn program() -> ExitCode {
+    program_with(&[])
+}
+
+/// Runs the program with methods of your own beside those of the list: `study`, `recommend` and
+/// `curvature` know them by name, in scenes there are none. Called once, by `main`.
+pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
+    let own = Vec::from_iter(methods.iter().copied().map(AnyMethod::from));
+    if let Err(error) = AnyMethod::check_names(&own) {
+        return terminal::ended(Err(Failure::input(error)));
+    }
+    OWN.get_or_init(|| own);
     let result = match Arguments::parse().command {
         Command::Study(arguments) => study(&arguments),
         Command::Recommend(arguments) => arguments.threads.run(|| recommend_method(&arguments)),

@@ -7,7 +7,7 @@ use helfrich::Surface;
 use helfrich_std::answer::Norm;
 use helfrich_std::execute::Parallel;
 use helfrich_std::io::MeshFile;
-use helfrich_std::method::{BendingMethod, Evaluator};
+use helfrich_std::method::{AnyMethod, BendingMethod};
 use helfrich_std::recommend::{Candidate, Wish, recommend};
 use helfrich_std::report;
 use helfrich_std::scalar::Scalar;
@@ -31,7 +31,7 @@ pub(super) struct RecommendArguments {
     norm: Norm,
     /// Methods to choose from, by name or letter; by default all.
     #[arg(long, value_delimiter = ',', default_value = "all", value_parser = candidates)]
-    method: Vec<Vec<BendingMethod>>,
+    method: Vec<Vec<AnyMethod>>,
     #[command(flatten)]
     options: OptionArguments,
     /// Number types to choose from: f32, f32-pair, f64.
@@ -56,10 +56,10 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 /// The methods of a name: `jet` among all, too.
-fn candidates(name: &str) -> Result<Vec<BendingMethod>, String> {
+fn candidates(name: &str) -> Result<Vec<AnyMethod>, String> {
     let mut named = methods(name)?;
     if name == "all" {
-        named.push(BendingMethod::Jet);
+        named.push(BendingMethod::Jet.into());
     }
     Ok(named)
 }
@@ -115,7 +115,7 @@ pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Fai
         let Candidate {
             method, options, ..
         } = choice;
-        let mut evaluator = Evaluator::with_options(method, &options, 1.0, &mesh, Parallel::new());
+        let mut evaluator = method.evaluator(&options, 1.0, &mesh, Parallel::new());
         evaluator.evaluate(surface);
         warn(&arguments.input.mesh, &evaluator.findings(surface));
     }

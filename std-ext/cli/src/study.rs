@@ -1,13 +1,13 @@
 //! `helfrich study`.
 
-use super::{OptionArguments, positive};
+use super::{OptionArguments, method, method_names, own_methods, positive};
 use crate::terminal::{
     Failure, ProgressBar, check_outputs, file_named, interruption, print, save, say,
 };
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::io::remove_unfinished;
 use helfrich_std::lock::{Lock, LockError};
-use helfrich_std::method::BendingMethod;
+use helfrich_std::method::{AnyMethod, BendingMethod};
 use helfrich_std::provenance::{Build, Provenance};
 use helfrich_std::report;
 use helfrich_std::report::page::{Page, Section};
@@ -39,9 +39,9 @@ pub struct StudyArguments {
     shape: AnyShape,
     #[arg(long, value_delimiter = ',', value_parser = methods, help = format!(
         "Methods by name or letter, or `all`: {}; jet has the degree that suits the mesh. By default A,B,C",
-        BendingMethod::names()
+        method_names()
     ))]
-    method: Vec<Vec<BendingMethod>>,
+    method: Vec<Vec<AnyMethod>>,
     #[command(flatten)]
     options: OptionArguments,
     /// Mesh families: regular, smooth, relaxed, irregular, hard, or `all`.
@@ -113,15 +113,26 @@ pub struct CacheArguments {
 pub type More<'a> =
     &'a mut dyn FnMut(Option<&mut Cache>, &dyn Fn() -> bool) -> Result<Vec<Section>, Failure>;
 
-/// The methods of a name or letter, or of `all`, with the operators for curvatures only.
+/// The methods of a name or letter, or of `all`, with the operators for curvatures only and those of the
+/// caller's own.
 ///
 /// # Errors
 /// If no method has that name.
-pub fn methods(name: &str) -> Result<Vec<BendingMethod>, String> {
+pub fn methods(name: &str) -> Result<Vec<AnyMethod>, String> {
     match name {
-        "all" => Ok([&BendingMethod::ALL[..], &BendingMethod::CURVATURES].concat()),
-        name => Ok(vec![name.parse().map_err(|error| format!("{error}"))?]),
+        "all" => Ok(all_methods()),
+        name => Ok(vec![method(name)?]),
     }
+}
+
+fn all_methods() -> Vec<AnyMethod> {
+    with_own([&BendingMethod::ALL[..], &BendingMethod::CURVATURES].concat())
+}
+
+/// These methods, and those of the caller's own.
+fn with_own(listed: Vec<BendingMethod>) -> Vec<AnyMethod> {
+    let listed = listed.into_iter().map(AnyMethod::from);
+    listed.chain(own_methods().iter().copied()).collect()
 }
 
 fn families(name: &str) -> Result<Vec<Family>, String> {
@@ -224,8 +235,8 @@ impl StudyArguments {
     fn study(&self, full: bool) -> Result<Study, Failure> {
         let page = self.html.is_some();
         let methods = match self.method.concat() {
-            none if none.is_empty() && page => BendingMethod::ALL.to_vec(),
-            none if none.is_empty() => COMPARED.to_vec(),
+            none if none.is_empty() && page => with_own(BendingMethod::ALL.to_vec()),
+            none if none.is_empty() => with_own(COMPARED.to_vec()),
             given => unique(given),
         };
         Ok(Study {
@@ -259,9 +270,7 @@ impl StudyArguments {
             return Err(Failure::Input(message.into()));
         }
         let methods = match self.method.concat() {
-            none if none.is_empty() => {
-                [&BendingMethod::ALL[..], &BendingMethod::CURVATURES].concat()
-            }
+            none if none.is_empty() => all_methods(),
             given => unique(given),
         };
         let study = NoiseStudy {

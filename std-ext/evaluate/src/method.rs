@@ -1,4 +1,4 @@
-//! The closed set of bending methods, chosen at run time.
+//! Bending methods, chosen at run time: the closed set of the list, and any other as an [`OwnMethod`].
 //!
 //! A method is chosen once per surface, in one place; everything below is resolved at compile time.
 //! Methods run on all threads, and large meshes are reordered.
@@ -9,14 +9,16 @@ mod fields;
 mod listed;
 mod options;
 mod ordered;
+mod own;
 
 pub use choice::Settings;
 pub(crate) use choice::Visitor;
-pub use evaluator::{Evaluated, Evaluator};
+pub use evaluator::{Compiled, Evaluated, Evaluator};
 pub use fields::Fields;
-pub use listed::{ListVisitor, ListedCurvatures, ListedEnergy, ListedOperator, Of};
+pub use listed::{Described, ListVisitor, ListedCurvatures, ListedEnergy, ListedOperator, Of};
 pub use options::{InvalidBandwidth, MethodOptions, UnknownAreas, UnusedOption};
 pub(crate) use ordered::Ordered;
+pub use own::{AnyMethod, OwnMethod, RepeatedName};
 
 use helfrich::{
     ControlPoints, CorrectedCurvature, Cotangent, GompperKroll, Hamann, HeatKernel, Jet, Juelicher,
@@ -40,8 +42,13 @@ pub struct Description {
     pub idea: &'static str,
     /// Whether the method defines H, K and Δ_S H at a vertex.
     pub defines: [bool; 3],
+}
+
+/// Cost of a method of the list.
+#[derive(Clone, Copy, Debug)]
+pub struct Cost {
     /// Time of an evaluation over that of method B: docs/CHOOSING.md.
-    pub relative_cost: f64,
+    pub relative: f64,
     /// Memory of the prepared method after its first evaluation in bytes, for each vertex, as measured on
     /// meshes of 2562 vertices.
     pub bytes: Bytes,
@@ -62,7 +69,7 @@ pub enum Bytes {
 /// descriptions, the methods as types, and the only place where a name becomes a method of the core.
 ///
 /// An entry is the kind of the method, its type for the scalar T (of a method in strong form, that of its
-/// operator), how it is made, and its description. The kinds are those of [`Visitor`].
+/// operator), how it is made, its description and its cost. The kinds are those of [`Visitor`].
 macro_rules! methods {
     (@is_conservative energy) => { true };
     (@is_conservative energy_and_curvatures) => { true };
@@ -109,19 +116,19 @@ macro_rules! methods {
         all {
             $(
                 $(#[$documentation:meta])*
-                $method:ident: $form:ident($type:ty, $make:expr), $description:expr;
+                $method:ident: $form:ident($type:ty, $make:expr), $description:expr, $cost:expr;
             )*
         }
         by_mesh {
             $(#[$by_mesh_documentation:meta])*
             $by_mesh:ident: $by_mesh_form:ident($by_mesh_type:ty, $by_mesh_make:expr),
-            $by_mesh_description:expr;
+            $by_mesh_description:expr, $by_mesh_cost:expr;
         }
         curvatures_only {
             $(
                 $(#[$measure_documentation:meta])*
                 $measure:ident: $measure_form:ident($measure_type:ty, $measure_make:expr),
-                $measure_description:expr;
+                $measure_description:expr, $measure_cost:expr;
             )*
         }
     ) => {
@@ -174,6 +181,15 @@ macro_rules! methods {
                     $(Self::$measure => const { &$measure_description },)*
                 }
             }
+
+            /// The cost of the method.
+            pub const fn cost(self) -> Cost {
+                match self {
+                    $(Self::$method => $cost,)*
+                    Self::$by_mesh => $by_mesh_cost,
+                    $(Self::$measure => $measure_cost,)*
+                }
+            }
         }
 
         /// Calls `visitor` with the method of this name.
@@ -212,7 +228,9 @@ methods! {
             title: "Kantor–Nelson",
             idea: "angles between triangles",
             defines: [false, false, false],
-            relative_cost: 0.8,
+        },
+        Cost {
+            relative: 0.8,
             bytes: Bytes::Fixed(90),
         };
         /// B: squared cotangent Laplacian.
@@ -228,7 +246,9 @@ methods! {
             title: "Gompper–Kroll",
             idea: "energy of the cotangent Laplacian",
             defines: [true, false, false],
-            relative_cost: 1.0,
+        },
+        Cost {
+            relative: 1.0,
             bytes: Bytes::Fixed(65),
         };
         /// C: strong form over the cotangent operator.
@@ -243,7 +263,9 @@ methods! {
             title: "Meyer et al.",
             idea: "cotangent Laplacian, applied twice",
             defines: [true, true, true],
-            relative_cost: 1.5,
+        },
+        Cost {
+            relative: 1.5,
             bytes: Bytes::Fixed(185),
         };
         /// D: strong form over a heat kernel.
@@ -258,7 +280,9 @@ methods! {
             title: "Belkin et al.",
             idea: "heat kernel",
             defines: [true, true, true],
-            relative_cost: 330.0,
+        },
+        Cost {
+            relative: 330.0,
             bytes: Bytes::ByBandwidth([240.0, 2260.0]),
         };
         /// E: strong form over paraboloids fitted to one-rings.
@@ -272,7 +296,9 @@ methods! {
             title: "Farutin et al.",
             idea: "paraboloids fitted to neighbours",
             defines: [true, true, true],
-            relative_cost: 12.0,
+        },
+        Cost {
+            relative: 12.0,
             bytes: Bytes::Fixed(250),
         };
         /// S: the limit surface of Loop subdivision.
@@ -288,7 +314,9 @@ methods! {
             title: "Loop",
             idea: "smooth surface by subdivision",
             defines: [true, true, false],
-            relative_cost: 7.0,
+        },
+        Cost {
+            relative: 7.0,
             // Patches of one kind only, or of many.
             bytes: Bytes::ByValence([1700, 6000]),
         };
@@ -304,7 +332,9 @@ methods! {
             title: "Jülicher",
             idea: "energy of edge curvatures",
             defines: [true, false, false],
-            relative_cost: 3.5,
+        },
+        Cost {
+            relative: 3.5,
             bytes: Bytes::Fixed(85),
         };
         /// Hamann's: paraboloids fitted to one-rings in the frame of averaged normals.
@@ -319,7 +349,9 @@ methods! {
             title: "Hamann",
             idea: "energy of paraboloids over averaged normals",
             defines: [true, true, false],
-            relative_cost: 5.0,
+        },
+        Cost {
+            relative: 5.0,
             bytes: Bytes::Fixed(180),
         };
         /// J of degree 4: strong form over osculating jets.
@@ -331,7 +363,9 @@ methods! {
             title: "Jets, degree 4",
             idea: "polynomials fitted to more neighbours",
             defines: [true, true, true],
-            relative_cost: 30.0,
+        },
+        Cost {
+            relative: 30.0,
             bytes: Bytes::Fixed(1450),
         };
         /// J of degree 6.
@@ -343,7 +377,9 @@ methods! {
             title: "Jets, degree 6",
             idea: "polynomials fitted to many neighbours",
             defines: [true, true, true],
-            relative_cost: 90.0,
+        },
+        Cost {
+            relative: 90.0,
             bytes: Bytes::Fixed(2400),
         };
     }
@@ -360,7 +396,9 @@ methods! {
             title: "Jets",
             idea: "of the degree that suits the mesh",
             defines: [true, true, true],
-            relative_cost: 90.0,
+        },
+        Cost {
+            relative: 90.0,
             bytes: Bytes::Fixed(2400),
         };
     }
@@ -376,7 +414,9 @@ methods! {
             title: "Corrected measures, averaged normals",
             idea: "curvature of interpolated normals",
             defines: [true, true, false],
-            relative_cost: 0.8,
+        },
+        Cost {
+            relative: 0.8,
             bytes: Bytes::Fixed(80),
         };
         /// Corrected curvature measures with normals of jets.
@@ -390,7 +430,9 @@ methods! {
             title: "Corrected measures, fitted normals",
             idea: "curvature of interpolated normals of jets",
             defines: [true, true, false],
-            relative_cost: 28.0,
+        },
+        Cost {
+            relative: 28.0,
             bytes: Bytes::Fixed(1560),
         };
     }
@@ -429,7 +471,7 @@ impl BendingMethod {
     /// Memory of the prepared method in bytes per vertex, for a mesh of `vertices` vertices with
     /// these fewest and most neighbours of a vertex.
     pub fn bytes(self, options: &MethodOptions, vertices: usize, valences: [usize; 2]) -> u64 {
-        match self.description().bytes {
+        match self.cost().bytes {
             Bytes::Fixed(bytes) => bytes,
             Bytes::ByValence([even, uneven]) => {
                 let is_even = valences[0] >= 5 && valences[1] <= 6;

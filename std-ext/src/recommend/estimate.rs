@@ -12,7 +12,7 @@ mod choice;
 mod shape;
 
 use crate::generate::random::Random;
-use crate::method::{BendingMethod, Evaluator, Fields};
+use crate::method::{AnyMethod, BendingMethod, Evaluator, Fields};
 use crate::noise::{COPIES, averaged, regression, regression_fields};
 use crate::study::{Quantity, Reference};
 use choice::FOURTH;
@@ -132,7 +132,7 @@ impl Estimate {
     }
 
     /// The mean error of J4 or J6 by the shape, relative.
-    pub(super) fn by_shape(&self, method: BendingMethod) -> f64 {
+    pub(super) fn by_shape(&self, method: AnyMethod) -> f64 {
         self.by_shape[usize::from(method == BendingMethod::J6)]
     }
 

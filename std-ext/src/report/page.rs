@@ -14,7 +14,7 @@ pub mod text;
 mod verdicts;
 
 use crate::io::replace_file;
-use crate::method::BendingMethod;
+use crate::method::{AnyMethod, BendingMethod};
 use crate::picture::Chart;
 use crate::png;
 use crate::provenance::{Build, Provenance};
@@ -234,6 +234,30 @@ fn colours() -> String {
 pub fn style_of(method: BendingMethod) -> usize {
     let all = BendingMethod::NAMED.into_iter();
     all.take_while(|&other| other != method).count()
+}
+
+/// The style of the curves of a method of these rows; those of your own take colours that are free.
+fn style_in(rows: &[Row], method: AnyMethod) -> usize {
+    if let AnyMethod::Listed(method) = method {
+        return style_of(method);
+    }
+    let (own, used) = each(rows.iter().map(|row| row.method))
+        .into_iter()
+        .partition::<Vec<_>, _>(|method| matches!(method, AnyMethod::Own(_)));
+    let used = used
+        .iter()
+        .map(|&method| style_in(rows, method) % COLOURS.len());
+    let used = Vec::from_iter(used);
+    let place = own.iter().take_while(|&&other| other != method).count();
+    let first = BendingMethod::NAMED.len();
+    let beyond = first + COLOURS.len();
+    let free = (first..beyond).filter(|style| !used.contains(&(style % COLOURS.len())));
+    free.chain(beyond..).nth(place).unwrap_or(beyond)
+}
+
+/// The label of a method, for the page.
+fn label(method: AnyMethod) -> String {
+    escaped(method.label())
 }
 
 /// The name of a quantity, with its symbol.

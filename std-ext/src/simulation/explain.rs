@@ -216,6 +216,6 @@ fn explain_surface(surface: &SurfaceScene, mesh: &MeshInfo, scene: &Scene) -> Su
             .effects
             .bending
             .as_ref()
-            .map(|bending| bending.method.description().relative_cost),
+            .map(|bending| bending.method.cost().relative),
     }
 }

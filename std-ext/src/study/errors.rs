@@ -3,7 +3,7 @@
 use super::{Quantity, Study, StudyError};
 use crate::execute::Parallel;
 use crate::generate::{AnyShape, Family, GeneratedMesh, generate};
-use crate::method::{BendingMethod, Evaluator, Fields};
+use crate::method::{AnyMethod, Fields};
 use crate::scalar::Scalar;
 use helfrich::shapes::{ExactPoint, Shape};
 use helfrich::{Real, Surface};
@@ -231,7 +231,7 @@ pub struct ErrorFields {
     pub quantity: Quantity,
     /// For each method the error at each vertex, relative to the largest exact value; infinite without a
     /// result.
-    pub methods: Vec<(BendingMethod, Vec<f64>)>,
+    pub methods: Vec<(AnyMethod, Vec<f64>)>,
 }
 
 impl Study {
@@ -260,8 +260,7 @@ impl Study {
             let methods = methods.map(|method| {
                 let threads = Parallel::new();
                 let options = &self.options;
-                let mut evaluator =
-                    Evaluator::with_options(method, options, self.modulus, &mesh.mesh, threads);
+                let mut evaluator = method.evaluator(options, self.modulus, &mesh.mesh, threads);
                 let fields = evaluator.fields(surface);
                 (method, exact.at_vertices(&fields, quantity))
             });

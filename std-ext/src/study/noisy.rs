@@ -2,10 +2,11 @@
 
 use super::errors::natural_scales;
 use super::{Progress, StudyError};
+use crate::execute::Parallel;
 use crate::generate::random::Random;
 use crate::generate::{AnyShape, Family, GeneratedMesh, generate};
 use crate::measurement::Measurement;
-use crate::method::{BendingMethod, Evaluator, Fields};
+use crate::method::{AnyMethod, BendingMethod, Evaluator, Fields, MethodOptions};
 use crate::noise::{COPIES, regression, regression_fields};
 use crate::scalar::Scalar;
 use helfrich::shapes::{ExactPoint, Shape};
@@ -28,7 +29,7 @@ pub struct NoiseStudy {
     /// Numbers of vertices.
     pub vertices: Vec<usize>,
     /// The methods; `jet` and the best fixed fit are added.
-    pub methods: Vec<BendingMethod>,
+    pub methods: Vec<AnyMethod>,
     /// Standard deviations of every coordinate, in mean lengths of an edge.
     pub deviations: Vec<f64>,
     /// Seed of the random meshes and of the noise.
@@ -71,12 +72,13 @@ impl NoiseStudy {
     /// Makes every measurement; what is measured so far if interrupted.
     ///
     /// # Errors
-    /// If a mesh cannot be generated.
+    /// If a mesh cannot be generated, or two methods have one name.
     pub fn run(
         &self,
         interrupted: &dyn Fn() -> bool,
         progress: &mut dyn FnMut(Progress<'_>),
     ) -> Result<Vec<NoiseRow>, StudyError> {
+        AnyMethod::check_names(&self.methods)?;
         let mut rows = Vec::new();
         let total = (self.families.len() * self.vertices.len() * self.deviations.len()) as u64;
         let mut done = 0;
@@ -123,7 +125,9 @@ impl NoiseStudy {
         };
         for &method in &self.methods {
             if method != BendingMethod::Jet {
-                let fields = Evaluator::new(method, 1.0, &made.mesh).fields(surface);
+                let options = MethodOptions::default();
+                let mut evaluator = method.evaluator(&options, 1.0, &made.mesh, Parallel::new());
+                let fields = evaluator.fields(surface);
                 rows.push(row(method.name(), truth.errors(&fields)));
             }
         }

@@ -1,13 +1,15 @@
 //! The methods that laws are about, to be made for any scalar: those of the program's list, and further
 //! variants of them.
 
+use helfrich::bending::{Hinge, OverHinges};
+use helfrich::element::{Corners, ElementEnergy};
 use helfrich::{
     Bandwidth, Conservative, ControlPoints, Cotangent, DualArea, Energy, Force, GompperKroll,
-    HeatKernel, KantorNelson, LoopSubdivision, MaterialParameter, Paraboloid, Real, StrongForm,
-    TriangleMesh,
+    HeatKernel, KantorNelson, LoopSubdivision, MaterialParameter, Paraboloid, ParameterError, Real,
+    StrongForm, TriangleMesh,
 };
 use helfrich_std::method::{
-    BendingMethod, ListedEnergy, ListedOperator, MethodOptions, Of, Settings,
+    BendingMethod, Description, ListedEnergy, ListedOperator, MethodOptions, Settings,
 };
 use std::any::type_name;
 use std::sync::LazyLock;
@@ -82,40 +84,36 @@ pub(super) fn settings<T: Real>(modulus: T) -> Settings<'static, T> {
     }
 }
 
-/// A method of the list with an energy.
+/// A method with an energy, of the list or your own.
 #[derive(Clone, Copy, Debug)]
-pub struct Listed<const PLACE: usize>(pub Of<PLACE>);
+pub struct Listed<M>(pub M);
 
-impl<const PLACE: usize> ConservativeCandidate for Listed<PLACE>
-where
-    Of<PLACE>: ListedEnergy,
-{
-    type ConservativeMethod<T: Real> = <Of<PLACE> as ListedEnergy>::Method<T>;
+impl<M: ListedEnergy + Copy> ConservativeCandidate for Listed<M> {
+    type ConservativeMethod<T: Real> = M::Method<T>;
     fn name(self) -> &'static str {
-        Of::<PLACE>::METHOD.title()
+        let Description { title, .. } = M::DESCRIPTION;
+        title
     }
-    fn method<T: Real>(self, modulus: T) -> Self::ConservativeMethod<T> {
-        <Of<PLACE> as ListedEnergy>::method(settings(modulus))
+    fn method<T: Real>(self, modulus: T) -> M::Method<T> {
+        M::method(settings(modulus))
     }
     fn switches_at_right_angles(self) -> bool {
-        Of::<PLACE>::METHOD == BendingMethod::GompperKroll
+        M::DESCRIPTION.name == BendingMethod::GompperKroll.name()
     }
 }
 
-/// A method of the list in strong form.
+/// A method in strong form, of the list or your own.
 #[derive(Clone, Copy, Debug)]
-pub struct ListedStrong<const PLACE: usize>(pub Of<PLACE>);
+pub struct ListedStrong<M>(pub M);
 
-impl<const PLACE: usize> Candidate for ListedStrong<PLACE>
-where
-    Of<PLACE>: ListedOperator,
-{
-    type Method<T: Real> = StrongForm<T, <Of<PLACE> as ListedOperator>::Operator<T>>;
+impl<M: ListedOperator + Copy> Candidate for ListedStrong<M> {
+    type Method<T: Real> = StrongForm<T, M::Operator<T>>;
     fn name(self) -> &'static str {
-        Of::<PLACE>::METHOD.title()
+        let Description { title, .. } = M::DESCRIPTION;
+        title
     }
     fn method<T: Real>(self, modulus: T) -> Self::Method<T> {
-        <Of<PLACE> as ListedOperator>::method(settings(modulus))
+        M::method(settings(modulus))
     }
 }
 
@@ -145,6 +143,41 @@ impl ConservativeCandidate for Hinged {
             Self::OppositeGaussianModulus => KantorNelson::with_opposite_gaussian_modulus(modulus),
             Self::SphereEnergy => KantorNelson::with_sphere_energy(modulus),
         }
+    }
+}
+
+/// Method A as a formula of one hinge.
+#[derive(Clone, Copy, Debug)]
+pub struct HingeFormula;
+
+/// `k̃ (1 − cos θ)`, half of it for each end of the edge.
+#[derive(Clone, Copy, Debug)]
+pub struct CosineOfHinge<T>(pub T);
+
+impl<T: Real> ElementEnergy<T, 4> for CosineOfHinge<T> {
+    fn evaluate(&self, _element: usize, corners: &Corners<T, 4>) -> ([[T; 3]; 4], [T; 4]) {
+        let hinge = Hinge::new(corners);
+        let modulus = self.0 * hinge.presence;
+        // 1 − cos θ = ½ |chord|², which does not cancel at small angles.
+        let chord = [hinge.cosine - T::one(), hinge.sine];
+        let half = T::constant(0.25) * modulus * (chord[0] * chord[0] + chord[1] * chord[1]);
+        let forces = hinge.forces(corners, modulus * hinge.sine);
+        (forces, [half, half, T::zero(), T::zero()])
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let limit = T::constant(4.0) * ParameterError::largest_modulus();
+        ParameterError::unless_within("modulus of an edge", self.0, limit)
+    }
+}
+
+impl ConservativeCandidate for HingeFormula {
+    type ConservativeMethod<T: Real> = OverHinges<CosineOfHinge<T>>;
+    fn name(self) -> &'static str {
+        "Kantor–Nelson, formula of a hinge"
+    }
+    fn method<T: Real>(self, modulus: T) -> Self::ConservativeMethod<T> {
+        OverHinges(CosineOfHinge(KantorNelson::new(modulus).edge_modulus))
     }
 }
 

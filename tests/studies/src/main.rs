@@ -7,7 +7,7 @@ use helfrich_cli::study::{
 use helfrich_cli::terminal::{
     Failure, ProgressBar, check_outputs, ended, file_named, interruption, save, say,
 };
-use helfrich_std::method::BendingMethod;
+use helfrich_std::method::{AnyMethod, BendingMethod};
 use helfrich_std::study::{Cache, Progress};
 use helfrich_studies::effects::{EffectCosts, effect_costs};
 use helfrich_studies::flow::{FlowRow, FlowStudy, FlowStudyError};
@@ -61,7 +61,7 @@ struct StabilityArguments {
 #[derive(clap::Args)]
 struct FlowArguments {
     /// Methods by name or letter; by default all but jet, which is one of j4 and j6.
-    #[arg(long, value_delimiter = ',', value_parser = methods)]
+    #[arg(long, value_delimiter = ',', value_parser = listed)]
     method: Vec<Vec<BendingMethod>>,
     #[command(flatten)]
     kept: CacheArguments,
@@ -86,6 +86,16 @@ fn main() -> ExitCode {
         Command::Effects(arguments) => effects(&arguments),
         Command::Page(arguments) => page(&arguments),
     })
+}
+
+/// The methods of a name or letter, or of `all`: scenes have those of the list only.
+fn listed(name: &str) -> Result<Vec<BendingMethod>, String> {
+    let methods = methods(name)?.into_iter();
+    let listed = methods.filter_map(|method| match method {
+        AnyMethod::Listed(method) => Some(method),
+        AnyMethod::Own(_) => None,
+    });
+    Ok(listed.collect())
 }
 
 fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {

@@ -2,8 +2,8 @@
 
 use helfrich::{Cotangent, DualArea, GompperKroll, Jet, Prepared, Rows, Serial, VertexKind};
 use helfrich_tests::laws::{
-    ConstantsVanish, CurvatureFollows, MatrixAgrees, Measured, RowsAgree, covered_modules,
-    for_each_curvatures, for_each_operator, method_modules,
+    ConstantsVanish, CurvatureFollows, MatrixAgrees, Measured, RowsAgree, for_each_curvatures,
+    for_each_operator,
 };
 use helfrich_tests::meshes::{
     Inscribed, Mesh, Rough, SplitMix64, bent, cases, difference, disc, dot, hemisphere,
@@ -14,18 +14,6 @@ use helfrich_tests::tolerance;
 use proptest::prelude::*;
 
 const KINDS: [DualArea; 3] = [DualArea::Mixed, DualArea::Voronoi, DualArea::Barycentric];
-
-#[test]
-fn every_operator_of_the_library_is_in_the_suite() {
-    let modules = method_modules("laplacian");
-    let covered = covered_modules();
-    for module in modules {
-        assert!(
-            covered.contains(&&*module),
-            "core/src/laplacian/{module}.rs is in no law: add it to the list of methods, or to laws::for_each_operator"
-        );
-    }
-}
 
 fn dual_areas(kind: DualArea, mesh: &Mesh) -> Vec<f64> {
     let mut areas = vec![f64::NAN; mesh.positions.len()];

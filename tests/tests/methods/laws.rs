@@ -3,9 +3,8 @@
 use helfrich::{Cotangent, DualArea, Finding, GompperKroll, KantorNelson, StrongForm, VertexKind};
 use helfrich_tests::laws::{
     Balanced, Candidate, Finite, ForceIsDifference, ForceIsGradient, Invariant, InvariantFits, Law,
-    Measured, ScaleFree, ScaleFreeSingle, covered_modules, energy, findings, for_each,
-    for_each_conservative, for_each_curvatures, for_each_operator, forces, imbalance,
-    method_modules,
+    Measured, ScaleFree, ScaleFreeSingle, energy, findings, for_each, for_each_conservative,
+    for_each_curvatures, for_each_operator, forces, imbalance,
 };
 use helfrich_tests::meshes::{
     Base, GENERIC, Inscribed, Mesh, Rough, bent, cases, disc, hemisphere, icosahedron, icosphere,
@@ -13,18 +12,6 @@ use helfrich_tests::meshes::{
 };
 use helfrich_tests::tolerance;
 use proptest::prelude::*;
-
-#[test]
-fn every_method_of_the_library_is_in_the_suite() {
-    let modules = method_modules("bending");
-    let covered = covered_modules();
-    for module in modules {
-        assert!(
-            covered.contains(&&*module),
-            "core/src/bending/{module}.rs is in no law: add it to the list of methods"
-        );
-    }
-}
 
 proptest! {
     #![proptest_config(cases(32))]

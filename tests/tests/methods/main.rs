@@ -4,6 +4,7 @@ use helfrich_tests::allocation::Counting;
 
 mod allocation;
 mod corrected;
+mod coverage;
 mod execution;
 mod finite_elements;
 mod heat_kernel;
@@ -14,6 +15,7 @@ mod loop_subdivision;
 mod material;
 mod memory;
 mod open;
+mod own;
 mod paraboloid;
 mod precision;
 mod range;

@@ -8,7 +8,7 @@ use helfrich_std::execute::Parallel;
 use helfrich_std::generate::random::Random;
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::measurement::Measurement;
-use helfrich_std::method::{BendingMethod, Evaluator, MethodOptions};
+use helfrich_std::method::{AnyMethod, BendingMethod, Evaluator, MethodOptions};
 use helfrich_std::recommend::{Candidate, Recommendation, Wish, recommend};
 use helfrich_std::scalar::Scalar;
 use helfrich_std::study::Quantity;
@@ -123,7 +123,7 @@ impl Case {
             quantity,
             norm: Norm::Mean,
             target: 0.01,
-            methods: methods.to_vec(),
+            methods: methods.iter().map(|&method| method.into()).collect(),
             options: MethodOptions::default(),
             scalars: vec![Scalar::F64],
         };
@@ -191,13 +191,17 @@ fn no_cheaper_method_has_half_the_error_of_an_answer() {
         .recommendation(&positions, quantity, &methods)
         .candidates;
     // What methods cost as documented: times that are measured here are those of a busy machine.
-    let cost = |candidate: &Candidate| match candidate.method {
+    let listed = |candidate: &Candidate| match candidate.method {
+        AnyMethod::Listed(method) => method,
+        AnyMethod::Own(method) => panic!("{method:?} is not of the list"),
+    };
+    let cost = |candidate: &Candidate| match listed(candidate) {
         BendingMethod::Jet => f64::INFINITY,
-        method => method.description().relative_cost,
+        method => method.cost().relative,
     };
     candidates.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
     let truths = candidates.iter();
-    let truths = truths.map(|candidate| case.truth(&positions, candidate.method, quantity));
+    let truths = truths.map(|candidate| case.truth(&positions, listed(candidate), quantity));
     let truths = Vec::from_iter(truths);
     for (index, (answer, truth)) in candidates.iter().zip(&truths).enumerate() {
         let mut cheaper = candidates[..index].iter().zip(&truths);

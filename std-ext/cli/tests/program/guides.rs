@@ -118,7 +118,8 @@ fn examples_exist() {
         for rest in guide.split("--example ").skip(1) {
             let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
             let file = format!("examples/{}.rs", &rest[..end.unwrap()]);
-            let found = ["core", "std-ext"].map(|package| root().join(package).join(&file));
+            let found =
+                ["core", "std-ext", "tests"].map(|package| root().join(package).join(&file));
             let found = found.iter().any(|file| file.exists());
             assert!(found, "{}: {file}", path.display());
             count += 1;
@@ -155,7 +156,7 @@ fn the_guide_to_the_choice_has_the_cost_of_every_method() {
     let start = guide.find("## What it costs").unwrap();
     let costs = guide[start..].split("\n## ").next().unwrap();
     for method in BendingMethod::ALL {
-        let cost = method.description().relative_cost;
+        let cost = method.cost().relative;
         let names = [method.label(), method.title()];
         let documented = names.map(|name| format!("{cost} ({name})"));
         let found = documented.iter().any(|cost| costs.contains(cost));

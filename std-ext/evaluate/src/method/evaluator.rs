@@ -2,7 +2,7 @@
 
 use super::fields::Fields;
 use super::ordered::Ordered;
-use super::{BendingMethod, MethodOptions, Settings, Visitor, choose};
+use super::{AnyMethod, BendingMethod, MethodOptions, OwnMethod, Settings, Visitor, choose};
 use crate::execute::Parallel;
 use helfrich::{
     Conservative, Cotangent, Curvature, Curvatures, DualArea, Execution, Finding, Jet,
@@ -56,6 +56,25 @@ impl<T: Real> Evaluator<T> {
     where
         X: Execution + Copy + fmt::Debug + 'static,
     {
+        Self::made(
+            method.into(),
+            options,
+            modulus,
+            mesh,
+            execution,
+            |settings, preparing| choose(method, settings, preparing),
+        )
+    }
+
+    /// Prepares the method that `make` makes.
+    fn made<X>(
+        method: AnyMethod,
+        options: &MethodOptions,
+        modulus: T,
+        mesh: &TriangleMesh,
+        execution: X,
+        make: impl FnOnce(Settings<'_, T>, Preparing<'_, T, X>) -> Box<dyn Evaluate<T>>,
+    ) -> Self {
         let ordered = Ordered::of(mesh);
         let vertices = mesh.vertex_count();
         let mesh = ordered.as_ref().map_or(mesh, Ordered::mesh);
@@ -72,9 +91,8 @@ impl<T: Real> Evaluator<T> {
             modulus,
             gaussian,
         };
-        let prepared = choose(method, settings, preparing);
         Self {
-            prepared,
+            prepared: make(settings, preparing),
             ordered,
             force: vec![[T::zero(); 3]; vertices],
         }
@@ -202,10 +220,33 @@ pub trait Evaluated: Real {
     }
 }
 
+/// A number type that methods of your own are compiled in: f32 or f64.
+pub trait Compiled: Evaluated {
+    /// Prepares a method of your own, with its default options, on the given threads.
+    fn own_evaluator(
+        method: OwnMethod,
+        modulus: Self,
+        mesh: &TriangleMesh,
+        threads: Parallel,
+    ) -> Evaluator<Self>;
+}
+
 // Functions without type parameters, so that methods are compiled here and not again in every crate
 // that evaluates them.
 macro_rules! evaluated {
-    ($($number:ty),*) => {$(
+    ($($number:ty: $made:ident),*) => {$(
+        impl Compiled for $number {
+            fn own_evaluator(
+                method: OwnMethod,
+                modulus: $number,
+                mesh: &TriangleMesh,
+                threads: Parallel,
+            ) -> Evaluator<$number> {
+                let options = MethodOptions::default();
+                Evaluator::made(method.into(), &options, modulus, mesh, threads, method.$made)
+            }
+        }
+
         impl Evaluated for $number {
             fn evaluator(
                 method: BendingMethod,
@@ -231,7 +272,7 @@ macro_rules! evaluated {
     )*};
 }
 
-evaluated!(f32, f64);
+evaluated!(f32: single, f64: double);
 
 impl Evaluator<f64> {
     /// Jets of degree 8, the highest: slow and not available in scenes, but the reference for other
@@ -260,7 +301,7 @@ impl Evaluator<f64> {
 }
 
 /// A method prepared for a mesh, behind one dispatch.
-struct Preparing<'a, T, X> {
+pub(super) struct Preparing<'a, T, X> {
     mesh: &'a TriangleMesh,
     execution: X,
     modulus: T,
@@ -349,7 +390,7 @@ fn collect<T: Real>(
 }
 
 /// The interface of every prepared method.
-trait Evaluate<T: Real>: fmt::Debug {
+pub(super) trait Evaluate<T: Real>: fmt::Debug {
     /// Adds nodal forces to `force`, or sets it to force densities: see [`Evaluator::evaluate`].
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]);
 

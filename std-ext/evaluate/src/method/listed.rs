@@ -1,7 +1,7 @@
-//! The methods of the list as types, to be made for any scalar: what holds for every method can be
-//! tested for every method.
+//! Methods as types, to be made for any scalar: those of the list, so that what holds for every method can
+//! be tested for every method, and any other.
 
-use super::{BendingMethod, Settings};
+use super::{BendingMethod, Description, Settings};
 use helfrich::{Conservative, Curvatures, LaplaceBeltrami, Real, StrongForm};
 use std::fmt;
 
@@ -14,17 +14,27 @@ impl<const PLACE: usize> Of<PLACE> {
     pub const METHOD: BendingMethod = BendingMethod::NAMED[PLACE];
 }
 
-/// A method of the list whose forces are the gradient of its energy.
-pub trait ListedEnergy {
+/// A method with a description.
+pub trait Described {
+    /// The description.
+    const DESCRIPTION: &'static Description;
+}
+
+impl<const PLACE: usize> Described for Of<PLACE> {
+    const DESCRIPTION: &'static Description = BendingMethod::NAMED[PLACE].description();
+}
+
+/// A method whose forces are the gradient of its energy.
+pub trait ListedEnergy: Described {
     /// The method for the scalar T.
-    type Method<T: Real>: Conservative<T>;
+    type Method<T: Real>: Conservative<T> + fmt::Debug + 'static;
 
     /// Makes the method.
     fn method<T: Real>(settings: Settings<'_, T>) -> Self::Method<T>;
 }
 
-/// A method of the list in strong form.
-pub trait ListedOperator {
+/// A method in strong form.
+pub trait ListedOperator: Described {
     /// Its operator for the scalar T.
     type Operator<T: Real>: LaplaceBeltrami<T> + Copy + fmt::Debug + Sync + 'static;
 
@@ -32,10 +42,10 @@ pub trait ListedOperator {
     fn method<T: Real>(settings: Settings<'_, T>) -> StrongForm<T, Self::Operator<T>>;
 }
 
-/// An operator of the list for curvatures only.
-pub trait ListedCurvatures {
+/// An operator for curvatures only.
+pub trait ListedCurvatures: Described {
     /// The operator for the scalar T.
-    type Method<T: Real>: Curvatures<T> + Copy;
+    type Method<T: Real>: Curvatures<T> + Copy + fmt::Debug + 'static;
 
     /// Makes the operator.
     fn method<T: Real>(settings: Settings<'_, T>) -> Self::Method<T>;

@@ -1,6 +1,6 @@
 //! Options of methods, the same on the command line and in scenes.
 
-use super::BendingMethod;
+use super::{AnyMethod, BendingMethod};
 use helfrich::{Bandwidth, DualArea, Real};
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -28,7 +28,7 @@ pub struct MethodOptions {
 #[error("method {method} has no option `{option}`: {}", known(option))]
 pub struct UnusedOption {
     /// The method.
-    pub method: BendingMethod,
+    pub method: AnyMethod,
     /// The option's name.
     pub option: &'static str,
 }
@@ -116,7 +116,8 @@ impl MethodOptions {
     ///
     /// # Errors
     /// The first option that it does not have.
-    pub fn check(&self, method: BendingMethod) -> Result<(), UnusedOption> {
+    pub fn check(&self, method: impl Into<AnyMethod>) -> Result<(), UnusedOption> {
+        let method = method.into();
         let own = self.of(method);
         let unused = |option| Err(UnusedOption { method, option });
         if own.areas != self.areas {
@@ -132,7 +133,7 @@ impl MethodOptions {
     ///
     /// # Errors
     /// The first option that none has, with the first method.
-    pub fn check_any(&self, methods: &[BendingMethod]) -> Result<(), UnusedOption> {
+    pub fn check_any(&self, methods: &[AnyMethod]) -> Result<(), UnusedOption> {
         let with = |options: Self| {
             let mut results = methods.iter().map(|&method| options.check(method));
             let first = results.next().unwrap_or(Ok(()));
@@ -150,8 +151,10 @@ impl MethodOptions {
 
     /// The given options that apply to a method.
     #[must_use]
-    pub fn of(self, method: BendingMethod) -> Self {
-        let has_areas = matches!(method, BendingMethod::GompperKroll | BendingMethod::Meyer);
+    pub fn of(self, method: impl Into<AnyMethod>) -> Self {
+        let method = method.into();
+        let have_areas = [BendingMethod::GompperKroll, BendingMethod::Meyer];
+        let has_areas = have_areas.iter().any(|listed| method == *listed);
         let has_bandwidth = method == BendingMethod::Belkin;
         Self {
             areas: self.areas.filter(|_| has_areas),

@@ -3,8 +3,8 @@
 use super::costs;
 use super::curves::{curves, logarithmic, series};
 use super::svg::{self, mark};
-use super::text::{Table, count, csv_line, percent, signed, time_of};
-use super::{Page, QUANTITIES, called, each, style_of};
+use super::text::{Table, count, csv_line, escaped, percent, signed, time_of};
+use super::{Page, QUANTITIES, called, each, label, style_in};
 use crate::answer::{Norm, seconds};
 use crate::picture::{Chart, Numbers, Point};
 use crate::scalar::Scalar;
@@ -154,13 +154,13 @@ fn write_legend(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
         "<div class=\"legend\" role=\"group\" aria-label=\"Methods shown\">"
     )?;
     for method in each(rows.iter().map(|row| row.method)) {
-        let style = style_of(method);
-        let [name, what] = [method.title(), method.idea()];
+        let style = style_in(rows, method);
+        let [name, what] = [method.title(), method.idea()].map(escaped);
         writeln!(
             out,
             "<label title=\"{method}\"><input type=\"checkbox\" checked data-method=\"{style}\">{}<b>{}</b> <span>{name}: {what}</span></label>",
             mark(style),
-            method.label(),
+            label(method),
         )?;
     }
     let scalars = each(rows.iter().map(|row| row.scalar));
@@ -256,7 +256,7 @@ fn error_table(page: &Page<'_>, variant: &Variant<'_>) -> Table {
     );
     let mut lines = Vec::new();
     for (method, scalar, rows) in series {
-        let mut line = vec![format!("{} {scalar}", method.label())];
+        let mut line = vec![format!("{} {scalar}", label(method))];
         for &number in &numbers {
             let row = rows.iter().find(|row| row.vertices == number);
             line.push(row.map_or("–".to_owned(), |row| {

@@ -1,7 +1,8 @@
 //! The cheapest method for each accuracy.
 
-use super::text::{Table, count, csv_line, significant, target, time_of};
-use super::{Page, QUANTITIES, TARGETS, called, each};
+use super::svg::style_class;
+use super::text::{Table, count, csv_line, escaped, significant, target, time_of};
+use super::{Page, QUANTITIES, TARGETS, called, each, label};
 use crate::answer::{Norm, Question, cheapest, for_everything, most_accurate, seconds};
 use crate::study::Row;
 use std::io::{self, Write};
@@ -103,8 +104,8 @@ fn write_everything(page: &Page<'_>, families: &[&str], out: &mut dyn Write) -> 
         out,
         "<p class=\"big\">Take <b>{}</b>, {} (<code>{method}</code>): it has curvature H and force f within 1 % {}, on {kinds} meshes, \
          from N = {} on, and takes {} an evaluation there.{only}</p>",
-        method.label(),
-        method.idea(),
+        label(method),
+        escaped(method.idea()),
         strictly(norm),
         count(largest.vertices),
         time_of(largest, seconds(largest)),
@@ -115,16 +116,16 @@ fn write_everything(page: &Page<'_>, families: &[&str], out: &mut dyn Write) -> 
 fn cell(rows: &[Row], question: &Question<'_>) -> String {
     match (cheapest(rows, question), most_accurate(rows, question)) {
         (Some(row), _) => format!(
-            "<b class=\"s{}\">{}</b> <span>N = {}</span> <span>{}</span> <span>{}</span>",
-            super::style_of(row.method),
-            row.method.label(),
+            "<b class=\"{}\">{}</b> <span>N = {}</span> <span>{}</span> <span>{}</span>",
+            style_class(super::style_in(rows, row.method)),
+            label(row.method),
             count(row.vertices),
             row.scalar,
             time_of(row, seconds(row)),
         ),
         (None, Some(row)) => format!(
             "<span class=\"none\">none; {} has {} % at N = {}</span>",
-            row.method.label(),
+            label(row.method),
             significant(100.0 * question.norm.of(row), 3),
             count(row.vertices)
         ),

@@ -1,6 +1,7 @@
 //! The cost of evaluations against the number of vertices.
 
 use super::curves::{columns, curves, logarithmic, series};
+use super::label;
 use super::text::{Table, bytes, count, csv_line, time_of};
 use crate::picture::{Chart, Numbers, Point};
 use crate::study::{Quantity, Row};
@@ -67,7 +68,7 @@ pub(super) fn table(rows: &[Row], family: &str, kind: &str) -> Table {
     csv_line(&mut csv, &names);
     let mut lines = Vec::new();
     for (method, scalar, rows) in series {
-        let mut line = vec![format!("{} {scalar}", method.label())];
+        let mut line = vec![format!("{} {scalar}", label(method))];
         for &number in &numbers {
             let row = rows.iter().find(|row| row.vertices == number);
             let cost = row.and_then(|row| Some((row, cost(row, kind)?)));

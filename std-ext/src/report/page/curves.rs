@@ -1,14 +1,14 @@
 //! The rows of a study, sorted into curves.
 
 use super::text::count;
-use super::{each, style_of};
-use crate::method::BendingMethod;
+use super::{each, style_in};
+use crate::method::AnyMethod;
 use crate::picture::{Axis, Curve, Marks, Numbers, Point, Scale};
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 
 /// The rows of one method in one number type on one family, coarse to fine.
-type Series<'a> = (BendingMethod, Scalar, Vec<&'a Row>);
+type Series<'a> = (AnyMethod, Scalar, Vec<&'a Row>);
 
 /// The series of all methods and number types.
 pub(super) fn series<'a>(rows: &'a [Row], family: &str, quantity: Quantity) -> Vec<Series<'a>> {
@@ -57,12 +57,13 @@ pub(super) fn curves(
     quantity: Quantity,
     point: impl Fn(&Row) -> Option<Point>,
 ) -> Vec<Curve> {
+    let all = rows;
     let series = series(rows, family, quantity).into_iter();
     let series = series.filter(|(_, scalar, _)| *scalar != Scalar::F32Pair);
     let both = each(rows.iter().map(|row| row.scalar)).contains(&Scalar::F64);
     let curves = series.map(|(method, scalar, rows)| Curve {
         name: format!("{method} {scalar}"),
-        style: Some(style_of(method)),
+        style: Some(style_in(all, method)),
         marks: match scalar {
             Scalar::F32 => Marks::DashesAndPoints,
             _ => Marks::LineAndPoints,

@@ -2,7 +2,7 @@
 
 use super::accuracy::open_family;
 use super::text::{count, escaped, percent, target};
-use super::{Page, called};
+use super::{Page, called, label};
 use crate::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
 use crate::png;
 use base64::Engine;
@@ -79,8 +79,8 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
                 escaped(method.name()),
                 percent(worst),
                 STANDARD.encode(bytes),
-                method.label(),
-                method.title(),
+                label(*method),
+                escaped(method.title()),
                 percent(worst),
             )?;
         }

@@ -2,7 +2,7 @@
 
 use super::curves::{columns, series};
 use super::text::{Table, csv_line, digits};
-use super::{QUANTITIES, called, each};
+use super::{QUANTITIES, called, each, label};
 use crate::report::SCATTERED;
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
@@ -76,7 +76,7 @@ fn table(rows: &[Row], family: &str, quantity: Quantity, single: &[Scalar]) -> T
             own.map_or(&[][..], |series| &series.2)
         };
         for &scalar in single {
-            let mut line = vec![format!("{} {scalar}", method.label())];
+            let mut line = vec![format!("{} {scalar}", label(method))];
             for &number in &numbers {
                 let at = |scalar| of(scalar).iter().find(|row| row.vertices == number);
                 let pair = at(scalar).zip(at(Scalar::F64));

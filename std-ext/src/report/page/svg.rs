@@ -37,10 +37,16 @@ const MARKS: [&str; 10] = [
     "M-.8 0A.8.8 0 1 0 .8 0A.8.8 0 1 0-.8 0Z",
 ];
 
+/// The class of a style, which has its colour.
+pub(super) fn style_class(style: usize) -> String {
+    format!("s{}", style % COLOURS.len())
+}
+
 /// The mark of a style, for legends.
 pub fn mark(style: usize) -> String {
     format!(
-        "<svg viewBox=\"-8 -8 16 16\" class=\"key s{style}\" aria-hidden=\"true\"><path class=\"m\" d=\"{}\" transform=\"scale(5)\"/></svg>",
+        "<svg viewBox=\"-8 -8 16 16\" class=\"key {}\" aria-hidden=\"true\"><path class=\"m\" d=\"{}\" transform=\"scale(5)\"/></svg>",
+        style_class(style),
         MARKS[style % MARKS.len()]
     )
 }

@@ -1,7 +1,7 @@
 //! Whether methods converge.
 
-use super::each;
-use super::text::{Table, csv_line, signed};
+use super::text::{Table, csv_line, escaped, signed};
+use super::{each, label};
 use crate::scalar::Scalar;
 use crate::study::Quantity;
 use crate::verdict::Verdict;
@@ -42,8 +42,8 @@ pub(super) fn write(verdicts: &[Verdict], out: &mut dyn Write) -> io::Result<()>
         for method in each(own.iter().map(|verdict| verdict.method)) {
             let mut line = vec![format!(
                 "{} <span>{}</span>",
-                method.label(),
-                method.title()
+                label(method),
+                escaped(method.title())
             )];
             for quantity in Quantity::ALL {
                 let verdict = own

@@ -63,7 +63,7 @@ pub(super) fn explain(
             .effects
             .bending
             .as_ref()
-            .map_or(0.0, |bending| bending.method.description().relative_cost);
+            .map_or(0.0, |bending| bending.method.cost().relative);
         let viscous = 2.0 * viscous_products(surface, lattice);
         mesh.vertices as f64 * VERTEX_SECONDS * (1.0 + bending + viscous)
     });

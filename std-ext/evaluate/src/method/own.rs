@@ -1,0 +1,330 @@
+//! Methods that are not of the list, beside those that are.
+
+use super::evaluator::{Evaluate, Preparing};
+use super::{
+    BendingMethod, Compiled, Description, Evaluator, ListedCurvatures, ListedEnergy,
+    ListedOperator, MethodOptions, Settings, Visitor,
+};
+use crate::execute::Parallel;
+use helfrich::{Curvatures, TriangleMesh};
+use serde::{Serialize, Serializer};
+use std::fmt;
+
+/// A method of the list, or one of your own.
+///
+/// Two are the same if their names are.
+#[derive(Clone, Copy, Debug)]
+pub enum AnyMethod {
+    /// A method of the list.
+    Listed(BendingMethod),
+    /// Any other.
+    Own(OwnMethod),
+}
+
+impl AnyMethod {
+    /// The description of the method.
+    pub const fn description(self) -> &'static Description {
+        match self {
+            Self::Listed(method) => method.description(),
+            Self::Own(method) => method.description,
+        }
+    }
+
+    /// The long name, as on the command line.
+    pub fn name(self) -> &'static str {
+        self.description().name
+    }
+
+    /// A short label, for curves.
+    pub fn label(self) -> &'static str {
+        self.description().label
+    }
+
+    /// The name in titles.
+    pub fn title(self) -> &'static str {
+        self.description().title
+    }
+
+    /// The idea in a few words.
+    pub fn idea(self) -> &'static str {
+        self.description().idea
+    }
+
+    /// Whether its forces are the exact gradient of an energy.
+    pub const fn is_conservative(self) -> bool {
+        match self {
+            Self::Listed(method) => method.is_conservative(),
+            Self::Own(method) => matches!(method.form, Form::Energy),
+        }
+    }
+
+    /// Whether it has forces: operators for curvatures only have none.
+    pub const fn has_force(self) -> bool {
+        match self {
+            Self::Listed(method) => method.has_force(),
+            Self::Own(method) => !matches!(method.form, Form::Curvatures),
+        }
+    }
+
+    /// Prepares the method as [`Evaluator::with_options`] does.
+    pub fn evaluator<T: Compiled>(
+        self,
+        options: &MethodOptions,
+        modulus: T,
+        mesh: &TriangleMesh,
+        threads: Parallel,
+    ) -> Evaluator<T> {
+        match self {
+            Self::Listed(method) => {
+                Evaluator::with_options(method, options, modulus, mesh, threads)
+            }
+            Self::Own(method) => T::own_evaluator(method, modulus, mesh, threads),
+        }
+    }
+
+    /// Checks that no two methods of your own have one name.
+    ///
+    /// # Errors
+    /// The first name that is given twice.
+    pub fn check_names(methods: &[Self]) -> Result<(), RepeatedName> {
+        for (index, method) in methods.iter().enumerate() {
+            if matches!(method, Self::Own(_)) && methods[..index].contains(method) {
+                let name = method.name();
+                return Err(RepeatedName { name });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The name of a method of your own that occurs twice.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "there are two methods of your own with the name `{name}`: results are told apart by names; choose \
+     another for one of them, or leave it out"
+)]
+pub struct RepeatedName {
+    /// The name.
+    pub name: &'static str,
+}
+
+impl PartialEq for AnyMethod {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for AnyMethod {}
+
+impl PartialEq<BendingMethod> for AnyMethod {
+    fn eq(&self, other: &BendingMethod) -> bool {
+        *self == Self::Listed(*other)
+    }
+}
+
+impl From<BendingMethod> for AnyMethod {
+    fn from(method: BendingMethod) -> Self {
+        Self::Listed(method)
+    }
+}
+
+impl From<OwnMethod> for AnyMethod {
+    fn from(method: OwnMethod) -> Self {
+        Self::Own(method)
+    }
+}
+
+impl fmt::Display for AnyMethod {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+impl Serialize for AnyMethod {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// Makes a method evaluable in one number type.
+pub(super) type Make<T> = fn(Settings<'_, T>, Preparing<'_, T, Parallel>) -> Box<dyn Evaluate<T>>;
+
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Energy,
+    Strong,
+    Curvatures,
+}
+
+/// A method that is not of the list, compiled in f32 and f64 where it is named: for `study`, `recommend`
+/// and the page.
+///
+/// Its [`Description`] is checked by the compiler: the name must be one that can be typed in a shell and
+/// is not taken, and what is defined must be what a method of its kind can define.
+///
+/// ```
+/// use helfrich::{CorrectedCurvature, Real, VertexNormals};
+/// use helfrich_evaluate::method::{Described, Description, ListedCurvatures, OwnMethod, Settings};
+///
+/// struct Mine;
+///
+/// impl Described for Mine {
+///     const DESCRIPTION: &'static Description = &Description {
+///         name: "mine",
+///         letter: None,
+///         label: "M",
+///         title: "Mine",
+///         idea: "curvature of interpolated normals",
+///         defines: [true, true, false],
+///     };
+/// }
+///
+/// impl ListedCurvatures for Mine {
+///     type Method<T: Real> = CorrectedCurvature;
+///
+///     fn method<T: Real>(_: Settings<'_, T>) -> CorrectedCurvature {
+///         CorrectedCurvature { normals: VertexNormals::Averaged }
+///     }
+/// }
+///
+/// const MINE: OwnMethod = OwnMethod::curvatures::<Mine>();
+/// ```
+///
+/// A name that is taken is refused:
+///
+/// ```compile_fail
+/// # use helfrich::{CorrectedCurvature, Real, VertexNormals};
+/// # use helfrich_evaluate::method::{Described, Description, ListedCurvatures, OwnMethod, Settings};
+/// # struct Mine;
+/// # impl Described for Mine {
+/// #     const DESCRIPTION: &'static Description = &Description {
+/// #         name: "meyer", letter: None, label: "M", title: "Mine", idea: "", defines: [true, true, false],
+/// #     };
+/// # }
+/// # impl ListedCurvatures for Mine {
+/// #     type Method<T: Real> = CorrectedCurvature;
+/// #     fn method<T: Real>(_: Settings<'_, T>) -> CorrectedCurvature {
+/// #         CorrectedCurvature { normals: VertexNormals::Averaged }
+/// #     }
+/// # }
+/// const MINE: OwnMethod = OwnMethod::curvatures::<Mine>();
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct OwnMethod {
+    description: &'static Description,
+    form: Form,
+    pub(super) single: Make<f32>,
+    pub(super) double: Make<f64>,
+}
+
+impl OwnMethod {
+    /// A method with an energy that defines no curvatures.
+    pub const fn energy<M: ListedEnergy>() -> Self {
+        Self {
+            description: const { checked(M::DESCRIPTION, [false; 3], [false; 3]) },
+            form: Form::Energy,
+            single: |settings, preparing| preparing.energy(M::method(settings)),
+            double: |settings, preparing| preparing.energy(M::method(settings)),
+        }
+    }
+
+    /// A method with an energy that defines H, or H and K.
+    pub const fn energy_and_curvatures<M: ListedEnergy>() -> Self
+    where
+        M::Method<f32>: Curvatures<f32>,
+        M::Method<f64>: Curvatures<f64>,
+    {
+        Self {
+            description: const { checked(M::DESCRIPTION, [true, false, false], [true, true, false]) },
+            form: Form::Energy,
+            single: |settings, preparing| preparing.energy_and_curvatures(M::method(settings)),
+            double: |settings, preparing| preparing.energy_and_curvatures(M::method(settings)),
+        }
+    }
+
+    /// A method in strong form: it defines H, K and Δ_S H.
+    pub const fn strong_form<M: ListedOperator>() -> Self {
+        Self {
+            description: const { checked(M::DESCRIPTION, [true; 3], [true; 3]) },
+            form: Form::Strong,
+            single: |settings, preparing| preparing.strong_form(M::method(settings)),
+            double: |settings, preparing| preparing.strong_form(M::method(settings)),
+        }
+    }
+
+    /// An operator without a force: it defines H and K.
+    pub const fn curvatures<M: ListedCurvatures>() -> Self {
+        Self {
+            description: const { checked(M::DESCRIPTION, [true, true, false], [true, true, false]) },
+            form: Form::Curvatures,
+            single: |settings, preparing| preparing.curvatures(M::method(settings)),
+            double: |settings, preparing| preparing.curvatures(M::method(settings)),
+        }
+    }
+}
+
+/// The description, if it can be that of a method that defines at least and at most so much.
+const fn checked(
+    description: &'static Description,
+    least: [bool; 3],
+    most: [bool; 3],
+) -> &'static Description {
+    let Description {
+        name,
+        letter,
+        defines,
+        ..
+    } = description;
+    let mut characters = name.as_bytes();
+    assert!(!characters.is_empty(), "the name of a method is empty");
+    while let [character, rest @ ..] = characters {
+        assert!(
+            matches!(character, b'a'..=b'z' | b'0'..=b'9' | b'-'),
+            "the name of a method has lower-case letters, digits and hyphens only: it is typed in a \
+             shell, and files are named after it"
+        );
+        characters = rest;
+    }
+    assert!(
+        !is_taken(name),
+        "the name of the method is that of a method of the list: choose another"
+    );
+    if let Some(letter) = letter {
+        assert!(
+            !is_taken(letter),
+            "the letter of the method is that of a method of the list: choose another, or none"
+        );
+    }
+    let mut quantity = 0;
+    while quantity < defines.len() {
+        let defined = defines[quantity];
+        assert!(
+            defined || !least[quantity],
+            "a method of this kind defines more of H, K and Δ_S H than its description says"
+        );
+        assert!(
+            most[quantity] || !defined,
+            "a method of this kind does not define all of H, K and Δ_S H that its description says"
+        );
+        quantity += 1;
+    }
+    description
+}
+
+/// Whether a method of the list has this name or letter, or all of them have.
+const fn is_taken(name: &str) -> bool {
+    let mut place = 0;
+    while place < BendingMethod::NAMED.len() {
+        let listed = BendingMethod::NAMED[place].description();
+        if name.eq_ignore_ascii_case(listed.name) {
+            return true;
+        }
+        if let Some(letter) = listed.letter
+            && name.eq_ignore_ascii_case(letter)
+        {
+            return true;
+        }
+        place += 1;
+    }
+    name.eq_ignore_ascii_case("all")
+}
