@@ -350,7 +350,8 @@ pub fn scatter_onto<T, K, const CORNERS: usize, const IN: usize, const OUT: usiz
     let place = |vertex: u32| (vertex as usize).wrapping_sub(start);
     let mut positions = [[[T::zero(); BATCH]; 3]; CORNERS];
     let mut values = [[[T::zero(); IN]; BATCH]; CORNERS];
-    let mut gifts = [[[T::zero(); OUT]; BATCH]; CORNERS];
+    // An array for each number, into which vectors are stored as they are.
+    let mut contributions = [[[T::zero(); BATCH]; OUT]; CORNERS];
     for (number, batch) in elements.chunks(BATCH).enumerate() {
         let near = |element: &[u32; CORNERS]| element.iter().any(|&v| place(v) < output.len());
         if !all && !batch.iter().any(near) {
@@ -381,14 +382,16 @@ pub fn scatter_onto<T, K, const CORNERS: usize, const IN: usize, const OUT: usiz
             let corners = Corners { positions: corners };
             let given = kernel.evaluate(number * BATCH + e, &corners, &known);
             for corner in 0..CORNERS {
-                gifts[corner][e] = given[corner];
+                for k in 0..OUT {
+                    contributions[corner][k][e] = given[corner][k];
+                }
             }
         }
         for e in 0..count {
             for corner in 0..CORNERS {
                 if let Some(sum) = output.get_mut(place(batch[e][corner])) {
                     for k in 0..OUT {
-                        sum[k] += gifts[corner][e][k];
+                        sum[k] += contributions[corner][k][e];
                     }
                 }
             }
