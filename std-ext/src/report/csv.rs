@@ -1,11 +1,15 @@
 //! Data as CSV.
 
+use crate::execute::available_threads;
 use crate::measurement::{Column, ColumnValues, verdict_name};
 use crate::method::Fields;
 use crate::series::quoted;
 use crate::study::Row;
 use helfrich::Real;
+use std::any::Any;
+use std::fmt::Write as _;
 use std::io::{self, Write};
+use std::ops::Range;
 
 /// Writes a line for each quantity of a method on a mesh, under the names of the fields of [`Row`];
 /// numbers with as many digits as tell them from every other. An empty field is one that is not known,
@@ -55,12 +59,6 @@ pub fn curvature_csv<T: Real>(
     more: &[Column],
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let all = |values: Option<[T; 3]>| match values {
-        // `{:?}` and not `{}`, which writes 1e-18 with 18 zeros.
-        Some([x, y, z]) => format!("{x:?},{y:?},{z:?}"),
-        None => ",,".to_owned(),
-    };
-    let one = |value: Option<T>| value.map_or_else(String::new, |value| format!("{value:?}"));
     write!(out, "vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz")?;
     for Column { name, values } in more {
         match values {
@@ -69,41 +67,99 @@ pub fn curvature_csv<T: Real>(
         }
     }
     writeln!(out)?;
-    for (vertex, &position) in positions.iter().enumerate() {
-        let normal = fields.normal[vertex];
-        let has_normal = normal.iter().any(|component| !component.is_zero());
-        write!(
-            out,
-            "{vertex},{},{:?},{},{},{},{},{}",
-            all(Some(position)),
-            fields.area[vertex],
-            all(has_normal.then_some(normal)),
-            one(fields.mean[vertex]),
-            one(fields.gaussian[vertex]),
-            one(fields.laplacian_of_mean[vertex]),
-            all(fields.force_density[vertex]),
-        )?;
-        for Column { values, .. } in more {
-            match values {
-                ColumnValues::Scalars(values) => write!(out, ",{}", number(values[vertex]))?,
-                ColumnValues::Vectors(values) => {
-                    let [x, y, z] = values[vertex].map(number);
-                    write!(out, ",{x},{y},{z}")?;
-                }
-                ColumnValues::Verdicts(verdicts) => {
-                    write!(out, ",{}", verdict_name(verdicts[vertex]))?;
-                }
+    let threads = available_threads().get();
+    // Rows are written in order, from a bounded number that are formatted at a time.
+    let mut texts = vec![String::new(); threads];
+    for start in (0..positions.len()).step_by(threads * ROWS_OF_A_THREAD) {
+        let ranges = (start..positions.len()).step_by(ROWS_OF_A_THREAD);
+        let ranges = ranges.map(|first| first..positions.len().min(first + ROWS_OF_A_THREAD));
+        let work = Vec::from_iter(texts.iter_mut().zip(ranges));
+        let count = work.len();
+        let format_rows = |text: &mut String, range: Range<usize>| {
+            text.clear();
+            for vertex in range {
+                push_row(text, vertex, positions[vertex], fields, more);
             }
+        };
+        std::thread::scope(|scope| {
+            let mut work = work.into_iter();
+            let own = work.next();
+            for (text, range) in work {
+                scope.spawn(move || format_rows(text, range));
+            }
+            if let Some((text, range)) = own {
+                format_rows(text, range);
+            }
+        });
+        for text in &texts[..count] {
+            out.write_all(text.as_bytes())?;
         }
-        writeln!(out)?;
     }
     Ok(())
 }
 
-/// A number with enough digits; nothing if it is not known.
-fn number(value: f64) -> String {
-    match value.is_finite() {
-        true => format!("{value:?}"),
-        false => String::new(),
+/// The number of rows that a thread formats at a time: about two megabytes of text.
+const ROWS_OF_A_THREAD: usize = 8192;
+
+/// Appends the line of a vertex.
+fn push_row<T: Real>(
+    text: &mut String,
+    vertex: usize,
+    position: [T; 3],
+    fields: &Fields<T>,
+    more: &[Column],
+) {
+    let normal = fields.normal[vertex];
+    let has_normal = normal.iter().any(|component| !component.is_zero());
+    text.push_str(&vertex.to_string());
+    push_vector(text, Some(position));
+    push_number(text, Some(fields.area[vertex]));
+    push_vector(text, has_normal.then_some(normal));
+    push_number(text, fields.mean[vertex]);
+    push_number(text, fields.gaussian[vertex]);
+    push_number(text, fields.laplacian_of_mean[vertex]);
+    push_vector(text, fields.force_density[vertex]);
+    for Column { values, .. } in more {
+        let known = |value: f64| value.is_finite().then_some(value);
+        match values {
+            ColumnValues::Scalars(values) => push_number(text, known(values[vertex])),
+            ColumnValues::Vectors(values) => {
+                for component in values[vertex] {
+                    push_number(text, known(component));
+                }
+            }
+            ColumnValues::Verdicts(verdicts) => {
+                text.push(',');
+                text.push_str(verdict_name(verdicts[vertex]));
+            }
+        }
+    }
+    text.push('\n');
+}
+
+/// Appends three fields.
+fn push_vector<T: Real>(text: &mut String, vector: Option<[T; 3]>) {
+    match vector {
+        Some(vector) => vector.map(|component| push_number(text, Some(component))),
+        None => [(); 3].map(|()| push_number::<T>(text, None)),
+    };
+}
+
+/// Appends a comma and a number with enough digits; nothing behind the comma if it is not known.
+///
+/// The form is that of `{:?}`, and not that of `{}`, which writes 1e-18 with 18 zeros. Where two shortest
+/// texts are equally near to a number, `zmij` may choose the other one.
+fn push_number<T: Real>(text: &mut String, value: Option<T>) {
+    text.push(',');
+    let Some(value) = value else { return };
+    // Elsewhere `zmij` writes zeros where `{:?}` has an exponent, or `e+16` for its `e16`.
+    let same_form = |x: f64| x.abs() < 1e-5 || (1e-4..1e16).contains(&x.abs());
+    match (&value as &dyn Any).downcast_ref::<f64>() {
+        Some(&number) if same_form(number) => {
+            text.push_str(zmij::Buffer::new().format(number));
+        }
+        _ => {
+            let _ = write!(text, "{value:?}");
+        }
     }
 }

@@ -4,11 +4,14 @@ use crate::fixture::{Fixture, obj, off, ply, sheet, stl};
 use crate::{fail, run, succeed, text};
 use helfrich::shapes::Shape;
 use helfrich::{GompperKroll, KantorNelson, Prepared, Real, Surface};
+use helfrich_std::execute::with_threads;
 use helfrich_std::generate::{AnyShape, Family, GeneratedMesh, generate};
 use helfrich_std::io::read;
 use helfrich_std::method::{BendingMethod, Evaluator, Fields};
+use helfrich_std::report::curvature_csv;
 use std::fmt::Debug;
 use std::fs;
+use std::num::NonZeroUsize;
 use std::str::FromStr;
 
 const HEADER: &str = "vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz";
@@ -368,4 +371,74 @@ fn wrong_curvature_arguments() {
     fail(2, &["info"]);
     fail(2, &["info", file.path(), file.path()]);
     fail(2, &["nope"]);
+}
+
+/// Numbers read back to the same bits from texts as short as those of `{:?}`, and rows are in order,
+/// whatever the number of threads.
+#[test]
+fn rows_have_the_digits_and_the_order_of_their_vertices() {
+    const COUNT: usize = 40_000;
+    // A sequence that visits all exponents, with digits of all lengths in between.
+    let mut state = 1_u64;
+    let mut next = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        state ^ (state >> 29)
+    };
+    let mut positions = Vec::new();
+    for vertex in 0..COUNT {
+        let anything = Some(f64::from_bits(next())).filter(|x| x.is_finite());
+        let scale = 10.0_f64.powi((next() % 44) as i32 - 22);
+        let short = (next() % 2000) as f64 - 1000.0;
+        positions.push([
+            anything.unwrap_or(-0.0),
+            short * scale,
+            vertex as f64 * 1e-7,
+        ]);
+    }
+    positions[0] = [5e-324, f64::MAX, 1e16];
+    positions[1] = [1e-5, -1e-4, 9.999999999999999e-6];
+    check_digits(&positions);
+    let single = positions.iter().map(|row| row.map(|x| x as f32));
+    check_digits(&Vec::from_iter(single));
+}
+
+fn check_digits<T: Real + FromStr<Err: Debug>>(positions: &[[T; 3]]) {
+    let undefined = vec![None; positions.len()];
+    let fields = Fields {
+        area: positions.iter().map(|row| row[0]).collect(),
+        normal: vec![[T::zero(); 3]; positions.len()],
+        mean: positions.iter().map(|row| Some(row[1])).collect(),
+        gaussian: undefined.clone(),
+        laplacian_of_mean: undefined,
+        force_density: vec![None; positions.len()],
+    };
+    for threads in [1, 2, 5] {
+        let threads = NonZeroUsize::new(threads).unwrap();
+        let mut csv = Vec::new();
+        with_threads(threads, || {
+            curvature_csv(positions, &fields, &[], &mut csv).unwrap();
+        });
+        let csv = String::from_utf8(csv).unwrap();
+        let mut lines = csv.lines().skip(1);
+        for (vertex, row) in positions.iter().enumerate() {
+            let words = Vec::from_iter(lines.next().unwrap().split(','));
+            assert_eq!(words.len(), 14);
+            assert_eq!(words[0].parse(), Ok(vertex));
+            let [x, y, z] = *row;
+            for (at, expected) in [(1, x), (2, y), (3, z), (4, x), (8, y)] {
+                let read: T = words[at].parse().unwrap();
+                assert_eq!(read, expected);
+                assert_eq!(read.is_sign_negative(), expected.is_sign_negative());
+                assert_eq!(words[at].len(), format!("{expected:?}").len());
+            }
+            assert!(
+                [5, 6, 7, 9, 10, 11, 12, 13]
+                    .iter()
+                    .all(|&at| words[at].is_empty())
+            );
+        }
+        assert_eq!(lines.next(), None);
+    }
 }
