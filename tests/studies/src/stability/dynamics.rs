@@ -15,6 +15,7 @@ use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::series::SeriesTable;
 use helfrich_std::simulation::{Simulation, build};
 use serde::Serialize;
+use std::collections::{BTreeMap, HashMap};
 use std::error::Error;
 use std::path::Path;
 
@@ -60,11 +61,12 @@ pub(super) fn count() -> usize {
 /// All runs, each told before it begins.
 pub(super) fn rows(tell: &mut dyn FnMut(&str)) -> Result<Vec<Row>, StabilityError> {
     let mut rows = Vec::new();
+    let mut courses = Courses::default();
     for case in CASES {
         let mut add =
             |subject: &'static str, changes: &[&str], against: Option<&[&str]>, bound: Bound| {
                 tell(&format!("{}: {subject}", case.name));
-                let outcome = case.outcome(changes, against);
+                let outcome = case.outcome(&mut courses, changes, against);
                 let outcome = outcome.map_err(|source| StabilityError {
                     case: case.name,
                     source,
@@ -106,15 +108,40 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str)) -> Result<Vec<Row>, StabilityErro
 
 type Made<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
+/// Runs that were made, by scene and changes: several rows ask something of the same run.
+#[derive(Default)]
+struct Courses(HashMap<(&'static str, Vec<String>), Result<Course, String>>);
+
+impl Courses {
+    /// [`course`], made once. The last of two changes of one key counts, and their order does not.
+    fn of(&mut self, scene: &'static str, changes: &[&str]) -> Made<Result<Course, String>> {
+        let key_of = |change: &&str| change.split('=').next().unwrap_or_default().to_owned();
+        let last = changes
+            .iter()
+            .map(|change| (key_of(change), change.to_string()));
+        let key = (scene, BTreeMap::from_iter(last).into_values().collect());
+        if let Some(made) = self.0.get(&key) {
+            return Ok(made.clone());
+        }
+        let made = course(scene, changes)?;
+        Ok(self.0.entry(key).or_insert(made).clone())
+    }
+}
+
 impl Case {
-    fn outcome(&self, changes: &[&str], against: Option<&[&str]>) -> Made<Outcome> {
-        let mut course = match course(self.scene, changes)? {
+    fn outcome(
+        &self,
+        courses: &mut Courses,
+        changes: &[&str],
+        against: Option<&[&str]>,
+    ) -> Made<Outcome> {
+        let mut course = match courses.of(self.scene, changes)? {
             Ok(course) => course,
             Err(refusal) => return Ok(Outcome::Refused(refusal)),
         };
         if let Some(others) = against {
             let all = [changes, others].concat();
-            if let Ok(other) = self::course(self.scene, &all)? {
+            if let Ok(other) = courses.of(self.scene, &all)? {
                 let pair = course.deformation.zip(other.deformation);
                 course.error = pair.map(|(found, expected)| (found / expected - 1.0).abs());
             }
