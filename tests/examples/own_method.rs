@@ -23,7 +23,7 @@ impl<T: Real> ElementEnergy<T, 4> for HalfAngles<T> {
     }
 }
 
-/// What the program knows of it.
+/// The method as the program knows it.
 #[derive(Clone, Copy)]
 struct Mine;
 
