@@ -1,6 +1,7 @@
-//! Prints what one evaluation of the single layer takes on icospheres, on one thread and on all, and
-//! how many pairs of vertices and far sources (middles of edges) a second that is, all corrections of
-//! near triangles included, beside what one division and one square root a pair allow by themselves.
+//! Prints what one evaluation of the single layer takes on icospheres: over all pairs, on one thread and
+//! on all, and how many pairs of vertices and far sources (middles of edges) a second that is, all
+//! corrections of near triangles included, beside what one division and one square root a pair allow by
+//! themselves; then over clusters, with the error relative to a force in one direction.
 //!
 //! ```console
 //! cargo run --release --example layer_throughput
@@ -15,47 +16,87 @@ use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 /// Rounds, of which the fastest counts.
-const ROUNDS: usize = 15;
+const ROUNDS: usize = 7;
+
+/// Tolerance of sums over clusters.
+const TOLERANCE: f64 = 1e-4;
+
+/// More vertices than these are summed over clusters only.
+const MOST_PAIRS: usize = 50_000;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let all = std::thread::available_parallelism()?;
-    println!("triangles  ms on 1 thread  ms on {all}  G pairs/s on 1  allowed on 1  ratio");
+    println!(
+        "triangles  pairs: ms on 1 thread  on {all}  G pairs/s on 1  allowed  ratio  \
+         clusters: ms on 1 thread  on {all}  error"
+    );
     let sphere: AnyShape = "sphere:1".parse()?;
-    for vertices in [642, 2562, 10242] {
+    for vertices in [642, 2562, 10_242, 40_962, 163_842] {
         let made = generate(&sphere, Family::Regular, vertices, 1)?;
-        let forces = made.positions.clone();
-        let mut velocity = vec![[0.0; 3]; vertices];
-        let pairs = vertices * made.mesh.edges().len();
-        let (mut one, mut many, mut bound) = (Duration::MAX, Duration::MAX, Duration::MAX);
-        for _ in 0..ROUNDS {
-            for (threads, best) in [(NonZeroUsize::MIN, &mut one), (all, &mut many)] {
-                let mut layer = SingleLayer::new([&made.mesh], 1.0, threads);
-                // Once for memory.
-                layer.set_forces(&made.positions, &forces);
-                layer.add_at_vertices(&mut velocity);
+        let evaluate = |tolerance, threads| {
+            let mut layer = SingleLayer::new([&made.mesh], 1.0, threads);
+            layer.set_cluster_tolerance(tolerance);
+            // The first time is for memory.
+            let mut best = Duration::MAX;
+            let mut velocity = vec![[0.0; 3]; vertices];
+            for _ in 0..2 {
+                velocity.fill([0.0; 3]);
                 let start = Instant::now();
-                layer.set_forces(&made.positions, &forces);
+                layer.set_tractions(&made.positions, &vec![[1.0, 0.0, 0.0]; vertices]);
                 layer.add_at_vertices(&mut velocity);
-                *best = start.elapsed().min(*best);
+                best = start.elapsed().min(best);
             }
-            let start = Instant::now();
-            pulp::Arch::new().dispatch(|| divide_and_root(pairs));
-            bound = start.elapsed().min(bound);
+            (best, velocity)
+        };
+        let pairs = vertices * made.mesh.edges().len();
+        let dense = vertices < MOST_PAIRS;
+        let [mut one, mut many, mut bound] = [Duration::MAX; 3];
+        let [mut clusters, mut many_clusters] = [Duration::MAX; 2];
+        let mut error = f64::NAN;
+        for _ in 0..ROUNDS {
+            let found = evaluate(TOLERANCE, NonZeroUsize::MIN);
+            clusters = clusters.min(found.0);
+            many_clusters = many_clusters.min(evaluate(TOLERANCE, all).0);
+            if dense {
+                let exact = evaluate(0.0, NonZeroUsize::MIN);
+                one = one.min(exact.0);
+                many = many.min(evaluate(0.0, all).0);
+                error = relative(&found.1, &exact.1);
+                let start = Instant::now();
+                pulp::Arch::new().dispatch(|| divide_and_root(pairs));
+                bound = start.elapsed().min(bound);
+            }
         }
-        black_box(&velocity);
         let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
         let rate = |time: Duration| pairs as f64 / time.as_secs_f64() / 1e9;
+        let triangles = made.mesh.triangles().len();
+        if dense {
+            print!(
+                "{triangles:9}  {:21.2}  {:4.2}  {:14.2}  {:7.2}  {:5.2}",
+                milliseconds(one),
+                milliseconds(many),
+                rate(one),
+                rate(bound),
+                rate(one) / rate(bound)
+            );
+        } else {
+            print!("{triangles:9}{:59}", "");
+        }
         println!(
-            "{:9}  {:14.2}  {:7.2}  {:14.2}  {:12.2}  {:5.2}",
-            made.mesh.triangles().len(),
-            milliseconds(one),
-            milliseconds(many),
-            rate(one),
-            rate(bound),
-            rate(one) / rate(bound)
+            "  {:24.2}  {:4.2}  {error:.0e}",
+            milliseconds(clusters),
+            milliseconds(many_clusters)
         );
     }
     Ok(())
+}
+
+/// The root mean square of the difference over that of the second field.
+fn relative(found: &[[f64; 3]], exact: &[[f64; 3]]) -> f64 {
+    let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
+    let pairs = found.as_flattened().iter().zip(exact.as_flattened());
+    let error = squares(&mut pairs.map(|(a, b)| a - b));
+    (error / squares(&mut exact.as_flattened().iter().copied())).sqrt()
 }
 
 /// As many divisions and square roots as there are pairs, on numbers in the first cache.

@@ -440,6 +440,7 @@ fn suspension(
         driver.flow.ambient(),
         available_threads(),
     );
+    suspension.set_cluster_tolerance(driver.cluster_tolerance_at(positions.len()));
     // The nesting is determined once, because membranes do not pass through each other.
     let bodies = simulation.bodies().iter();
     let surfaces = bodies.map(|body| body.surface(positions));

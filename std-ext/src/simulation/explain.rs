@@ -87,7 +87,9 @@ const BASE_BYTES: u64 = 600;
 /// Bytes per vertex of the twelve pairs of positions and forces that minimisation keeps.
 const MINIMISE_BYTES: u64 = 12 * 2 * 24;
 /// Bytes per vertex of sources, centres and tractions of the triangles, and of the stages of a step.
-const BOUNDARY_INTEGRAL_BYTES: u64 = 800;
+const BOUNDARY_INTEGRAL_BYTES: u64 = 900;
+/// Bytes per vertex of clusters, their moments and sums.
+const CLUSTER_BYTES: u64 = 600;
 
 impl Scene {
     /// Explains the scene on these meshes, one per surface, scaled as the scene demands.
@@ -97,13 +99,17 @@ impl Scene {
     pub fn explain(&self, meshes: &[MeshInfo]) -> Explanation {
         let surfaces = self.surfaces.iter().zip(meshes);
         assert!(meshes.len() >= self.surfaces.len(), "one mesh a surface");
+        let clusters = match driver::cluster_tolerance(&self.driver, meshes) {
+            0.0 => 0,
+            _ => CLUSTER_BYTES,
+        };
         let memory = surfaces.clone().map(|(surface, mesh)| {
             let vertices = mesh.vertices as u64;
             let minimises = |relax: &Relax| relax.scheme == Scheme::Minimise;
             let driver = match &self.driver {
                 Driver::Relax(relax) if minimises(relax) => MINIMISE_BYTES,
                 Driver::Relax(_) | Driver::LatticeBoltzmann(_) => 0,
-                Driver::BoundaryIntegral(_) => BOUNDARY_INTEGRAL_BYTES,
+                Driver::BoundaryIntegral(_) => BOUNDARY_INTEGRAL_BYTES + clusters,
             };
             let effects = surface.effects.iter().map(|(_, effect)| effect.bytes(mesh));
             vertices * (BASE_BYTES + driver + effects.sum::<u64>())
@@ -144,7 +150,7 @@ impl Scene {
                 .map(|(surface, mesh)| explain_surface(surface, mesh, self))
                 .collect(),
             interactions: self.interactions.iter().map(interaction).collect(),
-            driver: driver::explain(&self.driver, &number),
+            driver: driver::explain(&self.driver, meshes, &number),
             flow: driver::flow(&self.driver, &number),
             integrator: driver::integrator(self, &number),
             spectral_radius,

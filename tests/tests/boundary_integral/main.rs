@@ -1,5 +1,6 @@
 //! Layers of Stokes flow against exact solutions and brute force; ambient flows.
 
+mod clusters;
 mod double_layer;
 mod nested;
 mod panels;

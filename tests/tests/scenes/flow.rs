@@ -66,6 +66,7 @@ duration = "20 ms"
 integrator = "rk4"
 step = "10 µs"
 tolerance = 1e-5
+cluster_tolerance = 0
 volume_correction = false
 [output]
 interval = "1 ms"
@@ -103,6 +104,7 @@ fn every_key_of_a_flow_is_read() {
         duration: 0.02,
         integrator: Integrator::Rk4 { step: 1e-5 },
         tolerance: 1e-5,
+        cluster_tolerance: Some(0.0),
         volume_correction: false,
         redistribution: false,
     };
@@ -159,10 +161,13 @@ fn what_is_left_out_has_its_default() {
         duration: 4.0 / 0.15,
         integrator: Integrator::Rkc2,
         tolerance: 1e-4,
+        cluster_tolerance: None,
         volume_correction: true,
         redistribution: false,
     };
     assert_eq!(driver(&scene), expected);
+    let tolerances = [4999, 5000].map(|vertices| expected.cluster_tolerance_at(vertices));
+    assert_eq!(tolerances, [0.0, 1e-4]);
     assert_eq!(scene.output.every, Every::Time(0.01 * expected.duration));
     let soft = capsule(&[("bending = { method = \"B\", modulus = 0.1125 }\n", "")]);
     assert_eq!(driver(&valid(&soft).scene).integrator, Integrator::Bs23);

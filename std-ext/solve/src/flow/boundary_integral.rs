@@ -4,8 +4,12 @@
 //! University Press 1992, chapters 2, 4 and 5.
 
 pub mod alone;
+mod beside;
+mod clusters;
 mod double_layer;
+mod far;
 mod geometry;
+mod interpolation;
 mod kernel;
 mod panel;
 mod single_layer;

@@ -23,6 +23,7 @@ pub struct Suspension {
     single: SingleLayer,
     /// The double layer, only where viscosities differ.
     double: Option<DoubleLayer>,
+    cluster_tolerance: f64,
     volumes: KeptVolumes,
     redistribution: Redistribution,
     /// The last velocities of the material.
@@ -62,6 +63,7 @@ impl Suspension {
             double: contrast.then(|| DoubleLayer::new(borrowed(), viscosity_ratios, threads)),
             forces: vec![[0.0; 3]; single.vertex_count()],
             single,
+            cluster_tolerance: 0.0,
             volumes: KeptVolumes::default(),
             redistribution: Redistribution::default(),
             material: Vec::new(),
@@ -80,6 +82,16 @@ impl Suspension {
     pub fn set_surroundings(&mut self, surroundings: &[Option<usize>]) {
         if let Some(double) = &mut self.double {
             double.set_surroundings(surroundings);
+        }
+    }
+
+    /// Sums velocities over clusters of vertices instead of all pairs, with this tolerance; 0 for all pairs.
+    /// See [`SingleLayer::set_cluster_tolerance`] and [`DoubleLayer::set_cluster_tolerance`].
+    pub fn set_cluster_tolerance(&mut self, tolerance: f64) {
+        self.cluster_tolerance = tolerance;
+        self.single.set_cluster_tolerance(tolerance);
+        if let Some(double) = &mut self.double {
+            double.set_cluster_tolerance(tolerance);
         }
     }
 
@@ -286,9 +298,13 @@ impl Suspension {
         &self.material
     }
 
-    /// The relative error of velocities that do not come from a linear system.
+    /// The relative error of velocities that do not come from a linear system, as differences of
+    /// velocities see it: their displacement is its square root.
     pub fn precision(&self) -> f64 {
-        self.redistribution.precision()
+        // Differences are of interest along the stiffest motion, where a displacement by the tolerance
+        // of clusters changes velocities by far more than it.
+        let clusters = self.cluster_tolerance * self.cluster_tolerance;
+        self.redistribution.precision().max(clusters)
     }
 
     /// Whether fluids of several viscosities meet.

@@ -108,6 +108,7 @@ impl Builder<'_> {
             duration,
             integrator: self.integrator(driver, surfaces, duration),
             tolerance: driver.number("tolerance").unwrap_or(1e-4),
+            cluster_tolerance: driver.number("cluster_tolerance"),
             volume_correction: driver.switch("volume_correction").unwrap_or(true),
             redistribution: self.redistribution(driver, surfaces, SurfaceScene::slides),
         }

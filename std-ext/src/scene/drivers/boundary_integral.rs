@@ -1,8 +1,9 @@
 //! Membranes in Stokes flow without walls, moved by boundary integrals.
 
 use super::super::flow::Flow;
-use super::super::keys::{Form, Kind, NUMBER, optional};
+use super::super::keys::{Form, Kind, NUMBER, Range, optional};
 use super::super::parameter::{Parameter, Parameters};
+use super::super::units::Dimension;
 use super::Described;
 use super::shared::{
     DURATION, FLOW, REDISTRIBUTION, STEP, STRAIN, VISCOSITY, VOLUME_CORRECTION, flow_parameters,
@@ -23,10 +24,25 @@ pub struct BoundaryIntegral {
     pub integrator: Integrator,
     /// The error tolerance of a step, in units of the size of the surfaces.
     pub tolerance: f64,
+    /// The tolerance of sums over clusters of vertices; 0 sums over all pairs, and `None` chooses by
+    /// [`Self::cluster_tolerance_at`].
+    pub cluster_tolerance: Option<f64>,
     /// Whether the discrete volume of each closed surface is kept to rounding.
     pub volume_correction: bool,
     /// Whether vertices of fluid surfaces slide along them to keep the mesh even.
     pub redistribution: bool,
+}
+
+/// Number of vertices from which on clusters save half of the time.
+const CLUSTERED: usize = 5000;
+
+impl BoundaryIntegral {
+    /// The tolerance of sums over clusters if all surfaces together have this many vertices; 0 for all
+    /// pairs. [`crate::flow::SingleLayer::set_cluster_tolerance`] says what it is relative to.
+    pub fn cluster_tolerance_at(&self, vertices: usize) -> f64 {
+        let automatic = if vertices < CLUSTERED { 0.0 } else { 1e-4 };
+        self.cluster_tolerance.unwrap_or(automatic)
+    }
 }
 
 /// The integrator. [`crate::dynamics::integrate::Scheme`] describes each.
@@ -64,6 +80,13 @@ impl Described for BoundaryIntegral {
                 "tolerance",
                 NUMBER,
                 "Error tolerance of a step, relative to the size of the surfaces; by default 1e-4.",
+            ),
+            optional(
+                "cluster_tolerance",
+                Form::Number(Dimension::NONE, Range::NotNegative),
+                "Relative error of velocities from sums over clusters of vertices, whose time is \
+                 proportional to the number of vertices; 0 sums over all pairs. By default 1e-4 from \
+                 5000 vertices on, in all surfaces together, and 0 below.",
             ),
             VOLUME_CORRECTION,
             REDISTRIBUTION,

@@ -9,12 +9,26 @@ use crate::scene::{
     Parameters, Scene, SurfaceScene,
 };
 
-pub(super) fn explain(driver: &Driver, number: &Parameters) -> Active {
-    let (choice, parameters) = driver.explain(number);
+pub(super) fn explain(driver: &Driver, meshes: &[MeshInfo], number: &Parameters) -> Active {
+    let (mut choice, mut parameters) = driver.explain(number);
+    let tolerance = cluster_tolerance(driver, meshes);
+    if tolerance > 0.0 {
+        choice.push_str(", sums over clusters of vertices");
+        parameters.push(number.plain("cluster tolerance", tolerance));
+    }
     Active {
         name: driver.name(),
         choice,
         parameters,
+    }
+}
+
+/// The tolerance of sums over clusters, 0 without any.
+pub(super) fn cluster_tolerance(driver: &Driver, meshes: &[MeshInfo]) -> f64 {
+    let vertices = meshes.iter().map(|mesh| mesh.vertices).sum();
+    match driver {
+        Driver::BoundaryIntegral(integral) => integral.cluster_tolerance_at(vertices),
+        Driver::Relax(_) | Driver::LatticeBoltzmann(_) => 0.0,
     }
 }
 

@@ -1,5 +1,7 @@
 //! The double layer on surfaces between fluids of different viscosities.
 
+use super::beside;
+use super::far::{self, Far};
 use super::geometry::{Geometry, Near};
 use super::kernel::{Kernel, SolidAngle, Stresslet, StressletPressure, source};
 use super::panel::Panel;
@@ -13,6 +15,10 @@ use std::ops::Range;
 
 /// `−6/(8π)`, the factors of T and of the integral.
 const FACTOR: f64 = -0.75 / PI;
+
+/// The error of interpolated stresslets over that of their sums, as for the single layer; measured
+/// ratios are 3 for needles, and otherwise from 8 to 100.
+const INTERPOLATION: f64 = 4.0;
 
 /// The contribution of fluids with different viscosities inside closed surfaces to the velocity.
 ///
@@ -67,6 +73,7 @@ pub struct DoubleLayer {
     /// For each edge its middle, a third of the triangles' normals times area and Λ − λ, and the
     /// velocity.
     sources: Vec<[f64; 9]>,
+    far: Far,
 }
 
 impl DoubleLayer {
@@ -98,7 +105,20 @@ impl DoubleLayer {
             geometry,
             velocities: Vec::new(),
             sources: Vec::new(),
+            far: Far::default(),
         }
+    }
+
+    /// Sums velocities over clusters of vertices and edges instead of all pairs, with this tolerance; 0
+    /// for all pairs. Set positions afterwards.
+    ///
+    /// The root mean square of errors is the tolerance times that of the velocities u, and times the
+    /// largest `|Λ_j − λ_j|`: at most twice that for needles, a hundredth to a half for rounder bodies.
+    /// Errors of single vertices are at most ten times as large. Tolerances above 1e-3 save no time
+    /// and count as 1e-3.
+    pub fn set_cluster_tolerance(&mut self, tolerance: f64) {
+        self.far = Far::new(INTERPOLATION, tolerance);
+        self.velocities.clear();
     }
 
     /// Sets, for each surface, the innermost surface that contains all of it, whose fluid surrounds it.
@@ -141,12 +161,17 @@ impl DoubleLayer {
         self.velocities.clear();
         self.velocities.resize(positions.len(), DVec3::ZERO);
         self.sources.clear();
+        let mut reaches = Vec::new();
         for (edge, drop) in edges(&self.geometry, &self.drops) {
             let [one, other] = self.geometry.normals(edge);
             let normal = drop / 6.0 * (one + other);
             let middle = self.geometry.middle(edge);
             self.sources.push(source(&[middle, normal, DVec3::ZERO]));
+            reaches.push(self.geometry.reach(edge));
         }
+        let reach = |source: usize| reaches[source];
+        self.far
+            .place(self.threads, &self.geometry, &self.sources, reach);
     }
 
     /// Sets the velocity u at every vertex.
@@ -179,8 +204,9 @@ impl DoubleLayer {
         assert_eq!(sum.len(), self.vertex_count(), "one velocity per vertex");
         let geometry = &self.geometry;
         let target = |vertex: usize| source(&[geometry.position(vertex), self.velocities[vertex]]);
-        sums::add(
+        far::add(
             Stresslet,
+            self.far.at_vertices(),
             self.threads,
             &self.sources,
             FACTOR,
@@ -188,7 +214,18 @@ impl DoubleLayer {
             target,
             |vertex| {
                 let at = geometry.position(vertex);
-                self.lacking(geometry.near_vertex(vertex), at, self.velocities[vertex])
+                let velocity = self.velocities[vertex];
+                let (mut beside, mut across) = (Vec::new(), DVec3::ZERO);
+                for (number, near) in geometry.near_vertex(vertex) {
+                    let drop = self.drop(number);
+                    match near {
+                        _ if drop == 0.0 => {}
+                        Near::Beside => beside.push(self.seen_from(at, velocity, number, drop)),
+                        Near::Across => across += self.lacking(number, drop, at, velocity),
+                    }
+                }
+                let beside = DVec3::from(beside::corrections(Stresslet, &beside));
+                (beside + across).to_array()
             },
         );
     }
@@ -202,8 +239,10 @@ impl DoubleLayer {
         self.assert_placed();
         assert_eq!(sum.len(), points.len(), "one velocity a point");
         let target = |point: usize| source(&[points[point].into(), DVec3::ZERO]);
-        sums::add(
+        let targets = self.far.points(points, self.threads);
+        far::add(
             Stresslet,
+            self.far.at(targets.as_ref()),
             self.threads,
             &self.sources,
             FACTOR,
@@ -212,8 +251,10 @@ impl DoubleLayer {
             |point| {
                 let at = points[point].into();
                 let near = self.geometry.near_point(at, 1);
-                let near = near.map(|number| (number, Near::Across));
-                self.lacking(near, at, DVec3::ZERO)
+                let near = near.map(|number| (number, self.drop(number)));
+                let near = near.filter(|&(_, drop)| drop != 0.0);
+                let lacking = |(number, drop)| self.lacking(number, drop, at, DVec3::ZERO);
+                near.map(lacking).sum::<DVec3>().to_array()
             },
         );
     }
@@ -341,31 +382,23 @@ impl DoubleLayer {
         self.drops[surface]
     }
 
-    /// The correction by near triangles at a point with this velocity.
-    fn lacking(
-        &self,
-        near: impl Iterator<Item = (usize, Near)>,
-        at: DVec3,
-        velocity: DVec3,
-    ) -> [f64; 3] {
+    /// The correction by a near triangle across a gap, at a point with this velocity.
+    fn lacking(&self, number: usize, drop: f64, at: DVec3, velocity: DVec3) -> DVec3 {
+        let panel = self.geometry.panel(number);
+        let values = panel.of(&self.velocities);
+        let better = panel.stresslets(at, values.map(|value| value - velocity));
         let target = source(&[at, velocity]);
-        let mut sum = DVec3::ZERO;
-        for (number, near) in near {
-            let drop = self.drop(number);
-            if drop == 0.0 {
-                continue;
-            }
-            let panel = self.geometry.panel(number);
-            let values = panel.of(&self.velocities);
-            let relative = values.map(|value| value - velocity);
-            let better = match near {
-                Near::Beside => panel.stresslets_beside(at, relative),
-                Near::Across => panel.stresslets(at, relative),
-            };
-            let far = by_middles(Stresslet, target, &sources(panel, drop, values));
-            sum += drop * DVec3::from(better) - DVec3::from(far);
-        }
-        sum.to_array()
+        let far = by_middles(Stresslet, target, &sources(panel, drop, values));
+        drop * DVec3::from(better) - DVec3::from(far)
+    }
+
+    /// The corners of a triangle relative to a point with this velocity, the normal times Λ − λ and the
+    /// area, and the relative velocities.
+    fn seen_from(&self, at: DVec3, velocity: DVec3, number: usize, drop: f64) -> [[f64; 9]; 3] {
+        let panel = self.geometry.panel(number);
+        let (corners, values) = (panel.corners_from(at), panel.of(&self.velocities));
+        let normal = 0.5 * drop * panel.doubled_normal();
+        [0, 1, 2].map(|k| source(&[corners[k], normal, values[k] - velocity]))
     }
 
     /// The correction by near triangles of a surface to its solid angle times Λ − λ.
@@ -409,7 +442,7 @@ fn by_middles<K: Kernel<T, 9, N>, const T: usize, const N: usize>(
 ) -> [f64; N] {
     let mut sum = [0.0; N];
     for source in sources {
-        sum = kernel.add(pulp::Scalar, target, source, sum);
+        sum = kernel.add(pulp::Scalar, target, *source, sum);
     }
     sum
 }

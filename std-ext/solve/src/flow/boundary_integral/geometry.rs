@@ -5,7 +5,8 @@ use glam::DVec3;
 use helfrich::TriangleMesh;
 use std::ops::Range;
 
-/// Largest number of cells along each axis.
+/// Largest number of cells along each axis for few triangles. For many, all cells are at most eight
+/// times as many as triangles, which lie on surfaces.
 const CELLS: usize = 32;
 
 /// Cells are wider than the reach by this fraction, which exceeds the rounding of cell coordinates.
@@ -68,11 +69,21 @@ pub(super) enum Near {
 struct Cells {
     low: DVec3,
     over_width: f64,
+    /// The largest number of cells along an axis.
+    most: usize,
     /// Number of cells along each axis.
     counts: [usize; 3],
     /// `members[offsets[i]..offsets[i + 1]]` are the triangles in cell i.
     offsets: Vec<u32>,
-    members: Vec<u32>,
+    members: Vec<Member>,
+}
+
+/// A triangle of a cell, with what is compared for every point near the cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct Member {
+    position: DVec3,
+    squared_reach: f64,
+    number: u32,
 }
 
 impl Geometry {
@@ -148,6 +159,14 @@ impl Geometry {
         let (one, other) = self.edges[edge].triangles;
         let normal = |triangle: u32| self.centres[triangle as usize].normal;
         [normal(one), other.map_or(DVec3::ZERO, normal)]
+    }
+
+    /// A distance from the middle of an edge beyond which the triangles on its sides are near no point.
+    pub(super) fn reach(&self, edge: usize) -> f64 {
+        let (one, other) = self.edges[edge].triangles;
+        let squared = |triangle: u32| self.centres[triangle as usize].squared_reach;
+        // The centre is nearer to the middle than the longest edge is long, half of its reach.
+        1.5 * squared(one).max(other.map_or(0.0, squared)).sqrt()
     }
 
     /// The midpoint of an edge.
@@ -228,11 +247,10 @@ impl Geometry {
         let squared = f64::from(reaches * reaches);
         self.cells
             .around(at, reaches)
-            .map(|&number| number as usize)
-            .filter(move |&number| {
-                let centre = self.centres[number];
-                at.distance_squared(centre.position) < squared * centre.squared_reach
+            .filter(move |member| {
+                at.distance_squared(member.position) < squared * member.squared_reach
             })
+            .map(|member| member.number as usize)
     }
 }
 
@@ -257,7 +275,8 @@ impl Cells {
         };
         let extent = (self.over_width * (high - self.low)).to_array();
         // What lies beyond the last cell counts as in it.
-        self.counts = extent.map(|extent| (extent as usize).min(CELLS - 1) + 1);
+        self.most = (2.0 * (centres.len() as f64).cbrt()).max(CELLS as f64) as usize;
+        self.counts = extent.map(|extent| (extent as usize).min(self.most - 1) + 1);
         let cells = self.counts.iter().product::<usize>();
         self.offsets.clear();
         self.offsets.resize(cells + 1, 0);
@@ -270,11 +289,15 @@ impl Cells {
         }
         // Each cell is filled from its end, so that its offset finally is its start.
         self.members.clear();
-        self.members.resize(centres.len(), 0);
+        self.members.resize(centres.len(), Member::default());
         for (number, centre) in centres.iter().enumerate().rev() {
             let cell = self.cell(centre.position);
             self.offsets[cell] -= 1;
-            self.members[self.offsets[cell] as usize] = number as u32;
+            self.members[self.offsets[cell] as usize] = Member {
+                position: centre.position,
+                squared_reach: centre.squared_reach,
+                number: number as u32,
+            };
         }
     }
 
@@ -290,7 +313,7 @@ impl Cells {
     }
 
     /// The triangles in the cell of any point and in those up to so many cells off.
-    fn around(&self, at: DVec3, cells: u32) -> impl Iterator<Item = &u32> {
+    fn around(&self, at: DVec3, cells: u32) -> impl Iterator<Item = &Member> {
         let place = (self.over_width * (at - self.low)).to_array();
         let cells = f64::from(cells);
         let [x, y, z] = [0, 1, 2].map(|axis| {
@@ -299,7 +322,7 @@ impl Cells {
             let (first, end) = ((cell - cells) as usize, (cell + cells + 1.0) as usize);
             if first < count {
                 first..end.min(count)
-            } else if count < CELLS {
+            } else if count < self.most {
                 0..0
             } else {
                 count - 1..count

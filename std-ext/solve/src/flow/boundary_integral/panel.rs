@@ -29,7 +29,8 @@ impl<'a> Panel<'a> {
         self.triangle.map(|vertex| self.positions[vertex as usize])
     }
 
-    fn corners_from(&self, at: DVec3) -> [DVec3; 3] {
+    /// The corners relative to a point.
+    pub(super) fn corners_from(&self, at: DVec3) -> [DVec3; 3] {
         self.corners().map(|corner| corner - at)
     }
 
@@ -140,13 +141,6 @@ impl<'a> Panel<'a> {
         })
     }
 
-    /// The same for a triangle that is near but not across a gap.
-    pub(super) fn stokeslets_beside(&self, at: DVec3, tractions: [DVec3; 3]) -> [f64; 3] {
-        in_parts(self.corners_from(at), tractions, 0, &|x, q| {
-            Stokeslet.one([0.0; 3], &source(&[x, q]))
-        })
-    }
-
     /// `∫ r·q/r³ dS`, r = x − at, for a point near the triangle.
     ///
     /// The value of q at the nearest point is integrated exactly. Only the rest, whose integrand is
@@ -171,14 +165,6 @@ impl<'a> Panel<'a> {
             Stresslet.one([0.0; 6], &source(&[x, flat.normal, u]))
         });
         sum(exact, rest)
-    }
-
-    /// The same for a triangle that is near but not across a gap.
-    pub(super) fn stresslets_beside(&self, at: DVec3, values: [DVec3; 3]) -> [f64; 3] {
-        let flat = Flat::new(self.corners_from(at));
-        in_parts(flat.corners, values, 0, &|x, u| {
-            Stresslet.one([0.0; 6], &source(&[x, flat.normal, u]))
-        })
     }
 
     /// `∫ [3 (r·n)(r·u)/r⁵ − n·u/r³] dS` for a point near the triangle.
@@ -399,30 +385,34 @@ fn in_parts<const N: usize>(
     total
 }
 
-/// The rule of seven interior points, exact to degree 5 (J. Radon 1948).
+/// The integral by [`seven_points`].
 fn by_seven_points<const N: usize>(
     corners: [DVec3; 3],
     values: [DVec3; 3],
     point: &impl Fn(DVec3, DVec3) -> [f64; N],
 ) -> [f64; N] {
     let area = 0.5 * doubled_normal(corners).length();
-    let point = |share: [f64; 3], weight: f64| {
-        point(mean(corners, share), area * weight * mean(values, share))
-    };
-    let root = 15.0_f64.sqrt();
-    let mut total = point([1.0 / 3.0; 3], 9.0 / 40.0);
-    for root in [root, -root] {
-        let (outer, weight) = ((6.0 + root) / 21.0, (155.0 + root) / 1200.0);
-        let inner = 1.0 - 2.0 * outer;
-        for share in [
-            [inner, outer, outer],
-            [outer, inner, outer],
-            [outer, outer, inner],
-        ] {
-            total = sum(total, point(share, weight));
-        }
+    let mut total = [0.0; N];
+    for (shares, weight) in seven_points() {
+        let values = area * weight * mean(values, shares);
+        total = sum(total, point(mean(corners, shares), values));
     }
     total
+}
+
+/// The rule of seven interior points, exact to degree 5 (J. Radon 1948): their shares of the corners, and
+/// weights.
+pub(super) fn seven_points() -> [([f64; 3], f64); 7] {
+    let root = 15.0_f64.sqrt();
+    let mut points = [([1.0 / 3.0; 3], 9.0 / 40.0); 7];
+    for (k, (shares, weight)) in points[1..].iter_mut().enumerate() {
+        let root = if k < 3 { root } else { -root };
+        let outer = (6.0 + root) / 21.0;
+        *shares = [outer; 3];
+        shares[k % 3] = 1.0 - 2.0 * outer;
+        *weight = (155.0 + root) / 1200.0;
+    }
+    points
 }
 
 fn sum<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {

@@ -1,6 +1,6 @@
 //! Sums over all pairs of targets and sources: the most expensive loop.
 
-use super::kernel::Kernel;
+use super::kernel::{Kernel, splat};
 use pulp::{Arch, Simd, WithSimd};
 use std::num::NonZeroUsize;
 
@@ -26,29 +26,30 @@ pub(super) fn add<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>
 ) where
     K: Kernel<TARGET, SOURCE, SUM>,
 {
-    let run = |first: usize, entries: &mut [[f64; SUM]]| {
-        let count = entries.len().next_multiple_of(LANES);
-        let mut targets = [(); TARGET].map(|()| vec![0.0; count]);
-        for k in 0..entries.len() {
-            let numbers = target(first + k);
-            for (axis, number) in targets.iter_mut().zip(numbers) {
-                axis[k] = number;
-            }
-        }
-        let mut sums = [(); SUM].map(|()| vec![0.0; count]);
+    distribute(threads, entries, |first, entries| {
+        let targets = Columns::from_rows(entries.len(), |k| target(first + k));
+        let mut sums = Columns::new(entries.len());
         Arch::new().dispatch(Task {
             kernel,
-            targets: targets.each_ref().map(Vec::as_slice),
+            targets: &targets,
             sources,
-            sums: sums.each_mut().map(Vec::as_mut_slice),
+            sums: &mut sums,
         });
         for (k, entry) in entries.iter_mut().enumerate() {
-            let correction = correction(first + k);
+            let (sum, correction) = (sums.row(k), correction(first + k));
             for axis in 0..SUM {
-                entry[axis] += factor * (sums[axis][k] + correction[axis]);
+                entry[axis] += factor * (sum[axis] + correction[axis]);
             }
         }
-    };
+    });
+}
+
+/// Calls `run` with consecutive shares of the entries and the number of entries before, one a thread.
+pub(super) fn distribute<T: Send>(
+    threads: NonZeroUsize,
+    entries: &mut [T],
+    run: impl Fn(usize, &mut [T]) + Sync,
+) {
     let share = entries.len().div_ceil(threads.get());
     let share = share.next_multiple_of(LANES).max(LANES);
     std::thread::scope(|scope| {
@@ -64,11 +65,44 @@ pub(super) fn add<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>
     });
 }
 
-struct Task<'a, K, const TARGET: usize, const SOURCE: usize, const SUM: usize> {
-    kernel: K,
-    targets: [&'a [f64]; TARGET],
-    sources: &'a [[f64; SOURCE]],
-    sums: [&'a mut [f64]; SUM],
+/// The numbers of points, one slice a number, in whole vectors.
+#[derive(Clone, Debug)]
+pub(super) struct Columns<const N: usize>([Vec<f64>; N]);
+
+impl<const N: usize> Columns<N> {
+    /// Zeros for each of so many points.
+    pub(super) fn new(count: usize) -> Self {
+        Self([(); N].map(|()| vec![0.0; count.next_multiple_of(LANES)]))
+    }
+
+    /// The numbers of each point.
+    pub(super) fn from_rows(count: usize, row: impl Fn(usize) -> [f64; N]) -> Self {
+        let mut columns = Self::new(count);
+        for k in 0..count {
+            columns.set(k, row(k));
+        }
+        columns
+    }
+
+    /// The numbers of a point.
+    pub(super) fn row(&self, point: usize) -> [f64; N] {
+        self.0.each_ref().map(|column| column[point])
+    }
+
+    /// Sets the numbers of a point.
+    pub(super) fn set(&mut self, point: usize, numbers: [f64; N]) {
+        for (column, number) in self.0.iter_mut().zip(numbers) {
+            column[point] = number;
+        }
+    }
+}
+
+/// Adds all sources to each target.
+pub(super) struct Task<'a, K, const TARGET: usize, const SOURCE: usize, const SUM: usize> {
+    pub(super) kernel: K,
+    pub(super) targets: &'a Columns<TARGET>,
+    pub(super) sources: &'a [[f64; SOURCE]],
+    pub(super) sums: &'a mut Columns<SUM>,
 }
 
 impl<K, const TARGET: usize, const SOURCE: usize, const SUM: usize> WithSimd
@@ -80,8 +114,8 @@ where
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let targets = self.targets.map(|axis| S::as_simd_f64s(axis).0);
-        let sums = self.sums.map(|axis| S::as_mut_simd_f64s(axis).0);
+        let targets = (self.targets.0.each_ref()).map(|axis| S::as_simd_f64s(axis).0);
+        let sums = (self.sums.0.each_mut()).map(|axis| S::as_mut_simd_f64s(axis).0);
         let zero = simd.splat_f64s(0.0);
         for tile in self.sources.chunks(TILE / SOURCE) {
             for k in 0..targets[0].len() {
@@ -93,7 +127,7 @@ where
                     sum[axis] = sums[axis][k];
                 }
                 for source in tile {
-                    sum = self.kernel.add(simd, target, source, sum);
+                    sum = self.kernel.add(simd, target, splat(simd, *source), sum);
                 }
                 for axis in 0..SUM {
                     sums[axis][k] = sum[axis];
@@ -105,7 +139,7 @@ where
 
 #[cfg(test)]
 mod tests {
-    use super::{Kernel, LANES, Task};
+    use super::{Columns, Kernel, LANES, Task};
     use crate::flow::boundary_integral::kernel::{Stokeslet, Stresslet};
     use pulp::{Arch, Scalar, Scalar128b, Scalar256b, Scalar512b, WithSimd};
 
@@ -120,21 +154,21 @@ mod tests {
     /// The sums that one way of running the loop finds.
     fn sums<'a, K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
         kernel: K,
-        targets: &'a [Vec<f64>; TARGET],
+        targets: &'a Columns<TARGET>,
         sources: &'a [[f64; SOURCE]],
         run: impl for<'b> FnOnce(Task<'b, K, TARGET, SOURCE, SUM>),
     ) -> [Vec<f64>; SUM]
     where
         K: Kernel<TARGET, SOURCE, SUM>,
     {
-        let mut sums = [(); SUM].map(|()| vec![0.0; targets[0].len()]);
+        let mut sums = Columns::new(targets.0[0].len());
         run(Task {
             kernel,
-            targets: targets.each_ref().map(Vec::as_slice),
+            targets,
             sources,
-            sums: sums.each_mut().map(Vec::as_mut_slice),
+            sums: &mut sums,
         });
-        sums
+        sums.0
     }
 
     fn widths_agree<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(kernel: K)
@@ -145,8 +179,7 @@ mod tests {
         let mut sources = numbers::<SOURCE>(700, 0.1);
         let places = numbers::<TARGET>(3 * LANES, 0.7);
         sources[5][..3].copy_from_slice(&places[2][..3]);
-        let targets: [Vec<f64>; TARGET] =
-            std::array::from_fn(|axis| places.iter().map(|place| place[axis]).collect());
+        let targets = Columns::from_rows(places.len(), |point| places[point]);
         let narrow = sums(kernel, &targets, &sources, |task| {
             task.with_simd(Scalar128b)
         });

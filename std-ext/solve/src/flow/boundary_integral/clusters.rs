@@ -1,0 +1,189 @@
+//! Trees of clusters of points, each with the nodes on which functions are interpolated.
+
+use super::interpolation::Grid;
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+
+/// Points in a box along their principal axes.
+#[derive(Clone, Debug)]
+pub(super) struct Cluster {
+    /// The points, as a range of [`Tree::order`].
+    pub(super) points: Range<usize>,
+    pub(super) centre: DVec3,
+    /// The largest distance of a point from the centre.
+    pub(super) radius: f64,
+    /// The distance from the centre up to which points have neighbours that see more than points.
+    pub(super) reach: f64,
+    /// The nodes in the box; `None` where there are as many as points.
+    pub(super) grid: Option<Grid>,
+    /// Number of clusters below this one.
+    below: usize,
+}
+
+/// Points, halved again and again across their longest axis.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tree {
+    /// The points of each cluster in succession.
+    pub(super) order: Vec<u32>,
+    /// Each cluster before those below it.
+    pub(super) clusters: Vec<Cluster>,
+}
+
+impl Tree {
+    /// Clusters of at most `most` points, with nodes for an interpolation of this relative error. Each
+    /// point comes with its reach.
+    pub(super) fn new(
+        points: &(impl Fn(usize) -> (DVec3, f64) + Sync),
+        count: usize,
+        most: usize,
+        error: f64,
+        threads: usize,
+    ) -> Self {
+        let mut order: Vec<u32> = (0..count as u32).collect();
+        let division = Division {
+            points,
+            most,
+            error,
+        };
+        let clusters = division.divide(&mut order, 0, threads);
+        Self { order, clusters }
+    }
+
+    /// The two clusters into which a cluster is divided; none of a leaf.
+    pub(super) fn children(&self, cluster: usize) -> Option<[usize; 2]> {
+        if self.clusters[cluster].below == 0 {
+            return None;
+        }
+        let first = cluster + 1;
+        Some([first, first + 1 + self.clusters[first].below])
+    }
+
+    /// The cluster and those below it.
+    pub(super) fn family(&self, cluster: usize) -> Range<usize> {
+        cluster..cluster + 1 + self.clusters[cluster].below
+    }
+}
+
+struct Division<'a, P> {
+    points: &'a P,
+    most: usize,
+    error: f64,
+}
+
+impl<P: Fn(usize) -> (DVec3, f64) + Sync> Division<'_, P> {
+    /// The cluster of these points, and all below it. `first` points come before.
+    fn divide(&self, order: &mut [u32], first: usize, threads: usize) -> Vec<Cluster> {
+        let (points, reaches): (Vec<_>, Vec<_>) = order
+            .iter()
+            .map(|&point| (self.points)(point as usize))
+            .unzip();
+        let axes = principal_axes(&points);
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &point in &points {
+            let along = axes.transpose() * point;
+            (low, high) = (low.min(along), high.max(along));
+        }
+        let half = 0.5 * (high - low);
+        let centre = axes * (low + half);
+        // Coordinates that are no numbers make the centre one, too: such clusters are apart from none.
+        let (mut radius, mut most_reach) = (0.0_f64, 0.0_f64);
+        for (point, reach) in points.iter().zip(reaches) {
+            let distance = point.distance(centre);
+            (radius, most_reach) = (radius.max(distance), most_reach.max(distance + reach));
+        }
+        let mut clusters = vec![Cluster {
+            points: first..first + order.len(),
+            centre,
+            radius,
+            reach: most_reach,
+            grid: Grid::new(centre, axes, half, radius, self.error)
+                .filter(|grid| 2 * grid.len() <= order.len()),
+            below: 0,
+        }];
+        if order.len() > self.most {
+            let longest = axes.col(half.max_position());
+            let along = points.iter().map(|point| point.dot(longest));
+            let mut keyed: Vec<(f64, u32)> = along.zip(order.iter().copied()).collect();
+            let middle = order.len() / 2;
+            // Equal coordinates are in the order of the points.
+            keyed.select_nth_unstable_by(middle, |one, other| {
+                one.0.total_cmp(&other.0).then(one.1.cmp(&other.1))
+            });
+            for (place, (_, point)) in order.iter_mut().zip(keyed) {
+                *place = point;
+            }
+            let (left, right) = order.split_at_mut(middle);
+            let [left, right] = in_two(
+                threads,
+                |threads| self.divide(left, first, threads),
+                |threads| self.divide(right, first + middle, threads),
+            );
+            clusters[0].below = left.len() + right.len();
+            clusters.extend(left);
+            clusters.extend(right);
+        }
+        clusters
+    }
+}
+
+/// The results of both, on two threads where there are two.
+pub(super) fn in_two<T: Send>(
+    threads: usize,
+    one: impl FnOnce(usize) -> T + Send,
+    other: impl FnOnce(usize) -> T,
+) -> [T; 2] {
+    if threads < 2 {
+        return [one(1), other(1)];
+    }
+    std::thread::scope(|scope| {
+        let one = scope.spawn(move || one(threads / 2));
+        let other = other(threads - threads / 2);
+        match one.join() {
+            Ok(one) => [one, other],
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    })
+}
+
+/// The principal axes of points, as columns, by Jacobi's rotations of their covariance.
+fn principal_axes(points: &[DVec3]) -> DMat3 {
+    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+    let mut covariance = [[0.0; 3]; 3];
+    for &point in points {
+        let from = (point - mean).to_array();
+        for row in 0..3 {
+            for column in 0..3 {
+                covariance[row][column] += from[row] * from[column];
+            }
+        }
+    }
+    let mut axes = DMat3::IDENTITY.to_cols_array_2d();
+    // Rotations converge quadratically; boxes need a few digits of their axes.
+    for [p, q] in [[0, 1], [0, 2], [1, 2]].repeat(4) {
+        let off = covariance[p][q];
+        if off == 0.0 {
+            continue;
+        }
+        let cotangent = (covariance[q][q] - covariance[p][p]) / (2.0 * off);
+        let tangent = cotangent.signum() / (cotangent.abs() + cotangent.hypot(1.0));
+        let cosine = tangent.hypot(1.0).recip();
+        let sine = tangent * cosine;
+        for row in &mut covariance {
+            (row[p], row[q]) = (
+                cosine * row[p] - sine * row[q],
+                sine * row[p] + cosine * row[q],
+            );
+        }
+        let [one, other] = [covariance[p], covariance[q]];
+        for k in 0..3 {
+            covariance[p][k] = cosine * one[k] - sine * other[k];
+            covariance[q][k] = sine * one[k] + cosine * other[k];
+        }
+        let [one, other] = [axes[p], axes[q]];
+        for k in 0..3 {
+            axes[p][k] = cosine * one[k] - sine * other[k];
+            axes[q][k] = sine * one[k] + cosine * other[k];
+        }
+    }
+    DMat3::from_cols_array_2d(&axes)
+}

@@ -1,0 +1,522 @@
+//! Sums over all pairs, those of clusters that are apart by interpolation.
+//!
+//! The sources of a cluster act on distant points as sources at the nodes of its grid do, and the sum of
+//! distant sources at the points of a cluster is a polynomial through its values at the nodes. W. Fong
+//! and E. Darve, J. Comput. Phys. 228, 8712 (2009); for pairs of clusters L. Wilson, N. Vaughn and
+//! R. Krasny, Comput. Phys. Commun. 265, 108017 (2021).
+
+use super::clusters::{Tree, in_two};
+use super::geometry::Geometry;
+use super::interpolation::SEPARATION;
+use super::kernel::{Expansion, Kernel};
+use super::sums::{self, Columns, Task};
+use glam::DVec3;
+use pulp::Arch;
+use std::collections::VecDeque;
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Largest number of targets of a leaf.
+const TARGETS: usize = 64;
+
+/// Largest number of sources of a leaf.
+const SOURCES: usize = 48;
+
+/// Number of parts into which the targets are divided for threads.
+const PARTS: usize = 64;
+
+/// Largest tolerance. Errors of polynomials of the lowest degrees do not follow their estimate.
+const LOOSEST: f64 = 1e-3;
+
+/// The vertices and sources of a layer in clusters.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Far {
+    /// The error of interpolations, relative to the interpolated functions; 0 for all pairs.
+    error: f64,
+    vertices: Tree,
+    sources: Tree,
+}
+
+impl Far {
+    /// Sums of this tolerance, or over all pairs for 0, before vertices are placed. `interpolation` is the
+    /// error of interpolations over that of their sums.
+    pub(super) fn new(interpolation: f64, tolerance: f64) -> Self {
+        Self {
+            error: interpolation * tolerance.min(LOOSEST),
+            ..Self::default()
+        }
+    }
+
+    /// Sets the clusters of vertices, and of sources, whose triangles are integrated better for points up
+    /// to `reach` of the source.
+    pub(super) fn place<const SOURCE: usize>(
+        &mut self,
+        threads: NonZeroUsize,
+        geometry: &Geometry,
+        sources: &[[f64; SOURCE]],
+        reach: impl Fn(usize) -> f64 + Sync,
+    ) {
+        if self.error > 0.0 {
+            let vertex = |vertex| (geometry.position(vertex), 0.0);
+            let count = geometry.vertex_count();
+            self.vertices = self.tree(&vertex, count, TARGETS, threads);
+            let point = |source: usize| DVec3::from_slice(&sources[source][..3]);
+            let source = |source| (point(source), reach(source));
+            self.sources = self.tree(&source, sources.len(), SOURCES, threads);
+        }
+    }
+
+    /// The clusters of other points, where they are needed.
+    pub(super) fn points(&self, points: &[[f64; 3]], threads: NonZeroUsize) -> Option<Tree> {
+        let point = |point: usize| (DVec3::from(points[point]), 0.0);
+        (self.error > 0.0).then(|| self.tree(&point, points.len(), TARGETS, threads))
+    }
+
+    /// The trees for sums at the vertices; `None` where all pairs are summed.
+    pub(super) fn at_vertices(&self) -> Option<[&Tree; 2]> {
+        self.at(Some(&self.vertices))
+    }
+
+    /// The trees for sums at other points.
+    pub(super) fn at<'a>(&'a self, points: Option<&'a Tree>) -> Option<[&'a Tree; 2]> {
+        let trees = [points?, &self.sources];
+        (trees.iter().all(|tree| !tree.order.is_empty())).then_some(trees)
+    }
+
+    fn tree(
+        &self,
+        points: &(impl Fn(usize) -> (DVec3, f64) + Sync),
+        count: usize,
+        most: usize,
+        threads: NonZeroUsize,
+    ) -> Tree {
+        Tree::new(points, count, most, self.error, threads.get())
+    }
+}
+
+/// Adds to each entry what [`sums::add`] does, if there are trees with the sums of clusters.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "those of the sum over all pairs, and the trees"
+)]
+pub(super) fn add<
+    K,
+    const TARGET: usize,
+    const SOURCE: usize,
+    const SUM: usize,
+    const FAR: usize,
+    const LOCAL: usize,
+>(
+    kernel: K,
+    trees: Option<[&Tree; 2]>,
+    threads: NonZeroUsize,
+    sources: &[[f64; SOURCE]],
+    factor: f64,
+    entries: &mut [[f64; SUM]],
+    target: impl Fn(usize) -> [f64; TARGET] + Sync,
+    correction: impl Fn(usize) -> [f64; SUM] + Sync,
+) where
+    K: Expansion<TARGET, SOURCE, SUM, FAR, LOCAL>,
+{
+    let Some(trees) = trees else {
+        sums::add(
+            kernel, threads, sources, factor, entries, target, correction,
+        );
+        return;
+    };
+    let sums = sums(kernel, threads, trees, sources, target);
+    sums::distribute(threads, entries, |first, entries| {
+        for (k, entry) in entries.iter_mut().enumerate() {
+            let correction = correction(first + k);
+            for axis in 0..SUM {
+                entry[axis] += factor * (sums[first + k][axis] + correction[axis]);
+            }
+        }
+    });
+}
+
+/// The sums over all sources at all targets, in the order of the targets.
+fn sums<
+    K,
+    const TARGET: usize,
+    const SOURCE: usize,
+    const SUM: usize,
+    const FAR: usize,
+    const LOCAL: usize,
+>(
+    kernel: K,
+    threads: NonZeroUsize,
+    [target_tree, source_tree]: [&Tree; 2],
+    sources: &[[f64; SOURCE]],
+    target: impl Fn(usize) -> [f64; TARGET] + Sync,
+) -> Vec<[f64; SUM]>
+where
+    K: Expansion<TARGET, SOURCE, SUM, FAR, LOCAL>,
+{
+    let sources: Vec<_> = (source_tree.order.iter())
+        .map(|&source| sources[source as usize])
+        .collect();
+    let mut first_nodes = vec![0];
+    for cluster in &source_tree.clusters {
+        let count = cluster.grid.as_ref().map_or(0, |grid| grid.len());
+        first_nodes.push(first_nodes[first_nodes.len() - 1] + count);
+    }
+    let mut moments = vec![[0.0; FAR]; first_nodes[first_nodes.len() - 1]];
+    let ascent = Ascent::<_, TARGET, SOURCE, SUM, FAR, LOCAL> {
+        kernel,
+        tree: source_tree,
+        sources: &sources,
+        first_nodes: &first_nodes,
+    };
+    ascent.ascend(0, &mut moments, threads.get());
+    let descent = Descent::<_, _, TARGET, SOURCE, SUM, FAR, LOCAL> {
+        kernel,
+        targets: target_tree,
+        sources: source_tree,
+        first_nodes: &first_nodes,
+        numbers: &sources,
+        moments: &moments,
+        target,
+    };
+    let ordered = descent.run(threads);
+    let mut sums = vec![[0.0; SUM]; ordered.len()];
+    for (&target, sum) in target_tree.order.iter().zip(ordered) {
+        sums[target as usize] = sum;
+    }
+    sums
+}
+
+/// Sources moved to the nodes of their clusters, from the leaves upward.
+struct Ascent<
+    'a,
+    K,
+    const TARGET: usize,
+    const SOURCE: usize,
+    const SUM: usize,
+    const FAR: usize,
+    const LOCAL: usize,
+> {
+    kernel: K,
+    tree: &'a Tree,
+    /// In the order of the tree.
+    sources: &'a [[f64; SOURCE]],
+    first_nodes: &'a [usize],
+}
+
+impl<
+    K,
+    const TARGET: usize,
+    const SOURCE: usize,
+    const SUM: usize,
+    const FAR: usize,
+    const LOCAL: usize,
+> Ascent<'_, K, TARGET, SOURCE, SUM, FAR, LOCAL>
+where
+    K: Expansion<TARGET, SOURCE, SUM, FAR, LOCAL>,
+{
+    /// Sets the moments at the nodes of a cluster and of all below it.
+    fn ascend(&self, cluster: usize, moments: &mut [[f64; FAR]], threads: usize) {
+        let nodes =
+            |family: Range<usize>| self.first_nodes[family.end] - self.first_nodes[family.start];
+        let (own, below) = moments.split_at_mut(nodes(cluster..cluster + 1));
+        let children = self.tree.children(cluster);
+        let halves = children.map(|[left, right]| {
+            let (first, second) = below.split_at_mut(nodes(self.tree.family(left)));
+            in_two(
+                threads,
+                |threads| {
+                    self.ascend(left, first, threads);
+                    &*first
+                },
+                |threads| {
+                    self.ascend(right, second, threads);
+                    &*second
+                },
+            )
+        });
+        let cluster = &self.tree.clusters[cluster];
+        let Some(grid) = &cluster.grid else {
+            return;
+        };
+        let raw = |points: &Range<usize>| {
+            let sources = self.sources[points.clone()].iter();
+            sources.map(|source| self.kernel.moments(source))
+        };
+        let mut moved = Vec::with_capacity(cluster.points.len());
+        match (children, halves) {
+            (Some(children), Some(halves)) => {
+                for (child, moments) in children.into_iter().zip(halves) {
+                    let child = &self.tree.clusters[child];
+                    match &child.grid {
+                        Some(grid) => moved.extend_from_slice(&moments[..grid.len()]),
+                        None => moved.extend(raw(&child.points)),
+                    }
+                }
+            }
+            _ => moved.extend(raw(&cluster.points)),
+        }
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for moment in &moved {
+                    let [x, y, z] = [moment[0], moment[1], moment[2]];
+                    grid.spread(&grid.weights(DVec3::new(x, y, z)), |node, weight| {
+                        // The position, too, is cheaper to add than to leave out; it is set below.
+                        for (sum, number) in own[node].iter_mut().zip(moment) {
+                            *sum += weight * number;
+                        }
+                    });
+                }
+            },
+        );
+        for (moment, node) in own.iter_mut().zip(grid.nodes()) {
+            moment[..3].copy_from_slice(&node.to_array());
+        }
+    }
+}
+
+/// Sums carried from clusters to the points in them.
+struct Descent<
+    'a,
+    K,
+    P,
+    const TARGET: usize,
+    const SOURCE: usize,
+    const SUM: usize,
+    const FAR: usize,
+    const LOCAL: usize,
+> {
+    kernel: K,
+    targets: &'a Tree,
+    sources: &'a Tree,
+    first_nodes: &'a [usize],
+    /// The sources in the order of their tree.
+    numbers: &'a [[f64; SOURCE]],
+    moments: &'a [[f64; FAR]],
+    target: P,
+}
+
+/// A cluster of targets, and what acts on all of it.
+struct Visit<const LOCAL: usize> {
+    cluster: usize,
+    /// Clusters of sources of which it is not yet known how they act.
+    candidates: Vec<usize>,
+    /// What is summed point by point.
+    direct: Vec<Direct>,
+    /// The innermost cluster around with sums at its nodes, and these.
+    around: Option<Arc<(usize, Columns<LOCAL>)>>,
+}
+
+/// Sources that act on each target.
+#[derive(Clone, Debug)]
+enum Direct {
+    /// All of a cluster.
+    Sources(usize),
+    /// The nodes of a cluster.
+    Nodes(usize),
+}
+
+impl<
+    K,
+    P,
+    const TARGET: usize,
+    const SOURCE: usize,
+    const SUM: usize,
+    const FAR: usize,
+    const LOCAL: usize,
+> Descent<'_, K, P, TARGET, SOURCE, SUM, FAR, LOCAL>
+where
+    K: Expansion<TARGET, SOURCE, SUM, FAR, LOCAL>,
+    P: Fn(usize) -> [f64; TARGET] + Sync,
+{
+    /// The sums at all targets, in the order of their tree.
+    fn run(&self, threads: NonZeroUsize) -> Vec<[f64; SUM]> {
+        let mut waiting = VecDeque::from([Visit {
+            cluster: 0,
+            candidates: vec![0],
+            direct: Vec::new(),
+            around: None,
+        }]);
+        let mut sums = vec![[0.0; SUM]; self.targets.order.len()];
+        // Each part is large enough for a thread, and there are enough of them to share out.
+        let most = sums.len() / PARTS;
+        let mut parts = Vec::new();
+        let mut rest = sums.as_mut_slice();
+        while let Some(mut visit) = waiting.pop_front() {
+            let size = self.targets.clusters[visit.cluster].points.len();
+            if size > most && self.targets.children(visit.cluster).is_some() {
+                for child in self.meet(&mut visit).into_iter().flatten().rev() {
+                    waiting.push_front(child);
+                }
+            } else {
+                let part;
+                (part, rest) = rest.split_at_mut(size);
+                parts.push((visit, part));
+            }
+        }
+        let parts = Mutex::new(parts);
+        let work = || {
+            loop {
+                let part = parts.lock().unwrap_or_else(PoisonError::into_inner).pop();
+                let Some((visit, sums)) = part else { break };
+                self.descend(visit, sums);
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..threads.get() {
+                scope.spawn(work);
+            }
+            work();
+        });
+        sums
+    }
+
+    /// Sets the sums in a cluster.
+    fn descend(&self, mut visit: Visit<LOCAL>, sums: &mut [[f64; SUM]]) {
+        match self.meet(&mut visit) {
+            Some([left, right]) => {
+                let middle = self.targets.clusters[left.cluster].points.len();
+                let (first, second) = sums.split_at_mut(middle);
+                self.descend(left, first);
+                self.descend(right, second);
+            }
+            None => self.finish(&visit, sums),
+        }
+    }
+
+    /// Decides how the candidates act on a cluster, and passes on to the clusters below what does not
+    /// act on all of it alike.
+    fn meet(&self, visit: &mut Visit<LOCAL>) -> Option<[Visit<LOCAL>; 2]> {
+        let target = &self.targets.clusters[visit.cluster];
+        let children = self.targets.children(visit.cluster);
+        let mut interpolated = Vec::new();
+        let mut passed = Vec::new();
+        let mut candidates = std::mem::take(&mut visit.candidates);
+        candidates.reverse();
+        while let Some(number) = candidates.pop() {
+            let source = &self.sources.clusters[number];
+            let distance = target.centre.distance(source.centre);
+            let below = self.sources.children(number);
+            let apart = distance - target.radius > SEPARATION * source.radius
+                && distance - source.radius > SEPARATION * target.radius;
+            // What better integrals take the place of is summed exactly.
+            if apart && distance - target.radius > source.reach {
+                match (&source.grid, &target.grid) {
+                    (Some(_), Some(_)) => interpolated.push(number),
+                    (Some(_), None) => visit.direct.push(Direct::Nodes(number)),
+                    (None, _) => visit.direct.push(Direct::Sources(number)),
+                }
+            } else if let Some([left, right]) = below
+                && (children.is_none() || source.radius > target.radius)
+            {
+                candidates.extend([right, left]);
+            } else if children.is_some() {
+                passed.push(number);
+            } else {
+                visit.direct.push(Direct::Sources(number));
+            }
+        }
+        if let Some(grid) = &target.grid
+            && !(interpolated.is_empty() && visit.around.is_none())
+        {
+            let nodes: Vec<_> = grid.nodes().collect();
+            let mut sums = Columns::new(nodes.len());
+            if let Some(around) = &visit.around {
+                for (number, &node) in nodes.iter().enumerate() {
+                    sums.set(number, self.interpolated(around, node));
+                }
+            }
+            let places = Columns::from_rows(nodes.len(), |node| nodes[node].to_array());
+            for &number in &interpolated {
+                add_all(
+                    self.kernel.distant(),
+                    &places,
+                    self.nodes(number),
+                    &mut sums,
+                );
+            }
+            visit.around = Some(Arc::new((visit.cluster, sums)));
+        }
+        let [left, right] = children?;
+        let below = |cluster, candidates, direct| Visit {
+            cluster,
+            candidates,
+            direct,
+            around: visit.around.clone(),
+        };
+        Some([
+            below(left, passed.clone(), visit.direct.clone()),
+            below(right, passed, visit.direct.clone()),
+        ])
+    }
+
+    /// Sets the sums at the targets of a leaf.
+    fn finish(&self, visit: &Visit<LOCAL>, sums: &mut [[f64; SUM]]) {
+        let range = self.targets.clusters[visit.cluster].points.clone();
+        let order = &self.targets.order[range];
+        let rows: Vec<[f64; TARGET]> = order
+            .iter()
+            .map(|&target| (self.target)(target as usize))
+            .collect();
+        let targets = Columns::from_rows(rows.len(), |target| rows[target]);
+        let mut columns = Columns::new(rows.len());
+        for direct in &visit.direct {
+            match *direct {
+                Direct::Sources(number) => {
+                    let points = self.sources.clusters[number].points.clone();
+                    add_all(self.kernel, &targets, &self.numbers[points], &mut columns);
+                }
+                Direct::Nodes(number) => {
+                    let kernel = self.kernel.distant();
+                    add_all(kernel, &targets, self.nodes(number), &mut columns);
+                }
+            }
+        }
+        for (k, (sum, &target)) in sums.iter_mut().zip(&rows).enumerate() {
+            *sum = columns.row(k);
+            if let Some(around) = &visit.around {
+                let local = self.interpolated(around, DVec3::new(target[0], target[1], target[2]));
+                for (sum, far) in sum.iter_mut().zip(self.kernel.at(local, target)) {
+                    *sum += far;
+                }
+            }
+        }
+    }
+
+    /// The nodes of a cluster of sources with their moments.
+    fn nodes(&self, cluster: usize) -> &[[f64; FAR]] {
+        &self.moments[self.first_nodes[cluster]..self.first_nodes[cluster + 1]]
+    }
+
+    /// The value at a point of the polynomials through sums at the nodes around.
+    fn interpolated(&self, around: &(usize, Columns<LOCAL>), at: DVec3) -> [f64; LOCAL] {
+        let (cluster, sums) = around;
+        let mut value = [0.0; LOCAL];
+        if let Some(grid) = &self.targets.clusters[*cluster].grid {
+            grid.spread(&grid.weights(at), |node, weight| {
+                for (value, sum) in value.iter_mut().zip(sums.row(node)) {
+                    *value += weight * sum;
+                }
+            });
+        }
+        value
+    }
+}
+
+/// Adds all sources to the sums.
+fn add_all<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
+    kernel: K,
+    targets: &Columns<TARGET>,
+    sources: &[[f64; SOURCE]],
+    sums: &mut Columns<SUM>,
+) where
+    K: Kernel<TARGET, SOURCE, SUM>,
+{
+    Arch::new().dispatch(Task {
+        kernel,
+        targets,
+        sources,
+        sums,
+    });
+}
