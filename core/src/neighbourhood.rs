@@ -64,11 +64,16 @@ impl<T: Real> Neighbourhood<T> {
     /// distance, and by number where distances are equal.
     pub(crate) fn nearest(&mut self, surface: Surface<'_, T>, centre: u32, count: usize) {
         self.at_least(surface, centre, count + count * 7 / 10 + 20);
-        self.found.sort_unstable_by(|(a, first), (b, second)| {
+        let nearer = |(a, first): &(T, u32), (b, second): &(T, u32)| {
             let order = a.partial_cmp(b).unwrap_or(Ordering::Equal);
             order.then(first.cmp(second))
-        });
-        self.found.truncate(count);
+        };
+        // Nearly half of those reached are farther: they need not be sorted.
+        if 0 < count && count < self.found.len() {
+            self.found.select_nth_unstable_by(count - 1, nearer);
+            self.found.truncate(count);
+        }
+        self.found.sort_unstable_by(nearer);
     }
 
     /// Finds all vertices that a path of edges no longer than `longest` reaches. `edge_lengths` has

@@ -11,6 +11,12 @@ pub const MOST_SCATTER: f64 = 0.25;
 const WHILE: Duration = Duration::from_millis(40);
 const MOST: usize = 1000;
 
+/// Number of runs after which, and as often again, it is asked whether more would change the median.
+const SEVERAL: usize = 25;
+
+/// Scatter at which they would not: the median of 25 runs is then right within 2 %.
+const LITTLE_SCATTER: f64 = 0.1;
+
 /// Times of several runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Timing {
@@ -21,7 +27,7 @@ pub(crate) struct Timing {
 }
 
 impl Timing {
-    /// Repeats runs for a short time, at least three times. Longer runs, which are disturbed less,
+    /// Repeats runs until their median is known, at most for a short time, at least three times. Longer runs, which are disturbed less,
     /// are repeated less: twice from 0.1 s on, and once from 0.4 s on, unless their times
     /// contradict that of the `first` run. `first` is the time of an earlier run, which has warmed
     /// the memory.
@@ -83,7 +89,9 @@ fn is_more_needed(first: Duration, times: &[Duration], elapsed: Duration) -> boo
     let (shortest, longest) = (shortest.min(first), longest.max(first));
     let contradicted = is_scattered(share(longest - shortest, shortest));
     let fewest = if contradicted { 3 } else { fewest };
-    times.len() < fewest || (elapsed < WHILE && times.len() < MOST)
+    let settled = || Timing::of(times.to_vec()).scatter < LITTLE_SCATTER;
+    let known = times.len().is_multiple_of(SEVERAL) && settled();
+    times.len() < fewest || (elapsed < WHILE && times.len() < MOST && !known)
 }
 
 #[cfg(test)]
@@ -136,6 +144,13 @@ mod tests {
         assert!(!more(900, &[500, 900, 500]));
         let short = milliseconds(&[1; 5]);
         assert!(is_more_needed(short[0], &short, Duration::from_millis(5)));
+        // 25 runs that agree are enough, and where they differ more are needed.
+        let soon = Duration::from_millis(5);
+        let (mut alike, mut apart) = (vec![short[0]; SEVERAL], milliseconds(&[1; SEVERAL]));
+        apart[..10].fill(Duration::from_millis(2));
+        assert!(!is_more_needed(short[0], &alike, soon) && is_more_needed(short[0], &apart, soon));
+        alike.pop();
+        assert!(is_more_needed(short[0], &alike, soon));
         let many = vec![Duration::from_nanos(1); MOST];
         assert!(!is_more_needed(many[0], &many, Duration::from_millis(5)));
     }
