@@ -5,7 +5,7 @@
 //! viscosity: each relative to a step of the fluid without it.
 //!
 //! ```console
-//! cargo run --release --example lattice_throughput -- 128
+//! cargo run --profile bench --example lattice_throughput -- 128
 //! ```
 #![expect(clippy::print_stdout, reason = "the result")]
 
