@@ -106,7 +106,7 @@ impl<'a> Flowing<'a> {
         let solves = suspension.has_contrast() || simulation.are_viscous();
         let precision = precision(&suspension, solves);
         let settings = settings(driver, simulation, &positions, precision);
-        suspension.set_guess(state.guess);
+        suspension.set_recent(state.recent);
         let integrator = Integrator::resume(state.integrator, settings)?;
         let clock = Clock::new(scene, &driver.flow, driver.duration);
         let outputs = state.progress.outputs;
@@ -369,7 +369,7 @@ impl Drive for Flowing<'_> {
         DriveState::Flowing(FlowingState {
             schedule: self.clock.schedule(),
             integrator: self.integrator.state().clone(),
-            guess: self.suspension.guess().to_vec(),
+            recent: self.suspension.recent().clone(),
             progress: FlowingProgress {
                 products: self.products(),
                 ..self.progress.clone()

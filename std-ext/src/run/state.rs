@@ -4,7 +4,7 @@ use super::End;
 use super::clock::Schedule;
 use super::deformed::Deformed;
 use crate::dynamics::{self, integrate};
-use crate::flow::ImmersionState;
+use crate::flow::{ImmersionState, Recent};
 use serde::{Deserialize, Serialize};
 
 /// The state of some driver.
@@ -44,8 +44,8 @@ pub(super) struct RelaxingProgress {
 pub(super) struct FlowingState {
     pub(super) schedule: Schedule,
     pub(super) integrator: integrate::State,
-    /// Initial guess of the next solution.
-    pub(super) guess: Vec<[f64; 3]>,
+    /// What the next solution starts from.
+    pub(super) recent: Recent,
     pub(super) progress: FlowingProgress,
 }
 

@@ -1,7 +1,8 @@
 //! Membranes suspended in Stokes flow.
 
 use super::{
-    Ambient, DoubleLayer, Effort, Fluid, Gmres, KeptVolumes, Membranes, Redistribution, SingleLayer,
+    Ambient, DoubleLayer, Effort, Fluid, Gmres, KeptVolumes, Membranes, Recent, Redistribution,
+    SingleLayer,
 };
 use crate::dynamics::integrate::RightHandSide;
 use helfrich::TriangleMesh;
@@ -30,8 +31,9 @@ pub struct Suspension {
     material: Vec<[f64; 3]>,
     forces: Vec<[f64; 3]>,
     solver: Gmres,
-    /// The last solution, from which the next one starts.
-    guess: Vec<[f64; 3]>,
+    /// The last solutions, from which the next one starts.
+    recent: Recent,
+    solution: Vec<[f64; 3]>,
     products: u64,
     single_layers: Effort,
     double_layers: Effort,
@@ -68,7 +70,8 @@ impl Suspension {
             redistribution: Redistribution::default(),
             material: Vec::new(),
             solver,
-            guess: Vec::new(),
+            recent: Recent::default(),
+            solution: Vec::new(),
             products: 0,
             single_layers: Effort::default(),
             double_layers: Effort::default(),
@@ -161,16 +164,16 @@ impl Suspension {
             double,
             forces,
             solver,
-            guess,
+            recent,
+            solution,
             products,
             single_layers,
             double_layers,
             ..
         } = self;
-        if guess.len() != velocities.len() {
-            guess.clear();
-            guess.extend_from_slice(velocities);
-        }
+        solution.clear();
+        solution.extend_from_slice(velocities);
+        recent.guess(velocities, solution);
         if let Some(double) = double {
             double.set_positions(positions);
         }
@@ -195,10 +198,11 @@ impl Suspension {
                 *product = u - *product;
             }
         };
-        let solved = solver.solve(&mut apply, velocities, guess);
+        let solved = solver.solve(&mut apply, velocities, solution);
         *products += solved.products as u64;
-        velocities.copy_from_slice(guess);
         if solved.converged {
+            recent.keep(velocities, solution);
+            velocities.copy_from_slice(solution);
             return Ok(());
         }
         Err(format!(
@@ -225,10 +229,10 @@ impl Suspension {
         points: &[[f64; 3]],
     ) -> Result<Fluid, String> {
         // What is looked at in between changes nothing.
-        let guess = self.guess.clone();
+        let recent = self.recent.clone();
         let mut moving = vec![[0.0; 3]; positions.len()];
         let evaluated = self.set_material_velocities(membranes, positions, &mut moving);
-        let solution = std::mem::replace(&mut self.guess, guess);
+        self.recent = recent;
         evaluated?;
         let mut fluid = Fluid {
             velocity: vec![[0.0; 3]; points.len()],
@@ -242,7 +246,7 @@ impl Suspension {
         }
         membranes.set_forces(positions, &mut self.forces)?;
         if membranes.are_viscous() {
-            membranes.add_viscous_forces(positions, &solution, &mut self.forces);
+            membranes.add_viscous_forces(positions, &self.solution, &mut self.forces);
         }
         self.single.set_forces(positions, &self.forces);
         self.single.add_at_points(points, &mut fluid.velocity);
@@ -250,7 +254,7 @@ impl Suspension {
             .add_pressure_at_points(points, &mut fluid.pressure);
         if let Some(double) = &mut self.double {
             double.set_positions(positions);
-            double.set_velocities(&solution);
+            double.set_velocities(&self.solution);
             double.add_at_points(points, &mut fluid.velocity);
             double.add_pressure_at_points(self.single.viscosity, points, &mut fluid.pressure);
             let mut ratios = vec![1.0; points.len()];
@@ -282,15 +286,14 @@ impl Suspension {
         self.products
     }
 
-    /// The last solution, from which the next one starts; empty before the first. A run that continues
-    /// bit for bit stores it.
-    pub fn guess(&self) -> &[[f64; 3]] {
-        &self.guess
+    /// The last solutions, from which the next one starts. A run that continues bit for bit stores them.
+    pub fn recent(&self) -> &Recent {
+        &self.recent
     }
 
-    /// Restores a stored solution.
-    pub fn set_guess(&mut self, guess: Vec<[f64; 3]>) {
-        self.guess = guess;
+    /// Restores stored solutions.
+    pub fn set_recent(&mut self, recent: Recent) {
+        self.recent = recent;
     }
 
     /// The velocities of the material at the last evaluation; empty before the first.

@@ -74,6 +74,9 @@ pub struct DoubleLayer {
     /// velocity.
     sources: Vec<[f64; 9]>,
     far: Far,
+    /// The near triangles of each vertex on surfaces where viscosities differ, for all products of a
+    /// solution.
+    near: Vec<Vec<(usize, Near)>>,
 }
 
 impl DoubleLayer {
@@ -106,6 +109,7 @@ impl DoubleLayer {
             velocities: Vec::new(),
             sources: Vec::new(),
             far: Far::default(),
+            near: Vec::new(),
         }
     }
 
@@ -172,6 +176,15 @@ impl DoubleLayer {
         let reach = |source: usize| reaches[source];
         self.far
             .place(self.threads, &self.geometry, &self.sources, reach);
+        self.near.resize(positions.len(), Vec::new());
+        let (geometry, drops) = (&self.geometry, &self.drops);
+        let differ = |&(number, _): &(usize, Near)| drops[geometry.surface(number)] != 0.0;
+        sums::distribute(self.threads, &mut self.near, |first, rows| {
+            for (k, row) in rows.iter_mut().enumerate() {
+                row.clear();
+                row.extend(geometry.near_vertex(first + k).filter(differ));
+            }
+        });
     }
 
     /// Sets the velocity u at every vertex.
@@ -216,10 +229,9 @@ impl DoubleLayer {
                 let at = geometry.position(vertex);
                 let velocity = self.velocities[vertex];
                 let (mut beside, mut across) = (Vec::new(), DVec3::ZERO);
-                for (number, near) in geometry.near_vertex(vertex) {
+                for &(number, near) in &self.near[vertex] {
                     let drop = self.drop(number);
                     match near {
-                        _ if drop == 0.0 => {}
                         Near::Beside => beside.push(self.seen_from(at, velocity, number, drop)),
                         Near::Across => across += self.lacking(number, drop, at, velocity),
                     }
@@ -375,11 +387,7 @@ impl DoubleLayer {
 
     /// Λ − λ of the surface of a triangle.
     fn drop(&self, number: usize) -> f64 {
-        let surface = self
-            .geometry
-            .surfaces
-            .partition_point(|part| part.triangles.end <= number);
-        self.drops[surface]
+        self.drops[self.geometry.surface(number)]
     }
 
     /// The correction by a near triangle across a gap, at a point with this velocity.

@@ -188,6 +188,12 @@ impl Geometry {
         Panel::new(self.triangles[number], &self.positions)
     }
 
+    /// The surface of a triangle.
+    pub(super) fn surface(&self, number: usize) -> usize {
+        self.surfaces
+            .partition_point(|part| part.triangles.end <= number)
+    }
+
     /// The triangles around a vertex.
     pub(super) fn ring(&self, vertex: usize) -> &[u32] {
         &self.ring_triangles
