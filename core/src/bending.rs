@@ -19,9 +19,9 @@ mod strong_form;
 pub(crate) use area_vectors::AreaVectors;
 pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
 pub use hamann::{Hamann, HamannMemory};
-pub use hinge::{Hinge, Hinges, OverHinges, OverHingesMemory};
+pub use hinge::{Hinge, HingeMemory, Hinges, OverHinges};
 pub use juelicher::{Juelicher, JuelicherMemory};
-pub use kantor_nelson::{KantorNelson, KantorNelsonMemory};
+pub use kantor_nelson::{FlatReference, KantorNelson, ReferenceAngles};
 pub use loop_subdivision::{
     ConsistentMemory, ControlPoints, LoopSubdivision, LoopSubdivisionMemory,
 };

@@ -161,21 +161,72 @@ impl<L: Lane> Hinge<L> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverHinges<E>(pub E);
 
-/// Memory of [`OverHinges`].
+/// Memory of methods whose energy is a sum over hinges: [`OverHinges`] and
+/// [`KantorNelson`](super::KantorNelson).
 #[derive(Clone, Debug)]
-pub struct OverHingesMemory<T> {
+pub struct HingeMemory<T> {
     hinges: Hinges,
     sums: ElementMemory<T>,
 }
 
-impl<T: Real, E: ElementEnergy<T, 4>> Method<T> for OverHinges<E> {
-    type Memory = OverHingesMemory<T>;
-
-    fn memory(&self, mesh: &TriangleMesh) -> OverHingesMemory<T> {
-        OverHingesMemory {
+impl<T: Real> HingeMemory<T> {
+    pub(crate) fn new(mesh: &TriangleMesh) -> Self {
+        Self {
             hinges: Hinges::new(mesh),
             sums: ElementMemory::default(),
         }
+    }
+
+    /// Reports where a surface is too uneven or too rough for angles between triangles.
+    pub(crate) fn inspect(surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        surface.report_uneven_mesh(report);
+        surface.report_valences(report);
+        surface.report_rough_vertices(report);
+    }
+
+    /// The energy of all hinges by this formula.
+    pub(crate) fn energy(
+        &mut self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        formula: &impl ElementEnergy<T, 4>,
+    ) -> T {
+        let hinges = &self.hinges.vertices;
+        self.sums.energy(execution, surface, hinges, formula)
+    }
+
+    /// Adds the nodal forces of all hinges.
+    pub(crate) fn add_force(
+        &mut self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        formula: &impl ElementEnergy<T, 4>,
+        force: &mut [[T; 3]],
+    ) {
+        let hinges = &self.hinges.vertices;
+        self.sums
+            .add_force(execution, surface, hinges, formula, force);
+    }
+
+    /// Adds the nodal forces of all hinges, and returns their energy.
+    pub(crate) fn add_force_and_energy(
+        &mut self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        formula: &impl ElementEnergy<T, 4>,
+        force: &mut [[T; 3]],
+    ) -> T {
+        let hinges = &self.hinges.vertices;
+        self.sums
+            .add_force_and_energy(execution, surface, hinges, formula, force)
+    }
+}
+
+impl<T: Real, E: ElementEnergy<T, 4>> Method<T> for OverHinges<E> {
+    type Memory = HingeMemory<T>;
+
+    fn memory(&self, mesh: &TriangleMesh) -> HingeMemory<T> {
+        HingeMemory::new(mesh)
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -189,9 +240,7 @@ impl<T: Real, E: ElementEnergy<T, 4>> Method<T> for OverHinges<E> {
         report: &mut dyn FnMut(Finding),
     ) {
         workspace.for_mesh(surface.mesh());
-        surface.report_uneven_mesh(report);
-        surface.report_valences(report);
-        surface.report_rough_vertices(report);
+        HingeMemory::inspect(surface, report);
     }
 }
 
@@ -202,8 +251,8 @@ impl<T: Real, E: ElementEnergy<T, 4>> Energy<T> for OverHinges<E> {
         surface: Surface<'_, T>,
         workspace: &mut Workspace<T, Self>,
     ) -> T {
-        let OverHingesMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
-        sums.energy(execution, surface, &hinges.vertices, &self.0)
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        memory.energy(execution, surface, &self.0)
     }
 }
 
@@ -215,8 +264,8 @@ impl<T: Real, E: ElementEnergy<T, 4>> Force<T> for OverHinges<E> {
         workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
-        let OverHingesMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
-        sums.add_force(execution, surface, &hinges.vertices, &self.0, force);
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        memory.add_force(execution, surface, &self.0, force);
     }
 }
 
@@ -228,7 +277,7 @@ impl<T: Real, E: ElementEnergy<T, 4>> Conservative<T> for OverHinges<E> {
         workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
-        let OverHingesMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
-        sums.add_force_and_energy(execution, surface, &hinges.vertices, &self.0, force)
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        memory.add_force_and_energy(execution, surface, &self.0, force)
     }
 }

@@ -4,11 +4,10 @@
 //! H. S. Seung and D. R. Nelson, Phys. Rev. A 38 (1988) 1005, and G. Gompper and D. M. Kroll,
 //! J. Phys. I France 6 (1996) 1305.
 
-use crate::bending::hinge::{Hinge, Hinges};
+use crate::bending::hinge::{Hinge, HingeMemory, Hinges};
 use crate::diagnostic::Finding;
 use crate::elasticity::ReferenceError;
-use crate::element::{Corners, ElementEnergy, ElementMemory, Execution};
-use crate::lane::Lane;
+use crate::element::{Corners, ElementEnergy, Execution};
 use crate::mesh::TriangleMesh;
 use crate::mesh_identity::MeshIdentity;
 use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};
@@ -25,13 +24,10 @@ use alloc::vec::Vec;
 ///
 /// The reference angles θ0 are 0 unless a reference shape is given: [`Self::with_reference`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct KantorNelson<T> {
+pub struct KantorNelson<T, R = FlatReference> {
     /// The modulus k̃ of an edge, in units of energy.
     pub edge_modulus: T,
-    /// `[sin θ0, cos θ0]` of each hinge; empty if all are flat.
-    reference: Vec<[T; 2]>,
-    /// The mesh of the reference shape.
-    mesh: Option<MeshIdentity>,
+    reference: R,
 }
 
 impl<T: Real> KantorNelson<T> {
@@ -39,8 +35,7 @@ impl<T: Real> KantorNelson<T> {
     pub fn with_edge_modulus(edge_modulus: T) -> Self {
         Self {
             edge_modulus,
-            reference: Vec::new(),
-            mesh: None,
+            reference: FlatReference,
         }
     }
 
@@ -52,19 +47,23 @@ impl<T: Real> KantorNelson<T> {
     /// # Errors
     /// If the triangles of `mesh` and `shape` differ.
     pub fn with_reference(
-        mut self,
+        self,
         mesh: &TriangleMesh,
         shape: Surface<'_, T>,
-    ) -> Result<Self, ReferenceError> {
+    ) -> Result<KantorNelson<T, ReferenceAngles<T>>, ReferenceError> {
         ReferenceError::unless_same(mesh, shape.mesh())?;
         let hinges = Hinges::new(shape.mesh());
         let angle = |&hinge| {
             let hinge = Hinge::<T>::new(&Corners::of(shape, hinge));
             [hinge.sine, hinge.cosine]
         };
-        self.reference = hinges.vertices.iter().map(angle).collect();
-        self.mesh = Some(MeshIdentity::of(mesh));
-        Ok(self)
+        Ok(KantorNelson {
+            edge_modulus: self.edge_modulus,
+            reference: ReferenceAngles {
+                angles: hinges.vertices.iter().map(angle).collect(),
+                mesh: MeshIdentity::of(mesh),
+            },
+        })
     }
 
     /// `k̃ = 2κ/√3`: the right forces for bending modulus κ, and the right energy of a cylinder.
@@ -88,84 +87,88 @@ impl<T: Real> KantorNelson<T> {
 /// √3, to the last bit of f64.
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
-/// The angles of hinges at rest. Resolved at compile time: a flat rest shape costs nothing.
-trait Reference<T: Real>: Copy + Sync {
-    /// `[sin θ0, cos θ0]` of hinges `first`, `first + 1`, …, one per lane entry.
-    fn angle<L: Lane<Scalar = T>>(self, first: usize) -> [L; 2];
+/// The angles of hinges at rest. A type and not a value: a flat rest shape costs nothing.
+trait Reference<T: Real>: Sync {
+    /// `[sin θ0, cos θ0]` of a hinge.
+    fn angle(&self, hinge: usize) -> [T; 2];
+
+    /// Panics unless the angles are those of hinges of `mesh`; the message names the method `M`.
+    fn expect<M>(&self, mesh: &TriangleMesh);
 }
 
-#[derive(Clone, Copy)]
-struct Flat;
+/// The reference of a [`KantorNelson`] without one: all hinges are flat at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FlatReference;
 
-impl<T: Real> Reference<T> for Flat {
+impl<T: Real> Reference<T> for FlatReference {
     #[inline(always)]
-    fn angle<L: Lane<Scalar = T>>(self, _first: usize) -> [L; 2] {
-        [L::zero(), L::literal(1.0)]
+    fn angle(&self, _hinge: usize) -> [T; 2] {
+        [T::zero(), T::one()]
+    }
+
+    fn expect<M>(&self, _mesh: &TriangleMesh) {}
+}
+
+/// The reference of a [`KantorNelson`] made by [`KantorNelson::with_reference`]: the angles of a
+/// shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferenceAngles<T> {
+    /// `[sin θ0, cos θ0]` of each hinge.
+    angles: Vec<[T; 2]>,
+    /// The mesh of the shape.
+    mesh: MeshIdentity,
+}
+
+impl<T: Real> Reference<T> for ReferenceAngles<T> {
+    #[inline(always)]
+    fn angle(&self, hinge: usize) -> [T; 2] {
+        self.angles[hinge]
+    }
+
+    fn expect<M>(&self, mesh: &TriangleMesh) {
+        let remedy = "make it by KantorNelson::with_reference for that mesh";
+        self.mesh.expect::<M>(mesh, remedy);
     }
 }
 
-impl<T: Real> Reference<T> for &[[T; 2]] {
-    #[inline(always)]
-    fn angle<L: Lane<Scalar = T>>(self, first: usize) -> [L; 2] {
-        core::array::from_fn(|part| L::from_fn(|k| self[first + k][part]))
-    }
-}
+/// The formula of one hinge: forces, but energies in units of k̃.
+struct HingeFormula<'a, T, R>(&'a KantorNelson<T, R>);
 
-/// 1 − cos(θ − θ0), computed as half the squared chord between two points on the unit circle, which
-/// avoids cancellation at small angles.
-#[inline(always)]
-fn energy<L: Lane>(hinge: &Hinge<L>, [sine, cosine]: [L; 2]) -> L {
-    let chord = [hinge.cosine - cosine, hinge.sine - sine];
-    L::literal(0.5) * hinge.presence * (chord[0] * chord[0] + chord[1] * chord[1])
-}
-
-struct HingeEnergy<T, R> {
-    edge_modulus: T,
-    reference: R,
-}
-
-impl<T: Real, R: Reference<T>> ElementEnergy<T, 4> for HingeEnergy<T, R> {
+impl<T: Real, R: Reference<T>> ElementEnergy<T, 4> for HingeFormula<'_, T, R> {
     /// −∂E/∂x = −k̃ sin(θ − θ0) ∂θ/∂x, and half of E/k̃ for each end of the edge. The sine as a
     /// difference of products that agree to the last bit in the reference shape: there the force is
-    /// exactly zero.
+    /// exactly zero. 1 − cos(θ − θ0) as half the squared chord between two points on the unit
+    /// circle, which avoids cancellation at small angles.
     #[inline(always)]
-    fn evaluate(&self, first: usize, corners: &Corners<T, 4>) -> ([[T; 3]; 4], [T; 4]) {
+    fn evaluate(&self, hinge: usize, corners: &Corners<T, 4>) -> ([[T; 3]; 4], [T; 4]) {
+        let KantorNelson {
+            edge_modulus,
+            reference,
+        } = self.0;
+        let [sine, cosine] = reference.angle(hinge);
         let hinge = Hinge::new(corners);
-        let angle = self.reference.angle::<T>(first);
-        let [sine, cosine] = angle;
         let turned = hinge.sine * cosine - hinge.cosine * sine;
-        let forces = hinge.forces(corners, self.edge_modulus * turned * hinge.presence);
-        let half = T::constant(0.5) * energy(&hinge, angle);
+        let forces = hinge.forces(corners, *edge_modulus * turned * hinge.presence);
+        let chord = [hinge.cosine - cosine, hinge.sine - sine];
+        let squared = chord[0] * chord[0] + chord[1] * chord[1];
+        let energy = T::constant(0.5) * hinge.presence * squared;
+        let half = T::constant(0.5) * energy;
         (forces, [half, half, T::zero(), T::zero()])
     }
 }
 
-/// Memory of [`KantorNelson`].
-#[derive(Clone, Debug)]
-pub struct KantorNelsonMemory<T> {
-    hinges: Hinges,
-    /// Energies in units of k̃.
-    sums: ElementMemory<T>,
-}
-
-impl<T: Real> Method<T> for KantorNelson<T> {
-    type Memory = KantorNelsonMemory<T>;
+impl<T: Real, R: Reference<T>> Method<T> for KantorNelson<T, R> {
+    type Memory = HingeMemory<T>;
 
     /// # Panics
     /// If the reference shape has another mesh.
-    fn memory(&self, mesh: &TriangleMesh) -> KantorNelsonMemory<T> {
-        if let Some(of_reference) = &self.mesh {
-            let remedy = "make it by KantorNelson::with_reference for that mesh";
-            of_reference.expect::<Self>(mesh, remedy);
-        }
-        KantorNelsonMemory {
-            hinges: Hinges::new(mesh),
-            sums: ElementMemory::default(),
-        }
+    fn memory(&self, mesh: &TriangleMesh) -> HingeMemory<T> {
+        self.reference.expect::<Self>(mesh);
+        HingeMemory::new(mesh)
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        // That of the edges is up to 2√3 times the bending modulus it is made of.
+        // The modulus of an edge is up to 2√3 times the bending modulus from which it was made.
         let limit = T::constant(4.0) * ParameterError::largest_modulus();
         ParameterError::unless_within("modulus of an edge", self.edge_modulus, limit)
     }
@@ -177,41 +180,23 @@ impl<T: Real> Method<T> for KantorNelson<T> {
         report: &mut dyn FnMut(Finding),
     ) {
         workspace.for_mesh(surface.mesh());
-        surface.report_uneven_mesh(report);
-        surface.report_valences(report);
-        surface.report_rough_vertices(report);
+        HingeMemory::inspect(surface, report);
     }
 }
 
-impl<T: Real> KantorNelson<T> {
-    fn hinge<R: Reference<T>>(&self, reference: R) -> HingeEnergy<T, R> {
-        HingeEnergy {
-            edge_modulus: self.edge_modulus,
-            reference,
-        }
-    }
-}
-
-impl<T: Real> Energy<T> for KantorNelson<T> {
+impl<T: Real, R: Reference<T>> Energy<T> for KantorNelson<T, R> {
     fn energy(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
         workspace: &mut Workspace<T, Self>,
     ) -> T {
-        let KantorNelsonMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
-        let hinges = &hinges.vertices[..];
-        let sum = if self.reference.is_empty() {
-            sums.energy(execution, surface, hinges, &self.hinge(Flat))
-        } else {
-            let kernel = self.hinge(&self.reference[..]);
-            sums.energy(execution, surface, hinges, &kernel)
-        };
-        self.edge_modulus * sum
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.edge_modulus * memory.energy(execution, surface, &HingeFormula(self))
     }
 }
 
-impl<T: Real> Force<T> for KantorNelson<T> {
+impl<T: Real, R: Reference<T>> Force<T> for KantorNelson<T, R> {
     fn add_force(
         &self,
         execution: &impl Execution,
@@ -219,18 +204,12 @@ impl<T: Real> Force<T> for KantorNelson<T> {
         workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) {
-        let KantorNelsonMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
-        let hinges = &hinges.vertices[..];
-        if self.reference.is_empty() {
-            sums.add_force(execution, surface, hinges, &self.hinge(Flat), force);
-        } else {
-            let kernel = self.hinge(&self.reference[..]);
-            sums.add_force(execution, surface, hinges, &kernel, force);
-        }
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        memory.add_force(execution, surface, &HingeFormula(self), force);
     }
 }
 
-impl<T: Real> Conservative<T> for KantorNelson<T> {
+impl<T: Real, R: Reference<T>> Conservative<T> for KantorNelson<T, R> {
     fn add_force_and_energy(
         &self,
         execution: &impl Execution,
@@ -238,15 +217,8 @@ impl<T: Real> Conservative<T> for KantorNelson<T> {
         workspace: &mut Workspace<T, Self>,
         force: &mut [[T; 3]],
     ) -> T {
-        let KantorNelsonMemory { hinges, sums } = workspace.for_mesh_mut(surface.mesh());
-        let hinges = &hinges.vertices[..];
-        let sum = if self.reference.is_empty() {
-            let kernel = self.hinge(Flat);
-            sums.add_force_and_energy(execution, surface, hinges, &kernel, force)
-        } else {
-            let kernel = self.hinge(&self.reference[..]);
-            sums.add_force_and_energy(execution, surface, hinges, &kernel, force)
-        };
-        self.edge_modulus * sum
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.edge_modulus
+            * memory.add_force_and_energy(execution, surface, &HingeFormula(self), force)
     }
 }
