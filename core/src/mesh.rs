@@ -1,6 +1,9 @@
 //! Connectivity of a triangle mesh, without coordinates.
 
 use alloc::vec::Vec;
+use half_edges::HalfEdges;
+
+mod half_edges;
 
 /// Marks the missing side of a boundary edge in [`TriangleMesh::edge_triangles`].
 const NONE: u32 = u32::MAX;
@@ -125,148 +128,6 @@ pub enum MeshError {
     },
 }
 
-/// The half-edges of the triangles, each identified by the corner `3 * triangle + 0, 1 or 2` at its
-/// start.
-struct HalfEdges {
-    /// Start in `entries` of the half-edges that leave each vertex.
-    offsets: Vec<u32>,
-    /// `(head, corner)`, sorted, vertex by vertex.
-    entries: Vec<(u32, u32)>,
-    /// For each corner, the corner at the start of the opposite half-edge; `NONE` at the boundary.
-    opposite: Vec<u32>,
-}
-
-impl HalfEdges {
-    fn new(vertices: usize, triangles: &[[u32; 3]]) -> Self {
-        let mut offsets = alloc::vec![0u32; vertices + 1];
-        for triangle in triangles {
-            for &vertex in triangle {
-                offsets[vertex as usize + 1] += 1;
-            }
-        }
-        for v in 0..vertices {
-            offsets[v + 1] += offsets[v];
-        }
-        let mut next = offsets.clone();
-        let mut entries = alloc::vec![(0u32, 0u32); 3 * triangles.len()];
-        for (t, triangle) in triangles.iter().enumerate() {
-            for corner in 0..3 {
-                let slot = &mut next[triangle[corner] as usize];
-                entries[*slot as usize] = (triangle[(corner + 1) % 3], (3 * t + corner) as u32);
-                *slot += 1;
-            }
-        }
-        for v in 0..vertices {
-            entries[offsets[v] as usize..offsets[v + 1] as usize].sort_unstable();
-        }
-        let opposite = alloc::vec![NONE; 3 * triangles.len()];
-        Self {
-            offsets,
-            entries,
-            opposite,
-        }
-    }
-
-    fn leaving(&self, vertex: u32) -> &[(u32, u32)] {
-        let v = vertex as usize;
-        &self.entries[self.offsets[v] as usize..self.offsets[v + 1] as usize]
-    }
-
-    /// The place of `tail -> head` among the half-edges that leave `tail`.
-    fn find(&self, tail: u32, head: u32) -> Option<usize> {
-        let leaving = self.leaving(tail);
-        if leaving.len() <= 16 {
-            leaving.iter().position(|entry| entry.0 == head)
-        } else {
-            leaving.binary_search_by_key(&head, |entry| entry.0).ok()
-        }
-    }
-
-    /// The next corner at the same vertex, counter-clockwise; `NONE` at a boundary.
-    fn next_around(&self, corner: u32) -> u32 {
-        self.opposite[previous_corner(corner) as usize]
-    }
-
-    /// Finds the opposite half-edges. Every directed edge must occur once, and no two triangles may
-    /// have the same vertices.
-    fn pair(&mut self, triangles: &[[u32; 3]]) -> Result<(), MeshError> {
-        for tail in 0..self.offsets.len() as u32 - 1 {
-            let end = self.offsets[tail as usize + 1] as usize;
-            for at in self.offsets[tail as usize] as usize..end {
-                let (head, corner) = self.entries[at];
-                if let Some(&(next_head, second)) = self.entries[at + 1..end].first()
-                    && next_head == head
-                {
-                    return Err(self.same_direction([tail, head], [corner, second], triangles));
-                }
-                if tail > head {
-                    continue;
-                }
-                let Some(found) = self.find(head, tail) else {
-                    continue;
-                };
-                let other = self.leaving(head)[found].1;
-                if apex(corner, triangles) == apex(other, triangles) {
-                    let (first, second) = (corner / 3, other / 3);
-                    return Err(MeshError::DuplicateTriangle {
-                        first: first.min(second),
-                        second: first.max(second),
-                    });
-                }
-                self.opposite[corner as usize] = other;
-                self.opposite[other as usize] = corner;
-            }
-        }
-        Ok(())
-    }
-
-    /// The error for two half-edges with the same tail and head.
-    #[cold]
-    fn same_direction(
-        &self,
-        [tail, head]: [u32; 2],
-        corners: [u32; 2],
-        triangles: &[[u32; 3]],
-    ) -> MeshError {
-        let [first, second] = corners.map(|corner| corner / 3);
-        if apex(corners[0], triangles) == apex(corners[1], triangles) {
-            return MeshError::DuplicateTriangle { first, second };
-        }
-        let count = |from: u32, to: u32| {
-            let heads = self.leaving(from).iter().map(|entry| entry.0);
-            heads.filter(|&head| head == to).count() as u32
-        };
-        let meeting = count(tail, head) + count(head, tail);
-        if meeting > 2 {
-            MeshError::NonManifoldEdge {
-                edge: [tail, head],
-                triangles: meeting,
-                triangle: second,
-            }
-        } else {
-            MeshError::InconsistentOrientation {
-                edge: [tail, head],
-                triangles: [first, second],
-            }
-        }
-    }
-}
-
-/// The corner before this one in its triangle.
-fn previous_corner(corner: u32) -> u32 {
-    if corner.is_multiple_of(3) {
-        corner + 2
-    } else {
-        corner - 1
-    }
-}
-
-/// The vertex opposite to the half-edge that leaves this corner.
-fn apex(corner: u32, triangles: &[[u32; 3]]) -> u32 {
-    let previous = previous_corner(corner) as usize;
-    triangles[previous / 3][previous % 3]
-}
-
 /// The FNV-1a hash of the number of vertices and of all corners, a number at a time.
 fn fingerprint(vertices: usize, triangles: &[[u32; 3]]) -> u64 {
     let corners = triangles
@@ -322,15 +183,13 @@ impl TriangleMesh {
             }
         }
         let fingerprint = fingerprint(vertices, &triangles);
-        let mut half_edges = HalfEdges::new(vertices, &triangles);
-        half_edges.pair(&triangles)?;
-
-        let (edges, edge_triangles) = edges(vertices, &triangles, &half_edges);
+        let half_edges = HalfEdges::new(vertices, &triangles)?;
+        let (edges, edge_triangles) = half_edges.edges();
         let boundary_edges = edge_triangles
             .iter()
             .filter(|sides| sides[1] == NONE)
             .count() as u32;
-        let (ring_offsets, ring_vertices, vertex_kinds) = rings(vertices, &triangles, &half_edges)?;
+        let (ring_offsets, ring_vertices, vertex_kinds) = half_edges.rings()?;
         Ok(Self {
             triangles,
             edges,
@@ -493,117 +352,5 @@ impl TriangleMesh {
             count += 1;
         }
         (component, count as usize)
-    }
-}
-
-fn edges(
-    vertices: usize,
-    triangles: &[[u32; 3]],
-    half_edges: &HalfEdges,
-) -> (Vec<[u32; 2]>, Vec<[u32; 2]>) {
-    let mut edges = Vec::with_capacity(3 * triangles.len() / 2);
-    let mut sides = Vec::with_capacity(3 * triangles.len() / 2);
-    for tail in 0..vertices as u32 {
-        for &(head, corner) in half_edges.leaving(tail) {
-            let opposite = half_edges.opposite[corner as usize];
-            if tail < head || opposite == NONE {
-                let right = if opposite == NONE { NONE } else { opposite / 3 };
-                edges.push([tail, head]);
-                sides.push([corner / 3, right]);
-            }
-        }
-    }
-    (edges, sides)
-}
-
-/// One-rings in counter-clockwise order, and what kind of vertex each is.
-#[expect(
-    clippy::type_complexity,
-    reason = "three columns of one table, taken apart at once"
-)]
-fn rings(
-    vertices: usize,
-    triangles: &[[u32; 3]],
-    half_edges: &HalfEdges,
-) -> Result<(Vec<u32>, Vec<u32>, Vec<VertexKind>), MeshError> {
-    let mut offsets = Vec::with_capacity(vertices + 1);
-    let mut ring = Vec::with_capacity(3 * triangles.len() + vertices / 4);
-    let mut kinds = Vec::with_capacity(vertices);
-    offsets.push(0);
-    for vertex in 0..vertices as u32 {
-        let leaving = half_edges.leaving(vertex);
-        // An open fan starts at the boundary, a closed one at the lowest neighbour.
-        let open = leaving
-            .iter()
-            .find(|&&(_, corner)| half_edges.opposite[corner as usize] == NONE);
-        let mut reached = 0;
-        if let Some(&(head, start)) = open.or(leaving.first()) {
-            ring.push(head);
-            let mut corner = start;
-            loop {
-                reached += 1;
-                let next = half_edges.next_around(corner);
-                if next == start {
-                    break;
-                }
-                ring.push(apex(corner, triangles));
-                if next == NONE {
-                    break;
-                }
-                corner = next;
-            }
-        }
-        if reached < leaving.len() {
-            return Err(separate_fans(vertex, triangles, half_edges));
-        }
-        kinds.push(if leaving.is_empty() {
-            VertexKind::Isolated
-        } else if open.is_some() {
-            VertexKind::Boundary
-        } else {
-            VertexKind::Interior
-        });
-        offsets.push(ring.len() as u32);
-    }
-    Ok((offsets, ring, kinds))
-}
-
-/// The error for a vertex whose triangles form more than one fan.
-fn separate_fans(vertex: u32, triangles: &[[u32; 3]], half_edges: &HalfEdges) -> MeshError {
-    let leaving = half_edges.leaving(vertex);
-    let next = Vec::from_iter(
-        leaving
-            .iter()
-            .map(|&(_, corner)| half_edges.find(vertex, apex(corner, triangles))),
-    );
-    // An open fan starts where no triangle precedes; corners that open fans do not reach are in
-    // closed fans.
-    let mut is_start = alloc::vec![true; leaving.len()];
-    for &next in next.iter().flatten() {
-        is_start[next] = false;
-    }
-    let mut starts = Vec::from_iter((0..leaving.len()).filter(|&at| is_start[at]));
-    starts.extend((0..leaving.len()).filter(|&at| !is_start[at]));
-    let mut seen = alloc::vec![false; leaving.len()];
-    let mut fans = 0;
-    let mut found = [0; 2];
-    for start in starts {
-        if seen[start] {
-            continue;
-        }
-        if let Some(triangle) = found.get_mut(fans as usize) {
-            *triangle = leaving[start].1 / 3;
-        }
-        fans += 1;
-        let mut at = Some(start);
-        while let Some(here) = at.filter(|&here| !seen[here]) {
-            seen[here] = true;
-            at = next[here];
-        }
-    }
-    MeshError::NonManifoldVertex {
-        vertex,
-        fans,
-        triangles: found,
     }
 }
