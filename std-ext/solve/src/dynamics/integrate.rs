@@ -8,25 +8,21 @@
 //! The state is plain data: a stored and restored run continues bit for bit.
 
 mod bs23;
+mod right_hand_side;
 mod rk4;
 mod rkc2;
 mod settings;
 mod spectral_radius;
+mod step_control;
 
+pub use right_hand_side::{Failure, RightHandSide};
 pub use settings::{Scheme, Settings, SetupError, SpectralRadius};
 pub use spectral_radius::Spectrum;
 
-use super::vector::{Vector, dot};
+use super::vector::Vector;
+use right_hand_side::{Checked, first_bad};
 use serde::{Deserialize, Serialize};
-
-/// The share of the allowed error that step control aims at: that of the paper of [`rkc2`].
-const SAFETY: f64 = 0.8;
-
-/// The limits of the change of a step.
-const FACTOR: std::ops::RangeInclusive<f64> = 0.1..=10.0;
-
-/// The error, in units of what is allowed, below which a step grows by no more than [`FACTOR`].
-const LEAST_ERROR: f64 = 5e-4;
+use step_control::Previous;
 
 /// The factor by which a step is shortened if its velocities fail.
 const RETREAT: f64 = 0.25;
@@ -36,83 +32,6 @@ const OUTDATED: usize = 25;
 
 /// The relative change of a proposed step that is allowed to reach an output time.
 const SLACK: f64 = 1e-6;
-
-/// The shortest step, in units of the time in which positions move by the tolerance or, for bodies
-/// at rest, of the first trial step.
-const FLOOR: f64 = 1e-8;
-
-/// Velocities as functions of positions and time.
-///
-/// They must depend on positions and time alone, to the last bit, for a run to continue bit for
-/// bit.
-pub trait RightHandSide {
-    /// Sets `velocities` to v(x, t).
-    ///
-    /// # Errors
-    /// The reason why velocities cannot be computed. The step is then repeated with a shorter
-    /// length.
-    fn evaluate(
-        &mut self,
-        positions: &[[f64; 3]],
-        time: f64,
-        velocities: &mut [[f64; 3]],
-    ) -> Result<(), String>;
-
-    /// Corrects the positions at the end of a step for quantities that steps conserve only up to their
-    /// error, for example volumes.
-    fn restore(&mut self, _positions: &mut [[f64; 3]]) {}
-}
-
-impl<F> RightHandSide for F
-where
-    F: FnMut(&[[f64; 3]], f64, &mut [[f64; 3]]) -> Result<(), String>,
-{
-    fn evaluate(
-        &mut self,
-        positions: &[[f64; 3]],
-        time: f64,
-        velocities: &mut [[f64; 3]],
-    ) -> Result<(), String> {
-        self(positions, time, velocities)
-    }
-}
-
-/// Failure of a run; the positions stay the last good ones.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum Failure {
-    /// A velocity is not finite.
-    #[error("the velocity of vertex {vertex} is not a finite number at time {time:e}")]
-    NotFinite {
-        /// The first such vertex.
-        vertex: usize,
-        /// The time.
-        time: f64,
-    },
-    /// The right-hand side could not compute velocities.
-    #[error("velocities cannot be computed at time {time:e}: {reason}")]
-    Refused {
-        /// The reason.
-        reason: String,
-        /// The time.
-        time: f64,
-    },
-    /// The error is too large for every step.
-    #[error(
-        "at time {time:e} a step of {tried:e} still has {error:.2} times the allowed error, and steps below {floor:e} are too short to make progress"
-    )]
-    StepBelowFloor {
-        /// The time.
-        time: f64,
-        /// The last step tried.
-        tried: f64,
-        /// Its error in units of that allowed.
-        error: f64,
-        /// The shortest step that makes sense.
-        floor: f64,
-    },
-}
 
 /// The state of a run: plain data. A stored and restored run continues bit for bit, if numbers are stored
 /// without loss.
@@ -134,14 +53,6 @@ pub struct State {
     accepted: usize,
     rejected: usize,
     evaluations: usize,
-}
-
-/// The memory of the step controller.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Previous {
-    step: f64,
-    /// The error in units of the tolerance.
-    error: f64,
 }
 
 /// Report of a step.
@@ -192,52 +103,6 @@ struct Work {
     end: Vec<Vector>,
     end_velocities: Vec<Vector>,
     stages: [Vec<Vector>; 3],
-}
-
-/// A right-hand side that is counted, and whose velocities are finite.
-struct Checked<'a> {
-    inner: &'a mut dyn RightHandSide,
-    evaluations: &'a mut usize,
-}
-
-impl Checked<'_> {
-    fn evaluate(
-        &mut self,
-        positions: &[Vector],
-        time: f64,
-        velocities: &mut [Vector],
-    ) -> Result<(), Failure> {
-        *self.evaluations += 1;
-        let evaluated = self.inner.evaluate(positions, time, velocities);
-        evaluated.map_err(|reason| Failure::Refused { reason, time })?;
-        match first_bad(velocities) {
-            Some(vertex) => Err(Failure::NotFinite { vertex, time }),
-            None => Ok(()),
-        }
-    }
-
-    /// Evaluates the right-hand side at the end of a step, where positions are restored.
-    fn arrive(
-        &mut self,
-        positions: &mut [Vector],
-        time: f64,
-        velocities: &mut [Vector],
-    ) -> Result<(), Failure> {
-        self.inner.restore(positions);
-        self.evaluate(positions, time, velocities)
-    }
-}
-
-/// The first vector that is not finite.
-fn first_bad(field: &[Vector]) -> Option<usize> {
-    let bad = |vector: &Vector| !vector.iter().all(|entry| entry.is_finite());
-    field.iter().position(bad)
-}
-
-/// `√(Σ|a_i|²/N)`.
-fn root_mean_square(field: impl ExactSizeIterator<Item = Vector>) -> f64 {
-    let count = field.len().max(1);
-    (field.map(|a| dot(a, a)).sum::<f64>() / count as f64).sqrt()
 }
 
 impl Integrator {
@@ -426,12 +291,7 @@ impl Integrator {
             }
             self.state.rejected += 1;
             fresh = true;
-            let factor = if error.is_finite() {
-                (SAFETY / error.cbrt()).max(*FACTOR.start())
-            } else {
-                *FACTOR.start()
-            };
-            let shorter = factor * step;
+            let shorter = Self::shorter(step, error);
             if shorter < floor {
                 return Err(Failure::StepBelowFloor {
                     time: self.state.time,
@@ -513,65 +373,6 @@ impl Integrator {
         state.age += 1;
     }
 
-    /// The next step by the last two errors: the controller of the paper of [`rkc2`], after H. A.
-    /// Watts, J. Comput. Appl. Math. 12 (1985) 93. The error is of third order for both schemes.
-    fn choose_step(&mut self, step: f64, error: f64) {
-        if matches!(self.settings.scheme, Scheme::Rk4 { .. }) {
-            return;
-        }
-        let error = error.max(LEAST_ERROR);
-        let trend = self.state.previous.map_or(1.0, |previous| {
-            step / previous.step * (previous.error / error).cbrt()
-        });
-        let factor = SAFETY * trend / error.cbrt();
-        let factor = factor.clamp(*FACTOR.start(), *FACTOR.end());
-        self.state.step = Some(factor * step);
-        self.state.previous = Some(Previous { step, error });
-    }
-
-    /// The first step, from the change of velocities in an Euler step, as in that paper.
-    fn first_step(
-        &mut self,
-        right_hand_side: &mut dyn RightHandSide,
-        remaining: f64,
-    ) -> Result<f64, Failure> {
-        let longest = self.settings.longest_step.unwrap_or(f64::INFINITY);
-        let longest = longest.min(remaining);
-        let allowed = self.settings.tolerance * self.settings.length;
-        let state = &mut self.state;
-        let speed = root_mean_square(state.velocities.iter().copied());
-        let mut trial = longest.min(0.1 * self.settings.length / speed);
-        if let Some(radius) = state.radius(&self.settings) {
-            trial = trial.min(radius.recip());
-        }
-        // Nothing moves, so there is no time scale for a first step.
-        if !trial.is_finite() {
-            return Ok(longest);
-        }
-        let mut checked = Checked {
-            inner: right_hand_side,
-            evaluations: &mut state.evaluations,
-        };
-        let work = &mut self.work;
-        for (end, (x, v)) in work
-            .end
-            .iter_mut()
-            .zip(state.positions.iter().zip(&state.velocities))
-        {
-            *end = super::vector::add(*x, super::vector::scale(trial, *v));
-        }
-        let time = state.time + trial;
-        match checked.evaluate(&work.end, time, &mut work.end_velocities) {
-            Ok(()) => {}
-            // The first step will be shortened by error control.
-            Err(_) => return Ok(RETREAT * trial),
-        }
-        let changes = work.end_velocities.iter().zip(&state.velocities);
-        let change = root_mean_square(changes.map(|(a, b)| super::vector::sub(*a, *b)));
-        let error = trial * change / allowed;
-        Ok((0.1 * trial / error.sqrt()).min(longest))
-    }
-
     fn stages(&self, step: f64) -> usize {
         match self.settings.scheme {
             Scheme::Rkc2 => {
@@ -581,31 +382,6 @@ impl Integrator {
             Scheme::Bs23 => 3,
             Scheme::Rk4 { .. } => 4,
         }
-    }
-
-    /// The longest stable step of the scheme, by the last estimate of the spectrum; `None` if the
-    /// spectral radius is not known or 0.
-    pub fn step_limit(&self) -> Option<f64> {
-        let radius = self.state.radius(&self.settings)?;
-        let interval = match self.settings.scheme {
-            Scheme::Rkc2 => {
-                let stages = self.settings.largest_stages() as f64;
-                (stages * stages - 1.0) / rkc2::STABILITY
-            }
-            Scheme::Bs23 => bs23::STABILITY,
-            Scheme::Rk4 { .. } => rk4::STABILITY,
-        };
-        let limit = interval / radius;
-        limit.is_finite().then_some(limit)
-    }
-
-    /// The shortest step that makes sense after a first trial of this length: it is more than a
-    /// rounding of the time, and positions move at all.
-    fn floor(&self, first: f64) -> f64 {
-        let speed = root_mean_square(self.state.velocities.iter().copied());
-        let moving = self.settings.tolerance * self.settings.length / speed;
-        let rounding = 16.0 * f64::EPSILON * self.state.time.abs();
-        (FLOOR * moving.min(first)).max(rounding)
     }
 
     fn report(&self, step: f64, error: f64, stages: usize) -> StepReport {

@@ -51,3 +51,9 @@ pub(crate) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
         *y += factor * x;
     }
 }
+
+/// `√(Σ|a_i|²/N)`.
+pub(crate) fn root_mean_square(field: impl ExactSizeIterator<Item = Vector>) -> f64 {
+    let count = field.len().max(1);
+    (field.map(|a| dot(a, a)).sum::<f64>() / count as f64).sqrt()
+}

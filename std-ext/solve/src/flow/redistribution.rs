@@ -378,7 +378,7 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::Redistribution;
-    use crate::dynamics::vector::{add, cross, dot, norm, scale, sub, unit};
+    use crate::dynamics::vector::{add, cross, dot, norm, root_mean_square, scale, sub, unit};
     use helfrich::TriangleMesh;
     use helfrich_mesh::generate::{AnyShape, Family, generate};
     use std::sync::Arc;
@@ -401,11 +401,6 @@ mod tests {
         let meshes = [Arc::clone(mesh)];
         Redistribution::new(&meshes, &|_| true, 1e-8).slide(positions, &mut velocities);
         velocities
-    }
-
-    fn root_mean_square(field: impl Iterator<Item = [f64; 3]>) -> f64 {
-        let (sum, count) = field.fold((0.0, 0.0), |(sum, n), a| (sum + dot(a, a), n + 1.0));
-        f64::sqrt(sum / count)
     }
 
     /// On the ellipsoid x²/4 + y² + z² = 1, around z: tangential everywhere.

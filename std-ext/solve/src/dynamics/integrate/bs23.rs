@@ -2,7 +2,7 @@
 //! Lett. 2 (1989) 321, whose last velocity is the first of the next step.
 
 use super::{Checked, Failure, Start, Work};
-use crate::dynamics::vector::{add, scale};
+use crate::dynamics::vector::{add, root_mean_square, scale};
 
 /// Length of the stability interval on the negative real axis: `1 + z + z²/2 + z³/6 = −1`.
 pub(super) const STABILITY: f64 = 2.5127;
@@ -32,7 +32,7 @@ pub(super) fn advance(
     }
     rhs.arrive(end, end_time, &mut work.end_velocities)?;
     let v4 = &work.end_velocities;
-    Ok(super::root_mean_square((0..x.len()).map(|i| {
+    Ok(root_mean_square((0..x.len()).map(|i| {
         let early = add(scale(-5.0, v1[i]), scale(6.0, v2[i]));
         let late = add(scale(8.0, v3[i]), scale(-9.0, v4[i]));
         scale(step / 72.0, add(early, late))

@@ -2,7 +2,7 @@
 //! L. F. Shampine and J. G. Verwer, J. Comput. Appl. Math. 88 (1998) 315.
 
 use super::{Checked, Failure, Start, Work};
-use crate::dynamics::vector::{add, scale, sub};
+use crate::dynamics::vector::{add, root_mean_square, scale, sub};
 
 /// Damping ε of that paper: inside the stability interval |R| ≤ 1 − ε/3 but near 0.
 const DAMPING: f64 = 2.0 / 13.0;
@@ -91,7 +91,7 @@ pub(super) fn advance(
     }
     rhs.arrive(end, end_time, &mut work.end_velocities)?;
     let w = &work.end_velocities;
-    Ok(super::root_mean_square((0..x.len()).map(|i| {
+    Ok(root_mean_square((0..x.len()).map(|i| {
         let moved = scale(0.8, sub(x[i], end[i]));
         add(moved, scale(0.4 * step, add(v[i], w[i])))
     })))

@@ -4,7 +4,7 @@
 //! Quart. Appl. Math. 9 (1951) 17), so that complex pairs are found as well as real eigenvalues.
 
 use super::{Checked, Failure, Settings, Start, Work};
-use crate::dynamics::vector::{Vector, add, dot, norm, scale, sub};
+use crate::dynamics::vector::{Vector, add, dot, norm, root_mean_square, scale, sub};
 use serde::{Deserialize, Serialize};
 
 /// The factor by which the estimate is raised: power iteration approaches from below.
@@ -96,7 +96,7 @@ pub(super) fn estimate(
         let settled = (ritz.modulus - modulus).abs() <= CONVERGED * ritz.modulus;
         modulus = ritz.modulus;
         before.copy_from_slice(mode);
-        let size = super::root_mean_square(product.iter().copied());
+        let size = root_mean_square(product.iter().copied());
         let converged = settled && iterations >= least || size == 0.0;
         if size > 0.0 {
             mode.copy_from_slice(product);
@@ -129,8 +129,8 @@ pub(super) fn estimate(
             *product = scale(displacement.recip(), sub(*v, *product));
         }
         let difference = there.iter().zip(&*product).map(|(a, b)| sub(*a, *b));
-        let apart = super::root_mean_square(difference);
-        grows = apart <= RESIDUAL * super::root_mean_square(there.iter().copied());
+        let apart = root_mean_square(difference);
+        grows = apart <= RESIDUAL * root_mean_square(there.iter().copied());
     }
     Ok(Spectrum {
         radius: MARGIN * ritz.modulus,
@@ -196,7 +196,7 @@ fn inner(a: &[Vector], b: &[Vector]) -> f64 {
 
 /// Scales a field to a root mean square of 1.
 fn normalise(field: &mut [Vector]) {
-    let size = super::root_mean_square(field.iter().copied());
+    let size = root_mean_square(field.iter().copied());
     for vector in field {
         *vector = scale(size.recip(), *vector);
     }

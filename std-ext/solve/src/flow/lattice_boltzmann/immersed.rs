@@ -3,94 +3,20 @@
 //! C. S. Peskin, Acta Numerica 11 (2002) 479; the kernel of three points: A. M. Roma, C. S. Peskin,
 //! M. J. Berger, J. Comput. Phys. 153 (1999) 509.
 
+mod kernel;
 mod response;
+mod rows;
+
+pub use kernel::Kernel;
 
 use crate::flow::lattice_boltzmann::force::{ForceSlab, NodalVelocities, checked_force};
 use crate::flow::lattice_boltzmann::reading::{Moments, Row};
 use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
-use serde::{Deserialize, Serialize};
-use std::array;
+use kernel::Stencil;
+use rows::Rows;
 
 /// The least number of points that is worth starting a thread.
 const POINTS_A_THREAD: usize = 1024;
-
-/// The least gap, in nodes, between two parts of a row. Smaller gaps are bridged, because they
-/// share cache lines with the parts.
-const NODES_LEFT_OUT: usize = 16;
-
-/// The kernel that spreads a point over the nodes around it: a product φ(x) φ(y) φ(z) of the
-/// distances along the axes.
-///
-/// Every kernel satisfies Σ φ = 1 and Σ r φ = 0 over the nodes for every point, so that forces and
-/// torques are conserved, and linear fields are interpolated exactly.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kernel {
-    /// 1 − |r|: linear interpolation. The sharpest; edges of membranes at most 1.5 nodes long.
-    Two,
-    /// Continuously differentiable, with Σ φ² = 1/2.
-    Three,
-    /// Continuously differentiable, with Σ φ² = 3/8, and as much on even nodes as on odd ones.
-    Four,
-}
-
-impl Kernel {
-    /// Number of nodes along each axis.
-    pub fn points(self) -> usize {
-        match self {
-            Self::Two => 2,
-            Self::Three => 3,
-            Self::Four => 4,
-        }
-    }
-
-    /// φ at a distance in units of the distance of nodes; 0 beyond half of [`Self::points`].
-    pub fn weight(self, distance: f64) -> f64 {
-        let r = distance.abs();
-        match self {
-            Self::Two => (1.0 - r).max(0.0),
-            Self::Three if r <= 0.5 => (1.0 + (1.0 - 3.0 * r * r).sqrt()) / 3.0,
-            Self::Three if r <= 1.5 => {
-                let s = 1.0 - r;
-                (5.0 - 3.0 * r - (1.0 - 3.0 * s * s).sqrt()) / 6.0
-            }
-            Self::Four if r <= 1.0 => (3.0 - 2.0 * r + (1.0 + 4.0 * r * (1.0 - r)).sqrt()) / 8.0,
-            Self::Four if r <= 2.0 => {
-                let squared = 12.0 * r - 7.0 - 4.0 * r * r;
-                (5.0 - 2.0 * r - squared.sqrt()) / 8.0
-            }
-            Self::Three | Self::Four => 0.0,
-        }
-    }
-
-    /// The first node that a coordinate reaches, and [`Self::weight`] there and at those that follow:
-    /// one square root serves all of them.
-    fn weights(self, coordinate: f64) -> (f64, [f64; 4]) {
-        match self {
-            Self::Two => {
-                let first = (coordinate - 0.5).floor();
-                let r = coordinate - 0.5 - first;
-                (first, [1.0 - r, r, 0.0, 0.0])
-            }
-            Self::Three => {
-                let middle = coordinate.floor();
-                let r = coordinate - 0.5 - middle;
-                let root = (1.0 - 3.0 * r * r).sqrt();
-                let [before, after] = [-r, r].map(|r| (2.0 + 3.0 * r - root) / 6.0);
-                (middle - 1.0, [before, (1.0 + root) / 3.0, after, 0.0])
-            }
-            Self::Four => {
-                let before = (coordinate - 0.5).floor();
-                let r = coordinate - 0.5 - before;
-                let root = (1.0 + 4.0 * r * (1.0 - r)).sqrt();
-                let [far, near] = [-root, root].map(|root| (3.0 - 2.0 * r + root) / 8.0);
-                let [after_near, after_far] =
-                    [root, -root].map(|root| (1.0 + 2.0 * r + root) / 8.0);
-                (before - 1.0, [far, near, after_near, after_far])
-            }
-        }
-    }
-}
 
 /// Points in the fluid, such as the vertices of membranes.
 ///
@@ -113,75 +39,6 @@ pub struct Immersed {
     nodes: Vec<[f64; 3]>,
     /// ½/ρ of each: the velocity that a unit force adds.
     responses: Vec<f64>,
-}
-
-/// The nodes of a point.
-#[derive(Clone, Copy, Debug)]
-struct Stencil {
-    /// The first along each axis, in the lattice.
-    first: [usize; 3],
-    weights: [[f64; 4]; 3],
-}
-
-/// Parts of rows along x that contain all nodes of all points.
-#[derive(Clone, Debug, Default)]
-struct Rows {
-    /// For each row of the lattice, counted along y, then z, its parts: two, where the row enters
-    /// and leaves a closed membrane.
-    parts: Vec<[Part; 2]>,
-    /// All parts, in their order.
-    runs: Vec<Row>,
-    /// Number of nodes in all parts.
-    nodes: usize,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Part {
-    start: usize,
-    end: usize,
-    /// The start of its velocities among those of all parts.
-    offset: usize,
-}
-
-impl Part {
-    /// Behind all others.
-    const NONE: Self = Self {
-        start: usize::MAX,
-        end: usize::MAX,
-        offset: 0,
-    };
-
-    fn extend(&mut self, start: usize, end: usize) {
-        (self.start, self.end) = (self.start.min(start), self.end.max(end));
-    }
-}
-
-/// Has nodes covered by parts in their order, with something between them.
-fn cover([first, second]: &mut [Part; 2], start: usize, end: usize) {
-    let own = Part {
-        start,
-        end,
-        offset: 0,
-    };
-    if first.start == usize::MAX {
-        *first = own;
-    } else if second.start == usize::MAX && start > first.end + NODES_LEFT_OUT {
-        *second = own;
-    } else if second.start == usize::MAX && end + NODES_LEFT_OUT < first.start {
-        (*first, *second) = (own, *first);
-    } else {
-        let before = start.saturating_sub(first.end);
-        let behind = second.start.saturating_sub(end);
-        if before <= behind {
-            first.extend(start, end);
-        } else {
-            second.extend(start, end);
-        }
-        if second.start != usize::MAX && first.end + NODES_LEFT_OUT >= second.start {
-            first.extend(second.start, second.end);
-            *second = Part::NONE;
-        }
-    }
 }
 
 impl Immersed {
@@ -517,66 +374,6 @@ fn share_points(
     });
 }
 
-impl Stencil {
-    /// The nodes along each axis.
-    fn nodes<const POINTS: usize>(&self, cells: [usize; 3]) -> [[usize; POINTS]; 3] {
-        array::from_fn(|axis| {
-            array::from_fn(|k| {
-                let mut node = self.first[axis] + k;
-                // Once at most, but on an axis with fewer nodes than the kernel; no division.
-                while node >= cells[axis] {
-                    node -= cells[axis];
-                }
-                node
-            })
-        })
-    }
-}
-
-impl Rows {
-    /// The part of a row with this node of a stencil: all of the stencil's nodes in the row are in
-    /// the same one.
-    fn part(&self, x: usize, row: usize) -> Part {
-        let parts = self.parts[row];
-        parts[usize::from(x >= parts[1].start)]
-    }
-
-    /// Rebuilds the parts.
-    fn cover(&mut self, cells: [usize; 3], kernel: Kernel, stencils: &[Stencil]) {
-        let [length, rows, planes] = cells;
-        let count = kernel.points();
-        self.parts.clear();
-        self.parts.resize(rows * planes, [Part::NONE; 2]);
-        for stencil in stencils {
-            let [_, y, z] = stencil.nodes::<4>(cells);
-            let first = stencil.first[0];
-            let (start, end) = if first + count <= length {
-                (first, first + count)
-            } else {
-                (0, length)
-            };
-            for &z in &z[..count] {
-                for &y in &y[..count] {
-                    cover(&mut self.parts[y + rows * z], start, end);
-                }
-            }
-        }
-        self.runs.clear();
-        self.nodes = 0;
-        for (row, parts) in self.parts.iter_mut().enumerate() {
-            for part in parts.iter_mut().filter(|part| part.start != usize::MAX) {
-                part.offset = self.nodes;
-                let count = part.end - part.start;
-                self.nodes += count;
-                self.runs.push(Row {
-                    start: [part.start, row % rows, row / rows],
-                    count,
-                });
-            }
-        }
-    }
-}
-
 /// The velocities of some rows, one after the other, and what a force adds to them.
 fn read_velocities<T: Precision>(
     lattice: &Lattice<T>,
@@ -593,30 +390,5 @@ fn read_velocities<T: Precision>(
     for ((velocity, response), moments) in velocities.iter_mut().zip(responses).zip(&moments) {
         *velocity = lattice.velocity(moments);
         *response = 0.5 / lattice.inertial_density(moments);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Kernel;
-
-    #[test]
-    fn weights_of_a_coordinate_are_those_of_distances() {
-        for kernel in [Kernel::Two, Kernel::Three, Kernel::Four] {
-            for step in -40..=40 {
-                let coordinate = 0.025 * f64::from(step);
-                let (first, weights) = kernel.weights(coordinate);
-                for (k, found) in weights.into_iter().enumerate() {
-                    let expected = match k < kernel.points() {
-                        true => kernel.weight(coordinate - 0.5 - (first + k as f64)),
-                        false => 0.0,
-                    };
-                    assert!(
-                        (found - expected).abs() < 4.0 * f64::EPSILON,
-                        "{kernel:?} at {coordinate}, node {k}: found {found}, expected {expected}"
-                    );
-                }
-            }
-        }
     }
 }
