@@ -7,10 +7,17 @@ use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::series::SeriesTable;
 use helfrich_std::simulation::{Simulation, build};
 use helfrich_tests::allocation::{Counting, allocations};
-use helfrich_tests::tolerance;
+use helfrich_tests::tolerance::{self, Tolerance};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
+
+/// The estimate of the energy by jets of degree 6 on curved triangles, of 2562 vertices.
+const VESICLE_ESTIMATE: Tolerance = Tolerance::new(
+    1e-3,
+    "fourth order, and of second order in the distance of the shape from the equilibrium; theory has \
+     five digits",
+);
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -180,7 +187,7 @@ fn vesicles_have_the_energies_of_theory() {
             panic!("{:?}", summary.energy_estimates);
         };
         let estimate = found.estimate / (8.0 * PI);
-        tolerance::VESICLE_ESTIMATE.assert(estimate, expected, expected, name);
+        VESICLE_ESTIMATE.assert(estimate, expected, expected, name);
         let reduced = &name[name.len() - 3..];
         let reduced: f64 = reduced.parse().expect("a reduced volume");
         tolerance::HELD.assert(last("reduced_volume"), reduced, reduced, name);

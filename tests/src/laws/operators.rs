@@ -3,11 +3,19 @@
 
 use super::{CurvatureLaw, Finite, OperatorLaw, ROOM};
 use crate::meshes::{GENERIC, Mesh, SplitMix64, difference, norm, rotation, small, turned};
-use crate::tolerance;
+use crate::tolerance::{self, Tolerance};
 use helfrich::{
     Curvature, Curvatures, Finding, LaplaceBeltrami, Method, Rows, Serial, SparseMatrix, Workspace,
 };
 use helfrich_std::generate::{Family, generate};
+
+/// Results of an operator on a surface against its results on the surface moved, relative to the
+/// curvatures.
+const OPERATOR_MOTION: Tolerance = Tolerance::new(
+    1e-9,
+    "positions are rounded anew at 1e-16 and second derivatives divide that by h² = 1e-2, times \
+     the condition of a fit",
+);
 
 /// An operator that has measured a surface.
 #[derive(Debug)]
@@ -275,7 +283,7 @@ impl OperatorLaw for LaplacianFollows<'_> {
         let turn = rotation(GENERIC);
         let there = laplacian(&self.0.map(|x| turned(turn, x).map(|x| x + 0.75)));
         for (found, expected) in there.into_iter().zip(here) {
-            tolerance::OPERATOR_MOTION.assert(found, expected, 10.0, name);
+            OPERATOR_MOTION.assert(found, expected, 10.0, name);
         }
     }
 }

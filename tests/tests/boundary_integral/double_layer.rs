@@ -6,8 +6,28 @@ use super::{
 };
 use helfrich_std::flow::{Ambient, DoubleLayer, Gmres, SingleLayer};
 use helfrich_tests::meshes::{Mesh, cross, difference, dot, icosphere, norm};
-use helfrich_tests::tolerance;
+use helfrich_tests::tolerance::{self, Tolerance};
 use std::num::NonZeroUsize;
+
+/// Pressures around a strained sphere, within an edge of it too, of 5.
+const FLOW_PRESSURE: Tolerance = Tolerance::new(
+    2e-2,
+    "flat triangles bend at edges, near which the pressure has the logarithm of the distance",
+);
+
+/// Pressures next to a coarse surface by halved triangles against the same on triangles of a 16th of
+/// the edge, relative to a pressure two edges off.
+const FLOW_NEAR_PRESSURE: Tolerance = Tolerance::new(
+    1e-3,
+    "middles of edges on a triangle at four times its edge, for the third power of 1/r",
+);
+
+/// Velocities on a pancake by facing triangles in parts against triangles of a quarter of the edge,
+/// relative.
+const FLOW_FACING: Tolerance = Tolerance::new(
+    5e-3,
+    "seven points on the neighbours of the triangles around a vertex, middles of edges beyond",
+);
 
 /// A straining motion.
 const E: [[f64; 3]; 3] = [[0.6, 0.4, -0.3], [0.4, -0.9, 0.2], [-0.3, 0.2, 0.3]];
@@ -100,7 +120,7 @@ fn spheres_of_any_viscosity_are_strained() {
         assert_second_order(&on, "on the surface");
         tolerance::FLOW_STRAINED.assert(on[2], 0.0, 1.0, "on the surface");
         tolerance::FLOW_STRAINED.assert(off[2], 0.0, 1.0, "off the surface");
-        tolerance::FLOW_PRESSURE.assert(pressures[2], 0.0, 1.0, "pressure");
+        FLOW_PRESSURE.assert(pressures[2], 0.0, 1.0, "pressure");
     }
 }
 
@@ -288,7 +308,7 @@ fn close_points_see_the_double_layer_in_parts() {
         let error = largest_error(&velocity, &expected);
         tolerance::FLOW_NEAR.assert(error, 0.0, 1.0, "velocity");
         for (p, expected) in pressure.iter().zip(&expected_pressure) {
-            tolerance::FLOW_NEAR_PRESSURE.assert(*p, *expected, 10.0, "pressure");
+            FLOW_NEAR_PRESSURE.assert(*p, *expected, 10.0, "pressure");
         }
     }
 }
@@ -320,7 +340,7 @@ fn sides_of_one_surface_that_are_close_see_each_other_in_parts() {
     let expected = run(&fine, &fine_field);
     for (found, expected) in found.iter().zip(&expected) {
         let error = largest_error(found, expected);
-        tolerance::FLOW_FACING.assert(error, 0.0, largest(expected), "pancake");
+        FLOW_FACING.assert(error, 0.0, largest(expected), "pancake");
     }
 }
 

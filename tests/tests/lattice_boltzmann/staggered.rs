@@ -10,7 +10,13 @@ use helfrich::{InPlane, Prepared, Surface};
 use helfrich_std::flow::lattice_boltzmann::{Kernel, Lattice, Node, Units};
 use helfrich_std::flow::{Immersion, Membranes};
 use helfrich_tests::meshes::{Mesh, icosphere};
-use helfrich_tests::tolerance;
+use helfrich_tests::tolerance::{self, Tolerance};
+
+/// Momentum of a sign that changes from step to step, with a membrane in the fluid, relative.
+const LATTICE_STAGGERED: Tolerance = Tolerance::new(
+    1e-2,
+    "the first step has none before it, so that vertices are off by half of its displacement: a membrane      of a tenth of μ spacing/step pulls them by a tenth of that, on a part of the nodes, to and fro",
+);
 
 const SIZE: [usize; 3] = [16, 13, 15];
 const RADIUS: f64 = 4.0;
@@ -106,7 +112,7 @@ fn membranes_do_not_feed_it() {
             advanced.unwrap_or_else(|error| panic!("{axis}, step {step}: {error}"));
             let found = momentum(immersion.lattice(), axis);
             let what = format!("momentum along {axis} after step {step}");
-            tolerance::LATTICE_STAGGERED.assert(found, SPEED, SPEED, &what);
+            LATTICE_STAGGERED.assert(found, SPEED, SPEED, &what);
         }
     }
 }

@@ -5,8 +5,14 @@ use helfrich::{MembraneViscosity, Prepared, Surface};
 use helfrich_std::flow::lattice_boltzmann::{Kernel, Lattice, Setup, Units};
 use helfrich_std::flow::{Immersion, ImmersionPrecision, Membranes};
 use helfrich_tests::meshes::{Mesh, dot, icosphere};
-use helfrich_tests::tolerance;
+use helfrich_tests::tolerance::{self, Tolerance};
 use std::num::NonZeroUsize;
+
+/// Strain of viscous membranes that are as good as rigid, by their viscosity, relative.
+const LATTICE_STIFF: Tolerance = Tolerance::new(
+    0.05,
+    "flows of higher order than strain, of which a box of four radii has many, give way by a little more",
+);
 
 const SIZE: [usize; 3] = [16, 14, 15];
 const RADIUS: f64 = 4.0;
@@ -145,7 +151,7 @@ fn stiff_membranes_move_as_rigid_bodies() {
     // The rate of strain, as a viscous membrane in a straining flow has it: see the tests of runs.
     let rate = |b: f64| (175.0 + 160.0 * b) / (175.0 + 210.0 * b + 32.0 * b * b);
     let expected = rate(100.0) / rate(1000.0);
-    tolerance::LATTICE_STIFF.assert(stiff / stiffer, expected, expected, "strain");
+    LATTICE_STIFF.assert(stiff / stiffer, expected, expected, "strain");
 }
 
 #[test]

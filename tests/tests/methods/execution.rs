@@ -5,13 +5,20 @@ use helfrich::{
     Conservative, Energy, Force, InPlane, Lane, Prepared, Real, Reordering, Serial, Skalak, Surface,
 };
 use helfrich_std::execute::{Parallel, available_threads, with_threads};
+use helfrich_tests::REORDERED;
 use helfrich_tests::laws::{Candidate, ConservativeCandidate, ConservativeLaw, Law, for_each};
 use helfrich_tests::laws::{for_each_conservative, forces, largest};
 use helfrich_tests::meshes::{Mesh, bent, icosphere, sheet, small, torus};
 use helfrich_tests::potentials::for_each_potential;
-use helfrich_tests::tolerance::REORDERED;
+use helfrich_tests::tolerance::Tolerance;
 use std::fmt::Debug;
 use std::num::NonZeroUsize;
+
+/// Forces of one method in two orders of the vertices, over the largest of them.
+const REORDERED: Tolerance = Tolerance::new(
+    1e-12,
+    "rounding of positions in a fourth derivative: 1e-16 over the fourth power of an edge of a tenth",
+);
 
 fn threads() -> impl Iterator<Item = Parallel> {
     (1..=3).map(|threads| Parallel {

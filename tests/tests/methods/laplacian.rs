@@ -10,8 +10,26 @@ use helfrich_tests::meshes::{
     icosahedron, icosphere, inscribed, norm, octahedron, rough_any, rough_closed, tetrahedron,
     torus, unit,
 };
-use helfrich_tests::tolerance;
+use helfrich_tests::tolerance::{self, Tolerance};
 use proptest::prelude::*;
+
+/// H R on inscribed meshes, relative to ε R² Σ|cot|/|A|.
+const SPHERE_EXACT: Tolerance = Tolerance::new(
+    4.0,
+    "positions lie on the sphere to ε R, and each cotangent multiplies such an error of a difference",
+);
+
+/// Δ_S x against −2 n on the icosphere of 2562 vertices, largest error.
+const EIGENFUNCTION_MAX: Tolerance = Tolerance::new(
+    1e-2,
+    "first order: along n the operator is exact, tangentially it is not",
+);
+
+/// Δ_S of the second zonal harmonic on the same mesh, mean error.
+const EIGENFUNCTION_MEAN: Tolerance = Tolerance::new(
+    2e-2,
+    "nearly second order in the mean; at the twelve vertices of valence 5 there is no convergence",
+);
 
 const KINDS: [DualArea; 3] = [DualArea::Mixed, DualArea::Voronoi, DualArea::Barycentric];
 
@@ -162,7 +180,7 @@ fn assert_sphere_exact(inscribed: Inscribed) -> (usize, usize) {
     let (mut compared, mut negative) = (0, 0);
     for vertex in 0..vertices {
         let scale = f64::EPSILON * radius * radius * sums[vertex] / areas[vertex].abs();
-        if scale.is_nan() || tolerance::SPHERE_EXACT.value * scale >= 0.5 {
+        if scale.is_nan() || SPHERE_EXACT.value * scale >= 0.5 {
             continue;
         }
         compared += 1;
@@ -170,7 +188,7 @@ fn assert_sphere_exact(inscribed: Inscribed) -> (usize, usize) {
         let of_c = -0.5 * dot(laplacian[vertex], normals[vertex]);
         for (name, mean) in [("B", of_b[vertex]), ("C", of_c)] {
             let what = format!("H R of {name} at vertex {vertex} of {inscribed:?}");
-            tolerance::SPHERE_EXACT.assert(mean * radius, 1.0, scale, &what);
+            SPHERE_EXACT.assert(mean * radius, 1.0, scale, &what);
         }
     }
     (compared, negative)
@@ -264,8 +282,8 @@ fn eigenfunctions_of_the_sphere() {
         }
         before = errors;
     }
-    assert!(before[0] < tolerance::EIGENFUNCTION_MAX.value);
-    assert!(before[1] < tolerance::EIGENFUNCTION_MEAN.value);
+    assert!(before[0] < EIGENFUNCTION_MAX.value);
+    assert!(before[1] < EIGENFUNCTION_MEAN.value);
 }
 
 /// The weights that Meyer et al. give the corners of an obtuse triangle.

@@ -10,8 +10,15 @@ use helfrich_tests::meshes::{
     Base, GENERIC, Inscribed, Mesh, Rough, bent, cases, disc, hemisphere, icosahedron, icosphere,
     norm, octahedron, rotation, rough_any, rough_closed, tetrahedron, turned,
 };
-use helfrich_tests::tolerance;
+use helfrich_tests::tolerance::{self, Tolerance};
 use proptest::prelude::*;
+
+/// Net force and torque of the strong form on a smooth mesh of 642 vertices, relative to Σ|F|.
+const STRONG_BALANCE: Tolerance = Tolerance::new(
+    4e-3,
+    "forces are pointwise values times areas, no gradient: they balance as the mesh is refined, those \
+     of the heat kernel of a quarter of an area least of all",
+);
 
 proptest! {
     #![proptest_config(cases(32))]
@@ -147,8 +154,8 @@ fn strong_form_is_nearly_balanced_on_smooth_meshes() {
             let (mesh, positions) = (&self.0.connectivity, &self.0.positions);
             let force = forces(candidate.method(1.0), mesh, positions);
             let (net, torque) = imbalance(positions, &force);
-            tolerance::STRONG_BALANCE.assert(net, 0.0, 1.0, candidate.name());
-            tolerance::STRONG_BALANCE.assert(torque, 0.0, 1.0, candidate.name());
+            STRONG_BALANCE.assert(net, 0.0, 1.0, candidate.name());
+            STRONG_BALANCE.assert(torque, 0.0, 1.0, candidate.name());
         }
     }
     for_each(&mut NearlyBalanced(icosphere(3).map(bent)));
@@ -161,8 +168,10 @@ fn spheres_within_the_table() {
     impl Law for OnSphere<'_> {
         fn check<C: Candidate>(&mut self, candidate: C) {
             let name = candidate.name();
-            let expected = tolerance::OnSphere::of(name, candidate.is_gradient());
-            let is_exception = tolerance::ON_SPHERE.iter().any(|on| on.method == name);
+            let expected = tolerance::methods::OnSphere::of(name, candidate.is_gradient());
+            let is_exception = tolerance::methods::ON_SPHERE
+                .iter()
+                .any(|on| on.method == name);
             let (mesh, positions) = (&self.0.connectivity, &self.0.positions);
             let energy = energy(candidate.method(1.0), mesh, positions);
             let energy = energy / (8.0 * std::f64::consts::PI);

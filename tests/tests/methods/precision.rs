@@ -2,7 +2,7 @@
 
 use helfrich_tests::laws::{Candidate, Law, energy, for_each, forces, largest};
 use helfrich_tests::meshes::{Mesh, bent, difference, icosphere, norm};
-use helfrich_tests::tolerance::SinglePrecision;
+use helfrich_tests::tolerance::methods::SinglePrecision;
 
 #[test]
 fn single_precision_within_the_table() {

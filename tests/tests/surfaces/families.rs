@@ -6,8 +6,14 @@ use helfrich_std::generate::{
     AnyShape, Family, GenerateError, GeneratedMesh, ShapeDeviation, generate,
 };
 use helfrich_std::info::MeshInfo;
-use helfrich_tests::tolerance;
+use helfrich_tests::tolerance::Tolerance;
 use std::array::from_fn;
+
+/// A point of a mesh on its shape, relative to the shape's size.
+const ON_SURFACE: Tolerance = Tolerance::new(
+    1e-13,
+    "positions are the image of their pre-images, and the way back rounds a few times",
+);
 
 const SHAPES: [&str; 8] = [
     "sphere",
@@ -121,7 +127,7 @@ fn every_mesh_is_closed_oriented_and_on_its_shape() {
                     let again = made.shape.position(made.shape.preimage(position));
                     let size = made.shape.size();
                     for i in 0..3 {
-                        tolerance::ON_SURFACE.assert(again[i], position[i], size, &what);
+                        ON_SURFACE.assert(again[i], position[i], size, &what);
                     }
                 }
             }

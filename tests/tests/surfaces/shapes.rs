@@ -4,9 +4,49 @@ use autodiff::FT;
 use helfrich::Real;
 use helfrich::shapes::{Discocyte, Ellipsoid, ExactPoint, Shape, Sphere, Torus};
 use helfrich_tests::quadrature::{over_sphere_like, over_torus};
-use helfrich_tests::tolerance;
+use helfrich_tests::tolerance::Tolerance;
 use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
+
+/// Exact shapes against tabulated values, relative to each quantity's largest.
+const SHAPE_REFERENCE: Tolerance = Tolerance::new(
+    1e-13,
+    "the tabulated radius is rounded once, and Δ_S H is a fourth derivative of the profile",
+);
+
+/// Exact shapes against derivatives by dual numbers, relative to a power of the curvature.
+const SHAPE_DERIVATIVE: Tolerance = Tolerance::new(
+    1e-11,
+    "dual numbers add no truncation; near the rim the extension off the surface has large terms",
+);
+
+/// Exact shapes at different scales, relative to a power of the curvature.
+const SHAPE_SCALING: Tolerance = Tolerance::new(
+    2e-14,
+    "the scale enters by a few multiplications; the pre-image's last bits differ",
+);
+
+/// Exact shapes in f32 against f64, relative to each quantity's largest.
+const SHAPE_SINGLE: Tolerance = Tolerance::new(
+    2e-5,
+    "f32 rounds at 6e-8, and the pre-image's rounding is amplified by H''' of the discocyte",
+);
+
+/// Pre-image of a position, absolute on the unit sphere.
+const SHAPE_PREIMAGE: Tolerance =
+    Tolerance::new(1e-14, "a division, a square root and a normalisation");
+
+/// Exact normals against central differences of positions, absolute.
+const NORMAL_DIFFERENCE: Tolerance = Tolerance::new(
+    1e-7,
+    "second-order differences with a step of 1e-5 leave 1e-10 of truncation and 1e-11/1e-5 of rounding",
+);
+
+/// Integrals over exact shapes by quadrature, relative.
+const SHAPE_INTEGRAL: Tolerance = Tolerance::new(
+    1e-12,
+    "Gauss and trapezoidal rules on analytic integrands; what is left is summed rounding",
+);
 
 /// A shape that can be built in every scalar and at every scale.
 trait Case {
@@ -175,7 +215,7 @@ fn discocyte_meets_the_reference() {
         for i in 0..names.len() {
             let what = format!("{} at r = {r}", names[i]);
             let expected = number(&station[names[i]]);
-            tolerance::SHAPE_REFERENCE.assert(found[i], expected, largest[i], &what);
+            SHAPE_REFERENCE.assert(found[i], expected, largest[i], &what);
         }
     }
 
@@ -186,7 +226,7 @@ fn discocyte_meets_the_reference() {
         ("energy_over_kappa", integral(|p| 2.0 * p.mean * p.mean)),
     ] {
         let expected = number(&reference[name]);
-        tolerance::SHAPE_INTEGRAL.assert(found, expected, expected, name);
+        SHAPE_INTEGRAL.assert(found, expected, expected, name);
     }
 }
 
@@ -199,7 +239,7 @@ fn preimage_undoes_position() {
             assert_eq!(position, shape.at(preimage).position, "{}", C::NAME);
             let again = shape.preimage(position);
             for i in 0..3 {
-                tolerance::SHAPE_PREIMAGE.assert(again[i], preimage[i], 1.0, C::NAME);
+                SHAPE_PREIMAGE.assert(again[i], preimage[i], 1.0, C::NAME);
             }
         }
     }
@@ -241,7 +281,7 @@ fn normal_agrees_with_differences_of_positions() {
             let length = dot(normal, normal).sqrt();
             for (component, exact) in normal.into_iter().zip(point.normal) {
                 let found = component / length;
-                tolerance::NORMAL_DIFFERENCE.assert(found, exact, 1.0, C::NAME);
+                NORMAL_DIFFERENCE.assert(found, exact, 1.0, C::NAME);
             }
         }
     }
@@ -289,7 +329,7 @@ fn curvatures_are_derivatives_of_the_normal() {
             for i in 0..3 {
                 let what = format!("{} of {} at {preimage:?}", QUANTITIES[i], C::NAME);
                 let found = curvatures(&point)[i];
-                tolerance::SHAPE_DERIVATIVE.assert(found, expected[i], scale[i], &what);
+                SHAPE_DERIVATIVE.assert(found, expected[i], scale[i], &what);
             }
         }
     }
@@ -304,7 +344,7 @@ fn a_round_ellipsoid_is_a_sphere() {
         let found = curvatures(&ellipsoid.at(preimage));
         let expected = curvatures(&sphere.at(preimage));
         for (i, quantity) in QUANTITIES.iter().enumerate() {
-            tolerance::SHAPE_SCALING.assert(found[i], expected[i], 1.0, quantity);
+            SHAPE_SCALING.assert(found[i], expected[i], 1.0, quantity);
         }
     }
 }
@@ -323,7 +363,7 @@ fn curvatures_scale() {
                 for i in 0..3 {
                     let what = format!("{} of {} scaled by {s:e}", QUANTITIES[i], C::NAME);
                     let found = found[i] * powers(i, s);
-                    tolerance::SHAPE_SCALING.assert(found, expected[i], scale[i], &what);
+                    SHAPE_SCALING.assert(found, expected[i], scale[i], &what);
                 }
             }
         }
@@ -336,7 +376,7 @@ fn curvatures_scale() {
                 for i in 0..3 {
                     let what = format!("f32 {} of {} scaled by {s:e}", QUANTITIES[i], C::NAME);
                     let found = found[i] * powers(i, s);
-                    tolerance::SHAPE_SINGLE.assert(found, expected[i], scale[i], &what);
+                    SHAPE_SINGLE.assert(found, expected[i], scale[i], &what);
                 }
             }
         }
@@ -349,10 +389,10 @@ fn curvatures_scale() {
 fn integral_theorems_hold() {
     fn sphere_like(shape: &impl Shape<f64>) {
         let total = over_sphere_like(shape, |p| p.gaussian);
-        tolerance::SHAPE_INTEGRAL.assert(total, 2.0 * TAU, 2.0 * TAU, "Gauss-Bonnet");
+        SHAPE_INTEGRAL.assert(total, 2.0 * TAU, 2.0 * TAU, "Gauss-Bonnet");
         let magnitude = over_sphere_like(shape, |p| p.laplacian_of_mean.abs()).max(1.0);
         let flux = over_sphere_like(shape, |p| p.laplacian_of_mean);
-        tolerance::SHAPE_INTEGRAL.assert(flux, 0.0, magnitude, "integral of Δ_S H");
+        SHAPE_INTEGRAL.assert(flux, 0.0, magnitude, "integral of Δ_S H");
     }
     sphere_like(&RoundSphere::shape(1.0));
     sphere_like(&Triaxial::shape(1.0));
@@ -361,10 +401,10 @@ fn integral_theorems_hold() {
 
     let torus = Torus::new(2.0, 0.9).unwrap();
     let integral = |integrand: fn(&ExactPoint<f64>) -> f64| over_torus(&torus, 2.0, 0.9, integrand);
-    tolerance::SHAPE_INTEGRAL.assert(integral(|p| p.gaussian), 0.0, TAU, "Gauss-Bonnet");
+    SHAPE_INTEGRAL.assert(integral(|p| p.gaussian), 0.0, TAU, "Gauss-Bonnet");
     let magnitude = integral(|p| p.laplacian_of_mean.abs());
     let flux = integral(|p| p.laplacian_of_mean);
-    tolerance::SHAPE_INTEGRAL.assert(flux, 0.0, magnitude, "integral of Δ_S H");
+    SHAPE_INTEGRAL.assert(flux, 0.0, magnitude, "integral of Δ_S H");
 }
 
 #[test]
@@ -383,7 +423,7 @@ fn bending_energies_are_the_known_ones() {
         (spheroid(2.0), 30.903213288653117, "spheroid (1, 1, 2)"),
         (spheroid(0.5), 33.8046239320634, "spheroid (1, 1, 1/2)"),
     ] {
-        tolerance::SHAPE_INTEGRAL.assert(found, expected, expected, name);
+        SHAPE_INTEGRAL.assert(found, expected, expected, name);
     }
 }
 

@@ -5,7 +5,20 @@ use helfrich::subdivision::{
     vertex_weight,
 };
 use helfrich::{MeshError, Serial, TriangleMesh, VertexKind};
-use helfrich_tests::tolerance::{SPLINE, SPLINE_DIFFERENCE, SPLINE_GEOMETRY};
+use helfrich_tests::tolerance::SPLINE;
+use helfrich_tests::tolerance::Tolerance;
+
+/// Derivatives of spline bases against central differences, relative to the largest.
+const SPLINE_DIFFERENCE: Tolerance = Tolerance::new(
+    1e-8,
+    "second-order differences with a step of 1e-5 leave 1e-10 of truncation and 1e-11 of rounding",
+);
+
+/// Tangent planes and curvatures of one surface from different patches, relative.
+const SPLINE_GEOMETRY: Tolerance = Tolerance::new(
+    1e-9,
+    "second derivatives of random control points, divided by the squares of tangents of any size",
+);
 
 /// Positions of the twelve nodes of a regular patch, in coordinates (v, w).
 const LATTICE: [[i32; 2]; 12] = [
