@@ -30,13 +30,11 @@ use alloc::vec::Vec;
 /// compressed columns (CSC).
 ///
 /// ```
-/// use helfrich::{Cotangent, DualArea, SparseMatrix, Surface, TriangleMesh};
+/// use helfrich::{Cotangent, Surface, TriangleMesh};
 ///
 /// let mesh = TriangleMesh::new(3, vec![[0, 1, 2]])?;
 /// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// let mut stiffness = SparseMatrix::new();
-/// let operator = Cotangent::new(DualArea::Mixed);
-/// operator.assemble_stiffness(Surface::new(&mesh, &points)?, &mut stiffness);
+/// let stiffness = Cotangent::default().stiffness(Surface::new(&mesh, &points)?);
 ///
 /// assert_eq!(stiffness.row_offsets(), [0, 3, 6, 9]);
 /// assert_eq!(stiffness.column_indices(), [0, 1, 2, 0, 1, 2, 0, 1, 2]);

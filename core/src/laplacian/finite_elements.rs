@@ -20,6 +20,20 @@ use crate::vec3::{Vec3, add, dot, scale};
 /// S, M, div and grad do not depend on the kind of areas. A triangle without area contributes 0 to
 /// each of them.
 impl Cotangent {
+    /// The stiffness S, as [`Self::assemble_stiffness`] fills it.
+    pub fn stiffness<T: Real>(&self, surface: Surface<'_, T>) -> SparseMatrix<T> {
+        let mut stiffness = SparseMatrix::new();
+        self.assemble_stiffness(surface, &mut stiffness);
+        stiffness
+    }
+
+    /// The consistent mass M, as [`Self::assemble_mass`] fills it.
+    pub fn mass<T: Real>(&self, surface: Surface<'_, T>) -> SparseMatrix<T> {
+        let mut mass = SparseMatrix::new();
+        self.assemble_mass(surface, &mut mass);
+        mass
+    }
+
     /// Fills `stiffness` with the integrated `S_ij = ∫ ∇λ_i·∇λ_j dS`: `−½ (cot α + cot β)` for an
     /// edge, and minus the sum of these on the diagonal. It is dimensionless.
     ///

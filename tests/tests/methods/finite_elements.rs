@@ -57,15 +57,11 @@ impl<'a, T: Real + Into<f64>> Elements<'a, T> {
     }
 
     fn stiffness(&self) -> SparseMatrix<T> {
-        let mut stiffness = SparseMatrix::new();
-        ELEMENTS.assemble_stiffness(self.surface(), &mut stiffness);
-        stiffness
+        ELEMENTS.stiffness(self.surface())
     }
 
     fn mass(&self) -> SparseMatrix<T> {
-        let mut mass = SparseMatrix::new();
-        ELEMENTS.assemble_mass(self.surface(), &mut mass);
-        mass
+        ELEMENTS.mass(self.surface())
     }
 
     fn gradient(&self, field: &[T]) -> Vec<[T; 3]> {
