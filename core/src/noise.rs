@@ -1,21 +1,21 @@
-//! Noise of the positions, found from what polynomials leave of them.
+//! Noise of the positions, estimated from the residuals of polynomial fits.
 //!
 //! On a smooth surface the contributions of polynomials decay with their degree; noise that is
 //! independent from vertex to vertex contributes equally to every degree. Around each vertex a
-//! polynomial of degree 6 is fitted to the heights of its neighbours. S₄, S₅, S₆ are the
-//! contributions of its three highest degrees, and R is the residual, each as the standard
-//! deviation of the noise that would explain it, pooled over nearby vertices. Odd and even degrees
-//! decay apart: the shape is expected to leave at most `1.8 S₆ max(S₅, S₆) / S₄`, and never more
-//! than `0.45 S₆`; what is left beyond that is noise. If R/S₆ indicates no noise but S₆/S₄ is not
-//! small, the mesh does not resolve the shape there.
+//! polynomial of degree 6 is fitted to the heights of its neighbours. S₄, S₅, S₆ are the contributions
+//! of its three highest degrees, and R is the residual, each as the standard deviation of the noise
+//! that would explain it, pooled over nearby vertices. Odd and even degrees decay separately: the
+//! residual of the shape is expected to be at most `1.8 S₆ max(S₅, S₆) / S₄`, and never more than `0.45
+//! S₆`; a larger residual is noise. If R/S₆ indicates no noise but S₆/S₄ is not small, the mesh does
+//! not resolve the shape there.
 //!
-//! Noise is the same everywhere, the residual of a shape is not: where R is least, noise is most of it.
-//! If these places agree, and R there is that of wider fits as well, they tell the noise of meshes that
-//! resolve the shape only in part.
+//! Noise is the same everywhere, but the residual of a shape is not: where R is least, most of it is
+//! noise. If R agrees between these places, and does not grow for wider fits, it is the noise of a mesh
+//! that resolves the shape only in part.
 //!
-//! The constants were chosen so that no noise is seen on exact meshes of spheres, ellipsoids, tori and
-//! discocytes, even or not, of 42 to 5000 vertices, and σ within 15 % from about the part on that such
-//! meshes leave: 1e-4 mean edges at 2562 vertices, 1e-5 at 10242.
+//! The constants were chosen so that no noise is detected on exact meshes of spheres, ellipsoids, tori
+//! and discocytes, even or not, of 42 to 5000 vertices, and that σ is correct within 15 % if it exceeds
+//! about the residual of such meshes: 1e-4 mean edges at 2562 vertices, 1e-5 at 10242.
 
 mod adaptive;
 mod fit;
@@ -54,69 +54,70 @@ const DEGREE: usize = 6;
 /// Neighbours of a first fit, and at most.
 const NEIGHBOURS: [usize; 2] = [56, 112];
 
-/// Least diagonal entry of the triangular factor with which a fit is accepted: at once, and with all the
-/// neighbours that it may have.
+/// Least diagonal entry of the triangular factor with which a fit is accepted: immediately, and with
+/// the largest number of neighbours.
 const CONDITIONING: [f64; 2] = [0.012, 0.001];
 
-/// Least cosine between the normals of a vertex and of its neighbours: beyond, heights over its tangent
-/// plane are no function of the place.
+/// Least cosine between the normals of a vertex and of its neighbours. Below it heights over the
+/// tangent plane are not a function of the position in the plane.
 const UPRIGHT: f64 = 0.0;
 
-/// Rings of vertices at a boundary whose fits are one-sided and leave more than noise.
+/// Rings of vertices at a boundary, whose fits are one-sided and have residuals larger than noise.
 const BORDER: usize = 3;
 
-/// Residual that the shape leaves over `S₆ max(S₅, S₆) / S₄`: at most, and on most meshes; and at most over
-/// S₆.
+/// Residual of the shape over `S₆ max(S₅, S₆) / S₄`: its upper bound, and its value on most meshes; and
+/// its upper bound over S₆.
 const FORETOLD: [f64; 2] = [1.8, 1.1];
 const CEILING: f64 = 0.45;
 
-/// S₆/S₄ from which on R/S₆ has to be that of noise or far below: R is no better known than S₆.
+/// Least S₆/S₄ at which R/S₆ has to be that of noise, or far below, because R is then no better known
+/// than S₆.
 const SLOW: f64 = 0.12;
 
-/// Smallest and largest R/S₆ of noise without its scatter, and largest R/S₆ of a shape.
+/// Smallest and largest R/S₆ of noise, without scatter, and largest R/S₆ of a shape.
 const FLAT: [f64; 2] = [0.8, 1.3];
 const STEEP: f64 = 0.35;
 
 /// Errors of positions: the distance by which vertices lie off a smooth surface.
 ///
-/// Measured noise, rounded coordinates and kinks of the surface at the scale of its mesh are alike to
-/// every method. An error σ of the positions becomes one of about σ/A of H and 10 σ/A² of Δ_S H, A the
-/// area of a vertex: finer meshes of the same noise have *larger* errors.
+/// No method can distinguish measured noise, rounded coordinates, and kinks of the surface at the scale
+/// of its mesh. An error σ of the positions causes an error of about σ/A in H and of 10 σ/A² in Δ_S H,
+/// where A is the area of a vertex: for the same noise, finer meshes have *larger* errors.
 ///
 /// The estimate assumes errors that are independent from vertex to vertex, isotropic or along the
-/// normal. It detects only part of errors that neighbours share, and no waves longer than about
-/// five edges. The discrete equilibrium of one method is rough at the scale of an edge for all
-/// other methods, and counts as noise, too.
+/// normal. It detects only part of errors that neighbours share, and no waves longer than about five
+/// edges. The discrete equilibrium of one method is rough at the scale of an edge for all other
+/// methods, and counts as noise, too.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise<T> {
-    /// Standard deviation σ of the position along the normal; 0 if none is found, that is, if the
-    /// shape itself or the rounding of the number type leaves as much.
+    /// Standard deviation σ of the position along the normal; 0 if no noise was detected, that is, if
+    /// the shape itself or the rounding of the number type explains the residual.
     pub length: T,
     /// The same in mean lengths of an edge.
     pub edges: T,
 }
 
-/// Sums of the squares of parts and of what noise of variance 1 makes them, for degrees 4, 5, 6 and the
-/// rest; zeros where there is no fit.
+/// For degrees 4, 5, 6 and the residual: the sum of squares, and its expected value for noise of
+/// variance 1. Zeros where there is no fit.
 type Spectrum<T> = [[T; 2]; 4];
 
 /// Noise estimated around one vertex.
 struct Seen<T> {
-    /// The standard deviation that explains the whole residual, shape and noise.
+    /// Upper estimate: the standard deviation of noise that explains the whole residual.
     most: T,
-    /// The standard deviation of the noise, if the shape leaves as much as it may.
+    /// Lower estimate: the standard deviation of the noise if the shape has its largest residual.
     least: T,
-    /// The standard deviation of the noise, if the shape leaves as much as it does on most meshes.
+    /// Likely value: the standard deviation of the noise if the shape has its usual residual.
     likely: T,
-    /// Whether the parts decay fast enough to tell noise from shape.
+    /// Whether the contributions decay fast enough to distinguish noise from shape.
     is_resolved: bool,
 }
 
 impl<T: Real> Noise<T> {
     /// The noise of a surface: the median of the estimates around evenly numbered vertices.
     ///
-    /// Coordinates with few decimals, or with the digits of f32 alone, are rounded; where what is left of
-    /// them allows it, the noise is at least that of the rounding.
+    /// If coordinates have few decimals, or only the digits of f32, and their residuals do not
+    /// contradict it, the noise is at least that of this rounding.
     pub fn of(execution: &impl Execution, surface: Surface<'_, T>) -> Self {
         let mesh = surface.mesh();
         let count = mesh.vertex_count();
@@ -180,8 +181,8 @@ impl<T: Real> Noise<T> {
     }
 }
 
-/// Around each centre the vertices whose fits are pooled: those reached first along edges, none of them
-/// near a boundary.
+/// For each centre the vertices whose fits are pooled: its breadth-first neighbourhood, without
+/// vertices near a boundary.
 fn pools<T: Real>(surface: Surface<'_, T>, centres: &[usize]) -> Vec<Vec<u32>> {
     let rings = rings_from_border(surface.mesh());
     let mut neighbourhood = Neighbourhood::default();
@@ -235,8 +236,8 @@ fn spectra<T: Real>(
     spectra
 }
 
-/// The spectrum of the fit around a vertex with so many neighbours, at first and at most; zeros if the fit
-/// fails.
+/// The spectrum of the fit around a vertex, with the first and the largest number of neighbours given;
+/// zeros if the fit fails.
 fn spectrum_at<T: Real>(
     surface: Surface<'_, T>,
     normals: &[Vec3<T>],
@@ -275,7 +276,7 @@ fn spectrum_at<T: Real>(
     }
 }
 
-/// Normals of the vertices, by the areas of their triangles.
+/// Area-weighted vertex normals.
 fn normals<T: Real>(surface: Surface<'_, T>) -> Vec<Vec3<T>> {
     let mesh = surface.mesh();
     let mut normals = vec![[T::zero(); 3]; mesh.vertex_count()];
@@ -290,7 +291,7 @@ fn normals<T: Real>(surface: Surface<'_, T>) -> Vec<Vec3<T>> {
 }
 
 impl<T: Real> Seen<T> {
-    /// The noise by the spectra of a pool; `None` where half of the fits failed.
+    /// The noise according to the spectra of a pool; `None` where half of the fits failed.
     fn in_pool(spectra: impl Iterator<Item = Spectrum<T>>) -> Option<Self> {
         let mut sums = Spectrum::<T>::default();
         let mut fits = 0;
@@ -322,8 +323,8 @@ impl<T: Real> Seen<T> {
     }
 }
 
-/// The standard deviation of noise by the squares S₄², S₅², S₆² and R², if the shape leaves this factor
-/// times what S₄ to S₆ foretell.
+/// The standard deviation of noise from the squares S₄², S₅², S₆² and R², if the residual of the shape
+/// is this factor times the value expected from S₄ to S₆.
 fn deviation<T: Real>([fourth, fifth, sixth, left]: [T; 4], factor: f64) -> T {
     let square = |factor: f64| T::constant(factor * factor);
     let ceiling = square(CEILING);
@@ -331,7 +332,7 @@ fn deviation<T: Real>([fourth, fifth, sixth, left]: [T; 4], factor: f64) -> T {
     let variance = if foretold < ceiling * sixth * fourth {
         left - foretold / fourth
     } else {
-        // Of noise, S₆ has as much as R.
+        // Noise contributes equally to S₆ and R.
         (left - ceiling * sixth) / (T::one() - ceiling)
     };
     variance.max(T::zero()).sqrt()
@@ -350,7 +351,7 @@ fn largest_coordinate<T: Real>(positions: &[[T; 3]]) -> T {
         .fold(T::zero(), |most, x| most.max(x.abs()))
 }
 
-/// Most decimals of coordinates that count as rounded.
+/// Largest number of decimals of coordinates that count as rounded.
 const DECIMALS: i32 = 9;
 
 /// Standard deviation of the rounding of coordinates to a few decimals or to f32; 0 if neither.
@@ -359,7 +360,7 @@ fn rounding<T: Real>(positions: &[[T; 3]]) -> T {
     let coordinates = || positions.iter().flatten();
     for decimals in -DECIMALS..=DECIMALS {
         let inverse = T::constant(10.0).powi(decimals);
-        // Digits of the number type beyond the decimals, or nothing is known of them.
+        // Number types without digits beyond the decimals cannot show whether coordinates are rounded.
         let told = |x: T| x * inverse * T::epsilon() < T::constant(1e-3);
         let on_grid = |&x: &T| {
             let scaled = x * inverse;
@@ -373,7 +374,7 @@ fn rounding<T: Real>(positions: &[[T; 3]]) -> T {
     let single = T::constant(f64::from(f32::EPSILON));
     let is_single = |&x: &T| x.to_f32().and_then(T::from_f32) == Some(x);
     if T::epsilon() < single && coordinates().all(is_single) {
-        // The last digit of a number is ε/2 to ε of it.
+        // One unit in the last place of a number is ε/2 to ε of the number.
         let count = T::constant(3.0 * positions.len() as f64);
         let squares = coordinates().map(|&x| {
             let digit = single * T::constant(0.7) * x.abs();

@@ -39,8 +39,8 @@ pub struct Reordering {
 }
 
 impl Reordering {
-    /// The reverse Cuthill–McKee order: component by component, each in rings around a peripheral
-    /// vertex, reversed; triangles by their lowest vertex.
+    /// The reverse Cuthill–McKee order: component by component, each in breadth-first order from a
+    /// peripheral vertex, reversed. Triangles are sorted by their lowest vertex.
     pub fn reverse_cuthill_mckee(mesh: &TriangleMesh) -> Self {
         let count = mesh.vertex_count();
         let mut search = Search {
@@ -55,7 +55,8 @@ impl Reordering {
             if placed[vertex as usize] {
                 continue;
             }
-            // What is reached last lies at the edge; seen from there, farther still.
+            // The vertex that is reached last is peripheral; a search from there ends at one that is
+            // farther still.
             let mut start = vertex;
             for _ in 0..3 {
                 search.around(start, &mut component);
@@ -114,17 +115,17 @@ impl Reordering {
     /// Values at the vertices, in this order.
     ///
     /// # Panics
-    /// If there are fewer than vertices.
+    /// If there are fewer values than vertices.
     pub fn apply<V: Copy>(&self, values: &[V]) -> Vec<V> {
         let old = self.vertices.iter();
         old.map(|&vertex| values[vertex as usize]).collect()
     }
 
-    /// A surface in this order: `mesh` is its mesh in it, see [`Self::of_mesh`]; `positions` and
-    /// `remainders` take its positions, and are not allocated again.
+    /// A surface in this order. `mesh` is its mesh in this order, see [`Self::of_mesh`]; its positions
+    /// are copied to `positions` and `remainders`, whose memory is reused.
     ///
     /// # Panics
-    /// If one of the two has another number of vertices than the order.
+    /// If the surface or `mesh` has another number of vertices than the order.
     pub fn of_surface<'a, T: Real>(
         &self,
         surface: Surface<'_, T>,
@@ -146,7 +147,7 @@ impl Reordering {
         surface.reordered(mesh, positions, remainders)
     }
 
-    /// A finding about a surface in this order, with the numbers that the mesh had.
+    /// A finding about a surface in this order, with the numbers of the original mesh.
     ///
     /// # Panics
     /// If there is no such vertex or triangle.
@@ -174,10 +175,10 @@ impl Reordering {
         finding
     }
 
-    /// Values at the vertices in this order, in the one that the mesh had.
+    /// Values in the order of the original mesh, from values in this order.
     ///
     /// # Panics
-    /// If there are fewer than vertices.
+    /// If there are fewer values than vertices.
     pub fn undo<V: Copy>(&self, values: &[V]) -> Vec<V> {
         let new = self.places.iter();
         new.map(|&place| values[place as usize]).collect()
@@ -194,8 +195,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Sets `order` to what is connected with `start`: first come, first served, neighbours with few
-    /// neighbours before those with many.
+    /// Sets `order` to the component of `start` in breadth-first order; neighbours with few neighbours
+    /// come before those with many.
     fn around(&mut self, start: u32, order: &mut Vec<u32>) {
         self.number += 1;
         self.reached[start as usize] = self.number;

@@ -42,13 +42,13 @@ impl<T: Real> Cells<T> {
         let last = (T::epsilon() * T::constant(256.0)).recip();
         let periods = [0, 1, 2].map(|axis| {
             let period = images.period(axis)?;
-            // After many periods positions within a period are rounded more coarsely.
+            // Far from the origin, positions within a period are rounded more coarsely.
             let extent = ((high[axis] - low[axis]) / period).max(T::one());
             let count = (period / width).min(last / (extent + extent)).floor();
             let count = count.to_i64().unwrap_or(0);
             Some(Period {
                 over: period.recip(),
-                // Of less than three, all are beside each other.
+                // With fewer than three cells, all are neighbours.
                 count: if count < 3 { 1 } else { count },
             })
         });

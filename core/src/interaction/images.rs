@@ -99,8 +99,8 @@ impl<T: Real> Images<T> {
     }
 }
 
-/// Number of images of a surface that are looked at one by one. More are those of surfaces that are longer
-/// than the box many times.
+/// Largest number of images of a surface that are examined one by one. Only surfaces many times longer
+/// than the box have more.
 const MANY: u32 = 64;
 
 /// Periods prepared to find nearby images for many pairs of points.

@@ -135,7 +135,7 @@ impl Cotangent {
     }
 }
 
-/// ∇λ of the three corners: normal to the opposite edge, as long as one over the height.
+/// ∇λ of the three corners: normal to the opposite edge, with length 1/height.
 #[inline(always)]
 fn corner_gradients<T: Real>(triangle: &Triangle<T>) -> [Vec3<T>; 3] {
     triangle.outward_edges(triangle.reciprocal)

@@ -229,7 +229,7 @@ fn carry<T: Real, const C: usize>(
 #[inline(always)]
 fn left_of<T: Real>(columns: &[Several<T>], norms: Several<T>) -> Several<T> {
     let mut left = norms - columns[0] * columns[0];
-    // What a difference of nearly equal numbers leaves is measured anew.
+    // A difference of nearly equal numbers has lost its digits: the norm is computed again.
     let least = norms * Several::literal(1e-3);
     let mut any = false;
     for k in 0..WIDTH {

@@ -1,5 +1,5 @@
-//! Fits of height functions with columns in the order of their degrees, which gives the part of the
-//! heights due to each degree.
+//! Fits of height functions with columns in the order of their degrees, so that the contribution of
+//! each degree to the heights is known.
 //!
 //! G. H. Golub and C. F. Van Loan, Matrix Computations, section 5.2: Gram–Schmidt, modified.
 
@@ -45,8 +45,8 @@ impl<T> Model<T> {
     }
 }
 
-/// A fit around one vertex: an orthonormal basis of the weighted monomials, and the heights in it. The
-/// first columns are those of a fit of lower degree.
+/// A fit around one vertex: an orthonormal basis of the weighted monomials, and the heights in this
+/// basis. The first columns are those of a fit of lower degree.
 #[derive(Clone, Debug, Default)]
 pub(super) struct HeightFit<T> {
     /// Neighbours' positions relative to the vertex, in radii.
@@ -86,9 +86,9 @@ impl<T: Real> HeightFit<T> {
             .extend(offsets.map(|&(_, neighbour)| scale(over, seen.difference(neighbour))));
     }
 
-    /// Fits heights over the plane of `normal`, which is tilted until the polynomial hardly leans.
-    /// Returns the smallest entry of the triangular factor's diagonal, of columns of length 1; 0 if
-    /// there are too few neighbours.
+    /// Fits heights over the plane of `normal`, which is tilted until the polynomial has almost no
+    /// slope there. Returns the smallest diagonal entry of the triangular factor, for columns of length
+    /// 1; 0 if there are too few neighbours.
     #[inline(always)]
     pub(super) fn fit(&mut self, normal: &mut Vec3<T>, model: &Model<T>) -> T {
         let columns = model.columns();
@@ -128,7 +128,7 @@ impl<T: Real> HeightFit<T> {
         let degrees = usize::from(model.interpolates)..=model.degree;
         for (row, (&offset, &weight)) in self.offsets.iter().zip(&self.weights).enumerate() {
             let [x, y] = frame.map(|axis| dot(offset, axis));
-            // x^(degree − e) y^e, from those of the degree below.
+            // x^(degree − e) y^e, from the monomials of the degree below.
             let mut monomials = [T::zero(); 9];
             monomials[0] = weight;
             if model.interpolates {
@@ -194,8 +194,8 @@ impl<T: Real> HeightFit<T> {
         self.coefficients = coefficients;
     }
 
-    /// Sets the coefficients of the polynomial of the first `count` monomials that has these parts along
-    /// the orthonormal columns.
+    /// Sets the coefficients of the polynomial in the first `count` monomials, given its components
+    /// along the orthonormal columns.
     fn combine(&self, count: usize, part: impl Fn(usize) -> T, coefficients: &mut Vec<T>) {
         let width = self.scales.len() + 1;
         coefficients.clear();
@@ -213,16 +213,16 @@ impl<T: Real> HeightFit<T> {
         }
     }
 
-    /// Sets `coefficients` to those of the polynomial of a degree up to the model's, heights and places in
-    /// radii.
+    /// Sets `coefficients` to those of the polynomial of a degree up to the model's, with heights and
+    /// positions in radii.
     pub(super) fn coefficients(&self, model: &Model<T>, degree: usize, coefficients: &mut Vec<T>) {
         let columns = model.columns();
         let part = |place: usize| self.upper[place * (columns + 1) + columns];
         self.combine(model.start(degree + 1), part, coefficients);
     }
 
-    /// Sets `coefficients` to those of the polynomial of a degree up to the model's that is fitted to the
-    /// heights and, on top of them, to `errors` at the fit's vertices, in order; in radii.
+    /// Sets `coefficients` to those of the polynomial, of a degree up to the model's, that is fitted to
+    /// the sum of the heights and `errors` at the fit's vertices, in order; in radii.
     pub(super) fn coefficients_with(
         &self,
         model: &Model<T>,
@@ -241,8 +241,9 @@ impl<T: Real> HeightFit<T> {
         self.combine(model.start(degree + 1), part, coefficients);
     }
 
-    /// The row of a linear functional of the coefficients up to a degree, given by its first factors, the
-    /// others 0: what it is of any values at the fit's vertices.
+    /// The row of a linear functional of the coefficients up to a degree: its product with any values
+    /// at the fit's vertices is the functional of their fit. The functional is given by its first
+    /// factors; the others are 0.
     pub(super) fn row(&self, model: &Model<T>, degree: usize, functional: &[T]) -> Vec<T> {
         let (rows, count) = (self.offsets.len(), model.start(degree + 1));
         let width = model.columns() + 1;
@@ -267,8 +268,9 @@ impl<T: Real> HeightFit<T> {
         row
     }
 
-    /// Sets each of `rows` to that of a functional of the coefficients of degrees 0 to 2, as [`Self::row`]
-    /// does. A model that interpolates has no constant, and no row entry of the vertex itself.
+    /// Sets each of `rows` to the row of a functional of the coefficients of degrees 0 to 2, as
+    /// [`Self::row`] does. A model that interpolates has no constant, and its rows have no entry for
+    /// the vertex itself.
     #[inline(always)]
     pub(super) fn rows<const F: usize>(
         &self,
@@ -318,7 +320,7 @@ impl<T: Real> HeightFit<T> {
         self.radius
     }
 
-    /// The height of the last fitted polynomial above the vertex; 0 if it goes through it.
+    /// The height of the last fitted polynomial above the vertex; 0 if it interpolates.
     pub(super) fn constant(&self, model: &Model<T>) -> T {
         match model.interpolates {
             true => T::zero(),
@@ -326,9 +328,9 @@ impl<T: Real> HeightFit<T> {
         }
     }
 
-    /// For each of the highest three degrees of an interpolating fit and for the residual: the
-    /// squared parts of the heights, and the expected contribution of noise with variance 1 in
-    /// every height, including that of the vertex itself.
+    /// For each of the highest three degrees of an interpolating fit, and for the residual: the squared
+    /// contribution to the heights, and the expected contribution of noise with variance 1 in every
+    /// height, including that of the vertex itself.
     pub(super) fn spectrum(&self, model: &Model<T>) -> [[T; 2]; 4] {
         let rows = self.offsets.len();
         let columns = model.columns();

@@ -1,6 +1,7 @@
 //! The bending force density by the fourth derivatives of one polynomial.
 //!
-//! At borders neighbours are one-sided themselves: their H is known worse than the derivatives of one fit.
+//! Near a boundary the neighbours' fits are one-sided themselves: their H is less accurate than the
+//! derivatives of one fit.
 
 use crate::real::Real;
 use core::array::from_fn;

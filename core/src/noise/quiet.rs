@@ -1,7 +1,7 @@
-//! Noise of meshes that resolve the shape only in part, by the places where the residual is least.
+//! Noise of meshes that resolve the shape only in part, estimated where the residual is least.
 //!
-//! The residual of the shape grows with the width of a fit, at least where the mesh nearly resolves it; that
-//! of noise does not.
+//! The residual of the shape grows with the width of a fit, at least where the mesh nearly resolves the
+//! shape; the residual of noise does not.
 
 use super::fit::HeightFit;
 use super::{NEIGHBOURS, POOL, Seen, median, normals, spectrum_at};
@@ -11,24 +11,26 @@ use crate::surface::Surface;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
-/// Part of the pools that is taken as quiet, and the part of it that may be too quiet by chance.
+/// Inverse of the part of the pools that is taken as quiet, and of the part of these that may be quiet
+/// by chance.
 const QUIET: usize = 4;
 const CHANCE: usize = 20;
 
-/// Least ratio of the residuals at the ends of both parts: that of noise is 0.8 to 0.9, that of shapes was
-/// below 0.3 where they vary at all.
+/// Least ratio of the residuals at the ends of both parts: noise has 0.8 to 0.9, shapes with any
+/// variation had less than 0.3.
 const STEADY: f64 = 0.6;
 
-/// Part of a mesh that a pool may be: pools that are all of a mesh agree whatever is on it.
+/// Inverse of the largest part of a mesh that a pool may cover: pools that cover the whole mesh agree
+/// for any shape.
 const MOST_OF_MESH: usize = 12;
 
-/// Neighbours of wider fits, and by which factor the residual may be larger in them: noise has 1.0 to 1.2,
-/// shapes had 1.3 to 2.
+/// Neighbours of wider fits, and the largest growth of the residual in them that counts as noise: noise
+/// has 1.0 to 1.2, shapes had 1.3 to 2.
 const WIDE: usize = 72;
 const GROWTH: f64 = 1.25;
 
-/// The noise by the quiet ones among pools with what is seen in them, if there it is noise. `is_noisy` says
-/// that noise is known to be there.
+/// The noise according to the quiet pools, given the estimate in each pool; `None` if the residual
+/// there is not noise. `is_noisy` states that there is noise.
 pub(super) fn noise<T: Real>(
     surface: Surface<'_, T>,
     seen: &mut [(&Vec<u32>, Seen<T>)],
@@ -48,7 +50,8 @@ pub(super) fn noise<T: Real>(
     is_noise.then(|| of_quiet(|seen| seen.likely))
 }
 
-/// The median ratio of the residuals of wide fits to those of others; infinite if half of it is not known.
+/// The median ratio of the residuals of wide fits to those of other fits; infinite if it is unknown for
+/// half of the vertices.
 fn growth<T: Real>(surface: Surface<'_, T>, pools: &[(&Vec<u32>, Seen<T>)]) -> T {
     let normals = normals(surface);
     let mut near = Neighbourhood::default();
@@ -62,7 +65,7 @@ fn growth<T: Real>(surface: Surface<'_, T>, pools: &[(&Vec<u32>, Seen<T>)]) -> T
                 let spectrum = spectrum_at(surface, &normals, vertex, counts, &mut near, &mut fit);
                 spectrum[3]
             });
-            // Only where both are known: the residual differs from place to place.
+            // Only vertices where both are known, because the residual varies over the surface.
             if narrow[1] > T::zero() && wide[1] > T::zero() {
                 for (sum, term) in sums
                     .iter_mut()

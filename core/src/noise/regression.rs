@@ -16,7 +16,8 @@ use core::array::from_fn;
 /// Least diagonal entry of the triangular factor with which a fit is accepted.
 const CONDITIONING: f64 = 1e-3;
 
-/// The degrees of the polynomials: of one orthogonal basis, the lower one is its beginning.
+/// The degrees of the polynomials. The lower degree uses the first columns of the same orthogonal
+/// basis.
 pub(super) const DEGREES: [usize; 2] = [4, 6];
 
 /// Regression jets: least-squares polynomials of degrees 4 and 6 with a constant term, of the heights of k
@@ -28,12 +29,12 @@ pub(super) const DEGREES: [usize; 2] = [4, 6];
 /// for degree 4.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Regression {
-    /// Number of neighbours k of a fit, at least 28. Where the surface turns away fewer are used,
-    /// but at least min(k, 64).
+    /// Number of neighbours k of a fit, at least 28. Where the surface turns away from the tangent
+    /// plane fewer are used, but at least min(k, 64).
     pub neighbours: usize,
 }
 
-/// Regression jets around every vertex of a surface, and of R copies of it with other heights.
+/// Regression jets around every vertex of a surface, and of R copies of the surface with other heights.
 #[derive(Clone, Debug)]
 pub struct RegressionFits<T, const R: usize> {
     around: Vec<Around<T, R>>,
@@ -66,8 +67,8 @@ pub struct RegressionFields<T, const R: usize> {
 }
 
 impl Regression {
-    /// Fits around every vertex: copy m has its vertices `errors[vertex][m]` above the surface's.
-    /// Neighbourhoods and tangent planes are those of the surface itself.
+    /// Fits around every vertex. The vertices of copy m are `errors[vertex][m]` above those of the
+    /// surface; all copies share the neighbourhoods and tangent planes of the surface.
     ///
     /// # Panics
     /// If `errors` has fewer entries than the surface has vertices.
@@ -132,7 +133,7 @@ impl<T: Real, const R: usize> Around<T, R> {
 }
 
 impl<T: Real, const R: usize> RegressionFits<T, R> {
-    /// Neighbours of a fit, on average.
+    /// Mean number of neighbours of a fit.
     pub fn neighbours(&self) -> T {
         let fitted = self.around.iter().map(|around| around.vertices.len());
         let fitted = fitted.filter(|&count| count > 0);

@@ -1,4 +1,4 @@
-//! Curvatures of a height function from its derivatives, and how they depend on its coefficients.
+//! Curvatures of a height function from its derivatives, and their dependence on its coefficients.
 
 use crate::real::Real;
 use crate::vec3::{Vec3, add, normalise, scale, sub};
@@ -59,8 +59,8 @@ impl<T: Real> Slopes<T> {
         [T::zero(), p, q, two * along_r, along_s, two * along_t]
     }
 
-    /// The derivatives of H and K by the coefficients of 1, x, y, x², xy, y² of the height, as factors of
-    /// the coefficients of a field of heights in radii.
+    /// The derivatives of H and K with respect to the coefficients of 1, x, y, x², xy, y² of the
+    /// height, as factors of the coefficients of a field of heights in radii.
     pub(super) fn variations(&self, radius: T) -> [[T; 6]; 2] {
         let two = T::constant(2.0);
         let [p, q] = self.first;
@@ -125,7 +125,7 @@ impl<T: Real> Slopes<T> {
         let vectors = [scale(a, x), add(scale(b, x), scale(c, y))];
         let turned =
             |cosine: T, sine: T| normalise(add(scale(cosine, vectors[0]), scale(sine, vectors[1])));
-        // How the entry beside the diagonal in the principal frame follows second derivatives.
+        // Dependence of the off-diagonal entry, in the principal frame, on the second derivatives.
         let by_second = [0, 1, 2].map(|place| {
             let mut unit = [T::zero(); 3];
             unit[place] = T::one();
@@ -167,6 +167,6 @@ impl<T: Real> Slopes<T> {
 pub(super) struct PrincipalFrame<T> {
     /// Tangent unit vectors, of the larger and the smaller curvature.
     pub(super) directions: [Vec3<T>; 2],
-    /// Derivatives of the shape operator's entry beside the diagonal by z_xx, z_xy and z_yy.
+    /// Derivatives of the off-diagonal entry of the shape operator with respect to z_xx, z_xy and z_yy.
     pub(super) by_second: [T; 3],
 }

@@ -9,32 +9,30 @@ use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, scale};
 use alloc::vec::Vec;
 
-/// Number of neighbours that a fit keeps, however much the surface turns.
+/// Least number of neighbours of a fit, however strongly the surface turns.
 const LEAST: usize = 64;
 
-/// Least cosine between the normals of a vertex and of the neighbours beyond those.
+/// Least cosine between the normals of a vertex and of the neighbours beyond these.
 const UPRIGHT: f64 = 0.35;
 
 /// Moves each vertex along its normal onto a polynomial fitted to its neighbourhood: a least-squares jet
 /// with a constant term, weighted `exp(−4 r²/ρ²)`.
-///
-/// Repeated application removes ever longer waves of noise. The change of the shape grows with a high
-/// power of the radius of a neighbourhood, the sixth for degree 4 and the eighth for degree 6: several
-/// applications with few neighbours change the shape less than one with many. Positions along the surface
-/// do not change.
+/// Repeated application removes ever longer waves of noise. The shape changes with a high power of the
+/// radius of a neighbourhood, the sixth for degree 4 and the eighth for degree 6: several applications
+/// with few neighbours change it less than one with many. Vertices do not move along the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Smoothing {
     /// Degree of the polynomials, 2 … 6.
     pub degree: usize,
-    /// Number of neighbours k of a fit. Where the surface turns away fewer are used, but at least
-    /// min(k, 64).
+    /// Number of neighbours k of a fit. Where the surface turns away from the tangent plane fewer are
+    /// used, but at least min(k, 64).
     pub neighbours: usize,
 }
 
 impl Smoothing {
-    /// The one scale for a surface that adaptive jets have measured: of their fits for H the degree that
-    /// most vertices have, and the median of the neighbours there. `None` unless half of the vertices have
-    /// noise, and half of all fits average it: other surfaces are better left as they are.
+    /// One degree and number of neighbours for a surface measured by adaptive jets: the most frequent
+    /// degree of their fits for H, and the median number of neighbours of these. `None` unless half of
+    /// the vertices have noise, and half of all fits average it: other surfaces should not be smoothed.
     pub fn of_measured<T: Real>(measured: &[Measured<T>]) -> Option<Self> {
         let is_noisy = |at: &&Measured<T>| at.verdict == Verdict::Noise;
         let noisy = measured.iter().filter(is_noisy).count();
@@ -99,7 +97,7 @@ impl Smoothing {
     }
 }
 
-/// Finds the nearest neighbours of a vertex; how many of them a fit takes.
+/// Finds the nearest neighbours of a vertex, and returns the number of them that a fit uses.
 pub(super) fn reach<T: Real>(
     surface: Surface<'_, T>,
     normals: &[Vec3<T>],

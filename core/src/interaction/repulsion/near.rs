@@ -33,7 +33,7 @@ pub(super) struct NearFace<T> {
     pub(super) surface: u32,
     number: u32,
     pub(super) corners: [u32; 3],
-    /// The first corner, and what it was rounded by.
+    /// The first corner, and its remainder after rounding.
     pub(super) position: Vec3<T>,
     pub(super) remainder: Vec3<T>,
     /// The middle of the bounding box, relative to the first corner.

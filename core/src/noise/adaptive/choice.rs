@@ -12,8 +12,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::array::from_fn;
 
-/// Nearest vertices over which squared distances are averaged: for the bias, for bars, and for places
-/// where the bias is larger than around them.
+/// Nearest vertices over which squared distances are averaged: for the bias, for error bars, and for
+/// places where the bias is larger than around them.
 const WIDE: usize = 100;
 const NARROW: usize = 32;
 const LOCAL: usize = 12;
@@ -21,20 +21,21 @@ const LOCAL: usize = 12;
 /// Nearest vertices over which the effect of noise is averaged.
 const NOISE_POOL: usize = 32;
 
-/// Part of the variance of a distance that a bias may have unseen, and times it that a local bias has to
-/// have.
+/// Bias that may remain undetected, as a part of the variance of a distance; and the multiple of this
+/// variance that a local bias has to exceed.
 const UNSEEN: f64 = 0.1;
 const SIGNIFICANT: f64 = 4.0;
 
-/// Growth of a neighbourhood from which on two fits tell the bias of the larger one.
+/// Least growth of a neighbourhood with which the distance of two fits measures the bias of the larger
+/// one.
 const TELLING: f64 = 1.17;
 
-/// Orders with which the bias of H, K and f falls with the number of neighbours: half of those with the
-/// radius.
+/// Orders with which the bias of H, K and f grows with the number of neighbours: half of the orders in
+/// the radius.
 const ORDERS: [i32; QUANTITIES] = [3, 3, 2];
 
-/// The bias of the first regression jet over its distance from the jet, and of degree 4 over its distance
-/// from degree 6.
+/// Ratio of the bias of the first regression jet to its distance from the jet, and of the bias of
+/// degree 4 to its distance from degree 6.
 const FROM_JET: f64 = 1.5;
 const FROM_SIXTH: f64 = 1.2;
 
@@ -44,7 +45,7 @@ const BAR: f64 = 2.0;
 const CLEAN_BAR: f64 = 3.0;
 const ONE_SIDED: f64 = 4.0;
 
-/// Bars of k₁ and k₂ in those of H.
+/// Error bars of k₁ and k₂ as a multiple of those of H.
 const PRINCIPAL: f64 = 1.75;
 
 /// One kind of fit.
@@ -63,23 +64,24 @@ pub(super) struct Candidate<T> {
 struct Bias<T> {
     wide: Vec<T>,
     narrow: Vec<T>,
-    /// Without what may be unseen.
+    /// Without the bias that may remain undetected.
     seen: Vec<T>,
     /// Lower bound.
     local: Vec<T>,
 }
 
-/// Candidates so far. After the first come those of degree 6, each at its place in `sixth`, and those of
-/// degree 4.
+/// The candidates so far. The first is followed by those of degree 6, whose places are in `sixth`, and
+/// by those of degree 4.
 pub(super) struct Chosen<T> {
     all: Vec<Candidate<T>>,
     sixth: Vec<usize>,
     fourth: Vec<usize>,
-    /// The changes by noise of the jets, then of the last regression jets of degree 6.
+    /// The changes due to noise, of the jets and then of the last regression jets of degree 6.
     changes: [Vec<Values<T>>; QUANTITIES],
-    /// Squares of the distance of the jets from the first regression jets beyond noise, over each pool.
+    /// Squared distances of the jets from the first regression jets, less the part due to noise, over
+    /// each pool.
     excess: [[Vec<T>; 3]; QUANTITIES],
-    /// The least B + V of each quantity so far, and how often it was larger since.
+    /// The least B + V of each quantity so far, and the number of levels since then with a larger one.
     least: Vec<[(T, u8); QUANTITIES]>,
 }
 
@@ -114,7 +116,7 @@ impl<T: Real> Distances<T> {
     }
 }
 
-/// The variance by noise, from the sums of squares of replicas.
+/// The variance due to noise, from the sums of squares of samples.
 fn variance<T: Real>(
     execution: &impl Execution,
     ground: &Ground<'_, T>,
@@ -136,7 +138,7 @@ fn positive<T: Real>(value: T) -> T {
 }
 
 impl<T: Real> Candidate<T> {
-    /// The jets, whose bias counts as none: they are what a mesh without noise allows.
+    /// The jets. Their bias is taken as zero: no fit on a mesh without noise has less.
     pub(super) fn of_jets(
         execution: &impl Execution,
         ground: &Ground<'_, T>,
@@ -188,8 +190,8 @@ fn variances<T: Real>(
 }
 
 impl<T: Real> Bias<T> {
-    /// From distances, times the square of a factor of each vertex; where it is `None`, from another
-    /// candidate's bias.
+    /// From distances, times the square of a factor for each vertex; where the factor is `None`, from
+    /// the bias of another candidate.
     fn new(distances: &Distances<T>, factor: impl Fn(usize) -> Option<T>, other: &Self) -> Self {
         let unseen = T::constant(UNSEEN);
         let of = |means: &[T], inherited: &[T], formula: &dyn Fn(T, T) -> T| {
@@ -239,7 +241,7 @@ impl<T: Real> Chosen<T> {
         }
     }
 
-    /// Adds the regression jets of a level, of degree 4 too if `with_fourth`.
+    /// Adds the regression jets of a level; those of degree 4 only if `with_fourth`.
     pub(super) fn add(
         &mut self,
         execution: &impl Execution,
@@ -327,7 +329,7 @@ impl<T: Real> Chosen<T> {
         self.count_gains(latest);
     }
 
-    /// Notes where the candidates from `latest` on are worse than others.
+    /// Counts the levels, from candidate `latest` on, that are worse than earlier ones.
     fn count_gains(&mut self, latest: usize) {
         let candidates = &self.all[latest..];
         for (vertex, least) in self.least.iter_mut().enumerate() {
@@ -346,14 +348,14 @@ impl<T: Real> Chosen<T> {
         }
     }
 
-    /// Part of the vertices where one of the last two levels was the best for one quantity.
+    /// Fraction of the vertices where one of the last two levels was the best for some quantity.
     pub(super) fn gains(&self) -> f64 {
         let gains = |least: &&[(T, u8); QUANTITIES]| least.iter().any(|&(_, worse)| worse < 2);
         self.least.iter().filter(gains).count() as f64 / self.least.len() as f64
     }
 
-    /// For each candidate one of the squares of its bias at a vertex: of every degree the least of a fit
-    /// and of all larger ones, because the bias grows with the scale.
+    /// For each candidate, one kind of squared bias at a vertex: the least over this fit and all larger
+    /// fits of the same degree, because the bias grows with the scale.
     fn biases(
         &self,
         vertex: usize,
@@ -376,8 +378,8 @@ impl<T: Real> Chosen<T> {
         }
     }
 
-    /// The candidate for a quantity at a vertex, and its squared error as the bar has it; `None` if there
-    /// is none.
+    /// The candidate for a quantity at a vertex, and the squared error for its error bar; `None` if
+    /// there is no candidate.
     fn choose(
         &self,
         vertex: usize,
@@ -421,7 +423,7 @@ impl<T: Real> Chosen<T> {
         Some((candidate, bias + variance, expected))
     }
 
-    /// The choice at every vertex; among the fits with the most neighbours only, if `is_fixed`.
+    /// The choice at every vertex; if `is_fixed`, among the fits with the most neighbours only.
     pub(super) fn measured(
         &self,
         execution: &impl Execution,
@@ -447,7 +449,7 @@ impl<T: Real> Chosen<T> {
             let is_clean = deviations.variances[vertex] == T::zero();
             T::constant(if is_clean { CLEAN_BAR } else { BAR })
         };
-        // Neighbours may see a bias that this vertex does not.
+        // A neighbour may reveal a bias that is not visible at this vertex.
         let largest = |vertex: usize, quantity: usize| {
             let around = ground.pool(vertex, LOCAL);
             let squares = around.filter_map(|other| choices[other][quantity].map(|(_, s, _)| s));

@@ -1,4 +1,4 @@
-//! Standard deviation of the positions around every vertex, and what the mesh resolves.
+//! Standard deviation of the positions around every vertex, and resolution of the shape by the mesh.
 
 use super::{Ground, POOL, Verdict};
 use crate::element::Execution;
@@ -8,15 +8,16 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
-/// Residual that the shape leaves over S₅S₆/S₄, and at most over S₆.
+/// Residual of the shape over S₅S₆/S₄, and its upper bound over S₆.
 const FORETOLD: f64 = 1.5;
 const CEILING: f64 = 0.35;
 
-/// R/S₆ above which it is noise also if less than half of the mesh has any; if no noise is seen on the mesh
-/// as a whole, as much as noise has.
+/// R/S₆ above which it is noise even if less than half of the mesh has noise; if no noise is found on
+/// the mesh as a whole, R/S₆ of noise itself.
 const CERTAIN: f64 = 0.5;
 
-/// Part of the vertices whose noise may be larger than what is assumed of all at least.
+/// Fraction of the vertices whose noise may be larger than the lower bound that is assumed for all
+/// vertices.
 const QUIETEST: f64 = 0.05;
 
 /// R/S₆ of shapes at most, of noise, and S₆/S₄ from which on the shape is hardly resolved.
@@ -81,7 +82,8 @@ impl<T: Real> Deviations<T> {
             FLAT[0]
         };
         if 2 * unresolved > inside {
-            // Where the shape is taken for noise nearly everywhere, the quietest places tell more.
+            // If the shape is mistaken for noise nearly everywhere, the quietest places are more
+            // reliable.
             variances.fill(everywhere * everywhere);
         } else if everywhere == T::zero() || 2 * seen.count() < variances.len() {
             for (variance, &[_, _, sixth, left]) in variances.iter_mut().zip(&parts) {

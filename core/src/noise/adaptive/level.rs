@@ -1,4 +1,4 @@
-//! Fits with one number of neighbours around every vertex, and what noise makes of them.
+//! Fits with one number of neighbours around every vertex, and the effect of noise on them.
 
 use super::{Ground, ONE_STAGE, QUANTITIES, REPLICAS, Values};
 use crate::element::{Execution, SlotKernel, Slots, Strided};
@@ -11,29 +11,30 @@ use crate::vec3::Vec3;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Least diagonal entry of the triangular factor with which a fit is accepted: at once, and with all the
-/// neighbours that it may have.
+/// Least diagonal entry of the triangular factor with which a fit is accepted: immediately, and with
+/// the largest number of neighbours.
 const CONDITIONING: [f64; 2] = [0.012, 0.001];
 
-/// Number of neighbours from which on they determine a polynomial of degree 6 well on any mesh.
+/// Least number of neighbours that determine a polynomial of degree 6 well on any mesh.
 const SURE: usize = 64;
 
 /// Neighbours of jets at a boundary: with fewer, errors of the positions are amplified several times.
 const ONE_SIDED: usize = 80;
 
-/// The degrees of the polynomials: those of one orthogonal basis, the lower one is its beginning.
+/// The degrees of the polynomials. The lower degree uses the first columns of the same orthogonal
+/// basis.
 pub(super) const DEGREES: [usize; 2] = [4, 6];
 
-/// Which fits a level has.
+/// The kind of fits of a level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kind<T> {
     pub(super) model: Model<T>,
-    /// Number of neighbours at first, and at most if the fit needs more.
+    /// First number of neighbours, and the largest number if the fit needs more.
     pub(super) neighbours: [usize; 2],
 }
 
 impl<T: Real> Kind<T> {
-    /// A polynomial through the vertex, as [`Jet::j6`](crate::Jet::j6) has it.
+    /// A polynomial through the vertex, with the neighbours of [`Jet::j6`](crate::Jet::j6).
     pub(super) fn interpolating() -> Self {
         Self {
             model: Model {
@@ -45,8 +46,8 @@ impl<T: Real> Kind<T> {
         }
     }
 
-    /// A regression with a constant term. With few neighbours, of which some lie near a conic section, it
-    /// may need more.
+    /// A regression with a constant term. With few neighbours, of which some lie near a conic section,
+    /// it may need more of them.
     pub(super) fn regression(neighbours: usize) -> Self {
         let more = if neighbours < SURE { neighbours / 2 } else { 0 };
         Self {
@@ -65,7 +66,7 @@ impl<T: Real> Kind<T> {
     }
 }
 
-/// The results of one degree, NaN where there is no fit: H, K and f, and the changes of each by
+/// The results of one degree, NaN where there is no fit: H, K and f, and the change of each by
 /// [`REPLICAS`] independent errors of standard deviation 1 in every height.
 #[derive(Clone, Debug)]
 pub(super) struct Estimates<T> {
@@ -76,11 +77,11 @@ pub(super) struct Estimates<T> {
 /// Fits around every vertex.
 pub(super) struct Level<T> {
     pub(super) kind: Kind<T>,
-    /// Of degrees 4 and 6.
+    /// Results for degrees 4 and 6.
     pub(super) of_degrees: [Estimates<T>; 2],
     /// Number of neighbours, 0 where there is no fit.
     pub(super) neighbours: Vec<u32>,
-    /// The parts of the degrees, of interpolating fits.
+    /// Contributions of the degrees to interpolating fits.
     pub(super) spectra: Vec<Spectrum<T>>,
 }
 
@@ -94,7 +95,7 @@ struct AtVertex<T> {
     over_area: T,
     neighbours: u32,
     spectrum: Spectrum<T>,
-    /// f and its changes, where it is that of one polynomial.
+    /// f and its changes, where it is computed from one polynomial.
     force: Option<(T, Values<T>)>,
 }
 
@@ -122,7 +123,7 @@ impl<T: Real> Default for Scratch<T> {
 }
 
 impl<T: Real> Scratch<T> {
-    /// Fits a vertex: the number of neighbours, 0 if they do not determine the polynomial.
+    /// Fits a vertex, and returns the number of neighbours; 0 if they do not determine the polynomial.
     #[inline(always)]
     pub(super) fn fit(&mut self, ground: &Ground<'_, T>, vertex: usize, kind: &Kind<T>) -> usize {
         let surface = ground.surface;
@@ -147,8 +148,8 @@ impl<T: Real> Scratch<T> {
         }
     }
 
-    /// The bending force by one interpolating polynomial, and its changes by errors of the heights: by
-    /// central differences, in steps of the cube root of the rounding of heights.
+    /// The bending force from one interpolating polynomial, and its changes by errors of the heights,
+    /// by central differences. Steps are the cube root of the rounding of heights.
     fn one_stage(
         &mut self,
         ground: &Ground<'_, T>,
@@ -174,7 +175,7 @@ impl<T: Real> Scratch<T> {
         (value, changes)
     }
 
-    /// The nearest vertices that the last fit took.
+    /// The nearest vertices that the last fit used.
     pub(super) fn neighbours(&self, count: usize) -> &[(T, u32)] {
         &self.near.found[..count]
     }
@@ -208,7 +209,8 @@ impl<T: Real> Scratch<T> {
             &mut self.rows,
         );
         let [of_mean, of_gaussian, laplacian] = &self.rows;
-        // Errors are those of heights above the vertex, unless it has a sample of its own.
+        // Errors are those of heights relative to the vertex, unless the polynomial has its own sample
+        // there.
         let here = ground.errors(vertices[0]);
         for (changes, row) in at.changes[which].iter_mut().zip([of_mean, of_gaussian]) {
             *changes = [T::zero(); REPLICAS];

@@ -1,4 +1,4 @@
-//! Normals, principal directions and gradients of curvature, by the fits that were chosen for H.
+//! Normals, principal directions and gradients of curvature, from the fits that were chosen for H.
 
 use super::level::{DEGREES, Kind, Scratch};
 use super::{Ground, Measured};
@@ -8,10 +8,10 @@ use crate::real::Real;
 use crate::vec3::{Vec3, add, dot, scale, tangent_frame};
 use alloc::vec::Vec;
 
-/// Largest standard deviation of a direction, in radians: beyond, the vertex counts as umbilic.
+/// Largest standard deviation of a direction, in radians: above it, the vertex counts as umbilic.
 const CERTAIN: f64 = 0.2;
 
-/// What was chosen for H at a vertex.
+/// The fit that was chosen for H at a vertex.
 pub(super) struct Fitted<'a, T> {
     pub(super) kind: Kind<T>,
     pub(super) degree: usize,
@@ -21,7 +21,7 @@ pub(super) struct Fitted<'a, T> {
     pub(super) bias: T,
 }
 
-/// Sets normals, principal curvatures, directions and gradients. `fitted` says what was chosen for H.
+/// Sets normals, principal curvatures, directions and gradients. `fitted` returns the fit chosen for H.
 pub(super) fn set<'f, T: Real>(
     execution: &impl Execution,
     ground: &Ground<'_, T>,
@@ -60,7 +60,7 @@ pub(super) fn set<'f, T: Real>(
         let [shear, along_x, along_y] = &*rows;
         let vectors = slopes.gradient(axes);
         let own = usize::from(!fitted.kind.model.interpolates);
-        // Jets have set theirs.
+        // Vertices with jets have been set already.
         if own == 1 {
             at.normal = slopes.normal(axes);
         }
@@ -80,7 +80,7 @@ pub(super) fn set<'f, T: Real>(
         };
         let [of_mean, of_gaussian] = fitted.fields.map(gradient);
         at.gradient_of_mean = of_mean;
-        // Of noise in every height; that of the vertex is in all differences.
+        // Noise in every height; the error at the vertex enters all differences.
         let mut squares: T = shear.iter().map(|&entry| entry * entry).sum();
         if own == 0 {
             let sum: T = shear.iter().copied().sum();
