@@ -100,8 +100,8 @@ fn is_kept(rows: &[Row], row: &Row, question: &Question<'_>) -> bool {
         .all(|finer| question.norm.of(finer) <= question.target)
 }
 
-/// The method that answers all questions in the shortest total time, with its row for each; `None`
-/// if no method answers all.
+/// The method that answers all questions in the shortest total time, with its row for each question;
+/// `None` if no method answers all of them.
 pub fn for_everything<'a>(
     rows: &'a [Row],
     questions: &[Question<'a>],

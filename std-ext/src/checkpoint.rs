@@ -17,9 +17,10 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// The first bytes of a checkpoint. Programs that treat a file as a text damage its line break.
+/// The first bytes of a checkpoint. Programs that treat the file as text change its line break, so that
+/// the damage is noticed.
 const MAGIC: [u8; 16] = *b"helfrich state\r\n";
-/// Goes up whenever the layout before the state changes.
+/// Increases whenever the layout before the state changes.
 const FORMAT: u32 = 1;
 /// The version of the program: other versions may interpret the same bytes differently.
 const PROGRAM: &str = env!("CARGO_PKG_VERSION");
@@ -30,7 +31,7 @@ const CHECKSUM: usize = 32;
 /// Bytes before the body.
 const HEADER: usize = PREFIX + CHECKSUM;
 
-/// The identity of a scene: the SHA-256 of everything that its numbers depend on, as a text.
+/// The identity of a scene: the SHA-256 of a text with everything that determines its numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Fingerprint([u8; 32]);
 

@@ -1,4 +1,4 @@
-//! Findings of methods in words.
+//! Texts about the findings of methods.
 
 use helfrich::Finding;
 use std::mem::discriminant;

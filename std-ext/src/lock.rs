@@ -1,8 +1,8 @@
 //! Locks on folders and files, which let only one process write.
 //!
 //! A [`Lock`] is a small file that a process keeps locked while it writes. The operating system
-//! releases the lock when the process ends, even if it is killed. The file may remain, but never a
-//! stale lock.
+//! releases the lock when the process ends, even if it is killed. The file may remain, but nobody is
+//! locked out by it.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, Write};
@@ -157,7 +157,7 @@ fn holder(file: &mut File) -> String {
     }
 }
 
-/// This process, in words.
+/// A description of this process.
 fn this_process() -> String {
     let process = std::process::id();
     // The name of the machine is included, because folders may be shared between machines.

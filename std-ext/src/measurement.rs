@@ -1,14 +1,14 @@
-//! Curvatures and force densities with error bars, of jets that choose their scale, and of other methods
-//! by comparison.
+//! Curvatures and force densities with error bars: of jets that choose their scale, and of other
+//! methods by comparison with these.
 
 use crate::method::Fields;
 use crate::noise;
 use helfrich::{AdaptiveJet, Estimate, Measured, Real, Surface, Verdict};
 
-/// What is known at every vertex of a surface.
+/// Curvatures and force densities at every vertex of a surface, with error bars.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// In the order of the vertices.
+    /// The results, in the order of the vertices.
     pub vertices: Vec<Measured<f64>>,
 }
 
@@ -48,8 +48,8 @@ fn known(value: f64) -> Option<f64> {
 }
 
 impl Measurement {
-    /// Measures a surface on all threads; `None` if `watch`, which is called with the part of the work that
-    /// is done, returned false.
+    /// Measures a surface on all threads. `watch` is called with the fraction of the work that is done;
+    /// `None` if it returned false.
     pub fn new(
         surface: Surface<'_, f64>,
         jet: &AdaptiveJet<f64>,
@@ -59,8 +59,8 @@ impl Measurement {
         Some(Self { vertices })
     }
 
-    /// The values as those of a method with a bending modulus: f is κ times that of the measurement, and
-    /// Δ_S H is what f, H and K say.
+    /// The values in the form of a method's results with a bending modulus: f is κ times that of the
+    /// measurement, and Δ_S H follows from f, H and K.
     pub fn fields(&self, modulus: f64) -> Fields<f64> {
         let all = self.vertices.iter();
         let of = |value: fn(&Measured<f64>) -> f64| {
@@ -85,9 +85,9 @@ impl Measurement {
         }
     }
 
-    /// Principal curvatures and error bars of a method's results with a bending modulus: its distance from
-    /// the measurement, and the bar of that. Those of [`Self::fields`] are the bars of the measurement
-    /// itself.
+    /// Principal curvatures and error bars of a method's results with a bending modulus: the distance
+    /// from the measurement plus the error bar of the measurement. For [`Self::fields`] they are the
+    /// error bars of the measurement itself.
     pub fn columns<T: Real>(&self, fields: &Fields<T>, modulus: f64) -> Vec<Column> {
         let number = |value: Option<T>| value.and_then(|value| value.to_f64()).unwrap_or(f64::NAN);
         let mean = |vertex: usize| number(fields.mean[vertex]);
@@ -143,8 +143,8 @@ impl Measurement {
         ]
     }
 
-    /// What only jets know: directions of k₁ and k₂, the gradient of H, the derivatives of k₁ and k₂ along
-    /// their directions, and degree and number of neighbours of the fits for each quantity.
+    /// Results of jets only: directions of k₁ and k₂, the gradient of H, the derivatives of k₁ and k₂
+    /// along their directions, and degree and number of neighbours of the fits for each quantity.
     pub fn columns_of_jets(&self) -> Vec<Column> {
         let none = [f64::NAN; 3];
         let direction = |which: usize| {

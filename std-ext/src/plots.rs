@@ -1,4 +1,4 @@
-//! Columns of series drawn over each other, beside published curves.
+//! Plots of series, with several computed curves and published ones.
 //!
 //! Published curves are read from CSV files with the header `curve,x,y` and one line per point.
 //! Empty lines and lines that begin with `#` are skipped. Names with commas must be in quotation

@@ -1,4 +1,4 @@
-//! Which method to take on a mesh of one's own: measured there.
+//! Choice of a method for a mesh of the user, by measurements on that mesh.
 //!
 //! The exact curvatures of such a mesh are unknown. Jets of degree 8 are the reference. The error
 //! of J6 is estimated as the distance of degree 6 from the reference, or as the geometric mean of
@@ -14,16 +14,16 @@
 //! is measured by adding the same amount again. Errors of noise and of the shape are independent,
 //! so their squares add up.
 //!
-//! The adaptive jet is a candidate where noise is found. It says itself what error is to be expected; on
-//! shapes that nothing was adjusted to, with noise of 1e-4 to 3e-2 edges, its mean error of H and K was
-//! 0.9 to 1.3 of the true one, that of f 0.6 to 1.8.
+//! The adaptive jet is a candidate where noise is found, and estimates its own error. On shapes that
+//! were not used to adjust the estimates, with noise of 1e-4 to 3e-2 edges, the estimated mean error of
+//! H and K was 0.9 to 1.3 of the true one, that of f 0.6 to 1.8.
 //!
 //! Mean errors of J4 and J6 are also estimated from the distances of J4, J6 and jets of degree 8 from
-//! each other beyond noise. On meshes of 2562 vertices with noise of 1e-4 to 1e-2 edges the expected
-//! errors of H are within a factor of 1.5 of the true ones. Those of f are so on most shapes: they were
-//! 0.5 of the true ones on a torus of aspect 0.6, and twice the true ones on a sphere with deep waves,
-//! whose largest f noise hides. On shapes that are hardly resolved, as a torus of aspect 0.2, noise
-//! below 3e-4 edges is not seen.
+//! each other, as far as noise does not explain these distances. On meshes of 2562 vertices with noise
+//! of 1e-4 to 1e-2 edges, the expected errors of H are within a factor of 1.5 of the true ones. On most
+//! shapes this holds for f, too. Exceptions are a torus of aspect 0.6, with 0.5 of the true error, and
+//! a sphere with deep waves, with twice the true error, because noise hides its largest f. On shapes
+//! that are hardly resolved, such as a torus of aspect 0.2, noise below 3e-4 edges is not detected.
 
 mod adaptive;
 mod estimate;
@@ -49,12 +49,12 @@ use std::time::Instant;
 pub struct Wish {
     /// Quantity that has to be accurate.
     pub quantity: Quantity,
-    /// Which error counts.
+    /// The norm in which the error counts.
     pub norm: Norm,
     /// Largest allowed error, relative to the largest value on the surface.
     pub target: f64,
-    /// The methods to choose from. `jet` chooses its scale where there is noise; without, it is J4 or J6, and
-    /// is left out beside these.
+    /// The methods to choose from. `jet` chooses its scale where there is noise; without noise it
+    /// equals J4 or J6, and is omitted if these are listed.
     pub methods: Vec<AnyMethod>,
     /// Options of the methods; each takes those that it has.
     pub options: MethodOptions,
@@ -77,8 +77,8 @@ pub struct Candidate {
     pub max: f64,
     /// Area-weighted mean distance, relative to the same.
     pub mean: f64,
-    /// Median time of one evaluation of the mesh, on one thread; of `jet` on a mesh with noise that of a
-    /// single evaluation, of all threads together.
+    /// Median time of one evaluation of the mesh, on one thread; for `jet` on a mesh with noise, the
+    /// time of a single evaluation, summed over all threads.
     pub seconds: f64,
     /// Distance of the quartiles of that time over their median; see [`Self::is_scattered`].
     pub seconds_scatter: f64,
@@ -126,7 +126,7 @@ pub struct Recommendation {
     pub is_resolved: bool,
     /// The candidate that reaches the target in the shortest time.
     pub choice: Option<Candidate>,
-    /// The one with the smallest expected error.
+    /// The candidate with the smallest expected error.
     pub nearest: Option<Candidate>,
     /// If no candidate reaches the target: the number of vertices that J6 would need. Errors of the
     /// mesh fall with the theoretical order, h³ for f and Δ_S H and h⁵ for H and K; errors of noise
@@ -137,14 +137,15 @@ pub struct Recommendation {
     pub candidates: Vec<Candidate>,
 }
 
-/// Methods that the reference judges by distances without a bound.
+/// Methods whose errors the distances from the reference estimate; for others the distances are upper
+/// bounds.
 const JETS: [AnyMethod; 2] = [
     AnyMethod::Listed(BendingMethod::J4),
     AnyMethod::Listed(BendingMethod::J6),
 ];
 
-/// Largest estimated error at the worst vertex for which the estimate is reliable: beyond, one
-/// vertex may have so large an error that it is the largest value, which makes all relative errors
+/// Largest estimated error at the worst vertex for which the estimate is reliable. Above it, the
+/// largest value may be that of a vertex with a large error, which makes all relative errors appear
 /// small.
 pub const RESOLVED: f64 = 0.2;
 
@@ -209,7 +210,7 @@ pub fn recommend(
     }
     tell(1, "reference: jets of degrees 6 and 4");
     let expected = ground.of_jets().map_err(failed)?;
-    // Without noise it is one of these.
+    // Without noise `jet` is one of these.
     let are_given = JETS.iter().all(|&degree| wish.methods.contains(&degree));
     let is_repeated = |method: AnyMethod| method == BendingMethod::Jet && are_given;
     let mut candidates = Vec::new();
@@ -225,7 +226,7 @@ pub fn recommend(
                 continue;
             }
             if method == BendingMethod::Jet && noise.is_seen() {
-                // There is one of it, whatever the number types.
+                // `jet` is measured once, whatever the number types.
                 if scalar == Scalar::F64 {
                     let adaptive = Adaptive::new(surface, quantity, &mut |_| !interrupted());
                     let Some(adaptive) = adaptive else {
@@ -287,9 +288,9 @@ fn in_norm([max, mean]: [f64; 2], norm: Norm) -> f64 {
 
 /// Errors of J6 in f64 in both norms, the largest and the mean.
 struct Expected<'a> {
-    /// By the distances of degrees 6 and 4 from the reference.
+    /// According to the distances of degrees 6 and 4 from the reference.
     unknown: [f64; 2],
-    /// By noise; 0 if none was found.
+    /// Due to noise; 0 if none was found.
     noise: [f64; 2],
     /// The reference of all methods, if noise was found.
     estimate: Option<&'a Estimate>,
@@ -323,7 +324,7 @@ impl Expected<'_> {
             Some(estimate) => {
                 let both = in_norm(estimate.error(), wish.norm);
                 let own = method == BendingMethod::J6 && estimate.is_j6;
-                // Errors of two methods due to the shape are often similar, those due to noise are
+                // Errors of two methods due to the shape are often similar; errors due to noise are
                 // not.
                 let found = match (is_bound, own) {
                     (true, _) => distance + both,
@@ -355,7 +356,7 @@ impl Expected<'_> {
         }
     }
 
-    /// The candidate of the adaptive jet, with the errors that it expects itself.
+    /// The candidate of the adaptive jet, with its own estimate of its errors.
     fn of_adaptive(&self, adaptive: &Adaptive, reference: &Reference, wish: &Wish) -> Candidate {
         let [max, mean] = reference.errors(&adaptive.fields, wish.quantity);
         let expected = in_norm(adaptive.expected, wish.norm) / reference.scale(wish.quantity);
@@ -376,7 +377,7 @@ impl Expected<'_> {
     /// The number of vertices that J6 needs for the target, on the same surface with the same
     /// noise.
     fn vertices_needed(&self, vertices: usize, wish: &Wish) -> Option<f64> {
-        // Orders with which errors fall with the edge length, and errors of noise grow.
+        // Orders with which errors fall with the edge length, and with which errors of noise grow.
         let (order, noise_order) = match wish.quantity {
             Quantity::Mean | Quantity::Gaussian => (5.0, 2.0),
             Quantity::LaplacianOfMean | Quantity::ForceDensity => (3.0, 4.0),
@@ -396,7 +397,7 @@ impl Expected<'_> {
             let error = together(shape, noise * finer.powf(noise_order));
             error <= wish.target && worst * finer.powf(-order) <= 1.0
         };
-        // Nearer numbers first; finer meshes only where noise does not rule.
+        // Numbers near that of the mesh come first; finer meshes only where noise does not dominate.
         let factors = (0..=STEPS).flat_map(|step| {
             let factor = 2.0_f64.powf(f64::from(step) / 8.0);
             let finer = (noise < unknown).then_some(factor);
@@ -407,14 +408,14 @@ impl Expected<'_> {
     }
 }
 
-/// The error of J6 by the shape from its distance from degree 8 and that of J4: near the limit of resolution
-/// degree 8 is hardly better than degree 6.
+/// The error of J6 due to the shape, from its distance to degree 8 and that of J4: near the limit of
+/// resolution degree 8 is hardly better than degree 6.
 fn of_sixth(near: f64, far: f64) -> f64 {
     near.max((near * far).sqrt())
 }
 
-/// An error from one estimate, which is too low where a method shares its noise with what it is compared
-/// with, and another, which is too high where noise is weak; both are too high near the limit of resolution.
+/// A value between two estimates of an error: one is too low where a method shares its noise with the
+/// reference, the other too high where noise is weak. Both are too high near the limit of resolution.
 fn between(found: f64, by_shape: f64) -> f64 {
     if by_shape.is_nan() {
         return found;
@@ -422,7 +423,7 @@ fn between(found: f64, by_shape: f64) -> f64 {
     by_shape.min((found * by_shape).sqrt())
 }
 
-/// Eighths of a doubling of the vertices, that are tried.
+/// Largest number of steps that are tried; each is an eighth of a doubling of the vertices.
 const STEPS: u32 = 80;
 
 /// The size of the sum of two independent errors.
@@ -430,12 +431,12 @@ fn together(a: f64, b: f64) -> f64 {
     if b == 0.0 { a } else { a.hypot(b) }
 }
 
-/// Surface that methods are measured on, and references that they are compared with.
+/// The surface on which methods are measured, and the references with which they are compared.
 struct Ground<'a> {
     mesh: &'a TriangleMesh,
     positions: &'a [[f64; 3]],
     quantity: Quantity,
-    /// Results of jets of degree 8, at smoothed positions where noise is seen.
+    /// Results of jets of degree 8, at smoothed positions if there is noise.
     degree_8: Reference,
     /// Set if noise was found.
     noisy: Option<Noisy>,
@@ -451,9 +452,9 @@ fn of_degree_8(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> Result<Reference,
 
 /// Measurements of a method in a number type: errors in both norms, and the time.
 struct Measured {
-    /// From the reference.
+    /// Distances from the reference.
     distances: [f64; 2],
-    /// By noise.
+    /// Errors due to noise.
     noise: [f64; 2],
     time: Timing,
 }
@@ -509,7 +510,8 @@ impl<'a> Ground<'a> {
         })
     }
 
-    /// Errors from the reference, by noise and by the mesh, and the time of an evaluation.
+    /// Errors relative to the reference, due to noise and due to the mesh, and the time of an
+    /// evaluation.
     fn measure<T: Compiled>(
         &self,
         (method, options, scalar): (AnyMethod, MethodOptions, Scalar),

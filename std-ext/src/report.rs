@@ -95,7 +95,7 @@ pub fn study_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     about_scatter(rows.iter().any(Row::is_scattered), out)
 }
 
-/// Mark before a time that is the median of times that scatter.
+/// Mark of a time that is the median of scattered times.
 const SCATTERED: &str = "~";
 
 /// The explanation of this mark.

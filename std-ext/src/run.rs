@@ -163,7 +163,7 @@ pub fn run(
             (series, None, Vec::new())
         }
     };
-    // What it took to take the run up again is no part of it.
+    // The work of resuming is not counted.
     let uncounted = outputs.as_ref().map(|_| simulation.costs());
     let uncounted = uncounted.into_iter().flatten();
     let begins = outputs.is_none();
@@ -344,7 +344,7 @@ impl Run<'_> {
         }
     }
 
-    /// A set of files.
+    /// Writes a set of files.
     fn write_files(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
         if self.scene.output.surfaces {
             self.write_surfaces(mark, acting)?;

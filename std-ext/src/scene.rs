@@ -1,12 +1,12 @@
-//! Scene files: TOML text becomes plain, validated data. Nothing here runs a simulation; what needs the
-//! meshes, checks and explanations, is in [`simulation`](crate::simulation).
+//! Scene files: TOML text becomes plain, validated data. Nothing here runs a simulation. Checks and
+//! explanations that need the meshes are in [`simulation`](crate::simulation).
 //!
-//! A scene names its surfaces, the effects that act on each, the driver and the outputs. An absent
-//! effect is `None` and costs nothing. Every number of a [`Scene`] is in the scene's [`Units`];
-//! numbers that the file gives with a unit of their own are converted.
+//! A scene lists its surfaces, the effects that act on each, the driver and the outputs. An absent
+//! effect is `None` and costs nothing. Every number of a [`Scene`] is in the scene's [`Units`]; numbers
+//! of the file with a unit are converted.
 //!
-//! One table (`tables`) lists all keys with form, dimension and range. The messages of the parser and
-//! [`json_schema`] are generated from it.
+//! The module `tables` lists all keys with form, dimension and range. The messages of the parser and
+//! [`json_schema`] are generated from these tables.
 
 mod boundary;
 mod build;
@@ -71,7 +71,7 @@ pub struct Scene {
     pub title: String,
     /// The units of every number in the scene.
     pub units: Units,
-    /// The temperature in kelvin, if a number of the scene is in the unit kT, or the scene names it.
+    /// The temperature in kelvin, if the scene has this key, or a number in the unit kT.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature: Option<f64>,
     /// The surfaces, at least one, with different names.
@@ -137,7 +137,7 @@ pub enum Interaction {
 }
 
 impl Interaction {
-    /// The repulsion as limits of steps see it.
+    /// The repulsion in the form that limits of steps need.
     pub(crate) fn barrier(&self) -> Barrier {
         let Self::Repulsion {
             strength, cutoff, ..
@@ -166,7 +166,7 @@ impl SceneFile {
     /// the name may be that of a [`ShippedScene`].
     ///
     /// # Errors
-    /// Everything that is wrong with it, if anything is.
+    /// Everything that is wrong with the scene.
     pub fn read(path: &Path, overrides: &Overrides) -> Result<Self, SceneErrors> {
         if let Some(shipped) = ShippedScene::named(path) {
             return Self::parse(shipped.text, &shipped.path(), overrides);
@@ -179,7 +179,7 @@ impl SceneFile {
     /// it.
     ///
     /// # Errors
-    /// Everything that is wrong with it, if anything is.
+    /// Everything that is wrong with the scene.
     pub fn parse(text: &str, path: &Path, overrides: &Overrides) -> Result<Self, SceneErrors> {
         build::parse(text, path, overrides)
     }

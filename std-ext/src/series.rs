@@ -145,11 +145,11 @@ pub struct Series {
 }
 
 impl Series {
-    /// Starts a series with these columns, the first of them `time` or `iteration`; a file that was there is
+    /// Starts a series with these columns, the first of them `time` or `iteration`. An existing file is
     /// replaced.
     ///
     /// # Errors
-    /// If the columns are none for a CSV file, or the file cannot be written.
+    /// If the columns are not valid in a CSV file, or the file cannot be written.
     pub fn create(path: &Path, columns: &[&str]) -> Result<Self, SeriesError> {
         let create = || {
             let header = header(columns)?;
@@ -163,8 +163,8 @@ impl Series {
     /// torn.
     ///
     /// # Errors
-    /// If the file cannot be read or written, its columns are others, or it has fewer rows; it is
-    /// unchanged then.
+    /// If the file cannot be read or written, its columns are others, or it has fewer rows. The file is
+    /// then unchanged.
     pub fn resume(path: &Path, columns: &[&str], rows: u64) -> Result<Self, SeriesError> {
         let resume = || {
             let header = header(columns)?;

@@ -1,9 +1,8 @@
 //! A prepared scene: its surfaces and effects.
 //!
-//! [`build`] checks the scene on its meshes; [`Scene::explain`](crate::scene::Scene::explain) lists what
-//! acts, in numbers. A [`Simulation`] computes the forces at given positions; it moves and writes
-//! nothing.
-//! [`crate::dynamics`] moves the positions, and [`crate::run`] writes results.
+//! [`build`] checks the scene on its meshes; [`Scene::explain`](crate::scene::Scene::explain) lists
+//! effects, with numbers. A [`Simulation`] computes the forces at given positions; it moves and writes
+//! nothing. [`crate::dynamics`] moves the positions, and [`crate::run`] writes results.
 
 mod build;
 mod check;
@@ -89,7 +88,7 @@ struct Between {
 /// Energy and forces of one effect at some positions.
 #[derive(Clone, Debug)]
 pub struct Acting {
-    /// The effect's name, which ends in the surface's where there are several.
+    /// The effect's name, followed by the surface's name if there are several surfaces.
     pub effect: String,
     /// Whether it acts between surfaces.
     pub between: bool,
@@ -102,7 +101,7 @@ pub struct Acting {
 /// The cost of an effect so far.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Cost {
-    /// The effect, with the surface's name where there are several.
+    /// The effect, with the surface's name if there are several.
     pub effect: String,
     /// Number of evaluations.
     pub evaluations: u64,
@@ -149,7 +148,8 @@ impl Body {
         is_fluid && self.stretch.is_none() && self.columns.is_empty()
     }
 
-    /// The columns of its mesh file that belong to its material, with which files of it are written.
+    /// The columns of its mesh file that belong to its material; they are also written to its output
+    /// files.
     pub fn columns(&self) -> &[Arc<Column>] {
         &self.columns
     }
@@ -207,7 +207,7 @@ impl Simulation {
         }
     }
 
-    /// The names of the effects: those of the surfaces one after the other, then interactions.
+    /// The names of the effects: first those on each surface, then interactions.
     pub fn effect_names(&self) -> Vec<String> {
         let mut names = Vec::new();
         for body in &self.bodies {

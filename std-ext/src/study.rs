@@ -335,13 +335,13 @@ impl Study {
 }
 
 impl Row {
-    /// Whether the times that were measured scatter by more than [`MOST_SCATTER`], as on a machine with
-    /// other work: then their median says little, and is not kept for the next time.
+    /// Whether the measured times scatter by more than [`MOST_SCATTER`], as on a machine with other
+    /// work. Their median is then unreliable, and is not cached.
     pub fn is_scattered(&self) -> bool {
         is_scattered(self.ns_scatter)
     }
 
-    /// The orders against the last earlier row of the same kind, which has fewer vertices.
+    /// The orders relative to the last earlier row of the same kind, which has fewer vertices.
     fn set_orders(&mut self, earlier: &[Self]) {
         let coarser = earlier.iter().rev().find(|row| {
             row.family == self.family
@@ -382,7 +382,7 @@ struct Level {
 }
 
 impl Case<'_> {
-    /// The identity of a measurement; an f64 as its bits.
+    /// The identity of a measurement; each f64 is given by its bits.
     fn key(self, asked: usize) -> String {
         let Self {
             study,
@@ -452,7 +452,7 @@ impl Case<'_> {
         let surface = held.surface(&mesh.mesh)?;
         let before = allocated.map(|allocated| allocated());
         let modulus = T::constant(self.study.modulus);
-        // Of one thread: what others leave of the rest would be measured, too.
+        // Time and memory of one thread; work of other threads would disturb the measurement.
         let threads = Parallel::single();
         let options = &self.study.options;
         let mut evaluator = self.method.evaluator(options, modulus, &mesh.mesh, threads);

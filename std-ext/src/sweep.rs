@@ -1,4 +1,4 @@
-//! One scene run with every combination of some values, side by side.
+//! Runs of one scene with every combination of some values, compared.
 //!
 //! A folder holds
 //! * a folder for each run, named by its values, such as `method=meyer,vertices=642`: see
@@ -117,7 +117,7 @@ pub enum SweepError {
 }
 
 impl SweepError {
-    /// Whether an output is at fault, and not the arguments or an input.
+    /// Whether the error is that of an output, and not of the arguments or an input.
     pub fn is_output(&self) -> bool {
         matches!(
             self,
@@ -175,13 +175,13 @@ pub enum Outcome {
 pub struct Ended {
     /// The way in which it ended.
     pub end: End,
-    /// The end in words.
+    /// A description of the end.
     pub message: String,
     /// Iterations, or steps in time.
     pub iterations: u64,
     /// Evaluations of the velocities, of drivers in time.
     pub right_hand_sides: Option<u64>,
-    /// Seconds in all.
+    /// Total time in seconds.
     pub seconds: f64,
     /// Seconds per evaluation of bending, on all surfaces together; `None` without bending.
     pub bending: Option<f64>,
@@ -280,8 +280,8 @@ impl Sweep {
     /// stop.
     ///
     /// # Errors
-    /// If no combination is a valid scene, there are runs in the folder without `resume`, or
-    /// something cannot be written. What else goes wrong with a run is its [`Outcome`].
+    /// If no combination is a valid scene, there are runs in the folder without `resume`, or something
+    /// cannot be written. Other failures of a run are its [`Outcome`].
     pub fn run(
         &self,
         folder: &Path,
@@ -408,7 +408,7 @@ fn read_ended(folder: &Path) -> Result<(Ended, RunScene), String> {
     let summary: Summary = serde_json::from_str(&text).map_err(|error| unreadable(&error))?;
     let series = SeriesTable::read(&folder.join("series.csv")).map_err(|e| e.to_string())?;
     let bending = summary.effects.iter().filter(|cost| {
-        // Of several surfaces each has its own, `bending_NAME`.
+        // With several surfaces, each has its own bending, `bending_NAME`.
         let rest = cost.effect.strip_prefix("bending");
         cost.evaluations > 0 && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
     });
@@ -430,15 +430,15 @@ fn read_ended(folder: &Path) -> Result<(Ended, RunScene), String> {
     Ok((ended, scene))
 }
 
-/// The scene that a run was one of.
+/// The scene of a run.
 struct RunScene {
     /// The fingerprint that continuations share.
     fingerprint: String,
-    /// As a summary gives it back.
+    /// The scene as it is stored in a summary.
     scene: serde_json::Value,
 }
 
-/// A scene as a summary gives it back, numbers through the same parser.
+/// A scene as read from a summary, with numbers through the same parser.
 fn as_read_back(scene: &Scene) -> serde_json::Value {
     let text = serde_json::to_string(scene).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()

@@ -1,4 +1,4 @@
-//! The adaptive jet among the candidates: it knows its own errors.
+//! The adaptive jet as a candidate, which estimates its own errors.
 
 use crate::execute::available_threads;
 use crate::measurement::Measurement;
@@ -10,8 +10,8 @@ use std::time::Instant;
 /// The mean of the absolute value of a normal error, in standard deviations: √(2/π).
 const MEAN: f64 = 0.8;
 
-/// The largest of the errors in standard deviations: fits overlap, and of some 60 normal errors that are
-/// independent it is so large.
+/// The expected maximum of the errors, in standard deviations: as for about 60 independent normal
+/// errors, because fits overlap.
 const LARGEST: f64 = 2.4;
 
 /// A surface measured by jets that choose their scale.
@@ -19,12 +19,13 @@ pub(super) struct Adaptive {
     pub(super) fields: Fields<f64>,
     /// Expected errors of the quantity, the largest and the mean.
     pub(super) expected: [f64; 2],
-    /// On all threads together: it takes too long to be measured on one.
+    /// Summed over all threads, because a measurement on one thread would take too long.
     pub(super) time: Timing,
 }
 
 impl Adaptive {
-    /// `None` if `watch`, which is called with the part of the work that is done, returned false.
+    /// Measures the surface. `watch` is called with the fraction of the work that is done; `None` if it
+    /// returned false.
     pub(super) fn new(
         surface: Surface<'_, f64>,
         quantity: Quantity,
@@ -58,7 +59,7 @@ fn expected_error(at: &Measured<f64>, quantity: Quantity) -> f64 {
         Quantity::Gaussian => at.gaussian,
         Quantity::LaplacianOfMean | Quantity::ForceDensity => at.force_density,
     };
-    // f = 2 Δ_S H and terms without derivatives, whose errors are much smaller.
+    // f is 2 Δ_S H plus terms without derivatives of H, whose errors are much smaller.
     match quantity {
         Quantity::LaplacianOfMean => expected / 2.0,
         _ => expected,

@@ -1,12 +1,13 @@
 //! The best estimate of curvatures on a surface with noise, and its error.
 //!
-//! Methods are compared with the best of many estimates, made of the same positions: J6, and regression
-//! jets of degrees 4 and 6 with ever more neighbours, averaged ever wider. Noise of the size that was found
-//! is put on top of all of them alike; what it changes is the variance V of an estimate, and of the
-//! distance of two. Each has a reference that the shape leaves alone more, and B is how far they are apart
-//! beyond what noise explains, extrapolated to no distance. What is wider in the same way loses more of
-//! the shape to less noise: where its B is known to be smaller, so is that of the narrower. The least B² + V
-//! wins.
+//! Methods are compared with the best of many estimates from the same positions: J6, and regression
+//! jets of degrees 4 and 6 with increasing numbers of neighbours, and averages of these. Noise of the
+//! estimated size is added to the positions; the changes that it causes are the variance V of an
+//! estimate, and of the distance between two. For each estimate there is another with less bias. The
+//! bias B is the distance between the two, as far as noise does not explain it, extrapolated. Among
+//! estimates of the same kind, a wider one loses more of the shape and has less noise: if the B of the
+//! wider one is known to be smaller, it also bounds that of the narrower one. The estimate with the
+//! least B² + V is chosen.
 
 mod choice;
 mod shape;
@@ -18,19 +19,20 @@ use crate::study::{Quantity, Reference};
 use choice::FOURTH;
 use helfrich::{Noise, RegressionFields, RegressionFits, Surface, SurfaceError, TriangleMesh};
 
-/// Neighbours of regression jets: the error of the best of these is hardly larger than of any number.
+/// Neighbours of regression jets: the best of these has hardly larger errors than the best of all
+/// numbers.
 const LADDER: [usize; 8] = [45, 64, 90, 128, 181, 256, 362, 512];
 
-/// Neighbours from which on degree 4 has samples enough, and averages are taken.
+/// Least number of neighbours with which degree 4 has enough samples, and averages are taken.
 const WIDE: usize = 64;
 
-/// Part of a mesh that a neighbourhood may be.
+/// Largest part of a mesh that a neighbourhood may cover.
 const LARGEST_PART: f64 = 2.0 / 3.0;
 
-/// By which factor neighbourhoods have to grow on average; less where the surface turns too far for more.
+/// Least growth of neighbourhoods on average; they grow less where the surface turns away.
 const LEAST_GROWTH: f64 = 1.17;
 
-/// Neighbours of all fits together that may be kept: some gigabytes.
+/// Largest number of neighbours of all fits together, which take some gigabytes.
 const MOST_ENTRIES: usize = 50_000_000;
 
 /// Largest number of doublings of the averages of the widest fits.
@@ -40,45 +42,46 @@ type Values = [f64; COPIES];
 
 /// One estimate of all quantities.
 struct Candidate {
-    /// H, K, Δ_S H and f, one entry a vertex; empty but for H and what is asked for.
+    /// H, K, Δ_S H and f, one entry per vertex; all but H and the requested quantity are empty.
     values: [Vec<Values>; 4],
     bias: Bias,
-    /// One that is wider in the same way, of which the shape takes more away.
+    /// A wider estimate of the same kind, with more bias.
     wider: Option<usize>,
 }
 
-/// By how much the shape is off.
+/// The rule for the bias of an estimate.
 #[derive(Clone, Copy)]
 enum Bias {
-    /// Taken as none: what others are compared with.
+    /// Taken as zero: this estimate is the reference of others.
     Unknown,
-    /// These times the distance from another, of H and K, and of Δ_S H and f.
+    /// The distance from another estimate times a factor: one for H and K, and one for Δ_S H and f.
     Distance { from: usize, factors: [f64; 2] },
-    /// As many times as [`FOURTH`], and what the other is off.
+    /// [`FOURTH`] times the distance from another estimate, plus the bias of that estimate.
     Added { to: usize },
-    /// Averages: by the distance from half as many, and what is known of what they are of.
+    /// For averages: from the distance to half as many averages, and from the fit that is averaged.
     Averages { half: usize, base: Base },
 }
 
-/// Fits that averages are taken of.
+/// Fits that are averaged.
 #[derive(Clone, Copy)]
 enum Base {
     /// A fit of degree 6.
     Sixth(usize),
-    /// A fit of degree 4: as far off as from as many averages of degree 6.
+    /// A fit of degree 4, whose bias is its distance from as many averages of degree 6.
     Fourth(usize),
 }
 
 /// The best estimate of one quantity.
 pub(super) struct Estimate {
-    /// Its values as what methods are compared with.
+    /// Its values, as the reference for methods.
     pub(super) reference: Reference,
-    /// Its errors by noise and by the shape, largest and mean, relative.
+    /// Its relative errors due to noise and due to the shape, largest and mean.
     pub(super) noise: [f64; 2],
     pub(super) bias: [f64; 2],
     /// Whether it is J6 itself.
     pub(super) is_j6: bool,
-    /// Mean errors of J4 and J6 by the shape, relative, from their distances beyond noise.
+    /// Mean relative errors of J4 and J6 due to the shape, from their distances without the part of
+    /// noise.
     by_shape: [f64; 2],
 }
 
@@ -86,7 +89,7 @@ pub(super) struct Estimate {
 const EIGHTH: usize = 0;
 const J6: usize = 1;
 
-/// Candidates, each with its distances from others known.
+/// The candidates, with the distances between them.
 struct Candidates {
     quantity: Quantity,
     all: Vec<Candidate>,
@@ -131,12 +134,12 @@ impl Estimate {
         })
     }
 
-    /// The mean error of J4 or J6 by the shape, relative.
+    /// The mean relative error of J4 or J6 due to the shape.
     pub(super) fn by_shape(&self, method: AnyMethod) -> f64 {
         self.by_shape[usize::from(method == BendingMethod::J6)]
     }
 
-    /// The size of both its errors.
+    /// Both errors combined.
     pub(super) fn error(&self) -> [f64; 2] {
         [0, 1].map(|norm| self.bias[norm].hypot(self.noise[norm]))
     }
@@ -227,8 +230,8 @@ impl Candidates {
         }
     }
 
-    /// Adds averages of degrees 6 and 4, each twice as many as before, until the shape suffers more than
-    /// noise.
+    /// Adds averages of degrees 6 and 4, each twice as many as before, until the bias exceeds the
+    /// effect of noise.
     fn average_again(&mut self, bases: [usize; 2], fits: &RegressionFits<f64, COPIES>) {
         let mut half = bases;
         for doubling in 0..DOUBLINGS {
@@ -284,7 +287,7 @@ impl Candidates {
         self.all[which].values.each_ref().map(average)
     }
 
-    /// Largest and mean change by noise, root of the mean square over the copies.
+    /// Largest and mean change due to noise, as root mean squares over the copies.
     fn norms(&self, values: &[Values]) -> [f64; 2] {
         let mut squares = [0.0; 2];
         for copy in 1..COPIES {
@@ -313,7 +316,7 @@ fn values(fields: RegressionFields<f64, COPIES>) -> [Vec<Values>; 4] {
     ]
 }
 
-/// A method on the surface and on its copies, whose vertices are moved along normals.
+/// Results of a method on the surface and on its copies, whose vertices are displaced along normals.
 fn jets(
     mut evaluator: Evaluator<f64>,
     surface: Surface<'_, f64>,

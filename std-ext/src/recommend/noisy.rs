@@ -1,9 +1,9 @@
-//! Errors due to noise of the positions, measured by adding more of it.
+//! Errors due to noise of the positions, measured by adding more noise.
 //!
-//! All methods share the positions and their noise, so that distances between methods do not reveal
-//! it. But noise is small compared with an edge, and its effect is nearly linear: additional noise
-//! of the same standard deviation changes a result by as much as the existing noise has changed it.
-//! The error due to the mesh alone is that at the positions after smoothing, repeated as often as
+//! All methods share the positions and their noise, so that distances between methods do not reveal the
+//! noise. But noise is small compared with an edge, and its effect is nearly linear: additional noise
+//! of the same standard deviation changes a result by as much as the existing noise has changed it. The
+//! error due to the mesh alone is the error at smoothed positions; smoothing is repeated as often as
 //! necessary.
 
 use super::estimate::{Estimate, along_normal};
@@ -16,29 +16,29 @@ use helfrich::{Noise, Smoothing, Surface, SurfaceError, TriangleMesh};
 /// Copies of the positions with noise added.
 pub(super) const REPLICAS: usize = 2;
 
-/// Neighbours with which positions are smoothed, and how often, until noise is small; of the last stages
-/// the neighbours are those of [`widest`].
+/// Numbers of neighbours for smoothing, and of repetitions, until noise is small; the last stages use
+/// the neighbours of [`widest`].
 const STAGES: [(usize, usize); 4] = [(48, 2), (64, 2), (64, 4), (64, 4)];
 const LAST_STAGES: [usize; 4] = [4, 4, 8, 8];
 
-/// How much smoothing has to leave of what noise does to J6 on average, at most.
+/// Largest mean effect of noise on J6 after smoothing, relative to that before.
 const LEFT: f64 = 0.3;
 
-/// Part of the largest value up to which noise may change means over patches.
+/// Largest effect of noise on means over patches, relative to the largest value.
 const PATCH_NOISE: f64 = 0.05;
 
-/// Patches are this part of a mesh, and from seven vertices to so many large: features of a shape that a
-/// mesh of 2562 vertices resolves are larger.
+/// Inverse of the part of a mesh that a patch covers; patches have seven vertices or more. Features of
+/// a shape that a mesh of 2562 vertices resolves are larger.
 const PATCHES: usize = 366;
 const LARGEST_PATCH: usize = 64;
 
-/// Positions with noise: smoothed, and with more of it.
+/// Positions with noise, smoothed, and with additional noise.
 pub(super) struct Noisy {
-    /// Without most of the noise.
+    /// The positions without most of the noise.
     pub(super) smooth: Vec<[f64; 3]>,
-    /// With noise of the same standard deviation added, each time other numbers of a seed.
+    /// The positions with added noise of the same standard deviation, each from other random numbers.
     pub(super) replicas: [Vec<[f64; 3]>; REPLICAS],
-    /// The nearest that is known of the positions with noise.
+    /// The best estimate on the positions with noise.
     pub(super) estimate: Estimate,
 }
 
@@ -71,7 +71,7 @@ impl Noisy {
             &glimpse(positions)?.values[which],
             &glimpse(&replicas[0])?.values[which],
         );
-        // The same smoothing of the same positions with more noise says what is left of it.
+        // The same smoothing of positions with additional noise shows how much of the noise remains.
         let mut pair = [positions.to_vec(), replicas[0].clone()];
         let widest = widest(mesh);
         let last = LAST_STAGES.map(|times| (widest, times));
@@ -102,7 +102,8 @@ fn widest(mesh: &TriangleMesh) -> usize {
     (mesh.vertex_count() / 40).clamp(64, 128)
 }
 
-/// Each coordinate with an error of this standard deviation: a sum of twelve uniform ones is normal enough.
+/// Adds an error of this standard deviation to each coordinate; a sum of twelve uniform numbers is
+/// nearly normal.
 fn disturbed(positions: &[[f64; 3]], deviation: f64, random: &mut Random) -> Vec<[f64; 3]> {
     let mut error = || (0..12).map(|_| random.unit()).sum::<f64>() - 6.0;
     let moved = positions.iter().map(|x| x.map(|x| x + deviation * error()));
@@ -122,7 +123,7 @@ fn smoothed(
     Ok(noise::smoothed(surface, smoothing))
 }
 
-/// Around each vertex those reached first along edges, and itself.
+/// The patch around each vertex: the vertex and its breadth-first neighbourhood.
 fn patches(mesh: &TriangleMesh) -> Vec<Vec<u32>> {
     let size = (mesh.vertex_count() / PATCHES).clamp(7, LARGEST_PATCH);
     let mut reached = vec![u32::MAX; mesh.vertex_count()];

@@ -176,7 +176,7 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// Whether an output is at fault, and not the scene or an input.
+    /// Whether the error is that of an output, and not of the scene or an input.
     pub fn is_output(&self) -> bool {
         matches!(
             self,

@@ -1,4 +1,4 @@
-//! By how far each of many estimates may be off, and which of them is the best.
+//! Bounds of the bias of many estimates, and the choice of the best.
 
 use super::{Base, Bias, Candidate, Candidates, J6};
 use crate::noise::COPIES;
@@ -6,13 +6,13 @@ use crate::noise::COPIES;
 /// Relative uncertainty of the variance of a distance.
 const UNCERTAIN: f64 = 0.1;
 
-/// Multiple of its variance beyond which a squared distance is more than noise.
+/// Multiple of its variance beyond which a squared distance is not explained by noise.
 const SIGNIFICANT: f64 = 1.5;
 
-/// Factor on the distance of degree 4 from degree 6, and of an average from its original.
+/// Factor on the distance of degree 4 from degree 6, and of an average from the fit that is averaged.
 pub(super) const FOURTH: f64 = 1.2;
 
-/// Factor on the distance of averages from half as many: what they remove grows with their number.
+/// Factor on the distance of averages from half as many, because their bias grows with their number.
 const DOUBLED: f64 = 2.0;
 
 /// Bounds of the square of a candidate's error without noise.
@@ -27,13 +27,13 @@ pub(super) struct Range {
 /// A candidate that was chosen.
 pub(super) struct Choice {
     pub(super) index: usize,
-    /// Squares of its errors by the shape and by noise.
+    /// Squares of its errors due to the shape and due to noise.
     pub(super) bias: f64,
     pub(super) variance: f64,
 }
 
 impl Candidates {
-    /// Square of the distance of two candidates beyond noise.
+    /// Square of the distance of two candidates, without the part of noise.
     fn apart(&self, [one, other]: [usize; 2], which: usize, weights: &[f64]) -> Range {
         let [one, other] = [one, other].map(|index| &self.all[index].values[which]);
         let both = || one.iter().zip(other);
@@ -69,7 +69,8 @@ impl Candidates {
             .times(factor * factor)
     }
 
-    /// B² of each candidate of a quantity. What is wider in the same way is less noisy, and off by more.
+    /// B² of each candidate for a quantity. A wider candidate of the same kind has less noise and more
+    /// bias.
     fn biases(&self, which: usize, weights: &[f64]) -> Vec<f64> {
         let ranges = (0..self.all.len()).map(|index| self.range(index, which, weights));
         let ranges = Vec::from_iter(ranges);
@@ -100,11 +101,12 @@ impl Candidates {
         biases
     }
 
-    /// The candidates that say something at every vertex of some weight, by these weights, whose sum is 1.
+    /// The candidates that have a value at every vertex with a weight, judged by these weights, whose
+    /// sum is 1.
     fn choices(&self, which: usize, weights: &[f64]) -> Vec<Choice> {
         let biases = self.biases(which, weights);
         let is_eligible = |candidate: &Candidate| {
-            // What noise leaves of degree 6 in long waves is large, and looks like the shape.
+            // Noise that remains in long waves of degree 6 is large, and looks like the shape.
             let averages = candidate.bias.is_of_averages_of_degree_6();
             let mut known = candidate.values[which].iter().zip(weights);
             !averages && known.all(|(value, weight)| *weight == 0.0 || value[0].is_finite())
@@ -119,7 +121,7 @@ impl Candidates {
         eligible.map(choice).collect()
     }
 
-    /// The candidate with the least B² + V of a quantity.
+    /// The candidate with the least B² + V for a quantity.
     pub(super) fn choose(&self, which: usize) -> Choice {
         let choices = self.choices(which, &self.areas).into_iter();
         let best = choices.min_by(|a, b| a.square().total_cmp(&b.square()));
@@ -130,11 +132,12 @@ impl Candidates {
         })
     }
 
-    /// The largest size of a quantity on the surface without noise: the geometric mean of what candidates
-    /// say, by their errors. What one of them says may be far off at the one vertex that counts.
+    /// The largest absolute value of a quantity on the surface without noise: the geometric mean of the
+    /// candidates' values, weighted by their errors, because a single candidate may be wrong at the one
+    /// vertex that counts.
     pub(super) fn largest(&self, which: usize) -> f64 {
         let found = &self.all[self.choose(which).index].values[which];
-        // What matters is how far off estimates are where values are large.
+        // Errors matter where values are large.
         let squares = found.iter().zip(&self.areas);
         let squares = squares.map(|(value, area)| match *area {
             0.0 => 0.0,
@@ -147,8 +150,9 @@ impl Candidates {
         let least = choices.iter().map(Choice::square).fold(f64::MAX, f64::min);
         let (mut sum, mut all) = (0.0, 0.0);
         for choice in &choices {
-            // The inverse cube of the error, by trial on 13 shapes at 1e-2 edges: with the inverse square,
-            // forces of tubes come out up to 1.5 times too small; with the fourth power, others too large.
+            // Weights are the inverse cube of the error, by trial on 13 shapes at 1e-2 edges: with the
+            // inverse square, forces of tubes are up to 1.5 times too small; with the fourth power,
+            // others are too large.
             let part = least / choice.square();
             let trust = part * part.sqrt();
             sum += trust * self.largest_of(choice.index, which).ln();
@@ -161,8 +165,8 @@ impl Candidates {
         }
     }
 
-    /// The largest size of a candidate. That of an estimate is larger by its noise; more noise of the same
-    /// size says by which factor.
+    /// The largest absolute value of a candidate, corrected for noise: additional noise of the same
+    /// size shows the factor by which noise increases it.
     fn largest_of(&self, index: usize, which: usize) -> f64 {
         let found = &self.all[index].values[which];
         let largest = |copy: usize| {

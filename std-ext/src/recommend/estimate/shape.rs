@@ -1,15 +1,15 @@
-//! Errors of jets by the shape, from their distances from each other beyond noise.
+//! Errors of jets due to the shape, from their distances from each other without the part of noise.
 
 use super::super::of_sixth;
 use super::{Candidates, EIGHTH, J6, Values};
 use crate::noise::COPIES;
 
 impl Candidates {
-    /// Mean errors of J4 and J6 by the shape.
+    /// Mean errors of J4 and J6 due to the shape.
     ///
-    /// Where a mesh hardly resolves the shape, jets of degree 8 are no better than those of degrees 4 and 6,
-    /// and these nearer to each other than to those: an error is not larger than the distance of two jets
-    /// whose errors are independent.
+    /// Where a mesh hardly resolves the shape, jets of degree 8 are no better than those of degrees 4
+    /// and 6, which are then nearer to each other than to degree 8: an error is not larger than the
+    /// distance of two jets whose errors are independent.
     pub(super) fn by_shape(&self) -> [f64; 2] {
         let which = self.quantity as usize;
         let [eighth, sixth] = [EIGHTH, J6].map(|index| &self.all[index].values[which][..]);
