@@ -36,19 +36,19 @@ pub(crate) struct CurvatureArguments {
     modulus: f64,
     #[command(flatten)]
     options: OptionArguments,
-    /// Number type: f32, f32-pair (positions in pairs of f32) or f64.
+    /// Number type: f32, f32-pair (positions as pairs of f32) or f64.
     #[arg(long, default_value = "f64")]
     scalar: Scalar,
     /// Add principal curvatures, error bars and a verdict to the results of any method, by comparison with
     /// jets that choose their scale from the noise; `--method jet` always has them.
     #[arg(long)]
     errors: bool,
-    /// Standard deviation of the positions along the normal, a length, where it is known: at least so much
-    /// noise is assumed. By default it is found from the positions.
+    /// Known standard deviation of the positions along the normal, a length: a lower bound of the noise
+    /// that is assumed. By default the noise is estimated from the positions.
     #[arg(long, value_name = "LENGTH", value_parser = positive, allow_negative_numbers = true)]
     sigma: Option<f64>,
-    /// Number of neighbours of the fits of `jet`, 28 to 4096. By default it is chosen at each vertex, for H,
-    /// K and f, from the noise.
+    /// Number of neighbours of the fits of `jet`, 28 to 4096. By default it is chosen from the noise, at
+    /// each vertex and separately for H, K and f.
     #[arg(long, value_name = "NEIGHBOURS", value_parser = clap::value_parser!(u32).range(28..=4096))]
     scale: Option<u32>,
     /// Write to this file instead of standard output (`-`).
@@ -57,13 +57,13 @@ pub(crate) struct CurvatureArguments {
     /// Write the surface with all results to this `.vtp` file; a table is then written only with `--csv`.
     #[arg(long, value_name = "FILE")]
     vtp: Option<PathBuf>,
-    /// Draw the surface to this `.png` file, with principal directions if `--method jet` or `--errors` finds
-    /// them; a table is then written only with `--csv`. Where twice the error bar exceeds the range of the
-    /// colours, the surface is grey.
+    /// Draw the surface to this `.png` file, with principal directions if `--method jet` or `--errors` is
+    /// given; a table is then written only with `--csv`. The surface is grey where twice the error bar
+    /// exceeds the range of the colours.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// The quantity that the picture shows, by the name of its column; f along the normal. All but H, K and f
-    /// need `--method jet` or `--errors`.
+    /// Quantity that the picture shows, by the name of its column; f is shown along the normal. Quantities
+    /// other than H, K and f need `--method jet` or `--errors`.
     #[arg(
         long,
         value_name = "QUANTITY",
@@ -101,7 +101,7 @@ fn measurement(
     Ok(Some(measured))
 }
 
-/// Prints what the fits say of the mesh.
+/// Prints the verdicts of the fits about the mesh.
 fn tell_verdicts(path: &Path, surface: Surface<'_, f64>, measured: &Measurement) {
     let path = path.display();
     if measured.deviation() > 0.0 {

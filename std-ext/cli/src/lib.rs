@@ -44,10 +44,11 @@ fn allocated() -> usize {
     ALLOCATOR.allocated()
 }
 
-/// Bending of triangulated membranes: compares methods, measures curvature, relaxes scenes.
+/// Bending of triangulated membranes: compares methods, measures curvature, runs scenes.
 ///
-/// Exit codes: 0 done; 2 the arguments or an input file are at fault; 3 an output could not be
-/// written; 4 a run ended before its equilibrium; 130 it was interrupted, and can be resumed.
+/// Exit codes: 0 success; 2 the arguments or an input file are invalid; 3 an output could not be
+/// written; 4 a run stopped before equilibrium or before its end time; 130 the command was
+/// interrupted, and a run can be resumed.
 #[derive(Parser)]
 #[command(name = "helfrich", version, max_term_width = 100)]
 struct Arguments {
@@ -57,37 +58,37 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Compare bending methods with exact shapes: error and time side by side.
+    /// Measure errors and times of bending methods on exact shapes.
     Study(StudyArguments),
     /// Recommend a method for a mesh file, by measurements on that mesh.
     Recommend(RecommendArguments),
-    /// Curvatures and force density at every vertex of a mesh file, with error bars, as CSV or VTP.
+    /// Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP.
     Curvature(CurvatureArguments),
     /// Show counts, topology, area, volume and quality of a mesh file.
     Info(MeshArguments),
     /// Refine a mesh file by Loop's rules: four triangles for each triangle and level.
     Subdivide(SubdivideArguments),
-    /// Run a scene: surfaces, the effects that act on each, and what drives them.
+    /// Run a scene: surfaces, the effects that act on each, and a driver that moves them.
     Run(RunArguments),
-    /// Run a scene with every combination of some values, and compare.
+    /// Run a scene with every combination of given values, and compare the results.
     Sweep(SweepArguments),
-    /// The scenes that come with the program, which `run`, `sweep` and `explain` take by name.
+    /// List the scenes that come with the program, which `run`, `sweep` and `explain` take by name.
     Scenes(ScenesArguments),
     /// Explain a scene without running it: effects, dimensionless groups, memory, step limits.
     Explain(SceneArguments),
 }
 
-/// How much of the machine a command takes.
+/// The part of the machine that a command uses.
 #[derive(Debug, clap::Args)]
 pub(crate) struct ThreadArguments {
-    /// How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No
-    /// result depends on it.
+    /// Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do
+    /// not depend on it.
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<NonZeroUsize>,
 }
 
 impl ThreadArguments {
-    /// Does `work` with that many threads.
+    /// Does `work` with that number of threads.
     fn run<R>(&self, work: impl FnOnce() -> R) -> R {
         with_threads(self.threads.unwrap_or_else(available_threads), work)
     }
@@ -105,7 +106,7 @@ fn threads(text: &str) -> Result<NonZeroUsize, String> {
 struct SceneArguments {
     /// TOML file, or the name of a scene that comes with the program: see `helfrich scenes`.
     scene: PathBuf,
-    /// Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in
+    /// Replace a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or remove it, as in
     /// `surface.vesicle.bending=`; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
@@ -125,7 +126,7 @@ struct ScenesArguments {
 struct RunArguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// The output folder; by default the scene's name without `.toml`.
+    /// Output folder; by default the scene's name without `.toml`.
     #[arg(long)]
     out: Option<PathBuf>,
     /// Continue the run in the folder from its last checkpoint.
@@ -140,21 +141,21 @@ struct RunArguments {
 struct SweepArguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// The output folder, with a subfolder for each run.
+    /// Output folder, with a subfolder for each run.
     #[arg(long)]
     out: PathBuf,
-    /// A key and its values, as in `surface.0.bending.method=meyer,juelicher`; may be repeated, the
-    /// last varies fastest. Commas inside brackets, braces and quotation marks belong to a value.
+    /// A key and its values, as in `surface.0.bending.method=meyer,juelicher`; may be repeated, and the
+    /// last key varies fastest. Commas inside brackets, braces and quotation marks belong to a value.
     #[arg(long, value_name = "PATH=VALUE,VALUE", required = true)]
     vary: Vec<Vary>,
-    /// Columns of the series to show and to plot; those of the scene's plots if there are none.
+    /// Columns of the series to show and to plot; by default those of the scene's plots.
     #[arg(long, value_delimiter = ',')]
     columns: Vec<String>,
     /// Continue the runs in the folder; runs that have ended are skipped.
     #[arg(long)]
     resume: bool,
-    /// How many runs take place at once, from 1 to 1024, each with its share of the threads: `--jobs` as
-    /// many as there are threads suits runs of small meshes.
+    /// Number of simultaneous runs, from 1 to 1024, which share the threads equally. As many jobs as
+    /// threads suit runs with small meshes.
     #[arg(long, value_name = "N", default_value = "1", value_parser = threads)]
     jobs: NonZeroUsize,
 }
@@ -176,22 +177,22 @@ struct SubdivideArguments {
     /// Number of refinements.
     #[arg(long, default_value_t = 1)]
     levels: u32,
-    /// Put the vertices on the smooth surface that further refinement would lead to.
+    /// Place the vertices on the smooth surface to which further refinement would converge.
     #[arg(long)]
     limit: bool,
-    /// Write to this file; `.obj`, `.off`, `.stl`, `.ply` or `.vtp` determines the format.
+    /// Output file; the extension `.obj`, `.off`, `.stl`, `.ply` or `.vtp` determines the format.
     #[arg(long, short)]
     output: PathBuf,
 }
 
-/// Options of methods, each for those that have it.
+/// Options of methods; each applies to the methods that have it.
 #[derive(Debug, clap::Args)]
 pub(crate) struct OptionArguments {
-    /// Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed.
+    /// Vertex areas of gompper-kroll and meyer: mixed, voronoi or barycentric; by default mixed.
     #[arg(long, value_parser = MethodOptions::parse_areas)]
     areas: Option<DualArea>,
-    /// Bandwidth of belkin's heat kernel: a number of mean areas of a vertex; `converging`, which is
-    /// max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex.
+    /// Bandwidth of the heat kernel of belkin: a number of mean vertex areas; `converging`, the default,
+    /// which is max(1/4, sqrt(N)/100) of them; or `published`, the mixed area of each vertex.
     #[arg(long, value_parser = MethodOptions::parse_bandwidth)]
     bandwidth: Option<Bandwidth<f64>>,
 }
@@ -257,8 +258,8 @@ pub fn program() -> ExitCode {
     program_with(&[])
 }
 
-/// Runs the program with methods of your own beside those of the list: `study`, `recommend` and
-/// `curvature` know them by name, in scenes there are none. Called once, by `main`.
+/// Runs the program with methods of your own in addition to the listed ones: `study`, `recommend` and
+/// `curvature` accept them by name, scenes do not. To be called once, by `main`.
 pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
     let own = Vec::from_iter(methods.iter().copied().map(AnyMethod::from));
     if let Err(error) = AnyMethod::check_names(&own) {
@@ -279,7 +280,7 @@ pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
     terminal::ended(result)
 }
 
-/// Refuses an output that would replace an input, which is called `what`.
+/// Refuses an output, called `new` in the message, that would replace an input, called `what`.
 fn refuse_replacing(input: &Path, what: &str, output: &Path, new: &str) -> Result<(), Failure> {
     if matches!((input.canonicalize(), output.canonicalize()), (Ok(a), Ok(b)) if a == b) {
         let output = output.display();
@@ -420,7 +421,7 @@ fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
         }
     })?;
     print(|out| report::run_table(&summary, &folder, out))?;
-    // Those of the scene have been said, and so has what is the reason of the end.
+    // Warnings of the scene have been printed already, as has the reason of the end.
     for warning in summary.warnings.iter().skip(known) {
         if !summary.message.contains(warning) {
             say(format_args!("warning: {warning}"));
@@ -486,7 +487,7 @@ fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
         count => {
             let all = swept.cases.len();
             say(format_args!(
-                "error: {count} of {all} runs did not come to their end"
+                "error: {count} of {all} runs did not complete"
             ));
             Err(Failure::Unfinished(4))
         }

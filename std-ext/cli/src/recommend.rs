@@ -26,7 +26,7 @@ pub(super) struct RecommendArguments {
     /// Quantity that has to be accurate: H, K, LapH or f.
     #[arg(long, default_value = "f", value_parser = quantity)]
     quantity: Quantity,
-    /// Where: `max`, at every vertex, or `mean`, on average.
+    /// Norm of the error: `max`, at every vertex, or `mean`, on average.
     #[arg(long, default_value = "max", value_parser = norm)]
     norm: Norm,
     /// Methods to choose from, by name or letter; by default all.
@@ -37,7 +37,7 @@ pub(super) struct RecommendArguments {
     /// Number types to choose from: f32, f32-pair, f64.
     #[arg(long, value_delimiter = ',', default_value = "f32,f64")]
     scalar: Vec<Scalar>,
-    /// Also write the answer as JSON to this file; `-` for standard output, instead of the table.
+    /// Also write the answer as JSON to this file; `-` writes it to standard output instead of the table.
     #[arg(long)]
     json: Option<PathBuf>,
     #[command(flatten)]
@@ -55,7 +55,7 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The methods of a name: `jet` among all, too.
+/// The methods of a name or letter, or of `all`, which includes `jet`.
 fn candidates(name: &str) -> Result<Vec<AnyMethod>, String> {
     let mut named = methods(name)?;
     if name == "all" {

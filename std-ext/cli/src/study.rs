@@ -34,11 +34,11 @@ const BUILD: Build = Build {
 /// The arguments of a study.
 #[derive(Debug, clap::Args)]
 pub struct StudyArguments {
-    /// sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R].
+    /// Exact shape: sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R].
     #[arg(long, default_value = "discocyte")]
     shape: AnyShape,
     #[arg(long, value_delimiter = ',', value_parser = methods, help = format!(
-        "Methods by name or letter, or `all`: {}; jet has the degree that suits the mesh. By default A,B,C",
+        "Methods by name or letter, or `all`: {}; jet chooses j4 or j6 for the mesh. By default A,B,C",
         method_names()
     ))]
     method: Vec<Vec<AnyMethod>>,
@@ -47,11 +47,12 @@ pub struct StudyArguments {
     /// Mesh families: regular, smooth, relaxed, irregular, hard, or `all`.
     #[arg(long, value_delimiter = ',', default_value = "regular,irregular", value_parser = families)]
     family: Vec<Vec<Family>>,
-    /// Numbers of vertices, in any order, from 12 on; meshes of the torus come within 1 % of them. Those
-    /// of 10·4^k + 2 are the most regular. By default 642,2562,10242,40962.
+    /// Numbers of vertices, 12 or more, in any order. Meshes with 10·4^k + 2 vertices are the most
+    /// regular; meshes of the torus have these numbers within 1 %. By default 642,2562,10242,40962.
     #[arg(long, value_delimiter = ',')]
     vertices: Vec<usize>,
-    /// Number types: f32, f32-pair (positions in pairs of f32), f64. By default f64, on a page f32,f64.
+    /// Number types: f32, f32-pair (positions as pairs of f32), f64. By default f64; with `--html`
+    /// f32,f64.
     #[arg(long, value_delimiter = ',')]
     scalar: Vec<Scalar>,
     /// Bending modulus κ.
@@ -60,22 +61,22 @@ pub struct StudyArguments {
     /// Seed of the random mesh families.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write a page to this file: which method is the cheapest for an accuracy, with figures, tables and
-    /// pictures; by default of all methods.
+    /// Write a page to this file that names the cheapest method for each accuracy, with figures, tables
+    /// and pictures; by default of all methods.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// Also write every figure of the page as SVG and PNG to this folder.
     #[arg(long, value_name = "FOLDER", requires = "html")]
     figures: Option<PathBuf>,
-    /// Also write the rows as JSON to this file; `-` for standard output, instead of the table.
+    /// Also write the rows as JSON to this file; `-` writes them to standard output instead of the table.
     #[arg(long)]
     json: Option<PathBuf>,
-    /// Also write the rows as CSV to this file; `-` for standard output, instead of the table.
+    /// Also write the rows as CSV to this file; `-` writes them to standard output instead of the table.
     #[arg(long)]
     csv: Option<PathBuf>,
-    /// Compare methods, `jet` and the best fixed fit on vertices with noise instead: standard deviations of
-    /// every coordinate in mean edges, from 0 to 1; on 2562 vertices and of all methods by default. With
-    /// `--html` this is a further part of the page.
+    /// Compare methods, `jet` and the best fixed fit on noisy vertices instead. The values are standard
+    /// deviations of every coordinate in mean edge lengths, from 0 to 1; by default with 2562 vertices and
+    /// all methods. With `--html` this comparison is added to the page.
     #[arg(
         long,
         value_name = "EDGES",
@@ -97,11 +98,11 @@ fn part_of_edge(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Where measurements are kept.
+/// The cache of measurements.
 #[derive(Debug, clap::Args)]
 pub struct CacheArguments {
-    /// Where measurements are kept for the next time, as if interrupted; for pages by default in the
-    /// user's folder of caches.
+    /// File in which measurements are kept, so that a repeated or interrupted study reuses them; by
+    /// default, for pages only, in the user's cache folder.
     #[arg(long, value_name = "FILE")]
     cache: Option<PathBuf>,
     /// Measure everything again.
@@ -113,8 +114,8 @@ pub struct CacheArguments {
 pub type More<'a> =
     &'a mut dyn FnMut(Option<&mut Cache>, &dyn Fn() -> bool) -> Result<Vec<Section>, Failure>;
 
-/// The methods of a name or letter, or of `all`, with the operators for curvatures only and those of the
-/// caller's own.
+/// The methods of a name or letter, or of `all`, which includes operators for curvatures only and the
+/// caller's own methods.
 ///
 /// # Errors
 /// If no method has that name.
@@ -129,7 +130,7 @@ fn all_methods() -> Vec<AnyMethod> {
     with_own([&BendingMethod::ALL[..], &BendingMethod::CURVATURES].concat())
 }
 
-/// These methods, and those of the caller's own.
+/// These methods, and the caller's own.
 fn with_own(listed: Vec<BendingMethod>) -> Vec<AnyMethod> {
     let listed = listed.into_iter().map(AnyMethod::from);
     listed.chain(own_methods().iter().copied()).collect()
@@ -150,7 +151,7 @@ pub(super) fn study(arguments: &StudyArguments) -> Result<(), Failure> {
 /// Writes the page of a larger study, in every number type, with more parts on it.
 ///
 /// # Errors
-/// If the arguments are at fault, no file is named for the page, or it cannot be written.
+/// If the arguments are invalid, no file is named for the page, or it cannot be written.
 pub fn full_page(arguments: &StudyArguments, more: More<'_>) -> Result<(), Failure> {
     if arguments.html.is_none() {
         return Err(Failure::Input("a page needs a file: --html FILE".into()));
@@ -181,7 +182,7 @@ fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), 
     let _figures = arguments.figures.as_deref().map(own_folder).transpose()?;
     let stop = interruption();
     let interrupted = || stop.load(Ordering::Relaxed);
-    // A cache counts for one program only.
+    // A cache is valid for one program only.
     let name = match more {
         Some(_) => "full-study.cache",
         None => "study.cache",

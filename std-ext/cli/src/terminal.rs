@@ -29,12 +29,12 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Arguments or an input file are at fault.
+    /// The arguments or an input file are invalid.
     pub fn input(error: impl Error + 'static) -> Self {
         Self::Input(Box::new(error))
     }
 
-    /// A mesh file is at fault.
+    /// A mesh file is invalid.
     pub fn mesh(path: &Path, error: impl Display) -> Self {
         Self::Input(format!("{}: {error}", path.display()).into())
     }

@@ -19,8 +19,8 @@ use std::sync::atomic::Ordering;
 
 /// Studies of helfrich itself: hard cases, a capsule in flow, the cost of effects.
 ///
-/// Exit codes: 0 done; 2 the arguments or an input file are at fault; 3 an output could not be
-/// written; 4 a hard case was not passed; 130 it was interrupted.
+/// Exit codes: 0 success; 2 the arguments or an input file are invalid; 3 an output could not be
+/// written; 4 a hard case was not passed; 130 the command was interrupted.
 #[derive(Parser)]
 #[command(name = "helfrich-studies", version, max_term_width = 100)]
 struct Arguments {
@@ -30,24 +30,24 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Whether every method and formula stands hard cases, in every number type: two minutes.
+    /// Test every method and formula on hard cases, in every number type: two minutes.
     Stability(StabilityArguments),
-    /// A capsule in shear flow, by every method with boundary integrals and on a lattice, beside
-    /// published results: a quarter of an hour.
+    /// Compute a capsule in shear flow by every method, with boundary integrals and on a lattice, and
+    /// compare with published results: a quarter of an hour.
     Flow(FlowArguments),
     /// Measure the cost of each effect of a capsule in shear flow.
     Effects(EffectArguments),
-    /// The page of `helfrich study --html` with larger meshes, every number type, the capsule in flow
-    /// and the cost of effects: some minutes.
+    /// Write the page of `helfrich study --html` with larger meshes, every number type, the capsule in
+    /// flow and the cost of effects: some minutes.
     Page(Box<StudyArguments>),
 }
 
 #[derive(clap::Args)]
 struct StabilityArguments {
-    /// With a mesh of a million vertices among the hard cases, which takes minutes and 4 GB.
+    /// Add a mesh of a million vertices to the hard cases, which takes minutes and 4 GB.
     #[arg(long)]
     large: bool,
-    /// Only one group of hard cases: geometry, cancellation, dynamics, threads or input.
+    /// The only group of hard cases to run: geometry, cancellation, dynamics, threads or input.
     #[arg(long)]
     group: Option<Group>,
     /// Also write the table as Markdown to this file.

@@ -177,7 +177,7 @@ fn what_cannot_be_run_is_told_and_the_rest_is_run() {
     ];
     let Run { stdout, stderr, .. } = sweep.ends(4, &more);
     assert!(
-        stderr.contains("error: 1 of 3 runs did not come to their end"),
+        stderr.contains("error: 1 of 3 runs did not complete"),
         "{stderr}"
     );
     let reason = stdout
