@@ -166,8 +166,8 @@ pub enum RecommendError {
     },
     /// No vertex has a reference.
     #[error(
-        "no vertex has neighbours enough to know its {}: a mesh with some dozen vertices away from its \
-         boundary is needed", quantity.symbol()
+        "no vertex has enough neighbours to determine its {}: a mesh with some dozen vertices away \
+         from its boundary is needed", quantity.symbol()
     )]
     NoReference {
         /// Quantity that would be compared.

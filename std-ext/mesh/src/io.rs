@@ -146,7 +146,7 @@ pub enum ReadError {
         error: ParseError,
     },
     /// Vertices at the same point cannot be merged.
-    #[error("{}: {error} once vertices at the same point are one", path.display())]
+    #[error("{}: {error} after vertices at the same point are merged", path.display())]
     Weld {
         /// The file.
         path: PathBuf,

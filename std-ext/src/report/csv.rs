@@ -11,9 +11,9 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::ops::Range;
 
-/// Writes a line for each quantity of a method on a mesh, under the names of the fields of [`Row`];
-/// numbers with as many digits as tell them from every other. An empty field is one that is not known,
-/// or options by default; an error is `inf` where a vertex has no result.
+/// Writes a line for each quantity of a method on a mesh, under the names of the fields of [`Row`].
+/// Numbers have enough digits to be identified. A field is empty if the value is unknown or the options
+/// are the defaults; an error is `inf` if a vertex has no result.
 ///
 /// # Errors
 /// If `out` cannot be written to.
@@ -47,9 +47,9 @@ pub fn study_csv(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes a line for each vertex, with the header
-/// `vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz` and the names of `more` columns, for vectors with `_x`,
-/// `_y` and `_z`; numbers with enough digits to identify every f64, and empty fields where nothing is known.
+/// Writes a line for each vertex, with the header `vertex,x,y,z,area,nx,ny,nz,H,K,LapH,fx,fy,fz` and
+/// the names of the columns `more`, for vectors with `_x`, `_y` and `_z`. Numbers have enough digits to
+/// identify every f64; fields are empty where the value is unknown.
 ///
 /// # Errors
 /// If `out` cannot be written to.
@@ -68,7 +68,7 @@ pub fn curvature_csv<T: Real>(
     }
     writeln!(out)?;
     let threads = available_threads().get();
-    // Rows are written in order, from a bounded number that are formatted at a time.
+    // Rows are written in order; only a bounded number of them is formatted at a time.
     let mut texts = vec![String::new(); threads];
     for start in (0..positions.len()).step_by(threads * ROWS_OF_A_THREAD) {
         let ranges = (start..positions.len()).step_by(ROWS_OF_A_THREAD);
@@ -145,14 +145,14 @@ fn push_vector<T: Real>(text: &mut String, vector: Option<[T; 3]>) {
     };
 }
 
-/// Appends a comma and a number with enough digits; nothing behind the comma if it is not known.
+/// Appends a comma and a number with enough digits, or only the comma if the number is unknown.
 ///
-/// The form is that of `{:?}`, and not that of `{}`, which writes 1e-18 with 18 zeros. Where two shortest
-/// texts are equally near to a number, `zmij` may choose the other one.
+/// The form is that of `{:?}`; `{}` would write 1e-18 with 18 zeros. Where two shortest texts are
+/// equally near to a number, `zmij` may choose the other one.
 fn push_number<T: Real>(text: &mut String, value: Option<T>) {
     text.push(',');
     let Some(value) = value else { return };
-    // Elsewhere `zmij` writes zeros where `{:?}` has an exponent, or `e+16` for its `e16`.
+    // For other numbers `zmij` writes zeros where `{:?}` has an exponent, or `e+16` where it has `e16`.
     let same_form = |x: f64| x.abs() < 1e-5 || (1e-4..1e16).contains(&x.abs());
     match (&value as &dyn Any).downcast_ref::<f64>() {
         Some(&number) if same_form(number) => {

@@ -37,7 +37,8 @@ fn error(row: Option<&NoiseRow>, quantity: usize) -> String {
     error.map_or_else(|| "–".to_owned(), |error| format!("{error:.1e}"))
 }
 
-/// What the bars of a row are worth: the part of the vertices within them, and the median of bar over error.
+/// The reliability of the error bars of a row: the fraction of the vertices within them, and the median
+/// of bar over error.
 fn bars(row: Option<&NoiseRow>, quantity: usize) -> String {
     let bars = row.and_then(|row| row.bars).map(|bars| bars[quantity]);
     bars.map_or_else(String::new, |bars| {
@@ -150,7 +151,7 @@ fn table_of(rows: &[NoiseRow], deviations: &[f64], quantity: usize) -> Table {
     }
 }
 
-/// The part of a page that says which method bears which noise.
+/// The part of a page that compares the methods on noisy vertices.
 ///
 /// # Errors
 /// None: a buffer in memory can always be written to.

@@ -1,4 +1,4 @@
-//! A study as one page: HTML that opens from a disk, without a network.
+//! The page of a study: one HTML file that opens from disk and needs no network.
 //!
 //! Every number and every statement follows from measured rows. The page is complete without its
 //! script, which only switches views and shows details.
@@ -32,11 +32,11 @@ use text::escaped;
 pub struct Page<'a> {
     /// Accuracy and cost of every method.
     pub rows: &'a [Row],
-    /// Whether they converge.
+    /// Their convergence.
     pub verdicts: &'a [Verdict],
     /// Maps of their errors; drawn with the feature `pictures` only.
     pub errors: &'a [ErrorFields],
-    /// Further parts, which other programs have measured.
+    /// Further parts with measurements of other programs.
     pub sections: &'a [Section],
     /// Program and machine.
     pub provenance: &'a Provenance,
@@ -150,7 +150,7 @@ impl Page<'_> {
         )
     }
 
-    /// Every figure that has something to show, by name.
+    /// Every figure that is not empty, by name.
     fn charts(&self) -> Vec<(String, Chart)> {
         let mut charts = accuracy::charts(self);
         let more = self.sections.iter();
@@ -236,7 +236,7 @@ pub fn style_of(method: BendingMethod) -> usize {
     all.take_while(|&other| other != method).count()
 }
 
-/// The style of the curves of a method of these rows; those of your own take colours that are free.
+/// The style of the curves of a method of these rows; methods of the caller take unused colours.
 fn style_in(rows: &[Row], method: AnyMethod) -> usize {
     if let AnyMethod::Listed(method) = method {
         return style_of(method);
@@ -281,7 +281,7 @@ fn each<V: PartialEq>(values: impl Iterator<Item = V>) -> Vec<V> {
     seen
 }
 
-/// A moment as the calendar has it, in UTC. Days to dates: H. Hinnant, *chrono-compatible low-level
+/// A time as a date and time of day in UTC. Days to dates: H. Hinnant, *chrono-compatible low-level
 /// date algorithms* (2013, public domain).
 fn date(when: SystemTime) -> String {
     let seconds = when

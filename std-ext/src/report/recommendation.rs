@@ -1,4 +1,4 @@
-//! A recommendation in words.
+//! The text of a recommendation.
 
 use super::{SCATTERED, about_scatter, noise_of_positions};
 use crate::recommend::{Candidate, RESOLVED, Recommendation};
@@ -107,9 +107,9 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
     about_scatter(candidates.iter().any(Candidate::is_scattered), out)
 }
 
-/// The remedy where no method reaches the target.
+/// The remedy if no method reaches the target.
 fn remedy(found: &Recommendation, out: &mut dyn Write) -> io::Result<()> {
-    // Squares of errors by noise and by the mesh add up.
+    // Squares of errors due to noise and due to the mesh add up.
     let rules = 2.0 * found.noise_error.powi(2) > found.reference_error.powi(2);
     match found.vertices_needed {
         Some(needed) if needed < found.vertices as f64 => writeln!(

@@ -6,8 +6,8 @@ use crate::scene::{Driver, Scene};
 use crate::simulation::{Body, Simulation};
 use helfrich::{Finding, Surface, VertexKind};
 
-/// Checks that something acts on the surfaces, and that bending is measured somewhere: what a run finds
-/// otherwise is no equilibrium.
+/// Checks that some force acts on the surfaces, and that bending is measured at some vertex; otherwise
+/// the result of a run would not be an equilibrium.
 pub(super) fn refuse_idle(
     scene: &Scene,
     simulation: &mut Simulation,

@@ -45,9 +45,9 @@ impl Clock {
         }
     }
 
-    /// Clock of a run that continues at a time, after a number of outputs, the first not counted. If its
-    /// end or its interval was another one, outputs go on at the multiples of the new interval. Outputs
-    /// are made no more than `early` before they are due.
+    /// Clock of a run that continues at a time, after a number of outputs without the first. If its end
+    /// or its interval has changed, outputs follow at the multiples of the new interval. Outputs are
+    /// made at most `early` before they are due.
     pub(super) fn taken_up(
         mut self,
         before: Schedule,
@@ -76,7 +76,7 @@ impl Clock {
     /// The time of the next output after `outputs` outputs, not counting the first; the last is at the end.
     pub(super) fn next_output(&self, outputs: u64) -> f64 {
         let next = (outputs as i64 + 1 + self.schedule.ahead) as f64 * self.schedule.interval;
-        // An interval that ends within a rounding of the end ends there.
+        // An interval that would end within rounding of the end is extended to it.
         if next >= self.duration * (1.0 - ROUNDING) {
             self.duration
         } else {
@@ -90,7 +90,8 @@ impl Clock {
         columns.map(str::to_owned).collect()
     }
 
-    /// The time, and the strain (the time in units of the flow's own) if the flow has a rate.
+    /// The time; if the flow has a rate, also the strain, which is the time in units of the inverse
+    /// rate.
     pub(super) fn numbers(&self, time: f64) -> Vec<f64> {
         let strain = self.rate.map(|rate| rate * time);
         [time].into_iter().chain(strain).collect()

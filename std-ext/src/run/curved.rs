@@ -98,7 +98,7 @@ impl<'a> Curved<'a> {
         integrals
     }
 
-    /// Over one triangle, of position and H that are quadratic functions of its coordinates.
+    /// Adds the integrals over one triangle, on which position and H are quadratic functions.
     fn add(&self, triangle: [u32; 3], integrals: &mut Integrals) {
         // The volume is a sum of cones. Their apex lies near the surface, which avoids
         // cancellation.
@@ -115,8 +115,8 @@ impl<'a> Curved<'a> {
             let [v, w] = [triangle[i] as usize, triangle[j] as usize];
             let along = p[j] - p[i];
             let [m, n] = [v, w].map(|vertex| DVec3::from_array(self.normal[vertex]));
-            // Control points of quadratic functions lie twice as far off as the middle, which is off by
-            // an eighth of the change of the slope.
+            // Control points of quadratic functions are twice as far from the triangle as the middle of
+            // the edge, which is an eighth of the change of slope away.
             let height = (n - m).dot(along) / 4.0;
             edge_p[edge] = 0.5 * (p[i] + p[j]) + height * (m + n).normalize_or_zero();
             edge_h[edge] =
@@ -159,8 +159,8 @@ mod tests {
     use helfrich::shapes::Shape;
     use helfrich::{MaterialParameter, Surface};
 
-    /// How far the integrals over an ellipsoid are off with exact normals and curvatures: area, volume
-    /// and `∫H² dA`, relative.
+    /// Relative errors of the integrals over an ellipsoid with exact normals and curvatures: area,
+    /// volume and `∫H² dA`.
     fn off(vertices: usize) -> [f64; 3] {
         let shape: AnyShape = "ellipsoid:1,1,1.5".parse().expect("a shape");
         let generated = generate(&shape, Family::Smooth, vertices, 0).expect("a mesh");
@@ -202,7 +202,8 @@ mod tests {
     fn integrals_are_of_fourth_order() {
         let [coarse, fine] = [642, 2562].map(off);
         for (coarse, fine) in coarse.into_iter().zip(fine) {
-            // Halving the edges is a factor 16; the triangles are not all alike.
+            // Halving the edges divides the error by about 16; not by exactly 16, because triangles
+            // have different shapes.
             assert!(fine.abs() < coarse.abs() / 11.0, "{coarse:e} {fine:e}");
             assert!(coarse.abs() < 2e-3, "{coarse:e}");
         }

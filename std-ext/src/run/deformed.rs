@@ -1,4 +1,4 @@
-//! Deformation of surfaces in a flow: the numbers by which capsules are judged.
+//! Deformation of surfaces in a flow, in the numbers that are common for capsules.
 
 use crate::deformation::{
     Deformation, ShearPlane, TankTreading, extremes, roughness, taylor, wrinkle_indicator,
@@ -20,8 +20,8 @@ pub(super) struct Deformed {
     angles: Vec<f64>,
 }
 
-/// A surface is rough at the scale of its mesh above this, and above twice what it was at the start.
-/// Smooth capsules stay below 0.1, and wrinkled ones reach 0.3 to 2.
+/// Roughness above which a surface counts as rough at the scale of its mesh, if it also exceeds twice
+/// the initial roughness. Smooth capsules stay below 0.1, and wrinkled ones reach 0.3 to 2.
 const ROUGH: f64 = 0.25;
 
 impl Deformed {
@@ -52,9 +52,9 @@ impl Deformed {
         }
     }
 
-    /// Adds what is not to be trusted any more to the notes, each once: fluid surfaces whose triangles
-    /// have become narrow, surfaces that are wrinkled at the scale of their mesh, and surfaces that have
-    /// gone into each other. `caption` says when.
+    /// Adds untrustworthy results to the notes, each once: fluid surfaces whose triangles have become
+    /// narrow, surfaces that are wrinkled at the scale of their mesh, and surfaces that have entered
+    /// each other. `caption` names the time.
     pub(super) fn note(
         &self,
         simulation: &Simulation,
@@ -108,7 +108,7 @@ impl Deformed {
         }
     }
 
-    /// Updates tank-treading; has to be called after every step. `velocities` are those of the
+    /// Updates tank-treading; has to be called after every step. `velocities` are the velocities of the
     /// material, if vertices of fluid surfaces do not follow it.
     pub(super) fn follow(
         &mut self,

@@ -1,4 +1,4 @@
-//! Drivers, which move a scene's surfaces, as a run sees them.
+//! The interface between a run and the drivers, which move the surfaces of a scene.
 
 use super::state::DriveState;
 use super::{End, Progress, RunError};
@@ -16,7 +16,7 @@ pub(super) trait Drive {
     /// The progress, as a time in files and as a number in their names.
     fn mark(&self) -> Mark;
 
-    /// The progress in words, for the caption of a picture.
+    /// A text about the progress, for the caption of a picture.
     fn caption(&self) -> String;
 
     /// The positions of the vertices.
@@ -31,7 +31,7 @@ pub(super) trait Drive {
     /// Work done so far.
     fn work(&self) -> Work;
 
-    /// Costs in time besides those of effects.
+    /// Computing times of the driver, besides those of effects.
     fn costs(&self) -> Vec<Cost> {
         Vec::new()
     }
@@ -62,7 +62,7 @@ pub(super) struct Step {
     pub(super) output: bool,
     /// A checkpoint.
     pub(super) checkpoint: bool,
-    /// The end of the run, and its reason in words.
+    /// The end of the run, and a text with its reason.
     pub(super) end: Option<(End, String)>,
 }
 

@@ -162,7 +162,7 @@ pub enum RunError {
     /// The series cannot be continued.
     #[error(transparent)]
     Series(SeriesError),
-    /// Something cannot be written. What was written before is whole.
+    /// Something cannot be written. Earlier outputs are complete.
     #[error("{}: {source}", path.display())]
     Unwritable {
         /// The file or folder.
@@ -170,7 +170,7 @@ pub enum RunError {
         /// Error of the operating system.
         source: io::Error,
     },
-    /// Something cannot be written. What was written before is whole.
+    /// Something cannot be written. Earlier outputs are complete.
     #[error(transparent)]
     Output(Box<dyn std::error::Error + Send + Sync>),
 }

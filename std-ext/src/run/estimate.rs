@@ -24,9 +24,9 @@ pub struct EnergyEstimate {
     pub surface: String,
     /// The energy of its effects by the methods of the scene.
     pub energy: f64,
-    /// The same with the bending energy of jets of degree 6 on triangles that are curved by their
-    /// normals. For a fluid membrane, the area, volume and area difference that are held or have an
-    /// energy are those of the curved surface as well. This adds `Σ λ (F − F_h)`, with F of the
+    /// The same energy, but with the bending energy of jets of degree 6 on triangles that are curved by
+    /// their normals. For a fluid membrane, area, volume and area difference are those of the curved
+    /// surface if they are constrained or have an energy. This adds `Σ λ (F − F_h)`, with F of the
     /// curved surface, F_h of the mesh, and λ the multiplier with which bending balances ∂F_h/∂x.
     pub estimate: f64,
     /// Difference of both energies relative to `2 ∫κ H² dA` of the jets plus the elastic energy. NaN
@@ -89,7 +89,7 @@ pub(super) fn estimates(
     estimates
 }
 
-/// One surface, and what acts on it.
+/// One surface, and the effects that act on it.
 struct Estimating<'a> {
     body: &'a Body,
     surface: &'a SurfaceScene,
@@ -156,7 +156,7 @@ impl Estimating<'_> {
         wanted.map(|(acting, ..)| acting.energy).sum()
     }
 
-    /// Quantities that are held, or have an energy.
+    /// Quantities that are constrained or have an energy.
     fn quantities(&self) -> Vec<Quantity> {
         let mut quantities = Vec::new();
         for (_, effect) in self.surface.effects.iter() {

@@ -17,15 +17,15 @@ use crate::simulation::{Cost, Simulation};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// The longest step in units of the flow's own time, because tank-treading has to be followed from
-/// step to step.
+/// The longest step in units of the inverse deformation rate of the flow, because tank-treading has to
+/// be followed from step to step.
 const LONGEST_STEP: f64 = 0.5;
 
-/// Steps, in units of the flow's own time, that are too short to continue a run: a unit of strain
-/// would take more than a hundred thousand steps.
+/// Steps, in units of the inverse deformation rate of the flow, that are too short to continue a run: a
+/// unit of strain would take more than a hundred thousand steps.
 const SHORTEST_STEP: f64 = 1e-5;
 
-/// Number of consecutive steps that may be that short, as some are after a disturbance.
+/// Largest number of consecutive steps that may be this short; some steps are, after a disturbance.
 const SHORT_STEPS: u64 = 50;
 
 /// Relative difference below which two steps are the same.
@@ -398,7 +398,7 @@ fn refuse_unstable(
     }
 }
 
-/// The name of a vertex, counted over all surfaces: its surface and its number there.
+/// The surface of a vertex and its number there; `vertex` counts over all surfaces.
 fn place(simulation: &Simulation, vertex: usize) -> String {
     let mut bodies = simulation.bodies().iter();
     match bodies.find(|body| body.vertices().contains(&vertex)) {
@@ -418,7 +418,7 @@ pub(super) fn is_held(surface: &SurfaceScene) -> bool {
 
 /// The initial positions of a run, with exactly held volumes at their targets.
 fn start(simulation: &mut Simulation, mut positions: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
-    // That they can be reached was found out when the simulation was made.
+    // The targets can be reached: this was checked when the simulation was built.
     simulation.restore(&mut positions);
     positions
 }

@@ -1,4 +1,4 @@
-//! Files of a folder before a run begins or continues there.
+//! Files that are in a folder before a run begins or continues there.
 
 use super::{CHECKPOINT, RunError, SERIES, SUMMARY};
 use crate::io::remove_unfinished;

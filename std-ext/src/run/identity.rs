@@ -69,7 +69,7 @@ pub(crate) fn fingerprint(
 fn endless(driver: Driver, loads: usize) -> Driver {
     match driver {
         Driver::Relax(relax) => {
-            // What an equilibrium is judged by changes nothing on the way.
+            // Criteria for an equilibrium do not change the path to it.
             let judged = Relax {
                 energy_error: 0.0,
                 ..relax

@@ -302,7 +302,7 @@ fn undisturbed(driver: LatticeBoltzmann, point: [f64; 3]) -> [f64; 3] {
     ambient.map_or([0.0; 3], |ambient| ambient.velocity(point))
 }
 
-/// Walls move with the flow at their place.
+/// Walls move with the velocity of the undisturbed flow there.
 fn sides(driver: LatticeBoltzmann) -> [Sides; 3] {
     let corners = driver.corners();
     let unit = driver.units().velocity();
@@ -320,7 +320,7 @@ fn sides(driver: LatticeBoltzmann) -> [Sides; 3] {
     })
 }
 
-/// Remarks on a box that hold from the start.
+/// Remarks on a box that are known at the start.
 fn notes(driver: LatticeBoltzmann, simulation: &Simulation, positions: &[[f64; 3]]) -> Vec<String> {
     let mut notes = Vec::new();
     let Flow::Shear { .. } = driver.flow else {

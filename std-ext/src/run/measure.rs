@@ -45,8 +45,8 @@ impl Measures {
         }
     }
 
-    /// View of a picture: the ball around the surfaces at the start, or around the same centre as
-    /// much more as they need, in few steps, so that pictures can be compared.
+    /// View of a picture: the ball around the initial surfaces. If the surfaces need more space, the
+    /// ball is enlarged in a few large steps, so that pictures can be compared.
     pub(super) fn frame(&self, positions: &[[f64; 3]]) -> Frame {
         let Frame { centre, radius } = self.ball;
         let needed = farthest(centre, positions) / radius;
@@ -102,7 +102,7 @@ impl Measures {
 /// The factor between two frames.
 const ZOOM: f64 = 1.25;
 
-/// A ball with all points, and a little room.
+/// A ball with all points and a small margin.
 fn ball(positions: &[[f64; 3]]) -> Frame {
     let points = positions
         .iter()
@@ -141,7 +141,7 @@ fn across(axis: [f64; 3], positions: &[[f64; 3]]) -> [f64; 3] {
         let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
         (cosine * first + sine * second).to_array()
     };
-    // Of those that extend alike, as far as anybody could see, the first.
+    // Among extents that are equal for the eye, the first is taken.
     let mut best = (0.0, direction(0));
     for degrees in 0..180 {
         let direction = direction(degrees);
@@ -174,8 +174,8 @@ pub(super) enum Values {
 
 /// H, K, the bending force density f, and the nodal force of each effect that acts on a surface.
 ///
-/// H and K are those of the cotangent operator, whatever the method; f is the nodal force over the
-/// mixed area.
+/// H and K are computed by the cotangent operator, whatever the method; f is the nodal force divided by
+/// the mixed area.
 pub(super) fn fields(
     simulation: &Simulation,
     body: &Body,

@@ -1,7 +1,7 @@
 //! Multipliers of gradients that are not orthogonal.
 
-/// The least relative component of a gradient orthogonal to the others. Near a sphere the gradients
-/// of area and volume are parallel, and their difference comes from the mesh alone.
+/// The least relative component of a gradient orthogonal to the others. Near a sphere the gradients of
+/// area and volume are parallel, and their difference is due to the mesh alone.
 const OWN: f64 = 0.01;
 
 /// The λ for which `Σ λ_i g_i` is nearest to a field, by Gram–Schmidt; 0 for a gradient that nearly

@@ -1,4 +1,4 @@
-//! Quality of the surfaces under a run: vertices on which its energy should not rest.
+//! Quality of the surfaces of a run: vertices whose energy cannot be trusted.
 
 use crate::effect::Effect;
 use crate::findings::first_of_each_kind;
@@ -7,8 +7,8 @@ use crate::simulation::{Body, Simulation};
 use helfrich::{Cotangent, DualArea, Finding, Prepared, Quality, Surface};
 use serde::Serialize;
 
-/// The share of ∫H² dA on flagged vertices above which an energy is not trusted: the shipped scenes
-/// have 0, a false minimum has 0.38, and energies shall agree with theory to 1 %.
+/// The fraction of ∫H² dA on flagged vertices above which an energy is not trusted. The shipped scenes
+/// have 0, a false minimum has 0.38, and energies are required to agree with theory to 1 %.
 const LIMIT: f64 = 0.02;
 
 /// The columns of a surface with bending.

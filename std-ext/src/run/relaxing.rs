@@ -20,7 +20,7 @@ pub(super) struct Relaxing {
     every: [u64; 2],
     loads: usize,
     names: Vec<String>,
-    /// Remedies, one for each surface whose mesh is spoiled, and one where nothing improves any more.
+    /// Remedies: one for each surface whose mesh has become bad, and one if the residual stagnates.
     remedies: Vec<String>,
     advice: String,
     relaxation: Relaxation,
@@ -79,7 +79,7 @@ impl Relaxing {
         simulation: &mut Simulation,
         (mut relaxation, progress): (Relaxation, RelaxingProgress),
     ) -> Self {
-        // Evaluated here, before the first step, so that the first row has a residual.
+        // Evaluated before the first step, so that the first row has a residual.
         let start = relaxation.start(simulation);
         let names = simulation
             .bodies()
@@ -218,7 +218,7 @@ impl Drive for Relaxing {
         })
     }
 
-    /// Progress: decades by which the residual has fallen, relative to those by which it has to
+    /// Progress: the decades by which the residual has fallen, relative to those by which it has to
     /// fall.
     fn progress(&self) -> Progress {
         let first = self.progress.first_residual.unwrap_or(f64::NAN);

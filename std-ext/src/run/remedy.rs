@@ -9,19 +9,19 @@ use std::f64::consts::PI;
 /// Vertices that resolve vesicles of reduced volume down to 0.6, in each family.
 const RESOLVED: usize = 2562;
 
-/// The part by which the reduced volume of a start may be off the target: a mesh that is made for one
-/// shape and drawn out to another is too coarse where it is drawn out.
+/// Largest relative difference of the initial reduced volume from the target: a mesh that is generated
+/// for one shape and stretched to another is too coarse where it is stretched.
 const NEAR: f64 = 0.05;
 
-/// The remedy for a mesh that a relaxation spoils, or that does not resolve the shape: method S on an
-/// even mesh that is made for nearly the shape that is asked for. With it, vesicles of reduced volume
-/// down to 0.6 come to the energies of theory.
+/// The remedy for a mesh that becomes bad in a relaxation, or that does not resolve the shape: method S
+/// on an even mesh of nearly the requested shape. With this remedy, vesicles of reduced volume down to
+/// 0.6 reach the energies of theory.
 ///
-/// Line tension draws edges together, and no mesh resolves an edge that has closed.
+/// Line tension pulls the vertices of an edge together, and no mesh resolves an edge that has closed.
 pub(super) fn remedy(surface: &SurfaceScene) -> String {
     if surface.effects.line_tension.is_some() {
-        return "an edge may have closed under `line_tension`, and triangles cannot grow together: choose \
-                a smaller one, or go on with a closed mesh"
+        return "an edge may have closed under `line_tension`, and triangles on its two sides cannot be \
+         joined: choose a smaller one, or continue with a closed mesh"
             .to_owned();
     }
     let is_loop = surface
@@ -68,8 +68,8 @@ pub(super) fn remedy(surface: &SurfaceScene) -> String {
     remedy
 }
 
-/// The number of vertices of a mesh that resolves the shape, and is of no fewer vertices: of an
-/// icosahedron that is refined.
+/// The number of vertices of a refined icosahedron that resolves the shape, and is not below the
+/// present number.
 fn regular_count(vertices: usize) -> usize {
     let mut count = RESOLVED;
     while count < vertices {
@@ -78,8 +78,8 @@ fn regular_count(vertices: usize) -> usize {
     count
 }
 
-/// The ellipsoid of the reduced volume that is asked for, as oblate or prolate as an ellipsoid that is
-/// not near it, and with its area.
+/// The ellipsoid with the requested reduced volume and the same area. It is oblate or prolate like the
+/// given one, whose reduced volume differs too much.
 fn start(surface: &SurfaceScene, shape: &AnyShape) -> Option<AnyShape> {
     let VolumeTarget::Reduced(target) = surface.effects.volume?.target else {
         return None;
@@ -95,7 +95,7 @@ fn start(surface: &SurfaceScene, shape: &AnyShape) -> Option<AnyShape> {
     if (reduced(shape) / target - 1.0).abs() < NEAR {
         return None;
     }
-    // From a sphere to where the longest is thirty times the shortest.
+    // Bounds: a sphere, and an ellipsoid whose longest axis is thirty times the shortest.
     let [least, most] = ellipsoid
         .semi_axes
         .iter()
@@ -137,7 +137,7 @@ pub(super) fn advice(surfaces: &[SurfaceScene]) -> String {
     })
 }
 
-/// Remedy for a surface that bends by forces without an energy.
+/// Remedy for a surface whose bending method has forces but no energy.
 fn without_energy(surface: &SurfaceScene) -> Option<String> {
     let method = surface.effects.bending.as_ref()?.method;
     if method.is_conservative() {

@@ -49,7 +49,7 @@ pub(super) fn drive<'a>(
                 )?)
             }
         },
-        // The reader of the scene rules out the first case, the fingerprint of the checkpoint the
+        // The reader of the scene excludes the first case, the fingerprint of the checkpoint the
         // second.
         _ => return Err(RunError::Mismatch),
     })

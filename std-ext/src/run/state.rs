@@ -44,7 +44,7 @@ pub(super) struct RelaxingProgress {
 pub(super) struct FlowingState {
     pub(super) schedule: Schedule,
     pub(super) integrator: integrate::State,
-    /// What the next solution starts from.
+    /// Recent solutions, from which the next initial guess is computed.
     pub(super) recent: Recent,
     pub(super) progress: FlowingProgress,
 }

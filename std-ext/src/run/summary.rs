@@ -41,7 +41,7 @@ impl End {
         }
     }
 
-    /// Whether a relaxation cannot come nearer to its equilibrium.
+    /// Whether a relaxation cannot get closer to its equilibrium.
     pub(super) fn is_reached(self) -> bool {
         matches!(
             self,
@@ -59,15 +59,15 @@ pub struct Summary {
     pub end: End,
     /// The same in words.
     pub message: String,
-    /// Iterations, or steps in time, in all.
+    /// Total number of iterations, or of steps in time.
     pub iterations: u64,
-    /// Evaluations of the velocities in all, those for the spectral radius included; of drivers in
-    /// time.
+    /// Total number of evaluations of the velocities, including those for the spectral radius; only for
+    /// drivers in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub right_hand_sides: Option<u64>,
-    /// Seconds in all, resumed runs included.
+    /// Total time in seconds, including resumed runs.
     pub seconds: f64,
-    /// The names of the last row's numbers, and these; a number that is not finite is null.
+    /// The names and numbers of the last row; a number that is not finite is null.
     pub last: Vec<(String, f64)>,
     /// Cost of each effect.
     pub effects: Vec<Cost>,
@@ -79,14 +79,15 @@ pub struct Summary {
     pub warnings: Vec<String>,
     /// The version of the program.
     pub version: &'static str,
-    /// Digest of what a continuation has to have in common with the run, in hexadecimal digits.
+    /// Digest of everything that a continuation must have in common with the run, in hexadecimal
+    /// digits.
     pub fingerprint: String,
     /// The scene as run.
     pub scene: Scene,
 }
 
-/// The end of a relaxation, and its message, where an energy rests on flagged vertices or is not known
-/// as well as is asked for: that is no equilibrium.
+/// The end of a relaxation and its message. If an energy lies on flagged vertices, or is not known with
+/// the required accuracy, the result is not an equilibrium.
 pub(super) fn judge(
     (end, message): (End, String),
     scene: &Scene,
@@ -122,7 +123,7 @@ pub(super) fn judge(
             );
             (End::Unresolved, message)
         }
-        // What helps where nothing improves helps here.
+        // The same remedies help against stagnation.
         End::Stagnated if message.contains(&remedies) => (end, format!("{message}; {doubts}")),
         End::Stagnated | End::IterationLimit => (end, format!("{message}; {doubts}: {remedies}")),
         _ => (end, message),

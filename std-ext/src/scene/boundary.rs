@@ -7,21 +7,21 @@ use serde::Serialize;
 pub(super) const BOUNDARY: Key = optional(
     "boundary",
     Form::Choice(|| Boundary::ALL.map(Boundary::name).to_vec()),
-    "Support of the edge of an open surface: \"free\", as by default; \"hinged\", held in place but free \
-     to turn; \"clamped\", held in place and direction, with the first row of vertices beside it.",
+    "Support of the edge of an open surface: \"free\", the default; \"hinged\", fixed but free to \
+     rotate; \"clamped\", fixed in position and direction, with the first row of vertices next to it.",
 );
 
 /// The support of the edge of an open surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Boundary {
-    /// The edge moves, and no force or torque acts on it but those of the effects.
+    /// The edge moves; only the effects exert forces or torques on it.
     #[default]
     Free,
-    /// The vertices of the edge stay where they are. No torque acts: the membrane is free to turn.
-    Hinged,
-    /// The vertices of the edge and their neighbours stay where they are, and with them the normal at
+    /// The vertices of the edge are fixed. No torque acts there: the membrane is free to rotate about
     /// the edge.
+    Hinged,
+    /// The vertices of the edge and their neighbours are fixed, and with them the normal at the edge.
     Clamped,
 }
 

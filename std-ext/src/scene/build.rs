@@ -45,7 +45,7 @@ pub(super) fn parse(
         SceneErrors::new(errors.collect())
     };
     let (document, syntax_errors) = DeTable::parse_recoverable(text);
-    // What follows the first error is often only its echo.
+    // Errors after the first are often only its consequences.
     let start = |error: &toml::de::Error| error.span().map(|span| span.start);
     if let Some(error) = syntax_errors.into_iter().min_by_key(start) {
         let origin = error.span().map_or(Origin::File, Origin::Text);
@@ -222,7 +222,7 @@ impl Builder<'_> {
         }
     }
 
-    /// With a range longer than a period every surface would act on itself.
+    /// With a range longer than a period, every surface would act on itself.
     fn in_one_period(&mut self, origin: &Origin, cutoff: f64, images: &Images<f64>) {
         let period = |axis: usize| images.period(axis).unwrap_or(f64::INFINITY);
         if let Some(axis) = (0..3).find(|&axis| cutoff > period(axis)) {

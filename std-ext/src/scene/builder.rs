@@ -13,7 +13,7 @@ pub(super) struct Builder<'a> {
     pub(super) folder: &'a Path,
     pub(super) problems: &'a mut Problems,
     pub(super) warnings: &'a mut Problems,
-    /// Repulsions, which limit steps of a driver as its surfaces do.
+    /// Repulsions, which limit steps of a driver like properties of its surfaces.
     pub(super) barriers: Vec<Barrier>,
     /// Mesh files that were read to know the size of their surfaces.
     pub(super) meshes: MeshFiles,

@@ -100,7 +100,7 @@ pub(super) fn check_table(
     }
 }
 
-/// The kind that a table's key `kind` names.
+/// The kind that the key `kind` of a table selects.
 fn kind_of(keys: &'static Keys, table: &Table) -> Option<&'static Kind> {
     let Some(Value::Text(name)) = table.get("kind").map(|node| &node.value) else {
         return None;
@@ -228,7 +228,7 @@ fn check(
     }
 }
 
-/// The problem of a value that is no table and of which no part has a problem of its own.
+/// The problem of a value that is not a table, and whose parts have no problem of their own.
 fn problem_of(form: &'static Form, name: &str, value: &Value, scale: Scale) -> Option<Problem> {
     let key = || name.to_owned();
     let is_wrong = |found: String| Problem::WrongKind {
@@ -307,8 +307,7 @@ fn check_all(
 fn fits(form: &Form, value: &Value) -> bool {
     match (form, value) {
         (Form::Choice(names), Value::Text(text)) => {
-            // A text that starts with a digit is taken for a number with a unit where one is
-            // allowed.
+            // A text that starts with a digit is regarded as a number with a unit, if one is allowed.
             names().contains(&text.as_str()) || !starts_as_number(text)
         }
         (Form::Number(..), Value::Integer(_) | Value::Float(_) | Value::Text(_))

@@ -1,7 +1,8 @@
 //! Drivers, which move the surfaces: one file each, and one entry each in the lists below.
 //!
 //! The file of a driver holds its description, its keys and its explanation. Keys that several drivers
-//! have are in `shared`. A scene's `build` reads a driver, for its defaults depend on the surfaces.
+//! have are in `shared`. `build` of a scene reads a driver, because its defaults depend on the
+//! surfaces.
 
 mod boundary_integral;
 mod lattice_boltzmann;
@@ -23,7 +24,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Driver {
-    /// To an equilibrium, along a path without meaning: there is no time.
+    /// Relaxation to an equilibrium; the path has no meaning, and there is no time.
     Relax(Relax),
     /// Membranes in Stokes flow without walls.
     BoundaryIntegral(BoundaryIntegral),
@@ -41,7 +42,7 @@ impl Driver {
         }
     }
 
-    /// The scheme in words, and the parameters.
+    /// A description of the scheme, and the parameters.
     pub(crate) fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
         match self {
             Self::Relax(driver) => driver.explain(number),
@@ -50,7 +51,7 @@ impl Driver {
         }
     }
 
-    /// The ambient flow, of drivers that have one.
+    /// The ambient flow; `None` for drivers without one.
     pub fn flow(&self) -> Option<&Flow> {
         match self {
             Self::Relax(_) => None,
@@ -67,7 +68,7 @@ impl Driver {
         }
     }
 
-    /// Viscosity μ of the fluid outside the surfaces, of drivers with a fluid.
+    /// Viscosity μ of the fluid outside the surfaces; `None` for drivers without a fluid.
     pub fn viscosity(&self) -> Option<f64> {
         match self {
             Self::Relax(_) => None,
@@ -82,7 +83,7 @@ trait Described {
     /// The name of the driver and its keys.
     const KIND: Kind;
 
-    /// The scheme in words, and the parameters.
+    /// A description of the scheme, and the parameters.
     fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>);
 }
 

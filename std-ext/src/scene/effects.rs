@@ -1,8 +1,8 @@
 //! The effects that act on one surface: one file each, and one line each in the list below.
 //!
-//! The file of an effect holds everything that scenes know of it: keys, reading, contradictions,
-//! requirements on the mesh, explanation and preparation. The table of keys, the schema, the
-//! messages, `explain` and the simulation follow from the list.
+//! The file of an effect holds everything about its keys in scenes: reading, contradictions,
+//! requirements on the mesh, explanation and preparation. The table of keys, the schema, the messages,
+//! `explain` and the simulation follow from the list.
 
 mod adhesion;
 mod area;
@@ -63,7 +63,7 @@ use std::sync::Arc;
 /// is the order of keys, of `explain`, of forces and of columns.
 macro_rules! effects {
     ($($(#[$documentation:meta])* $name:ident: $effect:ty,)*) => {
-        /// The effects that act on a surface. An effect that is `None` does not exist.
+        /// The effects that act on a surface. An absent effect is `None` and costs nothing.
         #[derive(Clone, Debug, Default, PartialEq, Serialize)]
         pub struct Effects {
             $($(#[$documentation])*
@@ -159,7 +159,7 @@ trait Described: Named + Sized {
     /// The keys of the table.
     const KEYS: &'static Keys;
 
-    /// Reads a table that has been compared with [`Self::KEYS`]; the surface has this mesh.
+    /// Reads a table that has been compared with [`Self::KEYS`], for a surface with this mesh.
     fn read(table: Reader<'_>, source: &MeshSource, builder: &mut Builder<'_>) -> Self;
 }
 
@@ -200,7 +200,7 @@ pub(crate) trait SurfaceEffect: fmt::Debug {
         false
     }
 
-    /// The quantity of each component on which its energy depends, or which it holds.
+    /// The quantity of each component on which its energy depends, or which it constrains.
     fn quantity(&self) -> Option<Quantity> {
         None
     }
@@ -372,7 +372,7 @@ impl MeshCheck<'_> {
     }
 }
 
-/// Refuses an effect of an edge on a lattice, whose steps are chosen before any force is known.
+/// Refuses an effect at an edge on a lattice, whose steps are chosen before any force is known.
 fn refuse_on_lattice(effect: &'static str, check: &mut Check<'_, '_>) {
     if matches!(check.driver, Some(Driver::LatticeBoltzmann(_))) {
         let message = format!(

@@ -32,7 +32,7 @@ pub enum Flow {
     },
     /// `u = L·x`.
     Linear {
-        /// L, 1/time: `gradient[i][j]` is ∂u_i/∂x_j. Its trace is 0, but for rounding.
+        /// L, 1/time: `gradient[i][j]` is ∂u_i/∂x_j. Its trace is 0 up to rounding.
         gradient: [[f64; 3]; 3],
     },
     /// `u = U (1 − ρ²/R²) t`, ρ the distance from an axis along the unit vector t: see
@@ -59,7 +59,7 @@ pub enum Flow {
 }
 
 impl Flow {
-    /// The rate, 1/time and above 0, by which strain and capillary numbers are counted.
+    /// The rate, 1/time and above 0, that defines strain and capillary numbers.
     ///
     /// The absolute value of γ̇ of a shear and of ε̇ of an extension; `√(2 E:E)` of a linear flow
     /// with `E = (L + Lᵀ)/2`, which is γ̇ if the flow is a shear; `2U/R` of a Poiseuille flow, the
@@ -128,8 +128,8 @@ impl Flow {
     }
 
     /// The plane in which a flow deforms bodies, as two unit vectors: along the velocity and its
-    /// gradient for a shear, along stretching and shrinking for a plane extension. A linear flow
-    /// has a plane only if it is a shear `L = γ̇ t nᵀ` with `t·n = 0`. Other flows have none.
+    /// gradient for a shear, along stretching and compression for a plane extension. A linear flow has
+    /// a plane only if it is a shear `L = γ̇ t nᵀ` with `t·n = 0`. Other flows have none.
     pub fn plane(&self) -> Option<[[f64; 3]; 2]> {
         match *self {
             Self::Shear { .. } | Self::PlaneExtension { .. } => {
@@ -143,7 +143,7 @@ impl Flow {
         }
     }
 
-    /// The flow in words, and the parameters.
+    /// A description of the flow, and the parameters.
     pub(crate) fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
         let rate = |value: f64| vec![number.of("rate", value, Dimension::RATE)];
         let (formula, parameters) = match *self {
@@ -286,10 +286,10 @@ pub(super) static FLOW: Keys = Keys {
             "kind",
             Form::Choice(|| kinds(&FLOW)),
             "\"quiescent\"; \"shear\", u = (γ̇ y, 0, 0); \"extension\", u = ε̇ (x, −y/2, −z/2); \
-             \"plane-extension\", u = ε̇ (x, −y, 0); \"linear\", u = L·x; \"poiseuille\", \
-             u = U (1 − ρ²/R²) along an axis, ρ the distance from it; \"channel\", along x between the \
-             walls of a lattice's box, driven by a force on all fluid. On a lattice a shear is that of \
-             two walls at the ends of y.",
+             \"plane-extension\", u = ε̇ (x, −y, 0); \"linear\", u = L·x; \"poiseuille\", u = U (1 − \
+             ρ²/R²) along an axis, ρ the distance from it; \"channel\", along x between the walls of \
+             a lattice's box, driven by a force on all fluid. On a lattice, two walls at the ends of \
+             y cause the shear.",
         ),
         KINDS,
     ),

@@ -17,7 +17,7 @@ pub(super) struct Keys {
     pub(super) kinds: &'static [Kind],
 }
 
-/// Keys that a table has if its `kind` is this one. Keys that no kind has belong to all kinds.
+/// The keys of tables of one `kind`. Keys that no kind lists belong to all kinds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kind {
     pub(super) name: &'static str,
@@ -110,7 +110,7 @@ impl Range {
         }
     }
 
-    /// In words, behind `a number`.
+    /// The range as a text that follows `a number`.
     pub(super) fn words(self) -> String {
         match self {
             Self::Any => "of any size".to_owned(),
@@ -222,7 +222,7 @@ pub(super) const fn plain(keys: &'static [Key]) -> Keys {
     }
 }
 
-/// The keys of two lists, one after the other; N is the sum of their numbers.
+/// The keys of two lists, one after the other; N is their total number.
 pub(super) const fn joined<const N: usize>(first: &[Key], second: &[Key]) -> [Key; N] {
     assert!(!first.is_empty() && first.len() + second.len() == N);
     let mut keys = [first[0]; N];
@@ -256,8 +256,8 @@ pub(super) const fn count_of(kinds: &[Kind]) -> usize {
     count
 }
 
-/// The key `kind`, and the keys of all kinds, each once, in the order of their first mention; N is their
-/// number. A key that some kind requires is optional in the whole table.
+/// The key `kind` and the keys of all kinds, each once, in the order of their first occurrence; N is
+/// their number. A key that only some kinds require is optional in the whole table.
 pub(super) const fn of_kinds<const N: usize>(kind: Key, kinds: &[Kind]) -> [Key; N] {
     assert!(N == 1 + count_of(kinds));
     let mut keys = [kind; N];

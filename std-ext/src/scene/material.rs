@@ -41,8 +41,8 @@ fn by_name<S: Serializer>(column: &Arc<Column>, serializer: S) -> Result<S::Ok, 
 }
 
 impl Material {
-    /// Reads the key `key`, a number or a column of the mesh of the surface; `None` without it, or if the
-    /// column has been reported.
+    /// Reads the key `key`, a number or a column of the mesh of the surface; `None` if the key is
+    /// absent or its column has a problem, which is then reported.
     pub(super) fn read(
         table: Reader<'_>,
         key: &str,
@@ -104,7 +104,7 @@ impl Material {
         (!parameter.varies()).then(|| parameter.at(0))
     }
 
-    /// The parameter of a method.
+    /// The parameter in the form that methods take.
     pub(crate) fn parameter(&self) -> MaterialParameter<f64> {
         match self {
             Self::Number(number) => MaterialParameter::Constant(*number),
@@ -112,7 +112,7 @@ impl Material {
         }
     }
 
-    /// In words, behind the name of a parameter: the range of a column.
+    /// The range of a column as a text that follows the name of a parameter; `None` for a number.
     pub(crate) fn range(&self) -> Option<String> {
         let column = self.column()?;
         let [least, largest] = [self.least(), self.largest()].map(Six);
@@ -137,8 +137,8 @@ impl Builder<'_> {
                 weld: Some(true), ..
             }) => {
                 return Err(format!(
-                    "`weld` makes one vertex of several, and the column \"{name}\" has numbers for each \
-                     of them: weld the mesh first, and write a file with the column"
+                    "`weld` merges vertices, and the column \"{name}\" has a number for each of them: \
+                     weld the mesh first, and write a file with the column"
                 ));
             }
             MeshSource::File(file) => file,

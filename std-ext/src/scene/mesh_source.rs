@@ -40,7 +40,7 @@ pub enum MeshSource {
     File(MeshFileSource),
 }
 
-/// A mesh file, and whether vertices at the same point are one.
+/// A mesh file, and the treatment of vertices at the same point.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct MeshFileSource {
     /// The file.
@@ -71,7 +71,7 @@ impl MeshFileSource {
         Ok((self.whole(file)?, columns))
     }
 
-    /// Refuses a mesh with split vertices that are not to be.
+    /// Refuses a mesh with split vertices, unless the scene allows them.
     fn whole(&self, file: MeshFile) -> Result<MeshFile, MeshSourceError> {
         match file.split_vertices() {
             count if count > 0 && self.weld.is_none() => Err(MeshSourceError::Split {
@@ -83,7 +83,7 @@ impl MeshFileSource {
     }
 }
 
-/// Mesh files that have been read, so that each is read once.
+/// Mesh files that have been read, so that each is read only once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MeshFiles {
     known: Vec<Known>,
@@ -94,14 +94,14 @@ pub(crate) struct MeshFiles {
 struct Known {
     source: MeshFileSource,
     file: Arc<MeshFile>,
-    /// The numbers at its vertices, if they were asked for.
+    /// The numbers at its vertices, if they were requested.
     columns: Option<Vec<Arc<Column>>>,
-    /// The surface without noise, if it was asked for and has some.
+    /// The surface without noise, if it was requested and the file has noise.
     quieted: Option<Option<Arc<Quieted>>>,
 }
 
 impl MeshFiles {
-    /// The content of a file, read now or before.
+    /// The content of a file, which is read at the first request.
     ///
     /// # Errors
     /// As [`MeshFileSource::read`].
@@ -122,7 +122,7 @@ impl MeshFiles {
         Ok(file)
     }
 
-    /// The numbers at the vertices of a file that is not welded, read now or before.
+    /// The numbers at the vertices of a file that is not welded, which are read at the first request.
     ///
     /// # Errors
     /// As [`MeshFileSource::read`], and if a column cannot be read.
@@ -147,7 +147,8 @@ impl MeshFiles {
         Ok(columns)
     }
 
-    /// The surface of a file without its noise, found now or before; `None` if it has none.
+    /// The surface of a file without its noise, computed at the first request; `None` if the file has
+    /// no noise.
     ///
     /// # Errors
     /// As [`MeshFileSource::read`].
@@ -161,7 +162,7 @@ impl MeshFiles {
             return Ok(None);
         };
         let quieted = known.quieted.get_or_insert_with(|| {
-            // Positions that no surface can have are reported by those who use them.
+            // Invalid positions are reported by the callers that use them.
             let surface = Surface::new(&file.mesh, &file.positions).ok()?;
             Quieted::new(surface).map(Arc::new)
         });

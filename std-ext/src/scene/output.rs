@@ -64,7 +64,7 @@ pub struct Plot {
     pub column: String,
     /// The column of the horizontal axis.
     pub against: String,
-    /// CSV file with curves to be drawn beside it: a head `curve,x,y`, then points.
+    /// CSV file with curves to be drawn in the same plot: a header `curve,x,y`, then points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published: Option<PathBuf>,
 }
@@ -85,8 +85,8 @@ pub struct Slice {
 }
 
 impl Slice {
-    /// Unit vectors along its edges: x, or y where the normal is nearer to x than 45°, turned into the
-    /// plane; and the normal times that.
+    /// Unit vectors along its edges: the first is x, or y if the normal is nearer to x than 45°,
+    /// rotated into the plane; the second is the vector product of the normal and the first.
     pub fn axes(&self) -> [[f64; 3]; 2] {
         let normal = DVec3::from(self.normal).normalize_or_zero();
         let near = normal.x.abs() > FRAC_1_SQRT_2;

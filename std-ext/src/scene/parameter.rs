@@ -1,4 +1,4 @@
-//! Numbers with their units, as an explanation names them.
+//! Numbers with their units, for explanations.
 
 use super::Units;
 use super::units::Dimension;

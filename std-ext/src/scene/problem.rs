@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// An error in a scene, or a warning about it, with its place.
 ///
-/// Displayed as `file:line:column: what is wrong: what would be right`, with the line below it.
+/// Displayed as `file:line:column: problem: remedy`, with the line of the file below.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneError {
     /// The scene file.
@@ -181,7 +181,7 @@ pub enum Problem {
         keys: String,
     },
     /// A key that has a meaning only together with another one.
-    #[error("`{key}` needs `{other}` beside it: {summary}")]
+    #[error("`{key}` also needs `{other}`: {summary}")]
     Needs {
         /// The key.
         key: &'static str,
@@ -190,7 +190,7 @@ pub enum Problem {
         /// The meaning of the required key.
         summary: &'static str,
     },
-    /// A value of another kind.
+    /// A value of the wrong type.
     #[error("`{key}` is {found}: {expected} is needed")]
     WrongKind {
         /// The key.
@@ -236,7 +236,7 @@ pub enum Problem {
         found: String,
         /// The expected dimension, in words.
         expected: String,
-        /// A number that is right.
+        /// An example of a valid number.
         example: &'static str,
     },
     /// A text that is not a number with a unit.
@@ -253,7 +253,7 @@ pub enum Problem {
         reason: String,
         /// The expected value, in words.
         expected: String,
-        /// A number that is right.
+        /// An example of a valid number.
         example: &'static str,
     },
     /// A number with a unit in a scene without units.
@@ -293,9 +293,9 @@ pub enum Problem {
     /// An override's path names no element of a list.
     #[error("there is no {kind} `{element}`: {}", if known.is_empty() { format!("the scene has no {kind}") } else { format!("there are {}", known.join(", ")) })]
     UnknownElement {
-        /// Which list.
+        /// The list.
         kind: String,
-        /// The element, as the path names it.
+        /// The name or number of the element in the path.
         element: String,
         /// The existing elements.
         known: Vec<String>,

@@ -80,7 +80,7 @@ impl<'a> Reader<'a> {
         self.form(key).and_then(of).unwrap_or(Dimension::NONE)
     }
 
-    /// Which numbers the key allows.
+    /// The numbers that the key allows.
     pub(super) fn range(&self, key: &str) -> Range {
         fn of(form: &Form) -> Option<Range> {
             match form {

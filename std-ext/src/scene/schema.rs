@@ -83,8 +83,8 @@ fn one(group: &&[&str]) -> Value {
     json!({ "oneOf": alone })
 }
 
-/// The pattern of a number with a unit. A unit begins with a letter, with an `e` only `erg`, for
-/// exponents do, or with `1/`.
+/// The pattern of a number with a unit. A unit begins with a letter or with `1/`. Of units with `e`
+/// only `erg` is allowed, because exponents begin with `e`.
 const QUANTITY: &str =
     r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s*([A-DF-Za-df-zµμ]|erg)|\s+1\s*/)";
 

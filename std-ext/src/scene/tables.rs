@@ -20,7 +20,7 @@ pub(super) static SCENE: Keys = plain(&[
     optional(
         "temperature",
         NUMBER,
-        "Temperature in kelvin, by which \"20 kT\" is an energy; by default 298.15.",
+        "Temperature in kelvin, for numbers with the unit kT; by default 298.15.",
     ),
     required(
         "surface",
@@ -40,12 +40,12 @@ pub(super) static SCENE: Keys = plain(&[
     required(
         "driver",
         Form::Table(&DRIVER),
-        "What moves the surfaces, and when the run ends.",
+        "Driver that moves the surfaces, and the end of the run.",
     ),
     optional(
         "output",
         Form::Table(&OUTPUT),
-        "What is written, and how often.",
+        "Outputs and their intervals.",
     ),
 ]);
 
@@ -72,7 +72,8 @@ static INTERACTION: Keys = plain(&[
     optional(
         "between",
         Form::Pair,
-        "Names of two surfaces; by default every pair interacts, and in a periodic box every \
-         surface with its own images. The same name twice: a surface with its own images only.",
+        "Names of two surfaces; by default every pair interacts, and in a periodic box every surface \
+         with its own images. If both names are the same, the surface interacts with its own images \
+         only.",
     ),
 ]);

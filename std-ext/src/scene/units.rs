@@ -8,7 +8,7 @@ const BOLTZMANN: f64 = 1.380649e-5;
 /// The temperature of the unit `kT`, unless a scene names another one: 25 °C, in kelvin.
 pub(super) const TEMPERATURE: f64 = 298.15;
 
-/// The units of a scene, by which its numbers are read.
+/// The units of a scene, in which its numbers are read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     pub(super) units: Units,
@@ -151,7 +151,7 @@ pub(super) enum QuantityError {
     Dimension(Dimension),
 }
 
-/// The value in units of pN, µm and s of a text like `2e-19 J` or `5.3 µN/m`. The result is the
+/// The value, in units of pN, µm and s, of a text like `2e-19 J` or `5.3 µN/m`. The result is the
 /// nearest f64, because units only shift the decimal point; only `kT`, which depends on the temperature
 /// in kelvin, is a factor, accurate to rounding.
 pub(super) fn quantity(
@@ -260,7 +260,7 @@ const BASES: [(&str, Unit); 13] = [
     ("1", unit(0, Dimension::NONE)),
 ];
 
-/// kT, no power of ten by itself: 10⁻¹² N and 10⁻⁶ m are taken back where pN·µm is meant.
+/// The unit kT, which is not a power of ten: the powers cancel the factors 10⁻¹² N and 10⁻⁶ m of pN·µm.
 const THERMAL: Unit = Unit {
     power: -18,
     thermal: 1,

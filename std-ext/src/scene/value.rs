@@ -83,7 +83,7 @@ pub(super) enum Value {
     Switch(bool),
     List(Vec<Node>),
     Table(Table),
-    /// A value that no scene has, in words.
+    /// A value of a type that no scene has, named with an article.
     Other(&'static str),
 }
 
@@ -129,7 +129,7 @@ impl Table {
 }
 
 impl Value {
-    /// Its kind, in words with an article.
+    /// The name of its type, with an article.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::Text(_) => "a text",
@@ -174,7 +174,7 @@ impl Node {
 }
 
 impl Value {
-    /// Whether a text in it is one of these.
+    /// Whether a text in this value fulfils a condition.
     fn any_text(&self, is: &dyn Fn(&str) -> bool) -> bool {
         match self {
             Self::Text(text) => is(text),
@@ -186,7 +186,7 @@ impl Value {
 }
 
 impl Table {
-    /// Whether a text in it is one of these.
+    /// Whether a text in this table fulfils a condition.
     pub(super) fn any_text(&self, is: &dyn Fn(&str) -> bool) -> bool {
         self.entries
             .iter()

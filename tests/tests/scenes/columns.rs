@@ -132,7 +132,7 @@ fn unusable_columns_are_refused() {
     files.refused(
         "mesh = \"sphere.vtp\"\nweld = true",
         &column("jump"),
-        &["`weld` makes one vertex of several"],
+        &["`weld` merges vertices"],
     );
     files.refused(
         MESH,

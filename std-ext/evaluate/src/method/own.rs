@@ -100,7 +100,7 @@ impl AnyMethod {
 /// The name of a method of your own that occurs twice.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "there are two methods of your own with the name `{name}`: results are told apart by names; choose \
+    "there are two methods of your own with the name `{name}`: results are identified by names; choose \
      another for one of them, or leave it out"
 )]
 pub struct RepeatedName {

@@ -1,4 +1,4 @@
-//! Errors against time and mesh, and what evaluations cost.
+//! Errors against time and mesh, and the cost of evaluations.
 
 use super::costs;
 use super::curves::{curves, logarithmic, series};

@@ -7,7 +7,7 @@ use crate::answer::{Norm, Question, cheapest, for_everything, most_accurate, sec
 use crate::study::Row;
 use std::io::{self, Write};
 
-/// The accuracy that is answered in words.
+/// The accuracy that the text discusses; the tables have all of them.
 const PLAIN: f64 = 0.01;
 
 pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
@@ -56,7 +56,7 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "</section>")
 }
 
-/// Choice of the norm: every vertex, or on average.
+/// The condition of a norm: at every vertex, or on average.
 fn strictly(norm: Norm) -> &'static str {
     match norm {
         Norm::Max => "at every vertex",

@@ -47,7 +47,7 @@ pub(super) fn chart(rows: &[Row], family: &str, kind: &str) -> Chart {
             logarithmic("number of vertices N", Numbers::Plain),
             logarithmic(label, numbers),
         ],
-        // Of f, which every method has.
+        // The costs of f, which every method defines.
         curves: curves(rows, family, Quantity::ForceDensity, point),
         guides: Vec::new(),
     }

@@ -1,4 +1,4 @@
-//! Whether f32 is enough.
+//! Comparison of f32 with f64.
 
 use super::curves::{columns, series};
 use super::text::{Table, csv_line, digits};

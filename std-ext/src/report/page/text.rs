@@ -36,7 +36,7 @@ pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    // That of the rounded number: 0.999 is 1.0, not 1.00.
+    // The digits count for the rounded number: 0.999 is 1.0, not 1.00.
     let rounded = format!("{value:.0$e}", (digits - 1) as usize);
     let exponent = rounded.split_once('e');
     let exponent = exponent.and_then(|(_, exponent)| exponent.parse().ok());
@@ -92,7 +92,7 @@ pub fn time(seconds: f64) -> String {
     format!("{} {unit}", digits(value))
 }
 
-/// Seconds that were measured for a row, marked where the runs scatter.
+/// A measured time of a row, marked if the times scatter.
 pub(super) fn time_of(row: &Row, seconds: f64) -> String {
     let mark = if row.is_scattered() { SCATTERED } else { "" };
     format!("{mark}{}", time(seconds))
@@ -172,7 +172,7 @@ impl Table {
     /// # Errors
     /// If `out` cannot be written to.
     pub fn write(&self, id: &str, out: &mut dyn Write) -> io::Result<()> {
-        // Above what scrolls, and not as wide as that.
+        // The caption is outside of the scrolling element, so that it is not as wide as the table.
         writeln!(
             out,
             "<p class=\"caption\" id=\"{id}-caption\">{}</p><div class=\"scroll\"><table id=\"{id}\" aria-labelledby=\"{id}-caption\"><thead><tr>",
@@ -215,7 +215,7 @@ impl Table {
     }
 }
 
-/// A line of CSV; numbers with enough digits to identify every f64.
+/// Appends a line of CSV; numbers have enough digits to identify every f64.
 pub fn csv_line(text: &mut String, cells: &[&dyn std::fmt::Display]) {
     for (number, cell) in cells.iter().enumerate() {
         let comma = if number == 0 { "" } else { "," };

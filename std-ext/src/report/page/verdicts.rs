@@ -1,4 +1,4 @@
-//! Whether methods converge.
+//! Convergence of the methods.
 
 use super::text::{Table, csv_line, escaped, signed};
 use super::{each, label};

@@ -60,7 +60,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether vertices are moved along the surfaces that allow it (`may`).
+    /// Whether vertices are moved along the surfaces; `may` states whether any surface allows it.
     pub(super) fn redistribution(
         &mut self,
         driver: Reader<'_>,
@@ -114,7 +114,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Warns about volumes that nothing conserves.
+    /// Warns about volumes that are not conserved.
     pub(super) fn volumes_kept(&mut self, driver: Reader<'_>, surfaces: &[SurfaceScene]) {
         let exact = |surface: &SurfaceScene| {
             let hold = surface.effects.volume.map(|volume| volume.hold);
@@ -154,7 +154,7 @@ impl Builder<'_> {
                 ),
             );
         }
-        // A placeholder has its error already.
+        // The error of an invalid value has been reported already.
         if driver.has(key) && !duration.is_nan() && !(0.01 * duration).is_normal() {
             self.contradiction(
                 &driver.origin_of(key),
@@ -184,7 +184,8 @@ impl Builder<'_> {
             Flow::Linear { gradient } => gradient.as_flattened().iter().all(|x| x.is_finite()),
             _ => false,
         };
-        // What is not finite, or 0 where it must not be, has its error already.
+        // The error of a value that is not finite, or is 0 where this is not allowed, has been reported
+        // already.
         if finite {
             self.contradiction(
                 &reader.origin_of(key),
@@ -297,13 +298,15 @@ impl Builder<'_> {
     }
 }
 
-/// The most steps of a run: at a millisecond a step it takes four months.
+/// The largest number of steps of a run: at a millisecond per step they take four months.
 const MOST_STEPS: f64 = 1e10;
 
-/// The most strain of a run, in steps of half a unit of strain, the longest that are taken.
+/// The largest strain of a run: the largest number of steps, each with the largest strain of a step,
+/// one half.
 const MOST_STRAIN: f64 = 0.5 * MOST_STEPS;
 
-/// The trace of a gradient that was written with its digits in full, relative to its entries.
+/// The largest trace of a gradient, relative to its entries, that is attributed to rounding of its
+/// digits.
 const TRACE: f64 = 1e-9;
 
 /// Placeholder for a driver that cannot be read.

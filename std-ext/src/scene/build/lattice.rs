@@ -221,7 +221,7 @@ impl Builder<'_> {
                 MeshSource::Shape {
                     shape, vertices, ..
                 } => {
-                    // Wrong counts have their error already.
+                    // The error of a wrong count has been reported already.
                     if generate::check(shape, *vertices).is_err() {
                         return Vec::new();
                     }
@@ -284,7 +284,7 @@ impl Builder<'_> {
     /// The number of nodes along each axis.
     fn cells(&mut self, driver: Reader<'_>, spacing: f64, lengths: [f64; 3]) -> [usize; 3] {
         let counts = lengths.map(|length| (length / spacing).round());
-        // What is not a number has its error already.
+        // The error of a value that is not a number has been reported already.
         if counts.iter().any(|count| count.is_nan()) {
             return [0; 3];
         }
@@ -380,7 +380,7 @@ impl Builder<'_> {
             }
             lattice.step = step;
         }
-        // What is not a number has its error already.
+        // The error of a value that is not a number has been reported already.
         let LatticeBoltzmann {
             step,
             lattice_viscosity,
@@ -402,7 +402,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Reports points of an output, called `what`, that lie beyond a wall, where there is no fluid.
+    /// Reports points of an output, called `what` in messages, that lie beyond a wall, where there is
+    /// no fluid.
     pub(super) fn in_the_fluid(
         &mut self,
         origin: &Origin,

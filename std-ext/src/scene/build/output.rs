@@ -10,10 +10,10 @@ use super::super::{
 use crate::series::{ITERATION, TIME};
 use crate::six::Six;
 
-/// The most rows of a series: at a thousand a second it takes three hours to write them.
+/// The largest number of rows of a series: at a thousand per second it takes three hours to write them.
 const MOST_ROWS: f64 = 1e7;
 
-/// The most points of a slice.
+/// The largest number of points of a slice.
 const POINTS: usize = 4_000_000;
 
 impl Builder<'_> {
@@ -205,7 +205,7 @@ impl Builder<'_> {
             let what = format!("the probe \"{}\"", probe.name);
             let origin = reader.origin_of("point");
             self.in_the_fluid(&origin, &what, &[probe.point], driver);
-            // The centre of a surface has these columns.
+            // The centre of a surface has columns of this name.
             if probe.name == "centroid" {
                 self.contradiction(
                     &reader.origin_of("name"),

@@ -20,7 +20,7 @@ pub struct BoundaryIntegral {
     pub flow: Flow,
     /// The time at which the run ends; it begins at 0.
     pub duration: f64,
-    /// The integrator, already chosen: never `auto`.
+    /// The integrator; `auto` has been resolved.
     pub integrator: Integrator,
     /// The error tolerance of a step, in units of the size of the surfaces.
     pub tolerance: f64,
@@ -33,12 +33,12 @@ pub struct BoundaryIntegral {
     pub redistribution: bool,
 }
 
-/// Number of vertices from which on clusters save half of the time.
+/// Least number of vertices for which clusters save half of the time.
 const CLUSTERED: usize = 5000;
 
 impl BoundaryIntegral {
     /// The tolerance of sums over clusters if all surfaces together have this many vertices; 0 for all
-    /// pairs. [`crate::flow::SingleLayer::set_cluster_tolerance`] says what it is relative to.
+    /// pairs. [`crate::flow::SingleLayer::set_cluster_tolerance`] defines the norm of the error.
     pub fn cluster_tolerance_at(&self, vertices: usize) -> f64 {
         let automatic = if vertices < CLUSTERED { 0.0 } else { 1e-4 };
         self.cluster_tolerance.unwrap_or(automatic)
@@ -71,9 +71,9 @@ impl Described for BoundaryIntegral {
             optional(
                 "integrator",
                 Form::Choice(|| vec!["auto", "rkc2", "bs23", "rk4"]),
-                "\"rkc2\" where bending or surface tension limits the step, \"bs23\" where they do not, \
-                 \"rk4\" for fixed steps; \"auto\", the default, is rkc2 if a surface bends or has a tension \
-                 and else bs23.",
+                "\"rkc2\" if bending or surface tension limits the step, \"bs23\" if they do not, \
+                 \"rk4\" for fixed steps; \"auto\", the default, is rkc2 if a surface has bending or \
+                 a tension, and bs23 otherwise.",
             ),
             STEP,
             optional(
@@ -84,9 +84,9 @@ impl Described for BoundaryIntegral {
             optional(
                 "cluster_tolerance",
                 Form::Number(Dimension::NONE, Range::NotNegative),
-                "Relative error of velocities from sums over clusters of vertices, whose time is \
-                 proportional to the number of vertices; 0 sums over all pairs. By default 1e-4 from \
-                 5000 vertices on, in all surfaces together, and 0 below.",
+                "Relative error of velocities if they are summed over clusters of vertices, in a time \
+                 proportional to the number of vertices; 0 sums over all pairs. By default 1e-4 if \
+                 all surfaces together have 5000 vertices or more, and 0 otherwise.",
             ),
             VOLUME_CORRECTION,
             REDISTRIBUTION,

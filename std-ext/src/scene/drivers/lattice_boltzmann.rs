@@ -23,8 +23,8 @@ pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 pub struct LatticeBoltzmann {
     /// Viscosity μ of the fluid outside, pressure times time.
     pub viscosity: f64,
-    /// Mass density ρ of all fluid. `None`: no inertia; the flow is linear in the forces, apart
-    /// from the delay with which it follows them.
+    /// Mass density ρ of all fluid. `None`: there is no inertia, and the flow is linear in the forces,
+    /// apart from a delay.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
     /// The flow: at rest in a periodic box; a shear between walls at the ends of y that move with
@@ -40,7 +40,7 @@ pub struct LatticeBoltzmann {
     pub centre: [f64; 3],
     /// Kinematic viscosity ν on the lattice, in units of spacing²/step.
     pub lattice_viscosity: f64,
-    /// Duration of a step, already chosen.
+    /// Duration of a step; a default has been resolved.
     pub step: f64,
     /// The kernel that spreads forces of vertices to nodes.
     pub kernel: Kernel,
@@ -83,7 +83,7 @@ impl LatticeBoltzmann {
         }
     }
 
-    /// The largest speed of the fluid, or of a wall, that there would be without membranes.
+    /// The largest speed of the fluid, or of a wall, in the undisturbed flow.
     pub fn largest_speed(&self) -> f64 {
         match self.flow {
             Flow::Shear { rate } => 0.5 * rate.abs() * self.size()[1],
@@ -136,8 +136,8 @@ impl Described for LatticeBoltzmann {
             optional(
                 "box",
                 Form::Exactly(3, &positive(Dimension::LENGTH)),
-                "Lengths of the box of fluid, rounded to whole nodes; by default 7 a along each axis, of \
-                 scenes with one surface.",
+                "Lengths of the box of fluid, rounded to whole nodes; by default 7 a along each axis, \
+                 in scenes with one surface.",
             ),
             optional(
                 "centre",
@@ -154,8 +154,8 @@ impl Described for LatticeBoltzmann {
                 "lattice_viscosity",
                 NUMBER,
                 "Kinematic viscosity ν on the lattice in units of spacing²/step, best from 0.02 to 1; \
-                 by default 1/3, less if a surface's viscosity ratio requires it, or the value that \
-                 follows from density and step.",
+                 by default 1/3, or less if a surface's viscosity ratio requires it; with density and \
+                 step it follows from these.",
             ),
             STEP,
             optional(

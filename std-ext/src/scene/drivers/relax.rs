@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Settings of a relaxation, and its stopping criteria.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Relax {
-    /// The scheme, already chosen: never `auto`.
+    /// The scheme; `auto` has been resolved.
     pub scheme: Scheme,
     /// The run ends when the root mean square of the remaining force per area is below this, in
     /// units of κ/R³ + K/R. K is the largest in-plane modulus, `4πR² = A`.
@@ -59,9 +59,9 @@ impl Described for Relax {
             optional(
                 "energy_error",
                 NUMBER,
-                "Largest relative error of the energy of each closed surface with bending, estimated \
-                 by jets of degree 6 on the same vertices; by default 0.01. With a larger error the \
-                 run ends as unresolved instead of converged.",
+                "Largest allowed relative error of the energy of each closed surface with bending, \
+                 estimated by jets of degree 6 on the same vertices; by default 0.01. If it is \
+                 larger, the run ends as unresolved instead of converged.",
             ),
         ],
         exactly_one: &[],

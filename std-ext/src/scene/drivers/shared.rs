@@ -8,9 +8,9 @@ use super::super::units::Dimension;
 pub(super) const REDISTRIBUTION: Key = optional(
     "redistribution",
     Form::Either(&[Form::Switch, Form::Choice(|| vec!["auto"])]),
-    "Whether vertices of fluid surfaces are moved along the surface to keep the mesh even; \
-     by default \"auto\": wherever a surface is fluid, without elasticity and local_area, and \
-     in a flow without stretching.",
+    "Whether vertices of fluid surfaces are moved along the surface to keep the mesh even; by default \
+     \"auto\": for surfaces that are fluid (without elasticity and local_area) and, in a flow, not \
+     stretched.",
 );
 
 pub(super) const VISCOSITY: Key = optional(
@@ -42,16 +42,16 @@ pub(super) const STRAIN: Key = optional(
 pub(super) const STEP: Key = optional(
     "step",
     positive(Dimension::TIME),
-    "Step of rk4, which requires it; refused if it is not stable at the start of the run. \
-     Other integrators choose their steps by the tolerance. Step of a lattice: by default \
+    "Step of the integrator rk4, which requires it; refused if it is not stable at the start of the \
+     run. Other integrators choose their steps by the tolerance. For a lattice: the step, by default \
      the longest that compressibility, inertia and membranes allow.",
 );
 
 pub(super) const VOLUME_CORRECTION: Key = optional(
     "volume_correction",
     Form::Switch,
-    "Whether the volume of each closed surface is kept to rounding, instead of to the error \
-     of the mesh and the steps; by default true.",
+    "Whether corrections keep the volume of each closed surface to rounding; without them it changes \
+     by errors of the mesh and the steps; by default true.",
 );
 
 /// Corrections of positions in addition to the flow.

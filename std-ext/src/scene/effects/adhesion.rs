@@ -71,14 +71,14 @@ impl Described for Adhesion {
 }
 
 impl Adhesion {
-    /// Radius of curvature √(κ/(2W)) where a membrane meets the wall; λ → 0.
+    /// Radius of curvature √(κ/(2W)) where a membrane meets the wall, in the limit λ → 0.
     fn contact_radius(&self, bending_modulus: f64) -> f64 {
         (0.5 * bending_modulus / self.strength).sqrt()
     }
 }
 
 impl SurfaceEffect for Adhesion {
-    /// An edge along a curve of radius r rises by about h²/(2r).
+    /// Where a curve of radius r leaves the wall, an edge of length h along it rises by about h²/(2r).
     fn check_mesh(&self, check: &mut MeshCheck<'_>) {
         let Some(bending) = &check.effects.bending else {
             return;

@@ -61,7 +61,7 @@ impl Described for HeldArea {
             optional(
                 "target",
                 Form::Either(&[Form::Choice(|| vec!["initial"]), positive(Dimension::AREA)]),
-                "Area of each connected component: \"initial\", as by default, or a number.",
+                "Area of each connected component: \"initial\", the default, or a number.",
             ),
         ],
         exactly_one: EITHER,

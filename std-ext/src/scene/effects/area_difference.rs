@@ -50,13 +50,13 @@ impl Described for HeldAreaDifference {
             optional(
                 "target",
                 Form::Either(&[Form::Choice(|| vec!["initial"]), any(Dimension::LENGTH)]),
-                "∫H dS of each connected component: \"initial\", as by default, or a number.",
+                "∫H dS of each connected component: \"initial\", the default, or a number.",
             ),
             optional(
                 "reduced",
                 any(Dimension::NONE),
-                "Target as ∫H dS/√(4πA), 1 for a sphere, with the target area or, if the area is not \
-                 held, the initial one; instead of target.",
+                "Reduced target ∫H dS/√(4πA), 1 for a sphere, instead of target; A is the target area \
+                 or, if there is none, the initial area.",
             ),
         ],
         exactly_one: EITHER,

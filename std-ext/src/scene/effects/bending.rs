@@ -54,12 +54,12 @@ impl Described for Bending {
         required(
             "modulus",
             Form::Either(&[positive(Dimension::ENERGY), COLUMN]),
-            "Bending modulus κ; a column of the mesh file for one at each vertex.",
+            "Bending modulus κ: a number, or a column of the mesh file with a number for each vertex.",
         ),
         optional(
             MethodOptions::AREAS,
             Form::Choice(MethodOptions::areas_names),
-            "The areas of vertices, of gompper-kroll and meyer; by default mixed.",
+            "Vertex areas, for gompper-kroll and meyer; by default mixed.",
         ),
         optional(
             MethodOptions::BANDWIDTH,
@@ -67,15 +67,15 @@ impl Described for Bending {
                 Form::Choice(MethodOptions::bandwidth_names),
                 positive(Dimension::NONE),
             ]),
-            "The bandwidth of belkin's heat kernel in mean areas of a vertex, or \"published\", the \
-             mixed area of each vertex; by default \"converging\", max(1/4, sqrt(N)/100) with N \
+            "Bandwidth of the heat kernel of belkin, in mean vertex areas; or \"published\", the mixed \
+             area of each vertex; by default \"converging\", max(1/4, sqrt(N)/100) mean areas with N \
              vertices.",
         ),
         optional(
             "spontaneous_curvature",
             Form::Either(&[any(Dimension::CURVATURE), COLUMN]),
-            "Spontaneous curvature H0 = c0/2, positive on a sphere; by default 0. A column of the mesh \
-             file for one at each vertex.",
+            "Spontaneous curvature H0 = c0/2, positive on a sphere; by default 0. A number, or a \
+             column of the mesh file with a number for each vertex.",
         ),
     ]);
 
@@ -125,16 +125,15 @@ impl SurfaceEffect for Bending {
             check.contradiction(&format!("bending.{}", unused.option), unused.to_string());
         }
         if is_kantor_nelson && check.fluid().is_some() {
-            let message = "method kantor-nelson (A) bends with k̃ = 2κ/√3, by which capsules in shear \
-                           are deformed 37 to 43 % too much (Ca_G = 0.15, b = 0.1125): choose \
-                           gompper-kroll (B) or j4";
+            let message = "method kantor-nelson (A) uses k̃ = 2κ/√3, with which capsules in shear \
+             deform 37 to 43 % too much (Ca_G = 0.15, b = 0.1125): choose gompper-kroll (B) or j4";
             check.doubt("bending.method", message.to_owned());
         }
     }
 
     fn check_mesh(&self, check: &mut MeshCheck<'_>) {
         self.check_edge(check);
-        // The same limits hold for every method.
+        // The same limits apply to every method.
         let method = GompperKroll {
             modulus: self.modulus.parameter(),
             spontaneous_curvature: self.spontaneous_curvature.parameter(),
@@ -230,7 +229,7 @@ impl SurfaceEffect for Bending {
 }
 
 impl Bending {
-    /// Whether κ or H0 are different somewhere.
+    /// Whether κ or H0 varies over the surface.
     fn varies(&self) -> bool {
         let parameters = [&self.modulus, &self.spontaneous_curvature];
         parameters
@@ -255,7 +254,7 @@ impl Bending {
         }
     }
 
-    /// Reports methods without an energy, or with another one, at an edge.
+    /// Reports methods without an energy, or with a different energy, at an edge.
     fn check_edge(&self, check: &mut MeshCheck<'_>) {
         if check.mesh.boundary_edges == 0 {
             return;
@@ -263,8 +262,8 @@ impl Bending {
         let (name, method) = (check.name, self.method);
         if !method.is_conservative() {
             let message = format!(
-                "\"{name}\" is open, and {method} has no forces at an edge, where only the gradient of \
-                 an energy says what acts: choose gompper-kroll (B), juelicher, hamann or loop (S)"
+                "\"{name}\" is open, and {method} has no forces at an edge, which only the gradient of \
+                 an energy defines: choose gompper-kroll (B), juelicher, hamann or loop (S)"
             );
             check.contradiction("bending.method", message);
         }
@@ -292,26 +291,26 @@ impl Bending {
         let consequence = match self.method {
             BendingMethod::GompperKroll => {
                 "with method gompper-kroll (B) steps were 100 times shorter on irregular meshes, and \
-                 came to nothing on slivers"
+                 vanishingly short on slivers"
             }
             BendingMethod::Meyer => {
                 "with method meyer (C) steps were 200 times shorter on irregular meshes, and shorter \
                  still on slivers"
             }
             BendingMethod::Farutin => {
-                "with method farutin (E) deformations of the scale of the mesh grow without end on \
+                "with method farutin (E) deformations at the scale of the mesh grow without limit on \
                  slivers, and irregular meshes took ten times the steps of j4"
             }
             BendingMethod::Belkin if irregular => {
-                "with method belkin (D) capsules on irregular meshes were deformed too much, by 3 % \
-                 with 162 vertices and by 8 % with 642"
+                "with method belkin (D) capsules on irregular meshes deformed too much, by 3 % with \
+                 162 vertices and by 8 % with 642"
             }
             BendingMethod::Hamann if irregular => {
-                "with method hamann steps came to nothing on irregular meshes with 162 vertices"
+                "with method hamann steps were vanishingly short on irregular meshes with 162 vertices"
             }
             BendingMethod::Loop if irregular => {
-                "with method loop (S) irregular meshes took six times the steps of j4, and steps came to \
-                 nothing with 162 vertices"
+                "with method loop (S) irregular meshes took six times the steps of j4, and steps were \
+                 vanishingly short with 162 vertices"
             }
             _ => return,
         };

@@ -33,7 +33,7 @@ impl Described for BorderTension {
             "domains",
             COLUMN,
             "The domain of each vertex: a column of whole numbers. Borders run midway between vertices \
-             with different ones.",
+             of different domains.",
         ),
     ]);
 
@@ -51,10 +51,10 @@ impl Described for BorderTension {
     }
 }
 
-/// The reason why a column has no domains.
+/// The reason why a column does not define domains.
 fn check_labels(column: &Column) -> Result<(), String> {
     let Column { name, values } = column;
-    // Larger numbers need not be whole to look so.
+    // Larger numbers are always whole in f64.
     let is_label = |value: &f64| value.fract() == 0.0 && value.abs() < 2.0_f64.powi(53);
     if let Some(vertex) = values.iter().position(|value| !is_label(value)) {
         return Err(format!(

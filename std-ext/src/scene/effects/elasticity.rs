@@ -48,7 +48,7 @@ impl InPlaneLaw {
         }
     }
 
-    /// Area dilatation modulus at small strain: 3 G of neo-Hookean, (1 + 2 C) G of Skalak.
+    /// Area modulus at small strain: 3 G for neo-Hookean, (1 + 2 C) G for Skalak.
     pub fn area_modulus(&self) -> f64 {
         match *self {
             Self::NeoHookean { shear_modulus } => 3.0 * shear_modulus,
@@ -93,7 +93,7 @@ impl InPlaneLaw {
     }
 }
 
-/// Memory of a law over a reference: three numbers for each of two triangles a vertex, forces,
+/// Memory of a law with a reference: three numbers for each of two triangles per vertex, forces,
 /// energies.
 pub(super) const BYTES: u64 = 130;
 
@@ -102,8 +102,7 @@ pub(super) const BYTES: u64 = 130;
 const WRINKLING: f64 = 0.45;
 
 impl Described for Elasticity {
-    const SUMMARY: &'static str =
-        "Elasticity in the surface's plane, over a reference without stress.";
+    const SUMMARY: &'static str = "In-plane elasticity relative to a stress-free reference.";
 
     const KEYS: &'static Keys = &plain(&[
         required(
@@ -114,13 +113,12 @@ impl Described for Elasticity {
         required(
             "shear_modulus",
             positive(Dimension::TENSION),
-            "Shear modulus G; E_s = 3 G where an article gives that.",
+            "Shear modulus G; one third of the E_s that some articles give.",
         ),
         optional(
             "area_ratio",
             Form::Number(Dimension::NONE, Range::Above(-0.5)),
-            "C of Skalak's law, whose area modulus is (1 + 2 C) G; for Skalak's law only, which needs \
-             it.",
+            "C of Skalak's law, which requires it; the area modulus is (1 + 2 C) G.",
         ),
         optional(
             "reference",

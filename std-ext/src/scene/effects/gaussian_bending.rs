@@ -26,8 +26,8 @@ impl Described for GaussianBending {
     const KEYS: &'static Keys = &plain(&[required(
         "modulus",
         Form::Either(&[any(Dimension::ENERGY), COLUMN]),
-        "Gaussian modulus κ_G; −2κ to 0 for a membrane that is stable when flat. A column of the mesh file \
-         for one at each vertex.",
+        "Gaussian modulus κ_G; −2κ to 0 for a membrane that is stable when flat. A number, or a column \
+         of the mesh file with a number for each vertex.",
     )]);
 
     fn read(table: Reader<'_>, source: &MeshSource, builder: &mut Builder<'_>) -> Self {

@@ -49,7 +49,7 @@ impl SurfaceEffect for Gravity {
         let message = match check.driver {
             Some(Driver::Relax(_)) => format!(
                 "\"{name}\" has a weight and nothing that carries it: the driver \"relax\" finds no \
-                 equilibrium, and ends by its iterations"
+                 equilibrium, and ends at its limit of iterations"
             ),
             Some(Driver::LatticeBoltzmann(lattice)) if lattice.walls() == [false; 3] => format!(
                 "\"{name}\" has a weight, and in a box without walls nothing carries it: fluid and \

@@ -1,4 +1,4 @@
-//! Quantities of each connected component that are held at a target.
+//! Quantities of each connected component that are kept at a target.
 
 use super::super::keys::{Form, Key, optional};
 use super::super::units::Dimension;
@@ -7,7 +7,7 @@ use crate::six::Six;
 use helfrich::{Quantity, Targets};
 use serde::Serialize;
 
-/// The way in which a quantity is held at its target.
+/// The way in which a quantity is kept at its target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Hold {
@@ -104,7 +104,7 @@ impl MeshCheck<'_> {
         if ratio < least || ratio > LEAST_RATIO.recip() {
             let message = format!(
                 "the {what} of {} is {} times {}, that of the mesh of \"{}\" where it starts: such a \
-                 target is lost in rounding, or never reached: choose one that is nearer",
+                 target is lost in rounding or never reached: choose a target that is nearer",
                 Six(target),
                 Six(ratio),
                 Six(has),

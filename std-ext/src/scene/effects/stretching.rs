@@ -62,7 +62,8 @@ impl SurfaceEffect for Stretching {
         {
             let message = format!(
                 "a sequence of forces goes from equilibrium to equilibrium, and the driver \"{}\" \
-                 goes by time: give one force, which acts throughout, or choose the driver \"relax\"",
+                 advances in time: give one force, which acts throughout, or choose the driver \
+                 \"relax\"",
                 driver.name()
             );
             check.contradiction("stretching.force", message);

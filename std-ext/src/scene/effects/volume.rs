@@ -58,13 +58,13 @@ impl Described for HeldVolume {
                     Form::Choice(|| vec!["initial"]),
                     positive(Dimension::VOLUME),
                 ]),
-                "Volume of each connected component: \"initial\", as by default, or a number.",
+                "Volume of each connected component: \"initial\", the default, or a number.",
             ),
             optional(
                 "reduced",
                 Form::Number(Dimension::NONE, Range::Fraction),
-                "Target as reduced volume v = 6√π V/A^(3/2), with the target area or, if the area is \
-                 not held, the initial one; instead of target.",
+                "Reduced volume v = 6√π V/A^(3/2), instead of target; A is the target area or, if \
+                 there is none, the initial area.",
             ),
         ],
         exactly_one: EITHER,

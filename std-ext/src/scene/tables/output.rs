@@ -39,12 +39,12 @@ pub(super) static OUTPUT: Keys = Keys {
         optional(
             "picture_field",
             Form::Choice(|| vec!["mean-curvature", "gaussian-curvature", "bending-force"]),
-            "What the pictures' colours show; by default mean-curvature.",
+            "Field that the colours of pictures show; by default mean-curvature.",
         ),
         optional(
             "checkpoint_every",
             Form::Count(1),
-            "Iterations, or steps in time, from one checkpoint to the next; by default 1000, or 50 of \
+            "Iterations, or steps in time, from one checkpoint to the next; by default 1000, or 50 for \
              boundary-integral.",
         ),
         optional(
@@ -91,8 +91,8 @@ static PLOT: Keys = plain(&[
     optional(
         "published",
         Form::File,
-        "CSV file of curves to draw beside it, relative to the scene's folder: a head curve,x,y, \
-         then points.",
+        "CSV file of curves to draw in the same plot, relative to the scene's folder: a header \
+         curve,x,y, then points.",
     ),
 ]);
 
@@ -111,8 +111,8 @@ static SLICE: Keys = plain(&[
     required(
         "size",
         Form::Exactly(2, &positive(Dimension::LENGTH)),
-        "Lengths of its edges. The first is along x, or along y where the normal is nearer to x than \
-         45°, turned into the plane; the second along the normal times the first.",
+        "Lengths of its edges. The first is along x, or along y if the normal is nearer to x than 45°, \
+         rotated into the plane; the second is along the vector product of the normal and the first.",
     ),
     required(
         "points",

@@ -95,8 +95,8 @@ const FAMILY: Key = optional(
 const VERTICES: Key = optional(
     "vertices",
     Form::Count(1),
-    "Number of vertices, at least 12: 10·4^k + 2 give the most regular meshes; on the torus, \
-     about as many.",
+    "Number of vertices, at least 12. Meshes with 10·4^k + 2 are the most regular; meshes of the torus \
+     have approximately this number.",
 );
 
 const SEED: Key = optional(

@@ -66,7 +66,7 @@ fn what_is_doubtful_in_flow_is_warned_of() {
     for (method, part) in [
         ("B", "100 times shorter"),
         ("C", "200 times shorter"),
-        ("E", "grow without end"),
+        ("E", "grow without limit"),
     ] {
         for family in ["irregular", "hard"] {
             let text = capsule(&[

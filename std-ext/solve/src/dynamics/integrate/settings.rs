@@ -125,8 +125,8 @@ pub enum SetupError {
     },
     /// A tolerance below the accuracy of any step.
     #[error(
-        "the tolerance is {tolerance:e} of the size of what moves, and positions are rounded by {:e} of \
-         theirs: it has to be larger, such as 1e-4",
+        "the tolerance is {tolerance:e} of the size of the surfaces, and positions are rounded by {:e} \
+         of theirs: it has to be larger, such as 1e-4",
         f64::EPSILON
     )]
     BelowRounding {
