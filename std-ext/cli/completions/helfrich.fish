@@ -26,55 +26,55 @@ end
 
 complete -c helfrich -n "__fish_helfrich_needs_command" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c helfrich -n "__fish_helfrich_needs_command" -s V -l version -d 'Print version'
-complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "study" -d 'Compare bending methods with exact shapes: error and time side by side'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "study" -d 'Measure errors and times of bending methods on exact shapes'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "recommend" -d 'Recommend a method for a mesh file, by measurements on that mesh'
-complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "curvature" -d 'Curvatures and force density at every vertex of a mesh file, with error bars, as CSV or VTP'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "curvature" -d 'Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "info" -d 'Show counts, topology, area, volume and quality of a mesh file'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "subdivide" -d 'Refine a mesh file by Loop\'s rules: four triangles for each triangle and level'
-complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "run" -d 'Run a scene: surfaces, the effects that act on each, and what drives them'
-complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "sweep" -d 'Run a scene with every combination of some values, and compare'
-complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "scenes" -d 'The scenes that come with the program, which `run`, `sweep` and `explain` take by name'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "run" -d 'Run a scene: surfaces, the effects that act on each, and a driver that moves them'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "sweep" -d 'Run a scene with every combination of given values, and compare the results'
+complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "scenes" -d 'List the scenes that come with the program, which `run`, `sweep` and `explain` take by name'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "explain" -d 'Explain a scene without running it: effects, dimensionless groups, memory, step limits'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l shape -d 'sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R]' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l method -d 'Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet has the degree that suits the mesh. By default A,B,C' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l areas -d 'Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l shape -d 'Exact shape: sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R]' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l method -d 'Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet chooses j4 or j6 for the mesh. By default A,B,C' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l areas -d 'Vertex areas of gompper-kroll and meyer: mixed, voronoi or barycentric; by default mixed' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l bandwidth -d 'Bandwidth of the heat kernel of belkin: a number of mean vertex areas; `converging`, the default, which is max(1/4, sqrt(N)/100) of them; or `published`, the mixed area of each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l family -d 'Mesh families: regular, smooth, relaxed, irregular, hard, or `all`' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l vertices -d 'Numbers of vertices, in any order, from 12 on; meshes of the torus come within 1 % of them. Those of 10·4^k + 2 are the most regular. By default 642,2562,10242,40962' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l scalar -d 'Number types: f32, f32-pair (positions in pairs of f32), f64. By default f64, on a page f32,f64' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l vertices -d 'Numbers of vertices, 12 or more, in any order. Meshes with 10·4^k + 2 vertices are the most regular; meshes of the torus have these numbers within 1 %. By default 642,2562,10242,40962' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l scalar -d 'Number types: f32, f32-pair (positions as pairs of f32), f64. By default f64; with `--html` f32,f64' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l modulus -d 'Bending modulus κ' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l seed -d 'Seed of the random mesh families' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l html -d 'Write a page to this file: which method is the cheapest for an accuracy, with figures, tables and pictures; by default of all methods' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l html -d 'Write a page to this file that names the cheapest method for each accuracy, with figures, tables and pictures; by default of all methods' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l figures -d 'Also write every figure of the page as SVG and PNG to this folder' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l json -d 'Also write the rows as JSON to this file; `-` for standard output, instead of the table' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l csv -d 'Also write the rows as CSV to this file; `-` for standard output, instead of the table' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l noise -d 'Compare methods, `jet` and the best fixed fit on vertices with noise instead: standard deviations of every coordinate in mean edges, from 0 to 1; on 2562 vertices and of all methods by default. With `--html` this is a further part of the page' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l cache -d 'Where measurements are kept for the next time, as if interrupted; for pages by default in the user\'s folder of caches' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l json -d 'Also write the rows as JSON to this file; `-` writes them to standard output instead of the table' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l csv -d 'Also write the rows as CSV to this file; `-` writes them to standard output instead of the table' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l noise -d 'Compare methods, `jet` and the best fixed fit on noisy vertices instead. The values are standard deviations of every coordinate in mean edge lengths, from 0 to 1; by default with 2562 vertices and all methods. With `--html` this comparison is added to the page' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l cache -d 'File in which measurements are kept, so that a repeated or interrupted study reuses them; by default, for pages only, in the user\'s cache folder' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l fresh -d 'Measure everything again'
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l error -d 'Largest allowed error, as in `1%` or `0.01`, relative to the largest value on the surface' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l quantity -d 'Quantity that has to be accurate: H, K, LapH or f' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l norm -d 'Where: `max`, at every vertex, or `mean`, on average' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l norm -d 'Norm of the error: `max`, at every vertex, or `mean`, on average' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l method -d 'Methods to choose from, by name or letter; by default all' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l areas -d 'Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l areas -d 'Vertex areas of gompper-kroll and meyer: mixed, voronoi or barycentric; by default mixed' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l bandwidth -d 'Bandwidth of the heat kernel of belkin: a number of mean vertex areas; `converging`, the default, which is max(1/4, sqrt(N)/100) of them; or `published`, the mixed area of each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l scalar -d 'Number types to choose from: f32, f32-pair, f64' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l json -d 'Also write the answer as JSON to this file; `-` for standard output, instead of the table' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l json -d 'Also write the answer as JSON to this file; `-` writes it to standard output instead of the table' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l threads -d 'Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l method -d 'Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet chooses degree and neighbours from the noise at each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l modulus -d 'Bending modulus κ' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l areas -d 'Areas of vertices, of gompper-kroll and meyer: mixed, voronoi or barycentric. By default mixed' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l bandwidth -d 'Bandwidth of belkin\'s heat kernel: a number of mean areas of a vertex; `converging`, which is max(1/4, sqrt(N)/100) of them, as by default; or `published`, the mixed area of each vertex' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scalar -d 'Number type: f32, f32-pair (positions in pairs of f32) or f64' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l sigma -d 'Standard deviation of the positions along the normal, a length, where it is known: at least so much noise is assumed. By default it is found from the positions' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scale -d 'Number of neighbours of the fits of `jet`, 28 to 4096. By default it is chosen at each vertex, for H, K and f, from the noise' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l areas -d 'Vertex areas of gompper-kroll and meyer: mixed, voronoi or barycentric; by default mixed' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l bandwidth -d 'Bandwidth of the heat kernel of belkin: a number of mean vertex areas; `converging`, the default, which is max(1/4, sqrt(N)/100) of them; or `published`, the mixed area of each vertex' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scalar -d 'Number type: f32, f32-pair (positions as pairs of f32) or f64' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l sigma -d 'Known standard deviation of the positions along the normal, a length: a lower bound of the noise that is assumed. By default the noise is estimated from the positions' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scale -d 'Number of neighbours of the fits of `jet`, 28 to 4096. By default it is chosen from the noise, at each vertex and separately for H, K and f' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l csv -d 'Write to this file instead of standard output (`-`)' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l vtp -d 'Write the surface with all results to this `.vtp` file; a table is then written only with `--csv`' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l picture -d 'Draw the surface to this `.png` file, with principal directions if `--method jet` or `--errors` finds them; a table is then written only with `--csv`. Where twice the error bar exceeds the range of the colours, the surface is grey' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l colour-by -d 'The quantity that the picture shows, by the name of its column; f along the normal. All but H, K and f need `--method jet` or `--errors`' -r -f -a "H\t''
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l picture -d 'Draw the surface to this `.png` file, with principal directions if `--method jet` or `--errors` is given; a table is then written only with `--csv`. The surface is grey where twice the error bar exceeds the range of the colours' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l colour-by -d 'Quantity that the picture shows, by the name of its column; f is shown along the normal. Quantities other than H, K and f need `--method jet` or `--errors`' -r -f -a "H\t''
 K\t''
 f\t''
 k1\t''
@@ -85,43 +85,43 @@ f_error\t''
 k1_error\t''
 k2_error\t''
 sigma\t''"
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l threads -d 'Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l errors -d 'Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; `--method jet` always has them'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l levels -d 'Number of refinements' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s o -l output -d 'Write to this file; `.obj`, `.off`, `.stl`, `.ply` or `.vtp` determines the format' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s o -l output -d 'Output file; the extension `.obj`, `.off`, `.stl`, `.ply` or `.vtp` determines the format' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
-complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l limit -d 'Put the vertices on the smooth surface that further refinement would lead to'
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l limit -d 'Place the vertices on the smooth surface to which further refinement would converge'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in `surface.vesicle.bending=`; may be repeated' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l out -d 'The output folder; by default the scene\'s name without `.toml`' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l set -d 'Replace a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or remove it, as in `surface.vesicle.bending=`; may be repeated' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l threads -d 'Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l out -d 'Output folder; by default the scene\'s name without `.toml`' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l resume -d 'Continue the run in the folder from its last checkpoint'
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l check -d 'Only report problems of the scene'
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in `surface.vesicle.bending=`; may be repeated' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l out -d 'The output folder, with a subfolder for each run' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l vary -d 'A key and its values, as in `surface.0.bending.method=meyer,juelicher`; may be repeated, the last varies fastest. Commas inside brackets, braces and quotation marks belong to a value' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l columns -d 'Columns of the series to show and to plot; those of the scene\'s plots if there are none' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l jobs -d 'How many runs take place at once, from 1 to 1024, each with its share of the threads: `--jobs` as many as there are threads suits runs of small meshes' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l set -d 'Replace a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or remove it, as in `surface.vesicle.bending=`; may be repeated' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l threads -d 'Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l out -d 'Output folder, with a subfolder for each run' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l vary -d 'A key and its values, as in `surface.0.bending.method=meyer,juelicher`; may be repeated, and the last key varies fastest. Commas inside brackets, braces and quotation marks belong to a value' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l columns -d 'Columns of the series to show and to plot; by default those of the scene\'s plots' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l jobs -d 'Number of simultaneous runs, from 1 to 1024, which share the threads equally. As many jobs as threads suit runs with small meshes' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l resume -d 'Continue the runs in the folder; runs that have ended are skipped'
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand scenes" -l out -d 'Write the scenes to this folder, with the files that they need and their JSON schema. Existing files are not overwritten' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand scenes" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -l set -d 'Replaces a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or removes it, as in `surface.vesicle.bending=`; may be repeated' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -l threads -d 'How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -l set -d 'Replace a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or remove it, as in `surface.vesicle.bending=`; may be repeated' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -l threads -d 'Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand explain" -s h -l help -d 'Print help'
-complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "study" -d 'Compare bending methods with exact shapes: error and time side by side'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "study" -d 'Measure errors and times of bending methods on exact shapes'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "recommend" -d 'Recommend a method for a mesh file, by measurements on that mesh'
-complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "curvature" -d 'Curvatures and force density at every vertex of a mesh file, with error bars, as CSV or VTP'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "curvature" -d 'Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "info" -d 'Show counts, topology, area, volume and quality of a mesh file'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "subdivide" -d 'Refine a mesh file by Loop\'s rules: four triangles for each triangle and level'
-complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "run" -d 'Run a scene: surfaces, the effects that act on each, and what drives them'
-complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "sweep" -d 'Run a scene with every combination of some values, and compare'
-complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "scenes" -d 'The scenes that come with the program, which `run`, `sweep` and `explain` take by name'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "run" -d 'Run a scene: surfaces, the effects that act on each, and a driver that moves them'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "sweep" -d 'Run a scene with every combination of given values, and compare the results'
+complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "scenes" -d 'List the scenes that come with the program, which `run`, `sweep` and `explain` take by name'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "explain" -d 'Explain a scene without running it: effects, dimensionless groups, memory, step limits'
 complete -c helfrich -n "__fish_helfrich_using_subcommand help; and not __fish_seen_subcommand_from study recommend curvature info subdivide run sweep scenes explain help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'

@@ -30,21 +30,21 @@ _helfrich() {
         case $line[1] in
             (study)
 _arguments "${_arguments_options[@]}" : \
-'--shape=[sphere\[\:R\], ellipsoid\[\:a,b,c\], torus\[\:R,r\] or discocyte\[\:R\]]:SHAPE:_default' \
-'*--method=[Methods by name or letter, or \`all\`\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet has the degree that suits the mesh. By default A,B,C]:METHOD:_default' \
-'--areas=[Areas of vertices, of gompper-kroll and meyer\: mixed, voronoi or barycentric. By default mixed]:AREAS:_default' \
-'--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
+'--shape=[Exact shape\: sphere\[\:R\], ellipsoid\[\:a,b,c\], torus\[\:R,r\] or discocyte\[\:R\]]:SHAPE:_default' \
+'*--method=[Methods by name or letter, or \`all\`\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet chooses j4 or j6 for the mesh. By default A,B,C]:METHOD:_default' \
+'--areas=[Vertex areas of gompper-kroll and meyer\: mixed, voronoi or barycentric; by default mixed]:AREAS:_default' \
+'--bandwidth=[Bandwidth of the heat kernel of belkin\: a number of mean vertex areas; \`converging\`, the default, which is max(1/4, sqrt(N)/100) of them; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '*--family=[Mesh families\: regular, smooth, relaxed, irregular, hard, or \`all\`]:FAMILY:_default' \
-'*--vertices=[Numbers of vertices, in any order, from 12 on; meshes of the torus come within 1 % of them. Those of 10·4^k + 2 are the most regular. By default 642,2562,10242,40962]:VERTICES:_default' \
-'*--scalar=[Number types\: f32, f32-pair (positions in pairs of f32), f64. By default f64, on a page f32,f64]:SCALAR:_default' \
+'*--vertices=[Numbers of vertices, 12 or more, in any order. Meshes with 10·4^k + 2 vertices are the most regular; meshes of the torus have these numbers within 1 %. By default 642,2562,10242,40962]:VERTICES:_default' \
+'*--scalar=[Number types\: f32, f32-pair (positions as pairs of f32), f64. By default f64; with \`--html\` f32,f64]:SCALAR:_default' \
 '--modulus=[Bending modulus κ]:MODULUS:_default' \
 '--seed=[Seed of the random mesh families]:SEED:_default' \
-'--html=[Write a page to this file\: which method is the cheapest for an accuracy, with figures, tables and pictures; by default of all methods]:FILE:_files' \
+'--html=[Write a page to this file that names the cheapest method for each accuracy, with figures, tables and pictures; by default of all methods]:FILE:_files' \
 '--figures=[Also write every figure of the page as SVG and PNG to this folder]:FOLDER:_files' \
-'--json=[Also write the rows as JSON to this file; \`-\` for standard output, instead of the table]:JSON:_files' \
-'--csv=[Also write the rows as CSV to this file; \`-\` for standard output, instead of the table]:CSV:_files' \
-'*--noise=[Compare methods, \`jet\` and the best fixed fit on vertices with noise instead\: standard deviations of every coordinate in mean edges, from 0 to 1; on 2562 vertices and of all methods by default. With \`--html\` this is a further part of the page]::EDGES:_default' \
-'--cache=[Where measurements are kept for the next time, as if interrupted; for pages by default in the user'\''s folder of caches]:FILE:_files' \
+'--json=[Also write the rows as JSON to this file; \`-\` writes them to standard output instead of the table]:JSON:_files' \
+'--csv=[Also write the rows as CSV to this file; \`-\` writes them to standard output instead of the table]:CSV:_files' \
+'*--noise=[Compare methods, \`jet\` and the best fixed fit on noisy vertices instead. The values are standard deviations of every coordinate in mean edge lengths, from 0 to 1; by default with 2562 vertices and all methods. With \`--html\` this comparison is added to the page]::EDGES:_default' \
+'--cache=[File in which measurements are kept, so that a repeated or interrupted study reuses them; by default, for pages only, in the user'\''s cache folder]:FILE:_files' \
 '--fresh[Measure everything again]' \
 '-h[Print help]' \
 '--help[Print help]' \
@@ -54,13 +54,13 @@ _arguments "${_arguments_options[@]}" : \
 _arguments "${_arguments_options[@]}" : \
 '--error=[Largest allowed error, as in \`1%\` or \`0.01\`, relative to the largest value on the surface]:ERROR:_default' \
 '--quantity=[Quantity that has to be accurate\: H, K, LapH or f]:QUANTITY:_default' \
-'--norm=[Where\: \`max\`, at every vertex, or \`mean\`, on average]:NORM:_default' \
+'--norm=[Norm of the error\: \`max\`, at every vertex, or \`mean\`, on average]:NORM:_default' \
 '*--method=[Methods to choose from, by name or letter; by default all]:METHOD:_default' \
-'--areas=[Areas of vertices, of gompper-kroll and meyer\: mixed, voronoi or barycentric. By default mixed]:AREAS:_default' \
-'--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
+'--areas=[Vertex areas of gompper-kroll and meyer\: mixed, voronoi or barycentric; by default mixed]:AREAS:_default' \
+'--bandwidth=[Bandwidth of the heat kernel of belkin\: a number of mean vertex areas; \`converging\`, the default, which is max(1/4, sqrt(N)/100) of them; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '*--scalar=[Number types to choose from\: f32, f32-pair, f64]:SCALAR:_default' \
-'--json=[Also write the answer as JSON to this file; \`-\` for standard output, instead of the table]:JSON:_files' \
-'--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
+'--json=[Also write the answer as JSON to this file; \`-\` writes it to standard output instead of the table]:JSON:_files' \
+'--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
 '--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '-h[Print help]' \
 '--help[Print help]' \
@@ -71,16 +71,16 @@ _arguments "${_arguments_options[@]}" : \
 _arguments "${_arguments_options[@]}" : \
 '--method=[Method by name or letter\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, j4, j6, jet (J), corrected, corrected-fit; jet chooses degree and neighbours from the noise at each vertex]:METHOD:_default' \
 '--modulus=[Bending modulus κ]:MODULUS:_default' \
-'--areas=[Areas of vertices, of gompper-kroll and meyer\: mixed, voronoi or barycentric. By default mixed]:AREAS:_default' \
-'--bandwidth=[Bandwidth of belkin'\''s heat kernel\: a number of mean areas of a vertex; \`converging\`, which is max(1/4, sqrt(N)/100) of them, as by default; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
-'--scalar=[Number type\: f32, f32-pair (positions in pairs of f32) or f64]:SCALAR:_default' \
-'--sigma=[Standard deviation of the positions along the normal, a length, where it is known\: at least so much noise is assumed. By default it is found from the positions]:LENGTH:_default' \
-'--scale=[Number of neighbours of the fits of \`jet\`, 28 to 4096. By default it is chosen at each vertex, for H, K and f, from the noise]:NEIGHBOURS:_default' \
+'--areas=[Vertex areas of gompper-kroll and meyer\: mixed, voronoi or barycentric; by default mixed]:AREAS:_default' \
+'--bandwidth=[Bandwidth of the heat kernel of belkin\: a number of mean vertex areas; \`converging\`, the default, which is max(1/4, sqrt(N)/100) of them; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
+'--scalar=[Number type\: f32, f32-pair (positions as pairs of f32) or f64]:SCALAR:_default' \
+'--sigma=[Known standard deviation of the positions along the normal, a length\: a lower bound of the noise that is assumed. By default the noise is estimated from the positions]:LENGTH:_default' \
+'--scale=[Number of neighbours of the fits of \`jet\`, 28 to 4096. By default it is chosen from the noise, at each vertex and separately for H, K and f]:NEIGHBOURS:_default' \
 '--csv=[Write to this file instead of standard output (\`-\`)]:CSV:_files' \
 '--vtp=[Write the surface with all results to this \`.vtp\` file; a table is then written only with \`--csv\`]:FILE:_files' \
-'--picture=[Draw the surface to this \`.png\` file, with principal directions if \`--method jet\` or \`--errors\` finds them; a table is then written only with \`--csv\`. Where twice the error bar exceeds the range of the colours, the surface is grey]:FILE:_files' \
-'--colour-by=[The quantity that the picture shows, by the name of its column; f along the normal. All but H, K and f need \`--method jet\` or \`--errors\`]:QUANTITY:(H K f k1 k2 H_error K_error f_error k1_error k2_error sigma)' \
-'--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
+'--picture=[Draw the surface to this \`.png\` file, with principal directions if \`--method jet\` or \`--errors\` is given; a table is then written only with \`--csv\`. The surface is grey where twice the error bar exceeds the range of the colours]:FILE:_files' \
+'--colour-by=[Quantity that the picture shows, by the name of its column; f is shown along the normal. Quantities other than H, K and f need \`--method jet\` or \`--errors\`]:QUANTITY:(H K f k1 k2 H_error K_error f_error k1_error k2_error sigma)' \
+'--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
 '--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '--errors[Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; \`--method jet\` always has them]' \
 '-h[Print help]' \
@@ -99,10 +99,10 @@ _arguments "${_arguments_options[@]}" : \
 (subdivide)
 _arguments "${_arguments_options[@]}" : \
 '--levels=[Number of refinements]:LEVELS:_default' \
-'-o+[Write to this file; \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format]:OUTPUT:_files' \
-'--output=[Write to this file; \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format]:OUTPUT:_files' \
+'-o+[Output file; the extension \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format]:OUTPUT:_files' \
+'--output=[Output file; the extension \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format]:OUTPUT:_files' \
 '--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
-'--limit[Put the vertices on the smooth surface that further refinement would lead to]' \
+'--limit[Place the vertices on the smooth surface to which further refinement would converge]' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
@@ -110,9 +110,9 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (run)
 _arguments "${_arguments_options[@]}" : \
-'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or removes it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
-'--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
-'--out=[The output folder; by default the scene'\''s name without \`.toml\`]:OUT:_files' \
+'*--set=[Replace a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or remove it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
+'--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
+'--out=[Output folder; by default the scene'\''s name without \`.toml\`]:OUT:_files' \
 '--resume[Continue the run in the folder from its last checkpoint]' \
 '(--resume --out)--check[Only report problems of the scene]' \
 '-h[Print help]' \
@@ -122,12 +122,12 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (sweep)
 _arguments "${_arguments_options[@]}" : \
-'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or removes it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
-'--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
-'--out=[The output folder, with a subfolder for each run]:OUT:_files' \
-'*--vary=[A key and its values, as in \`surface.0.bending.method=meyer,juelicher\`; may be repeated, the last varies fastest. Commas inside brackets, braces and quotation marks belong to a value]:PATH=VALUE,VALUE:_default' \
-'*--columns=[Columns of the series to show and to plot; those of the scene'\''s plots if there are none]:COLUMNS:_default' \
-'--jobs=[How many runs take place at once, from 1 to 1024, each with its share of the threads\: \`--jobs\` as many as there are threads suits runs of small meshes]:N:_default' \
+'*--set=[Replace a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or remove it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
+'--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
+'--out=[Output folder, with a subfolder for each run]:OUT:_files' \
+'*--vary=[A key and its values, as in \`surface.0.bending.method=meyer,juelicher\`; may be repeated, and the last key varies fastest. Commas inside brackets, braces and quotation marks belong to a value]:PATH=VALUE,VALUE:_default' \
+'*--columns=[Columns of the series to show and to plot; by default those of the scene'\''s plots]:COLUMNS:_default' \
+'--jobs=[Number of simultaneous runs, from 1 to 1024, which share the threads equally. As many jobs as threads suit runs with small meshes]:N:_default' \
 '--resume[Continue the runs in the folder; runs that have ended are skipped]' \
 '-h[Print help]' \
 '--help[Print help]' \
@@ -143,8 +143,8 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (explain)
 _arguments "${_arguments_options[@]}" : \
-'*--set=[Replaces a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or removes it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
-'--threads=[How many threads compute, from 1 to 1024; by default as many as the machine runs at once. No result depends on it]:N:_default' \
+'*--set=[Replace a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or remove it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
+'--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':scene -- TOML file, or the name of a scene that comes with the program\: see `helfrich scenes`:_files' \
@@ -214,14 +214,14 @@ esac
 (( $+functions[_helfrich_commands] )) ||
 _helfrich_commands() {
     local commands; commands=(
-'study:Compare bending methods with exact shapes\: error and time side by side' \
+'study:Measure errors and times of bending methods on exact shapes' \
 'recommend:Recommend a method for a mesh file, by measurements on that mesh' \
-'curvature:Curvatures and force density at every vertex of a mesh file, with error bars, as CSV or VTP' \
+'curvature:Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP' \
 'info:Show counts, topology, area, volume and quality of a mesh file' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
-'run:Run a scene\: surfaces, the effects that act on each, and what drives them' \
-'sweep:Run a scene with every combination of some values, and compare' \
-'scenes:The scenes that come with the program, which \`run\`, \`sweep\` and \`explain\` take by name' \
+'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
+'sweep:Run a scene with every combination of given values, and compare the results' \
+'scenes:List the scenes that come with the program, which \`run\`, \`sweep\` and \`explain\` take by name' \
 'explain:Explain a scene without running it\: effects, dimensionless groups, memory, step limits' \
 'help:Print this message or the help of the given subcommand(s)' \
     )
@@ -240,14 +240,14 @@ _helfrich__subcmd__explain_commands() {
 (( $+functions[_helfrich__subcmd__help_commands] )) ||
 _helfrich__subcmd__help_commands() {
     local commands; commands=(
-'study:Compare bending methods with exact shapes\: error and time side by side' \
+'study:Measure errors and times of bending methods on exact shapes' \
 'recommend:Recommend a method for a mesh file, by measurements on that mesh' \
-'curvature:Curvatures and force density at every vertex of a mesh file, with error bars, as CSV or VTP' \
+'curvature:Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP' \
 'info:Show counts, topology, area, volume and quality of a mesh file' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
-'run:Run a scene\: surfaces, the effects that act on each, and what drives them' \
-'sweep:Run a scene with every combination of some values, and compare' \
-'scenes:The scenes that come with the program, which \`run\`, \`sweep\` and \`explain\` take by name' \
+'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
+'sweep:Run a scene with every combination of given values, and compare the results' \
+'scenes:List the scenes that come with the program, which \`run\`, \`sweep\` and \`explain\` take by name' \
 'explain:Explain a scene without running it\: effects, dimensionless groups, memory, step limits' \
 'help:Print this message or the help of the given subcommand(s)' \
     )
