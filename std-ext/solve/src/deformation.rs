@@ -31,7 +31,7 @@ impl ShearPlane {
         let flow = DVec3::from(flow).try_normalize()?;
         let gradient = DVec3::from(gradient).try_normalize()?;
         let across = gradient - gradient.dot(flow) * flow;
-        // What rounding leaves of parallel directions has no direction.
+        // Rounding errors of parallel directions have no meaningful direction.
         if across.length() < 1e-12 {
             return None;
         }
@@ -142,10 +142,11 @@ impl Deformation {
         if volume == 0.0 || !volume.is_finite() {
             return None;
         }
-        // Of each tetrahedron ∫ x dV is V/4 times the sum s of its corners, the origin one of them,
+        // For each tetrahedron, ∫ x dV is V/4 times the sum s of its corners, of which one is the
+        // origin,
         let moment = |(volume, [a, b, c]): (f64, [DVec3; 3])| volume / 4.0 * (a + b + c);
         let centroid = first + tetrahedra(first).map(moment).sum::<DVec3>() / volume;
-        // and ∫ x xᵀ dV is V/20 times (s sᵀ plus the sum of their own squares).
+        // and ∫ x xᵀ dV is V/20 times (s sᵀ plus the sum of the corners' own squares).
         let mut moments = DMat3::ZERO;
         for (part, [a, b, c]) in tetrahedra(centroid) {
             let squares = [a + b + c, a, b, c].map(|v| DMat3::from_cols(v.x * v, v.y * v, v.z * v));
@@ -168,9 +169,9 @@ impl Deformation {
         taylor([self.semi_axes[0], self.semi_axes[2]])
     }
 
-    /// The ellipse with the second moments in a plane. For a body that is symmetric to the
-    /// plane, as capsules in simple shear are, its semi-axes are two of [`Self::semi_axes`]; they are
-    /// the longest and the shortest as long as that across the plane is between them.
+    /// The ellipse with the second moments in a plane. If the body is symmetric to the plane, as a
+    /// capsule in simple shear is, its semi-axes are two of [`Self::semi_axes`]; they are the longest
+    /// and the shortest one if the semi-axis across the plane lies between them.
     pub fn in_plane(&self, plane: ShearPlane) -> InPlane {
         let moments = DMat3::from_cols_array_2d(&self.second_moments);
         let [flow, gradient] = [plane.flow, plane.gradient].map(DVec3::from);
@@ -208,9 +209,9 @@ impl InPlane {
     }
 }
 
-/// The largest and the smallest distance from a point to the section of the surface by the plane through
-/// it. For the centroid these are the semi-axes that are measured in pictures of capsules. None if the
-/// plane misses the surface.
+/// The largest and the smallest distance from a point to the section of the surface by the plane
+/// through the point. For the centroid these are the semi-axes that are measured in pictures of
+/// capsules. None if the plane does not intersect the surface.
 ///
 /// Between vertices the curve is straight, so that the distances depend on the orientation of the
 /// mesh: by about 1 % on 1280 triangles. Use [`Deformation`] for comparisons.

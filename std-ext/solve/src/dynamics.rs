@@ -9,8 +9,8 @@
 //!
 //! A fluid membrane has no in-plane resistance: its vertices move along their normals only, and are
 //! redistributed along the surface, which does not change the shape. Vertices at a free edge also move
-//! across the edge, because the edge is where such a membrane ends. Fixed vertices stay where they are, to
-//! the last bit, and what acts on them does not count: their support bears it.
+//! across the edge, because this motion changes the shape. Fixed vertices do not move by a single bit,
+//! and forces on them do not count, because the support balances them.
 //!
 //! Everything is serial and depends on the positions alone, so that a stored and restored state
 //! continues bit for bit.
@@ -38,7 +38,7 @@ use std::sync::Arc;
 /// A problem to relax: forces and constraints as functions of the positions of all membranes, one
 /// after the other.
 ///
-/// Results must depend on the positions alone, to the last bit, for a run to continue bit for bit.
+/// For a run to continue bit for bit, results must depend on the positions alone, to the last bit.
 pub trait Problem {
     /// Whether forces are the exact negative gradient of the energy.
     fn is_conservative(&self) -> bool;
@@ -57,8 +57,8 @@ pub trait Problem {
         &[]
     }
 
-    /// Sets `gradients`, one field per functional, to ∂C/∂x_i, where C is that of the group of the vertex;
-    /// 0 where it is not constrained.
+    /// Sets `gradients`, one field per functional, to ∂C/∂x_i, where C is the functional of the
+    /// vertex's group; 0 at vertices without this constraint.
     fn constraint_gradients(&mut self, _positions: &[[f64; 3]], _gradients: &mut [Vec<[f64; 3]>]) {}
 
     /// Moves positions so that every functional has its target value; returns the largest remaining
@@ -71,7 +71,7 @@ pub trait Problem {
 /// Results of an evaluation besides forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
-    /// The energy E; for forces without an energy any number, which is passed on.
+    /// The energy E; for forces without an energy any number, which is only reported.
     pub energy: f64,
     /// The sum of the magnitudes of the terms of E, which determines its rounding error; at least |E|.
     pub energy_scale: f64,
@@ -91,8 +91,8 @@ impl Evaluation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Motion {
-    /// Along the vertex normals, and at an edge across it, for fluid membranes. Other tangential forces,
-    /// which are then errors of the discretisation, have no effect.
+    /// Along the vertex normals and, at an edge, across the edge; for fluid membranes. Other tangential
+    /// forces, which are discretisation errors, have no effect.
     AlongNormals,
     /// In all directions: for membranes with in-plane elasticity.
     Free,
@@ -142,8 +142,8 @@ pub struct Settings {
     pub patience: usize,
     /// Number of secants kept.
     pub memory: usize,
-    /// Whether steps are preconditioned with the stiffness of the membranes. Without it their number
-    /// grows with the number of vertices; for comparisons.
+    /// Whether steps are preconditioned with the stiffness of the membranes. Without preconditioning,
+    /// which serves for comparisons, the number of steps grows with the number of vertices.
     pub preconditioned: bool,
     /// Whether the vertices of fluid membranes are redistributed along the surface.
     pub redistribution: bool,

@@ -1,4 +1,4 @@
-//! Tank-treading: turns of a membrane around its inside.
+//! Tank-treading: rotation of a membrane around the fluid inside.
 
 use super::{Deformation, ShearPlane};
 use glam::DVec3;
@@ -47,7 +47,7 @@ impl TankTreading {
     /// Least distance from the centroid of followed vertices, in units of the farthest vertex.
     const HUB: f64 = 0.1;
 
-    /// Starts to follow a surface at a time; `deformation` is that of the surface.
+    /// Starts to follow a surface at a time, with its deformation at that time.
     pub fn new(
         surface: Surface<'_, f64>,
         deformation: &Deformation,
@@ -71,7 +71,7 @@ impl TankTreading {
         state
     }
 
-    /// The vertices near the plane and not near the centroid, one at least.
+    /// The vertices near the plane and not near the centroid; at least one.
     fn near(plane: ShearPlane, surface: Surface<'_, f64>, deformation: &Deformation) -> Vec<u32> {
         let centre = DVec3::from(deformation.centroid);
         let normal = DVec3::from(plane.normal());
@@ -93,25 +93,27 @@ impl TankTreading {
         let all = 0..offsets.len() as u32;
         let mut vertices = Vec::from_iter(all.clone().filter(followed));
         if vertices.is_empty() {
-            // A few vertices, none near the plane: the widest goes around for all.
+            // If there are only a few vertices and none is near the plane, the vertex farthest from the
+            // centroid represents all.
             let radius = |&vertex: &u32| offsets[vertex as usize][1];
             vertices.extend(all.max_by(|a, b| radius(a).total_cmp(&radius(b))));
         }
         vertices
     }
 
-    /// Follows the surface to a later time. Between two calls no vertex may turn by half a turn about
-    /// the centroid, nor the long axis by a quarter: at most a radian of shear, γ̇ Δt ≤ 1, is safe.
+    /// Follows the surface to a later time. Between two calls no vertex may rotate by half a turn about
+    /// the centroid, nor the long axis by a quarter turn: a strain of one between calls, γ̇ Δt ≤ 1, is
+    /// safe.
     ///
     /// # Panics
-    /// If the surface has fewer vertices than it had.
+    /// If the surface has fewer vertices than at the start.
     pub fn update(&mut self, time: f64, surface: Surface<'_, f64>, deformation: &Deformation) {
         let phases = self.phases_of(surface, deformation);
         self.turn(time, phases, deformation);
     }
 
-    /// Follows the material of a surface whose vertices slide along it: by its velocities at the
-    /// vertices, which are those of this later time. Between two calls the same may turn no more than in
+    /// Follows the material of a surface whose vertices slide along it, by the velocities of the
+    /// material at the vertices at this later time. The rotation between two calls is limited as for
     /// [`Self::update`].
     ///
     /// # Panics
@@ -200,7 +202,7 @@ impl TankTreading {
         let centre = DVec3::from(deformation.centroid);
         let offset = |vertex: u32| DVec3::from(surface.positions()[vertex as usize]) - centre;
         let velocity = |vertex: u32| DVec3::from(velocities[vertex as usize]);
-        // That of the centre: ∮ (x − c) u·dS/V.
+        // Subtracts the velocity of the centroid: ∮ (x − c) u·dS/V.
         let mut drift = DVec3::ZERO;
         for &[a, b, c] in surface.mesh().triangles() {
             let [p, q, r] = [a, b, c].map(offset);
@@ -221,7 +223,7 @@ impl TankTreading {
         rates
     }
 
-    /// The inclination in radians; none for an almost round body.
+    /// The inclination in radians; none for a nearly circular section.
     fn inclination_of(&self, deformation: &Deformation) -> Option<f64> {
         let body = deformation.in_plane(self.plane);
         let is_long = body.taylor() >= Self::LEAST_DEFORMATION;

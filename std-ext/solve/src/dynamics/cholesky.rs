@@ -6,7 +6,7 @@
 
 use helfrich::TriangleMesh;
 
-/// No vertex, no column.
+/// Index that stands for no vertex or column.
 const NONE: u32 = u32::MAX;
 
 /// Sets of at most this many vertices are not dissected further.
@@ -134,7 +134,7 @@ impl Factor {
                     path.push(column);
                     column = pattern.parents[column as usize];
                 }
-                // Read from its end, `reach` has every column before its ancestors.
+                // Read from its end, `reach` has every column before the column's ancestors.
                 reach.extend(path.iter().rev());
             }
             let mut pivot = diagonal[pattern.vertices[row] as usize];
@@ -243,7 +243,8 @@ impl<'a> Dissection<'a> {
         set
     }
 
-    /// The vertices of the set that can be reached from `start`, nearest first; sets their levels.
+    /// The vertices of the set that can be reached from `start`, in breadth-first order; sets their
+    /// levels.
     fn spread(&mut self, start: u32, set: u32, members: &[u32]) -> Vec<u32> {
         for &vertex in members {
             self.levels[vertex as usize] = NONE;
@@ -337,7 +338,7 @@ mod tests {
     use super::{Factor, Pattern};
     use helfrich_mesh::generate::{AnyShape, Family, generate};
 
-    /// `A x` for the matrix of one number a vertex and one an edge.
+    /// `A x` for a matrix with one number per vertex and one per edge.
     fn product(edges: &[[u32; 2]], diagonal: &[f64], off: &[f64], x: &[f64]) -> Vec<f64> {
         let mut result: Vec<f64> = diagonal.iter().zip(x).map(|(d, x)| d * x).collect();
         for (&[a, b], &value) in edges.iter().zip(off) {

@@ -76,7 +76,7 @@ impl Coordinates {
         least
     }
 
-    /// Whether the surface has turned so far that its normals are better directions.
+    /// Whether the surface has turned so far that its present normals are better directions.
     pub(super) fn turned(&self, places: &[Place], frame: &Frame) -> bool {
         let turned = |place: &Place| {
             let mut sum = 0.0;
@@ -84,7 +84,7 @@ impl Coordinates {
             for vertex in place.vertices() {
                 let cosine = vector::dot(self.normals[vertex], frame.directions()[vertex]);
                 sum += self.areas[vertex] * (1.0 - cosine * cosine);
-                // Vertices in no triangle have no normal, now or before.
+                // Vertices in no triangle never have a normal.
                 if self.areas[vertex] > 0.0 && !frame.is_fixed(vertex) {
                     least = least.min(cosine);
                 }
@@ -97,7 +97,7 @@ impl Coordinates {
             .any(|place| place.along_normals && turned(place))
     }
 
-    /// Calls `each` with a number's index, its group and 1/area, or 0 where there is no area.
+    /// Calls `each` with a number's index, its group and 1/area, or 0 if the area is 0.
     fn for_each(&self, places: &[Place], groups: &[u32], mut each: impl FnMut(usize, usize, f64)) {
         for place in places {
             for (k, vertex) in place.vertices().enumerate() {

@@ -5,10 +5,10 @@ use super::place::{Place, geometry, number_count, reciprocal_or_zero};
 use super::vector::{self, Vector};
 use helfrich::{Components, VertexKind};
 
-/// Forces and displacements as long vectors of numbers: three per vertex or, for fluid membranes,
-/// one: the displacement u along the direction of the vertex. Such scalars need no transport from
-/// one surface to the next. A fluid membrane with a free edge has three numbers per vertex, too, of
-/// which [`Freedom`] leaves one in the interior and two at the edge.
+/// Forces and displacements as long vectors of numbers. A vertex has three numbers. A vertex of a fluid
+/// membrane has one, the displacement u along the direction of the vertex; such scalars need no
+/// transport from one surface to the next. A fluid membrane with a free edge has three numbers per
+/// vertex, too, of which [`Freedom`] leaves one in the interior and two at the edge.
 ///
 /// The directions of a fluid membrane are the normals n of an earlier surface, the anchor. With the
 /// current normals, a sequence of normal steps could add up to any tangential displacement. Every
@@ -34,9 +34,9 @@ enum Freedom {
     All,
     /// Along the direction of the vertex.
     Along,
-    /// All but those along this unit vector, the tangent of an edge.
+    /// In all directions except along this unit vector, the tangent of an edge.
     Across(Vector),
-    /// None.
+    /// In no direction.
     Fixed,
 }
 
@@ -59,7 +59,7 @@ impl Freedom {
         kinds.map(of_kind).collect()
     }
 
-    /// The part of a vector that is free.
+    /// The component of a vector in the free directions.
     fn restrict(self, direction: Vector, entry: Vector) -> Vector {
         let part = |along: Vector| vector::scale(vector::dot(entry, along), along);
         match self {
@@ -76,7 +76,7 @@ impl Freedom {
 struct Mode {
     /// The vertices of the body, and the positions of their numbers.
     vertices: Vec<(u32, u32)>,
-    /// A, and A b.
+    /// The area A of each vertex, and A b.
     areas: Vec<f64>,
     weighted: Vec<f64>,
     /// ρ = v + w × (x − c): v, w, c.
@@ -92,7 +92,7 @@ impl Mode {
         vector::add(self.velocity, vector::cross(self.rotation, arm))
     }
 
-    /// b, from one of A b.
+    /// b, from the corresponding entry of A b.
     fn normal_part(&self, k: usize) -> f64 {
         self.weighted[k] * reciprocal_or_zero(self.areas[k])
     }
@@ -141,7 +141,7 @@ impl Frame {
         self.freedoms[vertex] == Freedom::Fixed
     }
 
-    /// Removes from numbers what vertices are not free to do.
+    /// Removes from numbers the displacements that vertices are not free to make.
     pub(super) fn restrict(&self, places: &[Place], numbers: &mut [f64]) {
         for place in places {
             let numbers = &mut numbers[place.numbers()];

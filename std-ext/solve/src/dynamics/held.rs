@@ -46,10 +46,10 @@ impl Held {
         self.constraints.method_mut()
     }
 
-    /// Moves positions to where every functional has its target.
+    /// Moves positions so that every functional has its target.
     ///
     /// # Errors
-    /// If that fails: see [`Constraints::correct`].
+    /// If this fails: see [`Constraints::correct`].
     pub fn restore(
         &mut self,
         positions: &mut [[f64; 3]],
@@ -60,8 +60,8 @@ impl Held {
         })
     }
 
-    /// Sets `gradient` to that of one of the functionals; 0 where positions do not fit the mesh or
-    /// are not finite.
+    /// Sets `gradient` to the gradient of one of the functionals; 0 where positions do not fit the mesh
+    /// or are not finite.
     ///
     /// # Panics
     /// If there is no such functional, or `gradient` has fewer entries than the mesh has vertices.

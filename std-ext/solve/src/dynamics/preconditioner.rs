@@ -102,7 +102,7 @@ impl Preconditioner {
         let over = self.modulus.recip();
         match &mut self.factors {
             None => {
-                // What the shortest waves allow.
+                // A displacement that the shortest waves allow.
                 for (entries, area) in vector.chunks_exact_mut(width).zip(&self.areas) {
                     entries.iter_mut().for_each(|entry| *entry *= over * area);
                 }
@@ -120,5 +120,6 @@ impl Preconditioner {
     }
 }
 
-/// The area below which a triangle counts as this large, in mean areas of a triangle.
+/// The least area of a triangle, in mean triangle areas; smaller triangles are treated as having this
+/// area.
 const LEAST_AREA: f64 = 1e-3;

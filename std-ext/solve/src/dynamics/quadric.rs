@@ -80,7 +80,8 @@ impl Quadric {
 /// Coefficients of a quadric through its origin.
 const TERMS: usize = 5;
 
-/// The shift of normal equations of order 1: few neighbours leave a quadric undetermined.
+/// The shift of normal equations whose entries are of order 1: few neighbours leave a quadric
+/// undetermined.
 const UNDECIDED: f64 = 1e-6;
 
 /// Solves positive definite equations by elimination.

@@ -106,7 +106,7 @@ impl Geometry<'_> {
         let first = vector::scale(way.recip(), along);
         let axes = [first, vector::cross(normal, first), normal];
         let height = Quadric::fit(self.mesh, self.positions, vertex, axes).height(way);
-        // A surface this far from its tangent plane is not resolved.
+        // If the surface is this far from its tangent plane, the mesh does not resolve it.
         (height.abs() <= 0.5 * way).then_some(height)
     }
 }
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn keeps_the_shape_to_third_order() {
         let (coarse, fine) = (distance(642), distance(2562));
-        // A third order is a factor 8.
+        // Third order: halving the edges divides the distance by 8.
         assert!(fine < coarse / 7.0, "{coarse:e} {fine:e}");
     }
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// The last steps with their changes of force.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Secants {
-    /// Oldest first.
+    /// The pairs, the oldest first.
     pairs: Vec<Pair>,
 }
 

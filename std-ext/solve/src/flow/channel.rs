@@ -26,8 +26,8 @@ impl Channel {
         let Some(depth) = self.depth else {
             return plates;
         };
-        // What is left of the series once the flow between plates is taken out decays with n faster
-        // than any power, but on the walls.
+        // The difference of the series from the flow between plates decays with n faster than any
+        // power, except on the walls.
         let term = |index: u32| {
             let n = f64::from(2 * index + 1);
             let sign = if index.is_multiple_of(2) { 1.0 } else { -1.0 };

@@ -1,8 +1,8 @@
-//! Stiffness of forces that hold surfaces apart or at a wall, for limits of explicit steps.
+//! Stiffness of forces that keep surfaces apart or at a wall, for limits of explicit steps.
 
 use std::f64::consts::PI;
 
-/// The pressure by which a repulsion holds surfaces apart: see [`helfrich::Repulsion`].
+/// The pressure by which a repulsion keeps surfaces apart: see [`helfrich::Repulsion`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barrier {
     /// k, energy per area squared.
@@ -23,10 +23,10 @@ pub struct AdhesiveWall {
 /// Wave number times gap of the mode in which a squeezed film relaxes fastest.
 const FASTEST: f64 = 1.793;
 
-/// Pressure where surfaces touch, over the largest of μγ̇, G/a, κ/a³ and σ/a. It is large because
-/// in a dense suspension few vertices carry the load between two capsules. Between
-/// 27 capsules in shear at a volume fraction of 42 % it was 6 to 15, for Ca of 0.3 and 1 and `k r_c` of 0.6
-/// to 6 G/a. Steps 4.8 times as long as this allows did no harm there.
+/// Pressure where surfaces touch, relative to the largest of μγ̇, G/a, κ/a³ and σ/a. It is large
+/// because in a dense suspension few vertices carry the load between two capsules: between 27 capsules
+/// in shear at a volume fraction of 42 % it was 6 to 15, for Ca of 0.3 and 1 and `k r_c` of 0.6 to 6
+/// G/a. Steps 4.8 times as long as this limit caused no errors there.
 const CONTACT: f64 = 10.0;
 
 impl Barrier {
@@ -52,8 +52,8 @@ impl Barrier {
         0.5 * (low + high)
     }
 
-    /// The gap of surfaces that touch, p(h) = 10 P, and −p'(h), P the largest pressure of flow and
-    /// membranes.
+    /// The gap h of surfaces that touch, where p(h) = 10 P, and −p'(h); P is the largest pressure of
+    /// flow and membranes.
     fn contact(&self, pressure: f64) -> (f64, f64) {
         let s = self.part(CONTACT * pressure);
         let (q, gap) = (s * s, s * self.cutoff);

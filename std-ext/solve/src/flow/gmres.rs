@@ -34,7 +34,7 @@ pub struct Gmres {
     triangle: Vec<f64>,
     /// Cosine and sine of each plane rotation.
     rotations: Vec<[f64; 2]>,
-    /// The residual by the rotated basis.
+    /// The residual in the rotated basis.
     rest: Vec<f64>,
     /// A product, before it becomes a direction.
     product: Field,
@@ -187,7 +187,7 @@ impl Gmres {
                 add_scaled(new, -*entry, direction);
             }
             let mut below = norm(new);
-            // What is left is rounding: A maps the directions onto themselves.
+            // The rest is rounding: A maps the span of the directions onto itself.
             if below <= ROUNDING * size {
                 below = 0.0;
                 ended = true;
@@ -224,8 +224,8 @@ impl Gmres {
         ended
     }
 
-    /// Adds the combination of the first directions to the solution. If it is not finite, as of a nearly
-    /// singular triangle, the solution is kept, and the result is false.
+    /// Adds the combination of the first directions to the solution. If the result is not finite, as
+    /// for a nearly singular triangle, the solution is kept, and the return value is false.
     fn advance(&mut self, columns: usize, solution: &mut [[f64; 3]]) -> bool {
         let Self {
             basis,

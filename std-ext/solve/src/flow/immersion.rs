@@ -15,11 +15,12 @@ use viscous::ViscousForces;
 /// Membranes immersed in the fluid of a lattice. Vertices spread their forces over the nodes around them
 /// and move with the velocity of the fluid there.
 ///
-/// Vertices move with the mean of the velocities of the fluid in this step and in the one before. A lattice
-/// conserves momentum whose sign changes from node to node and from step to step (G. Zanetti, Phys.
-/// Rev. A 40 (1989) 1539) whatever its viscosity. Vertices that took part in it would be pulled by elastic
-/// membranes in step with it, and it would grow in any step; of two steps it vanishes, as in A. J. C.
-/// Ladd and R. Verberg, J. Stat. Phys. 104 (2001) 1191. Before the first step all are at rest.
+/// Vertices move with the mean of the fluid velocities in this step and in the previous one. Whatever
+/// its viscosity, a lattice conserves a momentum whose sign changes from node to node and from step to
+/// step (G. Zanetti, Phys. Rev. A 40 (1989) 1539). If vertices followed it, elastic membranes would
+/// drive it in resonance, and it would grow with any step. It vanishes in the mean of two steps, as in
+/// A. J. C. Ladd and R. Verberg, J. Stat. Phys. 104 (2001) 1191. Before the first step the fluid is at
+/// rest.
 ///
 /// Elastic forces are evaluated at the start of a step. Forces of viscous membranes are evaluated at the
 /// velocities of the step, which depend on them; this linear system is solved in each step, which is
@@ -38,7 +39,7 @@ pub struct Immersion<T> {
     redistribution: Redistribution,
     /// Velocities of the fluid at the vertices in the last step.
     velocities: Vec<[f64; 3]>,
-    /// Velocities with which the last step moved the material, and vertices that slide along it.
+    /// Velocities of the last step: of the material, and of the vertices that slide along it.
     moving: Vec<[f64; 3]>,
     sliding: Vec<[f64; 3]>,
     forces: Vec<[f64; 3]>,
@@ -314,7 +315,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
             let forces = forces.as_flattened_mut().iter_mut();
             forces.for_each(|force| *force *= unit);
         };
-        // Those at the velocities of the last step are near.
+        // The forces at the velocities of the last step are close.
         resist(velocities, unit.recip(), forces);
         let unit = units.velocity() / unit;
         let solved = self.viscous.solve(
@@ -339,7 +340,8 @@ impl<T: ImmersionPrecision> Immersion<T> {
         Ok(())
     }
 
-    /// Interpolates the velocities of the fluid before its step, and sets those that vertices move with.
+    /// Interpolates the velocities of the fluid before its step, and sets the velocities of the
+    /// vertices.
     fn interpolate(&mut self) {
         self.moving.clone_from(&self.velocities);
         (self.immersed).interpolate_kept(&self.lattice, &mut self.velocities);

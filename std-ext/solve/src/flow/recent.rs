@@ -5,15 +5,15 @@ use serde::{Deserialize, Serialize};
 /// Largest number of solutions that are kept.
 const MOST: usize = 6;
 
-/// Right sides that differ from combinations of newer ones by less than this, relative to their length,
-/// tell nothing but the errors of the solutions.
+/// Least distance of a right-hand side from the combinations of newer ones, relative to its length;
+/// below it, a right-hand side contains only errors of the solutions.
 const NEW: f64 = 1e-5;
 
-/// The last right sides b of systems `A x = b`, whose A changes slowly, and the solutions x.
+/// The last right-hand sides b of systems `A x = b`, where A changes slowly, and the solutions x.
 ///
-/// The combination of these right sides that is nearest to another one, in the sense of least squares,
-/// is that of a good initial guess. If everything depends smoothly on time, the guess extrapolates; it
-/// follows also from changes of b alone.
+/// The combination of these right-hand sides that is nearest to a new one, in the sense of least
+/// squares, is found; the same combination of the solutions is a good initial guess. If everything
+/// depends smoothly on time, the guess extrapolates; it also follows changes of b alone.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Recent {
     /// Pairs b, x, the newest last.
@@ -21,7 +21,7 @@ pub struct Recent {
 }
 
 impl Recent {
-    /// Sets `solution` to a guess for this right side; leaves it where there is none.
+    /// Sets `solution` to a guess for this right-hand side; leaves it unchanged if there is none.
     pub(super) fn guess(&self, right: &[[f64; 3]], solution: &mut [[f64; 3]]) {
         if self.pairs.is_empty() {
             return;

@@ -25,8 +25,8 @@ use std::time::Instant;
 /// logarithms give all sizes the same weight. The mesh of a steadily tank-treading membrane is
 /// stationary, while a rigid motion carries the mesh along.
 ///
-/// Normals are those of the quadrics that fit the neighbours, which are of second order on every mesh.
-/// Vertices at a boundary stay with the material.
+/// Normals are those of quadrics fitted to the neighbours, which are of second order on every mesh.
+/// Vertices at a boundary follow the material.
 ///
 /// Results depend on positions and velocities alone, and sums are sequential.
 #[derive(Debug, Default)]
@@ -54,7 +54,7 @@ struct Sliding {
 }
 
 impl Redistribution {
-    /// Redistributes the meshes that are `fluid`, among all, one after the other. `tolerance` is
+    /// Redistributes the meshes that are `fluid`; all meshes follow one after the other. `tolerance` is
     /// the relative residual of t: the shape does not depend on it, but difference quotients of
     /// velocities do.
     pub fn new(
@@ -101,7 +101,7 @@ impl Redistribution {
         self.sliding.is_empty()
     }
 
-    /// The relative error that velocities have by [`Self::slide`].
+    /// The relative error of velocities after [`Self::slide`].
     pub fn precision(&self) -> f64 {
         if self.is_empty() {
             f64::EPSILON
@@ -142,7 +142,7 @@ struct Edge {
     rate: [[f64; 2]; 2],
 }
 
-/// A field along the surface, by the two axes of each vertex.
+/// A tangential field, in components along the two axes of each vertex.
 type Tangential = Vec<[f64; 2]>;
 
 impl Sliding {
@@ -207,7 +207,7 @@ impl Sliding {
                 edges.push(edge);
             }
         }
-        // By the area of as many equilateral triangles, 4πR² = N (√3/2) ℓ².
+        // The area is that of as many equilateral triangles: 4πR² = N (√3/2) ℓ².
         let area = count * 0.5 * 3f64.sqrt() * (2.0 * length).exp();
         let system = System {
             fixed,
@@ -325,7 +325,7 @@ impl System {
         let enough = tolerance * tolerance * size;
         let limit = (ITERATIONS * (count as f64).sqrt()) as usize;
         for _ in 0..limit {
-            // What is not a number is seen by who asked for the velocities.
+            // The caller that requested the velocities checks whether they are finite.
             if size <= enough || size.is_nan() {
                 break;
             }

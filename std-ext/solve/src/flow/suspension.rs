@@ -228,7 +228,7 @@ impl Suspension {
         positions: &[[f64; 3]],
         points: &[[f64; 3]],
     ) -> Result<Fluid, String> {
-        // What is looked at in between changes nothing.
+        // An evaluation at other points must not change the next initial guess.
         let recent = self.recent.clone();
         let mut moving = vec![[0.0; 3]; positions.len()];
         let evaluated = self.set_material_velocities(membranes, positions, &mut moving);
@@ -286,7 +286,8 @@ impl Suspension {
         self.products
     }
 
-    /// The last solutions, from which the next one starts. A run that continues bit for bit stores them.
+    /// The last solutions, from which the next one starts; part of the state of a run that continues
+    /// bit for bit.
     pub fn recent(&self) -> &Recent {
         &self.recent
     }
@@ -301,11 +302,11 @@ impl Suspension {
         &self.material
     }
 
-    /// The relative error of velocities that do not come from a linear system, as differences of
-    /// velocities see it: their displacement is its square root.
+    /// The relative error of velocities that do not come from a linear system, as it appears in
+    /// differences of velocities, whose displacement is the square root of this error.
     pub fn precision(&self) -> f64 {
-        // Differences are of interest along the stiffest motion, where a displacement by the tolerance
-        // of clusters changes velocities by far more than it.
+        // Differences are needed along the stiffest motion, where a displacement by the tolerance of
+        // clusters changes velocities by far more than this tolerance.
         let clusters = self.cluster_tolerance * self.cluster_tolerance;
         self.redistribution.precision().max(clusters)
     }

@@ -1,4 +1,4 @@
-//! Volumes that do not change.
+//! Conservation of volumes.
 
 use crate::dynamics::Held;
 use glam::DVec3;
@@ -26,7 +26,8 @@ struct KeptVolume {
 
 impl KeptVolumes {
     /// Keeps the volume of each component of the closed meshes that are to be `kept`, at its value for
-    /// these positions of all meshes, one after the other. Positions that are not finite keep nothing.
+    /// these positions of all meshes, one after the other. Volumes of positions that are not finite are
+    /// not kept.
     ///
     /// # Panics
     /// If there are fewer positions than vertices.
@@ -71,8 +72,8 @@ impl KeptVolumes {
         }
     }
 
-    /// Moves positions so that volumes have their initial values. If that fails, positions stay, and the
-    /// volume shows the error.
+    /// Moves positions so that volumes have their initial values. If that fails, positions are
+    /// unchanged, and the volume shows the error.
     ///
     /// # Panics
     /// If there is not one position per vertex.

@@ -104,7 +104,7 @@ impl Relaxation {
     }
 }
 
-/// Displacements in proportion to forces, as far as the shortest waves allow.
+/// Displacements in proportion to forces, as large as the shortest waves allow.
 fn plain(membrane: &Membrane, place: &Place, coordinates: &Coordinates, force: &mut [f64]) {
     let areas = &coordinates.areas[place.vertices()];
     let area = areas.iter().sum::<f64>() / areas.len() as f64;

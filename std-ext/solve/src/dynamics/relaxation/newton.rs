@@ -13,8 +13,8 @@ use crate::dynamics::Problem;
 use crate::dynamics::vector::{self, Vector};
 use crate::flow::Gmres;
 
-/// Number of steps without a lower residual before Newton steps are tried, first and again: an
-/// attempt takes as many evaluations as a hundred steps.
+/// Number of steps without a lower residual before Newton steps are tried for the first time, and
+/// before they are tried again: an attempt takes as many evaluations as a hundred steps.
 const IDLE: [usize; 2] = [20, 100];
 
 /// The relative residual of a linear solution: the fraction of the force that a Newton step may
@@ -29,7 +29,7 @@ const PRODUCTS: usize = 300;
 /// rounding.
 const DISPLACEMENT: f64 = 1e-7;
 
-/// The share of a linear decrease of the residual that has to come true.
+/// The part of a linear decrease of the residual that a step has to achieve.
 const SUFFICIENT: f64 = 1e-4;
 
 /// Largest number of halvings of a step.
@@ -89,7 +89,7 @@ impl Relaxation {
         None
     }
 
-    /// The decrease of the force along the displacement by which the preconditioner answers a
+    /// The decrease of the force along the displacement with which the preconditioner responds to a
     /// force.
     fn softening(
         &mut self,

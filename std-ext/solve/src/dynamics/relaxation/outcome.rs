@@ -56,8 +56,8 @@ pub enum Failure {
         /// The angle with the smallest sine.
         degrees: f64,
     },
-    /// The step fell below its floor although forces are far above rounding: they are not the gradient of
-    /// the energy, or no step helps on a mesh this bad.
+    /// The step fell below its floor although forces are far above rounding: either forces are not the
+    /// gradient of the energy, or the mesh is so bad that no step makes progress.
     #[error("no step, down to {step:e} of the proposed length, makes progress")]
     StepBelowFloor {
         /// The last step tried, relative to the proposed one.
@@ -76,7 +76,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// The membrane it names, from 0.
+    /// The membrane to which the failure belongs, from 0.
     pub fn membrane(&self) -> Option<usize> {
         match *self {
             Self::NotFinite { membrane, .. }
@@ -122,7 +122,7 @@ pub enum SetupError {
         /// Its in-plane modulus.
         in_plane: f64,
     },
-    /// Each vertex needs one flag that says whether it is fixed, or no vertex has one.
+    /// Either every vertex or none needs a flag that states whether it is fixed.
     #[error("membrane {membrane} has {vertices} vertices, and {flags} flags of fixed ones")]
     Fixed {
         /// The membrane, from 0.

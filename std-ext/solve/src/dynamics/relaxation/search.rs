@@ -15,8 +15,8 @@ const CURVATURE: f64 = 0.9;
 /// the energy does not decide.
 const OVERSHOOT: f64 = 0.5;
 
-/// The largest growth of the residual in a step without an energy: it permits instabilities of the
-/// shape, but not those of too long a step.
+/// The largest growth of the residual in a step without an energy. It permits growing instabilities of
+/// the shape, but rejects steps that are too long.
 const LARGEST_GROWTH: f64 = 1.5;
 
 /// The largest relative change of an edge in a step, which keeps triangles from turning over.
@@ -90,8 +90,8 @@ impl Relaxation {
                 Err((Failure::StepBelowFloor { step: 1.0 }, 0.0))
             };
             match found {
-                // Secants that were measured in rounding errors have no scale: steps along them would
-                // stay as short, and give more such secants.
+                // Secants from differences of the size of rounding errors have no scale: steps along
+                // them would stay short, and produce more such secants.
                 Ok(trial) if trial.crawls => {
                     self.state.secants.clear();
                     return Ok(trial);
@@ -167,7 +167,7 @@ impl Relaxation {
                     if enough {
                         return Ok(trial);
                     }
-                    // After a step that was too long, one that is merely short is accepted.
+                    // After a step that was too long, a step that is merely short is accepted.
                     if expansions == 0 && step < longest.min(1.0) {
                         return Ok(trial);
                     }
@@ -217,8 +217,8 @@ impl Relaxation {
         if rise <= -SUFFICIENT * step * slope {
             return None;
         }
-        // W. W. Hager and H. Zhang, SIAM J. Optim. 16 (2005) 170: where differences of energy are
-        // rounding errors, the force decides.
+        // W. W. Hager and H. Zhang, SIAM J. Optim. 16 (2005) 170: if differences of energy are of the
+        // size of rounding errors, the force decides.
         let lowest = self.state.lowest_energy.unwrap_or(before.energy);
         if after.energy <= lowest + rounding && left >= -OVERSHOOT * slope {
             return None;

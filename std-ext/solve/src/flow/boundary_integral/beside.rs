@@ -1,23 +1,23 @@
-//! Near triangles, as corrections of sums over the middles of their edges.
+//! Adjacent triangles, as corrections of sums over the midpoints of edges.
 
 use super::kernel::{Kernel, splat};
 use super::panel::seven_points;
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::LazyLock;
 
-/// Number of points of a triangle: seven, and three middles of edges.
+/// Number of points of a triangle: seven, and three midpoints of edges.
 const COUNT: usize = 10;
 
 /// A multiple of every width of vectors.
 const LANES: usize = 16;
 
-/// The points of a triangle, one a lane: their shares of the corners, and their weights.
+/// The points of a triangle, one per lane: their barycentric coordinates, and their weights.
 struct Points {
     shares: [[f64; LANES]; 3],
     weights: [f64; LANES],
 }
 
-/// The rule of seven points less that of the middles of the edges. The last lanes have no weight.
+/// The rule of seven points minus that of the midpoints of the edges. The last lanes have weight zero.
 static POINTS: LazyLock<Points> = LazyLock::new(|| {
     let middle = |opposite| std::array::from_fn(|k| if k == opposite { 0.0 } else { 0.5 });
     let middles = [0, 1, 2].map(|opposite| (middle(opposite), -1.0 / 3.0));
@@ -30,10 +30,10 @@ static POINTS: LazyLock<Points> = LazyLock::new(|| {
     }
 });
 
-/// The sum over these triangles of the integral by seven points less that by the middles of edges.
+/// The sum over these triangles of the integral by seven points minus that by midpoints of edges.
 ///
-/// A triangle is three corners with the numbers of a source relative to the target, multiplied by the
-/// area. All numbers are linear on it, and the kernel is linear in the last three.
+/// A triangle is given by its three corners, each with the numbers of a source relative to the target,
+/// multiplied by the area. All numbers are linear on it, and the kernel is linear in the last three.
 pub(super) fn corrections<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
     kernel: K,
     triangles: &[[[f64; SOURCE]; 3]],
@@ -65,7 +65,7 @@ where
 {
     type Output = ();
 
-    // Each lane is summed by itself, so that the sum does not depend on the width of vectors.
+    // Each lane has its own sum, so that the result does not depend on the width of vectors.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let [one, two, three] = &self.points.shares;

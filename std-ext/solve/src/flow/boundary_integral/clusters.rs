@@ -12,9 +12,10 @@ pub(super) struct Cluster {
     pub(super) centre: DVec3,
     /// The largest distance of a point from the centre.
     pub(super) radius: f64,
-    /// The distance from the centre up to which points have neighbours that see more than points.
+    /// The distance from the centre within which triangles of the points need better integrals than
+    /// sums over points.
     pub(super) reach: f64,
-    /// The nodes in the box; `None` where there are as many as points.
+    /// The nodes in the box; `None` if there are at least as many nodes as points.
     pub(super) grid: Option<Grid>,
     /// Number of clusters below this one.
     below: usize,
@@ -49,7 +50,7 @@ impl Tree {
         Self { order, clusters }
     }
 
-    /// The two clusters into which a cluster is divided; none of a leaf.
+    /// The two clusters into which a cluster is divided; `None` for a leaf.
     pub(super) fn children(&self, cluster: usize) -> Option<[usize; 2]> {
         if self.clusters[cluster].below == 0 {
             return None;
@@ -71,7 +72,8 @@ struct Division<'a, P> {
 }
 
 impl<P: Fn(usize) -> (DVec3, f64) + Sync> Division<'_, P> {
-    /// The cluster of these points, and all below it. `first` points come before.
+    /// The cluster of these points and all clusters below it; `first` is the number of points before
+    /// these.
     fn divide(&self, order: &mut [u32], first: usize, threads: usize) -> Vec<Cluster> {
         let (points, reaches): (Vec<_>, Vec<_>) = order
             .iter()
@@ -85,7 +87,7 @@ impl<P: Fn(usize) -> (DVec3, f64) + Sync> Division<'_, P> {
         }
         let half = 0.5 * (high - low);
         let centre = axes * (low + half);
-        // Coordinates that are no numbers make the centre one, too: such clusters are apart from none.
+        // If a coordinate is NaN, so is the centre, and the cluster is then not apart from any other.
         let (mut radius, mut most_reach) = (0.0_f64, 0.0_f64);
         for (point, reach) in points.iter().zip(reaches) {
             let distance = point.distance(centre);

@@ -1,9 +1,9 @@
-//! Sums over all pairs, those of clusters that are apart by interpolation.
+//! Sums over all pairs; those between clusters that are apart are interpolated.
 //!
-//! The sources of a cluster act on distant points as sources at the nodes of its grid do, and the sum of
+//! The sources of a cluster act on distant points like sources at the nodes of its grid, and the sum of
 //! distant sources at the points of a cluster is a polynomial through its values at the nodes. W. Fong
-//! and E. Darve, J. Comput. Phys. 228, 8712 (2009); for pairs of clusters L. Wilson, N. Vaughn and
-//! R. Krasny, Comput. Phys. Commun. 265, 108017 (2021).
+//! and E. Darve, J. Comput. Phys. 228, 8712 (2009); for pairs of clusters L. Wilson, N. Vaughn and R.
+//! Krasny, Comput. Phys. Commun. 265, 108017 (2021).
 
 use super::clusters::{Tree, in_two};
 use super::geometry::Geometry;
@@ -39,8 +39,8 @@ pub(super) struct Far {
 }
 
 impl Far {
-    /// Sums of this tolerance, or over all pairs for 0, before vertices are placed. `interpolation` is the
-    /// error of interpolations over that of their sums.
+    /// Sums with this tolerance, or over all pairs if it is 0, before vertices are placed.
+    /// `interpolation` is the ratio of the error of interpolations to that of their sums.
     pub(super) fn new(interpolation: f64, tolerance: f64) -> Self {
         Self {
             error: interpolation * tolerance.min(LOOSEST),
@@ -48,8 +48,8 @@ impl Far {
         }
     }
 
-    /// Sets the clusters of vertices, and of sources, whose triangles are integrated better for points up
-    /// to `reach` of the source.
+    /// Sets the clusters of vertices and of sources; the triangles of a source need better integrals at
+    /// points within its `reach`.
     pub(super) fn place<const SOURCE: usize>(
         &mut self,
         threads: NonZeroUsize,
@@ -67,7 +67,7 @@ impl Far {
         }
     }
 
-    /// The clusters of other points, where they are needed.
+    /// The clusters of other points, if they are needed.
     pub(super) fn points(&self, points: &[[f64; 3]], threads: NonZeroUsize) -> Option<Tree> {
         let point = |point: usize| (DVec3::from(points[point]), 0.0);
         (self.error > 0.0).then(|| self.tree(&point, points.len(), TARGETS, threads))
@@ -95,7 +95,7 @@ impl Far {
     }
 }
 
-/// Adds to each entry what [`sums::add`] does, if there are trees with the sums of clusters.
+/// Adds the result of [`sums::add`] to each entry, by sums over clusters if there are trees.
 #[expect(
     clippy::too_many_arguments,
     reason = "those of the sum over all pairs, and the trees"
@@ -262,7 +262,7 @@ where
                 for moment in &moved {
                     let [x, y, z] = [moment[0], moment[1], moment[2]];
                     grid.spread(&grid.weights(DVec3::new(x, y, z)), |node, weight| {
-                        // The position, too, is cheaper to add than to leave out; it is set below.
+                        // It is cheaper to add the position as well; it is set below.
                         for (sum, number) in own[node].iter_mut().zip(moment) {
                             *sum += weight * number;
                         }
@@ -297,21 +297,21 @@ struct Descent<
     target: P,
 }
 
-/// A cluster of targets, and what acts on all of it.
+/// A cluster of targets, and the sources that act on all of it.
 struct Visit<const LOCAL: usize> {
     cluster: usize,
-    /// Clusters of sources of which it is not yet known how they act.
+    /// Clusters of sources whose treatment is not decided yet.
     candidates: Vec<usize>,
-    /// What is summed point by point.
+    /// Sources that are summed point by point.
     direct: Vec<Direct>,
-    /// The innermost cluster around with sums at its nodes, and these.
+    /// The innermost enclosing cluster that has sums at its nodes, and these sums.
     around: Option<Arc<(usize, Columns<LOCAL>)>>,
 }
 
 /// Sources that act on each target.
 #[derive(Clone, Debug)]
 enum Direct {
-    /// All of a cluster.
+    /// All sources of a cluster.
     Sources(usize),
     /// The nodes of a cluster.
     Nodes(usize),
@@ -339,7 +339,7 @@ where
             around: None,
         }]);
         let mut sums = vec![[0.0; SUM]; self.targets.order.len()];
-        // Each part is large enough for a thread, and there are enough of them to share out.
+        // Each part is large enough for a thread, and there are enough parts to balance the load.
         let most = sums.len() / PARTS;
         let mut parts = Vec::new();
         let mut rest = sums.as_mut_slice();
@@ -385,8 +385,8 @@ where
         }
     }
 
-    /// Decides how the candidates act on a cluster, and passes on to the clusters below what does not
-    /// act on all of it alike.
+    /// Decides how the candidates act on a cluster; candidates that do not act in the same way on all
+    /// of it are passed on to the clusters below.
     fn meet(&self, visit: &mut Visit<LOCAL>) -> Option<[Visit<LOCAL>; 2]> {
         let target = &self.targets.clusters[visit.cluster];
         let children = self.targets.children(visit.cluster);
@@ -400,7 +400,7 @@ where
             let below = self.sources.children(number);
             let apart = distance - target.radius > SEPARATION * source.radius
                 && distance - source.radius > SEPARATION * target.radius;
-            // What better integrals take the place of is summed exactly.
+            // Sums are exact where better integrals replace them.
             if apart && distance - target.radius > source.reach {
                 match (&source.grid, &target.grid) {
                     (Some(_), Some(_)) => interpolated.push(number),
@@ -489,7 +489,7 @@ where
         &self.moments[self.first_nodes[cluster]..self.first_nodes[cluster + 1]]
     }
 
-    /// The value at a point of the polynomials through sums at the nodes around.
+    /// The value at a point of the polynomials through the sums at the nodes of the enclosing cluster.
     fn interpolated(&self, around: &(usize, Columns<LOCAL>), at: DVec3) -> [f64; LOCAL] {
         let (cluster, sums) = around;
         let mut value = [0.0; LOCAL];

@@ -64,7 +64,7 @@ pub(super) enum Near {
     Across,
 }
 
-/// Triangles by the cube their centre lies in, cubes being as wide as the longest reach.
+/// Triangles sorted into cubes by their centres; the cubes are as wide as the longest reach.
 #[derive(Clone, Debug, Default)]
 struct Cells {
     low: DVec3,
@@ -78,7 +78,7 @@ struct Cells {
     members: Vec<Member>,
 }
 
-/// A triangle of a cell, with what is compared for every point near the cell.
+/// A triangle of a cell, with the data that are compared for every point near the cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Member {
     position: DVec3,
@@ -161,11 +161,12 @@ impl Geometry {
         [normal(one), other.map_or(DVec3::ZERO, normal)]
     }
 
-    /// A distance from the middle of an edge beyond which the triangles on its sides are near no point.
+    /// A distance from the middle of an edge beyond which no point is near the adjacent triangles.
     pub(super) fn reach(&self, edge: usize) -> f64 {
         let (one, other) = self.edges[edge].triangles;
         let squared = |triangle: u32| self.centres[triangle as usize].squared_reach;
-        // The centre is nearer to the middle than the longest edge is long, half of its reach.
+        // The distance from the centre to the middle is less than the longest edge, which is half of
+        // the reach.
         1.5 * squared(one).max(other.map_or(0.0, squared)).sqrt()
     }
 
@@ -280,7 +281,7 @@ impl Cells {
             0.0
         };
         let extent = (self.over_width * (high - self.low)).to_array();
-        // What lies beyond the last cell counts as in it.
+        // Points beyond the last cell count as in that cell.
         self.most = (2.0 * (centres.len() as f64).cbrt()).max(CELLS as f64) as usize;
         self.counts = extent.map(|extent| (extent as usize).min(self.most - 1) + 1);
         let cells = self.counts.iter().product::<usize>();
@@ -318,7 +319,7 @@ impl Cells {
         self.number([0, 1, 2].map(clamped))
     }
 
-    /// The triangles in the cell of any point and in those up to so many cells off.
+    /// The triangles in the cell of a point, and in the cells up to `cells` away.
     fn around(&self, at: DVec3, cells: u32) -> impl Iterator<Item = &Member> {
         let place = (self.over_width * (at - self.low)).to_array();
         let cells = f64::from(cells);

@@ -8,9 +8,9 @@ use std::sync::LazyLock;
 /// Largest number of nodes along an axis.
 const MOST: usize = 16;
 
-/// Clusters are apart where the points of each are farther from the centre of the other than this many
-/// of its radii. Larger numbers need fewer nodes and more pairs; this one is the fastest for errors
-/// from 1e-3 to 1e-5.
+/// Clusters are apart if the points of each are farther from the centre of the other than this many of
+/// its radii. Larger numbers need fewer nodes and more pairs; this one is the fastest for errors from
+/// 1e-3 to 1e-5.
 pub(super) const SEPARATION: f64 = 1.85;
 
 /// Chebyshev's nodes along the axes of a box.
@@ -23,7 +23,7 @@ pub(super) struct Grid {
     counts: [usize; 3],
 }
 
-/// The factors of a product of one function an axis.
+/// The factors of a product of one function per axis.
 pub(super) type Weights = [[f64; MOST]; 3];
 
 /// For n nodes the value of the basis polynomial of node m as a sum of Chebyshev's polynomials:
@@ -38,15 +38,15 @@ static BASES: LazyLock<Vec<Vec<[f64; MOST]>>> = LazyLock::new(|| {
     (0..=MOST).map(table).collect()
 });
 
-/// The node m of n is the cosine of this angle.
+/// The angle whose cosine is node m of n nodes.
 fn angle(n: usize, m: usize) -> f64 {
     PI * (m as f64 + 0.5) / n as f64
 }
 
 impl Grid {
-    /// The nodes in a box for functions that are singular where clusters that are apart have points:
-    /// interpolation then has this error, relative to the function. `None` where that takes more
-    /// nodes than there can be.
+    /// The nodes in a box for functions with singularities at the points of clusters that are apart,
+    /// such that interpolation has this error relative to the function. `None` if this needs more than
+    /// the largest number of nodes.
     ///
     /// Along an axis a polynomial through n nodes has an error of ρ^−n, with ρ the sum of the half
     /// axes of the ellipse about the singularity, in units of half the box: Trefethen, Approximation
@@ -62,7 +62,7 @@ impl Grid {
         let mut counts = [0; 3];
         for (count, half) in counts.iter_mut().zip(half.to_array()) {
             let relative = distance / half;
-            // The nearest point of the other cluster may lie ahead.
+            // The nearest point of the other cluster may be on this axis.
             let ellipse = relative + (relative * relative - 1.0).sqrt();
             let nodes = (error.recip().ln() / ellipse.ln()).ceil();
             if nodes > MOST as f64 || nodes.is_nan() {

@@ -1,16 +1,16 @@
-//! Contributions of a point source at a point, with r from the point to the source. Coinciding points
-//! contribute zero.
+//! Contributions of a point source at a point, where r is the vector from the point to the source.
+//! Coinciding points contribute zero.
 
 use glam::DVec3;
 use pulp::{Scalar, Simd};
 
 /// The contribution of one source to a vector of targets.
 ///
-/// The numbers of a target begin with its position, and so do those of a source.
+/// The numbers of a target begin with its position, as do those of a source.
 pub(super) trait Kernel<const TARGET: usize, const SOURCE: usize, const SUM: usize>:
     Copy + Sync
 {
-    /// `sum` with it, in each lane its own.
+    /// `sum` plus the contribution, separately in each lane.
     // No closures here, because they would be compiled without the target features of the caller.
     fn add<S: Simd>(
         self,
@@ -20,7 +20,7 @@ pub(super) trait Kernel<const TARGET: usize, const SOURCE: usize, const SUM: usi
         sum: [S::f64s; SUM],
     ) -> [S::f64s; SUM];
 
-    /// The same for one target.
+    /// The same for a single target.
     fn one(self, target: [f64; TARGET], source: &[f64; SOURCE]) -> [f64; SUM] {
         self.add(Scalar, target, *source, [0.0; SUM])
     }
@@ -28,8 +28,9 @@ pub(super) trait Kernel<const TARGET: usize, const SOURCE: usize, const SUM: usi
 
 /// A kernel whose sources can be moved to nodes, and its sums interpolated between nodes.
 ///
-/// At a distance the source acts as one with `FAR` numbers, its moments at a point, does at the target,
-/// and as the same does on the `LOCAL` numbers of a point, of which [`Self::at`] makes the sum.
+/// At a distance a source acts like another one with `FAR` numbers, its moments at a point. Moments
+/// contribute to the sum at a target, and to the `LOCAL` numbers of a node, from which [`Self::at`]
+/// computes the sum.
 pub(super) trait Expansion<
     const TARGET: usize,
     const SOURCE: usize,

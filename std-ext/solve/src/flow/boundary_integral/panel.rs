@@ -39,7 +39,7 @@ impl<'a> Panel<'a> {
         self.triangle.map(|vertex| field[vertex as usize])
     }
 
-    /// The same triangle with this vertex, one of its own, as the first.
+    /// The same triangle with this vertex, which is one of its corners, as the first.
     pub(super) fn turned_to(self, vertex: u32) -> Self {
         let [a, b, c] = self.triangle;
         let triangle = if vertex == a {
@@ -104,7 +104,7 @@ impl<'a> Panel<'a> {
         }
         // The direction of the foot is finite, however small the height of the triangle.
         let up = foot / height;
-        // q = base + slope t along the edge, the corner's own included.
+        // q = base + slope t along the edge; this includes the contribution of the corner x₀.
         let slope = (second - first) / length;
         let base = own + first - t1 * slope;
         // v·q as a polynomial of t.
@@ -356,8 +356,8 @@ fn in_parts<const N: usize>(
     let middles = |[a, b, c]: [DVec3; 3]| [0.5 * (b + c), 0.5 * (c + a), 0.5 * (a + b)];
     let (at, of) = (middles(corners), middles(values));
     if squared_longest(corners) > THIN * doubled_normal(corners).length() {
-        // Division into four would give parts as long and as near as halving does, but twice as
-        // many each time.
+        // Division into four would produce parts that are as long and as near as those of halving, but
+        // twice as many.
         let lengths = [0, 1, 2].map(|k: usize| edge(corners, k).length_squared());
         let k = if lengths[0] >= lengths[1].max(lengths[2]) {
             0

@@ -11,9 +11,10 @@ use helfrich::TriangleMesh;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 
-/// The error of interpolated Stokeslets over that of their sums: errors of distant clusters are of
-/// either sign, and near vertices, whose contributions are largest, have none. For needles the ratio
-/// was measured as 4, for spheres, discocytes and tori of 1000 to 160 000 vertices from 15 to 100.
+/// The ratio of the error of interpolated Stokeslets to that of their sums: errors of distant clusters
+/// have both signs, and near vertices, whose contributions are the largest, have none. The ratio was
+/// measured as 4 for needles, and from 15 to 100 for spheres, discocytes and tori of 1000 to 160 000
+/// vertices.
 const INTERPOLATION: f64 = 8.0;
 
 /// The velocity due to forces of closed or open membranes in unbounded fluid of viscosity μ,
@@ -87,11 +88,12 @@ impl SingleLayer {
     /// Sums velocities over clusters of vertices and edges instead of all pairs, with this tolerance; 0
     /// for all pairs. Set forces afterwards.
     ///
-    /// The root mean square of errors is the tolerance times that of the velocities which forces of the same
-    /// sizes, all in one direction, cause: at most twice that for needles, a tenth to a half for rounder
-    /// bodies. Errors of single vertices are at most ten times as large. Pressures, surface tensions
-    /// and other forces whose contributions cancel cause smaller velocities with the same error.
-    /// Tolerances above 1e-3 save no time and count as 1e-3.
+    /// The root mean square of errors is the tolerance times the root mean square of the velocities
+    /// that forces of the same magnitudes would cause if all had the same direction. For needles it is
+    /// up to twice as large, for rounder bodies a tenth to a half of it. Errors of single vertices are
+    /// at most ten times as large. Pressures, surface tensions and other forces whose contributions
+    /// cancel cause smaller velocities with the same error. Tolerances above 1e-3 save no time and
+    /// count as 1e-3.
     pub fn set_cluster_tolerance(&mut self, tolerance: f64) {
         self.far = Far::new(INTERPOLATION, tolerance);
         self.sources.clear();
