@@ -114,8 +114,7 @@ fn corners(surface: Surface<'_, f64>) -> [DVec3; 2] {
     [low, points().fold(DVec3::NEG_INFINITY, DVec3::max)]
 }
 
-/// For each surface, the surface that contains all of it, or an image of which does: the innermost, if
-/// there are several.
+/// For each surface, the innermost surface that contains all of it, or has an image that does.
 pub fn surroundings(surfaces: &[Surface<'_, f64>], images: &Images<f64>) -> Vec<Option<usize>> {
     let lies_in = |inner: usize, outer: usize| {
         let all = surfaces[inner].positions().len();

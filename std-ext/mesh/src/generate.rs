@@ -27,29 +27,30 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Family {
     /// An icosahedron refined by edge midpoints, in a generic rotation, mapped to the shape; on the
-    /// torus a triangular lattice of its two angles. Does not depend on the seed.
+    /// torus a triangular lattice of its two angles. Independent of the seed.
     ///
-    /// With numbers of vertices other than 10·4^k + 2, sphere-like meshes of this family, of
-    /// [`Smooth`](Self::Smooth) and of [`Hard`](Self::Hard) begin with 12 to 44 points on a spiral
-    /// instead of the icosahedron, have up to three edges more cut in each refinement, and are relaxed
-    /// on the sphere: the dozen vertices of valence 5 becomes some dozens of valence 5 and 7.
+    /// If the number of vertices is not 10·4^k + 2, sphere-like meshes of this family, of
+    /// [`Smooth`](Self::Smooth) and of [`Hard`](Self::Hard) start with 12 to 44 points on a spiral
+    /// instead of the icosahedron, have up to three more edges cut in each refinement, and are relaxed
+    /// on the sphere: instead of a dozen vertices of valence 5 they have some dozens of valence 5 and
+    /// 7.
     Regular,
-    /// An icosahedron refined by Loop's rules, in a generic rotation: its limit positions, put on the
-    /// sphere and mapped to the shape. The connectivity of the regular mesh, without the kinks that
-    /// edge midpoints leave along the icosahedron's edges; on the torus the same as the regular mesh.
-    /// Does not depend on the seed.
+    /// An icosahedron refined by Loop's rules, in a generic rotation: its limit positions are projected
+    /// onto the sphere and mapped to the shape. It has the connectivity of the regular mesh, without
+    /// the kinks that edge midpoints leave along the edges of the icosahedron; on the torus it is the
+    /// regular mesh. Independent of the seed.
     Smooth,
-    /// The regular mesh with its edges as springs, relaxed along the surface: edges become even, and
-    /// on the torus, where each row keeps its number of vertices, the triangles more equilateral.
-    /// Springs are stiffer where the surface turns far under an edge, so that tips and rims keep
-    /// their vertices. Does not depend on the seed.
+    /// The regular mesh with its edges as springs, relaxed along the surface: edges become even and, on
+    /// the torus, where each row keeps its number of vertices, triangles more equilateral. Springs are
+    /// stiffer where the surface turns strongly under an edge, so that tips and rims keep their
+    /// vertices. Independent of the seed.
     Relaxed,
     /// Well-spaced random points and their Delaunay triangulation: from 2562 vertices on, valences
     /// from 3 or 4 up to 9 or more, about 12, and some angles below 12°.
     Irregular,
-    /// The regular mesh with every vertex displaced by up to 30 % of an edge, 1 % of them almost
-    /// onto a neighbour (needles) and 1 % almost onto an edge (caps): angles from 0.7° to 176°. On
-    /// coarse meshes, whose triangles are bent, fewer of the needles and caps find a place.
+    /// The regular mesh with every vertex displaced by up to 30 % of an edge, 1 % of them almost onto a
+    /// neighbour (needles) and 1 % almost onto an edge (caps): angles from 0.7° to 176°. On coarse
+    /// meshes, whose triangles are bent, there are fewer needles and caps.
     Hard,
 }
 
@@ -152,9 +153,10 @@ const MOST_VERTICES: usize = TriangleMesh::LIMIT / 2 - 4;
 
 /// The mesh of a family on a shape.
 ///
-/// Sphere-like meshes have exactly this number of vertices, from 12 on; where it is 10·4^k + 2, they
-/// are refined icosahedra. Meshes of the torus, but for [`Family::Irregular`], are lattices, which come
-/// within 1 % of it, from 200 vertices on: see [`GeneratedMesh::mesh`] for the number.
+/// Sphere-like meshes have exactly this number of vertices, 12 or more; if it is 10·4^k + 2, they are
+/// refined icosahedra. Meshes of the torus, except for [`Family::Irregular`], are lattices, whose
+/// number of vertices is within 1 % of the requested one from 200 vertices on: see
+/// [`GeneratedMesh::mesh`] for the number.
 ///
 /// # Errors
 /// If there is no mesh of that many vertices; see [`GenerateError`].
@@ -193,7 +195,7 @@ pub fn generate(
     draft.finish(shape)
 }
 
-/// Whether a mesh can have this number of vertices, without making it.
+/// Checks whether a mesh can have this number of vertices, without making the mesh.
 ///
 /// # Errors
 /// If there is no mesh of that many vertices; see [`GenerateError`].

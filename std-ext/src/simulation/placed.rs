@@ -28,7 +28,7 @@ pub(super) struct Placed {
     pub(super) positions: Vec<[f64; 3]>,
     /// The points of the shape for the vertices of a generated mesh.
     pub(super) preimages: Option<Vec<[f64; 3]>>,
-    /// What was taken out of the mesh file, in its own unit.
+    /// The noise that was removed from the mesh file, in the file's unit.
     pub(super) quieted: Option<Arc<Quieted>>,
 }
 

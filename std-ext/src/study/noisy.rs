@@ -49,9 +49,9 @@ pub struct NoiseRow {
     pub method: &'static str,
     /// Root mean square errors of H, K and f over that of the exact field; `None` if not defined.
     pub errors: [Option<f64>; QUANTITIES],
-    /// Of `jet`: what its error bars are worth.
+    /// Reliability of the error bars; only of `jet`.
     pub bars: Option<[Bars; QUANTITIES]>,
-    /// Of `jet`: parts of the vertices that are clean, noisy and unresolved.
+    /// Fractions of the vertices that are clean, noisy and unresolved; only of `jet`.
     pub verdicts: Option<[f64; 3]>,
 }
 
@@ -178,10 +178,10 @@ fn disturbed(made: &GeneratedMesh, deviation: f64, seed: u64) -> Result<Vec<[f64
     Ok(positions.map(|x| x.map(|x| x + error())).collect())
 }
 
-/// What is exactly known.
+/// The exact surface.
 struct Truth {
     points: Vec<ExactPoint<f64>>,
-    /// What errors are relative to.
+    /// The scale of the errors of each quantity.
     scales: [f64; QUANTITIES],
 }
 

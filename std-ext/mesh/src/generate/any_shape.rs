@@ -72,7 +72,7 @@ impl AnyShape {
         match self {
             Self::Sphere(sphere) => 4.0 * PI * sphere.radius.powi(2),
             Self::Ellipsoid(ellipsoid) => {
-                // In units of the longest, so that no product leaves the range of numbers.
+                // In units of the longest semi-axis, so that no product leaves the range of numbers.
                 let unit = self.size();
                 let [a, b, c] = ellipsoid.semi_axes.map(|axis| (axis / unit).powi(2));
                 4.0 * PI * unit * unit * carlson::second_kind([a * b, b * c, c * a])
@@ -158,7 +158,7 @@ pub enum ParseShapeError {
     NotANumber {
         /// The parameter.
         text: String,
-        /// A text that is right.
+        /// An example of a valid text.
         example: &'static str,
     },
     /// Too few or too many parameters.
@@ -168,7 +168,7 @@ pub enum ParseShapeError {
         found: usize,
         /// The number that the shape has.
         expected: usize,
-        /// A text that is right.
+        /// An example of a valid text.
         example: &'static str,
     },
     /// A parameter out of its range.
@@ -206,7 +206,7 @@ impl FromStr for AnyShape {
     }
 }
 
-/// The numbers of a comma-separated list, or the default if there is no list.
+/// The numbers of a comma-separated list, or the defaults if there is no list.
 fn numbers<const N: usize>(
     list: Option<&str>,
     default: [f64; N],
