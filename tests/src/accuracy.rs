@@ -6,8 +6,8 @@ use helfrich::{
 };
 use helfrich_std::generate::GeneratedMesh;
 
-/// Errors over the vertices, relative to the largest exact value; where that vanishes (Δ_S H and f
-/// on spheres), to a power of the sphere's curvature.
+/// Errors over the vertices, relative to the largest exact value. If that is 0 (Δ_S H and f on
+/// spheres), they are relative to a power of the sphere's curvature.
 #[derive(Clone, Copy, Debug)]
 pub struct Errors {
     /// The largest.
@@ -27,14 +27,14 @@ pub struct StrongFormErrors {
     pub laplacian_of_mean: Errors,
     /// Errors of f, as a vector.
     pub force_density: Errors,
-    /// E over the exact energy, by its own areas and H.
+    /// Energy from the method's own areas and H, relative to the exact energy.
     pub energy: f64,
 }
 
 /// The mesh with its positions.
 ///
 /// # Panics
-/// If the mesh is not one: generated meshes always are.
+/// If the mesh is not valid; generated meshes always are.
 pub fn surface(made: &GeneratedMesh) -> Surface<'_, f64> {
     Surface::new(&made.mesh, &made.positions).expect("generated positions are finite")
 }
@@ -78,7 +78,7 @@ pub fn errors(
     }
 }
 
-/// Errors of f = `force` over `area`, or of a density with areas of 1.
+/// Errors of f = `force` over `area`, or of a density if all areas are 1.
 pub fn density_errors(
     made: &GeneratedMesh,
     force: &[[f64; 3]],

@@ -1,4 +1,4 @@
-//! Meshes on surfaces that are known exactly, as strategies of `proptest`.
+//! Meshes on surfaces that are known exactly, as `proptest` strategies.
 
 use crate::meshes::{Mesh, SplitMix64, icosphere, unit};
 use crate::star::Star;
@@ -24,7 +24,7 @@ impl OnShape {
     /// The mesh, and the exact surface at each of its vertices.
     ///
     /// # Panics
-    /// If there is no such mesh: of the strategy [`on_shapes`] there always is.
+    /// If there is no such mesh; for the strategy [`on_shapes`] there always is one.
     pub fn mesh(self) -> (Mesh, Vec<ExactPoint<f64>>) {
         let made = generate(&self.shape, self.family, self.vertices, self.seed);
         let made = made.expect("a mesh of the strategy's numbers");
@@ -51,7 +51,7 @@ pub fn shapes() -> impl Strategy<Value = AnyShape> {
     .prop_map(read)
 }
 
-/// Meshes of every family on such shapes, of up to `most` vertices, which are at least 200.
+/// Meshes of every family on these shapes, with 200 to `most` vertices.
 pub fn on_shapes(most: usize) -> impl Strategy<Value = OnShape> {
     let numbers = (200..=most, 0..1_000_000_u64);
     let strategy = (shapes(), select(Family::ALL.to_vec()), numbers);
@@ -72,7 +72,7 @@ pub struct OnStar {
     pub waves: usize,
     /// Amplitude of all waves together, below 1.
     pub amplitude: f64,
-    /// How often an icosahedron is divided.
+    /// Number of refinements of the icosahedron.
     pub refinement: u32,
 }
 

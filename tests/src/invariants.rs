@@ -1,16 +1,15 @@
-//! Checks of what was accepted, by other means than the code under test. Tests and fuzz targets
-//! share them.
+//! Checks of accepted input by other means than the code under test, for tests and fuzz targets.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use helfrich::{TriangleMesh, VertexKind};
 use helfrich_std::io::{Format, ParseError, parse, parse_with_columns};
 
-/// Parses bytes; what is accepted has finite positions and vertices that exist, and columns of their
-/// number.
+/// Parses bytes. If they are accepted, positions must be finite, vertices must exist, and columns must
+/// have one number per vertex.
 ///
 /// # Panics
-/// If it has not, or if an error's message is no single line.
+/// If this does not hold, or if the message of an error is not a single line.
 pub fn check_reader(bytes: &[u8], format: Format) {
     match parse(bytes, format) {
         Ok(file) => {
@@ -76,8 +75,8 @@ fn check_edges(mesh: &TriangleMesh, sides: &BTreeMap<[u32; 2], u32>) {
     assert_eq!(mesh.is_closed(), boundary == 0);
 }
 
-/// The ring has every neighbour once; consecutive ones span a triangle with the vertex, in this
-/// orientation, and these are all its triangles: so they form one fan.
+/// The ring has every neighbour once. Consecutive neighbours span a triangle with the vertex, in this
+/// orientation, and these are all its triangles, so that they form one fan.
 fn check_ring(mesh: &TriangleMesh, vertex: u32, sides: &BTreeMap<[u32; 2], u32>) {
     let ring = mesh.one_ring(vertex as usize);
     let mut neighbours = BTreeSet::new();

@@ -1,5 +1,5 @@
-//! Surfaces of constant value in a grid, as microscopes and simulations give them: thin triangles, several
-//! components, open where the grid ends.
+//! Isosurfaces of a grid, as microscopes and simulations produce them: thin triangles, several
+//! components, open at the ends of the grid.
 
 use crate::meshes::{SplitMix64, norm};
 use std::collections::HashMap;
@@ -23,7 +23,7 @@ struct Grid {
     /// Number of nodes along each axis.
     nodes: usize,
     values: Vec<f64>,
-    /// By the first node of an edge, and its axis.
+    /// The vertices, by the first node of an edge and its axis.
     vertices: HashMap<(usize, usize), u32>,
     positions: Vec<[f64; 3]>,
 }
@@ -46,7 +46,7 @@ impl Grid {
         [0, 1, 2].map(|axis| (node / self.step(axis) % self.nodes) as f64 * 2.0 / cells - 1.0)
     }
 
-    /// The vertex on the edge between two corners of a cube, where the value is zero if it is linear.
+    /// The vertex on the edge between two corners of a cube, where a linear interpolation is zero.
     fn vertex(&mut self, cube: usize, corners: [usize; 2]) -> u32 {
         let [from, to] = [corners[0].min(corners[1]), corners[0].max(corners[1])];
         let axis = (from ^ to).trailing_zeros() as usize;
@@ -60,8 +60,8 @@ impl Grid {
         })
     }
 
-    /// For each vertex on the edges of a cube the next one around the polygon that it belongs to. On a face
-    /// with four of them each positive corner is cut off.
+    /// For each vertex on the edges of a cube, the next one around its polygon. On a face with four
+    /// vertices each positive corner is cut off.
     fn polygons(&mut self, cube: usize) -> (HashMap<u32, u32>, bool) {
         let mut next = HashMap::new();
         let mut is_ambiguous = false;
@@ -115,7 +115,7 @@ pub fn marching_cubes(cells: usize, field: impl Fn([f64; 3]) -> f64) -> Soup {
             }
             let mut sides = polygon.windows(2).map(|side| [side[0], side[1]]);
             if is_ambiguous && polygon.len() > 3 {
-                // A diagonal may lie on a face where the neighbour has one, too.
+                // A diagonal may lie on a face where the neighbouring cube has one, too.
                 let corners = polygon
                     .iter()
                     .map(|&vertex| grid.positions[vertex as usize]);
@@ -133,8 +133,8 @@ pub fn marching_cubes(cells: usize, field: impl Fn([f64; 3]) -> f64) -> Soup {
     (grid.positions, triangles)
 }
 
-/// A surface as it may come from a segmentation: of one to four overlapping or separate blobs, with noise of
-/// the values and of the positions, and in every second case with holes.
+/// A surface like one from a segmentation: of one to four overlapping or separate blobs, with noise of
+/// the values and of the positions, and with holes in every second case.
 pub fn segmentation(cells: usize, seed: u64) -> Soup {
     let mut random = SplitMix64::new(seed);
     let blobs = Vec::from_iter((0..=random.below(4)).map(|_| {

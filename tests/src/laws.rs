@@ -1,8 +1,8 @@
 //! The laws of the traits, each written once and run over every implementation.
 //!
-//! [`check_conservative`] and [`check`] run a method of your own through them. Every method and operator
-//! of the program's list is in the suite by itself; variants that are not in the list enter by one line in
-//! [`for_each`], [`for_each_conservative`] or [`for_each_operator`].
+//! [`check_conservative`] and [`check`] run a method of your own through them. Every method and
+//! operator of the program's list is in the suite automatically; each variant that is not in the list
+//! needs one line in [`for_each`], [`for_each_conservative`] or [`for_each_operator`].
 
 use crate::meshes::Mesh;
 use helfrich::{
@@ -31,7 +31,8 @@ pub use operators::{
     check_operator, findings_on_small_meshes,
 };
 
-/// Number of vertices from which methods that choose by thresholds take their first choice nearly everywhere.
+/// Number of vertices above which methods that choose by thresholds take their first choice at nearly
+/// every vertex.
 const ROOM: usize = 600;
 
 /// A law of methods.
@@ -184,7 +185,7 @@ pub fn check_conservative(method: impl ConservativeCandidate, mesh: &Mesh) {
 /// The energy of a surface.
 ///
 /// # Panics
-/// If positions and mesh do not fit.
+/// If the positions do not fit the mesh.
 pub fn energy<T: Real>(method: impl Energy<T>, mesh: &TriangleMesh, positions: &[[T; 3]]) -> T {
     let surface = Surface::new(mesh, positions).expect("one finite position a vertex");
     Prepared::new(method, mesh).energy(surface)
@@ -193,7 +194,7 @@ pub fn energy<T: Real>(method: impl Energy<T>, mesh: &TriangleMesh, positions: &
 /// The nodal forces of a surface.
 ///
 /// # Panics
-/// If positions and mesh do not fit.
+/// If the positions do not fit the mesh.
 pub fn forces<T: Real>(
     method: impl Force<T>,
     mesh: &TriangleMesh,

@@ -1,6 +1,6 @@
-//! Laws, meshes and tolerances that the tests share, for methods of your own, too: `laws::check` and
-//! `laws::check_conservative` run the laws, [`meshes`] and [`exact`] have strategies of proptest, and
-//! [`tolerance`] the bounds with their reasons.
+//! Laws, meshes and tolerances that the tests share, and that tests of your own methods can use:
+//! `laws::check` and `laws::check_conservative` run the laws, [`meshes`] and [`exact`] have proptest
+//! strategies, and [`tolerance`] has the bounds with their reasons.
 
 pub mod accuracy;
 pub mod allocation;
@@ -15,7 +15,7 @@ pub mod refused;
 pub mod star;
 pub mod tolerance;
 
-/// The README's examples, compiled and run.
+/// The examples of the README, compiled and run.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 #[derive(Debug)]

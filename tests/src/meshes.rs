@@ -8,16 +8,17 @@ use std::collections::HashMap;
 /// Connectivity with positions.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    /// Which vertices form triangles.
+    /// The triangles.
     pub connectivity: TriangleMesh,
-    /// Where the vertices are.
+    /// The positions of the vertices.
     pub positions: Vec<[f64; 3]>,
 }
 
 impl Mesh {
-    /// The mesh of these triangles over these positions, which must be a valid one.
+    /// The mesh of these triangles over these positions.
     ///
     /// # Panics
+    /// If the mesh is not valid.
     /// If it is not.
     pub fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         let connectivity =
@@ -58,8 +59,8 @@ impl Mesh {
         edges.iter().map(length).sum::<f64>() / edges.len() as f64
     }
 
-    /// The smallest |cos| of all angles: how far the mesh is from a right angle, where mixed areas
-    /// change their formula.
+    /// The smallest |cos| of all angles: the distance from a right angle, where mixed areas change
+    /// their formula.
     pub fn distance_from_right_angle(&self) -> f64 {
         let surface = self.surface();
         let angles = (0..self.connectivity.triangles().len())
@@ -67,8 +68,8 @@ impl Mesh {
         angles.map(|angle| angle.cos().abs()).fold(1.0, f64::min)
     }
 
-    /// The mean over the smallest size of a Voronoi area: by how much the smallest amplifies
-    /// rounding, for formulas that divide by areas.
+    /// Ratio of the mean to the smallest absolute Voronoi area: the factor by which the smallest area
+    /// amplifies rounding in formulas that divide by areas.
     pub fn roughness(&self) -> f64 {
         let mut areas = vec![0.0; self.positions.len()];
         Cotangent::new(DualArea::Voronoi).dual_areas(&Serial, self.surface(), &mut areas);
@@ -79,8 +80,8 @@ impl Mesh {
         (mean / smallest).max(1.0)
     }
 
-    /// The same surface with other numbers for the vertices, triangles in another order, and each
-    /// triangle begun at another corner; with the new number of each old vertex.
+    /// The same surface with permuted vertices and triangles, each triangle starting at another corner;
+    /// and the new number of each old vertex.
     pub fn relabelled(&self, seed: u64) -> (Self, Vec<usize>) {
         let mut random = SplitMix64::new(seed);
         let new_number = random.permutation(self.positions.len());
@@ -278,7 +279,7 @@ pub fn tube(around: u32, rows: u32, height: f64, radius: impl Fn(f64) -> f64) ->
     for row in 0..=rows {
         let z = height * (2.0 * f64::from(row) / f64::from(rows) - 1.0);
         for step in 0..around {
-            // Every second circle by half an edge, for triangles that are nearly equilateral.
+            // Every second circle is rotated by half an edge, so that triangles are nearly equilateral.
             let step = f64::from(step) + 0.5 * f64::from(row % 2);
             let angle = std::f64::consts::TAU * step / f64::from(around);
             positions.push([radius(z) * angle.cos(), radius(z) * angle.sin(), z]);
@@ -358,17 +359,17 @@ pub fn small() -> [(&'static str, Mesh); 4] {
 /// A mesh with random displacements, in three numbers that shrink to a smooth and coarse one.
 #[derive(Clone, Copy, Debug)]
 pub struct Rough {
-    /// Polyhedron that the mesh is made from.
+    /// The polyhedron from which the mesh is made.
     pub base: Base,
     /// Seed of the displacements.
     pub seed: u64,
     /// Largest displacement, in mean edge lengths.
     pub amplitude: f64,
-    /// How often the base is divided.
+    /// Number of refinements of the polyhedron.
     pub refinement: u32,
 }
 
-/// Polyhedron that a [`Rough`] mesh is made from.
+/// A polyhedron from which a [`Rough`] mesh is made.
 #[derive(Clone, Copy, Debug)]
 pub enum Base {
     /// Closed, χ = 2.
@@ -382,8 +383,8 @@ pub enum Base {
 }
 
 impl Rough {
-    /// The mesh: bent, so that forces do not vanish even where it shrinks to no displacement, and
-    /// then every coordinate of every vertex displaced at random.
+    /// The mesh. It is bent, so that forces do not vanish even if it shrinks to a mesh without
+    /// displacements; then every coordinate of every vertex is displaced at random.
     pub fn mesh(self) -> Mesh {
         let smooth = match self.base {
             Base::Icosphere => icosphere(self.refinement),
@@ -425,7 +426,8 @@ fn one_of(bases: &'static [Base]) -> impl Strategy<Value = Base> {
     (0..bases.len()).prop_map(|index| bases[index])
 }
 
-/// Configuration of `count` random cases, more with `PROPTEST_CASES`; failures are kept beside the test's source.
+/// Configuration of `count` random cases, or more with `PROPTEST_CASES`; failures are stored next to
+/// the source of the test.
 pub fn cases(count: u32) -> ProptestConfig {
     let cases = match std::env::var_os("PROPTEST_CASES") {
         Some(_) => ProptestConfig::default().cases,
@@ -459,7 +461,7 @@ pub struct Inscribed {
     pub seed: u64,
     /// Largest displacement, in mean edge lengths: from about 0.4 on, areas become negative.
     pub amplitude: f64,
-    /// How often the icosahedron is divided.
+    /// Number of refinements of the icosahedron.
     pub refinement: u32,
     /// The sphere's radius is ten to this power.
     pub exponent: i32,
@@ -545,10 +547,10 @@ impl SplitMix64 {
     }
 }
 
-/// A quaternion without symmetry, so that nothing lines up with an axis.
+/// A quaternion without symmetry, so that no edge or normal is parallel to an axis.
 pub const GENERIC: [f64; 4] = [0.79, 0.31, -0.43, 0.17];
 
-/// The rotation matrix, by rows, of a quaternion of any length but zero.
+/// The rotation matrix, by rows, of a quaternion of any length above 0.
 pub fn rotation(quaternion: [f64; 4]) -> [[f64; 3]; 3] {
     let length = quaternion.iter().map(|q| q * q).sum::<f64>().sqrt();
     let [w, x, y, z] = quaternion.map(|q| q / length);

@@ -1,5 +1,4 @@
-//! The methods that laws are about, to be made for any scalar: those of the program's list, and further
-//! variants of them.
+//! The methods to which laws apply, for any scalar: those of the program's list, and further variants.
 
 use helfrich::bending::{Hinge, OverHinges};
 use helfrich::element::{Corners, ElementEnergy};
@@ -14,13 +13,13 @@ use helfrich_std::method::{
 use std::any::type_name;
 use std::sync::LazyLock;
 
-/// A bending method, to be made for any scalar.
+/// A bending method that can be made for any scalar.
 pub trait Candidate: Copy {
     /// The method for the scalar T.
     type Method<T: Real>: Energy<T> + Force<T>;
     /// Name in messages of failures.
     fn name(self) -> &'static str;
-    /// The library's modules whose formulas it runs, by the names of its types.
+    /// The library's modules whose formulas it runs, by the names of their types.
     fn modules(self) -> Vec<&'static str> {
         let names = type_name::<Self::Method<f64>>().split(['<', ',', '>', ' ']);
         names.flat_map(|name| name.split("::")).collect()
@@ -31,8 +30,8 @@ pub trait Candidate: Copy {
     fn is_gradient(self) -> bool {
         false
     }
-    /// Whether neighbours or degrees are chosen by thresholds: at one, rounding decides, and on a
-    /// coarse mesh some vertex always is at one.
+    /// Whether neighbours or degrees are chosen by thresholds. At a threshold rounding decides, and on
+    /// a coarse mesh some vertex always is at one.
     fn chooses_by_threshold(self) -> bool {
         let modules = self.modules();
         ["jet", "paraboloid"]
@@ -41,7 +40,7 @@ pub trait Candidate: Copy {
     }
 }
 
-/// A bending method whose force is the gradient of its energy, to be made for any scalar.
+/// A bending method whose force is the gradient of its energy, and that can be made for any scalar.
 pub trait ConservativeCandidate: Copy {
     /// The method for the scalar T.
     type ConservativeMethod<T: Real>: Conservative<T>;
@@ -49,7 +48,7 @@ pub trait ConservativeCandidate: Copy {
     fn name(self) -> &'static str;
     /// See [`Candidate::method`].
     fn method<T: Real>(self, modulus: T) -> Self::ConservativeMethod<T>;
-    /// Whether the formula changes at right angles, so that finite differences must stay away.
+    /// Whether the formula changes at right angles, which finite differences must therefore avoid.
     fn switches_at_right_angles(self) -> bool {
         false
     }
@@ -71,7 +70,7 @@ impl<C: ConservativeCandidate> Candidate for C {
 /// Settings from which methods of the list are made, with this bending modulus.
 pub(super) fn settings<T: Real>(modulus: T) -> Settings<'static, T> {
     static OPTIONS: LazyLock<MethodOptions> = LazyLock::new(MethodOptions::default);
-    // No method of the list but the one that is chosen by it looks at the mesh.
+    // Only the method that the mesh selects reads the mesh.
     static MESH: LazyLock<TriangleMesh> = LazyLock::new(|| {
         let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         TriangleMesh::new(4, triangles).expect("a tetrahedron")

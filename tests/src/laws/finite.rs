@@ -4,8 +4,8 @@ use super::{Candidate, CurvatureLaw, Law, Measured, OperatorLaw, energy, forces}
 use crate::meshes::Mesh;
 use helfrich::{Curvature, Curvatures, LaplaceBeltrami, VertexKind};
 
-/// Energies, forces and findings of a method on a surface that may be degenerate are finite, and
-/// vertices in no triangle feel nothing.
+/// Energies, forces and findings of a method on a surface that may be degenerate are finite, and no
+/// force acts on vertices in no triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Finite<'a>(pub &'a Mesh);
 

@@ -1,4 +1,4 @@
-//! Forces are the gradient of the energy, and have no sum and no torque.
+//! Forces are the negative gradient of the energy, and have neither sum nor torque.
 
 use super::{ConservativeCandidate, ConservativeLaw, energy, forces, largest};
 use crate::meshes::{Mesh, SplitMix64, cross, dot, norm};
@@ -22,7 +22,8 @@ const TORQUE: &[(&str, Tolerance)] = &[(
     ),
 )];
 
-/// The directions in which a gradient is tried: some coordinates alone, then all at random.
+/// The directions in which a gradient is tested: some single coordinates, then random directions of
+/// all.
 fn trials(vertices: usize, seed: u64) -> Vec<Vec<[f64; 3]>> {
     let mut random = SplitMix64::new(seed);
     let mut trials = Vec::new();
@@ -35,7 +36,7 @@ fn trials(vertices: usize, seed: u64) -> Vec<Vec<[f64; 3]>> {
     trials
 }
 
-/// −F·d, what the energy's derivative along d should be.
+/// −F·d, the expected derivative of the energy along d.
 fn along(force: &[[f64; 3]], direction: &[[f64; 3]]) -> f64 {
     let work = |(&f, &d): (&[f64; 3], &[f64; 3])| dot(f, d);
     -force.iter().zip(direction).map(work).sum::<f64>()
@@ -46,7 +47,8 @@ fn extent(direction: &[[f64; 3]]) -> f64 {
     direction.iter().map(|&d| norm(d)).sum()
 }
 
-/// F = −∂E/∂x, the derivative by dual numbers; and force and energy together are the two alone.
+/// F = −∂E/∂x with the derivative by dual numbers; and force and energy in one evaluation agree with
+/// separate evaluations.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceIsGradient<'a>(pub &'a Mesh);
 
@@ -89,7 +91,8 @@ impl ConservativeLaw for ForceIsDifference<'_> {
             positions,
         } = self.0;
         let name = ConservativeCandidate::name(candidate);
-        // Where an area nearly vanishes, the energy changes its slope over as short a way.
+        // Where an area nearly vanishes, the slope of the energy changes over a distance as short as
+        // this.
         let step = 1e-4 * self.0.edge_length() / self.0.roughness();
         if candidate.switches_at_right_angles() && self.0.distance_from_right_angle() < 2e-3 {
             return;
@@ -132,9 +135,9 @@ impl ConservativeLaw for Balanced<'_> {
     }
 }
 
-/// Forces are minus the derivative of the energy by every coordinate, by dual numbers and by
-/// central differences of some; they have no sum and no torque. `dual` is the same method with
-/// dual numbers.
+/// Forces are the negative derivatives of the energy with respect to every coordinate, by dual numbers
+/// and, for some coordinates, by central differences; they have neither sum nor torque. `dual` is the
+/// same method with dual numbers.
 ///
 /// # Panics
 /// If a law is broken.

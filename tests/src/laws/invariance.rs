@@ -1,4 +1,4 @@
-//! Energies and forces of a surface that is moved, turned, relabelled or scaled.
+//! Energies and forces of a surface that is translated, rotated, relabelled or scaled.
 
 use super::{Candidate, Law, ROOM, energy, forces, largest};
 use crate::meshes::{Mesh, SplitMix64, difference, norm, rotation, turned};
@@ -15,7 +15,7 @@ const FIT_INVARIANCE: Tolerance = Tolerance::new(
 /// The same in f32.
 const INVARIANCE_SINGLE: Tolerance = Tolerance::new(5e-3, "as in f64, from a rounding of 6e-8");
 
-/// Energies do not change and forces follow when the surface is turned, moved or relabelled.
+/// Energies do not change, and forces follow, when the surface is rotated, translated or relabelled.
 #[derive(Clone, Copy, Debug)]
 pub struct Invariant<'a> {
     /// The surface.
@@ -32,9 +32,9 @@ impl Law for Invariant<'_> {
     }
 }
 
-/// [`Invariant`] on a mesh of any size for methods that choose by thresholds, too. No two vertices may be
-/// equally far from a third, to six digits, where one of them is the last of its neighbours: the number
-/// decides between them.
+/// [`Invariant`] for methods that choose by thresholds, too, on a mesh of any size. If two vertices are
+/// equally far from a third, to six digits, and only one of them is among its neighbours, the number of
+/// the vertex decides; the mesh must not have such vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct InvariantFits<'a>(pub Invariant<'a>);
 
@@ -47,7 +47,7 @@ impl Law for InvariantFits<'_> {
 }
 
 impl Invariant<'_> {
-    /// The law for moves, and within a tolerance for turns and labels.
+    /// The law for translations, and within a tolerance for rotations and labels.
     fn check_within(&self, candidate: impl Candidate, rounding: Option<tolerance::Tolerance>) {
         let mut random = SplitMix64::new(self.seed);
         // Positions on a grid, so that a move by a multiple of the grid's pitch is not rounded.

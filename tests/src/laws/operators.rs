@@ -1,5 +1,5 @@
-//! Laplace–Beltrami operators: what they do to constants, their rows, and surfaces that are moved,
-//! turned or scaled.
+//! Laplace–Beltrami operators: results for constants, rows, and surfaces that are translated, rotated
+//! or scaled.
 
 use super::{CurvatureLaw, Finite, OperatorLaw, ROOM};
 use crate::meshes::{GENERIC, Mesh, SplitMix64, difference, norm, rotation, small, turned};
@@ -54,7 +54,7 @@ impl<'a, L: Curvatures<f64>> Measured<'a, L> {
 impl<L: LaplaceBeltrami<f64>> Measured<'_, L> {
     /// Δ_S of a field.
     pub fn apply<const D: usize>(&self, field: &[[f64; D]]) -> Vec<[f64; D]> {
-        // Not zero before: the operator sets, it does not add.
+        // The initial content is not zero, because the operator sets results and does not add to them.
         let mut laplacian = vec![[f64::NAN; D]; field.len()];
         let surface = self.mesh.surface();
         self.operator
@@ -99,7 +99,8 @@ impl OperatorLaw for ConstantsVanish<'_> {
     }
 }
 
-/// Rows do what the operator does; filled again for a moved surface, they keep their memory.
+/// Rows have the same results as the operator; filled again for a moved surface, they keep their
+/// memory.
 #[derive(Clone, Copy, Debug)]
 pub struct RowsAgree<'a>(pub &'a Mesh);
 
@@ -169,8 +170,8 @@ impl OperatorLaw for RowsAgree<'_> {
     }
 }
 
-/// Rows with their diagonal are a valid matrix that does what the operator does; filled again, it is
-/// the same.
+/// Rows with their diagonal are a valid matrix with the same results as the operator; filled again, it
+/// is the same.
 #[derive(Clone, Copy, Debug)]
 pub struct MatrixAgrees<'a>(pub &'a Mesh);
 
@@ -219,8 +220,8 @@ fn rows_entries(rows: &Rows<f64>) -> usize {
     (0..rows.len()).map(|row| rows.row(row).0.len()).sum()
 }
 
-/// Curvatures follow: n turns, H, K and A stay; H and K scale as 1/length and its square. Turned
-/// are only meshes that leave room for operators that choose by thresholds.
+/// Curvatures follow: n rotates; H, K and A are invariant; H and K scale as 1/length and its square.
+/// Only meshes with enough vertices are rotated for operators that choose by thresholds.
 #[derive(Clone, Copy, Debug)]
 pub struct CurvatureFollows<'a>(pub &'a Mesh);
 
@@ -263,7 +264,7 @@ impl CurvatureLaw for CurvatureFollows<'_> {
     }
 }
 
-/// Δ_S of a field stays when the surface is moved and turned, and scales as 1/length².
+/// Δ_S of a field is invariant when the surface is translated and rotated, and scales as 1/length².
 #[derive(Clone, Copy, Debug)]
 pub struct LaplacianFollows<'a>(pub &'a Mesh);
 
@@ -272,8 +273,8 @@ impl OperatorLaw for LaplacianFollows<'_> {
         let field = waves(self.0);
         let laplacian = |mesh: &Mesh| Measured::new(operator, mesh).apply_to_scalar(&field);
         let here = laplacian(self.0);
-        // By a power of two everything scales to the last bit, unless there is an absolute number
-        // somewhere.
+        // Scaling by a power of two is exact to the last bit, unless the code contains an absolute
+        // number.
         for exponent in [-40, 40] {
             let scale = 2.0_f64.powi(exponent);
             let there = laplacian(&self.0.map(|x| x.map(|x| scale * x)));
@@ -294,7 +295,7 @@ fn waves(mesh: &Mesh) -> Vec<f64> {
     mesh.positions.iter().map(wave).collect()
 }
 
-/// Every law of operators on an ellipsoid, for those that apply the very rows that they assemble.
+/// Every law of operators on an ellipsoid, for operators that apply the same rows that they assemble.
 ///
 /// # Panics
 /// If a law is broken.

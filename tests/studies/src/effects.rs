@@ -17,7 +17,7 @@ use std::path::Path;
 pub struct EffectCosts {
     /// Time of one evaluation of the velocities with all effects, seconds.
     pub seconds: f64,
-    /// How often they were evaluated.
+    /// Number of evaluations of the velocities.
     pub evaluations: u64,
     /// Each effect.
     pub effects: Vec<EffectCost>,
@@ -26,10 +26,10 @@ pub struct EffectCosts {
 /// The cost of one effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffectCost {
-    /// The effect, as scenes call it.
+    /// The effect's key in scenes.
     pub effect: String,
-    /// Time of its own in an evaluation of the velocities with all effects, seconds; `None` for what
-    /// is part of the fluid's equations.
+    /// Its own time in an evaluation of the velocities with all effects, in seconds; `None` for parts
+    /// of the fluid's equations.
     pub own: Option<f64>,
     /// Time of an evaluation in the scene without it.
     pub without: f64,
@@ -37,7 +37,7 @@ pub struct EffectCost {
     pub evaluations_without: u64,
 }
 
-/// Effects, how the scene gets them, and how it loses them.
+/// Effects, and the overrides that add and remove them.
 const EFFECTS: [(&str, &str, &str); 5] = [
     (
         "bending",
@@ -69,11 +69,11 @@ const EFFECTS: [(&str, &str, &str); 5] = [
 /// γ̇t at the end of each run: some dozens of evaluations.
 const STRAIN: f64 = 0.1;
 
-/// Measures the scene; `progress` hears of the share that is done and what is running. None if it was
+/// Measures the scene; `progress` receives the fraction that is done and the current run. `None` if
 /// interrupted.
 ///
 /// # Errors
-/// If there is no room for the runs.
+/// If there is no space for the runs.
 pub fn effect_costs(
     vertices: usize,
     mut cache: Option<&mut Cache>,
@@ -117,7 +117,7 @@ pub fn effect_costs(
     Ok(Some(costs))
 }
 
-/// Seconds an evaluation of the velocities, and how many there were.
+/// Seconds per evaluation of the velocities, and the number of evaluations.
 fn per_evaluation(summary: &Summary) -> [f64; 2] {
     let evaluations = summary.right_hand_sides.unwrap_or(summary.iterations) as f64;
     [summary.seconds / evaluations, evaluations]

@@ -1,5 +1,5 @@
-//! One capsule in shear flow, by both solvers and every bending method: data; [`crate::report`] shows
-//! it.
+//! One capsule in shear flow, by both solvers and every bending method. This file has the data;
+//! [`crate::report`] presents them.
 //!
 //! The case is that of Guckenberger, Schraml, Chen, Leonetti and Gekle, Comput. Phys. Commun. 207
 //! (2016) 1, section 5: a neo-Hookean sphere of radius a with Ca = μγ̇a/G = 0.15, κ/(a²G) = 0.1125 and
@@ -27,12 +27,12 @@ pub const CAPILLARY_NUMBER: f64 = 0.15;
 /// The paper's bending modulus, in units of a²G.
 pub const BENDING: f64 = 0.1125;
 
-/// A modulus that keeps the membrane from wrinkling and hardly does more.
+/// A modulus that prevents wrinkles and has little other effect.
 pub const LITTLE_BENDING: f64 = 0.0025;
 
-/// Lattices finer than this many nodes a radius leak between the vertices of the coarse mesh, whose
-/// edges are 1.5 nodes long there. Bending holds back the step of a finer mesh with its squared edges:
-/// with much of it the coarse one has to do.
+/// Finest lattice, in nodes per radius, for the coarse mesh, whose edges are 1.5 nodes long there:
+/// finer lattices leak between its vertices. Bending limits the step of a finer mesh by its squared
+/// edges, so that with much bending the coarse mesh has to be used.
 const FINE: f64 = 8.0;
 
 /// The solver that moves the capsule.
@@ -88,15 +88,15 @@ pub struct FlowRow {
     /// The case that was run.
     #[serde(flatten)]
     pub case: FlowCase,
-    /// How it ended.
+    /// The way in which it ended.
     pub end: End,
-    /// The same in words.
+    /// A description of the end.
     pub message: String,
     /// Taylor deformation at the end, by the ellipsoid of the same inertia.
     pub deformation: f64,
     /// Inclination to the flow at the end, in degrees.
     pub inclination: f64,
-    /// Volume at the end over that at the start, less 1.
+    /// Volume at the end relative to that at the start, minus 1.
     pub volume_change: f64,
     /// Deformation over γ̇t.
     pub transient: Vec<[f64; 2]>,
@@ -106,7 +106,7 @@ pub struct FlowRow {
     pub seconds: f64,
 }
 
-/// All of a row but its case.
+/// A row without its case.
 #[derive(Serialize, Deserialize)]
 struct Found {
     end: End,
@@ -156,14 +156,14 @@ pub struct FlowStudy {
     pub bendings: Vec<f64>,
     /// Resolutions of the lattice for the first method: number of nodes along the radius.
     pub resolutions: Vec<f64>,
-    /// Cubes for it: lengths of the edges in radii. The first is that of all other runs.
+    /// Lengths of the cubes' edges for this method, in radii. The first is that of all other runs.
     pub sizes: Vec<f64>,
     /// γ̇t at the end.
     pub strain: f64,
 }
 
 impl Default for FlowStudy {
-    /// All of it: a quarter of an hour.
+    /// The complete study: a quarter of an hour.
     fn default() -> Self {
         Self {
             methods: BendingMethod::ALL.to_vec(),
@@ -176,22 +176,22 @@ impl Default for FlowStudy {
     }
 }
 
-/// How far a study of flow has come.
+/// The progress of a study of flow.
 #[derive(Clone, Debug)]
 pub struct FlowProgress<'a> {
-    /// From 0 to 1, by what runs are expected to take.
+    /// The fraction that is done, from 0 to 1, by the expected times of the runs.
     pub fraction: f64,
     /// The running case.
     pub case: &'a FlowCase,
-    /// How far it is.
+    /// The progress of this run.
     pub run: &'a Progress,
 }
 
-/// Why there is no study of flow.
+/// The reason why a study of flow cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowStudyError {
-    /// A case is no valid scene.
+    /// A case is not a valid scene.
     #[error("{case}: {message}")]
     Scene {
         /// The case.
@@ -202,7 +202,7 @@ pub enum FlowStudyError {
     /// A run cannot begin, or its output cannot be written.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// There is no room for the runs.
+    /// There is no space for the runs.
     #[error("a folder for the runs: {0}")]
     Folder(#[from] io::Error),
 }
@@ -255,7 +255,7 @@ impl FlowStudy {
                 cases.push(case);
             }
         };
-        // Method by method beside each other; then what is only of the solvers.
+        // First every method by both solvers, then the cases that compare lattices.
         let first = self.resolutions.first().zip(self.sizes.first());
         for &method in &self.methods {
             add(of(Solver::BoundaryIntegral, method, BENDING));
@@ -291,10 +291,10 @@ impl FlowStudy {
         cases
     }
 
-    /// Runs all of it.
+    /// Performs all runs.
     ///
     /// # Errors
-    /// If a run cannot begin, or there is no room on the disk. A run that fails is a row that says so.
+    /// If a run cannot begin, or there is no space on the disk. A failed run is a row with its failure.
     pub fn run(
         &self,
         interrupted: &dyn Fn() -> bool,
@@ -303,10 +303,10 @@ impl FlowStudy {
         self.run_with(None, interrupted, progress)
     }
 
-    /// The same, but for the runs that came to an end before; takes those that do so now.
+    /// Performs the runs that have not completed before, and records those that complete now.
     ///
     /// # Errors
-    /// If a run cannot begin, or there is no room on the disk.
+    /// If a run cannot begin, or there is no space on the disk.
     pub fn run_with(
         &self,
         mut cache: Option<&mut Cache>,
@@ -352,7 +352,7 @@ impl FlowStudy {
 }
 
 impl FlowCase {
-    /// About what it takes, in some unit.
+    /// The approximate time of a run, in some unit.
     fn weight(&self) -> f64 {
         match self.solver {
             Solver::BoundaryIntegral => 3e7 * (self.vertices as f64 / 642.0).powi(2),
@@ -364,7 +364,7 @@ impl FlowCase {
 
     fn file(&self, strain: f64) -> Result<SceneFile, FlowStudyError> {
         let family = match self.method {
-            // Where its surface is as smooth as it can be.
+            // Method S needs a surface that is as smooth as possible.
             BendingMethod::Loop => "smooth",
             _ => "regular",
         };

@@ -1,10 +1,11 @@
-//! Studies of helfrich itself, which its users need not run: hard cases, a capsule in flow beside what
-//! was published, and what the effects of a scene cost. The program of this package makes their tables.
+//! Studies of helfrich itself, which its users need not run: hard cases, a capsule in flow compared
+//! with published results, and the cost of the effects of a scene. The program of this package makes
+//! their tables.
 //!
-//! * [`stability`]: whether methods and formulas stand hard cases.
-//! * [`flow`]: one capsule by both solvers and every method, beside what was published.
-//! * [`effects`]: what each effect of a scene costs.
-//! * [`report`]: how all of this is shown.
+//! * [`stability`]: methods and formulas on hard cases.
+//! * [`flow`]: one capsule by both solvers and every method, compared with published results.
+//! * [`effects`]: the cost of each effect of a scene.
+//! * [`report`]: presentation of the results.
 
 pub mod effects;
 pub mod flow;

@@ -1,4 +1,5 @@
-//! How data is shown: tables, Markdown, and parts of the page of a study. Nothing is computed here.
+//! Presentation of results: tables, Markdown, and parts of the page of a study. Nothing is computed
+//! here.
 
 mod effects;
 mod flow;

@@ -1,7 +1,7 @@
-//! Whether methods and formulas stand hard cases: data; [`crate::report`] shows it.
+//! Methods and formulas on hard cases. This file has the data; [`crate::report`] presents them.
 //!
-//! A table of rows, each with what was found and the bound that it has to keep. Every row is a
-//! test: the tests call [`Stability::run`] and ask each row whether it passed.
+//! The table has rows, each with a result and the bound that it has to satisfy. Every row is a test:
+//! the tests call [`Stability::run`] and check whether each row has passed.
 
 mod cancellation;
 mod double_double;
@@ -48,7 +48,7 @@ impl Group {
         Self::Input,
     ];
 
-    /// The name, and in a sentence what is measured and allowed.
+    /// The name, and a sentence about the measured quantity and its bound.
     pub fn describe(self) -> (&'static str, &'static str) {
         match self {
             Self::Geometry => (
@@ -122,7 +122,7 @@ pub struct Row {
     pub outcome: Outcome,
     /// The bound on the result.
     pub bound: Bound,
-    /// Whether it does.
+    /// Whether the result satisfies the bound.
     pub passed: bool,
 }
 
@@ -134,9 +134,9 @@ pub enum Outcome {
     Evaluated(Evaluation),
     /// An error, with this message.
     Refused(String),
-    /// One number; the row's group or case says of what.
+    /// One number; the row's group or case defines its meaning.
     Measured(f64),
-    /// A run, to its end or as far as it came.
+    /// A run, complete or not.
     Ran(Course),
 }
 
@@ -156,11 +156,12 @@ pub struct Evaluation {
     pub moved: Option<f64>,
     /// The same by a scaling that rounds nothing.
     pub scaled: Option<f64>,
-    /// How many findings there are.
+    /// Number of findings.
     pub findings: usize,
-    /// How many vertices are flagged.
+    /// Number of flagged vertices.
     pub flagged: usize,
-    /// A checksum of all bits of f: builds and numbers of threads that differ in none agree.
+    /// A checksum of all bits of f: it agrees for builds and numbers of threads that do not change a
+    /// bit.
     pub checksum: u64,
 }
 
@@ -170,10 +171,11 @@ pub struct Evaluation {
 pub enum Bound {
     /// Everything is finite and invariant, and the error grows by this factor at most.
     Stable(f64),
-    /// The same over the vertices that are not flagged; where f is not known exactly, something is
+    /// The same over the vertices that are not flagged. If f is not known exactly, something must be
     /// reported.
     Reported(f64),
-    /// Everything is finite and invariant, and the error exceeds that on the clean mesh by this at most.
+    /// Everything is finite and invariant, and the error exceeds that on the clean mesh by at most
+    /// this.
     Adds(f64),
     /// The case is refused, with a message that contains this.
     Refused(&'static str),
@@ -181,32 +183,32 @@ pub enum Bound {
     RefusedForBoth(&'static str, &'static str),
     /// The number is this at most.
     AtMost(f64),
-    /// A run comes to its end with finite numbers, and changes no volume by more than this part.
+    /// A run completes with finite numbers, and changes no volume by more than this fraction.
     Runs {
-        /// The part.
+        /// The fraction.
         volume: f64,
     },
-    /// The same, and nothing was worth a warning.
+    /// The same, and there are no warnings.
     RunsInSilence {
-        /// The part.
+        /// The fraction.
         volume: f64,
     },
-    /// The same without a word on volumes, and in the second half the deformation differs by this
-    /// part at most from that at the end.
+    /// The same without a condition on volumes, and the deformation in the second half differs by at
+    /// most this fraction from that at the end.
     Steady {
-        /// The part.
+        /// The fraction.
         most: f64,
     },
-    /// A run comes to its end with finite numbers, and its deformation differs by this part at most
-    /// from that of the run it is compared with.
+    /// A run completes with finite numbers, and its deformation differs by at most this fraction from
+    /// that of the run with which it is compared.
     RunsNear {
-        /// The part.
+        /// The fraction.
         most: f64,
     },
-    /// The same, or else all its numbers are finite, and a warning or its last message contains what
-    /// explains the difference.
+    /// The same; or all its numbers are finite, and a warning or its last message contains the reason
+    /// for the difference.
     RunsNearOrSays {
-        /// The part.
+        /// The fraction.
         most: f64,
         /// A part of the message.
         why: &'static str,
@@ -218,9 +220,9 @@ pub enum Bound {
 }
 
 impl Bound {
-    /// Whether an outcome keeps the bound.
+    /// Whether an outcome satisfies the bound.
     pub fn allows(self, outcome: &Outcome) -> bool {
-        // Written so that what is not a number passes nowhere.
+        // The conditions are written such that NaN never passes.
         match (self, outcome) {
             (Self::Stable(most), Outcome::Evaluated(found)) => {
                 found.is_sound() && found.growth.is_none_or(|growth| growth <= most)
@@ -305,25 +307,25 @@ const RUN: usize = 20;
 pub struct Stability {
     /// Whether the mesh of a million vertices is among the cases; it takes minutes.
     pub large: bool,
-    /// The one group of rows that is wanted; `None` for all.
+    /// The only group of rows to make; `None` for all.
     pub group: Option<Group>,
 }
 
-/// Why the table cannot be made.
+/// The reason why the table cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[error("the case `{case}` cannot be made: {source}")]
 pub struct StabilityError {
     /// The case.
     case: &'static str,
-    /// Why.
+    /// The reason.
     source: Box<dyn Error + Send + Sync>,
 }
 
 impl Stability {
-    /// Makes the table, row after row; `progress` hears of every step.
+    /// Makes the table, row by row; `progress` is called at every step.
     ///
     /// # Errors
-    /// If a mesh cannot be made, or there is no room for a run.
+    /// If a mesh cannot be made, or there is no space for a run.
     pub fn run(self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StabilityError> {
         let wanted = |group| self.group.is_none_or(|only| only == group);
         let evaluations = match wanted(Group::Geometry) {

@@ -1,10 +1,10 @@
-//! Open surfaces in scenes: what their edges allow.
+//! Effects and methods at the edges of open surfaces in scenes.
 
 use super::{capsule_in, generated, refused, the_error, valid, with};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::scene::{Boundary, SceneFile};
 
-/// What is wrong, and what is doubtful, with a scene on its mesh, closed or cut open.
+/// Contradictions and doubts about a scene on its mesh, closed or cut open.
 fn findings(keys: &str, open: bool) -> (String, String) {
     let file: SceneFile = valid(&with(keys));
     let closed = generated(&file, 0);

@@ -1,4 +1,5 @@
-//! Results of the runs, beside published ones, and extrapolated to an infinite box and a fine lattice.
+//! Results of the runs compared with published ones, and extrapolated to an infinite box and a fine
+//! lattice.
 
 use super::{FlowRow, Solver};
 use helfrich_std::plots::{PublishedCurve, parsed};
@@ -7,7 +8,7 @@ use serde::Serialize;
 
 /// Published results for the case of the article: D over γ̇t, the curve of the article first.
 pub fn published() -> Vec<PublishedCurve> {
-    // That it can be read is a law.
+    // A test checks that it can be read.
     parsed(include_bytes!(
         "../../../../std-ext/scenes/capsule-shear-published.csv"
     ))

@@ -1,5 +1,4 @@
-//! Whole runs of hard scenes, as their users write them: each goes to its end in good order, or says
-//! what is wrong.
+//! Complete runs of hard scenes, as users write them: each completes properly, or reports the problem.
 
 mod cases;
 mod laws;
@@ -22,9 +21,9 @@ use std::path::Path;
 /// The outcome of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Course {
-    /// How it ended.
+    /// The way in which it ended.
     pub end: End,
-    /// The same in words.
+    /// A description of the end.
     pub message: String,
     /// Warnings about the scene and during the run.
     pub warnings: Vec<String>,
@@ -36,12 +35,12 @@ pub struct Course {
     pub deformation: Option<f64>,
     /// Largest difference of the deformation in the second half from that at the end, relative.
     pub unsteadiness: Option<f64>,
-    /// Difference of the deformation from that of the run it is compared with, relative.
+    /// Difference of the deformation from that of the run with which it is compared, relative.
     pub error: Option<f64>,
 }
 
 impl Course {
-    /// Whether it came to its end.
+    /// Whether the run completed.
     pub fn is_complete(&self) -> bool {
         matches!(self.end, End::Completed | End::Converged)
     }
@@ -58,7 +57,7 @@ pub(super) fn count() -> usize {
     CASES.iter().map(|case| case.trials.count()).sum::<usize>() + laws::count()
 }
 
-/// All runs, each told before it begins.
+/// All runs; `tell` is called before each.
 pub(super) fn rows(tell: &mut dyn FnMut(&str)) -> Result<Vec<Row>, StabilityError> {
     let mut rows = Vec::new();
     let mut courses = Courses::default();
@@ -108,7 +107,7 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str)) -> Result<Vec<Row>, StabilityErro
 
 type Made<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
-/// Runs that were made, by scene and changes: several rows ask something of the same run.
+/// Completed runs, by scene and changes, because several rows check the same run.
 #[derive(Default)]
 struct Courses(HashMap<(&'static str, Vec<String>), Result<Course, String>>);
 
@@ -237,7 +236,7 @@ fn volume_change(series: &SeriesTable) -> f64 {
         column.map(move |volume| (volume / first - 1.0).abs())
     });
     changes.fold(0.0, |most, change| {
-        // What is not a number is no small change.
+        // NaN does not count as a small change.
         if change.is_nan() {
             f64::INFINITY
         } else {
@@ -246,7 +245,7 @@ fn volume_change(series: &SeriesTable) -> f64 {
     })
 }
 
-/// Whether a bound on a run is kept.
+/// Whether a run satisfies a bound.
 pub(super) fn allows(bound: Bound, course: &Course) -> Option<bool> {
     let whole = course.finite && course.is_complete();
     Some(match bound {

@@ -36,14 +36,15 @@ impl Clean {
     }
 }
 
-/// The factor by which a stable method's error may grow, and that of others where nothing is flagged.
+/// The factor by which the error of a stable method may grow, and that of other methods where nothing
+/// is flagged.
 const GROWTH: f64 = 10.0;
 
 fn is_jet(method: BendingMethod) -> bool {
     matches!(method, BendingMethod::J4 | BendingMethod::J6)
 }
 
-/// Jets are stable; the others tell where they are not.
+/// Jets are stable; other methods report where they are not.
 fn slivers(method: BendingMethod, _scalar: Scalar) -> Bound {
     if is_jet(method) {
         Bound::Stable(GROWTH)
@@ -60,10 +61,10 @@ fn reported(_method: BendingMethod, _scalar: Scalar) -> Bound {
     Bound::Reported(GROWTH)
 }
 
-/// No theory bounds the largest error of methods that do not converge on irregular meshes: it is that of
-/// the worst vertex, and another mesh has another. These numbers are two to three times what this mesh
-/// gives: they hold what is known of it, and say how far off methods are on a mesh that nobody would call
-/// bad. Jets lose an order of the edge length, of an eighth, at most.
+/// No theory bounds the largest error of methods that do not converge on irregular meshes: it depends
+/// on the worst vertex of the mesh. These numbers are two to three times the errors on this mesh. They
+/// record what is known, and show how large errors are on a mesh that nobody would call bad. Jets lose
+/// at most one order of the edge length, which is an eighth.
 fn irregular(method: BendingMethod, _scalar: Scalar) -> Bound {
     Bound::Stable(match method {
         // The gradient of mixed areas jumps where an angle is right.
@@ -297,7 +298,7 @@ const CASES: &[Case] = &[
     },
 ];
 
-/// The mesh that takes minutes.
+/// The mesh of a million vertices, which takes minutes.
 const LARGE: Case = Case {
     name: "a million nodes",
     meaning: "A torus of 1e6 vertices; in f32 its positions have too few digits, and all are flagged.",
@@ -314,7 +315,7 @@ pub(super) fn count(large: bool) -> usize {
     (CASES.len() + usize::from(large)) * BendingMethod::ALL.len() * Scalar::ALL.len()
 }
 
-/// Every case with every method and number type, each told with the number of those before it.
+/// Every case with every method and number type; `tell` receives the number of earlier ones.
 pub(super) fn rows(
     large: bool,
     tell: &mut dyn FnMut(usize, &str),
@@ -464,8 +465,8 @@ impl Trial<'_> {
         HeldPositions::new(self.scalar, &Vec::from_iter(positions))
     }
 
-    /// |f − exact f| at each vertex over the largest |exact f|; the whole of it where the method
-    /// leaves the vertex out. Empty if f is not known.
+    /// |f − exact f| at each vertex, relative to the largest |exact f|; the whole exact f where the
+    /// method leaves the vertex out. Empty if f is not known.
     fn errors<T: Real>(self, fields: &Fields<T>) -> Vec<f64> {
         let exact = &self.specimen.exact;
         let scale = exact.iter().map(|point| point.force_density(1.0).abs());

@@ -4,7 +4,7 @@ use super::{Bound, Group, Outcome, Row};
 use helfrich::{Real, Surface, TriangleMesh};
 use helfrich_std::scalar::Scalar;
 
-/// Lists of triangles that form no surface: name, meaning, triangles, and what the message says.
+/// Lists of triangles that do not form a surface: name, meaning, triangles, and a part of the message.
 const MESHES: &[(&str, &str, &[[u32; 3]], &str)] = &[
     (
         "duplicated face",
@@ -50,8 +50,8 @@ const MESHES: &[(&str, &str, &[[u32; 3]], &str)] = &[
     ),
 ];
 
-/// One coordinate that cannot be computed with: name, meaning, the coordinate in a number type, and
-/// what the message says.
+/// A coordinate with which nothing can be computed: name, meaning, the coordinate in a number type, and
+/// a part of the message.
 type Coordinate = (&'static str, &'static str, fn(Scalar) -> f64, &'static str);
 
 const COORDINATES: &[Coordinate] = &[
@@ -75,7 +75,7 @@ const COORDINATES: &[Coordinate] = &[
     ),
 ];
 
-/// All of them.
+/// All rows about input.
 pub(super) fn rows() -> Vec<Row> {
     let mut rows = Vec::new();
     for &(name, meaning, triangles, message) in MESHES {
@@ -106,7 +106,7 @@ pub(super) fn rows() -> Vec<Row> {
     rows
 }
 
-/// Why a triangle with this coordinate is refused.
+/// The reason why a triangle with this coordinate is refused.
 fn refusal<T: Real>(coordinate: f64) -> Option<String> {
     let mesh = TriangleMesh::new(3, vec![[0, 1, 2]]).ok()?;
     let (zero, one) = (T::zero(), T::one());

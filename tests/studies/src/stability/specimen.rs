@@ -10,13 +10,13 @@ use helfrich_std::subdivide::{Target, subdivide};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// Vertices of a specimen that is not about their number.
+/// Vertices of a specimen, unless its case is about their number.
 const VERTICES: usize = 642;
 
-/// Between one disturbed vertex or triangle and the next, in the order of their numbers.
+/// Distance from one disturbed vertex or triangle to the next, in the order of their numbers.
 const STRIDE: usize = 50;
 
-/// A surface with a size of about 1, and what is exactly known of it.
+/// A surface with a size of about 1, and its exact values.
 #[derive(Clone, Debug)]
 pub(super) struct Specimen {
     pub(super) mesh: TriangleMesh,
@@ -29,7 +29,7 @@ pub(super) struct Specimen {
     pub(super) offset: f64,
 }
 
-/// Why a specimen cannot be made.
+/// The reason why a specimen cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum SpecimenError {
     #[error(transparent)]
@@ -106,21 +106,21 @@ pub(super) fn clean() -> Made {
     Ok(Specimen::on(&shape, mesh, &preimages))
 }
 
-/// One vertex in fifty is moved along an edge, to this part of its length from the neighbour: two
-/// needles each.
+/// One vertex in fifty is moved along an edge, until its distance from the neighbour is this fraction
+/// of the edge: this gives two needles each.
 pub(super) fn needles(part: f64) -> Made {
     let (shape, mesh, mut preimages) = base()?;
     for vertex in apart(&mesh) {
         let onto = preimages[mesh.one_ring(vertex)[0] as usize];
         let moved = onto + part * (preimages[vertex] - onto);
-        // Exactly onto it, not to rounding.
+        // Exactly onto the neighbour, not only to rounding.
         preimages[vertex] = if part == 0.0 { onto } else { moved.normalize() };
     }
     Ok(Specimen::on(&shape, mesh, &preimages))
 }
 
-/// Into one triangle in fifty three vertices are put so close together that the surface is flat
-/// there: a cap of 179.98°, and needles around it.
+/// In one triangle in fifty three vertices are placed so close together that the surface is flat there:
+/// a cap of 179.98°, and needles around it.
 pub(super) fn caps() -> Made {
     let (shape, mesh, mut preimages) = base()?;
     let mut triangles = mesh.triangles().to_vec();
@@ -128,7 +128,7 @@ pub(super) fn caps() -> Made {
         let [a, b, c] = mesh.triangles()[triangle];
         let [from, to, top] = [a, b, c].map(|v| preimages[v as usize]);
         let centre = (from + to + top) / 3.0;
-        // Half of the cap's base, so short that the arc over it rises less than the cap is high.
+        // Half of the cap's base, so short that the arc over it rises less than the height of the cap.
         let along = (to - from).normalize() * 1e-4;
         let up = (top - centre).reject_from(along).normalize() * 1.75e-8;
         let first = preimages.len() as u32;
