@@ -124,7 +124,7 @@ pub fn verdict_table(verdicts: &[Verdict], out: &mut dyn Write) -> io::Result<()
     )?;
     writeln!(
         out,
-        "largest p ≥ ½: converges (at all nodes); else mean p ≥ ½: in the mean; else largest p < −½: diverges; else stalls."
+        "largest p ≥ ½: converges (at all vertices); else mean p ≥ ½: in the mean; else largest p < −½: diverges; else stalls."
     )?;
     for block in verdicts.chunk_by(|a, b| (a.family, a.scalar) == (b.family, b.scalar)) {
         let title = format!("{} · {}", block[0].family, block[0].scalar);

@@ -10,7 +10,7 @@ use std::fmt;
 /// The rule: p is the slope of the least-squares line through ln error over ln h, h = N^(−1/2), of
 /// the three finest meshes (of two, if there are no more). With p of the largest error and p of the
 /// mean one,
-/// * the largest at least ½: converges at all nodes;
+/// * the largest at least ½: converges at all vertices;
 /// * else the mean at least ½: in the mean only;
 /// * else the largest below −½: diverges;
 /// * else: stalls.

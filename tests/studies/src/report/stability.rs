@@ -43,7 +43,7 @@ pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     writeln!(
         out,
         "Written by `cargo run --release --package helfrich-studies -- stability --markdown \
-         docs/STABILITY.md`; `--large` adds a mesh of a million nodes. Each row is a test: \
+         docs/STABILITY.md`; `--large` adds a mesh of a million vertices. Each row is a test: \
          `tests/studies/tests/studies/stability.rs` makes the same table and fails where a row does not pass.\n"
     )?;
     for group in rows.chunk_by(|a, b| a.group == b.group) {

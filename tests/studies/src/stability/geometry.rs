@@ -147,14 +147,14 @@ const CASES: &[Case] = &[
         bound: slivers,
     },
     Case {
-        name: "coincident nodes",
+        name: "coincident vertices",
         meaning: "Some vertices are exactly at a neighbour: triangles without area.",
         specimen: |_| specimen::needles(0.0),
         clean: Some(Clean::Ellipsoid),
         bound: slivers,
     },
     Case {
-        name: "nearly coincident nodes",
+        name: "nearly coincident vertices",
         meaning: "Some vertices are 1e-12 edge lengths from a neighbour (1e-6 in f32).",
         specimen: |scalar| specimen::needles(if is_single(scalar) { 1e-6 } else { 1e-12 }),
         clean: Some(Clean::Ellipsoid),
@@ -169,9 +169,9 @@ const CASES: &[Case] = &[
         bound: slivers,
     },
     Case {
-        name: "four nodes",
+        name: "four vertices",
         meaning: "A tetrahedron. Fits that need more than three neighbours report it.",
-        specimen: |_| specimen::four_nodes(),
+        specimen: |_| specimen::four_vertices(),
         clean: None,
         bound: |method, _| match method {
             BendingMethod::Farutin | BendingMethod::J4 | BendingMethod::J6 => {
@@ -300,7 +300,7 @@ const CASES: &[Case] = &[
 
 /// The mesh of a million vertices, which takes minutes.
 const LARGE: Case = Case {
-    name: "a million nodes",
+    name: "a million vertices",
     meaning: "A torus of 1e6 vertices; in f32 its positions have too few digits, and all are flagged.",
     specimen: |_| specimen::torus(1_000_000),
     clean: None,

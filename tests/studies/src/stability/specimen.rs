@@ -225,7 +225,7 @@ pub(super) fn valences() -> Made {
 }
 
 /// The regular tetrahedron.
-pub(super) fn four_nodes() -> Made {
+pub(super) fn four_vertices() -> Made {
     let positions = [
         [1.0; 3],
         [1.0, -1.0, -1.0],
