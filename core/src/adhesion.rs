@@ -1,11 +1,10 @@
 //! Adhesion to a wall.
 
 use crate::components::Components;
-use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::functional::ComponentElements;
 use crate::mesh::TriangleMesh;
-use crate::method::{Method, ParameterError, TwoPass, Workspace};
+use crate::method::{Method, ParameterError, TwoPass};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{add, dot, scale, sub};
@@ -71,6 +70,7 @@ impl<T: Real> ElementKernel<T, 3, 2, 3> for Pull<T> {
 
 impl<T: Real> Method<T> for WallAdhesion<T> {
     type Memory = WallAdhesionMemory<T>;
+    const NEEDS_AREAS: bool = true;
 
     fn memory(&self, mesh: &TriangleMesh) -> WallAdhesionMemory<T> {
         let triangles = mesh.triangles().iter().copied();
@@ -88,16 +88,6 @@ impl<T: Real> Method<T> for WallAdhesion<T> {
         ParameterError::unless_finite("inverse range of the adhesion", self.range.recip())?;
         ParameterError::unless_all_finite("point of the wall", self.wall)?;
         ParameterError::unless_all_finite("normal of the wall", self.normal)
-    }
-
-    fn inspect(
-        &self,
-        surface: Surface<'_, T>,
-        workspace: &Workspace<T, Self>,
-        report: &mut dyn FnMut(Finding),
-    ) {
-        workspace.for_mesh(surface.mesh());
-        surface.report_degenerate_triangles(report);
     }
 }
 

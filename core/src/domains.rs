@@ -3,13 +3,12 @@
 //! F. Jülicher, R. Lipowsky, Phys. Rev. E 53 (1996) 2670. The discretisation and its gradient are our own.
 
 use crate::bending::MaterialParameter;
-use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::functional::LengthGradient;
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
 use crate::mesh_identity::MeshIdentity;
-use crate::method::{Method, ParameterError, TwoPass, Workspace};
+use crate::method::{Method, ParameterError, TwoPass};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub};
@@ -65,6 +64,7 @@ impl<T: Real> ElementKernel<T, 3, 1, 3> for Turn {
 
 impl<T: Real> Method<T> for GaussianDomains<T> {
     type Memory = GaussianDomainsMemory<T>;
+    const NEEDS_AREAS: bool = true;
 
     fn memory(&self, _mesh: &TriangleMesh) -> GaussianDomainsMemory<T> {
         GaussianDomainsMemory::default()
@@ -73,16 +73,6 @@ impl<T: Real> Method<T> for GaussianDomains<T> {
     fn check(&self) -> Result<(), ParameterError> {
         let values = self.modulus.values().iter().copied();
         ParameterError::unless_all_finite("Gaussian modulus", values)
-    }
-
-    fn inspect(
-        &self,
-        surface: Surface<'_, T>,
-        workspace: &Workspace<T, Self>,
-        report: &mut dyn FnMut(Finding),
-    ) {
-        workspace.for_mesh(surface.mesh());
-        surface.report_degenerate_triangles(report);
     }
 }
 

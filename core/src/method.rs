@@ -18,6 +18,10 @@ pub trait Method<T: Real>: Sized {
     /// the results of that evaluation.
     type Memory: Clone + fmt::Debug;
 
+    /// Whether triangles without area are missing in the results, so that [`Self::inspect`] reports
+    /// them.
+    const NEEDS_AREAS: bool = false;
+
     /// Makes the memory for a mesh: works out what follows from the connectivity.
     fn memory(&self, mesh: &TriangleMesh) -> Self::Memory;
 
@@ -45,9 +49,12 @@ pub trait Method<T: Real>: Sized {
         &self,
         surface: Surface<'_, T>,
         workspace: &Workspace<T, Self>,
-        _report: &mut dyn FnMut(Finding),
+        report: &mut dyn FnMut(Finding),
     ) {
         workspace.for_mesh(surface.mesh());
+        if Self::NEEDS_AREAS {
+            surface.report_degenerate_triangles(report);
+        }
     }
 }
 

@@ -5,7 +5,6 @@
 //! (1994) 5389.
 
 use super::Targets;
-use crate::diagnostic::Finding;
 use crate::element::Execution;
 use crate::functional::{Functional, TotalArea, TotalMeanCurvature};
 use crate::lane::Lane;
@@ -60,6 +59,7 @@ impl<T: Real> AreaDifference<T> {
 
 impl<T: Real> Method<T> for AreaDifference<T> {
     type Memory = AreaDifferenceMemory<T>;
+    const NEEDS_AREAS: bool = true;
 
     fn memory(&self, mesh: &TriangleMesh) -> AreaDifferenceMemory<T> {
         AreaDifferenceMemory {
@@ -74,16 +74,6 @@ impl<T: Real> Method<T> for AreaDifference<T> {
     fn check(&self) -> Result<(), ParameterError> {
         ParameterError::unless_finite("modulus of the area difference", self.modulus)?;
         self.targets.check("target of ∫ H dS")
-    }
-
-    fn inspect(
-        &self,
-        surface: Surface<'_, T>,
-        workspace: &Workspace<T, Self>,
-        report: &mut dyn FnMut(Finding),
-    ) {
-        workspace.for_mesh(surface.mesh());
-        surface.report_degenerate_triangles(report);
     }
 }
 

@@ -5,7 +5,6 @@
 //! (1985) 119.
 
 use super::Dissipation;
-use crate::diagnostic::Finding;
 use crate::elasticity::Change;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::lane::Lane;
@@ -113,22 +112,13 @@ impl<T: Real> ElementKernel<T, 3, 3, 3> for MembraneViscosity<T> {
 
 impl<T: Real> Method<T> for MembraneViscosity<T> {
     type Memory = ();
+    const NEEDS_AREAS: bool = true;
 
     fn memory(&self, _mesh: &TriangleMesh) {}
 
     fn check(&self) -> Result<(), ParameterError> {
         ParameterError::unless_finite("shear viscosity of the membrane", self.shear)?;
         ParameterError::unless_finite("dilational viscosity of the membrane", self.dilational)
-    }
-
-    fn inspect(
-        &self,
-        surface: Surface<'_, T>,
-        workspace: &Workspace<T, Self>,
-        report: &mut dyn FnMut(Finding),
-    ) {
-        workspace.for_mesh(surface.mesh());
-        surface.report_degenerate_triangles(report);
     }
 }
 

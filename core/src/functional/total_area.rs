@@ -2,7 +2,6 @@
 
 use super::{ComponentElements, Functional};
 use crate::components::Components;
-use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::mesh::TriangleMesh;
 use crate::method::{Method, Workspace};
@@ -33,19 +32,10 @@ impl<T: Real> ElementKernel<T, 3, 0, 3> for AreaGradient<T> {
 
 impl<T: Real> Method<T> for TotalArea {
     type Memory = ComponentElements<3>;
+    const NEEDS_AREAS: bool = true;
 
     fn memory(&self, mesh: &TriangleMesh) -> ComponentElements<3> {
         ComponentElements::new(Components::new(mesh), mesh.triangles().iter().copied())
-    }
-
-    fn inspect(
-        &self,
-        surface: Surface<'_, T>,
-        workspace: &Workspace<T, Self>,
-        report: &mut dyn FnMut(Finding),
-    ) {
-        workspace.for_mesh(surface.mesh());
-        surface.report_degenerate_triangles(report);
     }
 }
 

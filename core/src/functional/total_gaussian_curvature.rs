@@ -4,7 +4,6 @@
 
 use super::{ComponentElements, Functional};
 use crate::components::Components;
-use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::lane::Lane;
 use crate::mesh::{TriangleMesh, VertexKind};
@@ -61,6 +60,7 @@ impl<T: Real> ElementKernel<T, 3, 0, 3> for AngleGradient<T> {
 
 impl<T: Real> Method<T> for TotalGaussianCurvature {
     type Memory = GaussianCurvatureMemory;
+    const NEEDS_AREAS: bool = true;
 
     fn memory(&self, mesh: &TriangleMesh) -> GaussianCurvatureMemory {
         let components = Components::new(mesh);
@@ -89,16 +89,6 @@ impl<T: Real> Method<T> for TotalGaussianCurvature {
             corners: ComponentElements::new(components.clone(), corners),
             half_turns,
         }
-    }
-
-    fn inspect(
-        &self,
-        surface: Surface<'_, T>,
-        workspace: &Workspace<T, Self>,
-        report: &mut dyn FnMut(Finding),
-    ) {
-        workspace.for_mesh(surface.mesh());
-        surface.report_degenerate_triangles(report);
     }
 }
 

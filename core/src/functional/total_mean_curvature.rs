@@ -5,7 +5,6 @@
 use super::{ComponentElements, Functional};
 use crate::bending::{Hinge, Hinges};
 use crate::components::Components;
-use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::mesh::TriangleMesh;
 use crate::method::{Method, Workspace};
@@ -41,20 +40,11 @@ impl<T: Real> ElementKernel<T, 4, 0, 3> for MeanCurvatureGradient<T> {
 
 impl<T: Real> Method<T> for TotalMeanCurvature {
     type Memory = ComponentElements<4>;
+    const NEEDS_AREAS: bool = true;
 
     fn memory(&self, mesh: &TriangleMesh) -> ComponentElements<4> {
         let hinges = Hinges::new(mesh).vertices;
         ComponentElements::new(Components::new(mesh), hinges.into_iter())
-    }
-
-    fn inspect(
-        &self,
-        surface: Surface<'_, T>,
-        workspace: &Workspace<T, Self>,
-        report: &mut dyn FnMut(Finding),
-    ) {
-        workspace.for_mesh(surface.mesh());
-        surface.report_degenerate_triangles(report);
     }
 }
 
