@@ -2,7 +2,7 @@
 //! explanations that need the meshes are in [`simulation`](crate::simulation).
 //!
 //! A scene lists its surfaces, the effects that act on each, the driver and the outputs. An absent
-//! effect is `None` and costs nothing. Every number of a [`Scene`] is in the scene's [`Units`]; numbers
+//! effect is `None` and costs nothing. Every number of a [`Scene`] is in the scene's [`UnitSystem`]; numbers
 //! of the file with a unit are converted.
 //!
 //! The module `tables` lists all keys with form, dimension and range. The messages of the parser and
@@ -55,7 +55,7 @@ pub use problem::{Place, Problem, SceneError, SceneErrors};
 pub use schema::json_schema;
 pub(crate) use shipped::shipped_file;
 pub use shipped::{SHIPPED, ShippedScene, shipped_files};
-pub use surface::{Obstacle, Orientation, SurfaceScene};
+pub use surface::{ObstacleScene, Orientation, SurfaceScene};
 pub(crate) use units::{Dimension, thermal_energy};
 
 use crate::flow::Barrier;
@@ -70,17 +70,17 @@ pub struct Scene {
     /// One line that describes the scene.
     pub title: String,
     /// The units of every number in the scene.
-    pub units: Units,
+    pub units: UnitSystem,
     /// The temperature in kelvin, if the scene has this key, or a number in the unit kT.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature: Option<f64>,
     /// The surfaces, at least one, with different names.
     pub surfaces: Vec<SurfaceScene>,
     /// Interactions between surfaces.
-    pub interactions: Vec<Interaction>,
+    pub interactions: Vec<InteractionScene>,
     /// Bodies at rest in the fluid, with different names.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub obstacles: Vec<Obstacle>,
+    pub obstacles: Vec<ObstacleScene>,
     /// The driver, which moves the surfaces.
     pub driver: Driver,
     /// The outputs and their intervals.
@@ -111,7 +111,7 @@ impl Scene {
 /// The units of a scene's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Units {
+pub enum UnitSystem {
     /// µm, pN and s, and what follows from them: pN·µm = 10⁻¹⁸ J, pN/µm = µN/m, pN/µm² = Pa.
     Micro,
     /// Numbers without units.
@@ -121,7 +121,7 @@ pub enum Units {
 /// An interaction between surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
-pub enum Interaction {
+pub enum InteractionScene {
     /// Short-range repulsion of two surfaces, with all their images in a periodic box: see
     /// [`helfrich::Repulsion`].
     Repulsion {
@@ -136,7 +136,7 @@ pub enum Interaction {
     },
 }
 
-impl Interaction {
+impl InteractionScene {
     /// The repulsion in the form that limits of steps need.
     pub(crate) fn barrier(&self) -> Barrier {
         let Self::Repulsion {

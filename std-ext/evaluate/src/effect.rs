@@ -38,7 +38,11 @@ pub struct Effect {
 
 impl Effect {
     /// A method whose force is the gradient of its energy.
-    pub fn conservative(name: &'static str, method: impl Potential, mesh: &TriangleMesh) -> Self {
+    pub fn conservative(
+        name: &'static str,
+        method: impl CompiledPotential,
+        mesh: &TriangleMesh,
+    ) -> Self {
         Self::new(name, true, method.prepared(mesh).0)
     }
 
@@ -119,7 +123,7 @@ impl Effect {
     }
 
     /// Replaces the method, and keeps the cost so far.
-    pub fn replace(&mut self, method: impl Potential, mesh: &TriangleMesh) {
+    pub fn replace(&mut self, method: impl CompiledPotential, mesh: &TriangleMesh) {
         self.prepared = method.prepared(mesh).0;
         self.conservative = true;
     }
@@ -143,18 +147,18 @@ impl Effect {
     message = "`{Self}` is not in the list of potentials",
     note = "add it to `potentials!` in std-ext/evaluate/src/effect.rs, where its loops are compiled"
 )]
-pub trait Potential: Conservative<f64> {
+pub trait CompiledPotential: Conservative<f64> {
     /// The method, prepared for a mesh.
     fn prepared(self, mesh: &TriangleMesh) -> PreparedPotential;
 }
 
-/// A [`Potential`] that is prepared for a mesh.
+/// A [`CompiledPotential`] that is prepared for a mesh.
 #[derive(Debug)]
 pub struct PreparedPotential(Box<dyn Act>);
 
 macro_rules! potentials {
     ($($method:ty),* $(,)?) => {$(
-        impl Potential for $method {
+        impl CompiledPotential for $method {
             fn prepared(self, mesh: &TriangleMesh) -> PreparedPotential {
                 PreparedPotential(Box::new(prepared(self, mesh)))
             }

@@ -172,7 +172,7 @@ impl Deformation {
     /// The ellipse with the second moments in a plane. If the body is symmetric to the plane, as a
     /// capsule in simple shear is, its semi-axes are two of [`Self::semi_axes`]; they are the longest
     /// and the shortest one if the semi-axis across the plane lies between them.
-    pub fn in_plane(&self, plane: ShearPlane) -> InPlane {
+    pub fn in_plane(&self, plane: ShearPlane) -> MomentEllipse {
         let moments = DMat3::from_cols_array_2d(&self.second_moments);
         let [flow, gradient] = [plane.flow, plane.gradient].map(DVec3::from);
         let [along, across] = [flow, gradient].map(|axis| axis.dot(moments * axis));
@@ -180,7 +180,7 @@ impl Deformation {
         let (middle, half) = (0.5 * (along + across), 0.5 * (along - across));
         let reach = half.hypot(mixed);
         let inclination = 0.5 * mixed.atan2(half).to_degrees();
-        InPlane {
+        MomentEllipse {
             semi_axes: [middle + reach, middle - reach].map(|value| (5.0 * value).sqrt()),
             // The arctangent distinguishes −0 from 0.
             inclination: if inclination <= -90.0 {
@@ -194,7 +194,7 @@ impl Deformation {
 
 /// A body in the plane of a flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InPlane {
+pub struct MomentEllipse {
     /// The longer and the shorter semi-axis.
     pub semi_axes: [f64; 2],
     /// The angle between the longer semi-axis and the flow, in degrees, positive towards the
@@ -202,7 +202,7 @@ pub struct InPlane {
     pub inclination: f64,
 }
 
-impl InPlane {
+impl MomentEllipse {
     /// D of the two semi-axes: [`taylor`].
     pub fn taylor(&self) -> f64 {
         taylor(self.semi_axes)

@@ -9,7 +9,7 @@ use crate::io::{
 use crate::picture::{ColourMap, Colouring, FlowSlice, PaintedSurface, Picture, Shading, View};
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of, read_curves};
 use crate::png;
-use crate::scene::{Driver, Flow, LatticeBoltzmann, Output, Plot, Scene, Slice, Units};
+use crate::scene::{Driver, Flow, LatticeBoltzmann, Output, Plot, Scene, Slice, UnitSystem};
 use crate::series::SeriesTable;
 use crate::simulation::{Acting, Body, Simulation};
 use glam::DVec3;
@@ -171,8 +171,8 @@ impl Run<'_> {
                 ..view(scene)
             },
             length_unit: match scene.units {
-                Units::Micro => Some("µm"),
-                Units::None => None,
+                UnitSystem::Micro => Some("µm"),
+                UnitSystem::None => None,
             },
         };
         let path = folder.join(format!("{:08}.png", mark.number));
@@ -268,8 +268,8 @@ impl Run<'_> {
             let positions = self.drive.positions();
             let surfaces = Vec::from_iter(bodies.filter_map(|body| body.surface(positions)));
             let (length, speed) = match scene.units {
-                Units::Micro => (Some("µm"), "|u| (µm/s)"),
-                Units::None => (None, "|u|"),
+                UnitSystem::Micro => (Some("µm"), "|u| (µm/s)"),
+                UnitSystem::None => (None, "|u|"),
             };
             let picture = FlowSlice {
                 size: PICTURE_SIZE,

@@ -5,7 +5,7 @@ use super::drive::Drive;
 use super::quality::{self, Flagged};
 use crate::effect::Effect;
 use crate::picture::Frame;
-use crate::scene::{Bending, Named, PictureField, Scene, Units};
+use crate::scene::{Bending, Named, PictureField, Scene, UnitSystem};
 use crate::simulation::{Acting, Body, Simulation};
 use helfrich::{Cotangent, Curvature, DualArea, Prepared, Surface};
 use std::f64::consts::PI;
@@ -250,14 +250,14 @@ pub(super) fn picture_field(
 }
 
 /// Quantity shown by a picture's colours, with its unit.
-pub(super) fn picture_label(field: PictureField, units: Units) -> String {
+pub(super) fn picture_label(field: PictureField, units: UnitSystem) -> String {
     let (name, unit) = match field {
         PictureField::MeanCurvature => ("H", "1/µm"),
         PictureField::GaussianCurvature => ("K", "1/µm²"),
         PictureField::BendingForce => ("|f|", "Pa"),
     };
     match units {
-        Units::Micro => format!("{name} ({unit})"),
-        Units::None => name.to_owned(),
+        UnitSystem::Micro => format!("{name} ({unit})"),
+        UnitSystem::None => name.to_owned(),
     }
 }

@@ -15,7 +15,7 @@ use super::source::Source;
 use super::tables::SCENE;
 use super::units::{Scale, TEMPERATURE, is_thermal};
 use super::value::{Origin, Origins, Table, Value};
-use super::{Driver, Interaction, MeshFiles, Scene, SceneFile, SurfaceScene, Units};
+use super::{Driver, InteractionScene, MeshFiles, Scene, SceneFile, SurfaceScene, UnitSystem};
 use crate::flow::Barrier;
 use crate::six::rounded;
 use helfrich::Images;
@@ -57,8 +57,8 @@ pub(super) fn parse(
     let mut table = Table::new(document.get_ref(), &Origin::Text);
     let mut problems = Problems(overrides.apply(&SCENE, &mut table));
     let units = match table.get("units").map(|node| &node.value) {
-        Some(Value::Text(name)) if name == "none" => Units::None,
-        _ => Units::Micro,
+        Some(Value::Text(name)) if name == "none" => UnitSystem::None,
+        _ => UnitSystem::Micro,
     };
     let temperature = match table.get("temperature").map(|node| &node.value) {
         Some(Value::Integer(kelvin)) => *kelvin as f64,
@@ -94,8 +94,8 @@ pub(super) fn parse(
 }
 
 impl Builder<'_> {
-    fn scene(&mut self, scene: Reader<'_>, units: Units) -> Scene {
-        if units == Units::None && scene.has("temperature") {
+    fn scene(&mut self, scene: Reader<'_>, units: UnitSystem) -> Scene {
+        if units == UnitSystem::None && scene.has("temperature") {
             self.contradiction(
                 &scene.origin_of("temperature"),
                 "`temperature` is that of the unit kT, and numbers have no units in this scene: leave it \
@@ -169,7 +169,7 @@ impl Builder<'_> {
         interaction: Reader<'_>,
         surfaces: &[SurfaceScene],
         images: Option<&Images<f64>>,
-    ) -> Interaction {
+    ) -> InteractionScene {
         let alone = images.is_some_and(|images| !images.is_periodic());
         if surfaces.len() == 1 && alone {
             self.contradiction(
@@ -215,7 +215,7 @@ impl Builder<'_> {
                 between = Some([a, b]);
             }
         }
-        Interaction::Repulsion {
+        InteractionScene::Repulsion {
             strength: interaction.needed("strength"),
             cutoff,
             between,

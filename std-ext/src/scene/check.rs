@@ -1,6 +1,6 @@
 //! Compares values with the table of keys.
 
-use super::Units;
+use super::UnitSystem;
 use super::keys::{Form, Key, Keys, Kind, Presence, Range, nearest};
 use super::problem::{Problem, Problems, expected_number};
 use super::units::{Dimension, QuantityError, Scale, quantity};
@@ -323,7 +323,7 @@ fn starts_as_number(text: &str) -> bool {
 }
 
 /// The expected value, in words.
-fn expected(form: &Form, units: Units) -> String {
+fn expected(form: &Form, units: UnitSystem) -> String {
     match form {
         Form::Text => "a text".to_owned(),
         Form::Name => "a letter, then letters, digits, `-` and `_`,".to_owned(),
@@ -407,12 +407,12 @@ fn check_number(
             });
         }
     };
-    if !text.is_empty() && units == Units::None && starts_as_number(&text) {
+    if !text.is_empty() && units == UnitSystem::None && starts_as_number(&text) {
         return Some(Problem::UnitWithoutUnits { key, text });
     }
     let example = match units {
-        Units::Micro => dimension.example(),
-        Units::None => "",
+        UnitSystem::Micro => dimension.example(),
+        UnitSystem::None => "",
     };
     let no_quantity = |reason: String| Problem::NoQuantity {
         key: key.clone(),

@@ -1,6 +1,6 @@
 //! Numbers with their units, for explanations.
 
-use super::Units;
+use super::UnitSystem;
 use super::units::Dimension;
 use serde::Serialize;
 
@@ -16,10 +16,10 @@ pub struct Parameter {
 }
 
 /// Numbers with the units of a scene.
-pub(crate) struct Parameters(Units);
+pub(crate) struct Parameters(UnitSystem);
 
 impl Parameters {
-    pub(crate) fn new(units: Units) -> Self {
+    pub(crate) fn new(units: UnitSystem) -> Self {
         Self(units)
     }
 

@@ -1,6 +1,6 @@
 //! Problems of a scene, and their messages.
 
-use super::Units;
+use super::UnitSystem;
 use super::units::Dimension;
 use super::value::Origin;
 use crate::generate::{GenerateError, ParseShapeError};
@@ -358,9 +358,9 @@ fn or_example(example: &str) -> String {
 }
 
 /// The expected number, in words: its dimension and its unit in the scene.
-pub(super) fn expected_number(dimension: Dimension, units: Units) -> String {
+pub(super) fn expected_number(dimension: Dimension, units: UnitSystem) -> String {
     match dimension.unit(units).as_str() {
-        "" if units == Units::None => "a number".to_owned(),
+        "" if units == UnitSystem::None => "a number".to_owned(),
         "" => dimension.name(),
         unit => format!("{} in {unit}", dimension.name()),
     }

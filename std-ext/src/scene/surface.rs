@@ -91,7 +91,7 @@ impl SurfaceScene {
 
 /// A closed body at rest in the fluid.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Obstacle {
+pub struct ObstacleScene {
     /// The obstacle's name; `obstacle-1` and so on for those without one.
     pub name: String,
     /// The source of its mesh.

@@ -1,6 +1,6 @@
 //! Dimensions, units, and numbers with a unit.
 
-use super::Units;
+use super::UnitSystem;
 
 /// Boltzmann's constant, 1.380649e-23 J/K by definition of the kelvin, in pN·µm/K.
 const BOLTZMANN: f64 = 1.380649e-5;
@@ -11,7 +11,7 @@ pub(super) const TEMPERATURE: f64 = 298.15;
 /// The units of a scene, in which its numbers are read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
-    pub(super) units: Units,
+    pub(super) units: UnitSystem,
     /// In kelvin.
     pub(super) temperature: f64,
 }
@@ -105,10 +105,10 @@ impl Dimension {
     }
 
     /// The unit of plain numbers in a scene; empty if there is none.
-    pub(crate) fn unit(self, units: Units) -> String {
+    pub(crate) fn unit(self, units: UnitSystem) -> String {
         match units {
-            Units::Micro => self.symbol(),
-            Units::None => String::new(),
+            UnitSystem::Micro => self.symbol(),
+            UnitSystem::None => String::new(),
         }
     }
 

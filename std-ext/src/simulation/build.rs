@@ -135,8 +135,12 @@ fn obstacles(
 }
 
 /// An interaction of these bodies.
-fn between_bodies(interaction: &scene::Interaction, bodies: usize, images: Images<f64>) -> Between {
-    let scene::Interaction::Repulsion {
+fn between_bodies(
+    interaction: &scene::InteractionScene,
+    bodies: usize,
+    images: Images<f64>,
+) -> Between {
+    let scene::InteractionScene::Repulsion {
         strength,
         cutoff,
         between,

@@ -7,7 +7,7 @@ use crate::generate::{Family, ShapeDeviation};
 use crate::info::MeshInfo;
 use crate::noise::Quieted;
 use crate::scene::{
-    Driver, Flow, Interaction, MeshCheck, MeshSource, Reference, SceneError, SceneErrors,
+    Driver, Flow, InteractionScene, MeshCheck, MeshSource, Reference, SceneError, SceneErrors,
     SceneFile, SurfaceScene,
 };
 use crate::six::{Six, rounded};
@@ -148,7 +148,7 @@ impl SceneFile {
             warnings.push(self.doubt(path, message));
         };
         for (index, interaction) in self.scene.interactions.iter().enumerate() {
-            let Interaction::Repulsion {
+            let InteractionScene::Repulsion {
                 cutoff, between, ..
             } = interaction;
             let concerned = between.is_none_or(|pair| pair.contains(&surface));

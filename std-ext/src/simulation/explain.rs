@@ -11,8 +11,8 @@ pub use lattice::LatticeExplanation;
 use crate::generate::ShapeDeviation;
 use crate::info::MeshInfo;
 use crate::scene::{
-    Boundary, Dimension, Driver, Effects, Group, Interaction, MeshSource, Parameter, Parameters,
-    Relax, Scene, Scheme, SurfaceScene, Units, thermal_energy,
+    Boundary, Dimension, Driver, Effects, Group, InteractionScene, MeshSource, Parameter,
+    Parameters, Relax, Scene, Scheme, SurfaceScene, UnitSystem, thermal_energy,
 };
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -23,7 +23,7 @@ pub struct Explanation {
     /// The scene's title.
     pub title: String,
     /// The units of its numbers.
-    pub units: Units,
+    pub units: UnitSystem,
     /// The temperature in kelvin, if the unit kT is used, and kT in pN·µm.
     pub temperature: Option<[f64; 2]>,
     /// Surface by surface.
@@ -115,8 +115,8 @@ impl Scene {
             vertices * (BASE_BYTES + driver + effects.sum::<u64>())
         });
         let number = Parameters::new(self.units);
-        let interaction = |interaction: &Interaction| {
-            let Interaction::Repulsion {
+        let interaction = |interaction: &InteractionScene| {
+            let InteractionScene::Repulsion {
                 strength,
                 cutoff,
                 between,

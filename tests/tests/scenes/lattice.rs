@@ -10,8 +10,8 @@ use helfrich_std::flow::lattice_boltzmann::Kernel;
 use helfrich_std::info::MeshInfo;
 use helfrich_std::scalar::Scalar;
 use helfrich_std::scene::{
-    Driver, Every, Flow, LatticeBoltzmann, MeshSource, Obstacle, Orientation, Probe, Scene, Volume,
-    json_schema,
+    Driver, Every, Flow, LatticeBoltzmann, MeshSource, ObstacleScene, Orientation, Probe, Scene,
+    Volume, json_schema,
 };
 use helfrich_std::simulation::{BuildError, build};
 use helfrich_tests::tolerance::{self, Tolerance};
@@ -162,7 +162,7 @@ fn every_key_is_read() {
         bump.source,
         MeshSource::Shape { vertices: 642, .. }
     ));
-    let placed = Obstacle {
+    let placed = ObstacleScene {
         name: "bump".to_owned(),
         source: bump.source.clone(),
         scale: 4.0,
@@ -173,7 +173,7 @@ fn every_key_is_read() {
         }),
     };
     assert_eq!(bump, &placed);
-    let file = Obstacle {
+    let file = ObstacleScene {
         name: "obstacle-2".to_owned(),
         source: MeshSource::File(mesh_file("folder/bump.ply")),
         scale: 1.0,

@@ -1,7 +1,7 @@
 //! Private modules of helfrich-std with their own tests: compiled here, so that the library need not be
 //! compiled a second time for them.
 
-use helfrich_std::scene::Units;
+use helfrich_std::scene::UnitSystem;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
 #[path = "../../../std-ext/src/scene/units.rs"]

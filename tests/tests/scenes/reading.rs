@@ -4,8 +4,9 @@ use super::{folder, generated, mesh_file, shipped, valid, with};
 use helfrich::DualArea;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::scene::{
-    Adhesion, AreaDifferenceTarget, Driver, Every, Hold, InPlaneLaw, Interaction, Material,
-    MeshSource, Overrides, Place, ReferenceSource, SceneFile, Scheme, Target, Units, VolumeTarget,
+    Adhesion, AreaDifferenceTarget, Driver, Every, Hold, InPlaneLaw, InteractionScene, Material,
+    MeshSource, Overrides, Place, ReferenceSource, SceneFile, Scheme, Target, UnitSystem,
+    VolumeTarget,
 };
 
 /// A scene with every key of surfaces, interactions, relaxations and outputs.
@@ -87,7 +88,7 @@ fn every_key_of_a_mesh_is_read() {
     let scene = &file.scene;
     assert_eq!(
         (scene.title.as_str(), scene.units),
-        ("Everything", Units::Micro)
+        ("Everything", UnitSystem::Micro)
     );
     let [a, b] = scene.surfaces.as_slice() else {
         panic!("two surfaces");
@@ -211,7 +212,7 @@ fn every_key_of_targets_and_loads_is_read() {
 fn every_key_of_a_relaxation_is_read() {
     let file = valid(EVERYTHING);
     let scene = &file.scene;
-    let repulsion = Interaction::Repulsion {
+    let repulsion = InteractionScene::Repulsion {
         strength: 0.1,
         cutoff: 0.2,
         between: Some([1, 0]),

@@ -4,8 +4,8 @@ use super::super::builder::Builder;
 use super::super::reader::Reader;
 use super::super::value::{Origin, default_name};
 use super::super::{
-    Driver, Every, Flow, LatticeBoltzmann, MeshFileSource, MeshFiles, MeshSource, Obstacle, Output,
-    Scene, SurfaceScene,
+    Driver, Every, Flow, LatticeBoltzmann, MeshFileSource, MeshFiles, MeshSource, ObstacleScene,
+    Output, Scene, SurfaceScene,
 };
 use crate::flow::lattice_boltzmann::Kernel;
 use crate::flow::lattice_boltzmann::limits::{
@@ -444,7 +444,7 @@ impl Builder<'_> {
         &mut self,
         readers: &[Reader<'_>],
         driver: Option<&Driver>,
-    ) -> Vec<Obstacle> {
+    ) -> Vec<ObstacleScene> {
         if let (Some(driver), [first, ..]) = (driver, readers)
             && !matches!(driver, Driver::LatticeBoltzmann(_))
         {
@@ -459,7 +459,7 @@ impl Builder<'_> {
         }
         let mut obstacles = Vec::with_capacity(readers.len());
         for (index, reader) in readers.iter().enumerate() {
-            obstacles.push(Obstacle {
+            obstacles.push(ObstacleScene {
                 name: match reader.text("name") {
                     Some(name) => name.to_owned(),
                     None => default_name("obstacle", index),

@@ -1,7 +1,7 @@
 //! Effects prepared for the mesh of their surface.
 
 use super::{Effects, Stretch};
-use crate::effect::{CannotBend, Effect, Lumping, Potential, Viscosity};
+use crate::effect::{CannotBend, CompiledPotential, Effect, Lumping, Viscosity};
 use helfrich::{
     Constraint, LoadError, ParameterError, Quantity, ReferenceError, Surface, SurfaceError,
     Targets, TriangleMesh,
@@ -64,7 +64,7 @@ impl Preparation<'_> {
     pub(super) fn conservative(
         &mut self,
         name: &'static str,
-        method: impl Potential,
+        method: impl CompiledPotential,
     ) -> Result<(), EffectError> {
         method.check()?;
         let effect = Effect::conservative(name, method, self.surface.mesh());

@@ -5,7 +5,7 @@ use super::super::keys::{Form, Keys, NUMBER, optional};
 use super::super::mesh_source::WELD;
 use super::super::value::Origin;
 use super::{Builder, EffectError, MeshSource, Named, Preparation, Reader};
-use crate::effect::Potential;
+use crate::effect::CompiledPotential;
 use crate::generate::{AnyShape, Family};
 use helfrich::{InPlane, StrainEnergy, Surface};
 use serde::Serialize;
@@ -145,7 +145,7 @@ impl Preparation<'_> {
     ) -> Result<(), EffectError>
     where
         W: StrainEnergy<f64>,
-        InPlane<f64, W>: Potential,
+        InPlane<f64, W>: CompiledPotential,
     {
         let unstressed = Surface::new(self.mesh(), &self.unstressed)?;
         let law = InPlane::new(law, self.mesh(), unstressed)

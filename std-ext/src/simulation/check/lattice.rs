@@ -5,7 +5,7 @@ use crate::flow::lattice_boltzmann::limits::{
     COMPRESSION, FINITE_BOX, FREE_BOX, INERTIA, ImmersedMembrane, OSCILLATING,
 };
 use crate::info::MeshInfo;
-use crate::scene::{AXES, Flow, Interaction, LatticeBoltzmann, SceneFile, SurfaceScene};
+use crate::scene::{AXES, Flow, InteractionScene, LatticeBoltzmann, SceneFile, SurfaceScene};
 use crate::six::rounded;
 
 /// Range of the mean edge in node spacings. Longer edges leave gaps through which fluid leaks;
@@ -335,7 +335,7 @@ impl Doubts<'_> {
                 .scene
                 .interactions
                 .iter()
-                .map(Interaction::barrier),
+                .map(InteractionScene::barrier),
         );
         let stiff = lattice.parameters().membrane_limits(&[membrane]);
         let barrier = lattice.parameters().barrier_limit(&[membrane], &barriers);

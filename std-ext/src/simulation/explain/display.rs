@@ -1,7 +1,7 @@
 //! An explanation as text.
 
 use super::{Active, Explanation, LatticeExplanation, SurfaceExplanation};
-use crate::scene::{Group, Parameter, Units};
+use crate::scene::{Group, Parameter, UnitSystem};
 use std::fmt;
 
 impl fmt::Display for Explanation {
@@ -10,8 +10,8 @@ impl fmt::Display for Explanation {
             writeln!(f, "{}", self.title)?;
         }
         let units = match self.units {
-            Units::Micro => "µm, pN, s",
-            Units::None => "none",
+            UnitSystem::Micro => "µm, pN, s",
+            UnitSystem::None => "none",
         };
         writeln!(f, "units: {units}")?;
         if let Some([kelvin, energy]) = self.temperature {

@@ -5,8 +5,8 @@ use crate::generate::Family;
 use crate::info::{MeshInfo, mean_edge};
 use crate::method::BendingMethod;
 use crate::scene::{
-    BoundaryIntegral, Dimension, Driver, Every, Integrator, Interaction, MeshSource, Parameter,
-    Parameters, Scene, SurfaceScene,
+    BoundaryIntegral, Dimension, Driver, Every, Integrator, InteractionScene, MeshSource,
+    Parameter, Parameters, Scene, SurfaceScene,
 };
 
 pub(super) fn explain(driver: &Driver, meshes: &[MeshInfo], number: &Parameters) -> Active {
@@ -160,7 +160,7 @@ fn of_repulsion(scene: &Scene, meshes: &[MeshInfo], driver: &BoundaryIntegral) -
     let (pressure, edge) = membranes.fold((flow, f64::INFINITY), |(pressure, edge), membrane| {
         (membrane.pressure().max(pressure), membrane.edge.min(edge))
     });
-    let rate = |interaction: &Interaction| {
+    let rate = |interaction: &InteractionScene| {
         let barrier = interaction.barrier();
         barrier.rate(pressure, edge, driver.viscosity)
     };

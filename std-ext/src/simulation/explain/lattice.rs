@@ -8,7 +8,8 @@ use crate::flow::lattice_boltzmann::{LatticeError, Setup, Sides, Speed, measure_
 use crate::info::MeshInfo;
 use crate::scalar::Scalar;
 use crate::scene::{
-    Dimension, Driver, Flow, Group, Interaction, LatticeBoltzmann, Parameters, Scene, SurfaceScene,
+    Dimension, Driver, Flow, Group, InteractionScene, LatticeBoltzmann, Parameters, Scene,
+    SurfaceScene,
 };
 use serde::Serialize;
 
@@ -52,7 +53,7 @@ pub(super) fn explain(
         .clone()
         .map(|(surface, mesh)| surface.membrane_on(mesh));
     let membranes = Vec::from_iter(membranes);
-    let barriers = Vec::from_iter(scene.interactions.iter().map(Interaction::barrier));
+    let barriers = Vec::from_iter(scene.interactions.iter().map(InteractionScene::barrier));
     let steps = (lattice.duration / lattice.step).ceil();
     let nodes: f64 = lattice.cells.iter().map(|&count| count as f64).product();
     let vertices = surfaces.clone().map(|(_, mesh)| mesh.vertices).sum();

@@ -2,7 +2,7 @@
 
 use super::super::{refused, valid};
 use super::{capsule, unbuildable};
-use helfrich_std::scene::Interaction;
+use helfrich_std::scene::InteractionScene;
 
 /// A box, and a repulsion at its end: from line 16 on.
 fn repelled(lengths: &str, between: &str) -> String {
@@ -19,7 +19,7 @@ fn one_surface_and_its_images_interact() {
     ] {
         let text = repelled("[7, 7, 7]", between);
         let scene = valid(&text).scene;
-        let [Interaction::Repulsion { between, .. }] = scene.interactions[..] else {
+        let [InteractionScene::Repulsion { between, .. }] = scene.interactions[..] else {
             panic!("{:?}", scene.interactions);
         };
         assert_eq!(between, expected);
