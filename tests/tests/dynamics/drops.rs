@@ -4,7 +4,6 @@ use crate::scenes::{column, run_file};
 use helfrich_std::run::{End, run};
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::simulation::build;
-use helfrich_tests::DROP_TAYLOR;
 use helfrich_tests::tolerance::Tolerance;
 use std::fs;
 use std::path::Path;

@@ -11,7 +11,6 @@ use helfrich_tests::meshes::{
     rotation, torus, turned,
 };
 use helfrich_tests::tolerance::{self, Tolerance};
-use helfrich_tests::tolerance::{self, Tolerance};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;

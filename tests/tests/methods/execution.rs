@@ -5,7 +5,6 @@ use helfrich::{
     Conservative, Energy, Force, InPlane, Lane, Prepared, Real, Reordering, Serial, Skalak, Surface,
 };
 use helfrich_std::execute::{Parallel, available_threads, with_threads};
-use helfrich_tests::REORDERED;
 use helfrich_tests::laws::{Candidate, ConservativeCandidate, ConservativeLaw, Law, for_each};
 use helfrich_tests::laws::{for_each_conservative, forces, largest};
 use helfrich_tests::meshes::{Mesh, bent, icosphere, sheet, small, torus};

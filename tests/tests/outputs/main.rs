@@ -2,6 +2,7 @@
 
 mod checkpoints;
 mod deformation;
+mod enclosure;
 mod pictures;
 mod plots;
 mod series;

@@ -6,7 +6,6 @@ use helfrich_std::scalar::Scalar;
 use helfrich_studies::flow::{
     BENDING, FlowCase, FlowRow, FlowStudy, Solver, boxes, largest_deviation, published, resolved,
 };
-use helfrich_tests::SERIES_EXTRAPOLATION;
 use helfrich_tests::tolerance::Tolerance;
 
 /// Extrapolations of numbers that obey their law, relative.
