@@ -1,16 +1,17 @@
 //! Curvatures and bending forces with error bars, by fits whose degree and number of neighbours are chosen
 //! from the noise at each vertex.
 //!
-//! Candidates are the jet through the vertex, and regression jets of degrees 6 and 4 over increasing
-//! numbers of neighbours. For each candidate, and each of H, K and f, two parts of the squared error
-//! are estimated around the vertex: V, due to noise, from the effect of independent errors of the
-//! estimated size; and B, due to the shape, from the distance to a candidate with less bias, as far as
-//! noise does not explain this distance. The candidate with the least B + V is chosen. Without noise V
-//! is 0, and the jet through the vertex is chosen.
+//! Candidates are the jet through the vertex, and regression jets of degrees 6 and 4 over ever more
+//! neighbours. For each of them, and each of H, K and f, two parts of the squared error are estimated
+//! around the vertex: V of noise, from what independent errors of the size that was found make of it; and B
+//! of the shape, from its distance to a candidate that the shape biases less, beyond what noise explains. The
+//! candidate with the least B + V is taken. Without noise V is 0, and this is the jet; its error is then
+//! estimated by its distance from a jet over more neighbours.
 //!
 //! O. V. Lepski, Theory Probab. Appl. 35 (1991) 454, chooses scales by distances between estimates; here
 //! distances are averaged over neighbourhoods, and extrapolated by the order of each fit.
 
+mod bias;
 mod choice;
 mod deviation;
 mod level;
@@ -31,10 +32,10 @@ use choice::{Candidate, Chosen};
 use deviation::Deviations;
 use level::{Estimates, Kind, Level};
 
-/// Number of independent samples of noise whose effect is computed.
+/// Number of independent errors whose effect is followed.
 const REPLICAS: usize = 12;
 
-/// One number for each sample.
+/// One number for each of them.
 type Values<T> = [T; REPLICAS];
 
 /// H, K and f.
@@ -43,7 +44,7 @@ const QUANTITIES: usize = 3;
 /// The largest number of nearest vertices over which estimates are averaged.
 const POOL: usize = 100;
 
-/// Index that stands for no vertex.
+/// No vertex.
 const NONE: u32 = u32::MAX;
 
 /// Neighbours of regression jets; the coarser ones for meshes from [`LARGE`] vertices on: errors are at
@@ -52,33 +53,30 @@ const LADDER: [usize; 8] = [45, 64, 90, 128, 181, 256, 362, 512];
 const COARSE_LADDER: [usize; 5] = [45, 64, 128, 256, 512];
 const LARGE: usize = 100_000;
 
-/// Least number of neighbours with which degree 4 is a candidate: with fewer it is no better than
-/// degree 6.
+/// Neighbours from which on degree 4 is a candidate: with fewer it is no better than degree 6.
 const FOURTH: usize = 64;
 
-/// Rings at a boundary where the derivatives of one fit are more accurate than a second fit to the
-/// fitted H.
+/// Rings at a boundary where derivatives of one fit are better than a fit to the fitted H.
 const ONE_STAGE: u8 = 2;
 
-/// Part of the vertices that may still gain from more neighbours when the search ends.
+/// Part of the vertices that may still gain by more neighbours when no more are tried.
 const LEFT: f64 = 0.01;
 
 /// Jets whose degree and number of neighbours are chosen at every vertex, with error bars.
 ///
-/// Without noise of the positions, results equal those of [`Jet::for_mesh`]. With noise, they are those
-/// of regression jets over as many neighbours as the shape allows: errors of H decrease as the inverse
-/// of the number of neighbours, errors of f faster.
+/// Without noise of the positions, results are those of [`Jet::for_mesh`]. With noise, they are those of
+/// regression jets over as many neighbours as the shape allows: the errors of H fall as the inverse of the
+/// number of neighbours, those of f faster.
 ///
-/// Errors of positions are assumed to be independent from vertex to vertex. Errors that neighbours
-/// share cannot be distinguished from the shape, and error bars do not include them.
+/// The errors of positions are taken as independent from vertex to vertex. Errors that neighbours share
+/// cannot be told from the shape: bars do not contain them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptiveJet<T> {
-    /// Standard deviation σ of the positions along the normal, a length, if it is known: a lower bound
-    /// of the noise that is assumed everywhere. If 0, the noise is estimated from the positions alone.
+    /// Standard deviation σ of the positions along the normal where it is known, a length: at least so much
+    /// is assumed everywhere. 0 if nothing is known: then it is found from the positions.
     pub deviation: T,
-    /// Number of neighbours of the fits, 28 or more; `None` to choose it at every vertex. With a
-    /// number, results are those of regression jets of degree 4 or 6 with this number of neighbours,
-    /// wherever such fits are possible.
+    /// Number of neighbours of the fits, 28 or more; `None` if it is to be chosen. Results are then those
+    /// of regression jets with this number, of degree 4 or 6, wherever these are possible.
     pub neighbours: Option<usize>,
 }
 
@@ -96,9 +94,9 @@ impl<T: Real> Default for AdaptiveJet<T> {
 pub struct Estimate<T> {
     /// The value; NaN where there is none.
     pub value: T,
-    /// The error bar: the true error is estimated to be below it at 99 of 100 vertices.
+    /// The error bar: the true error is estimated to be within it at 99 of 100 vertices.
     pub error: T,
-    /// The expected error, as a root mean square; an upper estimate without noise.
+    /// The expected error, as the root of the mean of its square; an upper estimate without noise.
     pub expected: T,
     /// The fit that gave the value.
     pub scale: Scale,
@@ -115,23 +113,23 @@ pub struct Scale {
     pub interpolates: bool,
 }
 
-/// The quality of the mesh at a vertex, according to the fits around it.
+/// What the fits around a vertex say of the mesh there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// The mesh resolves the shape, and no noise was found.
     Clean,
     /// The mesh resolves the shape down to the noise.
     Noise,
-    /// The mesh does not resolve the shape and should be refined. Its noise is not reliably known.
+    /// The mesh does not resolve the shape: it has to be refined. What is found of noise is not reliable.
     Unresolved,
     /// The vertex is at a boundary, or next to it: fits are one-sided, and errors larger.
     OneSided,
-    /// The neighbours do not determine a fit: there are no values.
+    /// Neighbours determine no fit: there are no values.
     #[default]
     Unknown,
 }
 
-/// Results at a vertex.
+/// What is known at a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured<T> {
     /// Unit normal; 0 where it is undefined.
@@ -156,11 +154,11 @@ pub struct Measured<T> {
     pub extremalities: Option<[T; 2]>,
     /// Standard deviation σ of the position along the normal, a length; 0 if none was found.
     pub deviation: T,
-    /// The quality of the mesh here, according to the fits.
+    /// What the fits say of the mesh.
     pub verdict: Verdict,
 }
 
-/// Data that all fits share.
+/// What all fits start from.
 struct Ground<'a, T> {
     surface: Surface<'a, T>,
     /// Normals by area.
@@ -216,7 +214,7 @@ impl<'a, T: Real> Ground<'a, T> {
         }
     }
 
-    /// Whether fits at the vertex are one-sided.
+    /// Whether fits are one-sided.
     fn is_near_border(&self, vertex: usize) -> bool {
         usize::from(self.rings[vertex]) < BORDER
     }
@@ -235,7 +233,7 @@ impl<'a, T: Real> Ground<'a, T> {
         core::iter::once(vertex).chain(others.map(|&other| other as usize))
     }
 
-    /// The means of finite values over pools of `count` nearest vertices; NaN if none is finite.
+    /// The means over pools of `count` nearest vertices of what is finite; NaN where nothing is.
     fn means(&self, execution: &impl Execution, values: &[T], count: usize) -> Vec<T> {
         let mut means = vec![T::nan(); values.len()];
         execution.map(&mut means[..], |vertex, mean| {
@@ -269,11 +267,11 @@ fn signs<T: Real>(name: u32) -> Values<T> {
 }
 
 impl<T: Real> AdaptiveJet<T> {
-    /// Measures a surface: one entry for each vertex. `watch` is called between steps with the fraction
-    /// of the work that is done, as far as this can be predicted; `None` if it returned false.
+    /// Measures a surface: an entry for each vertex. `None` if `watch` returned false: it is called between
+    /// steps with the part of the work that is done, as far as this can be foreseen.
     ///
-    /// `names` identify the vertices under reordering, `None` for their own numbers: error bars depend
-    /// slightly on these numbers.
+    /// `names` are numbers of the vertices that stay with them if they are reordered, `None` for their own:
+    /// error bars depend on these, a little.
     ///
     /// # Panics
     /// If there are fewer names than vertices.
@@ -311,7 +309,11 @@ impl<T: Real> AdaptiveJet<T> {
         );
         let ladder = self.ladder(&deviations, surface.mesh().vertex_count());
         let mut chosen = Chosen::new(first);
-        // The time of a fit is proportional to its number of neighbours.
+        if ladder.is_empty() {
+            let wider = Level::new(execution, &ground, &Kind::wider());
+            chosen.compare(execution, &ground, &wider);
+        }
+        // A fit takes as long as it has neighbours.
         let work = |rungs: &[usize]| rungs.iter().sum::<usize>() as f64 + 56.0;
         for (rung, &neighbours) in ladder.iter().enumerate() {
             if !watch(work(&ladder[..rung]) / work(&ladder)) {
@@ -336,7 +338,7 @@ impl<T: Real> AdaptiveJet<T> {
     /// The numbers of neighbours to try.
     fn ladder(&self, deviations: &Deviations<T>, vertices: usize) -> Vec<usize> {
         match self.neighbours {
-            // Fits with fewer neighbours have less bias, and serve for comparison.
+            // What is compared with it has less bias.
             Some(neighbours) => {
                 let narrow = (neighbours as f64 / 1.42).max(28.0) as usize;
                 let mut ladder = vec![LADDER[0], narrow, neighbours.max(28)];
@@ -345,7 +347,8 @@ impl<T: Real> AdaptiveJet<T> {
                 ladder.retain(|&rung| rung <= neighbours.max(28));
                 ladder
             }
-            None if !deviations.is_seen() => vec![LADDER[0]],
+            // Jets are the best there is.
+            None if !deviations.is_seen() => Vec::new(),
             None if vertices < LARGE => LADDER.to_vec(),
             None => COARSE_LADDER.to_vec(),
         }

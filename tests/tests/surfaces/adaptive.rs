@@ -1,6 +1,6 @@
 //! Adaptive jets: as good as the best fixed fit at any noise, jets themselves without, and bars that hold.
 
-use crate::expected_errors::{Case, torus};
+use crate::expected_errors::{Case, disc, torus};
 use helfrich::shapes::ExactPoint;
 use helfrich::{
     AdaptiveJet, Estimate, Jet, Measured, Prepared, Regression, Serial, StrongForm, Surface,
@@ -10,6 +10,7 @@ use helfrich_std::execute::Parallel;
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::noise::measured;
 use helfrich_tests::meshes::{self, SplitMix64};
+use std::f64::consts::PI;
 
 /// H, K and f.
 const QUANTITIES: usize = 3;
@@ -95,6 +96,142 @@ fn with_noise_it_is_as_good_as_the_best_fixed_fit() {
             assert!(seen as f64 > 0.9 * found.len() as f64);
         }
     }
+}
+
+/// Bars over true errors of a quantity, sorted, and the part of the vertices where they are above 1.
+fn bars(found: &[Measured<f64>], case: &Case, quantity: usize) -> (Vec<f64>, f64) {
+    let both = found.iter().zip(&case.exact);
+    let ratios = both.map(|(at, point)| {
+        let estimate = estimate(at, quantity);
+        estimate.error / (estimate.value - exact(point, quantity)).abs()
+    });
+    let mut ratios = Vec::from_iter(ratios);
+    ratios.sort_by(f64::total_cmp);
+    let within = ratios.iter().filter(|&&ratio| ratio >= 1.0).count();
+    let within = within as f64 / ratios.len() as f64;
+    (ratios, within)
+}
+
+/// Expected over true mean errors of a quantity; the mean of the absolute value of a normal error is √(2/π)
+/// standard deviations.
+fn expected_over_true(found: &[Measured<f64>], case: &Case, quantity: usize) -> f64 {
+    let (mut expected, mut errors) = (0.0, 0.0);
+    for (at, point) in found.iter().zip(&case.exact) {
+        let estimate = estimate(at, quantity);
+        expected += (2.0 / PI).sqrt() * estimate.expected * at.area;
+        errors += (estimate.value - exact(point, quantity)).abs() * at.area;
+    }
+    expected / errors
+}
+
+/// Fits of degrees 4 and 6 over 500 neighbours lose the same waves of this star. 92 % is the worst case of
+/// the design.
+#[test]
+fn bars_contain_the_bias_that_degrees_share() {
+    let case = Case::of_star(3, Family::Irregular, 2562);
+    let positions = case.disturbed(3e-2 * case.mean_edge());
+    let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
+    let (_, within) = bars(&found, &case, 2);
+    assert!(within > 0.92, "{within}");
+}
+
+/// On a narrow tube f of degree 4 is compared with that of degree 6, whose noise is several times larger:
+/// half of the vertices exceed its variance by chance.
+#[test]
+fn noise_is_not_expected_as_bias() {
+    let case = Case::of_shape(&torus(0.4), Family::Irregular, 2562);
+    let positions = case.disturbed(3e-2 * case.mean_edge());
+    let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
+    let ratio = expected_over_true(&found, &case, 2);
+    assert!((1.0 / 1.5..1.5).contains(&ratio), "{ratio}");
+}
+
+/// On regular and relaxed meshes errors of regression jets are much larger than those of jets. At most 25
+/// times the error is the goal of the design.
+#[test]
+fn bars_without_noise_are_of_use() {
+    for case in [
+        Case::of_star(1, Family::Regular, 2562),
+        Case::of_shape(&torus(0.6), Family::Relaxed, 2562),
+    ] {
+        let found = of(&AdaptiveJet::default(), &case.mesh, &case.positions());
+        for quantity in 0..QUANTITIES {
+            let (ratios, within) = bars(&found, &case, quantity);
+            let median = ratios[ratios.len() / 2];
+            assert!(
+                within > 0.92 && median < 25.0,
+                "{}, {quantity}: {within} {median}",
+                case.name
+            );
+        }
+    }
+}
+
+/// Bars that do not hold, bars that are too wide, and expected errors beyond a factor of 1.5, as lines; and
+/// the part of vertices within their bars of every case.
+fn amiss(case: &Case, part: f64) -> (Vec<String>, Vec<f64>) {
+    let positions = match part {
+        0.0 => case.positions(),
+        _ => case.disturbed(part * case.mean_edge()),
+    };
+    let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
+    let is_clean = found.iter().filter(|at| at.deviation == 0.0).count() > found.len() / 2;
+    let widest = if is_clean { 25.0 } else { 10.0 };
+    let (mut amiss, mut parts) = (Vec::new(), Vec::new());
+    for quantity in 0..QUANTITIES {
+        let (ratios, within) = bars(&found, case, quantity);
+        let median = ratios[ratios.len() / 2];
+        let expected = expected_over_true(&found, case, quantity);
+        let is_expected = is_clean || (1.0 / 1.5..1.5).contains(&expected);
+        if !(within > 0.92 && median < widest && is_expected) {
+            let symbol = ["H", "K", "f"][quantity];
+            let name = &case.name;
+            amiss.push(format!(
+                "{name}, {part}, {symbol}: {within} {median} {expected}\n"
+            ));
+        }
+        parts.push(within);
+    }
+    (amiss, parts)
+}
+
+/// The goals are bars that hold at 92 % of the vertices in the worst case and at 99 % in the median, and that
+/// are at most 10 times the error with noise and 25 without. Known to be amiss: K of the disc, relaxed, at
+/// 1e-4 (0.91); bars of f up to 12.4 times the error on the disc, tori and star 1 at 1e-2 and 3e-2, and 36
+/// without noise on the relaxed torus of aspect 0.4; expected errors of f of star 1, regular and relaxed, at
+/// 3e-2 (2.0, 1.9), and of tori of aspect 0.4, irregular, at 1e-4 and 1e-3 (1.9, 1.7) and 0.6, regular, at
+/// 1e-4 (1.7), and of K of the disc, relaxed, at 1e-4 (0.5).
+#[test]
+#[ignore = "half an hour: by hand, see CONTRIBUTING"]
+fn bars_held_out() {
+    let shapes = [
+        torus(0.4),
+        torus(0.6),
+        shape("ellipsoid:1,0.7,0.4"),
+        disc(),
+        torus(0.45),
+        shape("ellipsoid:1,0.8,0.5"),
+    ];
+    let (mut lines, mut parts) = (Vec::new(), Vec::new());
+    for family in [Family::Irregular, Family::Regular, Family::Relaxed] {
+        let stars = (1..=7).map(|seed| Case::of_star(seed, family, 2562));
+        let others = shapes.iter();
+        let others = others.map(|shape| Case::of_shape(shape, family, 2562));
+        for case in stars.chain(others) {
+            for part in [0.0, 1e-4, 1e-3, 1e-2, 3e-2] {
+                let (amiss, within) = amiss(&case, part);
+                lines.extend(amiss);
+                parts.extend(within);
+            }
+        }
+    }
+    parts.sort_by(f64::total_cmp);
+    let median = parts[parts.len() / 2];
+    assert!(
+        lines.is_empty() && median >= 0.99,
+        "{median}\n{}",
+        lines.concat()
+    );
 }
 
 /// To the last bit, and bars cover the error of the mesh.

@@ -151,7 +151,7 @@ pub(crate) fn torus(aspect: f64) -> AnyShape {
 }
 
 /// A disc with other coefficients than a red blood cell's: its rim is twice as narrow.
-fn disc() -> AnyShape {
+pub(crate) fn disc() -> AnyShape {
     let disc = Discocyte::with_coefficients(1.0, [0.4, 1.0, -0.4]);
     AnyShape::Discocyte(disc.expect("coefficients"))
 }

@@ -1,4 +1,4 @@
-//! Fits with one number of neighbours around every vertex, and the effect of noise on them.
+//! Fits with one number of neighbours around every vertex, and what noise makes of them.
 
 use super::{Ground, ONE_STAGE, QUANTITIES, REPLICAS, Values};
 use crate::element::{Execution, SlotKernel, Slots, Strided};
@@ -11,30 +11,37 @@ use crate::vec3::Vec3;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Least diagonal entry of the triangular factor with which a fit is accepted: immediately, and with
-/// the largest number of neighbours.
+/// Least diagonal entry of the triangular factor with which a jet is accepted: at once, and with all the
+/// neighbours that it may have.
 const CONDITIONING: [f64; 2] = [0.012, 0.001];
 
-/// Least number of neighbours that determine a polynomial of degree 6 well on any mesh.
-const SURE: usize = 64;
+/// The same of regression jets and of jets that others are compared with. It is 0.05 and more on irregular
+/// meshes; where a regular mesh has 0.012 to 0.05, H of exact tori was off by a fifth, because neighbours
+/// near a conic section do not determine the polynomial.
+const STRICT: [f64; 2] = [0.05, 0.012];
 
-/// Neighbours of jets at a boundary: with fewer, errors of the positions are amplified several times.
-const ONE_SIDED: usize = 80;
+/// Number of neighbours from which on they determine a polynomial of degree 6 well on any mesh.
+const SURE: usize = 128;
 
-/// The degrees of the polynomials. The lower degree uses the first columns of the same orthogonal
-/// basis.
+/// Neighbours of jets at a boundary over those elsewhere: with fewer, errors of the positions are amplified
+/// several times.
+const ONE_SIDED: [usize; 2] = [10, 7];
+
+/// The degrees of the polynomials: those of one orthogonal basis, the lower one is its beginning.
 pub(super) const DEGREES: [usize; 2] = [4, 6];
 
-/// The kind of fits of a level.
+/// Which fits a level has.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kind<T> {
     pub(super) model: Model<T>,
-    /// First number of neighbours, and the largest number if the fit needs more.
+    /// Number of neighbours at first, and at most if the fit needs more.
     pub(super) neighbours: [usize; 2],
+    /// Least diagonal entries of the triangular factor.
+    conditioning: [f64; 2],
 }
 
 impl<T: Real> Kind<T> {
-    /// A polynomial through the vertex, with the neighbours of [`Jet::j6`](crate::Jet::j6).
+    /// A polynomial through the vertex, as [`Jet::j6`](crate::Jet::j6) has it.
     pub(super) fn interpolating() -> Self {
         Self {
             model: Model {
@@ -43,11 +50,21 @@ impl<T: Real> Kind<T> {
                 interpolates: true,
             },
             neighbours: [56, 112],
+            conditioning: CONDITIONING,
         }
     }
 
-    /// A regression with a constant term. With few neighbours, of which some lie near a conic section,
-    /// it may need more of them.
+    /// Jets whose distance from those tells their errors.
+    pub(super) fn wider() -> Self {
+        Self {
+            neighbours: [90, 180],
+            conditioning: STRICT,
+            ..Self::interpolating()
+        }
+    }
+
+    /// A regression with a constant term. With few neighbours, of which some lie near a conic section, it
+    /// may need more.
     pub(super) fn regression(neighbours: usize) -> Self {
         let more = if neighbours < SURE { neighbours / 2 } else { 0 };
         Self {
@@ -57,6 +74,7 @@ impl<T: Real> Kind<T> {
                 interpolates: false,
             },
             neighbours: [neighbours, neighbours + more],
+            conditioning: STRICT,
         }
     }
 
@@ -66,7 +84,7 @@ impl<T: Real> Kind<T> {
     }
 }
 
-/// The results of one degree, NaN where there is no fit: H, K and f, and the change of each by
+/// The results of one degree, NaN where there is no fit: H, K and f, and the changes of each by
 /// [`REPLICAS`] independent errors of standard deviation 1 in every height.
 #[derive(Clone, Debug)]
 pub(super) struct Estimates<T> {
@@ -77,11 +95,11 @@ pub(super) struct Estimates<T> {
 /// Fits around every vertex.
 pub(super) struct Level<T> {
     pub(super) kind: Kind<T>,
-    /// Results for degrees 4 and 6.
+    /// Of degrees 4 and 6.
     pub(super) of_degrees: [Estimates<T>; 2],
     /// Number of neighbours, 0 where there is no fit.
     pub(super) neighbours: Vec<u32>,
-    /// Contributions of the degrees to interpolating fits.
+    /// The parts of the degrees, of interpolating fits.
     pub(super) spectra: Vec<Spectrum<T>>,
 }
 
@@ -95,7 +113,7 @@ struct AtVertex<T> {
     over_area: T,
     neighbours: u32,
     spectrum: Spectrum<T>,
-    /// f and its changes, where it is computed from one polynomial.
+    /// f and its changes, where it is that of one polynomial.
     force: Option<(T, Values<T>)>,
 }
 
@@ -123,13 +141,18 @@ impl<T: Real> Default for Scratch<T> {
 }
 
 impl<T: Real> Scratch<T> {
-    /// Fits a vertex, and returns the number of neighbours; 0 if they do not determine the polynomial.
+    /// Fits a vertex: the number of neighbours, 0 if they do not determine the polynomial.
     #[inline(always)]
     pub(super) fn fit(&mut self, ground: &Ground<'_, T>, vertex: usize, kind: &Kind<T>) -> usize {
         let surface = ground.surface;
         let [first, most] = kind.neighbours;
         let is_one_sided = kind.model.interpolates && ground.rings[vertex] == 0;
-        let mut wanted = if is_one_sided { ONE_SIDED } else { first };
+        let [more, than] = ONE_SIDED;
+        let mut wanted = if is_one_sided {
+            first * more / than
+        } else {
+            first
+        };
         loop {
             let near = &mut self.near;
             let count = smoothing::reach(surface, &ground.normals, vertex as u32, wanted, near);
@@ -138,7 +161,7 @@ impl<T: Real> Scratch<T> {
             self.normal = ground.upright[vertex];
             let conditioning = self.fit.fit(&mut self.normal, &kind.model);
             let is_last = count < wanted || wanted == most;
-            if conditioning >= T::constant(CONDITIONING[usize::from(is_last)]) {
+            if conditioning >= T::constant(kind.conditioning[usize::from(is_last)]) {
                 return count;
             }
             if is_last {
@@ -148,8 +171,8 @@ impl<T: Real> Scratch<T> {
         }
     }
 
-    /// The bending force from one interpolating polynomial, and its changes by errors of the heights,
-    /// by central differences. Steps are the cube root of the rounding of heights.
+    /// The bending force by one interpolating polynomial, and its changes by errors of the heights: by
+    /// central differences, in steps of the cube root of the rounding of heights.
     fn one_stage(
         &mut self,
         ground: &Ground<'_, T>,
@@ -175,7 +198,7 @@ impl<T: Real> Scratch<T> {
         (value, changes)
     }
 
-    /// The nearest vertices that the last fit used.
+    /// The nearest vertices that the last fit took.
     pub(super) fn neighbours(&self, count: usize) -> &[(T, u32)] {
         &self.near.found[..count]
     }
@@ -209,8 +232,7 @@ impl<T: Real> Scratch<T> {
             &mut self.rows,
         );
         let [of_mean, of_gaussian, laplacian] = &self.rows;
-        // Errors are those of heights relative to the vertex, unless the polynomial has its own sample
-        // there.
+        // Errors are those of heights above the vertex, unless it has a sample of its own.
         let here = ground.errors(vertices[0]);
         for (changes, row) in at.changes[which].iter_mut().zip([of_mean, of_gaussian]) {
             *changes = [T::zero(); REPLICAS];
