@@ -138,9 +138,9 @@ impl<T: Real> TwoPass for GaussianDomains<T> {
 }
 
 /// `E = Λ L`, L the length of the borders between domains, and its exact gradient. A domain is the
-/// vertices with the same label.
+/// vertices or the triangles with the same label.
 ///
-/// Borders run through the midpoints of edges whose ends have different labels: in a triangle with two
+/// Borders between triangles run along their common edges. Those between vertices run through the midpoints of edges whose ends have different labels: in a triangle with two
 /// labels along half the length of the edge between the two vertices that are alike, in one with three
 /// labels from the midpoints to the centroid.
 ///
@@ -150,7 +150,7 @@ impl<T: Real> TwoPass for GaussianDomains<T> {
 pub struct BorderTension<T> {
     /// Line tension Λ, energy per length; positive if borders contract.
     pub tension: T,
-    /// The edges beside borders, once for each triangle with a border along it.
+    /// The edges beside borders, once for each triangle with a border along half of their length.
     sides: Vec<[u32; 2]>,
     /// The corners of triangles in which three domains meet, begun at each.
     medians: Vec<[u32; 3]>,
@@ -188,6 +188,31 @@ impl<T: Real> BorderTension<T> {
         }
     }
 
+    /// The energy with line tension Λ of the edges between triangles of a mesh with different labels.
+    ///
+    /// # Panics
+    /// If there are not as many labels as triangles.
+    pub fn of_triangles(tension: T, mesh: &TriangleMesh, labels: &[i64]) -> Self {
+        assert!(
+            labels.len() == mesh.triangles().len(),
+            "there are {} labels for a mesh of {} triangles: give one for each triangle",
+            labels.len(),
+            mesh.triangles().len()
+        );
+        let is_border = |edge: usize| match mesh.edge_triangles(edge) {
+            (left, Some(right)) => labels[left as usize] != labels[right as usize],
+            (_, None) => false,
+        };
+        let edges = mesh.edges().iter().enumerate();
+        let borders = edges.filter(|&(edge, _)| is_border(edge));
+        Self {
+            tension,
+            sides: borders.flat_map(|(_, &ends)| [ends; 2]).collect(),
+            medians: Vec::new(),
+            mesh: MeshIdentity::of(mesh),
+        }
+    }
+
     /// Length L of all borders.
     ///
     /// # Panics
@@ -206,7 +231,7 @@ impl<T: Real> BorderTension<T> {
 
     fn expect(&self, mesh: &TriangleMesh) {
         self.mesh
-            .expect::<Self>(mesh, "make it by BorderTension::new for that mesh");
+            .expect::<Self>(mesh, "make a BorderTension for that mesh");
     }
 }
 

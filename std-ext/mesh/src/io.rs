@@ -33,7 +33,7 @@ pub use replace::{UNFINISHED, check_replaceable, remove_unfinished, replace_file
 pub use sha256::sha256;
 pub use vti::{Grid, write_vti};
 pub use vtk::{PointField, PointValues, VtkError};
-pub use vtp::{Collection, CollectionEntry, write_vtp};
+pub use vtp::{Collection, CollectionEntry, write_vtp, write_vtp_with_cells};
 pub use whole::{free_memory, read_whole, without_mark};
 pub use write::{WriteError, write, write_to};
 
@@ -52,14 +52,26 @@ pub struct MeshFile {
     pub mesh: TriangleMesh,
 }
 
-/// Numbers at the vertices of a mesh file: an array of VTP's point data with one component, or a
-/// property of PLY's vertices.
+/// Numbers at the vertices or the triangles of a mesh file: an array of VTP's point data or cell data
+/// with one component, or a property of PLY's vertices or faces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// One number for each vertex, which need not be finite.
+    /// The parts of the mesh to which its numbers belong.
+    pub place: ColumnPlace,
+    /// One number for each vertex or triangle, which need not be finite. The triangles of a polygon have
+    /// the same one.
     pub values: Vec<f64>,
+}
+
+/// The parts of a mesh that have the numbers of a [`Column`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ColumnPlace {
+    /// The vertices.
+    Vertices,
+    /// The triangles.
+    Triangles,
 }
 
 /// The formats that can be read and written.
@@ -222,13 +234,15 @@ pub enum Problem {
         /// The number of complete items found.
         found: usize,
     },
-    /// An array of numbers at the vertices has another length.
-    #[error("an array of PointData has {found} numbers, and its piece {points} points")]
+    /// An array of numbers at the vertices or faces has another length.
+    #[error("an array of {section} has {found} numbers, and its piece {places}")]
     ColumnLength {
+        /// `PointData` or `CellData`.
+        section: &'static str,
         /// The number of its numbers.
         found: usize,
-        /// The number of points.
-        points: usize,
+        /// The number of points or cells, in words.
+        places: String,
     },
     /// The length of a binary STL file does not match its number of faces.
     #[error(
@@ -352,7 +366,7 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
     read_and(path, parse)
 }
 
-/// Reads a mesh file, and the numbers at its vertices in the order of the file. Formats other than VTP
+/// Reads a mesh file, and the numbers at its vertices and triangles in the order of the file. Formats other than VTP
 /// and PLY have none. Arrays of several components, as those of vectors, are skipped.
 ///
 /// # Errors
@@ -406,7 +420,7 @@ pub fn parse(bytes: &[u8], format: Format) -> Result<MeshFile, ParseError> {
     Ok(file)
 }
 
-/// The mesh in a file's bytes, and the numbers at its vertices: [`read_with_columns`].
+/// The mesh in a file's bytes, and the numbers at its vertices and triangles: [`read_with_columns`].
 ///
 /// # Errors
 /// As [`parse`]; also if a column cannot be read.
@@ -417,7 +431,7 @@ pub fn parse_with_columns(
     parse_and(bytes, format, Columns::Read)
 }
 
-/// Whether numbers at vertices are read.
+/// Whether numbers at vertices and triangles are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Columns {
     Read,

@@ -4,7 +4,8 @@ use super::drive::Mark;
 use super::{Run, RunError, make_folder, measure};
 use crate::flow::Fluid;
 use crate::io::{
-    Collection, CollectionEntry, Grid, PointField, PointValues, VtkError, write_vti, write_vtp,
+    Collection, CollectionEntry, ColumnPlace, Grid, PointField, PointValues, VtkError, write_vti,
+    write_vtp_with_cells,
 };
 use crate::picture::{ColourMap, Colouring, FlowSlice, PaintedSurface, Picture, Shading, View};
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of, read_curves};
@@ -66,12 +67,15 @@ pub(super) fn refuse_pictures(output: &Output) -> Result<(), RunError> {
     }
 }
 
-/// The columns of the mesh file of a surface that belong to its material.
-fn columns(body: &Body) -> impl Iterator<Item = PointField<'_>> {
-    body.columns().iter().map(|column| PointField {
+/// The columns of the mesh file of a surface that belong to its material, at its vertices or triangles.
+fn columns(body: &Body, place: ColumnPlace) -> Vec<PointField<'_>> {
+    let columns = body.columns().iter();
+    let columns = columns.filter(|column| column.place == place);
+    let fields = columns.map(|column| PointField {
         name: &column.name,
         values: PointValues::Scalars(&column.values),
-    })
+    });
+    fields.collect()
 }
 
 impl Run<'_> {
@@ -87,17 +91,18 @@ impl Run<'_> {
                     measure::Values::Vectors(values) => PointValues::Vectors(values),
                 },
             }));
-            let columns = columns(body);
             let is_free = |name: &str| fields.iter().all(|field| field.name != name);
-            let columns = Vec::from_iter(columns.filter(|column| is_free(column.name)));
-            fields.extend(columns);
+            let mut own = columns(body, ColumnPlace::Vertices);
+            own.retain(|column| is_free(column.name));
+            fields.extend(own);
             let name = format!("surfaces/{}-{:08}.vtp", body.name(), mark.number);
-            write_vtp(
+            write_vtp_with_cells(
                 &self.folder.join(&name),
                 body.mesh(),
                 &positions[body.vertices()],
                 Some(mark.time),
                 &fields,
+                &columns(body, ColumnPlace::Triangles),
             )
             .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
             self.outputs.files.entries.push(CollectionEntry {
@@ -122,8 +127,9 @@ impl Run<'_> {
             };
             let own = &positions[body.vertices()];
             let path = self.folder.join(name);
-            let columns = Vec::from_iter(columns(body));
-            write_vtp(&path, body.mesh(), own, Some(time), &columns)
+            let [points, cells] =
+                [ColumnPlace::Vertices, ColumnPlace::Triangles].map(|place| columns(body, place));
+            write_vtp_with_cells(&path, body.mesh(), own, Some(time), &points, &cells)
                 .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
         }
         Ok(())

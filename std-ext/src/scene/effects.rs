@@ -256,7 +256,10 @@ impl Effects {
     pub(crate) fn columns(&self) -> Vec<&Arc<Column>> {
         let mut columns: Vec<&Arc<Column>> = Vec::new();
         for column in self.iter().flat_map(|(_, effect)| effect.columns()) {
-            if !columns.iter().any(|known| known.name == column.name) {
+            if !columns
+                .iter()
+                .any(|known| (&known.name, known.place) == (&column.name, column.place))
+            {
                 columns.push(column);
             }
         }

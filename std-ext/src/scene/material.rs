@@ -4,9 +4,9 @@ use super::builder::Builder;
 use super::keys::{Form, Keys, plain, required};
 use super::reader::Reader;
 use super::{MeshFileSource, MeshSource};
-use crate::io::Column;
+use crate::io::{Column, ColumnPlace, MeshFile};
 use crate::six::Six;
-use helfrich::MaterialParameter;
+use helfrich::{MaterialParameter, Surface};
 use serde::{Serialize, Serializer};
 use std::sync::Arc;
 
@@ -16,12 +16,12 @@ pub(super) const COLUMN: Form = Form::Table(&KEYS);
 static KEYS: Keys = plain(&[required(
     "column",
     Form::Text,
-    "The name of a column of the surface's mesh file, one number for each vertex in the scene's units: \
-     an array of one component in the PointData of a VTP file, or a property of the vertices of a PLY \
-     file.",
+    "The name of a column of the surface's mesh file, one number for each vertex or face in the scene's \
+     units: an array of one component in the PointData or CellData of a VTP file, or a property of the \
+     vertices or faces of a PLY file.",
 )]);
 
-/// A parameter of the membrane: a number, or one for each vertex.
+/// A parameter of the membrane: a number, or one for each vertex. Labels of domains may belong to triangles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Material {
@@ -42,8 +42,32 @@ fn by_name<S: Serializer>(column: &Arc<Column>, serializer: S) -> Result<S::Ok, 
 
 impl Material {
     /// Reads the key `key`, a number or a column of the mesh of the surface; `None` if the key is
-    /// absent or its column has a problem, which is then reported.
+    /// absent or its column has a problem, which is then reported. The value at a vertex is the mean of
+    /// the numbers of the triangles around it, weighted by area, if the column has numbers of triangles.
     pub(super) fn read(
+        table: Reader<'_>,
+        key: &str,
+        source: &MeshSource,
+        builder: &mut Builder<'_>,
+    ) -> Option<Self> {
+        let place = ColumnPlace::Vertices;
+        Self::read_preferring(place, table, key, source, builder)
+    }
+
+    /// Reads the key `key` as [`Self::read`], but leaves numbers of triangles as they are.
+    pub(super) fn read_labels(
+        table: Reader<'_>,
+        key: &str,
+        source: &MeshSource,
+        builder: &mut Builder<'_>,
+    ) -> Option<Self> {
+        let place = ColumnPlace::Triangles;
+        Self::read_preferring(place, table, key, source, builder)
+    }
+
+    /// Reads the key `key`. Of two columns of this name that in the given place counts.
+    fn read_preferring(
+        place: ColumnPlace,
         table: Reader<'_>,
         key: &str,
         source: &MeshSource,
@@ -54,14 +78,22 @@ impl Material {
         }
         let reader = table.table(key)?;
         let name = reader.text("column")?;
-        let found = builder.column(name, source).and_then(|column| {
+        let found = builder.column(name, place, source);
+        let found = found.and_then(|(file, column)| {
             let range = table.range(key);
             let wrong = |&(_, value): &(usize, &f64)| !(value.is_finite() && range.contains(*value));
             match column.values.iter().enumerate().find(wrong) {
+                None if (place, column.place)
+                    == (ColumnPlace::Vertices, ColumnPlace::Triangles) =>
+                {
+                    Ok(Self::Column {
+                        column: Arc::new(at_vertices(&column, &file)),
+                    })
+                }
                 None => Ok(Self::Column { column }),
-                Some((vertex, value)) => Err(format!(
-                    "the column \"{name}\" is {value} at vertex {vertex}: `{key}` has to be a finite \
-                     number {}",
+                Some((at, value)) => Err(format!(
+                    "the column \"{name}\" is {value} at {} {at}: `{key}` has to be a finite number {}",
+                    singular(column.place),
                     range.words()
                 )),
             }
@@ -123,9 +155,49 @@ impl Material {
     }
 }
 
+/// A place of a column in messages.
+pub(super) fn singular(place: ColumnPlace) -> &'static str {
+    match place {
+        ColumnPlace::Vertices => "vertex",
+        ColumnPlace::Triangles => "triangle",
+    }
+}
+
+/// The mean of the numbers of the triangles around each vertex, weighted by area; equal numbers stay the
+/// same to the last bit.
+fn at_vertices(column: &Column, file: &MeshFile) -> Column {
+    let triangles = file.mesh.triangles();
+    let first = column.values[0];
+    let mut sums = vec![[0.0; 2]; file.positions.len()];
+    let surface = Surface::new(&file.mesh, &file.positions);
+    for (triangle, (corners, &value)) in triangles.iter().zip(&column.values).enumerate() {
+        let area = surface.as_ref().map_or(1.0, |s| s.triangle_area(triangle));
+        for &vertex in corners {
+            let [numbers, areas] = &mut sums[vertex as usize];
+            *numbers += area * (value - first);
+            *areas += area;
+        }
+    }
+    let means = sums.into_iter().map(|[numbers, areas]| match areas > 0.0 {
+        true => first + numbers / areas,
+        false => first,
+    });
+    Column {
+        name: column.name.clone(),
+        place: ColumnPlace::Vertices,
+        values: means.collect(),
+    }
+}
+
 impl Builder<'_> {
-    /// A column of the file of a mesh, or the reason why there is none.
-    fn column(&mut self, name: &str, source: &MeshSource) -> Result<Arc<Column>, String> {
+    /// A column of the file of a mesh, or the reason why there is none. Of two columns of this name that
+    /// in the given place counts.
+    fn column(
+        &mut self,
+        name: &str,
+        place: ColumnPlace,
+        source: &MeshSource,
+    ) -> Result<(Arc<MeshFile>, Arc<Column>), String> {
         let file = match source {
             MeshSource::Shape { .. } => {
                 return Err(format!(
@@ -145,8 +217,12 @@ impl Builder<'_> {
         };
         let columns = self.meshes.columns(file);
         let columns = columns.map_err(|error| error.to_string())?;
-        if let Some(column) = columns.iter().find(|column| column.name == name) {
-            return Ok(Arc::clone(column));
+        let named = || columns.iter().filter(|column| column.name == name);
+        let preferred = named().find(|column| column.place == place);
+        if let Some(column) = preferred.or_else(|| named().next()) {
+            let column = Arc::clone(column);
+            let file = self.meshes.read(file).map_err(|error| error.to_string())?;
+            return Ok((file, column));
         }
         let known = Vec::from_iter(columns.iter().map(|column| format!("\"{}\"", column.name)));
         let known = match known.as_slice() {

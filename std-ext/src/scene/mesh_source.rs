@@ -1,8 +1,11 @@
 //! Meshes of a scene: generated, or from files.
 
 use super::keys::{Form, Key, optional};
+use super::shipped_file;
 use crate::generate::{AnyShape, Family};
-use crate::io::{Column, MeshFile, ReadError, read, read_welded, read_with_columns};
+use crate::io::{
+    Column, Format, MeshFile, ReadError, parse_with_columns, read, read_welded, read_with_columns,
+};
 use crate::noise::Quieted;
 use helfrich::Surface;
 use serde::Serialize;
@@ -62,12 +65,27 @@ impl MeshFileSource {
         if *weld == Some(true) {
             return Ok(read_welded(path)?);
         }
+        if shipped_file(path).is_some() {
+            let (file, _) = self.read_with_columns()?;
+            return Ok(file);
+        }
         self.whole(read(path)?)
     }
 
-    /// Reads the file with the numbers at its vertices, which are not welded.
+    /// Reads the file, which may be that of a shipped scene, with the numbers at its vertices and
+    /// triangles, which are not welded.
     fn read_with_columns(&self) -> Result<(MeshFile, Vec<Column>), MeshSourceError> {
-        let (file, columns) = read_with_columns(&self.path)?;
+        let path = &self.path;
+        let (file, columns) = match (shipped_file(path), Format::from_extension(path)) {
+            (Some(bytes), Some(format)) => {
+                let parsed = parse_with_columns(bytes, format);
+                parsed.map_err(|error| ReadError::Parse {
+                    path: path.clone(),
+                    error,
+                })?
+            }
+            _ => read_with_columns(path)?,
+        };
         Ok((self.whole(file)?, columns))
     }
 
@@ -94,7 +112,7 @@ pub(crate) struct MeshFiles {
 struct Known {
     source: MeshFileSource,
     file: Arc<MeshFile>,
-    /// The numbers at its vertices, if they were requested.
+    /// The numbers at its vertices and triangles, if they were requested.
     columns: Option<Vec<Arc<Column>>>,
     /// The surface without noise, if it was requested and the file has noise.
     quieted: Option<Option<Arc<Quieted>>>,
@@ -122,7 +140,8 @@ impl MeshFiles {
         Ok(file)
     }
 
-    /// The numbers at the vertices of a file that is not welded, which are read at the first request.
+    /// The numbers at the vertices and triangles of a file that is not welded, which are read at the
+    /// first request.
     ///
     /// # Errors
     /// As [`MeshFileSource::read`], and if a column cannot be read.

@@ -1,8 +1,8 @@
-//! Numbers at the vertices of mesh files.
+//! Numbers at the vertices and faces of mesh files.
 
 use helfrich_std::io::{
-    Column, Format, MeshFile, PointField, PointValues, parse, parse_with_columns,
-    read_with_columns, write_vtp,
+    Column, ColumnPlace, Format, MeshFile, PointField, PointValues, parse, parse_with_columns,
+    read_with_columns, write_vtp_with_cells,
 };
 use helfrich_tests::meshes::icosphere;
 use std::fmt::Write;
@@ -11,7 +11,15 @@ use tempfile::TempDir;
 fn column(name: &str, values: &[f64]) -> Column {
     Column {
         name: name.to_owned(),
+        place: ColumnPlace::Vertices,
         values: values.to_vec(),
+    }
+}
+
+fn at_triangles(name: &str, values: &[f64]) -> Column {
+    Column {
+        place: ColumnPlace::Triangles,
+        ..column(name, values)
     }
 }
 
@@ -29,10 +37,17 @@ fn columns_of_vtp_files_keep_all_digits() {
         field("force", PointValues::Vectors(&mesh.positions)),
         field("label", PointValues::Scalars(&labels)),
     ];
-    write_vtp(&path, &mesh.connectivity, &mesh.positions, None, &fields).unwrap();
+    let faces = Vec::from_iter((0..80).map(|k| f64::from(k).sqrt()));
+    let cells = [field("kappa", PointValues::Scalars(&faces))];
+    let (connectivity, positions) = (&mesh.connectivity, &mesh.positions);
+    write_vtp_with_cells(&path, connectivity, positions, None, &fields, &cells).unwrap();
     let (file, columns) = read_with_columns(&path).unwrap();
     assert_eq!(file.positions, mesh.positions);
-    let expected = [column("kappa", &numbers), column("label", &labels)];
+    let expected = [
+        column("kappa", &numbers),
+        column("label", &labels),
+        at_triangles("kappa", &faces),
+    ];
     assert_eq!(columns, expected);
 }
 
@@ -62,11 +77,47 @@ fn columns(text: &str, format: Format) -> Vec<Column> {
 fn columns_of_pieces_are_joined() {
     let one = columns(&vtp(&[PIECE]), Format::Vtp);
     let names = Vec::from_iter(one.iter().map(|column| column.name.as_str()));
-    assert_eq!(names, ["a", "b"]);
+    assert_eq!(names, ["a", "b", "c"]);
     assert!(one[0].values[1].is_nan());
     let other = PIECE.replace("\"a\"", "\"z\"").replace("-4", "9");
     let two = columns(&vtp(&[PIECE, &other]), Format::Vtp);
-    assert_eq!(two, [column("b", &[-4.0, 5.0, 6.0, 9.0, 5.0, 6.0])]);
+    let expected = [
+        column("b", &[-4.0, 5.0, 6.0, 9.0, 5.0, 6.0]),
+        at_triangles("c", &[7.0, 7.0]),
+    ];
+    assert_eq!(two, expected);
+}
+
+/// The triangles of a polygon have its number; lines, whose numbers precede those of polygons, have none.
+#[test]
+fn faces_with_more_corners_have_one_number() {
+    let text = vtp(&[
+        r#"<Piece NumberOfPoints="5" NumberOfLines="1" NumberOfPolys="2"><CellData>
+<DataArray Name="c" type="Int8" format="ascii">7 8 9</DataArray></CellData>
+<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">
+0 0 0 1 0 0 1 1 0 0 1 0 2 2 0</DataArray></Points>
+<Lines><DataArray Name="connectivity" type="Int32" format="ascii">0 2</DataArray>
+<DataArray Name="offsets" type="Int32" format="ascii">2</DataArray></Lines>
+<Polys><DataArray Name="connectivity" type="Int32" format="ascii">0 1 2 3 1 4 2</DataArray>
+<DataArray Name="offsets" type="Int32" format="ascii">4 7</DataArray></Polys></Piece>"#,
+    ]);
+    let expected = [at_triangles("c", &[8.0, 8.0, 9.0])];
+    assert_eq!(columns(&text, Format::Vtp), expected);
+    let text = text.replace("7 8 9", "8 9");
+    let error = parse_with_columns(text.as_bytes(), Format::Vtp).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "line 2: an array of CellData has 2 numbers, and its piece 3 cells"
+    );
+    let text = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
+                property float z\nelement face 2\nproperty uchar domain\n\
+                property list uchar int vertex_indices\nproperty float kappa\nend_header\n\
+                0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 2 0\n1 4 0 1 2 3 0.5\n2 3 1 4 2 3.5\n";
+    let expected = [
+        at_triangles("domain", &[1.0, 1.0, 2.0]),
+        at_triangles("kappa", &[0.5, 0.5, 3.5]),
+    ];
+    assert_eq!(columns(text, Format::Ply), expected);
 }
 
 /// Only where columns are asked for.
@@ -84,7 +135,7 @@ fn columns_of_another_length_are_refused() {
     }
 }
 
-/// Before, between and behind the coordinates; lists and what belongs to faces are no columns.
+/// Before, between and behind the coordinates; lists are no columns.
 #[test]
 fn columns_of_ply_files() {
     let header = |encoding: &str| {
@@ -103,6 +154,7 @@ fn columns_of_ply_files() {
     let expected = [
         column("label", &[-3.0, 7.0, 2.0]),
         column("kappa", &[0.1, f64::INFINITY, 1e300]),
+        at_triangles("red", &[255.0]),
     ];
     let mut text = header("ascii");
     let mut bytes = header("binary_little_endian").into_bytes();

@@ -2,12 +2,12 @@
 
 use autodiff::F1;
 use helfrich::{
-    BorderTension, GaussianBending, GaussianDomains, MaterialParameter, Prepared, Real, Serial,
-    TriangleMesh,
+    BorderTension, GaussianBending, GaussianDomains, GompperKroll, MaterialParameter, Prepared,
+    Real, Serial, TriangleMesh,
 };
 use helfrich_tests::laws::{check_gradient, energy, forces};
 use helfrich_tests::meshes::{
-    Mesh, SplitMix64, cap, cases, disc, dot, icosphere, norm, rough_any, torus,
+    Mesh, SplitMix64, cap, cases, disc, dot, icosphere, norm, rough_any, round_disc, torus,
 };
 use helfrich_tests::tolerance;
 use proptest::prelude::*;
@@ -35,13 +35,17 @@ fn border<T: Real>(mesh: &TriangleMesh, labels: &[i64]) -> BorderTension<T> {
 proptest! {
     #![proptest_config(cases(32))]
 
-    /// Also without net force and torque.
+    /// Borders of vertices and of triangles; also without net force and torque.
     #[test]
     fn forces_are_gradients(rough in rough_any()) {
         let Mesh { connectivity: mesh, positions } = &rough.mesh();
         let (moduli, labels) = at_random(positions.len());
         check_gradient(&gaussian(&moduli), gaussian::<F1>(&moduli), mesh, positions);
         check_gradient(&border(mesh, &labels), border::<F1>(mesh, &labels), mesh, positions);
+        let (_, labels) = at_random(mesh.triangles().len());
+        let of_triangles = BorderTension::of_triangles(1.7, mesh, &labels);
+        let dual = BorderTension::of_triangles(F1::constant(1.7), mesh, &labels);
+        check_gradient(&of_triangles, dual, mesh, positions);
     }
 }
 
@@ -194,8 +198,99 @@ fn three_domains_meet_in_a_triangle() {
     }
 }
 
+/// Triangles within the inner `rings` of a mesh of circles about its first vertex, labelled 1.
+fn inner_triangles(mesh: &TriangleMesh, rings: u32) -> Vec<i64> {
+    let inside = 1 + 3 * rings * (rings + 1);
+    let triangles = mesh.triangles().iter();
+    let is_inner = |corners: &[u32; 3]| corners.iter().all(|&vertex| vertex < inside);
+    triangles
+        .map(|corners| i64::from(is_inner(corners)))
+        .collect()
+}
+
+/// The area of the triangles with label 1.
+fn area_inside(mesh: &Mesh, labels: &[i64]) -> f64 {
+    let inner = labels.iter().enumerate().filter(|&(_, &label)| label == 1);
+    inner
+        .map(|(triangle, _)| mesh.surface().triangle_area(triangle))
+        .sum()
+}
+
+/// The line tension at which a bud of a given energy costs as much as the flat domain, both of area πL²:
+/// `Λ L/κ = E/κ / (ℓ_flat/L − ℓ/L)`, with the lengths ℓ of their borders.
+fn tension_of_bud(flat: &Mesh, bud: &Mesh, labels: &[i64]) -> f64 {
+    let bending = energy(GompperKroll::new(1.0), &bud.connectivity, &bud.positions);
+    let [flat, bud] = [flat, bud].map(|mesh| {
+        let border = BorderTension::of_triangles(1.0, &mesh.connectivity, labels);
+        let radius = (area_inside(mesh, labels) / PI).sqrt();
+        border.length(&Serial, mesh.surface()) / radius
+    });
+    bending / (flat - bud)
+}
+
+/// Budding of a domain of area πL² in a flat membrane of the same κ, as a spherical cap of polar angle θ:
+/// `E = 8πκ sin²(θ/2)` and `ℓ = 2πL cos(θ/2)`, so that cap and flat domain cost the same at
+/// `Λ L/κ = 4 (1 + cos(θ/2))`: from 8, where the flat domain is unstable to caps, to 4, above which a
+/// complete bud is favoured. R. Lipowsky, J. Phys. II France 2 (1992) 1825; F. Jülicher, R. Lipowsky,
+/// Phys. Rev. Lett. 70 (1993) 2964.
+///
+/// The method counts the bending of the vertices at the border as a whole, of which the outer half is not
+/// the domain's: of first order in 1/rings.
 #[test]
-#[should_panic(expected = "make it by BorderTension::new for that mesh")]
+fn domains_bud_as_caps_between_eight_and_four() {
+    for angle in [0.2_f64, 1.0, 2.0, 2.5] {
+        let exact = 4.0 * (1.0 + (0.5 * angle).cos());
+        let errors = [12_u32, 24].map(|rings| {
+            let bud = cap(rings + 1, angle * f64::from(rings + 1) / f64::from(rings));
+            let labels = inner_triangles(&bud.connectivity, rings);
+            tension_of_bud(&round_disc(rings + 1), &bud, &labels) / exact - 1.0
+        });
+        let extrapolated = 2.0 * errors[1] - errors[0];
+        assert!(
+            errors[1].abs() < 0.6 * errors[0].abs() && extrapolated.abs() < 5e-3,
+            "{angle}: {errors:?} {extrapolated}"
+        );
+    }
+}
+
+/// A flat domain is unstable before, at `Λ L/κ = 2.405²`, the first zero of J0 squared: of all slopes ψ(r)
+/// that take the same area, `ψ = J1(kr)` inside, with no moment at the border because the membrane outside
+/// follows as a catenoid, `ψ ~ 1/r`, which costs nothing.
+#[test]
+fn a_flat_domain_buckles_with_its_surroundings() {
+    let zero = 2.404_825_557_695_773_f64;
+    let exact = zero * zero;
+    // J0(x) and J1(x) by their power series.
+    let bessel = |x: f64, order: f64| {
+        let term = |sum: (f64, f64), m: i32| {
+            let m = f64::from(m);
+            let next = -sum.1 * 0.25 * x * x / ((m + 1.0) * (m + 1.0 + order));
+            (sum.0 + sum.1, next)
+        };
+        (0..40).fold((0.0, (0.5 * x).powf(order)), term).0
+    };
+    let errors = [12_u32, 24].map(|rings| {
+        let flat = round_disc(3 * rings).map(|[x, y, _]| [3.0 * x, 3.0 * y, 0.0]);
+        let slope = zero * bessel(zero, 1.0);
+        let bent = flat.map(|[x, y, _]| {
+            let r = x.hypot(y);
+            let z = match r < 1.0 {
+                true => bessel(zero * r, 0.0),
+                false => -slope * r.ln(),
+            };
+            [x, y, 1e-3 * z]
+        });
+        let labels = inner_triangles(&bent.connectivity, rings);
+        tension_of_bud(&flat, &bent, &labels) / exact - 1.0
+    });
+    assert!(
+        errors[1].abs() < 0.02 && errors[1].abs() < 0.6 * errors[0].abs(),
+        "{errors:?}"
+    );
+}
+
+#[test]
+#[should_panic(expected = "make a BorderTension for that mesh")]
 fn borders_of_another_mesh_are_refused() {
     let (here, there) = (icosphere(1), torus(7, 6));
     let method: BorderTension<f64> = border(&there.connectivity, &[0; 42]);

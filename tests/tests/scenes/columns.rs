@@ -2,11 +2,14 @@
 
 use helfrich_std::dynamics::Problem;
 use helfrich_std::info::MeshInfo;
-use helfrich_std::io::{PointField, PointValues, write, write_vtp};
+use helfrich_std::io::{
+    PointField, PointValues, read_with_columns, write, write_vtp, write_vtp_with_cells,
+};
 use helfrich_std::method::BendingMethod;
+use helfrich_std::run::run;
 use helfrich_std::scene::{Overrides, SceneErrors, SceneFile};
 use helfrich_std::simulation::build;
-use helfrich_tests::meshes::{Mesh, icosphere};
+use helfrich_tests::meshes::{Mesh, difference, icosphere, norm};
 use tempfile::TempDir;
 
 /// A sphere with columns in a folder of its own.
@@ -212,6 +215,63 @@ fn domains_have_borders() {
         bending,
         &["the column \"wrong\" is NaN at vertex 7: `domains` has to be a finite number"],
     );
+}
+
+/// Labels of faces: the border is exactly the edges between them. A modulus of faces is the mean of those
+/// around each vertex. Both are in the last file of a run.
+#[test]
+fn faces_have_columns() {
+    let files = Files::new();
+    let (mesh, positions) = (&files.mesh.connectivity, &files.mesh.positions);
+    let is_above = |corners: &[u32; 3]| {
+        corners
+            .iter()
+            .all(|&vertex| positions[vertex as usize][2] > 0.4)
+    };
+    let triangles = mesh.triangles().iter();
+    let labels = Vec::from_iter(triangles.map(|corners| if is_above(corners) { 3.0 } else { 1.0 }));
+    let equal = vec![2.0; labels.len()];
+    let field = |name, values| PointField {
+        name,
+        values: PointValues::Scalars(values),
+    };
+    let cells = [field("part", &labels), field("equal", &equal)];
+    let path = files.folder.path().join("sphere.vtp");
+    write_vtp_with_cells(&path, mesh, positions, None, &[], &cells).unwrap();
+    let keys = "border_tension = { value = 2, domains = { column = \"part\" } }";
+    let bending = |modulus: &str| format!("method = \"B\"\nmodulus = {{ column = \"{modulus}\" }}");
+    let file = files.scene(&format!("{MESH}\n{keys}"), &bending("part"));
+    let file = file.unwrap_or_else(|errors| panic!("{errors}"));
+    let (mut simulation, start) = build(&file).unwrap();
+    let found = simulation.resolve(&start);
+    let mut length = 0.0;
+    for (edge, &[a, b]) in mesh.edges().iter().enumerate() {
+        let (left, right) = mesh.edge_triangles(edge);
+        if labels[left as usize] != labels[right.unwrap() as usize] {
+            length += norm(difference(positions[a as usize], positions[b as usize]));
+        }
+    }
+    let mut found = found.iter();
+    let border = found.find(|acting| acting.effect == "border_tension");
+    let border = border.expect("a border").energy;
+    assert!(
+        (border / (2.0 * length) - 1.0).abs() < 1e-12,
+        "{border} {length}"
+    );
+    let out = files.folder.path().join("out");
+    let built = build(&file).unwrap();
+    run(&file.scene, built, &out, false, &|| true, &mut |_| {}).unwrap();
+    let (_, columns) = read_with_columns(&out.join("last.vtp")).unwrap();
+    assert_eq!(columns.len(), 2);
+    assert_eq!(columns[1].values, labels);
+    let means = &columns[0].values;
+    assert!(means.contains(&1.0) && means.contains(&3.0));
+    assert!(means.iter().any(|mean| *mean > 1.0 && *mean < 3.0));
+
+    let file = files.scene(MESH, "method = \"B\"\nmodulus = 2").unwrap();
+    let expected = evaluated(&file);
+    let file = files.scene(MESH, &bending("equal")).unwrap();
+    assert_eq!(evaluated(&file), expected);
 }
 
 /// A Gaussian modulus does something to a closed surface where it varies, and there only.

@@ -3,14 +3,14 @@
 //! Source: G. Turk, The PLY Polygon File Format (1994). A text header declares elements, each with
 //! a number and a list of properties; the body holds them one after the other. This reader uses the
 //! properties `x`, `y`, `z` of the element `vertex` and the list `vertex_indices` (or
-//! `vertex_index`) of the element `face`, and skips all others; those of one number for each vertex only
-//! if columns are not asked for.
+//! `vertex_index`) of the element `face`, and skips all others; those of one number for each vertex or
+//! face only if columns are not asked for.
 
 mod body;
 
 use self::body::{Ascii, Binary, Body};
 use super::text::{Text, parsed};
-use super::{Builder, Column, Columns, MeshFile, ParseError, Problem};
+use super::{Builder, Column, ColumnPlace, Columns, MeshFile, ParseError, Problem};
 use std::io::{self, Write};
 
 pub(super) fn parse(bytes: &[u8], wanted: Columns) -> Result<(MeshFile, Vec<Column>), ParseError> {
@@ -41,8 +41,14 @@ pub(super) fn parse(bytes: &[u8], wanted: Columns) -> Result<(MeshFile, Vec<Colu
         }
     };
     let file = builder.finish()?;
-    // A header may declare vertices twice, each time with other properties.
-    columns.retain(|column| column.values.len() == file.positions.len());
+    // A header may declare vertices or faces twice, each time with other properties.
+    columns.retain(|column| {
+        let places = match column.place {
+            ColumnPlace::Vertices => file.positions.len(),
+            ColumnPlace::Triangles => file.mesh.triangles().len(),
+        };
+        column.values.len() == places
+    });
     Ok((file, columns))
 }
 
@@ -100,15 +106,19 @@ enum Role {
 impl Group {
     /// The columns of its properties, still empty.
     fn columns(&self) -> impl Iterator<Item = Column> {
-        self.properties
-            .iter()
-            .filter_map(|property| match property {
-                Property::Number(name, _) => Some(Column {
-                    name: name.clone(),
-                    values: Vec::new(),
-                }),
-                _ => None,
-            })
+        let place = match self.role {
+            Role::Face => ColumnPlace::Triangles,
+            Role::Vertex | Role::Other => ColumnPlace::Vertices,
+        };
+        let properties = self.properties.iter();
+        properties.filter_map(move |property| match property {
+            Property::Number(name, _) => Some(Column {
+                name: name.clone(),
+                place,
+                values: Vec::new(),
+            }),
+            _ => None,
+        })
     }
 }
 
@@ -117,7 +127,7 @@ enum Property {
     Coordinate(usize, Scalar),
     /// The list of a face's corners.
     Corners { length: Scalar, item: Scalar },
-    /// Another number of a vertex, by its name.
+    /// Another number of a vertex or face, by its name.
     Number(String, Scalar),
     /// Something to skip.
     Scalar(Scalar),
@@ -250,7 +260,7 @@ fn property(text: &mut Text<'_>, role: Role) -> Result<Property, ParseError> {
         (Some(b"x"), Role::Vertex) => Property::Coordinate(0, kind),
         (Some(b"y"), Role::Vertex) => Property::Coordinate(1, kind),
         (Some(b"z"), Role::Vertex) => Property::Coordinate(2, kind),
-        (Some(name), Role::Vertex) => {
+        (Some(name), Role::Vertex | Role::Face) => {
             Property::Number(String::from_utf8_lossy(name).into_owned(), kind)
         }
         (Some(_), _) => Property::Scalar(kind),
@@ -356,7 +366,7 @@ fn element(
     columns: &mut [Column],
     builder: &mut Builder,
 ) -> Result<(), ParseError> {
-    let mut columns = columns.iter_mut();
+    let mut next = columns.iter_mut();
     let vertex = builder.next_vertex();
     let face = builder.next_face();
     let element = match group.role {
@@ -372,8 +382,11 @@ fn element(
             Property::Coordinate(axis, kind) => {
                 point[axis] = body.coordinate(axis, kind, vertex)?
             }
-            Property::Number(_, kind) => match columns.next() {
-                Some(column) => column.values.push(body.number(kind, vertex)?),
+            Property::Number(_, kind) => match next.next() {
+                Some(column) => {
+                    let number = body.number(kind, element.unwrap_or(vertex))?;
+                    column.values.push(number);
+                }
                 None => body.skip(kind, 1, element)?,
             },
             Property::Corners { length, item } => {
@@ -392,7 +405,16 @@ fn element(
     body.end(element)?;
     match group.role {
         Role::Vertex => builder.positions.push(point),
-        Role::Face => builder.add_face(corners, position)?,
+        Role::Face => {
+            builder.add_face(corners, position)?;
+            for column in columns {
+                let number = column.values.last().copied();
+                let others = corners.len() - 3;
+                column
+                    .values
+                    .extend(number.into_iter().cycle().take(others));
+            }
+        }
         Role::Other => {}
     }
     Ok(())

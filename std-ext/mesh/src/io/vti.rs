@@ -3,7 +3,7 @@
 //! Source: *VTK file formats* (docs.vtk.org, XML formats, ImageData). Grids with other axes than the
 //! coordinates need VTK 9; older readers show the grid along x, y and z.
 
-use super::vtk::{PointField, VtkError, check_fields, point_data, write_data};
+use super::vtk::{PointField, VtkError, check_fields, named_fields, write_data};
 use glam::DVec3;
 use std::path::Path;
 
@@ -87,7 +87,7 @@ pub fn write_vti(
     );
     write_data(path, "ImageData", &attributes, time, |out| {
         writeln!(out, r#"<Piece Extent="{extent}">"#)?;
-        point_data(out, fields)?;
+        named_fields(out, "PointData", fields)?;
         writeln!(out, "</Piece>")
     })
 }

@@ -174,13 +174,17 @@ pub(super) fn write_document(
     writeln!(out, "</{kind}>\n</VTKFile>")
 }
 
-/// The fields of one piece of a data set.
-pub(super) fn point_data(out: &mut dyn Write, fields: &[PointField<'_>]) -> io::Result<()> {
-    writeln!(out, "<PointData>")?;
+/// The fields of one piece of a data set at its points, `PointData`, or its triangles, `CellData`.
+pub(super) fn named_fields(
+    out: &mut dyn Write,
+    section: &str,
+    fields: &[PointField<'_>],
+) -> io::Result<()> {
+    writeln!(out, "<{section}>")?;
     for field in fields {
         field.values.write(out, field.name)?;
     }
-    writeln!(out, "</PointData>")
+    writeln!(out, "</{section}>")
 }
 
 fn is_printable(name: &str) -> bool {

@@ -11,7 +11,7 @@ pub(super) use read::parse;
 
 use super::replace_file;
 use super::vtk::{
-    Escaped, PointField, PointValues, VtkError, array, check_count, check_fields, point_data,
+    Escaped, PointField, PointValues, VtkError, array, check_count, check_fields, named_fields,
     write_data, write_document,
 };
 use helfrich::TriangleMesh;
@@ -32,12 +32,28 @@ pub fn write_vtp(
     time: Option<f64>,
     fields: &[PointField<'_>],
 ) -> Result<(), VtkError> {
+    write_vtp_with_cells(path, mesh, positions, time, fields, &[])
+}
+
+/// Writes a surface and fields at its vertices, as [`write_vtp`], and `cells`, fields at its triangles.
+///
+/// # Errors
+/// As [`write_vtp`]; also if a field of `cells` does not have one entry per triangle.
+pub fn write_vtp_with_cells(
+    path: &Path,
+    mesh: &TriangleMesh,
+    positions: &[[f64; 3]],
+    time: Option<f64>,
+    fields: &[PointField<'_>],
+    cells: &[PointField<'_>],
+) -> Result<(), VtkError> {
     let vertices = (mesh.vertex_count(), "vertices");
     let what = format_args!("the list of positions");
     check_count(path, what, positions.len(), vertices)?;
     check_fields(path, fields, vertices)?;
+    check_fields(path, cells, (mesh.triangles().len(), "triangles"))?;
     write_data(path, "PolyData", "", time, |out| {
-        piece(out, mesh.triangles(), positions, fields)
+        piece(out, mesh.triangles(), positions, fields, cells)
     })
 }
 
@@ -48,7 +64,7 @@ pub(super) fn write(
     triangles: &[[u32; 3]],
 ) -> io::Result<()> {
     write_document(out, "PolyData", "", None, |out| {
-        piece(out, triangles, positions, &[])
+        piece(out, triangles, positions, &[], &[])
     })
 }
 
@@ -57,6 +73,7 @@ fn piece(
     triangles: &[[u32; 3]],
     positions: &[[f64; 3]],
     fields: &[PointField<'_>],
+    cells: &[PointField<'_>],
 ) -> io::Result<()> {
     writeln!(
         out,
@@ -64,7 +81,10 @@ fn piece(
         positions.len(),
         triangles.len()
     )?;
-    point_data(out, fields)?;
+    named_fields(out, "PointData", fields)?;
+    if !cells.is_empty() {
+        named_fields(out, "CellData", cells)?;
+    }
     writeln!(out, "<Points>")?;
     PointValues::Vectors(positions).write(out, "Points")?;
     writeln!(out, "</Points>\n<Polys>")?;

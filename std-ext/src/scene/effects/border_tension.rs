@@ -1,13 +1,13 @@
 //! Line tension of the borders between domains.
 
 use super::super::keys::{Keys, any, plain, required};
-use super::super::material::{COLUMN, Material};
+use super::super::material::{COLUMN, Material, singular};
 use super::super::units::Dimension;
 use super::{
     Builder, Check, Described, EffectError, Groups, MeshSource, Named, Parameter, Parameters,
     Preparation, Reader, SurfaceEffect,
 };
-use crate::io::Column;
+use crate::io::{Column, ColumnPlace};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct BorderTension {
     /// Λ, a force.
     pub value: f64,
-    /// The label of the domain of each vertex, a whole number; `None` if it has been reported.
+    /// The label of the domain of each vertex or triangle, a whole number; `None` if it has been reported.
     pub domains: Option<Material>,
 }
 
@@ -32,13 +32,13 @@ impl Described for BorderTension {
         required(
             "domains",
             COLUMN,
-            "The domain of each vertex: a column of whole numbers. Borders run midway between vertices \
-             of different domains.",
+            "The domain of each vertex or face: a column of whole numbers. Borders run midway between \
+             vertices of different domains, or along the edges between faces of different domains.",
         ),
     ]);
 
     fn read(table: Reader<'_>, source: &MeshSource, builder: &mut Builder<'_>) -> Self {
-        let domains = Material::read(table, "domains", source, builder);
+        let domains = Material::read_labels(table, "domains", source, builder);
         if let Some(Material::Column { column }) = &domains
             && let Err(message) = check_labels(column)
         {
@@ -53,13 +53,18 @@ impl Described for BorderTension {
 
 /// The reason why a column does not define domains.
 fn check_labels(column: &Column) -> Result<(), String> {
-    let Column { name, values } = column;
+    let Column {
+        name,
+        place,
+        values,
+    } = column;
     // Larger numbers are always whole in f64.
     let is_label = |value: &f64| value.fract() == 0.0 && value.abs() < 2.0_f64.powi(53);
-    if let Some(vertex) = values.iter().position(|value| !is_label(value)) {
+    if let Some(at) = values.iter().position(|value| !is_label(value)) {
         return Err(format!(
-            "the column \"{name}\" is {} at vertex {vertex}: the label of a domain has to be a whole number",
-            values[vertex]
+            "the column \"{name}\" is {} at {} {at}: the label of a domain has to be a whole number",
+            values[at],
+            singular(*place)
         ));
     }
     if values.iter().all(|value| *value == values[0]) {
@@ -106,7 +111,12 @@ impl SurfaceEffect for BorderTension {
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
         let labels = self.labels().iter().map(|&label| label as i64);
         let labels = Vec::from_iter(labels);
-        let method = helfrich::BorderTension::new(self.value, preparation.mesh(), &labels);
+        let place = self.domains.as_ref().and_then(Material::column);
+        let make = match place.map(|column| column.place) {
+            Some(ColumnPlace::Triangles) => helfrich::BorderTension::of_triangles,
+            _ => helfrich::BorderTension::new,
+        };
+        let method = make(self.value, preparation.mesh(), &labels);
         preparation.conservative(Self::NAME, method)
     }
 }

@@ -1,7 +1,7 @@
 //! The polygons of a PolyData file as a mesh.
 
 use super::super::xml::{Tag, Tags, line_of};
-use super::super::{Builder, Column, Columns, MeshFile, ParseError, Problem, finite};
+use super::super::{Builder, Column, ColumnPlace, Columns, MeshFile, ParseError, Problem, finite};
 use super::array::{Array, Storage};
 
 /// A piece of the surface.
@@ -9,11 +9,13 @@ use super::array::{Array, Storage};
 struct Piece<'a> {
     at: usize,
     vertices: usize,
+    /// The number of single vertices and lines, which precede the polygons in arrays of cells.
+    skipped: usize,
     points: Option<Array<'a>>,
     connectivity: Option<Array<'a>>,
     ends: Option<Array<'a>>,
-    /// Arrays of one component at the points, if they are read.
-    columns: Vec<(String, Array<'a>)>,
+    /// Arrays of one component at the points and cells, if they are read.
+    columns: Vec<(ColumnPlace, String, Array<'a>)>,
 }
 
 /// The structure of a file, without its numbers.
@@ -39,28 +41,22 @@ fn joined(pieces: &[Piece<'_>], storage: &Storage<'_>) -> Result<Vec<Column>, Pa
     let pieces = Vec::from_iter(pieces.iter().filter(|piece| piece.vertices > 0));
     let names = pieces.first().map_or(&[][..], |piece| &piece.columns);
     let mut columns = Vec::new();
-    for (name, _) in names {
-        let of_piece = |piece: &&Piece<'_>| piece.columns.iter().any(|(own, _)| own == name);
-        if !pieces.iter().all(of_piece) {
+    for (place, name, _) in names {
+        let arrays = pieces.iter().map(|piece| {
+            let mut own = piece.columns.iter();
+            let found = own.find(|(of, own, _)| (of, own) == (place, name));
+            found.map(|(_, _, array)| (piece, array))
+        });
+        let Some(arrays) = arrays.collect::<Option<Vec<_>>>() else {
             continue;
-        }
+        };
         let mut values = Vec::new();
-        for piece in &pieces {
-            for (_, array) in piece.columns.iter().filter(|(own, _)| own == name).take(1) {
-                let own = array.floats(storage)?;
-                let found = own.values.len();
-                if found != piece.vertices {
-                    let problem = Problem::ColumnLength {
-                        found,
-                        points: piece.vertices,
-                    };
-                    return Err(problem.at(own.first_position(storage.file), None));
-                }
-                values.extend(own.values);
-            }
+        for (piece, array) in arrays {
+            values.extend(piece.numbers(*place, array, storage)?);
         }
         columns.push(Column {
             name: name.clone(),
+            place: *place,
             values,
         });
     }
@@ -97,11 +93,16 @@ fn outline(bytes: &[u8], columns: Columns) -> Result<Outline<'_>, ParseError> {
                     continue;
                 };
                 let name = tag.attribute("Name");
-                if let (b"PointData", Some(name), Columns::Read) = (section, name, columns) {
+                let of = match section {
+                    b"PointData" => Some(ColumnPlace::Vertices),
+                    b"CellData" => Some(ColumnPlace::Triangles),
+                    _ => None,
+                };
+                if let (Some(of), Some(name), Columns::Read) = (of, name, columns) {
                     let components = tag.attribute("NumberOfComponents");
                     // Texts, which are no numbers, are skipped.
                     if let (None | Some("1"), Ok(array)) = (components, Array::new(bytes, &tag)) {
-                        piece.columns.push((name.to_owned(), array));
+                        piece.columns.push((of, name.to_owned(), array));
                     }
                     continue;
                 }
@@ -177,11 +178,57 @@ fn piece<'a>(file: &[u8], tag: &Tag<'_>) -> Result<Piece<'a>, ParseError> {
     Ok(Piece {
         at: tag.start,
         vertices,
+        skipped: ["NumberOfVerts", "NumberOfLines"]
+            .into_iter()
+            .filter_map(count)
+            .fold(0, usize::saturating_add),
         ..Piece::default()
     })
 }
 
 impl Piece<'_> {
+    /// The numbers of an array at the vertices or triangles.
+    fn numbers(
+        &self,
+        place: ColumnPlace,
+        array: &Array<'_>,
+        storage: &Storage<'_>,
+    ) -> Result<Vec<f64>, ParseError> {
+        let own = array.floats(storage)?;
+        let found = own.values.len();
+        let wrong = |section, places| {
+            let problem = Problem::ColumnLength {
+                section,
+                found,
+                places,
+            };
+            problem.at(own.first_position(storage.file), None)
+        };
+        if place == ColumnPlace::Vertices {
+            return match self.vertices {
+                vertices if vertices == found => Ok(own.values),
+                vertices => Err(wrong("PointData", format!("{vertices} points"))),
+            };
+        }
+        let ends = match &self.ends {
+            Some(ends) => ends.indices(storage)?.values,
+            None => Vec::new(),
+        };
+        let cells = self.skipped.saturating_add(ends.len());
+        if found != cells {
+            return Err(wrong("CellData", format!("{cells} cells")));
+        }
+        let starts = std::iter::once(&0).chain(&ends);
+        let faces = own.values[self.skipped..]
+            .iter()
+            .zip(ends.iter().zip(starts));
+        // The mesh has been built: every face has three corners or more.
+        let repeated = faces.map(|(&value, (end, start))| {
+            std::iter::repeat_n(value, usize::try_from(end - start - 2).unwrap_or(0))
+        });
+        Ok(repeated.flatten().collect())
+    }
+
     fn add_to(&self, builder: &mut Builder, storage: &Storage<'_>) -> Result<(), ParseError> {
         let file = storage.file;
         let missing = |missing| Problem::Undeclared { missing }.at(line_of(file, self.at), None);
