@@ -1,7 +1,9 @@
 //! Errors on noisy shapes, as a table of text and as a part of a page.
 
-use crate::report::page::Section;
+use crate::method::BendingMethod;
+use crate::picture::{Axis, Chart, Curve, Marks, Numbers, Point, Scale};
 use crate::report::page::text::{Table, count, csv_line, escaped, percent};
+use crate::report::page::{Section, style_of, svg};
 use crate::study::{BEST_FIXED, NoiseRow};
 use std::io::{self, Write};
 use std::iter;
@@ -134,10 +136,6 @@ fn table_of(rows: &[NoiseRow], deviations: &[f64], quantity: usize) -> Table {
     let NoiseRow {
         family, vertices, ..
     } = rows[0];
-    let head = deviations.iter().map(|&deviation| match deviation {
-        0.0 => "no noise".to_owned(),
-        _ => format!("{deviation} edges"),
-    });
     Table {
         caption: format!(
             "{}: errors on {} meshes of {} vertices",
@@ -145,9 +143,103 @@ fn table_of(rows: &[NoiseRow], deviations: &[f64], quantity: usize) -> Table {
             escaped(family),
             count(vertices)
         ),
-        head: iter::once("method".to_owned()).chain(head).collect(),
+        head: head(deviations, "method"),
         rows: lines,
         csv,
+    }
+}
+
+/// The results of `jet` beside its errors: σ, numbers of neighbours, error bars and verdicts.
+fn table_of_findings(rows: &[NoiseRow], deviations: &[f64]) -> Table {
+    let jets = || deviations.iter().map(|&noise| find(rows, "jet", noise));
+    let line = |head: String, cell: &dyn Fn(&NoiseRow) -> Option<String>| {
+        let cells = jets().map(|row| row.and_then(cell).unwrap_or_else(|| "–".to_owned()));
+        Vec::from_iter(iter::once(head).chain(cells))
+    };
+    let sigma = |row: &NoiseRow| Some(format!("{:.1e}", row.found?));
+    let mut lines = vec![line("noise found, in edges".to_owned(), &sigma)];
+    for (quantity, symbol) in SYMBOLS.iter().enumerate() {
+        let taken = |row: &NoiseRow| Some(row.bars?[quantity].neighbours.to_string());
+        lines.push(line(format!("neighbours for {symbol}"), &taken));
+        let size = |row: &NoiseRow| Some(percent(row.bars?[quantity].size));
+        lines.push(line(format!("error bars of {symbol}"), &size));
+    }
+    for (verdict, name) in ["clean", "noise", "unresolved"].into_iter().enumerate() {
+        let part = |row: &NoiseRow| Some(percent(row.verdicts?[verdict]));
+        lines.push(line(format!("verdict {name}"), &part));
+    }
+    let NoiseRow {
+        family, vertices, ..
+    } = rows[0];
+    Table {
+        caption: format!(
+            "Noise, fits, error bars and verdicts of <code>jet</code> on {} meshes of {} vertices",
+            escaped(family),
+            count(vertices)
+        ),
+        head: head(deviations, ""),
+        rows: lines,
+        csv: String::new(),
+    }
+}
+
+/// The head of a table with a column for each noise.
+fn head(deviations: &[f64], first: &str) -> Vec<String> {
+    let each = deviations.iter().map(|&deviation| match deviation {
+        0.0 => "no noise".to_owned(),
+        _ => format!("{deviation} edges"),
+    });
+    iter::once(first.to_owned()).chain(each).collect()
+}
+
+/// Errors of one quantity against the noise: of `jet` with its error bars, of J6, and of the best fixed fit.
+fn chart_of(rows: &[NoiseRow], deviations: &[f64], quantity: usize) -> Chart {
+    type Value = fn(&NoiseRow, usize) -> Option<f64>;
+    let error: Value = |row, quantity| row.errors[quantity];
+    let bar: Value = |row, quantity| Some(row.bars?[quantity].size);
+    let jet = Some(style_of(BendingMethod::Jet));
+    let curves = [
+        (
+            "j6",
+            "J6",
+            Some(style_of(BendingMethod::J6)),
+            Marks::LineAndPoints,
+            error,
+        ),
+        (BEST_FIXED, BEST_FIXED, None, Marks::DashesAndPoints, error),
+        ("jet", "bars of jet", jet, Marks::DashesAndPoints, bar),
+        ("jet", "jet", jet, Marks::LineAndPoints, error),
+    ];
+    let curves = curves.map(|(method, name, style, marks, value)| {
+        let points = deviations.iter().filter(|deviation| **deviation > 0.0);
+        let points = points.filter_map(|&deviation| {
+            let size = value(find(rows, method, deviation)?, quantity)?;
+            Some(Point {
+                note: format!("{name}, noise of {deviation} edges: {}", percent(size)),
+                ..Point::from([deviation, size])
+            })
+        });
+        Curve {
+            name: name.to_owned(),
+            points: points.collect(),
+            marks,
+            style,
+            label: name.to_owned(),
+        }
+    });
+    let axis = |label: String, numbers| Axis {
+        label,
+        scale: Scale::Logarithmic,
+        numbers,
+        ..Axis::default()
+    };
+    Chart {
+        axes: [
+            axis("noise in mean edges".to_owned(), Numbers::Plain),
+            axis(format!("error of {}", SYMBOLS[quantity]), Numbers::Share),
+        ],
+        curves: Vec::from_iter(curves.into_iter().filter(|curve| !curve.points.is_empty())),
+        ..Chart::default()
     }
 }
 
@@ -164,17 +256,37 @@ pub fn noise_section(rows: &[NoiseRow]) -> io::Result<Section> {
          error of a method is printed bold; “{BEST_FIXED}” is the least of any regression jet with the same \
          degree and number of neighbours at every vertex, which a user cannot know. Bars of <code>jet</code>: \
          the part of the vertices whose error is within its error bar, and the median of the bar over the \
-         error.</p>"
+         error. Noise is taken to be independent from vertex to vertex; where the mesh does not resolve the \
+         shape, the verdict is “unresolved”, and a finer mesh is needed.</p>"
     )?;
+    let mut charts = Vec::new();
     for (rows, deviations) in meshes(rows) {
+        let mesh = format!("{}-{}", rows[0].family, rows[0].vertices);
+        writeln!(html, "<div class=\"pair\">")?;
+        for quantity in [0, 2] {
+            let chart = chart_of(rows, &deviations, quantity);
+            if chart.is_empty() {
+                continue;
+            }
+            let name = format!("noise-error-{mesh}-{}", SYMBOLS[quantity]);
+            let caption = format!(
+                "Error of {} against the noise, and its error bars: {} mesh of {} vertices",
+                SYMBOLS[quantity],
+                escaped(rows[0].family),
+                count(rows[0].vertices)
+            );
+            writeln!(html, "<figure><figcaption>{caption}</figcaption>")?;
+            svg::write(&chart, &name, false, &mut html)?;
+            writeln!(html, "</figure>")?;
+            charts.push((name, chart));
+        }
+        writeln!(html, "</div>")?;
+        table_of_findings(rows, &deviations).write(&format!("noise-found-{mesh}"), &mut html)?;
         for (quantity, symbol) in SYMBOLS.iter().enumerate() {
-            let id = format!("noise-{}-{}-{symbol}", rows[0].family, rows[0].vertices);
+            let id = format!("noise-{mesh}-{symbol}");
             table_of(rows, &deviations, quantity).write(&id, &mut html)?;
         }
     }
     writeln!(html, "</section>")?;
-    Ok(Section {
-        html,
-        charts: Vec::new(),
-    })
+    Ok(Section { html, charts })
 }

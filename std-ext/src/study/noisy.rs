@@ -51,6 +51,8 @@ pub struct NoiseRow {
     pub errors: [Option<f64>; QUANTITIES],
     /// Reliability of the error bars; only of `jet`.
     pub bars: Option<[Bars; QUANTITIES]>,
+    /// Median of the standard deviations of the noise that it finds, in mean edge lengths; only of `jet`.
+    pub found: Option<f64>,
     /// Fractions of the vertices that are clean, noisy and unresolved; only of `jet`.
     pub verdicts: Option<[f64; 3]>,
 }
@@ -62,6 +64,10 @@ pub struct Bars {
     pub within: f64,
     /// The median of the bar over the error.
     pub median: f64,
+    /// Root mean square of the bars over that of the exact field.
+    pub size: f64,
+    /// The median number of neighbours of the fits.
+    pub neighbours: u32,
 }
 
 /// The least error of J6 and of regression jets of degrees 4 and 6 with any one number of neighbours, of
@@ -121,6 +127,7 @@ impl NoiseStudy {
             method,
             errors,
             bars: None,
+            found: None,
             verdicts: None,
         };
         for &method in &self.methods {
@@ -137,6 +144,7 @@ impl NoiseStudy {
             let verdicts = [Verdict::Clean, Verdict::Noise, Verdict::Unresolved];
             rows.push(NoiseRow {
                 bars: Some(truth.bars(&jet.vertices)),
+                found: Some(jet.deviation() / mean_edge(made, surface)),
                 verdicts: Some(verdicts.map(|verdict| jet.count(verdict) as f64 / all)),
                 ..row(BendingMethod::Jet.name(), truth.errors(&jet.fields(1.0)))
             });
@@ -158,16 +166,20 @@ fn held<'a>(
     })
 }
 
-/// The positions of a mesh with normal errors in every coordinate, by G. E. P. Box and M. E. Muller, in
-/// the polar form of Marsaglia.
-fn disturbed(made: &GeneratedMesh, deviation: f64, seed: u64) -> Result<Vec<[f64; 3]>, StudyError> {
-    let surface = held(made, &made.positions)?;
+/// The mean length of an edge.
+fn mean_edge(made: &GeneratedMesh, surface: Surface<'_, f64>) -> f64 {
     let edges = made.mesh.edges();
     let lengths = edges.iter().map(|&[from, to]| {
         let [x, y, z] = surface.difference(from, to);
         x.hypot(y).hypot(z)
     });
-    let length = deviation * lengths.sum::<f64>() / edges.len() as f64;
+    lengths.sum::<f64>() / edges.len() as f64
+}
+
+/// The positions of a mesh with normal errors in every coordinate, by G. E. P. Box and M. E. Muller, in
+/// the polar form of Marsaglia.
+fn disturbed(made: &GeneratedMesh, deviation: f64, seed: u64) -> Result<Vec<[f64; 3]>, StudyError> {
+    let length = deviation * mean_edge(made, held(made, &made.positions)?);
     let mut random = Random::new(seed);
     let mut error = || {
         let point = random.in_disc();
@@ -225,18 +237,24 @@ impl Truth {
 
     fn bars(&self, measured: &[Measured<f64>]) -> [Bars; QUANTITIES] {
         std::array::from_fn(|quantity| {
-            let pairs = measured.iter().zip(&self.points);
-            let ratios = pairs.map(|(at, point)| {
-                let Estimate { value, error, .. } =
-                    [at.mean, at.gaussian, at.force_density][quantity];
+            let estimates = measured.iter();
+            let estimates = estimates.map(|at| [at.mean, at.gaussian, at.force_density][quantity]);
+            let pairs = estimates.clone().zip(&self.points);
+            let ratios = pairs.map(|(Estimate { value, error, .. }, point)| {
                 error / (value - exact(point, quantity)).abs()
             });
             let mut ratios = Vec::from_iter(ratios);
+            let neighbours = estimates.clone().map(|estimate| estimate.scale.neighbours);
+            let mut neighbours = Vec::from_iter(neighbours);
+            neighbours.sort_unstable();
+            let size = root_mean_square(estimates.map(|estimate| estimate.error));
             ratios.sort_by(f64::total_cmp);
             let within = ratios.iter().filter(|&&ratio| ratio >= 1.0).count();
             Bars {
                 within: within as f64 / ratios.len() as f64,
                 median: ratios[ratios.len() / 2],
+                size: size / self.scales[quantity],
+                neighbours: neighbours[neighbours.len() / 2],
             }
         })
     }

@@ -267,9 +267,12 @@ fn a_page_has_a_table_for_each_quantity() {
             [Bars {
                 within: 0.994,
                 median: 3.9,
+                size: 0.31,
+                neighbours: 128,
             }; 3],
         ),
-        verdicts: None,
+        found: (method == "jet").then_some(9.8e-3),
+        verdicts: (method == "jet").then_some([0.0, 0.97, 0.03]),
     };
     let rows = [row("meyer", 0.12), row("jet", 0.09), row(BEST_FIXED, 0.07)];
     let html = String::from_utf8(noise_section(&rows).unwrap().html).unwrap();
@@ -288,5 +291,22 @@ fn a_page_has_a_table_for_each_quantity() {
             .unwrap_or_else(|| panic!("{cell}: {table}"))
     });
     assert!(places.is_sorted(), "{table}");
-    assert_eq!(html.matches("<table").count(), 3);
+    assert_eq!(html.matches("<table").count(), 4);
+    let (_, table) = html.split_once("id=\"noise-found-regular-2562\"").unwrap();
+    let (table, _) = table.split_once("</table>").unwrap();
+    for cell in ["9.8e-3", "<td>128<", "<td>31 %<", "<td>97 %<", "<td>3.0 %<"] {
+        assert!(table.contains(cell), "{cell}: {table}");
+    }
+    let section = noise_section(&rows).unwrap();
+    let names = Vec::from_iter(section.charts.iter().map(|(name, _)| name.as_str()));
+    assert_eq!(
+        names,
+        ["noise-error-regular-2562-H", "noise-error-regular-2562-f"]
+    );
+    let curves = &section.charts[0].1.curves;
+    let bars = curves
+        .iter()
+        .find(|curve| curve.name == "bars of jet")
+        .unwrap();
+    assert_eq!(bars.points[0].at, [1e-2, 0.31]);
 }
