@@ -317,27 +317,58 @@ fn angle([a, b, c]: [f64; 3], other: [f64; 3]) -> f64 {
     x.hypot(y).hypot(z).min(1.0).asin().to_degrees()
 }
 
-/// Circles around the axis are lines of curvature. Median and 95 % of the angles, by the noise.
+/// The angle between a direction and the nearest circle around the axis or line across it, which are the
+/// lines of curvature of surfaces of revolution.
+fn angle_of_revolution([first, second]: [[f64; 3]; 2], point: [f64; 3]) -> f64 {
+    let around = meshes::unit([-point[1], point[0], 0.0]);
+    angle(first, around).min(angle(second, around))
+}
+
+/// The angle between a direction and the nearest line of curvature of the ellipsoid `Σ (x/a)² = 1`, whose
+/// second fundamental form is proportional to `Σ u v/a²` in tangential vectors u and v.
+fn angle_on_ellipsoid(axes: [f64; 3], directions: [[f64; 3]; 2], point: [f64; 3]) -> f64 {
+    let weighted = |u: [f64; 3]| [0, 1, 2].map(|k| u[k] / (axes[k] * axes[k]));
+    let normal = meshes::unit(weighted(point));
+    let [u, v] = directions.map(|along| {
+        let off = meshes::dot(along, normal);
+        meshes::unit([0, 1, 2].map(|k| along[k] - off * normal[k]))
+    });
+    let form = |u, v| meshes::dot(weighted(u), v);
+    let turn = (2.0 * form(u, v)).atan2(form(u, u) - form(v, v));
+    let turn = 0.5 * turn.to_degrees().abs();
+    turn.min(90.0 - turn)
+}
+
+/// Median and 95 % of the angles, by the noise. Directions are told at nearly all vertices: at fewer of the
+/// ellipsoid, which has four umbilics.
 #[test]
 fn directions_follow_the_surface() {
-    for shape in [torus(0.4), shape("discocyte")] {
+    let axes = [1.0, 0.7, 0.45];
+    for (shape, told) in [
+        (torus(0.4), 0.98),
+        (torus(0.55), 0.98),
+        (shape("discocyte"), 0.98),
+        (shape("ellipsoid:1,0.7,0.45"), 0.96),
+    ] {
         let case = Case::of_shape(&shape, Family::Irregular, 2562);
         for (part, [median, most]) in [(0.0, [0.01, 0.1]), (1e-2, [1.0, 4.0])] {
             let positions = case.disturbed(part * case.mean_edge());
             let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
             let angles = found.iter().zip(&case.exact).filter_map(|(at, point)| {
-                let [x, y, _] = point.position;
-                let around = meshes::unit([-y, x, 0.0]);
-                let [first, second] = at.directions?.map(|along| angle(along, around));
-                Some(first.min(second))
+                let directions = at.directions?;
+                Some(match shape {
+                    AnyShape::Ellipsoid(_) => angle_on_ellipsoid(axes, directions, point.position),
+                    _ => angle_of_revolution(directions, point.position),
+                })
             });
             let mut angles = Vec::from_iter(angles);
-            assert!(angles.len() as f64 > 0.98 * found.len() as f64);
+            assert!(angles.len() as f64 > told * found.len() as f64);
             angles.sort_by(f64::total_cmp);
             let [half, nearly_all] = [50, 95].map(|part| angles[angles.len() * part / 100]);
             assert!(
                 half < median && nearly_all < most,
-                "{part}: {half} {nearly_all}"
+                "{}, {part}: {half} {nearly_all}",
+                case.name
             );
         }
     }
@@ -381,14 +412,30 @@ fn gradients_are_those_of_the_surface() {
     );
 }
 
-/// A discocyte cut by a plane: errors relative to those of the interior, ring by ring.
+/// A discocyte cut by planes, with bounds of the errors of H and f on ring 0 and of the errors on ring 2
+/// over those of the interior. Planes along the axis or the rim cut the rim, the most curved part, at more
+/// or all of their vertices.
 #[test]
 fn borders_have_one_sided_fits() {
     let case = Case::of_shape(&shape("discocyte"), Family::Irregular, 10242);
-    let is_left = |point: &ExactPoint<f64>| {
-        let [x, y, z] = point.position;
-        0.5 * x + 0.3 * y + 0.6 * z < 0.2
-    };
+    for (normal, offset, bounds) in [
+        ([0.5, 0.3, 0.6], 0.2, [1e-3, 0.1, 5.0]),
+        ([0.2, -1.0, 0.1], 0.3, [3e-3, 0.3, 5.0]),
+        ([0.7, 0.7, 0.0], -0.1, [3e-3, 0.3, 5.0]),
+        ([0.0, 0.1, 1.0], 0.05, [3e-3, 0.3, 6.0]),
+    ] {
+        check_borders_of_a_cut(&case, normal, offset, bounds);
+    }
+}
+
+/// Errors beside a cut relative to those of the interior, ring by ring; bars hold.
+fn check_borders_of_a_cut(
+    case: &Case,
+    normal: [f64; 3],
+    offset: f64,
+    [mean, force, next]: [f64; 3],
+) {
+    let is_left = |point: &ExactPoint<f64>| meshes::dot(normal, point.position) < offset;
     let left = Vec::from_iter(case.exact.iter().map(is_left));
     let triangles = case.mesh.triangles().iter().copied();
     let triangles = triangles.filter(|corners| corners.iter().all(|&v| left[v as usize]));
@@ -425,15 +472,11 @@ fn borders_have_one_sided_fits() {
         let size = root_mean_square(points.iter().map(|point| exact(point, quantity)));
         root_mean_square(errors) / size
     };
-    assert!(
-        error(0, 0) < 1e-3 && error(2, 0) < 0.1,
-        "{} {}",
-        error(0, 0),
-        error(2, 0)
-    );
+    let ring = [error(0, 0), error(2, 0)];
+    assert!(ring[0] < mean && ring[1] < force, "{normal:?}: {ring:?}");
     for quantity in 0..QUANTITIES {
-        let inside = error(quantity, u32::MAX);
-        assert!(error(quantity, 2) < 5.0 * inside, "{quantity}");
+        let ratio = error(quantity, 2) / error(quantity, u32::MAX);
+        assert!(ratio < next, "{normal:?}, {quantity}: {ratio}");
         let at_border = (0..rings.len()).filter(|&vertex| rings[vertex] == 0);
         let (mut within, mut count) = (0, 0);
         for vertex in at_border {
@@ -443,7 +486,10 @@ fn borders_have_one_sided_fits() {
             within += usize::from(error <= estimate.error);
             count += 1;
         }
-        assert!(50 * within >= 49 * count, "{quantity}: {within} of {count}");
+        assert!(
+            50 * within >= 49 * count,
+            "{normal:?}, {quantity}: {within} of {count}"
+        );
     }
 }
 
