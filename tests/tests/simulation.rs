@@ -377,6 +377,21 @@ fn the_unstable_oblate_is_left() {
     assert!(near >= 5, "{energies:?}");
 }
 
+/// Line tension contracts the border between two domains of a mesh file, and energy only falls.
+#[test]
+fn a_border_contracts_to_its_equilibrium() {
+    let (summary, table, _folder) = run_shipped("two-domains", &[]);
+    assert_eq!(summary.end, End::Converged, "{}", summary.message);
+    let energies = table.column("energy").expect("energy");
+    assert!(energies.len() > 10, "{energies:?}");
+    assert!(
+        energies.is_sorted_by(|before, after| after <= before),
+        "{energies:?}"
+    );
+    let border = table.column("energy_border_tension").expect("a border");
+    assert!(border.last() < border.first(), "{border:?}");
+}
+
 #[test]
 fn a_bud_forms_and_a_cell_becomes_a_discocyte() {
     let (summary, ..) = run_shipped("budding", &[]);

@@ -25,7 +25,7 @@ macro_rules! scenes {
 }
 
 /// All shipped scenes.
-pub const SHIPPED: [ShippedScene; 13] = scenes![
+pub const SHIPPED: [ShippedScene; 14] = scenes![
     "budding"
     "capsule-constriction"
     "capsule-pair"
@@ -34,6 +34,7 @@ pub const SHIPPED: [ShippedScene; 13] = scenes![
     "red-blood-cell-relax"
     "red-blood-cell-shear"
     "red-blood-cell-stretched"
+    "two-domains"
     "vesicle-oblate-0.7"
     "vesicle-oblate-unstable-0.9"
     "vesicle-prolate-0.8"
@@ -42,7 +43,7 @@ pub const SHIPPED: [ShippedScene; 13] = scenes![
 ];
 
 /// Further files that scenes need.
-const FILES: [(&str, &str); 2] = [
+const FILES: [(&str, &str); 3] = [
     (
         "capsule-shear-published.csv",
         include_str!("../../scenes/capsule-shear-published.csv"),
@@ -50,6 +51,10 @@ const FILES: [(&str, &str); 2] = [
     (
         "scene.schema.json",
         include_str!("../../scenes/scene.schema.json"),
+    ),
+    (
+        "two-domains.ply",
+        include_str!("../../scenes/two-domains.ply"),
     ),
 ];
 

@@ -144,26 +144,31 @@ fn refused_effect(effects: &str, at: [usize; 2], parts: &[&str]) {
     refused(&with(effects), at, parts);
 }
 
-/// Facts about the generated mesh of a surface, scaled.
+/// Facts about the mesh of a surface, generated or from a file, scaled.
 fn generated(file: &SceneFile, surface: usize) -> MeshInfo {
     let surface = &file.scene.surfaces[surface];
-    let MeshSource::Shape {
-        shape,
-        family,
-        vertices,
-        seed,
-        match_volume,
-    } = &surface.source
-    else {
-        panic!("no shape");
-    };
-    let made = generate(shape, *family, *vertices, *seed).unwrap();
-    let enclosed = Surface::new(&made.mesh, &made.positions).unwrap().volume();
-    let matched = match match_volume {
-        true => (shape.volume() / enclosed.unwrap()).cbrt(),
-        false => 1.0,
+    let (mesh, positions, matched) = match &surface.source {
+        MeshSource::Shape {
+            shape,
+            family,
+            vertices,
+            seed,
+            match_volume,
+        } => {
+            let made = generate(shape, *family, *vertices, *seed).unwrap();
+            let enclosed = Surface::new(&made.mesh, &made.positions).unwrap().volume();
+            let matched = match match_volume {
+                true => (shape.volume() / enclosed.unwrap()).cbrt(),
+                false => 1.0,
+            };
+            (made.mesh, made.positions, matched)
+        }
+        MeshSource::File(source) => {
+            let read = source.read().unwrap();
+            (read.mesh, read.positions, 1.0)
+        }
     };
     let scaled = |point: &[f64; 3]| point.map(|x| x * surface.scale * matched);
-    let positions = Vec::from_iter(made.positions.iter().map(scaled));
-    MeshInfo::new(Surface::new(&made.mesh, &positions).unwrap())
+    let positions = Vec::from_iter(positions.iter().map(scaled));
+    MeshInfo::new(Surface::new(&mesh, &positions).unwrap())
 }
