@@ -203,7 +203,7 @@ fn amiss(case: &Case, part: f64) -> (Vec<String>, Vec<f64>) {
 /// 1e-4 (1.7), and of K of the disc, relaxed, at 1e-4 (0.5).
 #[test]
 #[ignore = "half an hour: by hand, see CONTRIBUTING"]
-fn bars_held_out() {
+fn bars_of_many_shapes() {
     let shapes = [
         torus(0.4),
         torus(0.6),
