@@ -1,5 +1,7 @@
 //! Connectivity of a triangle mesh, without coordinates.
 
+mod refinement;
+
 use alloc::vec::Vec;
 use half_edges::HalfEdges;
 

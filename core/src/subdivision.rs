@@ -75,7 +75,7 @@ impl Subdivision {
             stencils: Stencils::identity(mesh.vertex_count()),
         };
         for level in 0..levels {
-            let step = Self::step(&refined.mesh)?;
+            let step = Self::step(&refined.mesh);
             refined.stencils = if level == 0 {
                 step.stencils
             } else {
@@ -140,45 +140,29 @@ impl Subdivision {
         refined
     }
 
-    /// One refinement.
-    fn step(mesh: &TriangleMesh) -> Result<Self, MeshError> {
+    /// One refinement, of a size that a mesh may have.
+    fn step(mesh: &TriangleMesh) -> Self {
         let coarse = mesh.vertex_count();
         let vertices = coarse + mesh.edges().len();
-        // The middle of the edge that leaves each corner of each triangle.
-        let mut middles = alloc::vec![[0u32; 3]; mesh.triangles().len()];
         let mut stencils =
             Stencils::with_capacity(coarse, vertices, 7 * coarse + 4 * (vertices - coarse));
         for vertex in 0..coarse {
             push_vertex_mask(mesh, vertex, &mut stencils);
         }
         for (edge, &[tail, head]) in mesh.edges().iter().enumerate() {
-            let middle = (coarse + edge) as u32;
-            let (left, right) = mesh.edge_triangles(edge);
-            let across_left = set_middle(mesh, left, tail, middle, &mut middles);
-            match right {
-                Some(right) => {
-                    let across_right = set_middle(mesh, right, head, middle, &mut middles);
+            match mesh.edge_triangles(edge) {
+                (left, Some(right)) => {
                     let [end, side] = masks::EDGE;
-                    let weights = [
-                        (tail, end),
-                        (head, end),
-                        (across_left, side),
-                        (across_right, side),
-                    ];
-                    stencils.push_row(weights);
+                    let [left, right] = [left, right].map(|side| across(mesh, side, [tail, head]));
+                    stencils.push_row([(tail, end), (head, end), (left, side), (right, side)]);
                 }
-                None => stencils.push_row([(tail, 0.5), (head, 0.5)]),
+                (_, None) => stencils.push_row([(tail, 0.5), (head, 0.5)]),
             }
         }
-        let quarters = |(&[a, b, c], &[ab, bc, ca]): (&[u32; 3], &[u32; 3])| {
-            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-        };
-        let mut triangles = Vec::with_capacity(4 * middles.len());
-        triangles.extend(mesh.triangles().iter().zip(&middles).flat_map(quarters));
-        Ok(Self {
-            mesh: TriangleMesh::new(vertices, triangles)?,
+        Self {
+            mesh: mesh.refined(),
             stencils,
-        })
+        }
     }
 }
 
@@ -200,21 +184,8 @@ fn push_vertex_mask(mesh: &TriangleMesh, vertex: usize, stencils: &mut Stencils)
     }
 }
 
-/// Records the middle of the edge that starts at `tail` in a triangle, and returns the opposite
-/// vertex.
-fn set_middle(
-    mesh: &TriangleMesh,
-    triangle: u32,
-    tail: u32,
-    middle: u32,
-    middles: &mut [[u32; 3]],
-) -> u32 {
+/// The vertex of a triangle that is not an end of one of its edges.
+fn across(mesh: &TriangleMesh, triangle: u32, [tail, head]: [u32; 2]) -> u32 {
     let [a, b, c] = mesh.triangles()[triangle as usize];
-    let (corner, across) = match tail {
-        _ if tail == a => (0, c),
-        _ if tail == b => (1, a),
-        _ => (2, b),
-    };
-    middles[triangle as usize][corner] = middle;
-    across
+    a ^ b ^ c ^ tail ^ head
 }

@@ -472,6 +472,28 @@ fn refined_meshes_have_the_expected_connectivity() {
     }
 }
 
+/// The neighbours that refinement derives are those that a search finds: every list is the same.
+#[test]
+fn refined_meshes_are_those_of_their_triangles() {
+    let (disc, _) = helfrich_tests::meshes::disc(3).relabelled(4);
+    let (torus, _) = helfrich_tests::meshes::torus(7, 5).relabelled(5);
+    let mut lonely = disc.connectivity.triangles().to_vec();
+    lonely.extend([[60, 62, 61], [62, 60, 63]]);
+    let more = [
+        disc.connectivity,
+        torus.connectivity,
+        TriangleMesh::new(65, lonely).unwrap(),
+    ];
+    for mesh in meshes().into_iter().chain(more) {
+        for levels in 1..3 {
+            let fine = Subdivision::new(&mesh, levels).unwrap().into_mesh();
+            let triangles = fine.triangles().to_vec();
+            let found = TriangleMesh::new(fine.vertex_count(), triangles).unwrap();
+            assert_eq!(fine, found);
+        }
+    }
+}
+
 #[test]
 fn maps_compose_and_transpose() {
     for mesh in meshes() {
