@@ -14,6 +14,7 @@
 //! time and memory proportional to the length of the file. A byte order mark before a text is skipped.
 
 mod builder;
+mod decimal;
 mod obj;
 mod off;
 mod ply;
@@ -29,6 +30,7 @@ mod whole;
 mod write;
 mod xml;
 
+pub use decimal::{push_fields, push_number};
 pub use replace::{UNFINISHED, check_replaceable, remove_unfinished, replace_file};
 pub use sha256::sha256;
 pub use vti::{Grid, write_vti};

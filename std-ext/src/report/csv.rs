@@ -1,6 +1,7 @@
 //! Data as CSV.
 
 use crate::execute::available_threads;
+use crate::io::push_fields;
 use crate::measurement::{Column, ColumnValues, verdict_name};
 use crate::method::Fields;
 use crate::series::quoted;
@@ -111,23 +112,26 @@ fn push_row<T: Real>(
 ) {
     let normal = fields.normal[vertex];
     let has_normal = normal.iter().any(|component| !component.is_zero());
-    text.push_str(&vertex.to_string());
-    push_vector(text, Some(position));
-    push_number(text, Some(fields.area[vertex]));
-    push_vector(text, has_normal.then_some(normal));
-    push_number(text, fields.mean[vertex]);
-    push_number(text, fields.gaussian[vertex]);
-    push_number(text, fields.laplacian_of_mean[vertex]);
-    push_vector(text, fields.force_density[vertex]);
+    let _ = write!(text, "{vertex}");
+    push_known(text, &position.map(Some));
+    push_known(text, &[Some(fields.area[vertex])]);
+    push_known(
+        text,
+        &normal.map(|component| has_normal.then_some(component)),
+    );
+    let [mean, gaussian, laplacian] =
+        [&fields.mean, &fields.gaussian, &fields.laplacian_of_mean].map(|values| values[vertex]);
+    push_known(text, &[mean, gaussian, laplacian]);
+    let density = fields.force_density[vertex];
+    push_known(
+        text,
+        &density.map_or([None; 3], |density| density.map(Some)),
+    );
     for Column { values, .. } in more {
         let known = |value: f64| value.is_finite().then_some(value);
         match values {
-            ColumnValues::Scalars(values) => push_number(text, known(values[vertex])),
-            ColumnValues::Vectors(values) => {
-                for component in values[vertex] {
-                    push_number(text, known(component));
-                }
-            }
+            ColumnValues::Scalars(values) => push_fields(text, &[known(values[vertex])]),
+            ColumnValues::Vectors(values) => push_fields(text, &values[vertex].map(known)),
             ColumnValues::Verdicts(verdicts) => {
                 text.push(',');
                 text.push_str(verdict_name(verdicts[vertex]));
@@ -137,28 +141,14 @@ fn push_row<T: Real>(
     text.push('\n');
 }
 
-/// Appends three fields.
-fn push_vector<T: Real>(text: &mut String, vector: Option<[T; 3]>) {
-    match vector {
-        Some(vector) => vector.map(|component| push_number(text, Some(component))),
-        None => [(); 3].map(|()| push_number::<T>(text, None)),
-    };
-}
-
-/// Appends a comma and a number with enough digits, or only the comma if the number is unknown.
-///
-/// The form is that of `{:?}`; `{}` would write 1e-18 with 18 zeros. Where two shortest texts are
-/// equally near to a number, `zmij` may choose the other one.
-fn push_number<T: Real>(text: &mut String, value: Option<T>) {
-    text.push(',');
-    let Some(value) = value else { return };
-    // For other numbers `zmij` writes zeros where `{:?}` has an exponent, or `e+16` where it has `e16`.
-    let same_form = |x: f64| x.abs() < 1e-5 || (1e-4..1e16).contains(&x.abs());
-    match (&value as &dyn Any).downcast_ref::<f64>() {
-        Some(&number) if same_form(number) => {
-            text.push_str(zmij::Buffer::new().format(number));
-        }
-        _ => {
+/// Appends a comma and a number with enough digits for each, or only the comma if the number is unknown.
+fn push_known<T: Real, const N: usize>(text: &mut String, values: &[Option<T>; N]) {
+    if let Some(numbers) = (values as &dyn Any).downcast_ref::<[Option<f64>; N]>() {
+        return push_fields(text, numbers);
+    }
+    for value in values {
+        text.push(',');
+        if let Some(value) = value {
             let _ = write!(text, "{value:?}");
         }
     }

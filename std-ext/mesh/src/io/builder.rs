@@ -8,7 +8,7 @@ use super::{Element, MeshFile, ParseError, Place, Position, Problem};
 pub(super) struct Builder {
     pub(super) positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// The place of the face of each triangle in the file.
+    /// The places of faces in the file, with that of their first triangle.
     origins: Vec<Origin>,
     /// The number of faces so far.
     faces: usize,
@@ -16,11 +16,15 @@ pub(super) struct Builder {
     first: usize,
 }
 
-/// A [`Place`] of a face, kept for every triangle.
+/// The [`Place`] of one face, of one triangle or more, or of many triangles at equal distances.
 #[derive(Clone, Copy)]
 struct Origin {
+    /// The first triangle, of those up to the next origin.
+    triangle: usize,
     position: Position,
     face: usize,
+    /// Lines or bytes from each triangle to the next; 0 for one face.
+    step: usize,
 }
 
 impl Builder {
@@ -42,7 +46,6 @@ impl Builder {
         let most = bytes / 6;
         self.positions.reserve(vertices.min(most));
         self.triangles.reserve(faces.min(most));
-        self.origins.reserve(faces.min(most));
     }
 
     /// The vertex that would be added next.
@@ -64,23 +67,75 @@ impl Builder {
         if let Err(problem) = check_corners(corners) {
             return Err(problem.at(position, Some(self.next_face())));
         }
-        let origin = Origin {
-            position,
-            face: self.faces,
-        };
+        self.add_origin(position, corners.len() == 3);
         for pair in corners[1..].windows(2) {
             self.triangles.push([corners[0], pair[0], pair[1]]);
-            self.origins.push(origin);
         }
         self.faces += 1;
         Ok(())
     }
 
+    /// Adds triangles up to the first one with a repeated corner, and returns their number. The first is
+    /// at the byte `start`, and the others follow at equal distances.
+    pub(super) fn add_triangles(
+        &mut self,
+        triangles: impl Iterator<Item = [u32; 3]>,
+        start: usize,
+        step: usize,
+    ) -> usize {
+        let triangle = self.triangles.len();
+        self.origins.push(Origin {
+            triangle,
+            position: Position::Byte(start),
+            face: self.faces,
+            step,
+        });
+        self.triangles
+            .extend(triangles.take_while(|corners| check_corners(corners).is_ok()));
+        let added = self.triangles.len() - triangle;
+        self.faces += added;
+        added
+    }
+
+    /// Keeps the place of the next face. Triangles at equal distances need no more memory than two.
+    fn add_origin(&mut self, position: Position, is_triangle: bool) {
+        let triangle = self.triangles.len();
+        if let Some(last) = self.origins.last_mut()
+            && is_triangle
+        {
+            let since = triangle - last.triangle;
+            let distance = match (last.position, position) {
+                (Position::Line(from), Position::Line(to))
+                | (Position::Byte(from), Position::Byte(to)) => to.saturating_sub(from),
+                _ => 0,
+            };
+            if since == 1 && last.step == 0 {
+                last.step = distance;
+            }
+            if last.step > 0 && last.step * since == distance {
+                return;
+            }
+        }
+        self.origins.push(Origin {
+            triangle,
+            position,
+            face: self.faces,
+            step: 0,
+        });
+    }
+
     fn place(&self, triangle: usize) -> Place {
-        let origin = self.origins[triangle];
+        let after = self.origins.partition_point(|at| at.triangle <= triangle);
+        let origin = self.origins[after - 1];
+        let since = triangle - origin.triangle;
+        let face = origin.face + if origin.step > 0 { since } else { 0 };
+        let position = match origin.position {
+            Position::Line(line) => Position::Line(line + since * origin.step),
+            Position::Byte(byte) => Position::Byte(byte + since * origin.step),
+        };
         Place {
-            position: origin.position,
-            element: Some(Element::Face(origin.face + self.first)),
+            position,
+            element: Some(Element::Face(face + self.first)),
         }
     }
 

@@ -10,6 +10,7 @@ mod body;
 
 use self::body::{Ascii, Binary, Body};
 use super::text::{Text, parsed};
+use super::write::write_blocks;
 use super::{Builder, Column, ColumnPlace, Columns, MeshFile, ParseError, Problem};
 use std::io::{self, Write};
 
@@ -65,16 +66,17 @@ pub(super) fn write(
     writeln!(out, "element face {}", triangles.len())?;
     // `int` instead of `uint`, because every reader knows it; the limit of a mesh is below 2³¹.
     writeln!(out, "property list uchar int vertex_indices\nend_header")?;
-    for coordinate in positions.iter().flatten() {
-        out.write_all(&coordinate.to_le_bytes())?;
-    }
-    for triangle in triangles {
-        out.write_all(&[3])?;
-        for vertex in triangle {
-            out.write_all(&vertex.to_le_bytes())?;
+    let coordinates = positions.iter().flatten();
+    write_blocks(out, coordinates.map(|coordinate| coordinate.to_le_bytes()))?;
+    let faces = triangles.iter().map(|triangle| {
+        let mut bytes = [3; 13];
+        let corners = bytes[1..].as_chunks_mut::<4>().0.iter_mut();
+        for (bytes, vertex) in corners.zip(triangle) {
+            *bytes = vertex.to_le_bytes();
         }
-    }
-    Ok(())
+        bytes
+    });
+    write_blocks(out, faces)
 }
 
 #[derive(Clone, Copy)]
@@ -87,6 +89,17 @@ enum Encoding {
 enum ByteOrder {
     Little,
     Big,
+}
+
+impl ByteOrder {
+    /// The bytes of a number in this order, the least significant first.
+    #[inline]
+    fn little<const N: usize>(self, mut bytes: [u8; N]) -> [u8; N] {
+        if matches!(self, Self::Big) {
+            bytes.reverse();
+        }
+        bytes
+    }
 }
 
 /// An element in the sense of the header: a number of records with the same properties.
@@ -345,7 +358,12 @@ fn elements(
         } else {
             group.count
         };
-        for found in 0..count {
+        let plain = if columns.is_empty() {
+            body.plain_elements(group, count, &mut builder)
+        } else {
+            0
+        };
+        for found in plain..count {
             if let Err(error) = element(body, group, &mut corners, columns, &mut builder) {
                 return Err(if body.has_ended() {
                     Problem::truncated(what, count, found).at(body.position(), None)

@@ -4,6 +4,7 @@
 //! keeps every bit. Source: *VTK file formats* (docs.vtk.org, XML formats).
 
 use super::replace_file;
+use super::write::write_blocks;
 use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
 use std::collections::BTreeSet;
@@ -252,9 +253,7 @@ pub(super) fn array<N: Stored>(
     let bytes = values.clone().count() * size_of::<N>();
     let mut encoder = EncoderWriter::new(&mut *out, &STANDARD);
     encoder.write_all(&(bytes as u64).to_le_bytes())?;
-    for value in values {
-        encoder.write_all(value.bytes().as_ref())?;
-    }
+    write_blocks(&mut encoder, values.map(N::bytes))?;
     encoder.finish()?;
     drop(encoder);
     writeln!(out, "</DataArray>")

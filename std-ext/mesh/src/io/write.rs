@@ -101,3 +101,20 @@ fn beyond_single_precision(positions: &[[f64; 3]]) -> Option<(usize, usize)> {
     let mut rows = positions.iter().enumerate();
     rows.find_map(|(vertex, row)| Some((vertex, row.iter().position(infinite)?)))
 }
+
+/// Writes values in blocks, because encoders and files take longer for a call than for a number.
+pub(super) fn write_blocks<B: AsRef<[u8]>>(
+    out: &mut (impl Write + ?Sized),
+    values: impl Iterator<Item = B>,
+) -> io::Result<()> {
+    const BLOCK: usize = 1 << 13;
+    let mut block = Vec::with_capacity(2 * BLOCK);
+    for value in values {
+        block.extend_from_slice(value.as_ref());
+        if block.len() >= BLOCK {
+            out.write_all(&block)?;
+            block.clear();
+        }
+    }
+    out.write_all(&block)
+}

@@ -98,6 +98,12 @@ fn bad_obj_files() {
             "line 5 (face 1) and line 6 (face 2): triangles 0 and 1 have the same three vertices (triangles and vertices counted from 0)",
         ),
         (
+            obj(
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nf 1 2 3\nf 1 3 4\nf 1 4 5\n#\nf 4 5 6\n",
+            ),
+            "line 9 (face 3) and line 11 (face 4): triangles 2 and 3 both run from vertex 3 to vertex 4: their orientations contradict each other (triangles and vertices counted from 0)",
+        ),
+        (
             obj_faces("v 1 1 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n"),
             "line 8 (face 3): 3 triangles meet in the edge between vertices 0 and 1, triangle 2 among them: a surface has at most two (triangles and vertices counted from 0)",
         ),

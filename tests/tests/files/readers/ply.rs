@@ -198,3 +198,157 @@ fn bad_binary_ply_files() {
         assert_eq!(error.to_string(), message);
     }
 }
+
+/// Records as nearly all files have them, which are read many at a time.
+struct Plain {
+    big: bool,
+    double: bool,
+    points: Vec<[f64; 3]>,
+    faces: Vec<Vec<i32>>,
+}
+
+impl Plain {
+    fn octahedron(big: bool, double: bool) -> Self {
+        let point = |k: usize| {
+            let mut point = [0.0; 3];
+            point[k / 2] = if k % 2 == 0 { 1.0 } else { -1.0 };
+            point
+        };
+        let faces = [
+            [0, 2, 4],
+            [2, 1, 4],
+            [1, 3, 4],
+            [3, 0, 4],
+            [2, 0, 5],
+            [1, 2, 5],
+            [3, 1, 5],
+            [0, 3, 5],
+        ];
+        Self {
+            big,
+            double,
+            points: (0..6).map(point).collect(),
+            faces: faces.iter().map(|face| face.to_vec()).collect(),
+        }
+    }
+
+    fn header(&self) -> String {
+        let order = if self.big { "big" } else { "little" };
+        let kind = if self.double { "double" } else { "float" };
+        format!(
+            "ply\nformat binary_{order}_endian 1.0\nelement vertex {}\nproperty {kind} x\nproperty {kind} \
+             y\nproperty uchar red\nproperty {kind} z\nelement face {}\nproperty list uchar int \
+             vertex_indices\nend_header\n",
+            self.points.len(),
+            self.faces.len()
+        )
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let mut bytes = self.header().into_bytes();
+        let mut push = |number: &[u8]| {
+            if self.big {
+                bytes.extend(number.iter().rev());
+            } else {
+                bytes.extend(number);
+            }
+        };
+        for &[x, y, z] in &self.points {
+            for (axis, x) in [x, y, z].into_iter().enumerate() {
+                if axis == 2 {
+                    push(&[7]);
+                }
+                if self.double {
+                    push(&x.to_le_bytes());
+                } else {
+                    push(&(x as f32).to_le_bytes());
+                }
+            }
+        }
+        for face in &self.faces {
+            push(&[face.len() as u8]);
+            face.iter().for_each(|vertex| push(&vertex.to_le_bytes()));
+        }
+        bytes
+    }
+
+    /// The byte at which a vertex begins, or the first face.
+    fn vertex(&self, vertex: usize) -> usize {
+        let coordinate = if self.double { 8 } else { 4 };
+        self.header().len() + vertex * (3 * coordinate + 1)
+    }
+
+    fn face(&self, face: usize) -> usize {
+        let before = self.faces[..face].iter().map(|face| 1 + 4 * face.len());
+        self.vertex(self.points.len()) + before.sum::<usize>()
+    }
+}
+
+/// Plain records, and those behind one that is not, have the same mesh, and errors name their places.
+#[test]
+fn plain_records_are_read_as_others() {
+    for (big, double) in [(false, false), (false, true), (true, false), (true, true)] {
+        let solid = Plain::octahedron(big, double);
+        let expected = parse(&solid.bytes(), Format::Ply).unwrap();
+        assert_eq!(expected.positions, solid.points);
+        let faces = expected.mesh.triangles().iter();
+        let faces = faces.map(|triangle| triangle.map(|vertex| vertex as i32).to_vec());
+        assert_eq!(Vec::from_iter(faces), solid.faces);
+
+        // (2, 1, 4) and (1, 3, 4) are (2, 1, 3, 4) in another division.
+        let mut with_quad = Plain::octahedron(big, double);
+        with_quad.faces.splice(1..3, [vec![4, 2, 1, 3]]);
+        let found = parse(&with_quad.bytes(), Format::Ply).unwrap();
+        let mut triangles = expected.mesh.triangles().to_vec();
+        triangles.splice(1..3, [[4, 2, 1], [4, 1, 3]]);
+        assert_eq!(found.mesh.triangles(), triangles);
+
+        type Change = fn(&mut Plain);
+        let changes: [(Change, usize, &str); 6] = [
+            (
+                |solid| solid.points[3][1] = f64::INFINITY,
+                solid.vertex(3) + if double { 8 } else { 4 },
+                "(vertex 3): coordinate y is inf: a finite number is needed",
+            ),
+            (
+                |solid| solid.faces[5] = vec![1, 2, 2],
+                solid.face(5),
+                "(face 5): corners 2 and 3 of the face are a repeated vertex: all have to differ",
+            ),
+            (
+                |solid| solid.faces[5][1] = -1,
+                solid.face(5) + 9,
+                "(face 5): expected a vertex number from 0 to 4294967295, found -1",
+            ),
+            (
+                |solid| solid.faces[5][2] = 6,
+                solid.face(5),
+                "(face 5): the face names vertex 6, but there are 6 vertices, numbered from 0",
+            ),
+            (
+                |solid| solid.faces[6].truncate(2),
+                solid.face(6),
+                "(face 6): a face of 2 corners: three or more are needed",
+            ),
+            (
+                |solid| solid.faces[7].swap(0, 1),
+                solid.face(4),
+                "(face 4) and byte",
+            ),
+        ];
+        for (change, byte, message) in changes {
+            let mut solid = Plain::octahedron(big, double);
+            change(&mut solid);
+            let error = parse(&solid.bytes(), Format::Ply).unwrap_err().to_string();
+            let expected = format!("byte {byte} {message}");
+            assert!(error.starts_with(&expected), "{error}\n{expected}");
+        }
+        let bytes = solid.bytes();
+        let error = parse(&bytes[..solid.face(6) + 4], Format::Ply).unwrap_err();
+        let message = format!(
+            "byte {}: the file is truncated: it ends after 6 of 8 faces",
+            solid.face(6) + 1
+        );
+        assert_eq!(error.to_string(), message);
+    }
+}

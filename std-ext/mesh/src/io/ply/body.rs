@@ -2,11 +2,14 @@
 
 use super::super::text::{Text, parsed};
 use super::super::{CORNER, Element, ParseError, Position, Problem, finite};
-use super::{ByteOrder, Scalar};
+use super::{Builder, ByteOrder, Group, Property, Role, Scalar};
 
 /// The part of a file behind its header, value by value. `element` is the one that is being read,
 /// for error messages.
 pub(super) trait Body {
+    /// Reads the first elements of a group of `count` all at once, and returns their number: as many as are
+    /// as nearly all files have them. The others, and those with an error, are read value by value.
+    fn plain_elements(&mut self, group: &Group, count: usize, builder: &mut Builder) -> usize;
     /// Starts a record.
     fn begin(&mut self, element: Option<Element>) -> Result<(), ParseError>;
     /// The current position.
@@ -48,6 +51,10 @@ impl<'a> Ascii<'a> {
 }
 
 impl Body for Ascii<'_> {
+    fn plain_elements(&mut self, _: &Group, _: usize, _: &mut Builder) -> usize {
+        0
+    }
+
     fn begin(&mut self, element: Option<Element>) -> Result<(), ParseError> {
         self.first = self.text.statement();
         match self.first {
@@ -106,6 +113,75 @@ impl Body for Ascii<'_> {
     }
 }
 
+/// The bytes of a triangle: a length of one byte and three numbers of four.
+const TRIANGLE: usize = 13;
+
+/// The places of the coordinates in a record of fixed length.
+struct Coordinates {
+    places: [usize; 3],
+    is_double: bool,
+    /// The length of the record.
+    length: usize,
+}
+
+impl Coordinates {
+    /// None if the records have a list, or coordinates that are not all `float` or all `double`.
+    fn of(properties: &[Property]) -> Option<Self> {
+        let mut found = [None; 3];
+        let mut length = 0;
+        for property in properties {
+            let kind = match *property {
+                Property::Coordinate(axis, kind) => {
+                    if found[axis].replace((length, kind)).is_some() {
+                        return None;
+                    }
+                    kind
+                }
+                Property::Number(_, kind) | Property::Scalar(kind) => kind,
+                Property::Corners { .. } | Property::List { .. } => return None,
+            };
+            length += kind.size();
+        }
+        let [(x, kind), (y, second), (z, third)] = [found[0]?, found[1]?, found[2]?];
+        let is_double = kind == Scalar::F64;
+        let known = is_double || kind == Scalar::F32;
+        (known && kind == second && kind == third).then_some(Self {
+            places: [x, y, z],
+            is_double,
+            length,
+        })
+    }
+
+    /// Reads vertices up to the first that is not finite, and returns their number.
+    fn read(&self, bytes: &[u8], order: ByteOrder, count: usize, builder: &mut Builder) -> usize {
+        let before = builder.positions.len();
+        let records = bytes.chunks_exact(self.length).take(count);
+        let number = |record: &[u8], place: usize| {
+            let bytes = &record[place..];
+            let single = || {
+                bytes
+                    .first_chunk()
+                    .map(|&four| f32::from_le_bytes(order.little(four)))
+            };
+            let double = || {
+                bytes
+                    .first_chunk()
+                    .map(|&all| f64::from_le_bytes(order.little(all)))
+            };
+            let value = if self.is_double {
+                double()
+            } else {
+                single().map(f64::from)
+            };
+            value.unwrap_or(f64::NAN)
+        };
+        let points = records.map(|record| self.places.map(|place| number(record, place)));
+        let is_finite = |point: &[f64; 3]| point.iter().all(|x| x.is_finite());
+        builder.positions.extend(points.take_while(is_finite));
+        builder.positions.len() - before
+    }
+}
+
 /// A binary body: records without separators.
 pub(super) struct Binary<'a> {
     pub(super) bytes: &'a [u8],
@@ -123,11 +199,7 @@ impl Binary<'_> {
             return None;
         };
         self.at += N;
-        let mut bytes = *bytes;
-        if matches!(self.order, ByteOrder::Big) {
-            bytes.reverse();
-        }
-        Some(bytes)
+        Some(self.order.little(*bytes))
     }
 
     #[inline]
@@ -181,6 +253,41 @@ impl Binary<'_> {
 }
 
 impl Body for Binary<'_> {
+    fn plain_elements(&mut self, group: &Group, count: usize, builder: &mut Builder) -> usize {
+        let (rest, order) = (&self.bytes[self.at..], self.order);
+        let [length, elements] = match (group.role, &group.properties[..]) {
+            (Role::Vertex, properties) => match Coordinates::of(properties) {
+                Some(places) => [places.length, places.read(rest, order, count, builder)],
+                None => return 0,
+            },
+            (Role::Face, [Property::Corners { length, item }])
+                if length.size() == 1 && item.size() == 4 =>
+            {
+                let (records, _) = rest.as_chunks::<TRIANGLE>();
+                // A negative number is none of a vertex.
+                let most = match item {
+                    Scalar::I32 => i32::MAX as u32,
+                    _ => u32::MAX,
+                };
+                let triangle = |record: &[u8; TRIANGLE]| {
+                    let (corners, _) = record[1..].as_chunks::<4>();
+                    [0, 1, 2].map(|corner| u32::from_le_bytes(order.little(corners[corner])))
+                };
+                let triangles = records.iter().take(count);
+                let triangles = triangles.take_while(|record| record[0] == 3).map(triangle);
+                let triangles =
+                    triangles.take_while(|triangle| triangle.iter().all(|&vertex| vertex <= most));
+                [
+                    TRIANGLE,
+                    builder.add_triangles(triangles, self.at, TRIANGLE),
+                ]
+            }
+            _ => return 0,
+        };
+        self.at += length * elements;
+        elements
+    }
+
     fn begin(&mut self, _: Option<Element>) -> Result<(), ParseError> {
         Ok(())
     }
