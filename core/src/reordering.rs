@@ -121,6 +121,15 @@ impl Reordering {
         old.map(|&vertex| values[vertex as usize]).collect()
     }
 
+    /// Values at the triangles, in this order.
+    ///
+    /// # Panics
+    /// If there are fewer values than triangles.
+    pub fn apply_to_triangles<V: Copy>(&self, values: &[V]) -> Vec<V> {
+        let old = self.triangles.iter();
+        old.map(|&triangle| values[triangle as usize]).collect()
+    }
+
     /// A surface in this order. `mesh` is its mesh in this order, see [`Self::of_mesh`]; its positions
     /// are copied to `positions` and `remainders`, whose memory is reused.
     ///

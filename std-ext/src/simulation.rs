@@ -25,9 +25,11 @@ use crate::effect::{Effect, Viscosity};
 use crate::execute::Parallel;
 use crate::flow::Membranes;
 use crate::io::Column;
+use crate::ordered::Ordered;
 use crate::scene::{Named, SceneError, Stretch, Stretching};
 use helfrich::interaction::RepulsionMemory;
-use helfrich::{Images, Quantity, Repulsion, Surface, TriangleMesh};
+use helfrich::{Finding, Images, Quantity, Repulsion, Surface, TriangleMesh};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -53,13 +55,21 @@ pub struct Body {
     mesh: Arc<TriangleMesh>,
     vertices: Range<usize>,
     membrane: Membrane,
-    effects: Vec<Effect>,
-    viscosity: Option<Viscosity>,
-    held: Held,
+    acts: Acts,
+    /// The order in which these are evaluated, if it is not that of the mesh.
+    ordered: Option<Ordered<f64>>,
     /// The place of each of its constraints among those of the simulation.
     places: Vec<usize>,
     stretch: Option<Stretch>,
     columns: Vec<Arc<Column>>,
+}
+
+/// All that acts on one surface alone.
+#[derive(Debug)]
+struct Acts {
+    effects: Vec<Effect>,
+    viscosity: Option<Viscosity>,
+    held: Held,
 }
 
 /// A closed body at rest in the fluid.
@@ -130,9 +140,30 @@ impl Body {
         self.vertices.clone()
     }
 
-    /// The effects on it, without constraints.
+    /// The effects on it, without constraints. Those of a large surface are prepared for its mesh in
+    /// another order: see [`crate::ordered`].
     pub fn effects(&self) -> &[Effect] {
-        &self.effects
+        &self.acts.effects
+    }
+
+    /// Findings of one of its effects about the last evaluation, which must have been at this surface: see
+    /// [`Effect::inspect`].
+    pub fn inspect(
+        &self,
+        effect: &Effect,
+        surface: Surface<'_, f64>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        match &self.ordered {
+            None => effect.inspect(surface, report),
+            Some(ordered) => {
+                ordered.inspect(
+                    surface,
+                    |surface, report| effect.inspect(surface, report),
+                    report,
+                );
+            }
+        }
     }
 
     /// The force on each end, if it is stretched, and the axis, of length 1.
@@ -157,6 +188,31 @@ impl Body {
     /// The surface at these positions of all surfaces; none if one of them is not finite.
     pub fn surface<'a>(&'a self, positions: &'a [[f64; 3]]) -> Option<Surface<'a, f64>> {
         Surface::new(&self.mesh, &positions[self.vertices.clone()]).ok()
+    }
+}
+
+impl Body {
+    /// Calls `add` with all that acts, the surface and a slice for forces, in one order, and adds these
+    /// forces to `force`, the slice of this body; returns what `add` does. None if a position is not
+    /// finite.
+    fn add_forces<R>(
+        &mut self,
+        positions: &[[f64; 3]],
+        force: &mut [[f64; 3]],
+        add: impl FnOnce(&mut Acts, Surface<'_, f64>, &mut [[f64; 3]]) -> R,
+    ) -> Option<R> {
+        let surface = Surface::new(&self.mesh, &positions[self.vertices.clone()]).ok()?;
+        let acts = &mut self.acts;
+        Some(match &mut self.ordered {
+            None => add(acts, surface, force),
+            Some(ordered) => {
+                let (surface, own) = ordered.parts(surface);
+                own.fill([0.0; 3]);
+                let result = add(acts, surface, own);
+                ordered.add_forces_to(force);
+                result
+            }
+        })
     }
 }
 
@@ -200,8 +256,9 @@ impl Simulation {
             if let Some(stretch) = &mut body.stretch {
                 let loads = stretch.set(load);
                 let stretching = |effect: &&mut Effect| effect.name() == Stretching::NAME;
-                if let Some(effect) = body.effects.iter_mut().find(stretching) {
-                    effect.replace(loads, &body.mesh);
+                if let Some(effect) = body.acts.effects.iter_mut().find(stretching) {
+                    let mesh = body.ordered.as_ref().map_or(&body.mesh, Ordered::mesh);
+                    effect.replace(loads, mesh);
                 }
             }
         }
@@ -211,7 +268,7 @@ impl Simulation {
     pub fn effect_names(&self) -> Vec<String> {
         let mut names = Vec::new();
         for body in &self.bodies {
-            let own = body.effects.iter().map(Effect::name);
+            let own = body.acts.effects.iter().map(Effect::name);
             names.extend(own.map(|name| self.label(name, body)));
         }
         names.extend((0..self.between.len()).map(|index| self.label_of_interaction(index)));
@@ -232,13 +289,15 @@ impl Simulation {
             });
         };
         for body in &mut self.bodies {
-            let Ok(surface) = Surface::new(&body.mesh, &positions[body.vertices.clone()]) else {
-                return Vec::new();
-            };
-            for effect in &mut body.effects {
+            for index in 0..body.acts.effects.len() {
                 let mut force = vec![[0.0; 3]; positions.len()];
                 let own = &mut force[body.vertices.clone()];
-                let energy = effect.add_force_unseen(surface, own);
+                let energy = body.add_forces(positions, own, |acts, surface, own| {
+                    acts.effects[index].add_force_unseen(surface, own)
+                });
+                let Some(energy) = energy else {
+                    return Vec::new();
+                };
                 add(false, energy, force);
             }
         }
@@ -256,7 +315,7 @@ impl Simulation {
     pub fn costs(&self) -> Vec<Cost> {
         let mut costs = Vec::new();
         for body in &self.bodies {
-            for effect in &body.effects {
+            for effect in &body.acts.effects {
                 let (evaluations, time) = effect.cost();
                 costs.push(Cost {
                     effect: self.label(effect.name(), body),
@@ -266,7 +325,7 @@ impl Simulation {
             }
         }
         for body in &self.bodies {
-            if let Some(viscosity) = &body.viscosity {
+            if let Some(viscosity) = &body.acts.viscosity {
                 let (evaluations, time) = viscosity.cost();
                 costs.push(Cost {
                     effect: self.label(Viscosity::NAME, body),
@@ -305,7 +364,7 @@ impl Simulation {
 
 impl Problem for Simulation {
     fn is_conservative(&self) -> bool {
-        let mut effects = self.bodies.iter().flat_map(|body| &body.effects);
+        let mut effects = self.bodies.iter().flat_map(|body| &body.acts.effects);
         effects.all(Effect::is_conservative)
     }
 
@@ -318,11 +377,13 @@ impl Problem for Simulation {
         };
         for body in &mut self.bodies {
             let force = &mut force[body.vertices.clone()];
-            let Ok(surface) = Surface::new(&body.mesh, &positions[body.vertices.clone()]) else {
+            let acted = body.add_forces(positions, force, |acts, surface, force| {
+                for effect in &mut acts.effects {
+                    add(effect.add_force(surface, force));
+                }
+            });
+            if acted.is_none() {
                 return Evaluation::new(f64::NAN);
-            };
-            for effect in &mut body.effects {
-                add(effect.add_force(surface, force));
             }
         }
         for between in &mut self.between {
@@ -350,18 +411,23 @@ impl Problem for Simulation {
             gradient.fill([0.0; 3]);
         }
         for body in &mut self.bodies {
-            let vertices = body.vertices.clone();
-            for (index, &place) in body.places.iter().enumerate() {
-                let gradient = &mut gradients[place][vertices.clone()];
-                body.held
-                    .gradient(index, &positions[vertices.clone()], gradient);
+            for (index, place) in body.places.clone().into_iter().enumerate() {
+                let gradient = &mut gradients[place][body.vertices.clone()];
+                body.add_forces(positions, gradient, |acts, surface, gradient| {
+                    acts.held.gradient(index, surface.positions(), gradient);
+                });
             }
         }
     }
 
     fn restore(&mut self, positions: &mut [[f64; 3]]) -> f64 {
         let restore = |body: &mut Body| {
-            let restored = body.held.restore(&mut positions[body.vertices.clone()]);
+            let positions = &mut positions[body.vertices.clone()];
+            let held = &mut body.acts.held;
+            let restored = match &mut body.ordered {
+                None => held.restore(positions),
+                Some(ordered) => ordered.change(positions, |positions| held.restore(positions)),
+            };
             // The driver then takes a shorter step, or stops with a message.
             restored.map_or(f64::INFINITY, |correction| correction.residual)
         };
@@ -383,7 +449,7 @@ impl Membranes for Simulation {
     }
 
     fn are_viscous(&self) -> bool {
-        self.bodies.iter().any(|body| body.viscosity.is_some())
+        self.bodies.iter().any(|body| body.acts.viscosity.is_some())
     }
 
     fn add_viscous_forces(
@@ -394,14 +460,16 @@ impl Membranes for Simulation {
     ) {
         for body in &mut self.bodies {
             let vertices = body.vertices.clone();
-            let surface = Surface::new(&body.mesh, &positions[vertices.clone()]);
-            if let (Some(viscosity), Ok(surface)) = (&mut body.viscosity, surface) {
-                viscosity.add_force(
-                    surface,
-                    &velocities[vertices.clone()],
-                    &mut forces[vertices],
-                );
-            }
+            let velocities = &velocities[vertices.clone()];
+            let velocities = match &body.ordered {
+                None => Cow::Borrowed(velocities),
+                Some(ordered) => Cow::Owned(ordered.order().apply(velocities)),
+            };
+            body.add_forces(positions, &mut forces[vertices], |acts, surface, forces| {
+                if let Some(viscosity) = &mut acts.viscosity {
+                    viscosity.add_force(surface, &velocities, forces);
+                }
+            });
         }
     }
 }

@@ -69,6 +69,12 @@ pub const INVARIANCE: Tolerance = Tolerance::new(
     "the moved positions are rounded, and bending forces divide that by an edge length up to four times",
 );
 
+/// Relabelling of effects on meshes of ten thousand vertices, relative to the largest force.
+pub const RELABELLED: Tolerance = Tolerance::new(
+    1e-10,
+    "second differences of B over edges of h = 0.03 divide roundings of 1e-16 by h²; sums of 1e4 terms",
+);
+
 /// Gauss–Bonnet, relative to the sum of all absolute angles.
 pub const GAUSS_BONNET: Tolerance = Tolerance::new(1e-12, "a sum of rounded angles");
 

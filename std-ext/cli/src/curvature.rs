@@ -201,8 +201,8 @@ fn curvature_in<T: Compiled>(
     }
     let (method, number) = (arguments.method, T::constant(modulus));
     let mut evaluator = method.evaluator(options, number, &file.mesh, Parallel::new());
-    let fields = evaluator.fields(surface);
-    warn(&arguments.input.mesh, &evaluator.findings(surface));
+    let (fields, findings) = evaluator.fields_and_findings(surface);
+    warn(&arguments.input.mesh, &findings);
     // Noise is measured on the positions of the file, in f64: rounded to f32 it may not be visible.
     if measured.is_none()
         && let Ok(surface) = Surface::new(&file.mesh, &file.positions)

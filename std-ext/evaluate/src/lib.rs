@@ -4,6 +4,7 @@
 //! * [`method`] and [`scalar`]: the bending methods and number types by name.
 //! * [`noise`]: noise of positions, and its smoothing.
 //! * [`contact`]: repulsion between surfaces.
+//! * [`ordered`]: large meshes in an order that is kind to caches.
 //! * [`effect`]: anything that acts on one surface, behind one dispatch.
 //!
 //! This is a separate crate with one codegen unit, because its loops are compiled twice, for
@@ -14,4 +15,5 @@ pub mod effect;
 pub mod execute;
 pub mod method;
 pub mod noise;
+pub mod ordered;
 pub mod scalar;

@@ -8,7 +8,6 @@ mod evaluator;
 mod fields;
 mod listed;
 mod options;
-mod ordered;
 mod own;
 
 pub use choice::Settings;
@@ -17,7 +16,6 @@ pub use evaluator::{Compiled, Evaluated, Evaluator};
 pub use fields::Fields;
 pub use listed::{Described, ListVisitor, ListedCurvatures, ListedEnergy, ListedOperator, Of};
 pub use options::{InvalidBandwidth, MethodOptions, UnknownAreas, UnusedOption};
-pub(crate) use ordered::Ordered;
 pub use own::{AnyMethod, OwnMethod, RepeatedName};
 
 use helfrich::{

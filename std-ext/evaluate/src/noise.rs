@@ -2,7 +2,7 @@
 //! other crates.
 
 use crate::execute::Parallel;
-use crate::method::Ordered;
+use crate::ordered::Ordered;
 use helfrich::{
     AdaptiveJet, Measured, Noise, Regression, RegressionFields, RegressionFits, Smoothing, Surface,
 };

@@ -47,7 +47,9 @@ impl Flagged {
     fn new(body: &Body, surface: Surface<'_, f64>) -> Option<Self> {
         let bending = |effect: &&Effect| effect.name() == Bending::NAME;
         let bending = body.effects().iter().find(bending)?;
-        let quality = Quality::gather(body.mesh(), |report| bending.inspect(surface, report));
+        let quality = Quality::gather(body.mesh(), |report| {
+            body.inspect(bending, surface, report);
+        });
         let flagged = quality.flagged();
         let on_triangle = |finding: &&Finding| {
             matches!(

@@ -3,11 +3,12 @@
 use super::error::BuildError;
 use super::once::said_once;
 use super::placed::{Placed, scale_to_volume};
-use super::{Between, Body, Obstacle, Simulation};
+use super::{Acts, Between, Body, Obstacle, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::Lumping;
 use crate::execute::Parallel;
 use crate::info::MeshInfo;
+use crate::ordered::Ordered;
 use crate::scene::{
     self, Driver, MeshFiles, MeshSource, Preparation, Reference, ReferenceSource, SceneError,
     SceneFile, SurfaceScene,
@@ -190,10 +191,44 @@ impl Placed {
         let info = MeshInfo::new(surface);
         file.check_mesh(index, &info)?;
         context.warnings.extend(file.mesh_warnings(index, &info));
+        let mesh = Arc::new(self.mesh.clone());
+        let body = |context: &mut Context<'_>, ordered| {
+            let vertices = vertices.clone();
+            self.body_in(ordered, context, index, scene, &mesh, vertices)
+        };
+        match Ordered::of(&mesh) {
+            None => body(context, None),
+            // Messages name the vertices of the scene's mesh.
+            ordered => body(context, ordered).or_else(|_| body(context, None)),
+        }
+    }
+
+    /// A body whose effects are evaluated in this order, or that of its mesh.
+    fn body_in(
+        &self,
+        ordered: Option<Ordered<f64>>,
+        context: &mut Context<'_>,
+        index: usize,
+        scene: &SurfaceScene,
+        mesh: &Arc<TriangleMesh>,
+        vertices: std::ops::Range<usize>,
+    ) -> Result<Body, BuildError> {
+        let order = ordered.as_ref().map(Ordered::order);
+        let in_order = |values: Vec<[f64; 3]>| match order {
+            Some(order) => order.apply(&values),
+            None => values,
+        };
+        let own = ordered.as_ref().map_or(mesh, Ordered::mesh);
+        let positions = in_order(self.positions.clone());
+        let surface = Surface::new(own, &positions).map_err(|source| BuildError::Positions {
+            surface: scene.name.clone(),
+            source,
+        })?;
         let mut preparation = Preparation {
             surface,
+            order,
             position: scene.position,
-            lumping: match file.scene.driver {
+            lumping: match context.file.scene.driver {
                 Driver::Relax(_) => Lumping::Own,
                 Driver::BoundaryIntegral(_) | Driver::LatticeBoltzmann(_) => Lumping::Thirds,
             },
@@ -206,7 +241,8 @@ impl Placed {
         };
         for (name, effect) in scene.effects.iter() {
             if let Some(reference) = effect.reference() {
-                preparation.unstressed = self.reference(context, index, name, reference)?;
+                let unstressed = self.reference(context, index, name, reference)?;
+                preparation.unstressed = in_order(unstressed);
             }
             let prepared = effect.prepare(&mut preparation);
             prepared.map_err(|source| BuildError::Effect {
@@ -232,10 +268,9 @@ impl Placed {
             })
         });
         let places = places.collect();
-        let mesh = Arc::new(self.mesh.clone());
-        let mut held = Held::new(Arc::clone(&mesh), Constraints { constraints });
+        let mut held = Held::new(Arc::clone(own), Constraints { constraints });
         // Checked here, and not after a first row has been written.
-        held.restore(&mut self.positions.clone())
+        held.restore(&mut positions.clone())
             .map_err(|source| BuildError::Constraints {
                 surface: scene.name.clone(),
                 constraints: names,
@@ -243,13 +278,16 @@ impl Placed {
             })?;
         Ok(Body {
             name: scene.name.clone(),
-            membrane: membrane(&mesh, scene),
-            held,
+            membrane: membrane(mesh, scene),
+            acts: Acts {
+                effects,
+                viscosity,
+                held,
+            },
+            ordered,
             places,
-            mesh,
+            mesh: Arc::clone(mesh),
             vertices,
-            effects,
-            viscosity,
             stretch,
             columns: scene.effects.columns().into_iter().cloned().collect(),
         })

@@ -9,6 +9,7 @@ mod hostile;
 mod lattice;
 mod meshes;
 mod noise;
+mod order;
 mod overrides;
 mod private;
 mod reading;

@@ -1,9 +1,9 @@
 //! Evaluation of a method that was chosen at run time.
 
 use super::fields::Fields;
-use super::ordered::Ordered;
 use super::{AnyMethod, BendingMethod, MethodOptions, OwnMethod, Settings, Visitor, choose};
 use crate::execute::Parallel;
+use crate::ordered::Ordered;
 use helfrich::{
     Conservative, Cotangent, Curvature, Curvatures, DualArea, Execution, Finding, Jet,
     LaplaceBeltrami, MaterialParameter, Noise, Prepared, Quality, Real, Serial, StrongForm,
@@ -77,7 +77,7 @@ impl<T: Real> Evaluator<T> {
     ) -> Self {
         let ordered = Ordered::of(mesh);
         let vertices = mesh.vertex_count();
-        let mesh = ordered.as_ref().map_or(mesh, Ordered::mesh);
+        let mesh = ordered.as_ref().map_or(mesh, |ordered| ordered.mesh());
         let settings = Settings {
             modulus: modulus.into(),
             spontaneous_curvature: MaterialParameter::default(),
@@ -102,16 +102,14 @@ impl<T: Real> Evaluator<T> {
     /// methods, force densities with the curvatures for those in strong form, and curvatures for those
     /// that have no force.
     pub fn evaluate(&mut self, surface: Surface<'_, T>) {
+        self.force.fill([T::zero(); 3]);
         match &mut self.ordered {
-            None => {
-                self.force.fill([T::zero(); 3]);
-                self.prepared.evaluate(surface, &mut self.force);
-            }
+            None => self.prepared.evaluate(surface, &mut self.force),
             Some(ordered) => {
                 let (surface, force) = ordered.parts(surface);
                 force.fill([T::zero(); 3]);
                 self.prepared.evaluate(surface, force);
-                ordered.put_back(&mut self.force);
+                ordered.add_forces_to(&mut self.force);
             }
         }
     }
@@ -135,8 +133,16 @@ impl<T: Real> Evaluator<T> {
     where
         T: Evaluated,
     {
+        self.fields_and_findings(surface).0
+    }
+
+    /// Evaluates, and collects all results of the method with what [`Self::findings`] finds.
+    pub fn fields_and_findings(&mut self, surface: Surface<'_, T>) -> (Fields<T>, Vec<Finding>)
+    where
+        T: Evaluated,
+    {
         self.evaluate(surface);
-        self.last_fields(surface)
+        T::last_results(self, surface)
     }
 
     /// [`Self::fields`] from the last evaluation, which must have been for this surface; nothing is
@@ -145,16 +151,19 @@ impl<T: Real> Evaluator<T> {
     where
         T: Evaluated,
     {
-        T::last_fields(self, surface)
+        T::last_results(self, surface).0
     }
 
-    fn collect(&mut self, surface: Surface<'_, T>) -> Fields<T> {
+    fn collect(&mut self, surface: Surface<'_, T>) -> (Fields<T>, Vec<Finding>) {
         match &mut self.ordered {
             None => collect(&mut *self.prepared, surface, &self.force),
             Some(ordered) => {
                 let (surface, force) = ordered.parts(surface);
-                let fields = collect(&mut *self.prepared, surface, force);
-                ordered.undo(&fields)
+                let (fields, findings) = collect(&mut *self.prepared, surface, force);
+                let order = ordered.order();
+                let findings = findings.into_iter();
+                let findings = findings.map(|finding| order.undo_finding(finding));
+                (fields.undone(order), findings.collect())
             }
         }
     }
@@ -184,15 +193,15 @@ impl<T: Real> Evaluator<T> {
     }
 
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
-        let Some(ordered) = &self.ordered else {
-            return self.prepared.inspect(surface, report);
-        };
-        let (mut positions, mut remainders) = (Vec::new(), Vec::new());
-        let order = ordered.order();
-        let surface = order.of_surface(surface, ordered.mesh(), &mut positions, &mut remainders);
-        self.prepared.inspect(surface, &mut |finding| {
-            report(order.undo_finding(finding));
-        });
+        match &self.ordered {
+            None => self.prepared.inspect(surface, report),
+            Some(ordered) => {
+                let inspect = |surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)| {
+                    self.prepared.inspect(surface, report);
+                };
+                ordered.inspect(surface, inspect, report);
+            }
+        }
     }
 }
 
@@ -209,8 +218,11 @@ pub trait Evaluated: Real {
         Evaluator::with_execution(method, options, modulus, mesh, Serial)
     }
 
-    /// [`Evaluator::last_fields`].
-    fn last_fields(evaluator: &mut Evaluator<Self>, surface: Surface<'_, Self>) -> Fields<Self> {
+    /// Results of the last evaluation, as [`Evaluator::fields_and_findings`] returns them.
+    fn last_results(
+        evaluator: &mut Evaluator<Self>,
+        surface: Surface<'_, Self>,
+    ) -> (Fields<Self>, Vec<Finding>) {
         evaluator.collect(surface)
     }
 
@@ -258,10 +270,10 @@ macro_rules! evaluated {
                 Evaluator::with_execution(method, options, modulus, mesh, threads)
             }
 
-            fn last_fields(
+            fn last_results(
                 evaluator: &mut Evaluator<$number>,
                 surface: Surface<'_, $number>,
-            ) -> Fields<$number> {
+            ) -> (Fields<$number>, Vec<Finding>) {
                 evaluator.collect(surface)
             }
 
@@ -360,12 +372,12 @@ where
     }
 }
 
-/// All results of a method on the surface of its last evaluation, with this force.
+/// All results of a method on the surface of its last evaluation, with this force, and its findings.
 fn collect<T: Real>(
     prepared: &mut dyn Evaluate<T>,
     surface: Surface<'_, T>,
     force: &[[T; 3]],
-) -> Fields<T> {
+) -> (Fields<T>, Vec<Finding>) {
     let vertices = surface.mesh().vertex_count();
     let mut cotangent = Prepared::new(Cotangent::new(DualArea::Mixed), surface.mesh());
     let curvature = cotangent.curvatures(surface);
@@ -379,14 +391,18 @@ fn collect<T: Real>(
     };
     prepared.collect(surface, force, &mut fields);
     // The vertex was left out, so the 0 of the method is not a curvature.
-    prepared.inspect(surface, &mut |finding| match finding {
-        Finding::ZeroArea { vertex } | Finding::TooFewNeighbours { vertex } => {
-            fields.clear(vertex as usize);
+    let mut findings = Vec::new();
+    prepared.inspect(surface, &mut |finding| findings.push(finding));
+    for finding in &findings {
+        match *finding {
+            Finding::ZeroArea { vertex } | Finding::TooFewNeighbours { vertex } => {
+                fields.clear(vertex as usize);
+            }
+            Finding::OutOfRange { vertex } => fields.clear_fourth_derivative(vertex as usize),
+            _ => {}
         }
-        Finding::OutOfRange { vertex } => fields.clear_fourth_derivative(vertex as usize),
-        _ => {}
-    });
-    fields
+    }
+    (fields, findings)
 }
 
 /// The interface of every prepared method.

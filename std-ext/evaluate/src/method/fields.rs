@@ -1,7 +1,7 @@
 //! Per-vertex results of a method.
 
 use helfrich::bending::StrongFormMemory;
-use helfrich::{Curvature, Real, TriangleMesh, VertexKind};
+use helfrich::{Curvature, Real, Reordering, TriangleMesh, VertexKind};
 
 /// All results of a method on a surface, one value per vertex; `None` where undefined.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +43,18 @@ impl<T: Real> Fields<T> {
     pub(super) fn clear_fourth_derivative(&mut self, vertex: usize) {
         self.laplacian_of_mean[vertex] = None;
         self.force_density[vertex] = None;
+    }
+
+    /// Results on a mesh in this order, in that of the user's mesh.
+    pub(super) fn undone(&self, order: &Reordering) -> Self {
+        Self {
+            area: order.undo(&self.area),
+            normal: order.undo(&self.normal),
+            mean: order.undo(&self.mean),
+            gaussian: order.undo(&self.gaussian),
+            laplacian_of_mean: order.undo(&self.laplacian_of_mean),
+            force_density: order.undo(&self.force_density),
+        }
     }
 
     pub(super) fn set_density(&mut self, force: &[[T; 3]]) {

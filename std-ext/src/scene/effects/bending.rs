@@ -219,7 +219,8 @@ impl SurfaceEffect for Bending {
             Self::NAME,
             self.method,
             &self.options,
-            [&self.modulus, &self.spontaneous_curvature].map(Material::parameter),
+            [&self.modulus, &self.spontaneous_curvature]
+                .map(|material| preparation.parameter(material)),
             preparation.lumping,
             preparation.mesh(),
         )?;

@@ -110,11 +110,12 @@ impl SurfaceEffect for BorderTension {
 
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
         let labels = self.labels().iter().map(|&label| label as i64);
-        let labels = Vec::from_iter(labels);
         let place = self.domains.as_ref().and_then(Material::column);
-        let make = match place.map(|column| column.place) {
-            Some(ColumnPlace::Triangles) => helfrich::BorderTension::of_triangles,
-            _ => helfrich::BorderTension::new,
+        let place = place.map_or(ColumnPlace::Vertices, |column| column.place);
+        let labels = preparation.ordered(place, labels.collect());
+        let make = match place {
+            ColumnPlace::Triangles => helfrich::BorderTension::of_triangles,
+            ColumnPlace::Vertices => helfrich::BorderTension::new,
         };
         let method = make(self.value, preparation.mesh(), &labels);
         preparation.conservative(Self::NAME, method)

@@ -103,7 +103,7 @@ impl SurfaceEffect for GaussianBending {
                 preparation.conservative(Self::NAME, method)
             }
             None => {
-                let modulus = self.modulus.parameter();
+                let modulus = preparation.parameter(&self.modulus);
                 preparation.conservative(Self::NAME, helfrich::GaussianDomains { modulus })
             }
         }

@@ -1,10 +1,12 @@
 //! Effects prepared for the mesh of their surface.
 
+use super::super::material::Material;
 use super::{Effects, Stretch};
 use crate::effect::{CannotBend, CompiledPotential, Effect, Lumping, Viscosity};
+use crate::io::ColumnPlace;
 use helfrich::{
-    Constraint, LoadError, ParameterError, Quantity, ReferenceError, Surface, SurfaceError,
-    Targets, TriangleMesh,
+    Constraint, LoadError, MaterialParameter, ParameterError, Quantity, ReferenceError, Reordering,
+    Surface, SurfaceError, Targets, TriangleMesh,
 };
 
 /// The reason why an effect cannot be prepared for a mesh. The message is one line.
@@ -33,15 +35,17 @@ pub enum EffectError {
 
 /// A surface at the start, and the effects prepared for it so far.
 pub(crate) struct Preparation<'a> {
-    /// The surface in its initial position.
+    /// The surface in its initial position, in the order in which it will be evaluated.
     pub(crate) surface: Surface<'a, f64>,
+    /// That order, if it is not the one of the scene.
+    pub(crate) order: Option<&'a Reordering>,
     /// The position of the origin of the mesh.
     pub(crate) position: [f64; 3],
     /// The areas by which force densities become nodal forces.
     pub(crate) lumping: Lumping,
     /// All effects of the surface.
     pub(crate) siblings: &'a Effects,
-    /// The positions of the reference of the effect that is being prepared.
+    /// The positions of the reference of the effect that is being prepared, in the same order.
     pub(crate) unstressed: Vec<[f64; 3]>,
     /// Effects whose forces depend on positions.
     pub(crate) forces: Vec<Effect>,
@@ -57,6 +61,25 @@ impl Preparation<'_> {
     /// The mesh of the surface.
     pub(super) fn mesh(&self) -> &TriangleMesh {
         self.surface.mesh()
+    }
+
+    /// Values at the vertices or triangles of the scene's mesh, in the order of [`Self::mesh`].
+    pub(super) fn ordered<V: Copy>(&self, place: ColumnPlace, values: Vec<V>) -> Vec<V> {
+        match (self.order, place) {
+            (None, _) => values,
+            (Some(order), ColumnPlace::Vertices) => order.apply(&values),
+            (Some(order), ColumnPlace::Triangles) => order.apply_to_triangles(&values),
+        }
+    }
+
+    /// A property of the membrane on [`Self::mesh`].
+    pub(super) fn parameter(&self, material: &Material) -> MaterialParameter<f64> {
+        match material.parameter() {
+            MaterialParameter::PerVertex(values) => {
+                MaterialParameter::PerVertex(self.ordered(ColumnPlace::Vertices, values))
+            }
+            constant => constant,
+        }
     }
 
     /// Adds an effect whose force is the gradient of its energy; refused if products of the scene's
