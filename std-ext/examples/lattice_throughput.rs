@@ -7,6 +7,8 @@
 //! ```console
 //! cargo run --profile bench --example lattice_throughput -- 128
 //! ```
+//!
+//! With the word `fluid` behind the number it ends after the fluid alone.
 #![expect(clippy::print_stdout, reason = "the result")]
 
 use helfrich::Surface;
@@ -29,6 +31,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("type  nodes  million updates a second  memory allows  ratio");
     measure::<f64>("f64", edge)?;
     measure::<f32>("f32", edge)?;
+    if std::env::args().nth(2).as_deref() == Some("fluid") {
+        return Ok(());
+    }
     println!(
         "\ntype  kernel  place   spread  interpolate  in collisions  together  inner viscosity"
     );
