@@ -154,17 +154,20 @@ pub struct Surroundings {
     /// Start of the neighbourhood of each vertex, and the end of the last.
     offsets: Vec<usize>,
     vertices: Vec<u32>,
-    /// Largest number of candidates of one vertex, padded.
+    /// The number of vertices within the first rings, without and with the last of these.
+    first_rings: Vec<[u32; 2]>,
+    /// Largest number of candidates of one vertex.
     room: usize,
 }
 
 impl Surroundings {
     /// Searches breadth-first around each vertex until at least `most · 8/5` vertices and two whole
-    /// rings are reached, or all vertices of the component.
+    /// rings are reached, or all vertices of the component. The first rings have half of that.
     pub(crate) fn new(mesh: &TriangleMesh, most: usize) -> Self {
         let count = mesh.vertex_count();
         let enough = most + most * 3 / 5;
         let mut offsets = Vec::with_capacity(count + 1);
+        let mut first_rings = Vec::with_capacity(count);
         let mut vertices: Vec<u32> = Vec::new();
         let mut longest = 0;
         // The search in which each vertex was reached last, counted from 1.
@@ -184,6 +187,7 @@ impl Surroundings {
             };
             reach_around(&mut vertices, centre);
             let (mut rings, mut done) = (1, start);
+            let mut first = [0, vertices.len() - start];
             // What was reached is its own queue: what lies from `done` on is the newest ring.
             while done < vertices.len() && (rings < 2 || vertices.len() - start < enough) {
                 let ring = done..vertices.len();
@@ -193,16 +197,20 @@ impl Surroundings {
                     reach_around(&mut vertices, vertex);
                 }
                 rings += 1;
+                if rings <= 2 || first[1] < enough / 2 {
+                    first = [done - start, vertices.len() - start];
+                }
             }
+            first_rings.push(first.map(|number| number as u32));
             offsets.push(vertices.len());
             longest = longest.max(vertices.len() - start);
         }
         vertices.shrink_to_fit();
-        let room = longest.next_multiple_of(COMPARED);
         Self {
             offsets,
             vertices,
-            room,
+            first_rings,
+            room: longest,
         }
     }
 
@@ -214,15 +222,73 @@ impl Surroundings {
 
     /// The neighbourhood of a vertex.
     #[inline(always)]
-    pub(crate) fn of(&self, vertex: usize) -> &[u32] {
-        &self.vertices[self.offsets[vertex]..self.offsets[vertex + 1]]
+    pub(crate) fn of(&self, vertex: usize) -> Nearby<'_> {
+        Nearby {
+            vertices: &self.vertices[self.offsets[vertex]..self.offsets[vertex + 1]],
+            first_rings: self.first_rings[vertex].map(|number| number as usize),
+        }
     }
 }
 
-/// Keys are padded to a multiple of this number, so that they fill whole vectors.
-const COMPARED: usize = 8;
+/// The neighbourhood of one vertex.
+#[derive(Clone, Copy)]
+pub(crate) struct Nearby<'a> {
+    vertices: &'a [u32],
+    /// The number of vertices within the first rings, without and with the last of these.
+    first_rings: [usize; 2],
+}
 
-/// The key of padding, larger than all others.
+impl Nearby<'_> {
+    /// Number of vertices.
+    #[inline(always)]
+    pub(crate) fn count(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Sets `nearest` to the vertices that are nearest to `centre`; there must be at least as many.
+    /// Distances are compared to six digits; of several vertices with the same distance, the
+    /// smallest numbers are taken.
+    ///
+    /// The first rings suffice if their last one has no vertex among the nearest: rings beyond it are
+    /// then farther still. `keys` has room for a key of each vertex, of which the first `known` are
+    /// set; `ranks` is scratch memory. Not inlined, because there is little to vectorise, and the
+    /// loops of fits leave no registers.
+    #[inline(never)]
+    pub(crate) fn set_nearest<T: Real>(
+        &self,
+        nearest: &mut [u32],
+        surface: Surface<'_, T>,
+        centre: u32,
+        keys: &mut [i32],
+        known: &mut usize,
+        ranks: &mut Vec<u64>,
+    ) {
+        let [inner, first] = self.first_rings;
+        if *known < first {
+            set_keys(keys, surface, centre, &self.vertices[..first]);
+            *known = first;
+        }
+        let mut beyond = FARTHEST;
+        for &key in &keys[inner..first] {
+            beyond = beyond.min(key);
+        }
+        let within = count_within(&keys[..inner], beyond - 1);
+        if within >= nearest.len() {
+            let (vertices, keys) = (&self.vertices[..inner], &keys[..inner]);
+            return choose(nearest, vertices, keys, (beyond - 1, within), ranks);
+        }
+        let all = self.vertices.len();
+        if *known < all {
+            set_keys(&mut keys[first..], surface, centre, &self.vertices[first..]);
+            *known = all;
+        }
+        let keys = &keys[..all];
+        let farthest = keys.iter().copied().max().unwrap_or(FARTHEST);
+        choose(nearest, self.vertices, keys, (farthest, all), ranks);
+    }
+}
+
+/// A key larger than all others.
 const FARTHEST: i32 = i32::MAX;
 
 /// The upper half of the bits of a squared distance in f64. Keys have the order of the distances;
@@ -238,6 +304,16 @@ fn squared_of(key: i32) -> f64 {
     f64::from_bits((key as u64) << 32)
 }
 
+/// Sets the first of `keys` to the keys of the distances of `vertices` from `centre`.
+#[inline(never)]
+fn set_keys<T: Real>(keys: &mut [i32], surface: Surface<'_, T>, centre: u32, vertices: &[u32]) {
+    let seen = surface.seen_from(centre);
+    for (key, &vertex) in keys.iter_mut().zip(vertices) {
+        let difference = seen.difference(vertex);
+        *key = key_of(dot(difference, difference).to_f64().unwrap_or(f64::MAX));
+    }
+}
+
 /// Number of `keys` that are at most `most`.
 #[inline(always)]
 fn count_within(keys: &[i32], most: i32) -> usize {
@@ -248,40 +324,21 @@ fn count_within(keys: &[i32], most: i32) -> usize {
     count as usize
 }
 
-/// Sets `keys` to the keys of the distances of `surroundings` from `centre`, and the rest to
-/// padding. Not inlined, because there is nothing to vectorise, and the loops of fits leave no
-/// registers.
-#[inline(never)]
-pub(crate) fn set_keys<T: Real>(
-    keys: &mut [i32],
-    surface: Surface<'_, T>,
-    centre: u32,
-    surroundings: &[u32],
-) {
-    let (known, padding) = keys.split_at_mut(surroundings.len());
-    let seen = surface.seen_from(centre);
-    for (key, &vertex) in known.iter_mut().zip(surroundings) {
-        let difference = seen.difference(vertex);
-        *key = key_of(dot(difference, difference).to_f64().unwrap_or(f64::MAX));
-    }
-    padding.fill(FARTHEST);
-}
-
-/// Sets `nearest` to the nearest of `surroundings`, which have the keys `keys` and are at least as
-/// many. Of several vertices with the same key, the smallest numbers are taken. `ranks` is scratch
-/// memory.
-#[inline(never)]
-pub(crate) fn set_nearest(
+/// Sets `nearest` to the vertices with the least `keys`. `above` is a key, and how many are at most
+/// this: not fewer than are chosen.
+#[inline(always)]
+fn choose(
     nearest: &mut [u32],
-    surroundings: &[u32],
+    vertices: &[u32],
     keys: &[i32],
+    above: (i32, usize),
     ranks: &mut Vec<u64>,
 ) {
-    let (certain, possible) = bracket(nearest.len(), surroundings.len(), keys);
-    ranks.resize(keys.len(), 0);
+    let (certain, possible) = bracket(nearest.len(), keys, above);
+    ranks.resize(ranks.len().max(keys.len() + 1), 0);
     // There is no branch here, because the outcomes are random and could not be predicted.
     let mut all = 0;
-    for (&vertex, &key) in surroundings.iter().zip(keys) {
+    for (&vertex, &key) in vertices.iter().zip(keys) {
         ranks[all] = (key as u64) << 32 | u64::from(vertex);
         all += usize::from(key <= possible);
     }
@@ -303,19 +360,15 @@ pub(crate) fn set_nearest(
     }
 }
 
-/// Two bounds of the key of rank `count` among the first `all`: fewer than `count` keys are at most
-/// the first bound, at least `count` are at most the second. Few keys lie in between, unless they
-/// are equal.
+/// Two bounds of the key of rank `count`: fewer than `count` keys are at most the first bound, at
+/// least `count` are at most the second, as are at most `high` at first. Few keys lie in between,
+/// unless they are equal.
 #[inline(always)]
-fn bracket(count: usize, all: usize, keys: &[i32]) -> (i32, i32) {
+fn bracket(count: usize, keys: &[i32], (mut high, mut above): (i32, usize)) -> (i32, i32) {
     let (mut low, mut below) = (-1, 0);
-    let (mut high, mut above) = (0, all);
-    for &key in &keys[..all] {
-        high = high.max(key);
-    }
-    let mut beyond = true;
+    let mut beyond = above > count + FEW / 2;
     for _ in 0..MOST_GUESSES {
-        if above - below <= FEW || high - low <= 1 {
+        if above - below <= FEW || above == count || high - low <= 1 {
             break;
         }
         // On a surface the number of vertices is proportional to the squared distance. Guesses aim

@@ -5,6 +5,7 @@
 //! neighbours. The same factorisation gives the row of a general Laplace–Beltrami operator.
 
 mod fits;
+mod normal_equations;
 
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;

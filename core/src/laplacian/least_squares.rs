@@ -244,7 +244,7 @@ fn left_of<T: Real>(columns: &[Several<T>], norms: Several<T>) -> Several<T> {
 
 /// Scalar products.
 #[inline(always)]
-fn dot<T: Real>(a: &[Several<T>], b: &[Several<T>]) -> Several<T> {
+pub(super) fn dot<T: Real>(a: &[Several<T>], b: &[Several<T>]) -> Several<T> {
     let mut sums = [Several::zero(); SUMS];
     let (whole_a, rest_a) = a.as_chunks::<SUMS>();
     let (whole_b, rest_b) = b.as_chunks::<SUMS>();

@@ -297,6 +297,73 @@ fn mixed_areas_of_an_obtuse_triangle() {
     assert_eq!(dual_areas(DualArea::Voronoi, &obtuse), [-0.25, 0.25, 2.0]);
 }
 
+/// On a mesh that is stretched, the nearest vertices are many edges away in one direction.
+#[test]
+fn rows_of_jets_have_the_nearest_vertices_of_stretched_meshes() {
+    let mesh = icosphere(3).map(|[x, y, z]| [2.0 * x, y, z]);
+    let measured = Measured::new(Jet::j4(), &mesh);
+    let mut rows = Rows::new();
+    measured.assemble(&mut rows);
+    for vertex in 0..mesh.positions.len() {
+        let to = |other: usize| {
+            let offset = difference(mesh.positions[other], mesh.positions[vertex]);
+            dot(offset, offset)
+        };
+        let columns = rows.row(vertex).0;
+        let farthest = columns
+            .iter()
+            .map(|&v| to(v as usize))
+            .fold(0.0, f64::max);
+        let others = (0..mesh.positions.len()).filter(|&v| v != vertex);
+        let nearer = others.filter(|&v| to(v) < farthest * (1.0 - 4e-6)).count();
+        assert!(
+            nearer < columns.len(),
+            "vertex {vertex}: {nearer} nearer than the farthest of {}",
+            columns.len()
+        );
+    }
+}
+
+/// Jets by normal equations against those by orthogonal factorisations, H and K relative to the
+/// curvature of a sphere, rows to their largest entries.
+const BOTH_SOLUTIONS: Tolerance = Tolerance::new(
+    1e-10,
+    "normal equations square a condition number, which is up to a thousand",
+);
+
+/// Fits by normal equations are those by orthogonal factorisations, which serve fits whose accepted
+/// condition is too bad for the equations.
+#[test]
+fn jets_of_both_solutions_agree() {
+    let mesh = icosphere(3).map(bent);
+    for jet in [Jet::j4(), Jet::j6()] {
+        let with = |conditioning| {
+            let jet = Jet { conditioning, ..jet };
+            Measured::new(jet, &mesh)
+        };
+        // Both accept every fit; equations are refined once, and not at all.
+        let factorised = with(1e-8);
+        for conditioning in [1e-5, 1e-3] {
+            let normal = with(conditioning);
+            for (found, known) in normal.curvature.iter().zip(&factorised.curvature) {
+                BOTH_SOLUTIONS.assert(found.mean, known.mean, 1.0, "H");
+                BOTH_SOLUTIONS.assert(found.gaussian, known.gaussian, 1.0, "K");
+            }
+            let [mut found, mut known] = [Rows::new(), Rows::new()];
+            normal.assemble(&mut found);
+            factorised.assemble(&mut known);
+            for vertex in 0..mesh.positions.len() {
+                let (found, known) = (found.row(vertex), known.row(vertex));
+                assert_eq!(found.0, known.0, "vertex {vertex}");
+                let largest = known.1.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+                for (&found, &known) in found.1.iter().zip(known.1) {
+                    BOTH_SOLUTIONS.assert(found, known, largest, "an entry of a row");
+                }
+            }
+        }
+    }
+}
+
 /// No vertex within two edges is left out that is nearer than one of a row: the search, on meshes with
 /// and without equal distances.
 #[test]

@@ -1,11 +1,12 @@
 //! The fits around all vertices, several vertices at a time.
 
+use super::normal_equations::{NormalEquations, Points, TOGETHER};
 use super::{Attempt, Jet, coefficient_count};
 use crate::element::{SlotKernel, Slots};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::least_squares::LeastSquares;
 use crate::laplacian::{Curvature, RowSlots};
-use crate::neighbourhood::{Surroundings, set_keys, set_nearest};
+use crate::neighbourhood::Surroundings;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{cross, dot, norm, normalise, scale, sub};
@@ -40,18 +41,27 @@ pub(super) struct Block<T> {
     differences: [Vec<Several<T>>; 3],
     /// Coordinates in the tangent plane in units of the radius, and weights.
     places: [Vec<Several<T>>; 2],
+    heights: Vec<Several<T>>,
+    /// Weights of neighbours, or of their squares if equations are normal.
     weights: Vec<Several<T>>,
     coefficients: Vec<Several<T>>,
     functional: Vec<Several<T>>,
-    fit: LeastSquares<T>,
+    equations: NormalEquations<T>,
+    factorisation: LeastSquares<T>,
 }
 
 /// Results for each vertex of a block, without coefficients.
 struct Found<T> {
     frame: [[Several<T>; 3]; 2],
     over_radius: Several<T>,
-    /// |R_nn|/|R_11|.
-    ratio: Several<T>,
+}
+
+/// A degree, and how fits of it are computed: vertices with the same are fitted together.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Kind {
+    degree: usize,
+    /// Whether by normal equations, or by an orthogonal factorisation.
+    normal: bool,
 }
 
 /// A polynomial in units of the radius, over the tangent plane of `normal`.
@@ -79,6 +89,8 @@ struct Pending<'a, T> {
     upright: bool,
     attempt: Attempt,
     available: usize,
+    /// Number of nearby vertices of which the distances are known.
+    known: usize,
 }
 
 /// The vertices with pending fits, each in its own slot.
@@ -97,8 +109,7 @@ impl<'a, T: Real> SlotKernel<Block<T>, FitSlots<'a, T>> for Fits<'_, T> {
                 while pending.is_none()
                     && let Some((vertex, slot)) = slots.next()
                 {
-                    let keys = &mut block.keys[place * room..][..room];
-                    *pending = self.begin(keys, vertex, slot);
+                    *pending = self.begin(vertex, slot);
                 }
                 if pending.is_some() {
                     order[count] = place;
@@ -106,21 +117,18 @@ impl<'a, T: Real> SlotKernel<Block<T>, FitSlots<'a, T>> for Fits<'_, T> {
                 }
             }
             order[..count].sort_unstable_by_key(|&place| (attempt_at(&queue, place), place));
-            // Blocks have one degree; an incomplete block is fitted only if there is no complete
-            // one.
+            // Blocks have one kind; an incomplete block is fitted only if there is no complete one.
             let (mut rest, mut idle) = (&order[..count], true);
             while let Some(&first) = rest.first() {
-                let Some(Attempt { degree, .. }) = attempt_at(&queue, first) else {
+                let Some(kind) = self.kind_at(&queue, first) else {
                     break;
                 };
-                let alike = |&&place: &&usize| {
-                    attempt_at(&queue, place).is_some_and(|attempt| attempt.degree == degree)
-                };
+                let alike = |&&place: &&usize| self.kind_at(&queue, place) == Some(kind);
                 let alike = rest.iter().take(WIDTH).take_while(alike).count();
                 let (members, others) = rest.split_at(alike);
                 rest = others;
                 if alike == WIDTH || (idle && others.is_empty()) {
-                    self.fit_block(block, &mut queue, members, degree);
+                    self.fit_block(block, &mut queue, members, kind);
                     idle = false;
                 }
             }
@@ -136,12 +144,10 @@ impl<T: Real> Fits<'_, T> {
     #[inline(always)]
     fn begin<'b>(
         &self,
-        keys: &mut [i32],
         vertex: usize,
         ((curvature, degree), (length, (columns, row))): <FitSlots<'b, T> as Slots>::Slot,
     ) -> Option<Pending<'b, T>> {
-        let surroundings = self.surroundings.of(vertex);
-        let available = surroundings.len().min(columns.len());
+        let available = self.surroundings.of(vertex).count().min(columns.len());
         let normal = curvature.normal;
         let attempt = self.jet.first_attempt(self.jet.highest_degree(), available);
         (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
@@ -151,7 +157,6 @@ impl<T: Real> Fits<'_, T> {
         if normal == [T::zero(); 3] {
             return None;
         }
-        set_keys(keys, self.surface, vertex as u32, surroundings);
         Some(Pending {
             vertex,
             curvature,
@@ -163,10 +168,25 @@ impl<T: Real> Fits<'_, T> {
             upright: false,
             attempt,
             available,
+            known: 0,
         })
     }
 
-    /// Fits the vertices in some slots of the queue, at most `WIDTH`, by polynomials of one degree.
+    /// The kind of the pending fit in a slot of the queue.
+    #[inline(always)]
+    fn kind_at(&self, queue: &Queue<'_, T>, place: usize) -> Option<Kind> {
+        queue[place].as_ref().map(|pending| Kind {
+            degree: pending.attempt.degree,
+            normal: NormalEquations::serve(self.least_ratio(pending)),
+        })
+    }
+
+    #[inline(always)]
+    fn least_ratio(&self, pending: &Pending<'_, T>) -> T {
+        self.jet.least_ratio(pending.attempt, pending.available)
+    }
+
+    /// Fits the vertices in some slots of the queue, at most `WIDTH`, by polynomials of one kind.
     /// Finished vertices leave the queue.
     #[inline(always)]
     fn fit_block(
@@ -174,37 +194,43 @@ impl<T: Real> Fits<'_, T> {
         block: &mut Block<T>,
         queue: &mut Queue<'_, T>,
         members: &[usize],
-        degree: usize,
+        kind: Kind,
     ) {
         let neighbours = |&place: &usize| attempt_at(queue, place).map_or(0, |a| a.neighbours);
         let rows = members.iter().map(neighbours).max().unwrap_or(0);
+        let rows = rows.next_multiple_of(TOGETHER);
         let mut normals = [Several::zero(); 3];
-        block.clear(rows, coefficient_count(degree));
+        block.clear(rows, coefficient_count(kind.degree));
         for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             let Some(pending) = &mut queue[place] else {
                 continue;
             };
             let nearest = &mut pending.columns[..pending.attempt.neighbours];
-            let (room, surroundings) = (
-                self.surroundings.room(),
-                self.surroundings.of(pending.vertex),
-            );
-            let keys = &block.keys[place * room..][..room];
-            set_nearest(nearest, surroundings, keys, &mut block.ranks);
+            let room = self.surroundings.room();
+            let keys = &mut block.keys[place * room..][..room];
+            let centre = pending.vertex as u32;
+            let known = &mut pending.known;
+            let nearby = self.surroundings.of(pending.vertex);
+            nearby.set_nearest(nearest, self.surface, centre, keys, known, &mut block.ranks);
             block.set_differences(lane, self.surface, pending.vertex as u32, nearest);
             for (normal, &x) in normals.iter_mut().zip(&pending.normal) {
                 normal.0[lane] = x;
             }
         }
-        let found = block.fit(degree, normals, self.jet.sharpness);
+        let found = block.place(kind.normal, normals, self.jet.sharpness);
+        let mut least = [T::zero(); WIDTH];
+        for (least, &place) in least.iter_mut().zip(members) {
+            if let Some(pending) = &queue[place] {
+                *least = self.least_ratio(pending);
+            }
+        }
+        let accepted = block.fit(kind, self.jet.conditioning, &least[..members.len()]);
         let mut settled = [false; WIDTH];
         for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             let Some(pending) = &mut queue[place] else {
                 continue;
             };
-            let ratio = found.ratio.0[lane];
-            let least = self.jet.least_ratio(pending.attempt, pending.available);
-            let next = if ratio > T::zero() && ratio >= least {
+            let next = if accepted[lane] {
                 let polynomial = found.polynomial(lane, pending.normal, &block.coefficients);
                 let [p, q, ..] = polynomial.leading;
                 // A slightly tilted frame is sufficient, because the formulas include p and q.
@@ -229,7 +255,7 @@ impl<T: Real> Fits<'_, T> {
         if settled == [false; WIDTH] {
             return;
         }
-        let rows = block.rows(found.over_radius);
+        let rows = block.rows(kind.normal, found.over_radius);
         for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             if settled[lane]
                 && let Some(pending) = queue[place].take()
@@ -302,19 +328,17 @@ impl<T: Real> Block<T> {
         }
     }
 
-    /// Fits polynomials over the planes of the normals.
+    /// Sets places in the planes of the normals, heights and weights.
     #[inline(always)]
-    fn fit(&mut self, degree: usize, normals: [Several<T>; 3], sharpness: T) -> Found<T> {
+    fn place(&mut self, normal: bool, normals: [Several<T>; 3], sharpness: T) -> Found<T> {
         let Self {
             differences: [x, y, z],
             places: [across, along],
+            heights,
             weights,
-            coefficients,
-            fit,
             ..
         } = self;
         let rows = x.len();
-        let columns = coefficient_count(degree);
         let (y, z) = (&y[..rows], &z[..rows]);
         let [mut farthest, mut widest] = [Several::zero(); 2];
         let mut outermost = [Several::zero(); 3];
@@ -332,20 +356,60 @@ impl<T: Real> Block<T> {
         }
         let over_radius = farthest.sqrt().reciprocal_or_zero();
         let frame = frame_towards(scale(over_radius, outermost), normals);
-        for values in [&mut *across, &mut *along, &mut *weights] {
+        for values in [&mut *across, &mut *along, &mut *heights, &mut *weights] {
             values.resize(rows, Several::zero());
         }
-        let matrix = fit.matrix(rows, columns);
-        let (matrix, heights) = matrix.split_at_mut(rows * columns);
         let steepness = Several::splat(-sharpness);
         for row in 0..rows {
             let local = scale(over_radius, [x[row], y[row], z[row]]);
             let weight = exponential(steepness * dot(local, local));
             across[row] = dot(local, frame[0]);
             along[row] = dot(local, frame[1]);
-            weights[row] = weight;
-            heights[row] = weight * dot(local, normals);
+            weights[row] = if normal { weight * weight } else { weight };
+            heights[row] = dot(local, normals);
         }
+        Found { frame, over_radius }
+    }
+
+    /// Fits polynomials to the heights; the coefficients where no fit is accepted have no meaning.
+    #[inline(always)]
+    fn fit(&mut self, kind: Kind, typical_ratio: T, least: &[T]) -> [bool; WIDTH] {
+        if !kind.normal {
+            return self.factorise(kind.degree, least);
+        }
+        let points = Points {
+            x: &self.places[0],
+            y: &self.places[1],
+            weights: &self.weights,
+        };
+        self.equations.set(kind.degree, typical_ratio, points);
+        let mut accepted = [false; WIDTH];
+        for (lane, (accepted, &least)) in accepted.iter_mut().zip(least).enumerate() {
+            *accepted = self.equations.determine(lane, least);
+        }
+        if accepted != [false; WIDTH] {
+            self.equations
+                .solve(points, &self.heights, &[], &mut self.coefficients);
+        }
+        accepted
+    }
+
+    /// As [`Self::fit`], by an orthogonal factorisation. Not inlined, because it is rarely needed.
+    #[inline(never)]
+    fn factorise(&mut self, degree: usize, least: &[T]) -> [bool; WIDTH] {
+        let Self {
+            places: [across, along],
+            heights,
+            weights,
+            coefficients,
+            factorisation,
+            ..
+        } = self;
+        let rows = heights.len();
+        let columns = coefficient_count(degree);
+        let matrix = factorisation.matrix(rows, columns);
+        let (matrix, right) = matrix.split_at_mut(rows * columns);
+        set_product(right, weights, heights);
         // Degree after degree: x·(the last degree), and y·(its last monomial).
         set_product(&mut matrix[..rows], across, weights);
         set_product(&mut matrix[rows..2 * rows], along, weights);
@@ -361,24 +425,45 @@ impl<T: Real> Block<T> {
                 set_product(column, factor, &before[(last + from) * rows..][..rows]);
             }
         }
-        let ratio = fit.factorise();
-        fit.solve(coefficients);
-        Found {
-            frame,
-            over_radius,
-            ratio,
+        let ratio = factorisation.factorise();
+        factorisation.solve(coefficients);
+        let mut accepted = [false; WIDTH];
+        for ((accepted, &ratio), &least) in accepted.iter_mut().zip(&ratio.0).zip(least) {
+            *accepted = ratio > T::zero() && ratio >= least;
         }
+        accepted
     }
 
     /// The rows of the functionals.
     #[inline(always)]
-    fn rows(&mut self, over_radius: Several<T>) -> &[Several<T>] {
-        let rows = self.fit.row_of(&self.functional);
+    fn rows(&mut self, normal: bool, over_radius: Several<T>) -> &[Several<T>] {
+        let rows = if normal {
+            let points = Points {
+                x: &self.places[0],
+                y: &self.places[1],
+                weights: &self.weights,
+            };
+            let coefficients = &mut self.coefficients;
+            self.equations
+                .solve(points, &[], &self.functional, coefficients);
+            self.equations.evaluate(points, coefficients)
+        } else {
+            row_of(&mut self.factorisation, &self.functional)
+        };
         for (entry, &weight) in rows.iter_mut().zip(&self.weights) {
             *entry = *entry * (weight * over_radius * over_radius);
         }
         rows
     }
+}
+
+/// The rows of the functionals after a factorisation. Not inlined, because it is rarely needed.
+#[inline(never)]
+fn row_of<'a, T: Real>(
+    factorisation: &'a mut LeastSquares<T>,
+    functional: &[Several<T>],
+) -> &'a mut [Several<T>] {
+    factorisation.row_of(functional)
 }
 
 /// Two unit vectors that form a right-handed frame with a unit vector `normal`, the first one
@@ -451,9 +536,11 @@ impl<T: Real> Polynomial<T> {
 #[inline(always)]
 fn exponential<L: Lane>(x: L) -> L {
     let y = x * L::literal(1.0 / 64.0);
-    let mut sum = L::literal(1.0);
-    for over in [9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0] {
-        sum = L::literal(1.0) + sum * (y * L::literal(1.0 / over));
+    let mut factorial = 362_880.0;
+    let mut sum = L::literal(1.0 / factorial);
+    for factor in [9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0] {
+        factorial /= factor;
+        sum = L::literal(1.0 / factorial) + sum * y;
     }
     let fourth = (sum * sum) * (sum * sum);
     let sixteenth = (fourth * fourth) * (fourth * fourth);
