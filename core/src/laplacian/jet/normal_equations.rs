@@ -20,7 +20,7 @@ const SUMS: usize = 4;
 
 /// Number of points whose values are computed together, for the same reason; a number of points is a
 /// multiple of it.
-pub(super) const TOGETHER: usize = 2;
+pub(super) const TOGETHER: usize = 4;
 
 /// The place of `x^(degree − power) y^power` among monomials in order of their degrees, 1 first.
 const fn place_of(degree: usize, power: usize) -> usize {
