@@ -310,10 +310,7 @@ fn rows_of_jets_have_the_nearest_vertices_of_stretched_meshes() {
             dot(offset, offset)
         };
         let columns = rows.row(vertex).0;
-        let farthest = columns
-            .iter()
-            .map(|&v| to(v as usize))
-            .fold(0.0, f64::max);
+        let farthest = columns.iter().map(|&v| to(v as usize)).fold(0.0, f64::max);
         let others = (0..mesh.positions.len()).filter(|&v| v != vertex);
         let nearer = others.filter(|&v| to(v) < farthest * (1.0 - 4e-6)).count();
         assert!(
@@ -338,7 +335,10 @@ fn jets_of_both_solutions_agree() {
     let mesh = icosphere(3).map(bent);
     for jet in [Jet::j4(), Jet::j6()] {
         let with = |conditioning| {
-            let jet = Jet { conditioning, ..jet };
+            let jet = Jet {
+                conditioning,
+                ..jet
+            };
             Measured::new(jet, &mesh)
         };
         // Both accept every fit; equations are refined once, and not at all.
