@@ -15,8 +15,9 @@
 //! Everything is serial and depends on the positions alone, so that a stored and restored state
 //! continues bit for bit.
 
-mod cholesky;
+pub(crate) mod cholesky;
 mod coordinates;
+pub(crate) mod cotangents;
 mod frame;
 mod held;
 pub mod integrate;

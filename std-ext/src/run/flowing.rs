@@ -5,8 +5,8 @@ use super::deformed::Deformed;
 use super::drive::{Drive, Mark, Step, Work, cost};
 use super::state::{DriveState, FlowingProgress, FlowingState};
 use super::{End, Progress, RunError};
-use crate::dynamics::Problem;
-use crate::dynamics::integrate::{Integrator, Scheme, Settings, StepReport};
+use crate::dynamics::integrate::{Integrator, Scheme, Settings, SpectralRadius, StepReport};
+use crate::dynamics::{Motion, Problem};
 use crate::enclosure::surroundings;
 use crate::execute::available_threads;
 use crate::flow::{
@@ -450,6 +450,17 @@ fn suspension(
     let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
     suspension.keep_volumes(KeptVolumes::new(&meshes, &kept, positions));
     let slides = |number: usize| driver.redistribution && scene.surfaces[number].slides();
+    if driver.integrator == scene::Integrator::Rosenbrock {
+        let mut membranes = simulation.membranes();
+        for (number, membrane) in membranes.iter_mut().enumerate() {
+            membrane.motion = if slides(number) {
+                Motion::AlongNormals
+            } else {
+                Motion::Free
+            };
+        }
+        suspension.set_implicit(membranes, &ratios, driver.tolerance);
+    }
     suspension.redistribute(Redistribution::new(&meshes, &slides, SOLUTION_TOLERANCE));
     suspension
 }
@@ -469,6 +480,7 @@ fn settings(
     let scheme = match driver.integrator {
         scene::Integrator::Rkc2 => Scheme::Rkc2,
         scene::Integrator::Bs23 => Scheme::Bs23,
+        scene::Integrator::Rosenbrock => Scheme::Rosenbrock,
         scene::Integrator::Rk4 { step } => Scheme::Rk4 { step },
     };
     // The radius of the sphere with the same area as the smallest surface.
@@ -483,7 +495,12 @@ fn settings(
         .iter()
         .map(radius)
         .fold(f64::INFINITY, f64::min);
+    let spectral_radius = match scheme {
+        Scheme::Rosenbrock => SpectralRadius::Unknown,
+        _ => SpectralRadius::Estimated,
+    };
     Settings {
+        spectral_radius,
         tolerance: driver.tolerance,
         longest_step: driver.flow.rate().map(|rate| LONGEST_STEP / rate),
         precision,

@@ -17,6 +17,12 @@ const CAPSULE_TRANSIENT: Tolerance = Tolerance::new(
 /// D in steady states against the independent computation on the same mesh, absolute.
 const CAPSULE_REFERENCE: Tolerance = Tolerance::new(5e-4, "the prototype's own uncertainty");
 
+/// D of a stiff capsule by linearly implicit steps against stabilised ones, relative.
+const CAPSULE_IMPLICIT: Tolerance = Tolerance::new(
+    1e-3,
+    "displacements are as large as D = 3.6e-3, errors of a step a few thousandths of these",
+);
+
 /// Inclination against the independent computation, relative.
 const CAPSULE_INCLINATION: Tolerance = Tolerance::new(1e-2, "it is given to 0.1 degrees");
 
@@ -119,6 +125,36 @@ fn steady_deformations_are_those_of_an_independent_computation() {
             &what,
         );
     }
+}
+
+/// Where bending is much faster than the flow, with κ = a²G and Ca = 0.02: linearly implicit steps
+/// find the deformations of stabilised ones with a tenth of the velocities.
+#[test]
+fn stiff_capsules_need_few_linearly_implicit_steps() {
+    let found = |integrator: &str, tolerance: &str| {
+        let integrator = format!("driver.integrator={integrator}");
+        let tolerance = format!("driver.tolerance={tolerance}");
+        let overrides = [
+            "surface.capsule.vertices=162",
+            "surface.capsule.bending.modulus=1",
+            "driver.flow.rate=0.02",
+            "driver.strain=1",
+            "output.strain_interval=0.25",
+            &integrator,
+            &tolerance,
+        ];
+        let (_, series) = run_scene("capsule-shear.toml", &overrides);
+        let evaluations = last(&series, "right_hand_sides");
+        (column(&series, "deformation"), evaluations)
+    };
+    let (expected, _) = found("rkc2", "1e-6");
+    let (_, explicit) = found("bs23", "1e-4");
+    let (deformation, implicit) = found("rosenbrock", "1e-4");
+    println!("{implicit} instead of {explicit} evaluations");
+    for (found, expected) in deformation.iter().zip(&expected).skip(1) {
+        CAPSULE_IMPLICIT.assert(*found, *expected, *expected, "D");
+    }
+    assert!(10.0 * implicit < explicit, "{implicit} of {explicit}");
 }
 
 /// Loop subdivision on a fourth of the triangles.

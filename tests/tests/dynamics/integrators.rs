@@ -1,4 +1,4 @@
-//! Explicit integration in time against theory.
+//! Integration in time against theory.
 
 mod failures;
 mod spectrum;
@@ -13,6 +13,12 @@ use std::f64::consts::PI;
 const TIME_ORDER: Tolerance = Tolerance::new(
     0.1,
     "the next term of the error is a fiftieth of the first at steps of 1/40",
+);
+
+/// What a linearly implicit step leaves of a mode that decays a billion times as fast.
+const STABLE_LIMIT: Tolerance = Tolerance::new(
+    1e-6,
+    "the reciprocal of the rate, times the square of coefficients of order 10",
 );
 
 /// A stabilised step of a linear problem against its closed polynomial, relative to the start.
@@ -153,6 +159,7 @@ fn orders_of_convergence_are_those_of_the_schemes() {
         (Scheme::Rkc2, Some(5), 2.0),
         (Scheme::Rkc2, Some(12), 2.0),
         (Scheme::Bs23, None, 3.0),
+        (Scheme::Rosenbrock, None, 3.0),
         (RK4, None, 4.0),
     ];
     for (scheme, stages, order) in cases {
@@ -176,6 +183,73 @@ fn orders_of_convergence_are_those_of_the_schemes() {
         println!("{scheme:?} {stages:?}: errors {errors:?}, orders {found:.3?}");
         TIME_ORDER.assert(found[1], order, 1.0, "order");
     }
+}
+
+/// Velocities with an approximation A of their derivatives that has these decay rates, one per axis.
+struct Linearised<F> {
+    velocities: F,
+    rates: [f64; 3],
+}
+
+impl<F: RightHandSide> RightHandSide for Linearised<F> {
+    fn evaluate(&mut self, x: &[[f64; 3]], time: f64, v: &mut [[f64; 3]]) -> Result<(), String> {
+        self.velocities.evaluate(x, time, v)
+    }
+
+    fn solve(&mut self, c: f64, field: &mut [[f64; 3]]) -> Result<(), String> {
+        for entry in field {
+            *entry = [0, 1, 2].map(|axis| entry[axis] / (1.0 + c * self.rates[axis]));
+        }
+        Ok(())
+    }
+}
+
+/// A is anything but the derivatives of these velocities.
+#[test]
+fn linearly_implicit_steps_keep_their_order_with_any_matrix() {
+    let (from, to) = (0.3, 2.3);
+    let error = |steps: usize| {
+        let step = (to - from) / steps as f64;
+        let settings = fixed_step(Scheme::Rosenbrock, step, SpectralRadius::Unknown);
+        let mut run = Integrator::new(vectors(), from, settings).expect("a start");
+        let mut velocities = Linearised {
+            velocities: logistic,
+            rates: [2.0, -0.5, 1.0],
+        };
+        run.run(&mut velocities, to, |_, _| true)
+            .expect("no failure");
+        distance(run.positions(), &logistic_flow(&vectors(), from, to))
+    };
+    let errors = [80, 160, 320].map(error);
+    let found = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+    println!("errors {errors:?}, orders {found:.3?}");
+    TIME_ORDER.assert(found[1], 3.0, 1.0, "order");
+}
+
+/// With the derivatives themselves, modes vanish however long the step; with decay rates between 0.7
+/// times and four times the true ones they decay, and with half of them they grow.
+#[test]
+fn linearly_implicit_steps_are_stable_for_similar_matrices() {
+    let rate = 1e9;
+    let after = |share: f64| {
+        let settings = fixed_step(Scheme::Rosenbrock, 1.0, SpectralRadius::Unknown);
+        let mut run = Integrator::new(vec![[1.0, -2.0, 0.5]], 0.0, settings).expect("a start");
+        let mut decay = Linearised {
+            velocities: |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
+                v[0] = x[0].map(|x| -rate * x);
+                Ok(())
+            },
+            rates: [share * rate; 3],
+        };
+        run.step(&mut decay, 1.0).expect("no failure");
+        run.positions()[0][0]
+    };
+    STABLE_LIMIT.assert(after(1.0), 0.0, 1.0, "R(−∞)");
+    for share in [0.7, 0.8, 1.2, 1.5, 2.0, 3.0, 4.0] {
+        let left = after(share);
+        assert!(left.abs() < 0.75, "{left} with {share} of the rate");
+    }
+    assert!(after(0.5).abs() > 1.0);
 }
 
 #[test]

@@ -250,7 +250,12 @@ fn a_run_leaves_its_series_surfaces_and_summary() {
 
 #[test]
 fn killed_at_any_moment_and_resumed_nothing_is_different() {
-    for text in [SCENE, FLOW, LATTICE] {
+    let implicit = FLOW.replace(
+        "viscosity = 1\n",
+        "viscosity = 1\nintegrator = \"rosenbrock\"\n",
+    );
+    assert_ne!(implicit, FLOW);
+    for text in [SCENE, FLOW, &implicit, LATTICE] {
         check_killed(text);
     }
 }

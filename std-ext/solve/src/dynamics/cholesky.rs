@@ -14,7 +14,7 @@ const LEAF: usize = 24;
 
 /// The symbolic factorisation, which follows from the mesh alone.
 #[derive(Clone, Debug)]
-pub(super) struct Pattern {
+pub(crate) struct Pattern {
     /// The vertex that is eliminated k-th.
     vertices: Vec<u32>,
     /// Entries left of the diagonal, row by row: the start of each row, and `(column, edge)`.
@@ -27,7 +27,7 @@ pub(super) struct Pattern {
 }
 
 impl Pattern {
-    pub(super) fn new(mesh: &TriangleMesh) -> Self {
+    pub(crate) fn new(mesh: &TriangleMesh) -> Self {
         let count = mesh.vertex_count();
         let vertices = Dissection::new(mesh).vertices;
         let mut places = vec![0u32; count];
@@ -100,19 +100,19 @@ impl Pattern {
 
 /// `A = L D Lᵀ`, with unit diagonal in L.
 #[derive(Clone, Debug)]
-pub(super) struct Factor {
+pub(crate) struct Factor {
     rows: Vec<u32>,
     values: Vec<f64>,
     /// 1/D.
     reciprocals: Vec<f64>,
-    /// Memory for a permuted vector.
+    /// Memory for permuted vectors.
     vector: Vec<f64>,
 }
 
 impl Factor {
     /// Factorises the matrix with these entries on the diagonal, one a vertex, and off it, one an
     /// edge; `None` if it is not positive definite.
-    pub(super) fn new(pattern: &Pattern, diagonal: &[f64], edges: &[f64]) -> Option<Self> {
+    pub(crate) fn new(pattern: &Pattern, diagonal: &[f64], edges: &[f64]) -> Option<Self> {
         let count = pattern.vertices.len();
         let mut rows = vec![0u32; pattern.fill()];
         let mut values = vec![0.0; pattern.fill()];
@@ -160,28 +160,40 @@ impl Factor {
             rows,
             values,
             reciprocals: pivots.iter().map(|pivot| pivot.recip()).collect(),
-            vector: vec![0.0; count],
+            vector: Vec::new(),
         })
     }
 
     /// Replaces `vector`, which has `stride` numbers per vertex, by `A⁻¹` times it, separately for
     /// each of these numbers.
-    pub(super) fn solve(&mut self, pattern: &Pattern, vector: &mut [f64], stride: usize) {
+    pub(crate) fn solve(&mut self, pattern: &Pattern, vector: &mut [f64], stride: usize) {
+        if stride == 3 {
+            return self.solve_parts::<3>(pattern, vector, stride, 0);
+        }
         for part in 0..stride {
-            self.solve_part(pattern, vector, stride, part);
+            self.solve_parts::<1>(pattern, vector, stride, part);
         }
     }
 
-    fn solve_part(&mut self, pattern: &Pattern, field: &mut [f64], stride: usize, part: usize) {
+    /// Solves for N consecutive numbers of each vertex, the first of which has the index `part`.
+    fn solve_parts<const N: usize>(
+        &mut self,
+        pattern: &Pattern,
+        field: &mut [f64],
+        stride: usize,
+        part: usize,
+    ) {
         let Self {
             rows,
             values,
             reciprocals,
             vector,
         } = self;
-        let count = vector.len();
+        let count = reciprocals.len();
+        vector.resize(N * count, 0.0);
+        let (vector, _) = vector.as_chunks_mut::<N>();
         for (entry, &vertex) in vector.iter_mut().zip(&pattern.vertices) {
-            *entry = field[stride * vertex as usize + part];
+            entry.copy_from_slice(&field[stride * vertex as usize + part..][..N]);
         }
         let column_of = |column: usize| {
             let range = pattern.column_offsets[column]..pattern.column_offsets[column + 1];
@@ -191,19 +203,25 @@ impl Factor {
             let entry = vector[column];
             let (rows, values) = column_of(column);
             for (&row, &value) in rows.iter().zip(values) {
-                vector[row as usize] -= value * entry;
+                let below = &mut vector[row as usize];
+                for part in 0..N {
+                    below[part] -= value * entry[part];
+                }
             }
         }
         for column in (0..count).rev() {
-            let mut entry = vector[column] * reciprocals[column];
+            let mut entry = vector[column].map(|entry| entry * reciprocals[column]);
             let (rows, values) = column_of(column);
             for (&row, &value) in rows.iter().zip(values) {
-                entry -= value * vector[row as usize];
+                let below = vector[row as usize];
+                for part in 0..N {
+                    entry[part] -= value * below[part];
+                }
             }
             vector[column] = entry;
         }
-        for (&entry, &vertex) in vector.iter().zip(&pattern.vertices) {
-            field[stride * vertex as usize + part] = entry;
+        for (entry, &vertex) in vector.iter().zip(&pattern.vertices) {
+            field[stride * vertex as usize + part..][..N].copy_from_slice(entry);
         }
     }
 }

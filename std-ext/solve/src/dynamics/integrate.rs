@@ -1,9 +1,9 @@
-//! Explicit integration in time: `x' = v(x, t)`.
+//! Integration in time: `x' = v(x, t)`.
 //!
-//! An [`Integrator`] moves positions with the velocities of a [`RightHandSide`]. There are three schemes:
-//! stabilised steps with many stages for stiff problems, such as bending; an embedded pair of third
-//! order for others; and the classical scheme of fourth order with a fixed step. The spectral radius,
-//! a measure of stiffness, is estimated during the run.
+//! An [`Integrator`] moves positions with the velocities of a [`RightHandSide`]. There are four schemes:
+//! stabilised steps with many stages for stiff problems, such as bending; linearly implicit steps for
+//! very stiff ones; an embedded pair of third order for others; and the classical scheme of fourth
+//! order with a fixed step. The spectral radius, a measure of stiffness, is estimated during the run.
 //!
 //! The state is plain data: a stored and restored run continues bit for bit.
 
@@ -11,6 +11,7 @@ mod bs23;
 mod right_hand_side;
 mod rk4;
 mod rkc2;
+mod rosenbrock;
 mod settings;
 mod spectral_radius;
 mod step_control;
@@ -77,7 +78,8 @@ pub struct StepReport {
     /// The last estimate of the spectrum, unless it was not asked for.
     pub spectrum: Option<Spectrum>,
     /// The longest stable step of the scheme, on the negative real axis, for [`Scheme::Rkc2`] with
-    /// the largest number of stages; `None` if the spectral radius is not known or 0.
+    /// the largest number of stages; `None` if the spectral radius is not known or 0, and for
+    /// [`Scheme::Rosenbrock`].
     pub step_limit: Option<f64>,
 }
 
@@ -102,7 +104,7 @@ struct Start<'a> {
 struct Work {
     end: Vec<Vector>,
     end_velocities: Vec<Vector>,
-    stages: [Vec<Vector>; 3],
+    stages: [Vec<Vector>; 4],
 }
 
 impl Integrator {
@@ -154,7 +156,7 @@ impl Integrator {
         let work = Work {
             end: field(),
             end_velocities: field(),
-            stages: [field(), field(), field()],
+            stages: [field(), field(), field(), field()],
         };
         Ok(Self {
             settings,
@@ -360,6 +362,7 @@ impl Integrator {
         match self.settings.scheme {
             Scheme::Rkc2 => rkc2::advance(&mut checked, start, end_time, stages, work),
             Scheme::Bs23 => bs23::advance(&mut checked, start, end_time, work),
+            Scheme::Rosenbrock => rosenbrock::advance(&mut checked, start, end_time, work),
             Scheme::Rk4 { .. } => rk4::advance(&mut checked, start, end_time, work).map(|()| 0.0),
         }
     }
@@ -380,7 +383,7 @@ impl Integrator {
                 rkc2::stages(step, radius).min(self.settings.largest_stages())
             }
             Scheme::Bs23 => 3,
-            Scheme::Rk4 { .. } => 4,
+            Scheme::Rosenbrock | Scheme::Rk4 { .. } => 4,
         }
     }
 
@@ -444,7 +447,12 @@ mod tests {
 
     #[test]
     fn a_stored_state_continues_bit_for_bit() {
-        for scheme in [Scheme::Rkc2, Scheme::Bs23, Scheme::Rk4 { step: 0.03 }] {
+        for scheme in [
+            Scheme::Rkc2,
+            Scheme::Bs23,
+            Scheme::Rosenbrock,
+            Scheme::Rk4 { step: 0.03 },
+        ] {
             let settings = Settings::new(scheme, 1.0);
             let mut whole = Integrator::new(positions(), 0.25, settings).expect("a start");
             let mut expected = Vec::new();

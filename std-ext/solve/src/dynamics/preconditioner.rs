@@ -1,7 +1,8 @@
 //! A preconditioner that turns forces into displacements that are smooth over many edges.
 
+use super::Membrane;
 use super::cholesky::{Factor, Pattern};
-use super::{Membrane, vector};
+use super::cotangents::{self, Cotangents};
 use helfrich::TriangleMesh;
 
 /// The approximate inverse of a membrane's stiffness: bending resists with `κ Δ²`, in-plane
@@ -34,42 +35,13 @@ impl Preconditioner {
     /// Updates the geometry of the membrane.
     pub(super) fn set(&mut self, membrane: &Membrane, positions: &[[f64; 3]]) {
         let mesh = &*membrane.mesh;
-        let mut stiffness = vec![0.0; mesh.edges().len()];
-        let mut areas = vec![0.0; mesh.vertex_count()];
-        let corners = |triangle: &[u32; 3]| triangle.map(|vertex| positions[vertex as usize]);
-        for triangle in mesh.triangles() {
-            let [a, b, c] = corners(triangle);
-            let area = 0.5 * vector::norm(vector::cross(vector::sub(b, a), vector::sub(c, a)));
-            for &vertex in triangle {
-                areas[vertex as usize] += area / 3.0;
-            }
-        }
-        let total: f64 = areas.iter().sum();
-        let mean = total / mesh.triangles().len() as f64;
-        for (edge, value) in stiffness.iter_mut().enumerate() {
-            let [a, b] = mesh.edges()[edge];
-            let (left, right) = mesh.edge_triangles(edge);
-            for triangle in [Some(left), right].into_iter().flatten() {
-                let triangle = mesh.triangles()[triangle as usize];
-                let apex = triangle.into_iter().find(|&v| v != a && v != b);
-                let [p, q, r] = [a, b, apex.unwrap_or(a)].map(|v| positions[v as usize]);
-                let (u, v) = (vector::sub(p, r), vector::sub(q, r));
-                let area = 0.5 * vector::norm(vector::cross(u, v));
-                // The matrix of a triangle is positive semi-definite for any divisor, so a lower
-                // bound of the area is safe: it keeps slivers from dominating the others.
-                *value -= vector::dot(u, v) / (4.0 * area.max(LEAST_AREA * mean));
-            }
-        }
+        let Cotangents {
+            edges: mut stiffness,
+            areas,
+            total,
+        } = Cotangents::new(mesh, positions);
         let shift = 4.0 * std::f64::consts::PI / total;
-        for area in &mut areas {
-            // Vertices in no triangle, and those of triangles without area.
-            *area = area.max(LEAST_AREA * mean);
-        }
-        let mut diagonal: Vec<f64> = areas.iter().map(|area| shift * area).collect();
-        for (&[a, b], &value) in mesh.edges().iter().zip(&stiffness) {
-            diagonal[a as usize] -= value;
-            diagonal[b as usize] -= value;
-        }
+        let mut diagonal = cotangents::diagonal(mesh, &areas, &stiffness, [shift, 1.0]);
         if membrane.has_support() {
             for (edge, value) in mesh.edges().iter().zip(&mut stiffness) {
                 if edge.iter().any(|&end| membrane.is_fixed(end as usize)) {
@@ -119,7 +91,3 @@ impl Preconditioner {
         }
     }
 }
-
-/// The least area of a triangle, in mean triangle areas; smaller triangles are treated as having this
-/// area.
-const LEAST_AREA: f64 = 1e-3;

@@ -120,6 +120,15 @@ impl Redistribution {
     /// # Panics
     /// If there is not one position and one velocity per vertex.
     pub fn slide(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]]) {
+        self.run(positions, velocities, true);
+    }
+
+    /// As [`Self::slide`] for a change of velocities that leaves k as it is.
+    pub(super) fn respond(&mut self, positions: &[[f64; 3]], change: &mut [[f64; 3]]) {
+        self.run(positions, change, false);
+    }
+
+    fn run(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]], evens: bool) {
         if self.is_empty() {
             return;
         }
@@ -127,7 +136,7 @@ impl Redistribution {
         for sliding in &self.sliding {
             let positions = &positions[sliding.vertices.clone()];
             let velocities = &mut velocities[sliding.vertices.clone()];
-            sliding.slide(positions, velocities, self.tolerance);
+            sliding.slide(positions, velocities, self.tolerance, evens);
         }
         self.effort.add(start);
     }
@@ -146,7 +155,8 @@ struct Edge {
 type Tangential = Vec<[f64; 2]>;
 
 impl Sliding {
-    fn slide(&self, positions: &[Vector], velocities: &mut [Vector], tolerance: f64) {
+    /// `evens` is whether deviations of edges decay.
+    fn slide(&self, positions: &[Vector], velocities: &mut [Vector], tolerance: f64, evens: bool) {
         let count = self.own.len() as f64;
         let mut mean = [0.0; 3];
         for &vertex in &self.own {
@@ -172,7 +182,12 @@ impl Sliding {
         let Some(per_edge) = (known > 0.0).then(|| f64::recip(known)) else {
             return;
         };
-        let (length, decay) = (logarithm * per_edge, (squares * per_edge).sqrt());
+        let length = logarithm * per_edge;
+        let decay = if evens {
+            (squares * per_edge).sqrt()
+        } else {
+            0.0
+        };
 
         let fixed = Vec::from_iter(
             self.own

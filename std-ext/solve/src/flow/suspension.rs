@@ -1,9 +1,10 @@
 //! Membranes suspended in Stokes flow.
 
 use super::{
-    Ambient, DoubleLayer, Effort, Fluid, Gmres, KeptVolumes, Membranes, Recent, Redistribution,
-    SingleLayer,
+    Ambient, DoubleLayer, Effort, Fluid, Gmres, KeptVolumes, LocalMobility, Membranes, Recent,
+    Redistribution, SingleLayer,
 };
+use crate::dynamics::Membrane;
 use crate::dynamics::integrate::RightHandSide;
 use helfrich::TriangleMesh;
 use std::num::NonZeroUsize;
@@ -27,6 +28,8 @@ pub struct Suspension {
     cluster_tolerance: f64,
     volumes: KeptVolumes,
     redistribution: Redistribution,
+    /// For linearly implicit steps.
+    mobility: Option<LocalMobility>,
     /// The last velocities of the material.
     material: Vec<[f64; 3]>,
     forces: Vec<[f64; 3]>,
@@ -68,6 +71,7 @@ impl Suspension {
             cluster_tolerance: 0.0,
             volumes: KeptVolumes::default(),
             redistribution: Redistribution::default(),
+            mobility: None,
             material: Vec::new(),
             solver,
             recent: Recent::default(),
@@ -107,6 +111,34 @@ impl Suspension {
     /// Lets the vertices of these membranes slide along them.
     pub fn redistribute(&mut self, redistribution: Redistribution) {
         self.redistribution = redistribution;
+    }
+
+    /// Prepares linearly implicit steps, for membranes with these stiffnesses. The vertices of those that
+    /// move along normals are redistributed. `tolerance` is the error that solutions may have, relative
+    /// to the displacements of a step.
+    ///
+    /// # Panics
+    /// If there is not one viscosity ratio per membrane.
+    pub fn set_implicit(
+        &mut self,
+        membranes: Vec<Membrane>,
+        viscosity_ratios: &[f64],
+        tolerance: f64,
+    ) {
+        assert_eq!(
+            membranes.len(),
+            viscosity_ratios.len(),
+            "one ratio per membrane"
+        );
+        let outside = self.single.viscosity;
+        let mean = viscosity_ratios
+            .iter()
+            .map(|ratio| 0.5 * outside * (1.0 + ratio));
+        self.mobility = Some(LocalMobility::new(
+            membranes,
+            &Vec::from_iter(mean),
+            tolerance,
+        ));
     }
 
     /// Sets the velocities of all vertices: those of the material, plus the sliding of vertices.
@@ -281,6 +313,11 @@ impl Suspension {
         efforts
     }
 
+    /// Number of products with the stiffness of the membranes in linearly implicit steps so far.
+    pub fn stiffness_products(&self) -> u64 {
+        self.mobility.as_ref().map_or(0, LocalMobility::products)
+    }
+
     /// Number of matrix products of all solutions so far.
     pub fn products(&self) -> u64 {
         self.products
@@ -335,6 +372,32 @@ impl<M: Membranes> RightHandSide for Moving<'_, M> {
     ) -> Result<(), String> {
         self.suspension
             .set_velocities(self.membranes, positions, velocities)
+    }
+
+    fn linearise(&mut self, positions: &[[f64; 3]], _time: f64) -> Result<(), String> {
+        match &mut self.suspension.mobility {
+            Some(mobility) => mobility.set(self.membranes, positions),
+            None => Ok(()),
+        }
+    }
+
+    fn solve(&mut self, c: f64, field: &mut [[f64; 3]]) -> Result<(), String> {
+        let Suspension {
+            mobility,
+            redistribution,
+            volumes,
+            ..
+        } = &mut *self.suspension;
+        if let Some(mobility) = mobility {
+            let mut change = mobility.change(self.membranes, c, field)?;
+            redistribution.respond(mobility.positions(), &mut change);
+            volumes.correct(mobility.positions(), &mut change);
+            let entries = field.as_flattened_mut().iter_mut();
+            for (entry, change) in entries.zip(change.as_flattened()) {
+                *entry += change;
+            }
+        }
+        Ok(())
     }
 
     fn restore(&mut self, positions: &mut [[f64; 3]]) {

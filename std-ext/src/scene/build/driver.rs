@@ -291,6 +291,7 @@ impl Builder<'_> {
                 Integrator::Rk4 { step }
             }
             Some("rkc2") => Integrator::Rkc2,
+            Some("rosenbrock") => Integrator::Rosenbrock,
             Some("bs23") => Integrator::Bs23,
             _ if surfaces.iter().any(SurfaceScene::is_stiff) => Integrator::Rkc2,
             _ => Integrator::Bs23,

@@ -51,6 +51,8 @@ impl BoundaryIntegral {
 pub enum Integrator {
     /// Stabilised steps of second order, where bending limits the step.
     Rkc2,
+    /// Linearly implicit steps of third order, where bending is much faster than the flow.
+    Rosenbrock,
     /// A pair of third and second order.
     Bs23,
     /// The classical scheme of fourth order.
@@ -70,10 +72,11 @@ impl Described for BoundaryIntegral {
             STRAIN,
             optional(
                 "integrator",
-                Form::Choice(|| vec!["auto", "rkc2", "bs23", "rk4"]),
-                "\"rkc2\" if bending or surface tension limits the step, \"bs23\" if they do not, \
-                 \"rk4\" for fixed steps; \"auto\", the default, is rkc2 if a surface has bending or \
-                 a tension, and bs23 otherwise.",
+                Form::Choice(|| vec!["auto", "rkc2", "rosenbrock", "bs23", "rk4"]),
+                "\"rkc2\" if bending or surface tension limits the step, \"rosenbrock\" (linearly \
+                 implicit) if they are much faster than the flow, \"bs23\" if they do not limit the \
+                 step, \"rk4\" for fixed steps; \"auto\", the default, is rkc2 if a surface has \
+                 bending or a tension, and bs23 otherwise.",
             ),
             STEP,
             optional(

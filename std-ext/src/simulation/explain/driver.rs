@@ -83,6 +83,16 @@ pub(super) fn integrator(scene: &Scene, number: &Parameters) -> Option<Active> {
             };
             ("bs23", why.to_owned())
         }
+        Integrator::Rosenbrock => {
+            parameters.push(tolerance);
+            (
+                "rosenbrock",
+                "as asked for: linearly implicit steps of four velocities, as long as their error allows, with \
+                 the stiffness of membranes by differences of their forces and a local approximation of \
+                 their mobility"
+                    .to_owned(),
+            )
+        }
         Integrator::Rk4 { step } => {
             parameters.push(number.of("step", step, Dimension::TIME));
             (

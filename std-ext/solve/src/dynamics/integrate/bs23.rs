@@ -16,7 +16,7 @@ pub(super) fn advance(
 ) -> Result<f64, Failure> {
     let step = end_time - start.time;
     let (x, v1) = (start.positions, start.velocities);
-    let [v2, v3, _] = &mut work.stages;
+    let [v2, v3, ..] = &mut work.stages;
     let end = &mut work.end;
     for (end, (x, v)) in end.iter_mut().zip(x.iter().zip(v1)) {
         *end = add(*x, scale(0.5 * step, *v));

@@ -1,5 +1,6 @@
 //! The velocities of an integration, and the ways in which they fail.
 
+use super::Start;
 use crate::dynamics::vector::Vector;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +20,26 @@ pub trait RightHandSide {
         time: f64,
         velocities: &mut [[f64; 3]],
     ) -> Result<(), String>;
+
+    /// Prepares [`Self::solve`] for an approximation A of the derivatives ∂v/∂x at these positions. Steps
+    /// of [`Scheme::Rosenbrock`](super::Scheme::Rosenbrock) keep their order whatever A is; they are
+    /// stable where its decay rates are between about 0.7 times and four times those of ∂v/∂x. By
+    /// default A is 0.
+    ///
+    /// # Errors
+    /// The reason why A cannot be computed. The step fails.
+    fn linearise(&mut self, _positions: &[[f64; 3]], _time: f64) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Replaces a field r by y, where `y − c A y = r`. The solution must depend on A, c and r alone, to
+    /// the last bit.
+    ///
+    /// # Errors
+    /// The reason why there is no solution. The step is then repeated with a shorter length.
+    fn solve(&mut self, _c: f64, _field: &mut [[f64; 3]]) -> Result<(), String> {
+        Ok(())
+    }
 
     /// Corrects the positions at the end of a step for quantities that steps conserve only up to their
     /// error, for example volumes.
@@ -93,6 +114,21 @@ impl Checked<'_> {
         let evaluated = self.inner.evaluate(positions, time, velocities);
         evaluated.map_err(|reason| Failure::Refused { reason, time })?;
         match first_bad(velocities) {
+            Some(vertex) => Err(Failure::NotFinite { vertex, time }),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn linearise(&mut self, start: Start<'_>) -> Result<(), Failure> {
+        let time = start.time;
+        let linearised = self.inner.linearise(start.positions, time);
+        linearised.map_err(|reason| Failure::Refused { reason, time })
+    }
+
+    pub(super) fn solve(&mut self, c: f64, time: f64, field: &mut [Vector]) -> Result<(), Failure> {
+        let solved = self.inner.solve(c, field);
+        solved.map_err(|reason| Failure::Refused { reason, time })?;
+        match first_bad(field) {
             Some(vertex) => Err(Failure::NotFinite { vertex, time }),
             None => Ok(()),
         }

@@ -16,7 +16,7 @@ pub(super) fn advance(
 ) -> Result<(), Failure> {
     let step = end_time - start.time;
     let (x, v1) = (start.positions, start.velocities);
-    let [v2, v3, v4] = &mut work.stages;
+    let [v2, v3, v4, _] = &mut work.stages;
     let end = &mut work.end;
     let middle = start.time + 0.5 * step;
     for (end, (x, v)) in end.iter_mut().zip(x.iter().zip(v1)) {

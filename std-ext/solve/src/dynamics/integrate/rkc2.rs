@@ -57,7 +57,7 @@ pub(super) fn advance(
     let w1 = last.0[1] / last.0[2];
 
     let (x, v) = (start.positions, start.velocities);
-    let [earlier, velocities, _] = &mut work.stages;
+    let [earlier, velocities, ..] = &mut work.stages;
     let end = &mut work.end;
     // b_0 = b_1 = b_2.
     let b = 0.25 / (w0 * w0);

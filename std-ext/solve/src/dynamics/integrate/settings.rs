@@ -12,6 +12,10 @@ pub enum Scheme {
     /// The pair of third and second order by Bogacki and Shampine, with error control; three
     /// velocities per step.
     Bs23,
+    /// Linearly implicit steps of third order, with error control; four velocities per step. Their
+    /// length is limited by their error alone if [`RightHandSide::linearise`](super::RightHandSide::linearise)
+    /// covers what is stiff.
+    Rosenbrock,
     /// The classical scheme of fourth order, without error control; four velocities per step.
     Rk4 {
         /// The step, shortened only to what is stable and to output times.

@@ -75,7 +75,7 @@ pub(super) fn estimate(
     let displacement = settings.precision.sqrt() * far;
     let least = LEAST[usize::from(!cold)];
 
-    let [before, _, _] = &mut work.stages;
+    let [before, ..] = &mut work.stages;
     let (product, moved) = (&mut work.end_velocities, &mut work.end);
     normalise(mode);
     before.fill([0.0; 3]);

@@ -1,8 +1,8 @@
 //! Lengths of steps.
 
 use super::right_hand_side::{Checked, RightHandSide};
-use super::{Failure, Integrator, RETREAT, Scheme, bs23, rk4, rkc2};
-use crate::dynamics::vector::{add, root_mean_square, scale, sub};
+use super::{Failure, Integrator, RETREAT, Scheme, Start, bs23, rk4, rkc2};
+use crate::dynamics::vector::{Vector, add, root_mean_square, scale, sub};
 use serde::{Deserialize, Serialize};
 
 /// The share of the allowed error that step control aims at: that of the paper of [`rkc2`].
@@ -28,7 +28,7 @@ pub(super) struct Previous {
 
 impl Integrator {
     /// The next step by the last two errors: the controller of the paper of [`rkc2`], after H. A.
-    /// Watts, J. Comput. Appl. Math. 12 (1985) 93. The error is of third order for both schemes.
+    /// Watts, J. Comput. Appl. Math. 12 (1985) 93. The error is of third order for each of these schemes.
     pub(super) fn choose_step(&mut self, step: f64, error: f64) {
         if matches!(self.settings.scheme, Scheme::Rk4 { .. }) {
             return;
@@ -67,6 +67,22 @@ impl Integrator {
             evaluations: &mut state.evaluations,
         };
         let work = &mut self.work;
+        if self.settings.scheme == Scheme::Rosenbrock {
+            // The change of velocities by what is stiff.
+            let start = Start {
+                time: state.time,
+                positions: &state.positions,
+                velocities: &state.velocities,
+            };
+            let smoothed = &mut work.end_velocities;
+            smoothed.copy_from_slice(start.velocities);
+            checked.linearise(start)?;
+            if checked.solve(trial, start.time, smoothed).is_err() {
+                return Ok(RETREAT * trial);
+            }
+            let error = trial * difference(start.velocities, smoothed) / allowed;
+            return Ok((0.1 * trial / error.sqrt()).min(longest));
+        }
         for (end, (x, v)) in work
             .end
             .iter_mut()
@@ -80,9 +96,7 @@ impl Integrator {
             // The first step will be shortened by error control.
             Err(_) => return Ok(RETREAT * trial),
         }
-        let changes = work.end_velocities.iter().zip(&state.velocities);
-        let change = root_mean_square(changes.map(|(a, b)| sub(*a, *b)));
-        let error = trial * change / allowed;
+        let error = trial * difference(&state.velocities, &work.end_velocities) / allowed;
         Ok((0.1 * trial / error.sqrt()).min(longest))
     }
 
@@ -97,10 +111,11 @@ impl Integrator {
     }
 
     /// The longest stable step of the scheme, by the last estimate of the spectrum; `None` if the
-    /// spectral radius is not known or 0.
+    /// spectral radius is not known or 0, and for [`Scheme::Rosenbrock`].
     pub fn step_limit(&self) -> Option<f64> {
         let radius = self.state.radius(&self.settings)?;
         let interval = match self.settings.scheme {
+            Scheme::Rosenbrock => return None,
             Scheme::Rkc2 => {
                 let stages = self.settings.largest_stages() as f64;
                 (stages * stages - 1.0) / rkc2::STABILITY
@@ -120,4 +135,10 @@ impl Integrator {
         let rounding = 16.0 * f64::EPSILON * self.state.time.abs();
         (FLOOR * moving.min(first)).max(rounding)
     }
+}
+
+/// The root mean square of the change of a field.
+fn difference(before: &[Vector], after: &[Vector]) -> f64 {
+    let changes = after.iter().zip(before);
+    root_mean_square(changes.map(|(after, before)| sub(*after, *before)))
 }
