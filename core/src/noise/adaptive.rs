@@ -2,11 +2,11 @@
 //! from the noise at each vertex.
 //!
 //! Candidates are the jet through the vertex, and regression jets of degrees 6 and 4 over ever more
-//! neighbours. For each of them, and each of H, K and f, two parts of the squared error are estimated
-//! around the vertex: V of noise, from what independent errors of the size that was found make of it; and B
-//! of the shape, from its distance to a candidate that the shape biases less, beyond what noise explains. The
-//! candidate with the least B + V is taken. Without noise V is 0, and this is the jet; its error is then
-//! estimated by its distance from a jet over more neighbours.
+//! neighbours. For each candidate, and each of H, K and f, two parts of the squared error are estimated
+//! around the vertex: V, due to noise, from the effect of independent errors of the estimated size; and
+//! B, due to the shape, from the distance to a candidate with less bias, as far as noise does not
+//! explain this distance. The candidate with the least B + V is chosen. Without noise V is 0, and the
+//! jet is chosen; its error is then estimated by its distance from a jet over more neighbours.
 //!
 //! O. V. Lepski, Theory Probab. Appl. 35 (1991) 454, chooses scales by distances between estimates; here
 //! distances are averaged over neighbourhoods, and extrapolated by the order of each fit.
@@ -35,7 +35,7 @@ use level::{Estimates, Kind, Level};
 /// Number of independent errors whose effect is followed.
 const REPLICAS: usize = 12;
 
-/// One number for each of them.
+/// One number for each replica.
 type Values<T> = [T; REPLICAS];
 
 /// H, K and f.
@@ -44,22 +44,24 @@ const QUANTITIES: usize = 3;
 /// The largest number of nearest vertices over which estimates are averaged.
 const POOL: usize = 100;
 
-/// No vertex.
+/// Marks an entry without a vertex.
 const NONE: u32 = u32::MAX;
 
-/// Neighbours of regression jets; the coarser ones for meshes from [`LARGE`] vertices on: errors are at
-/// most 1.5 times as large.
+/// Numbers of neighbours of regression jets. Meshes of [`LARGE`] vertices or more have the coarser
+/// ladder, with errors at most 1.5 times as large.
 const LADDER: [usize; 8] = [45, 64, 90, 128, 181, 256, 362, 512];
 const COARSE_LADDER: [usize; 5] = [45, 64, 128, 256, 512];
 const LARGE: usize = 100_000;
 
-/// Neighbours from which on degree 4 is a candidate: with fewer it is no better than degree 6.
+/// Number of neighbours from which on degree 4 is a candidate: with fewer neighbours it is no better
+/// than degree 6.
 const FOURTH: usize = 64;
 
-/// Rings at a boundary where derivatives of one fit are better than a fit to the fitted H.
+/// Number of rings at a boundary where derivatives of one fit are more accurate than a fit to the fitted
+/// H.
 const ONE_STAGE: u8 = 2;
 
-/// Part of the vertices that may still gain by more neighbours when no more are tried.
+/// Fraction of the vertices that may still gain by more neighbours when the search ends.
 const LEFT: f64 = 0.01;
 
 /// Jets whose degree and number of neighbours are chosen at every vertex, with error bars.
@@ -68,15 +70,16 @@ const LEFT: f64 = 0.01;
 /// regression jets over as many neighbours as the shape allows: the errors of H fall as the inverse of the
 /// number of neighbours, those of f faster.
 ///
-/// The errors of positions are taken as independent from vertex to vertex. Errors that neighbours share
-/// cannot be told from the shape: bars do not contain them.
+/// The errors of positions are assumed to be independent from vertex to vertex. Errors that neighbours
+/// share cannot be distinguished from the shape, and error bars do not include them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptiveJet<T> {
-    /// Standard deviation σ of the positions along the normal where it is known, a length: at least so much
-    /// is assumed everywhere. 0 if nothing is known: then it is found from the positions.
+    /// Known standard deviation σ of the positions along the normal, a length; it is a lower bound of
+    /// the deviation at every vertex. If it is 0, the deviation is estimated from the positions alone.
     pub deviation: T,
-    /// Number of neighbours of the fits, 28 or more; `None` if it is to be chosen. Results are then those
-    /// of regression jets with this number, of degree 4 or 6, wherever these are possible.
+    /// Number of neighbours of the fits, 28 or more: results are those of regression jets with this
+    /// number, of degree 4 or 6, wherever these are possible. With `None` the number is chosen at every
+    /// vertex.
     pub neighbours: Option<usize>,
 }
 
@@ -113,14 +116,15 @@ pub struct Scale {
     pub interpolates: bool,
 }
 
-/// What the fits around a vertex say of the mesh there.
+/// Quality of the mesh around a vertex, as judged from the fits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// The mesh resolves the shape, and no noise was found.
     Clean,
     /// The mesh resolves the shape down to the noise.
     Noise,
-    /// The mesh does not resolve the shape: it has to be refined. What is found of noise is not reliable.
+    /// The mesh does not resolve the shape: it has to be refined. The estimate of the noise is not
+    /// reliable.
     Unresolved,
     /// The vertex is at a boundary, or next to it: fits are one-sided, and errors larger.
     OneSided,
@@ -129,7 +133,7 @@ pub enum Verdict {
     Unknown,
 }
 
-/// What is known at a vertex.
+/// Results at a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured<T> {
     /// Unit normal; 0 where it is undefined.
@@ -144,8 +148,8 @@ pub struct Measured<T> {
     pub force_density: Estimate<T>,
     /// The principal curvatures k₁ ≥ k₂ of the fit for H, in 1/length.
     pub principal: [Estimate<T>; 2],
-    /// Unit vectors along which the surface has these; `None` near umbilics, that is, where the direction
-    /// is uncertain by more than 0.2 radians (one standard deviation).
+    /// Unit vectors along which the surface has the principal curvatures; `None` near umbilics, that is,
+    /// where the direction is uncertain by more than 0.2 radians (one standard deviation).
     pub directions: Option<[Vec3<T>; 2]>,
     /// The gradient of H on the surface, in 1/length².
     pub gradient_of_mean: Vec3<T>,
@@ -154,27 +158,27 @@ pub struct Measured<T> {
     pub extremalities: Option<[T; 2]>,
     /// Standard deviation σ of the position along the normal, a length; 0 if none was found.
     pub deviation: T,
-    /// What the fits say of the mesh.
+    /// Quality of the mesh around the vertex.
     pub verdict: Verdict,
 }
 
-/// What all fits start from.
+/// Data that all fits share.
 struct Ground<'a, T> {
     surface: Surface<'a, T>,
-    /// Normals by area.
+    /// Normals weighted by area.
     normals: Vec<Vec3<T>>,
-    /// Normals by jets, where these are known.
+    /// Normals of the jets where these are known, otherwise normals weighted by area.
     upright: Vec<Vec3<T>>,
-    /// Random signs, as errors of standard deviation 1.
+    /// Random signs, used as errors of standard deviation 1.
     signs: Vec<Values<T>>,
-    /// The nearest vertices of each, sorted by distance, then [`NONE`].
+    /// The nearest vertices of each vertex, sorted by distance and filled up with [`NONE`].
     nearest: Vec<u32>,
     /// Rings from a boundary, at most [`BORDER`].
     rings: Vec<u8>,
 }
 
 impl<'a, T: Real> Ground<'a, T> {
-    /// `names` are numbers of the vertices that stay with them when they are reordered.
+    /// `names` are numbers that stay with the vertices when these are reordered.
     fn new(
         execution: &impl Execution,
         surface: Surface<'a, T>,
@@ -214,7 +218,7 @@ impl<'a, T: Real> Ground<'a, T> {
         }
     }
 
-    /// Whether fits are one-sided.
+    /// Whether fits around a vertex are one-sided.
     fn is_near_border(&self, vertex: usize) -> bool {
         usize::from(self.rings[vertex]) < BORDER
     }
@@ -233,7 +237,8 @@ impl<'a, T: Real> Ground<'a, T> {
         core::iter::once(vertex).chain(others.map(|&other| other as usize))
     }
 
-    /// The means over pools of `count` nearest vertices of what is finite; NaN where nothing is.
+    /// The means of the finite values over pools of the `count` nearest vertices; NaN where no value is
+    /// finite.
     fn means(&self, execution: &impl Execution, values: &[T], count: usize) -> Vec<T> {
         let mut means = vec![T::nan(); values.len()];
         execution.map(&mut means[..], |vertex, mean| {
@@ -267,11 +272,11 @@ fn signs<T: Real>(name: u32) -> Values<T> {
 }
 
 impl<T: Real> AdaptiveJet<T> {
-    /// Measures a surface: an entry for each vertex. `None` if `watch` returned false: it is called between
-    /// steps with the part of the work that is done, as far as this can be foreseen.
+    /// Measures a surface: an entry for each vertex. `None` if `watch` returned false. `watch` is called
+    /// between steps with the estimated fraction of the work that is done.
     ///
-    /// `names` are numbers of the vertices that stay with them if they are reordered, `None` for their own:
-    /// error bars depend on these, a little.
+    /// `names` are numbers that stay with the vertices when these are reordered; `None` means the
+    /// indices of the vertices. Error bars depend slightly on the names.
     ///
     /// # Panics
     /// If there are fewer names than vertices.
@@ -313,7 +318,7 @@ impl<T: Real> AdaptiveJet<T> {
             let wider = Level::new(execution, &ground, &Kind::wider());
             chosen.compare(execution, &ground, &wider);
         }
-        // A fit takes as long as it has neighbours.
+        // The time of a fit is proportional to its number of neighbours.
         let work = |rungs: &[usize]| rungs.iter().sum::<usize>() as f64 + 56.0;
         for (rung, &neighbours) in ladder.iter().enumerate() {
             if !watch(work(&ladder[..rung]) / work(&ladder)) {
@@ -338,7 +343,7 @@ impl<T: Real> AdaptiveJet<T> {
     /// The numbers of neighbours to try.
     fn ladder(&self, deviations: &Deviations<T>, vertices: usize) -> Vec<usize> {
         match self.neighbours {
-            // What is compared with it has less bias.
+            // The fits with fewer neighbours have less bias, and are there for comparison.
             Some(neighbours) => {
                 let narrow = (neighbours as f64 / 1.42).max(28.0) as usize;
                 let mut ladder = vec![LADDER[0], narrow, neighbours.max(28)];
@@ -347,7 +352,7 @@ impl<T: Real> AdaptiveJet<T> {
                 ladder.retain(|&rung| rung <= neighbours.max(28));
                 ladder
             }
-            // Jets are the best there is.
+            // Without noise no fit is better than the jets.
             None if !deviations.is_seen() => Vec::new(),
             None if vertices < LARGE => LADDER.to_vec(),
             None => COARSE_LADDER.to_vec(),

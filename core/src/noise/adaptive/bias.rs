@@ -1,4 +1,4 @@
-//! The bias of candidates, from distances between them beyond what noise explains.
+//! The bias of candidates, from the distances between them as far as noise does not explain these.
 
 use super::{Deviations, Ground, QUANTITIES, REPLICAS, Values};
 use crate::element::Execution;
@@ -7,30 +7,30 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::array::from_fn;
 
-/// Nearest vertices over which squared distances are averaged: for the bias, for bars, and for places
-/// where the bias is larger than around them.
+/// Numbers of nearest vertices over which squared distances are averaged: for the bias, for error bars,
+/// and for places where the bias is larger than in their surroundings.
 const WIDE: usize = 100;
 const NARROW: usize = 32;
 pub(super) const LOCAL: usize = 12;
 
-/// Nearest vertices over which the effect of noise is averaged.
+/// Number of nearest vertices over which the effect of noise is averaged.
 const NOISE_POOL: usize = 32;
 
-/// Part of the variance of a distance that a bias may have unseen, and times it that a local bias has to
-/// have.
+/// Squared bias that may stay undetected, and squared distance above which a local bias is significant,
+/// both in units of the variance of the distance.
 const UNSEEN: f64 = 0.1;
 const SIGNIFICANT: f64 = 4.0;
 
-/// Standard deviations by which a distance has to exceed what noise makes of it, over the whole mesh,
-/// before a bias of degree 6 is added to that of degree 4.
+/// Number of standard deviations by which the distances over the whole mesh have to exceed the effect of
+/// noise before a bias of degree 6 is added to that of degree 4.
 const CERTAIN: f64 = 2.0;
 
-/// Squares of the bias, from distances averaged over different pools.
+/// Squares of the bias, from squared distances averaged over different pools.
 #[derive(Clone, Default)]
 pub(super) struct Bias<T> {
     pub(super) wide: Vec<T>,
     pub(super) narrow: Vec<T>,
-    /// Without what may be unseen.
+    /// Squares without the part that may stay undetected.
     pub(super) seen: Vec<T>,
     /// Lower bound.
     pub(super) local: Vec<T>,
@@ -38,18 +38,19 @@ pub(super) struct Bias<T> {
     pub(super) trust: Trust<T>,
 }
 
-/// Which part of squared distances beyond noise is bias and not noise that is larger than its variance by
-/// chance: local excesses are cut off at 0, and add up to more than the excess of the mesh as a whole.
+/// The fraction of the local excesses of squared distances over the variance that is bias, while the
+/// rest is noise that exceeds its variance by chance. Local excesses are cut off at 0, and therefore add
+/// up to more than the excess of the mesh as a whole.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Trust<T> {
-    /// Most likely.
+    /// The most likely fraction.
     pub(super) likely: T,
-    /// With [`CERTAIN`] standard deviations of the excess that noise has by chance taken off.
+    /// The fraction after [`CERTAIN`] standard deviations of the excess by noise alone are subtracted.
     pub(super) certain: T,
 }
 
-/// Squared distances of two estimates of one quantity, as they are and averaged over pools, and their
-/// variance.
+/// Squared distances between two estimates of one quantity, both at single vertices and averaged over
+/// pools, and the variance of the distances.
 pub(super) struct Distances<T> {
     squares: Vec<T>,
     pub(super) wide: Vec<T>,
@@ -83,7 +84,7 @@ impl<T: Real> Distances<T> {
 }
 
 impl<T: Real> Trust<T> {
-    /// Where nothing is noise.
+    /// Full trust, for distances without noise.
     fn full() -> Self {
         Self {
             likely: T::one(),
@@ -91,9 +92,9 @@ impl<T: Real> Trust<T> {
         }
     }
 
-    /// From the vertices where `is_telling`: the mean of squared distances in units of their variance, less
-    /// that of the replicas, of which each is what noise alone makes of a mesh. `None` with fewer than a pool
-    /// of such vertices.
+    /// Compares, over the vertices where `is_telling`, the sum of squared distances in units of their
+    /// variance with that of the replicas, each of which has the effect of noise alone. `None` if there
+    /// are fewer than [`WIDE`] such vertices.
     fn new(
         deviations: &Deviations<T>,
         distances: &Distances<T>,
@@ -130,7 +131,7 @@ impl<T: Real> Trust<T> {
     }
 }
 
-/// The variance by noise, from the sums of squares of replicas.
+/// The variance due to noise, from the sums of squares over the replicas.
 fn variance<T: Real>(
     execution: &impl Execution,
     ground: &Ground<'_, T>,
@@ -146,7 +147,7 @@ fn variance<T: Real>(
     means
 }
 
-/// The larger of two; the other one if one is NaN.
+/// The value if it is positive; otherwise 0, also for NaN.
 pub(super) fn positive<T: Real>(value: T) -> T {
     if value > T::zero() { value } else { T::zero() }
 }
@@ -166,7 +167,7 @@ pub(super) fn variances<T: Real>(
 }
 
 impl<T: Real> Bias<T> {
-    /// None at any of so many vertices.
+    /// No bias at any of `count` vertices.
     pub(super) fn none(count: usize) -> Self {
         let none = vec![T::zero(); count];
         Self {
@@ -178,8 +179,8 @@ impl<T: Real> Bias<T> {
         }
     }
 
-    /// From distances, times the square of a factor of each vertex; where it is `None`, from another
-    /// candidate's bias.
+    /// The bias from squared distances, times the square of a factor at each vertex; where the factor is
+    /// `None`, the bias of another candidate is taken over.
     pub(super) fn new(
         deviations: &Deviations<T>,
         distances: &Distances<T>,

@@ -13,31 +13,32 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::array::from_fn;
 
-/// Growth of a neighbourhood from which on two fits tell the bias of the larger one.
+/// Least ratio of the numbers of neighbours of two fits whose distance shows the bias of the larger one.
 const TELLING: f64 = 1.17;
 
 /// Orders with which the bias of H, K and f falls with the number of neighbours: half of those with the
 /// radius.
 const ORDERS: [i32; QUANTITIES] = [3, 3, 2];
 
-/// The bias of the first regression jet over its distance from the jet, and of degree 4 over its distance
-/// from degree 6.
+/// Ratios of the bias of the first regression jet to its distance from the jet, and of the bias of
+/// degree 4 to its distance from degree 6.
 const FROM_JET: f64 = 1.5;
 const FROM_SIXTH: f64 = 1.2;
 
-/// Bars in estimated standard errors: with noise, and where there is none, because the bias of one fit is
-/// known from that of another with which it shares part of its error; and how much larger they are at
-/// boundaries.
+/// Error bars in estimated standard errors, with and without noise; and the factor by which they are
+/// larger at boundaries. Bars without noise are wider because the bias of a fit is estimated from
+/// another fit that shares part of its error.
 const BAR: f64 = 2.0;
 const CLEAN_BAR: f64 = 3.0;
 const ONE_SIDED: f64 = 4.0;
 
-/// Bars of jets on a mesh without noise, in root mean square distances from wider jets over [`LOCAL`]
-/// vertices. On 27 meshes of nine shapes 99 % of the errors of H, K and f were below 1.5 such distances in
-/// the median case and below 3.9 in the worst, and the distance was at most 5.8 median errors.
+/// Error bars of jets on a mesh without noise, in units of root mean square distances from wider jets
+/// over [`LOCAL`] vertices. On 27 meshes of nine shapes 99 % of the errors of H, K and f were below 1.5
+/// such distances in the median case and below 3.9 in the worst, and the distance was at most 5.8 median
+/// errors.
 const FROM_WIDER: f64 = 4.0;
 
-/// Bars of k₁ and k₂ in those of H.
+/// Ratio of the error bars of k₁ and k₂ to those of H.
 const PRINCIPAL: f64 = 1.75;
 
 /// One kind of fit.
@@ -49,28 +50,33 @@ pub(super) struct Candidate<T> {
     /// V, due to noise.
     variance: [Vec<T>; QUANTITIES],
     bias: [Bias<T>; QUANTITIES],
-    /// Of degree 4 the place of degree 6 over the same neighbours: what its bias was compared with.
+    /// For degree 4, the index of the candidate of degree 6 over the same neighbours, from which the
+    /// bias was estimated.
     beside: Option<usize>,
 }
 
-/// Candidates so far. After the first come those of degree 6, each at its place in `sixth`, and those of
-/// degree 4.
+/// All candidates so far: the jets, then regression jets, whose indices are in `sixth` for degree 6 and
+/// in `fourth` for degree 4.
 pub(super) struct Chosen<T> {
     all: Vec<Candidate<T>>,
     sixth: Vec<usize>,
     fourth: Vec<usize>,
-    /// The changes by noise of the jets, then of the last regression jets of degree 6.
+    /// Changes due to noise: at first those of the jets, later those of the last regression jets of
+    /// degree 6.
     changes: [Vec<Values<T>>; QUANTITIES],
-    /// Squares of the distance of the jets from the first regression jets beyond noise, over each pool.
+    /// Squared distances of the jets from the first regression jets, less the variance due to noise, for
+    /// each pool.
     excess: [[Vec<T>; 3]; QUANTITIES],
-    /// On a mesh without noise, squares of the distance of the jets from wider jets, over [`LOCAL`] vertices.
+    /// On a mesh without noise, squared distances of the jets from wider jets, averaged over [`LOCAL`]
+    /// vertices.
     from_wider: Option<[Vec<T>; QUANTITIES]>,
-    /// The least B + V of each quantity so far, and how often it was larger since.
+    /// The least B + V of each quantity so far, and the number of later levels that did not reduce it.
     least: Vec<[(T, u8); QUANTITIES]>,
 }
 
 impl<T: Real> Candidate<T> {
-    /// The jets, whose bias counts as none: they are what a mesh without noise allows.
+    /// The jets. Their bias counts as zero, because no other fit of a mesh without noise is more
+    /// accurate.
     pub(super) fn of_jets(
         execution: &impl Execution,
         ground: &Ground<'_, T>,
@@ -103,7 +109,7 @@ impl<T: Real> Candidate<T> {
 }
 
 impl<T: Real> Chosen<T> {
-    /// With the jets as the only candidate.
+    /// A choice with the jets as the only candidate.
     pub(super) fn new((jets, changes): (Candidate<T>, [Vec<Values<T>>; QUANTITIES])) -> Self {
         let variances = (0..jets.degree.len()).map(|vertex| {
             from_fn(|quantity| {
@@ -129,7 +135,7 @@ impl<T: Real> Chosen<T> {
         }
     }
 
-    /// Takes the errors of the jets from their distances from wider jets: on a mesh without noise.
+    /// Estimates the errors of the jets by their distances from wider jets, on a mesh without noise.
     pub(super) fn compare(
         &mut self,
         execution: &impl Execution,
@@ -146,7 +152,7 @@ impl<T: Real> Chosen<T> {
         }));
     }
 
-    /// Adds the regression jets of a level, of degree 4 too if `with_fourth`.
+    /// Adds the regression jets of a level: those of degree 6, and those of degree 4 if `with_fourth`.
     pub(super) fn add(
         &mut self,
         execution: &impl Execution,
@@ -230,7 +236,7 @@ impl<T: Real> Chosen<T> {
         self.count_gains(latest);
     }
 
-    /// Notes where the candidates from `latest` on are worse than others.
+    /// Records at which vertices the candidates from `latest` on are better than all earlier ones.
     fn count_gains(&mut self, latest: usize) {
         let candidates = &self.all[latest..];
         for (vertex, least) in self.least.iter_mut().enumerate() {
@@ -249,14 +255,15 @@ impl<T: Real> Chosen<T> {
         }
     }
 
-    /// Part of the vertices where one of the last two levels was the best for one quantity.
+    /// The fraction of the vertices where one of the last two levels was the best for at least one
+    /// quantity.
     pub(super) fn gains(&self) -> f64 {
         let gains = |least: &&[(T, u8); QUANTITIES]| least.iter().any(|&(_, worse)| worse < 2);
         self.least.iter().filter(gains).count() as f64 / self.least.len() as f64
     }
 
-    /// For each candidate one of the squares of its bias at a vertex: of every degree the least of a fit
-    /// and of all larger ones, because the bias grows with the scale.
+    /// Sets `biases` to one of the squares of the bias of each candidate at a vertex. Within a degree,
+    /// this is the least value of a fit and all larger fits, because the bias grows with the scale.
     fn biases(
         &self,
         vertex: usize,
@@ -279,8 +286,8 @@ impl<T: Real> Chosen<T> {
         }
     }
 
-    /// The candidate for a quantity at a vertex, and its squared error as the bar has it; `None` if there
-    /// is none.
+    /// The candidate for a quantity at a vertex, its squared error for the bar, and its expected squared
+    /// error; `None` if there is no candidate.
     fn choose(
         &self,
         vertex: usize,
@@ -326,14 +333,15 @@ impl<T: Real> Chosen<T> {
             self.biases(vertex, quantity, |bias| &bias.narrow, biases);
             bias = bias.max(biases[candidate]);
         }
-        // Of the same sign, because both lose the same waves of the shape.
+        // Both biases have the same sign, because both fits lose the same waves of the shape.
         let both = bias.sqrt() + shared.sqrt();
         Some((candidate, both * both + variance, expected))
     }
 
-    /// The expected square of the bias of a candidate, and the part of it that it shares with degree 6: where
-    /// degree 4 is compared with it, their distance does not show what degree 6 loses. Of degree 6 this is
-    /// less than of degree 4, and at most as much counts as is seen of that.
+    /// The expected square of the bias of a candidate, and the part of this square that the candidate
+    /// shares with degree 6. The distance of degree 4 from degree 6 does not show the bias that both
+    /// share. The bias of degree 6 is less than that of degree 4; the shared part is therefore limited
+    /// by the part that the distance shows.
     fn seen(
         &self,
         vertex: usize,
@@ -350,7 +358,8 @@ impl<T: Real> Chosen<T> {
         (own + shared, shared)
     }
 
-    /// The choice at every vertex; among the fits with the most neighbours only, if `is_fixed`.
+    /// The results at every vertex; if `is_fixed`, the fits with the most neighbours take precedence
+    /// over all others.
     pub(super) fn measured(
         &self,
         execution: &impl Execution,
@@ -380,7 +389,8 @@ impl<T: Real> Chosen<T> {
                 (None, false) => BAR,
             })
         };
-        // Neighbours may see a bias that this vertex does not; distances from wider jets are its own.
+        // Distances at neighbours may show a bias that is not visible at this vertex; distances from
+        // wider jets are used at the vertex alone.
         let pool = if self.from_wider.is_some() { 0 } else { LOCAL };
         let largest = |vertex: usize, quantity: usize| {
             let around = ground.pool(vertex, pool);
@@ -449,7 +459,7 @@ impl<T: Real> Chosen<T> {
                     usize::from(found.degree[vertex])
                 },
                 fields: [mean, gaussian],
-                // Bars without noise are wider: see [`CLEAN_BAR`].
+                // The bias is scaled because bars without noise are wider: see [`CLEAN_BAR`].
                 bias: (times(vertex) / T::constant(BAR)).powi(2)
                     * positive(square - found.variance[0][vertex]),
             })

@@ -8,19 +8,19 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
-/// Residual of the shape over S₅S₆/S₄, and its upper bound over S₆.
+/// Ratio of the residual of the shape to S₅S₆/S₄, and upper bound of its ratio to S₆.
 const FORETOLD: f64 = 1.5;
 const CEILING: f64 = 0.35;
 
-/// R/S₆ above which it is noise even if less than half of the mesh has noise; if no noise is found on
-/// the mesh as a whole, R/S₆ of noise itself.
+/// R/S₆ above which R counts as noise even if less than half of the mesh has noise. If no noise is found
+/// on the mesh as a whole, the lower of the two values in [`FLAT`] takes its place.
 const CERTAIN: f64 = 0.5;
 
 /// Fraction of the vertices whose noise may be larger than the lower bound that is assumed for all
 /// vertices.
 const QUIETEST: f64 = 0.05;
 
-/// R/S₆ of shapes at most, of noise, and S₆/S₄ from which on the shape is hardly resolved.
+/// Largest R/S₆ of shapes; range of R/S₆ of noise; and S₆/S₄ above which the shape is hardly resolved.
 const STEEP: f64 = 0.35;
 const FLAT: [f64; 2] = [0.8, 1.3];
 const SLOW: f64 = 0.15;
@@ -131,7 +131,7 @@ fn resolution<T: Real>(&[fourth, _, sixth, left]: &[T; 4]) -> Verdict {
     }
 }
 
-/// The value that this part of all is below.
+/// The value below which the fraction `part` of all values lies.
 fn quantile<T: Real>(values: &[T], part: f64) -> T {
     let mut values = values.to_vec();
     values.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));

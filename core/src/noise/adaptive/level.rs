@@ -1,4 +1,4 @@
-//! Fits with one number of neighbours around every vertex, and what noise makes of them.
+//! Fits with one number of neighbours around every vertex, and the effect of noise on them.
 
 use super::{Ground, ONE_STAGE, QUANTITIES, REPLICAS, Values};
 use crate::element::{Execution, SlotKernel, Slots, Strided};
@@ -11,26 +11,27 @@ use crate::vec3::Vec3;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Least diagonal entry of the triangular factor with which a jet is accepted: at once, and with all the
-/// neighbours that it may have.
+/// Least diagonal entry of the triangular factor with which a jet is accepted: before and after it has
+/// the largest number of neighbours that is allowed.
 const CONDITIONING: [f64; 2] = [0.012, 0.001];
 
-/// The same of regression jets and of jets that others are compared with. It is 0.05 and more on irregular
-/// meshes; where a regular mesh has 0.012 to 0.05, H of exact tori was off by a fifth, because neighbours
-/// near a conic section do not determine the polynomial.
+/// The same limits for regression jets and for the wider jets with which others are compared. It is 0.05
+/// and more on irregular meshes; where a regular mesh has 0.012 to 0.05, H of exact tori was off by a
+/// fifth, because neighbours near a conic section do not determine the polynomial.
 const STRICT: [f64; 2] = [0.05, 0.012];
 
-/// Number of neighbours from which on they determine a polynomial of degree 6 well on any mesh.
+/// Number of neighbours that determines a polynomial of degree 6 well on any mesh.
 const SURE: usize = 128;
 
-/// Neighbours of jets at a boundary over those elsewhere: with fewer, errors of the positions are amplified
-/// several times.
+/// Ratio of the numbers of neighbours of jets at a boundary and elsewhere: with fewer, errors of the
+/// positions are amplified several times.
 const ONE_SIDED: [usize; 2] = [10, 7];
 
-/// The degrees of the polynomials: those of one orthogonal basis, the lower one is its beginning.
+/// The degrees of the polynomials. Both use one orthogonal basis: the lower degree uses its first
+/// functions.
 pub(super) const DEGREES: [usize; 2] = [4, 6];
 
-/// Which fits a level has.
+/// The kind of the fits of a level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kind<T> {
     pub(super) model: Model<T>,
@@ -54,7 +55,7 @@ impl<T: Real> Kind<T> {
         }
     }
 
-    /// Jets whose distance from those tells their errors.
+    /// Jets over more neighbours, for estimates of the errors of [`Self::interpolating`].
     pub(super) fn wider() -> Self {
         Self {
             neighbours: [90, 180],
@@ -78,7 +79,7 @@ impl<T: Real> Kind<T> {
         }
     }
 
-    /// The neighbours of a fit, the vertex itself included.
+    /// The largest number of vertices in a fit, including the vertex itself.
     fn room(&self) -> usize {
         self.neighbours[1] + 1
     }
@@ -95,11 +96,11 @@ pub(super) struct Estimates<T> {
 /// Fits around every vertex.
 pub(super) struct Level<T> {
     pub(super) kind: Kind<T>,
-    /// Of degrees 4 and 6.
+    /// Results of degrees 4 and 6.
     pub(super) of_degrees: [Estimates<T>; 2],
     /// Number of neighbours, 0 where there is no fit.
     pub(super) neighbours: Vec<u32>,
-    /// The parts of the degrees, of interpolating fits.
+    /// The contributions of the degrees in interpolating fits.
     pub(super) spectra: Vec<Spectrum<T>>,
 }
 
@@ -113,7 +114,7 @@ struct AtVertex<T> {
     over_area: T,
     neighbours: u32,
     spectrum: Spectrum<T>,
-    /// f and its changes, where it is that of one polynomial.
+    /// f and its changes, where f follows from one polynomial.
     force: Option<(T, Values<T>)>,
 }
 
@@ -141,7 +142,8 @@ impl<T: Real> Default for Scratch<T> {
 }
 
 impl<T: Real> Scratch<T> {
-    /// Fits a vertex: the number of neighbours, 0 if they do not determine the polynomial.
+    /// Fits the surface around a vertex. Returns the number of neighbours, 0 if they do not determine
+    /// the polynomial.
     #[inline(always)]
     pub(super) fn fit(&mut self, ground: &Ground<'_, T>, vertex: usize, kind: &Kind<T>) -> usize {
         let surface = ground.surface;
@@ -171,8 +173,8 @@ impl<T: Real> Scratch<T> {
         }
     }
 
-    /// The bending force by one interpolating polynomial, and its changes by errors of the heights: by
-    /// central differences, in steps of the cube root of the rounding of heights.
+    /// The bending force by one interpolating polynomial, and its changes by errors of the heights. The
+    /// changes are central differences whose relative step is the cube root of the machine precision.
     fn one_stage(
         &mut self,
         ground: &Ground<'_, T>,
@@ -198,7 +200,7 @@ impl<T: Real> Scratch<T> {
         (value, changes)
     }
 
-    /// The nearest vertices that the last fit took.
+    /// The nearest vertices that the last fit used.
     pub(super) fn neighbours(&self, count: usize) -> &[(T, u32)] {
         &self.near.found[..count]
     }
@@ -232,7 +234,8 @@ impl<T: Real> Scratch<T> {
             &mut self.rows,
         );
         let [of_mean, of_gaussian, laplacian] = &self.rows;
-        // Errors are those of heights above the vertex, unless it has a sample of its own.
+        // The errors are those of heights relative to the vertex, unless the vertex has a sample of its
+        // own.
         let here = ground.errors(vertices[0]);
         for (changes, row) in at.changes[which].iter_mut().zip([of_mean, of_gaussian]) {
             *changes = [T::zero(); REPLICAS];

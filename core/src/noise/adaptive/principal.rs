@@ -80,7 +80,7 @@ pub(super) fn set<'f, T: Real>(
         };
         let [of_mean, of_gaussian] = fitted.fields.map(gradient);
         at.gradient_of_mean = of_mean;
-        // Noise in every height; the error at the vertex enters all differences.
+        // Every height has noise; in interpolating fits the error at the vertex enters all differences.
         let mut squares: T = shear.iter().map(|&entry| entry * entry).sum();
         if own == 0 {
             let sum: T = shear.iter().copied().sum();
@@ -130,5 +130,5 @@ impl<T: Real> Scratch<T> {
     }
 }
 
-/// The degree of a fit that stands for jets of any degree.
+/// The degree of the fits that stand for jets of any degree.
 pub(super) const JETS: usize = DEGREES[1];
