@@ -37,7 +37,7 @@ fn shape(name: &str) -> AnyShape {
     name.parse().expect("a shape")
 }
 
-/// The least error of any fixed degree and number of neighbours, of each quantity.
+/// The least error of each quantity among all fixed degrees and numbers of neighbours.
 fn best_fixed(case: &Case, positions: &[[f64; 3]]) -> [f64; QUANTITIES] {
     let surface = Surface::new(&case.mesh, positions).expect("positions");
     let none = vec![[0.0; 1]; positions.len()];
@@ -56,8 +56,9 @@ fn best_fixed(case: &Case, positions: &[[f64; 3]]) -> [f64; QUANTITIES] {
     best
 }
 
-/// 1.3 times the best fixed fit: what scatters is the choice at single vertices. Bars are for 99 of 100
-/// vertices; the worst case of the design was 92. They are of some use: at most 10 times the error.
+/// The limit is 1.3 times the error of the best fixed fit, because the choice at single vertices
+/// scatters. Error bars are meant to hold at 99 of 100 vertices; the worst case of the design was 92.
+/// They have to be at most 10 times the error, in order to be of use.
 #[test]
 fn with_noise_it_is_as_good_as_the_best_fixed_fit() {
     for case in [
@@ -98,7 +99,8 @@ fn with_noise_it_is_as_good_as_the_best_fixed_fit() {
     }
 }
 
-/// Bars over true errors of a quantity, sorted, and the part of the vertices where they are above 1.
+/// Sorted ratios of error bars to true errors of a quantity, and the fraction of the vertices where the
+/// ratio is at least 1.
 fn bars(found: &[Measured<f64>], case: &Case, quantity: usize) -> (Vec<f64>, f64) {
     let both = found.iter().zip(&case.exact);
     let ratios = both.map(|(at, point)| {
@@ -112,8 +114,8 @@ fn bars(found: &[Measured<f64>], case: &Case, quantity: usize) -> (Vec<f64>, f64
     (ratios, within)
 }
 
-/// Expected over true mean errors of a quantity; the mean of the absolute value of a normal error is √(2/π)
-/// standard deviations.
+/// Ratio of the expected to the true mean error of a quantity; the mean of the absolute value of a
+/// normal error is √(2/π) standard deviations.
 fn expected_over_true(found: &[Measured<f64>], case: &Case, quantity: usize) -> f64 {
     let (mut expected, mut errors) = (0.0, 0.0);
     for (at, point) in found.iter().zip(&case.exact) {
@@ -135,8 +137,8 @@ fn bars_contain_the_bias_that_degrees_share() {
     assert!(within > 0.92, "{within}");
 }
 
-/// On a narrow tube f of degree 4 is compared with that of degree 6, whose noise is several times larger:
-/// half of the vertices exceed its variance by chance.
+/// On a narrow tube, f of degree 4 is compared with f of degree 6, whose noise is several times larger.
+/// At half of the vertices the squared distance exceeds its variance by chance.
 #[test]
 fn noise_is_not_expected_as_bias() {
     let case = Case::of_shape(&torus(0.4), Family::Irregular, 2562);
@@ -146,8 +148,8 @@ fn noise_is_not_expected_as_bias() {
     assert!((1.0 / 1.5..1.5).contains(&ratio), "{ratio}");
 }
 
-/// On regular and relaxed meshes errors of regression jets are much larger than those of jets. At most 25
-/// times the error is the goal of the design.
+/// On regular and relaxed meshes errors of regression jets are much larger than those of jets. The goal
+/// of the design is bars of at most 25 times the error.
 #[test]
 fn bars_without_noise_are_of_use() {
     for case in [
@@ -167,8 +169,9 @@ fn bars_without_noise_are_of_use() {
     }
 }
 
-/// Bars that do not hold, bars that are too wide, and expected errors beyond a factor of 1.5, as lines; and
-/// the part of vertices within their bars of every case.
+/// Lists bars that do not hold, bars that are too wide, and expected errors that are wrong by more than
+/// a factor of 1.5, one per line. Also returns the fraction of the vertices within their bars, for each
+/// quantity.
 fn amiss(case: &Case, part: f64) -> (Vec<String>, Vec<f64>) {
     let positions = match part {
         0.0 => case.positions(),
@@ -234,7 +237,7 @@ fn bars_of_many_shapes() {
     );
 }
 
-/// To the last bit, and bars cover the error of the mesh.
+/// Values equal those of the jet to the last bit, and bars cover the error of the mesh.
 #[test]
 fn without_noise_it_is_the_jet() {
     for case in [
@@ -276,7 +279,7 @@ fn without_noise_it_is_the_jet() {
     }
 }
 
-/// Noise below what can be seen costs f some accuracy, unless its size is told.
+/// Noise too small to be detected costs f some accuracy, unless its size is given.
 #[test]
 fn known_noise_need_not_be_seen() {
     let case = Case::of_shape(&torus(0.4), Family::Irregular, 2562);
@@ -297,7 +300,7 @@ fn known_noise_need_not_be_seen() {
     assert!(known < 1.3 * best, "{known} {best}");
 }
 
-/// A number of neighbours that is told is taken wherever the surface does not turn away.
+/// A given number of neighbours is used wherever the surface does not turn away.
 #[test]
 fn a_fixed_scale_is_kept() {
     let case = Case::of_star(3, Family::Irregular, 2562);
@@ -339,8 +342,8 @@ fn angle_on_ellipsoid(axes: [f64; 3], directions: [[f64; 3]; 2], point: [f64; 3]
     turn.min(90.0 - turn)
 }
 
-/// Median and 95 % of the angles, by the noise. Directions are told at nearly all vertices: at fewer of the
-/// ellipsoid, which has four umbilics.
+/// The median and the 95th percentile of the angles are limited according to the noise. Nearly all
+/// vertices have directions; on the ellipsoid fewer have, because it has four umbilics.
 #[test]
 fn directions_follow_the_surface() {
     let axes = [1.0, 0.7, 0.45];
@@ -412,9 +415,9 @@ fn gradients_are_those_of_the_surface() {
     );
 }
 
-/// A discocyte cut by planes, with bounds of the errors of H and f on ring 0 and of the errors on ring 2
-/// over those of the interior. Planes along the axis or the rim cut the rim, the most curved part, at more
-/// or all of their vertices.
+/// A discocyte cut by planes, with bounds of the errors of H and f on ring 0, and of the ratio of the
+/// errors on ring 2 to those of the interior. Planes along the axis or the rim cut the rim, the most
+/// curved part, at more or all of their vertices.
 #[test]
 fn borders_have_one_sided_fits() {
     let case = Case::of_shape(&shape("discocyte"), Family::Irregular, 10242);
@@ -428,7 +431,7 @@ fn borders_have_one_sided_fits() {
     }
 }
 
-/// Errors beside a cut relative to those of the interior, ring by ring; bars hold.
+/// Checks the errors beside a cut relative to those of the interior, ring by ring, and that bars hold.
 fn check_borders_of_a_cut(
     case: &Case,
     normal: [f64; 3],
@@ -493,7 +496,8 @@ fn check_borders_of_a_cut(
     }
 }
 
-/// Numbers of threads and of vertices change nothing but the rounding; names keep error bars, too.
+/// The number of threads and the order of the vertices change nothing but the rounding; with names, this
+/// also applies to error bars.
 #[test]
 fn results_follow_the_vertices() {
     let case = Case::of_star(4, Family::Irregular, 642);
@@ -524,7 +528,7 @@ fn results_follow_the_vertices() {
     for (at, &new) in serial.iter().zip(&order) {
         for quantity in 0..QUANTITIES {
             let [here, there] = [at, &relabelled[new]].map(|at| estimate(at, quantity));
-            // Rounding, amplified by two derivatives or four.
+            // Rounding is amplified by two or four derivatives.
             assert!(
                 (here.value - there.value).abs() <= 1e-6 * here.error,
                 "{here:?} {there:?}"
@@ -537,7 +541,7 @@ fn results_follow_the_vertices() {
     }
 }
 
-/// Whatever the mesh: results or none, and never a panic.
+/// Any mesh gives results or none, and never a panic.
 #[test]
 fn small_and_degenerate_meshes_are_measured() {
     for (name, mesh) in meshes::small() {
