@@ -31,7 +31,8 @@ pub enum SpectralRadius {
     Estimated,
     /// A known upper bound, per time.
     Given(f64),
-    /// None: steps are limited by their error alone. Not for [`Scheme::Rkc2`].
+    /// No spectral radius: steps are limited by their error alone. Not allowed for
+    /// [`Scheme::Rkc2`].
     Unknown,
 }
 

@@ -117,8 +117,8 @@ pub(super) fn estimate(
     };
     let mut grows = ritz.real > GROWTH * ritz.modulus && ritz.residual <= RESIDUAL;
     if grows {
-        // Velocities that jump, as those of methods that choose neighbours by distance, look like a
-        // growing mode on one side only.
+        // Velocities that jump look like a growing mode on one side only. Methods that choose
+        // neighbours by distance have such velocities.
         for (moved, (x, m)) in moved.iter_mut().zip(x.iter().zip(&*before)) {
             *moved = sub(*x, scale(displacement, *m));
         }
@@ -157,7 +157,7 @@ fn ritz(before: &[Vector], mode: &[Vector], growth: f64, product: &[Vector]) -> 
     let cosine = inner(before, mode);
     let determinant = 1.0 - cosine * cosine;
     if growth == 0.0 || determinant <= PARALLEL {
-        // The norm, which is not reduced by errors of the direction; with the sign of the
+        // The norm is not reduced by errors of the direction. The real part has the sign of the
         // eigenvalue if it has one.
         return Ritz {
             modulus: size.sqrt(),

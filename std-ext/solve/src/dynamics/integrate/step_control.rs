@@ -100,7 +100,7 @@ impl Integrator {
         Ok((0.1 * trial / error.sqrt()).min(longest))
     }
 
-    /// The step to try after one whose error was this many times the allowed one.
+    /// The step to try after a step whose error was `error` times the allowed error.
     pub(super) fn shorter(step: f64, error: f64) -> f64 {
         let factor = if error.is_finite() {
             (SAFETY / error.cbrt()).max(*FACTOR.start())
@@ -127,8 +127,8 @@ impl Integrator {
         limit.is_finite().then_some(limit)
     }
 
-    /// The shortest step that makes sense after a first trial of this length: it is more than a
-    /// rounding of the time, and positions move at all.
+    /// The shortest useful step after a first trial of length `first`: it exceeds the rounding of
+    /// the time, and is long enough for positions to move.
     pub(super) fn floor(&self, first: f64) -> f64 {
         let speed = root_mean_square(self.state.velocities.iter().copied());
         let moving = self.settings.tolerance * self.settings.length / speed;
