@@ -31,7 +31,8 @@ thread_local! {
     static ALLOWED: Cell<Option<NonZeroUsize>> = const { Cell::new(None) };
 }
 
-/// The number of threads that [`with_threads`] allows here, or that the process may run at once.
+/// The number of threads that [`with_threads`] allows here; without it, the number that the process may
+/// run at once.
 pub fn available_threads() -> NonZeroUsize {
     let all = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     ALLOWED.get().unwrap_or_else(all)
@@ -284,7 +285,8 @@ impl Execution for Parallel {
     }
 
     fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T {
-        // What is added up here is known at each vertex: it takes less time than a thread.
+        // The terms of the sum are known at each vertex: adding them takes less time than starting a
+        // thread.
         Serial.sum(count, term)
     }
 }

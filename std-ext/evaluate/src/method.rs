@@ -55,9 +55,9 @@ pub struct Cost {
 /// Memory of a prepared method in bytes, for each vertex.
 #[derive(Clone, Copy, Debug)]
 pub enum Bytes {
-    /// On any mesh.
+    /// Bytes on any mesh.
     Fixed(u64),
-    /// On meshes with five and six neighbours of each vertex, and on others.
+    /// Bytes on meshes whose vertices have five or six neighbours, and on other meshes.
     ByValence([u64; 2]),
     /// A fixed part, and a part proportional to the bandwidth in mean areas of a vertex.
     ByBandwidth([f64; 2]),

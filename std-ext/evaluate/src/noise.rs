@@ -33,9 +33,10 @@ pub struct Quieted {
 }
 
 impl Quieted {
-    /// How often vertices are moved. One fit leaves differences between neighbouring fits, which the fourth
-    /// derivatives of f amplify: after four, f by jets was off by 0.3 to 0.9 of what it was after one, on
-    /// discocytes, ellipsoids and tori with noise of 1e-4 to 3e-2 edges. Eight gained little more.
+    /// Number of times that vertices are moved. A single fit leaves differences between neighbouring
+    /// fits, which the fourth derivatives of f amplify: after four moves the error of f by jets was 0.3
+    /// to 0.9 times the error after one move, on discocytes, ellipsoids and tori with noise of 1e-4 to
+    /// 3e-2 edges. Eight moves gained little more.
     pub const TIMES: usize = 4;
 
     /// Takes the noise out of a surface, at one scale that adaptive jets choose: see
@@ -83,7 +84,7 @@ pub fn regression_fields(fits: &RegressionFits<f64, COPIES>) -> [RegressionField
     fits.fields(&Parallel::new())
 }
 
-/// A field averaged by them so many times: see [`RegressionFits::average`].
+/// A field after `times` averages over the fits: see [`RegressionFits::average`].
 pub fn averaged(
     fits: &RegressionFits<f64, COPIES>,
     field: &[[f64; COPIES]],

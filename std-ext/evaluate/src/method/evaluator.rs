@@ -207,7 +207,7 @@ impl<T: Real> Evaluator<T> {
 
 /// A number type that methods are evaluated in.
 pub trait Evaluated: Real {
-    /// As [`Evaluator::with_options`], for any number type, on one thread.
+    /// The equivalent of [`Evaluator::with_options`] for any number type, on one thread.
     fn evaluator(
         method: BendingMethod,
         options: &MethodOptions,

@@ -12,7 +12,7 @@ use std::fmt;
 
 /// A method of the list, or one of your own.
 ///
-/// Two are the same if their names are.
+/// Two methods are equal if their names are equal.
 #[derive(Clone, Copy, Debug)]
 pub enum AnyMethod {
     /// A method of the list.
