@@ -313,7 +313,7 @@ impl Chart {
                 .map(|curve| curve.hidden(projection, *area))
                 .sum::<usize>()
         };
-        // Of equals, the first.
+        // The first of equally good places is taken.
         let Some(place) = boxes.into_iter().min_by_key(hidden) else {
             return;
         };
@@ -356,7 +356,7 @@ impl Axis {
             };
         }
         const MARGIN: f64 = 0.04;
-        // Of the numbers above 0 that f64 holds.
+        // Limits of the decimal logarithms of positive numbers that f64 holds.
         const LEAST: f64 = -323.0;
         const MOST: f64 = 308.25;
         let [low, high] = widened(extent(numbers.map(|number| on_scale(self.scale, number))));

@@ -17,7 +17,7 @@ pub(super) const PLAIN: Colour = [0.78, 0.8, 0.83];
 /// A colour map. Equal differences of numbers are equal distances in OKLab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ColourMap {
-    /// From dark to light: for fields whose low end is the natural origin.
+    /// Colours from dark to light, for fields whose low end is the natural origin.
     #[default]
     Sequential,
     /// Two hues that meet in a light neutral, which stands for 0: for fields with a sign.
@@ -74,7 +74,7 @@ fn shown(lightness: f64, chroma: f64, hue: f64) -> ([f64; 3], [f64; 3]) {
     if is_shown(&wanted) {
         return wanted;
     }
-    // Halving as far as f64 tells colours apart: steps would show as steps of the map.
+    // The interval is halved down to the resolution of f64: coarser steps would be visible in the map.
     let (mut low, mut high) = (0.0, chroma);
     for _ in 0..52 {
         let middle = 0.5 * (low + high);

@@ -7,7 +7,7 @@
 
 /// Height of the capitals on the grid.
 pub(super) const CAPITALS: f64 = 14.0;
-/// From one glyph's right edge to the next one's left.
+/// Distance from the right edge of a glyph to the left edge of the next one.
 const SPACING: f64 = 3.4;
 /// Size of superscripts and subscripts.
 const SCRIPT: f64 = 0.64;
@@ -17,7 +17,7 @@ type Glyph = (f64, &'static str);
 
 /// A dot above the character before it, as in γ̇: a rate.
 const DOT_ABOVE: char = '\u{307}';
-/// From the top of that to the dot.
+/// Distance from the top of that character to the dot.
 const DOT_RISE: f64 = 3.0;
 
 /// The replacement for a character that the font lacks: a box.

@@ -133,7 +133,7 @@ impl Streamlines {
         let near = Self::NEAREST * self.apart;
         let mut line = vec![seed];
         let mut at = seed;
-        // How far it still is from where it began, when it comes back there.
+        // The remaining distance to the start of the line, while the line returns to it.
         let mut left = f64::INFINITY;
         for _ in 0..most {
             let Some(next) = runge_kutta(at, sign * step, direction) else {
@@ -241,7 +241,8 @@ mod tests {
         for line in &lines {
             let radius = between(line[0], CENTRE);
             for &point in line {
-                // Of fourth order in the angle of a step, a tenth of a radian at most.
+                // The error is of fourth order in the angle of a step, which is at most a tenth of a
+                // radian.
                 assert!((between(point, CENTRE) / radius - 1.0).abs() < 1e-3);
             }
             for pair in line.windows(2) {

@@ -61,7 +61,8 @@ fn places(
         let middle = [column + 0.5 - shift, row + 0.5].map(|at| spacing * at);
         let off = ((x - middle[0]).powi(2) + (y - middle[1]).powi(2)).sqrt();
         let surface = depths.at(middle);
-        // On the same part of the surface, which rises by at most so much on the way.
+        // The middle is on the same part of the surface if the depth changes by no more than the tilt
+        // allows.
         let is_there = (surface - near).abs() <= slack + off / tilt;
         let cell = [row as i64, column as i64];
         if is_there && places.get(&cell).is_none_or(|other| off < other.off) {
@@ -105,7 +106,7 @@ pub(super) fn draw(
     let [least, of_mesh] = [0, 1].map(|unit| LEAST_SPACING[unit] * units[unit]);
     let spacing = least.max(of_mesh);
     let places = places(painted, directions, camera, depths, spacing);
-    // From a place along a line, pixel by pixel, while the surface is there.
+    // Follows a line from a place, pixel by pixel, as long as it stays on the surface.
     let reach = |place: &Place, [right, down, nearer]: [f64; 3], length: f64| {
         let [x, y, near] = place.at;
         let half = 0.5 * length * spacing;
