@@ -9,7 +9,7 @@ use helfrich::{MeshError, Serial};
 pub enum Target {
     /// The positions after refinement: the control points of the next level.
     Controls,
-    /// On the smooth surface to which further refinement converges.
+    /// The positions on the smooth surface to which further refinement converges.
     Limit,
 }
 

@@ -75,7 +75,7 @@ pub(super) fn torus(shape: &Torus<f64>, points: &[DVec3]) -> Result<Vec<[u32; 3]
         }
     }
     let plane = DelaunayTriangulation::<_>::bulk_load_stable(copies)?;
-    // Of the copies of a triangle, the one whose lowest-numbered corner is at home.
+    // Among the copies of a triangle, the one whose lowest-numbered corner is at home is kept.
     let kept = plane.inner_faces().filter_map(|face| {
         let corners = face.vertices().map(|vertex| origins[vertex.index()]);
         let lowest = corners.iter().min_by_key(|(site, _)| site)?;

@@ -94,7 +94,7 @@ fn cut_longest(shape: &AnyShape, draft: &mut Draft, vertices: usize) {
             let is_free = ends.iter().all(|&vertex| !touched[vertex as usize]);
             (is_free, a.distance_squared(b))
         };
-        // Of two equal ones the first is cut.
+        // The first of two equal edges is cut.
         let first = |best, edge| if rank(edge) > rank(best) { edge } else { best };
         let Some([a, b]) = edges.reduce(first) else {
             return;

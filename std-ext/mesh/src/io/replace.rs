@@ -42,7 +42,7 @@ pub fn replace_file(
 pub fn remove_unfinished(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
-            // Those who write hold a lock, which goes with them.
+            // A process that is still writing holds a lock, which ends with the process.
             let file = File::open(entry.path());
             if let Ok(file) = file
                 && file.try_lock().is_ok()

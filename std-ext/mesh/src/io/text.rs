@@ -69,7 +69,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// From the end of a line to the start of the next, if there is a next one.
+    /// Moves from the end of a line to the start of the next, if there is one.
     #[inline]
     fn next_line(&mut self) -> Option<()> {
         if self.at + 1 >= self.bytes.len() {

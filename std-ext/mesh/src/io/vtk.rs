@@ -82,7 +82,7 @@ pub enum VtkError {
         path: PathBuf,
         /// Numbers of points along the axes.
         counts: [usize; 3],
-        /// From one point to the next.
+        /// Distances from one point to the next along the axes.
         spacings: [f64; 3],
     },
     /// The operating system refused to write the file.
