@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // S + M is positive definite, and has the same modes.
     let shifted = CscCholesky::factor(&(&stiffness + &mass))?;
 
-    // Of the unit sphere: l (l + 1), each 2 l + 1 times.
+    // Eigenvalues of the unit sphere: l (l + 1), each with multiplicity 2 l + 1.
     let exact = [0.0, 2.0, 2.0, 2.0, 6.0, 6.0, 6.0, 6.0, 6.0];
     // Fields without order. Each step makes them orthogonal: uᵀ M u = 1.
     let mut modes = DMatrix::from_fn(mass.nrows(), exact.len(), |i, j| {

@@ -96,7 +96,7 @@ impl<const N: usize> Least<N> {
 fn share<T: Precision>(name: &str, edge: usize) -> Result<(), Box<dyn Error>> {
     let shape: AnyShape = "sphere:1".parse()?;
     let (middle, radius) = (0.5 * edge as f64, edge as f64 / 7.0);
-    // As fine as the lattice: edges of 0.6 to 1.3 nodes.
+    // The ball is as fine as the lattice: its edges are 0.6 to 1.3 node spacings long.
     let vertices = if radius < 8.0 { 642 } else { 2562 };
     let ball = generate(&shape, Family::Regular, vertices, 0)?;
     let positions = ball.positions.iter();

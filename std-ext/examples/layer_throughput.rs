@@ -107,7 +107,7 @@ fn relative(found: &[[f64; 3]], exact: &[[f64; 3]]) -> f64 {
     (error / squares(&mut exact.as_flattened().iter().copied())).sqrt()
 }
 
-/// As many divisions and square roots as there are pairs, on numbers in the first cache.
+/// Computes as many divisions and square roots as there are pairs, on numbers in the first-level cache.
 #[inline(always)]
 fn divide_and_root(pairs: usize) {
     let mut numbers = [1.5; 512];
