@@ -251,8 +251,8 @@ impl Nearby<'_> {
     ///
     /// The first rings suffice if their last one has no vertex among the nearest: rings beyond it are
     /// then farther still. `keys` has room for a key of each vertex, of which the first `known` are
-    /// set; `ranks` is scratch memory. Not inlined, because there is little to vectorise, and the
-    /// loops of fits leave no registers.
+    /// set; `ranks` is scratch memory with one entry more. Not inlined, because there is little to
+    /// vectorise, and the loops of fits leave no registers.
     #[inline(never)]
     pub(crate) fn set_nearest<T: Real>(
         &self,
@@ -261,7 +261,7 @@ impl Nearby<'_> {
         centre: u32,
         keys: &mut [i32],
         known: &mut usize,
-        ranks: &mut Vec<u64>,
+        ranks: &mut [u64],
     ) {
         let [inner, first] = self.first_rings;
         if *known < first {
@@ -332,10 +332,9 @@ fn choose(
     vertices: &[u32],
     keys: &[i32],
     above: (i32, usize),
-    ranks: &mut Vec<u64>,
+    ranks: &mut [u64],
 ) {
     let (certain, possible) = bracket(nearest.len(), keys, above);
-    ranks.resize(ranks.len().max(keys.len() + 1), 0);
     // There is no branch here, because the outcomes are random and could not be predicted.
     let mut all = 0;
     for (&vertex, &key) in vertices.iter().zip(keys) {

@@ -59,12 +59,12 @@ fn missing_keys_name_the_table() {
     refused(
         "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\nshape = \"sphere\"\n",
         [5, 1],
-        &["`shape` needs `vertices` beside it: Number of vertices"],
+        &["`shape` also needs `vertices`: Number of vertices"],
     );
     refused(
         "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\nmesh = \"a.ply\"\nseed = 3\n",
         [6, 1],
-        &["`seed` needs `shape` beside it"],
+        &["`seed` also needs `shape`"],
     );
 }
 

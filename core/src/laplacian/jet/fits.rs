@@ -62,6 +62,8 @@ struct Kind {
     degree: usize,
     /// Whether by normal equations, or by an orthogonal factorisation.
     normal: bool,
+    /// Whether solutions of normal equations are refined.
+    refined: bool,
 }
 
 /// A polynomial in units of the radius, over the tangent plane of `normal`.
@@ -103,6 +105,8 @@ impl<'a, T: Real> SlotKernel<Block<T>, FitSlots<'a, T>> for Fits<'_, T> {
         let mut queue: Queue<'_, T> = [const { None }; PENDING];
         let room = self.surroundings.room();
         block.keys.resize(PENDING * room, 0);
+        // Whether rings beyond the first are needed depends on the positions.
+        block.ranks.resize(room + 1, 0);
         loop {
             let (mut order, mut count) = ([0; PENDING], 0);
             for (place, pending) in queue.iter_mut().enumerate() {
@@ -175,9 +179,13 @@ impl<T: Real> Fits<'_, T> {
     /// The kind of the pending fit in a slot of the queue.
     #[inline(always)]
     fn kind_at(&self, queue: &Queue<'_, T>, place: usize) -> Option<Kind> {
-        queue[place].as_ref().map(|pending| Kind {
-            degree: pending.attempt.degree,
-            normal: NormalEquations::serve(self.least_ratio(pending)),
+        queue[place].as_ref().map(|pending| {
+            let least = self.least_ratio(pending);
+            Kind {
+                degree: pending.attempt.degree,
+                normal: NormalEquations::serve(least),
+                refined: NormalEquations::need_refinement(least),
+            }
         })
     }
 
@@ -224,7 +232,7 @@ impl<T: Real> Fits<'_, T> {
                 *least = self.least_ratio(pending);
             }
         }
-        let accepted = block.fit(kind, self.jet.conditioning, &least[..members.len()]);
+        let accepted = block.fit(kind, &least[..members.len()]);
         let mut settled = [false; WIDTH];
         for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             let Some(pending) = &mut queue[place] else {
@@ -373,7 +381,7 @@ impl<T: Real> Block<T> {
 
     /// Fits polynomials to the heights; the coefficients where no fit is accepted have no meaning.
     #[inline(always)]
-    fn fit(&mut self, kind: Kind, typical_ratio: T, least: &[T]) -> [bool; WIDTH] {
+    fn fit(&mut self, kind: Kind, least: &[T]) -> [bool; WIDTH] {
         if !kind.normal {
             return self.factorise(kind.degree, least);
         }
@@ -382,7 +390,7 @@ impl<T: Real> Block<T> {
             y: &self.places[1],
             weights: &self.weights,
         };
-        self.equations.set(kind.degree, typical_ratio, points);
+        self.equations.set(kind.degree, kind.refined, points);
         let mut accepted = [false; WIDTH];
         for (lane, (accepted, &least)) in accepted.iter_mut().zip(least).enumerate() {
             *accepted = self.equations.determine(lane, least);

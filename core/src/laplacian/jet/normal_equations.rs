@@ -87,14 +87,23 @@ impl<T: Real> NormalEquations<T> {
         least_ratio * least_ratio >= T::constant(1e3) * T::epsilon()
     }
 
+    /// Whether the rounding of solutions without refinement, ε/ratio², may exceed 2e-12 in fits that
+    /// are accepted from this ratio on.
+    pub(super) fn need_refinement(least_ratio: T) -> bool {
+        T::epsilon() > T::constant(2e-12) * (least_ratio * least_ratio)
+    }
+
     /// Sets the matrices and factorises them.
     #[inline(always)]
-    pub(super) fn set(&mut self, degree: usize, typical_ratio: T, points: Points<'_, T>) {
+    pub(super) fn set(&mut self, degree: usize, refined: bool, points: Points<'_, T>) {
         let coefficients = coefficient_count(degree);
         self.degree = degree;
-        let exact = typical_ratio * typical_ratio >= T::constant(1e8) * T::epsilon();
-        self.refinements = usize::from(!exact);
+        self.refinements = usize::from(refined);
         self.stride = coefficients.next_multiple_of(SUMS);
+        // Whether pivots are needed depends on the positions.
+        self.rows.resize(coefficients * coefficients, T::zero());
+        self.left.resize(coefficients, T::zero());
+        self.order.resize(coefficients, 0);
         self.moments
             .resize(place_of(2 * degree, 2 * degree) + 1, Several::zero());
         self.column.clear();
