@@ -389,6 +389,9 @@ mod tests {
     use helfrich_mesh::generate::{AnyShape, Family, generate};
     use std::sync::Arc;
 
+    /// A Legendre polynomial, up to a factor.
+    type Polynomial = fn(f64) -> f64;
+
     /// Vertices that are drawn to the origin by these forces over their distances.
     struct Springs(Vec<f64>);
 
@@ -425,7 +428,7 @@ mod tests {
             .map(|area| spring * area)
             .collect();
         mobility.set(&mut springs, &positions).expect("positions");
-        let harmonics: [(f64, fn(f64) -> f64); 3] = [
+        let harmonics: [(f64, Polynomial); 3] = [
             (2.0, |z| 3.0 * z * z - 1.0),
             (3.0, |z| z * (5.0 * z * z - 3.0)),
             (4.0, |z| z * z * (35.0 * z * z - 30.0) + 3.0),

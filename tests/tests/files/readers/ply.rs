@@ -211,7 +211,7 @@ impl Plain {
     fn octahedron(big: bool, double: bool) -> Self {
         let point = |k: usize| {
             let mut point = [0.0; 3];
-            point[k / 2] = if k % 2 == 0 { 1.0 } else { -1.0 };
+            point[k / 2] = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
             point
         };
         let faces = [
