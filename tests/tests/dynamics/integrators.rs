@@ -15,7 +15,7 @@ const TIME_ORDER: Tolerance = Tolerance::new(
     "the next term of the error is a fiftieth of the first at steps of 1/40",
 );
 
-/// What a linearly implicit step leaves of a mode that decays a billion times as fast.
+/// The remainder, after a linearly implicit step, of a mode that decays a billion times as fast.
 const STABLE_LIMIT: Tolerance = Tolerance::new(
     1e-6,
     "the reciprocal of the rate, times the square of coefficients of order 10",

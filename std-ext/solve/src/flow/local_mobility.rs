@@ -56,7 +56,7 @@ struct Part {
     range: [f64; 2],
     /// Weights, s_j, and factors of S + (σ + s_j) M.
     poles: Vec<(f64, f64, Factor)>,
-    /// What takes the place of poles beyond the last.
+    /// The constant term, which stands for the poles beyond the last.
     rest: f64,
     preconditioner: Option<Preconditioner>,
 }

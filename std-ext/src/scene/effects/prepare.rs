@@ -37,7 +37,7 @@ pub enum EffectError {
 pub(crate) struct Preparation<'a> {
     /// The surface in its initial position, in the order in which it will be evaluated.
     pub(crate) surface: Surface<'a, f64>,
-    /// That order, if it is not the one of the scene.
+    /// The cache-friendly order, if it differs from that of the scene.
     pub(crate) order: Option<&'a Reordering>,
     /// The position of the origin of the mesh.
     pub(crate) position: [f64; 3],
