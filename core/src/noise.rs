@@ -48,8 +48,12 @@ const CENTRES: usize = 128;
 /// Fits that are pooled around each of them.
 const POOL: usize = 100;
 
-/// The degree of the polynomials.
+/// The degree of the polynomials whose residuals are the noise.
 const DEGREE: usize = 6;
+
+/// The degrees of the polynomials that average noise. The lower degree uses the first columns of the
+/// same orthogonal basis.
+const DEGREES: [usize; 2] = [4, 6];
 
 /// Neighbours of a first fit, and at most.
 const NEIGHBOURS: [usize; 2] = [56, 112];

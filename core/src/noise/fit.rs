@@ -4,11 +4,18 @@
 //! G. H. Golub and C. F. Van Loan, Matrix Computations, section 5.2: Gram–Schmidt, modified.
 
 use crate::lane::Lane;
+use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, dot, normalise, scale, sub, tangent_frame};
 use alloc::vec;
 use alloc::vec::Vec;
+
+/// Least number of neighbours of a fit, however strongly the surface turns.
+const LEAST: usize = 64;
+
+/// Least cosine between the normals of a vertex and of the neighbours beyond these.
+const UPRIGHT: f64 = 0.35;
 
 /// Slope of the fitted surface in its frame above which it is fitted again in a frame along its
 /// normal.
@@ -377,4 +384,20 @@ fn product<T: Real>(a: &[T], b: &[T]) -> T {
         sums[k] += a * b;
     }
     sums.into_iter().sum()
+}
+
+/// Finds the nearest neighbours of a vertex, and returns the number of them that a fit uses.
+pub(super) fn reach<T: Real>(
+    surface: Surface<'_, T>,
+    normals: &[Vec3<T>],
+    vertex: u32,
+    neighbours: usize,
+    near: &mut Neighbourhood<T>,
+) -> usize {
+    near.nearest(surface, vertex, neighbours);
+    let here = normals[vertex as usize];
+    let turned = |&(_, other): &(T, u32)| dot(normals[other as usize], here) < T::constant(UPRIGHT);
+    let upright = near.found.iter().position(turned);
+    let count = upright.map_or(near.found.len(), |count| count.max(LEAST));
+    count.min(near.found.len())
 }

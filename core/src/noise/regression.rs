@@ -1,9 +1,9 @@
 //! Curvatures and bending forces from polynomials that are fitted to more vertices than they have
 //! coefficients.
 
-use super::fit::{HeightFit, Model};
+use super::fit::{HeightFit, Model, reach};
 use super::slopes::Slopes;
-use super::{normals, smoothing};
+use super::{DEGREES, normals};
 use crate::element::Execution;
 use crate::lane::Lane;
 use crate::neighbourhood::Neighbourhood;
@@ -15,10 +15,6 @@ use core::array::from_fn;
 
 /// Least diagonal entry of the triangular factor with which a fit is accepted.
 const CONDITIONING: f64 = 1e-3;
-
-/// The degrees of the polynomials. The lower degree uses the first columns of the same orthogonal
-/// basis.
-pub(super) const DEGREES: [usize; 2] = [4, 6];
 
 /// Regression jets: least-squares polynomials of degrees 4 and 6 with a constant term, of the heights of k
 /// neighbours over the tangent plane, weighted `exp(−4 r²/ρ²)`.
@@ -97,7 +93,7 @@ impl Regression {
             &mut around[..],
             |(near, fit), place, around| {
                 let vertex = place as u32;
-                let count = smoothing::reach(surface, &normals, vertex, self.neighbours, near);
+                let count = reach(surface, &normals, vertex, self.neighbours, near);
                 let neighbours = &near.found[..count];
                 fit.gather(surface, vertex, neighbours, &model);
                 let mut normal = normals[place];

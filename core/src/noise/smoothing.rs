@@ -1,19 +1,13 @@
 //! Positions on polynomials that are fitted to more vertices than they have coefficients.
 
-use super::fit::{HeightFit, Model};
-use super::{Measured, Verdict, normals};
+use super::fit::{HeightFit, Model, reach};
+use super::{DEGREES, Measured, Verdict, normals};
 use crate::element::{Execution, of_vertices};
 use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, add, dot, scale};
+use crate::vec3::{add, scale};
 use alloc::vec::Vec;
-
-/// Least number of neighbours of a fit, however strongly the surface turns.
-const LEAST: usize = 64;
-
-/// Least cosine between the normals of a vertex and of the neighbours beyond these.
-const UPRIGHT: f64 = 0.35;
 
 /// Moves each vertex along its normal onto a polynomial fitted to its neighbourhood: a least-squares jet
 /// with a constant term, weighted `exp(−4 r²/ρ²)`.
@@ -43,7 +37,7 @@ impl Smoothing {
             neighbours.sort_unstable();
             (degree, neighbours)
         };
-        let [fourth, sixth] = super::regression::DEGREES.map(|degree| of_degree(degree as u8));
+        let [fourth, sixth] = DEGREES.map(|degree| of_degree(degree as u8));
         let averaging = fourth.1.len() + sixth.1.len();
         if 2 * noisy.min(averaging) < measured.len() {
             return None;
@@ -95,20 +89,4 @@ impl Smoothing {
             }
         });
     }
-}
-
-/// Finds the nearest neighbours of a vertex, and returns the number of them that a fit uses.
-pub(super) fn reach<T: Real>(
-    surface: Surface<'_, T>,
-    normals: &[Vec3<T>],
-    vertex: u32,
-    neighbours: usize,
-    near: &mut Neighbourhood<T>,
-) -> usize {
-    near.nearest(surface, vertex, neighbours);
-    let here = normals[vertex as usize];
-    let turned = |&(_, other): &(T, u32)| dot(normals[other as usize], here) < T::constant(UPRIGHT);
-    let upright = near.found.iter().position(turned);
-    let count = upright.map_or(near.found.len(), |count| count.max(LEAST));
-    count.min(near.found.len())
 }

@@ -1,13 +1,14 @@
 //! The candidates, their estimated errors, and the choice among them at every vertex.
 
 use super::bias::{Bias, Distances, LOCAL, positive, variances};
-use super::level::{DEGREES, Kind, Level};
+use super::level::{Kind, Level};
 use super::principal::{self, Fitted, JETS};
 use super::{
     Deviations, Estimate, Estimates, Ground, Measured, QUANTITIES, Scale, Values, Verdict,
 };
 use crate::curvature::Curvature;
 use crate::element::Execution;
+use crate::noise::DEGREES;
 use crate::real::Real;
 use alloc::vec;
 use alloc::vec::Vec;

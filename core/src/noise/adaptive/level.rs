@@ -3,9 +3,9 @@
 use super::{Ground, ONE_STAGE, QUANTITIES, REPLICAS, Values};
 use crate::element::{Execution, SlotKernel, Slots, Strided};
 use crate::neighbourhood::Neighbourhood;
-use crate::noise::fit::{HeightFit, Model};
+use crate::noise::fit::{HeightFit, Model, reach};
 use crate::noise::slopes::Slopes;
-use crate::noise::{Spectrum, one_stage, smoothing};
+use crate::noise::{DEGREES, Spectrum, one_stage};
 use crate::real::Real;
 use crate::vec3::Vec3;
 use alloc::vec;
@@ -26,10 +26,6 @@ const SURE: usize = 128;
 /// Ratio of the numbers of neighbours of jets at a boundary and elsewhere: with fewer, errors of the
 /// positions are amplified several times.
 const ONE_SIDED: [usize; 2] = [10, 7];
-
-/// The degrees of the polynomials. Both use one orthogonal basis: the lower degree uses its first
-/// functions.
-pub(super) const DEGREES: [usize; 2] = [4, 6];
 
 /// The kind of the fits of a level.
 #[derive(Clone, Copy, Debug)]
@@ -157,7 +153,7 @@ impl<T: Real> Scratch<T> {
         };
         loop {
             let near = &mut self.near;
-            let count = smoothing::reach(surface, &ground.normals, vertex as u32, wanted, near);
+            let count = reach(surface, &ground.normals, vertex as u32, wanted, near);
             self.fit
                 .gather(surface, vertex as u32, &near.found[..count], &kind.model);
             self.normal = ground.upright[vertex];

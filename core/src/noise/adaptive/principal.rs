@@ -1,8 +1,9 @@
 //! Normals, principal directions and gradients of curvature, from the fits that were chosen for H.
 
-use super::level::{DEGREES, Kind, Scratch};
+use super::level::{Kind, Scratch};
 use super::{Ground, Measured};
 use crate::element::Execution;
+use crate::noise::DEGREES;
 use crate::noise::slopes::Slopes;
 use crate::real::Real;
 use crate::vec3::{Vec3, add, dot, scale, tangent_frame};
