@@ -3,7 +3,7 @@
 
 use crate::components::Components;
 use crate::element::{Execution, Serial};
-use crate::functional::{ComponentElements, Functional, Quantity};
+use crate::functional::{AnyFunctional, ComponentElements, Functional};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
 use crate::method::{Method, ParameterError, Workspace};
@@ -72,7 +72,7 @@ impl<T: Real> Targets<T> {
 
 /// A functional and its target.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Constraint<T, F = Quantity> {
+pub struct Constraint<T, F = AnyFunctional> {
     /// F.
     pub functional: F,
     /// F0 of each component.
@@ -87,7 +87,7 @@ pub struct Constraint<T, F = Quantity> {
 /// displacement to first order, and the projected force is the constrained gradient of the energy
 /// in the coordinates.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Constraints<T, F = Quantity> {
+pub struct Constraints<T, F = AnyFunctional> {
     /// The constraints. They should be few, because their equations are solved by a dense solver.
     pub constraints: Vec<Constraint<T, F>>,
 }

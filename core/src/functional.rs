@@ -11,17 +11,17 @@ use crate::vec3::{cross, dot};
 use alloc::vec::Vec;
 use core::ops::Range;
 
+mod any_functional;
 mod boundary_length;
 mod enclosed_volume;
-mod quantity;
 mod total_area;
 mod total_gaussian_curvature;
 mod total_mean_curvature;
 
+pub use any_functional::{AnyFunctional, AnyFunctionalMemory};
 pub use boundary_length::BoundaryLength;
 pub(crate) use boundary_length::LengthGradient;
 pub use enclosed_volume::EnclosedVolume;
-pub use quantity::{Quantity, QuantityMemory};
 pub use total_area::TotalArea;
 pub use total_gaussian_curvature::{GaussianCurvatureMemory, TotalGaussianCurvature};
 pub use total_mean_curvature::TotalMeanCurvature;

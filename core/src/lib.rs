@@ -119,7 +119,7 @@ pub use domains::{BorderTension, GaussianDomains, GaussianDomainsMemory};
 pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, StrainEnergy};
 pub use element::{Execution, Serial};
 pub use functional::{
-    BoundaryLength, EnclosedVolume, Functional, Quantity, TotalArea, TotalGaussianCurvature,
+    AnyFunctional, BoundaryLength, EnclosedVolume, Functional, TotalArea, TotalGaussianCurvature,
     TotalMeanCurvature,
 };
 pub use gravity::{Gravity, GravityMemory};

@@ -36,7 +36,7 @@ use crate::method::{
 };
 use crate::noise::noise_of;
 use crate::scalar::{HeldPositions, Scalar};
-use crate::study::{Progress, Quantity, Reference, Timing, is_scattered};
+use crate::study::{Quantity, Reference, StudyProgress, Timing, is_scattered};
 use adaptive::Adaptive;
 use estimate::Estimate;
 use helfrich::{Noise, Surface, SurfaceError, TriangleMesh};
@@ -184,7 +184,7 @@ pub fn recommend(
     positions: &[[f64; 3]],
     wish: &Wish,
     interrupted: &dyn Fn() -> bool,
-    progress: &mut dyn FnMut(Progress<'_>),
+    progress: &mut dyn FnMut(StudyProgress<'_>),
 ) -> Result<Option<Recommendation>, RecommendError> {
     AnyMethod::check_names(&wish.methods)?;
     let quantity = wish.quantity;
@@ -193,7 +193,7 @@ pub fn recommend(
         source,
     })?;
     let total = (wish.methods.len() * wish.scalars.len() + 2) as u64;
-    let mut tell = |done: u64, at: &str| progress(Progress { done, total, at });
+    let mut tell = |done: u64, at: &str| progress(StudyProgress { done, total, at });
     tell(0, "noise, and a reference: jets of degree 8");
     let failed = |source| RecommendError::Surface {
         scalar: Scalar::F64,

@@ -16,7 +16,7 @@ use crate::series::{ITERATION, TIME};
 use crate::six::Six;
 use crate::study::{MOST_SCATTER, Quantity, Row};
 use crate::sweep::{Case, Outcome, Swept};
-use crate::verdict::Verdict;
+use crate::verdict::ConvergenceVerdict;
 use helfrich::{Noise, Surface};
 use std::io::{self, Write};
 use std::path::Path;
@@ -114,7 +114,7 @@ fn about_scatter(is_used: bool, out: &mut dyn Write) -> io::Result<()> {
 ///
 /// # Errors
 /// If `out` cannot be written to.
-pub fn verdict_table(verdicts: &[Verdict], out: &mut dyn Write) -> io::Result<()> {
+pub fn verdict_table(verdicts: &[ConvergenceVerdict], out: &mut dyn Write) -> io::Result<()> {
     if verdicts.is_empty() {
         return Ok(());
     }

@@ -47,7 +47,7 @@ use crate::io::{Collection, replace_file};
 use crate::lock::Lock;
 use crate::scene::{Driver, Scene};
 use crate::series::{Series, SeriesError, SeriesTable};
-use crate::simulation::{Acting, Body, Cost, Simulation, messages_once};
+use crate::simulation::{Acting, Body, EffectCost, Simulation, messages_once};
 use drive::{Drive, Mark};
 pub use error::RunError;
 pub use estimate::EnergyEstimate;
@@ -377,7 +377,7 @@ impl Run<'_> {
     }
 
     /// Costs of this run and of the runs that it continues.
-    fn costs(&self) -> Vec<Cost> {
+    fn costs(&self) -> Vec<EffectCost> {
         let mut costs = self.simulation.costs();
         for (cost, uncounted) in costs.iter_mut().zip(&self.uncounted) {
             cost.evaluations -= uncounted;

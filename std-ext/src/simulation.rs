@@ -28,7 +28,7 @@ use crate::io::Column;
 use crate::ordered::Ordered;
 use crate::scene::{Named, SceneError, Stretch, Stretching};
 use helfrich::interaction::RepulsionMemory;
-use helfrich::{Finding, Images, Quantity, Repulsion, Surface, TriangleMesh};
+use helfrich::{AnyFunctional, Finding, Images, Repulsion, Surface, TriangleMesh};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -44,7 +44,7 @@ pub struct Simulation {
     /// The connected component of each vertex, among those of all bodies.
     groups: Vec<u32>,
     /// Quantities with an exact constraint in some body; each has its own field of constraint gradients.
-    held: Vec<Quantity>,
+    held: Vec<AnyFunctional>,
     warnings: Vec<SceneError>,
 }
 
@@ -109,8 +109,8 @@ pub struct Acting {
 }
 
 /// The cost of an effect so far.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Cost {
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct EffectCost {
     /// The effect, with the surface's name if there are several.
     pub effect: String,
     /// Number of evaluations.
@@ -312,12 +312,12 @@ impl Simulation {
     }
 
     /// The cost of each effect so far.
-    pub fn costs(&self) -> Vec<Cost> {
+    pub fn costs(&self) -> Vec<EffectCost> {
         let mut costs = Vec::new();
         for body in &self.bodies {
             for effect in &body.acts.effects {
                 let (evaluations, time) = effect.cost();
-                costs.push(Cost {
+                costs.push(EffectCost {
                     effect: self.label(effect.name(), body),
                     evaluations,
                     seconds: time.as_secs_f64(),
@@ -327,7 +327,7 @@ impl Simulation {
         for body in &self.bodies {
             if let Some(viscosity) = &body.acts.viscosity {
                 let (evaluations, time) = viscosity.cost();
-                costs.push(Cost {
+                costs.push(EffectCost {
                     effect: self.label(Viscosity::NAME, body),
                     evaluations,
                     seconds: time.as_secs_f64(),
@@ -335,7 +335,7 @@ impl Simulation {
             }
         }
         for (index, between) in self.between.iter().enumerate() {
-            costs.push(Cost {
+            costs.push(EffectCost {
                 effect: self.label_of_interaction(index),
                 evaluations: between.evaluations,
                 seconds: between.time.as_secs_f64(),

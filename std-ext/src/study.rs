@@ -135,7 +135,7 @@ pub struct Row {
 /// The surroundings of a running study: progress, interruption, cache.
 pub struct Session<'a> {
     /// Called at every step.
-    pub progress: &'a mut dyn FnMut(Progress<'_>),
+    pub progress: &'a mut dyn FnMut(StudyProgress<'_>),
     /// Whether to stop; called before each measurement. Measurements made so far are returned.
     pub interrupted: &'a dyn Fn() -> bool,
     /// Earlier measurements, to which new ones are added.
@@ -153,7 +153,7 @@ impl fmt::Debug for Session<'_> {
 
 /// The progress of a study.
 #[derive(Clone, Copy, Debug)]
-pub struct Progress<'a> {
+pub struct StudyProgress<'a> {
     /// Work done, in vertices.
     pub done: u64,
     /// All work, in vertices.
@@ -203,7 +203,7 @@ impl Study {
     ///
     /// # Errors
     /// If a mesh cannot be made or does not fit a number type, or two methods have one name.
-    pub fn run(&self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StudyError> {
+    pub fn run(&self, progress: &mut dyn FnMut(StudyProgress<'_>)) -> Result<Vec<Row>, StudyError> {
         self.run_in(&mut Session {
             progress,
             interrupted: &|| false,
@@ -232,7 +232,7 @@ impl Study {
                     return Ok(rows);
                 }
                 let at = &format!("{family} {asked}: mesh");
-                (session.progress)(Progress { done, total, at });
+                (session.progress)(StudyProgress { done, total, at });
                 done += asked as u64;
                 let level = self.level(family, asked, session.cache.as_deref())?;
                 // On the torus two numbers of vertices may lead to the same lattice.
@@ -257,7 +257,7 @@ impl Study {
                         }
                         let vertices = level.vertices;
                         let at = &format!("{family} {vertices}: {method} {scalar}");
-                        (session.progress)(Progress { done, total, at });
+                        (session.progress)(StudyProgress { done, total, at });
                         done += vertices as u64;
                         for mut row in case.rows(level, session)? {
                             row.set_orders(&rows);
@@ -267,7 +267,7 @@ impl Study {
                 }
             }
         }
-        (session.progress)(Progress {
+        (session.progress)(StudyProgress {
             done: total,
             total,
             at: "done",

@@ -21,6 +21,7 @@ use crate::png;
 use crate::run::{CHECKPOINT, End, Progress, RunError, SUMMARY, fingerprint, run};
 use crate::scene::{OverrideSyntaxError, Overrides, Scene, SceneErrors, SceneFile};
 use crate::series::SeriesTable;
+use crate::simulation::EffectCost;
 use crate::simulation::build;
 use board::Board;
 use serde::Deserialize;
@@ -210,17 +211,10 @@ struct Summary {
     iterations: u64,
     right_hand_sides: Option<u64>,
     seconds: f64,
-    effects: Vec<Cost>,
+    effects: Vec<EffectCost>,
     warnings: Vec<String>,
     fingerprint: String,
     scene: serde_json::Value,
-}
-
-#[derive(Deserialize)]
-struct Cost {
-    effect: String,
-    evaluations: u64,
-    seconds: f64,
 }
 
 impl Sweep {

@@ -58,7 +58,7 @@ impl fmt::Display for Convergence {
 
 /// The verdict on one quantity of one method.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Verdict {
+pub struct ConvergenceVerdict {
     /// The mesh family's name.
     pub family: &'static str,
     /// The number type.
@@ -76,7 +76,7 @@ pub struct Verdict {
 }
 
 /// The verdicts on everything that was studied on at least two meshes, in the order of the rows.
-pub fn verdicts(rows: &[Row]) -> Vec<Verdict> {
+pub fn verdicts(rows: &[Row]) -> Vec<ConvergenceVerdict> {
     let kind = |row: &Row| (row.family, row.scalar, row.method, row.quantity);
     let mut verdicts = Vec::new();
     for (index, row) in rows.iter().enumerate() {
@@ -96,7 +96,7 @@ pub fn verdicts(rows: &[Row]) -> Vec<Verdict> {
             continue;
         }
         let (order_max, order_mean) = (order(finest, |row| row.max), order(finest, |row| row.mean));
-        verdicts.push(Verdict {
+        verdicts.push(ConvergenceVerdict {
             family: row.family,
             scalar: row.scalar,
             method: row.method,

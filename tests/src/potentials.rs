@@ -1,7 +1,7 @@
 //! The energies of whole components, for the laws of conservative methods.
 
 use crate::laws::{ConservativeCandidate, ConservativeLaw, Sum};
-use helfrich::{AreaDifference, OsmoticPressure, Penalty, Quantity, Real, SurfaceTension};
+use helfrich::{AnyFunctional, AreaDifference, OsmoticPressure, Penalty, Real, SurfaceTension};
 
 /// Surface tension.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +35,7 @@ impl ConservativeCandidate for Pressure {
 #[derive(Clone, Copy, Debug)]
 pub struct Penalised {
     /// The quantity.
-    pub quantity: Quantity,
+    pub quantity: AnyFunctional,
     /// Its target.
     pub target: f64,
 }
@@ -44,9 +44,9 @@ impl ConservativeCandidate for Penalised {
     type ConservativeMethod<T: Real> = Penalty<T>;
     fn name(self) -> &'static str {
         match self.quantity {
-            Quantity::Area => "penalty of area",
-            Quantity::Volume => "penalty of volume",
-            Quantity::MeanCurvature => "penalty of mean curvature",
+            AnyFunctional::Area => "penalty of area",
+            AnyFunctional::Volume => "penalty of volume",
+            AnyFunctional::MeanCurvature => "penalty of mean curvature",
         }
     }
     fn method<T: Real>(self, modulus: T) -> Penalty<T> {
@@ -76,9 +76,9 @@ pub fn for_each_potential(law: &mut impl ConservativeLaw) {
     law.check(Tension);
     law.check(Pressure);
     for (quantity, target) in [
-        (Quantity::Area, 9.0),
-        (Quantity::Volume, 2.5),
-        (Quantity::MeanCurvature, 15.0),
+        (AnyFunctional::Area, 9.0),
+        (AnyFunctional::Volume, 2.5),
+        (AnyFunctional::MeanCurvature, 15.0),
     ] {
         law.check(Penalised { quantity, target });
     }

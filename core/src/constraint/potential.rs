@@ -4,7 +4,7 @@ use super::Targets;
 use crate::diagnostic::Finding;
 use crate::element::Execution;
 use crate::functional::{
-    BoundaryLength, EnclosedVolume, Functional, Quantity, TotalArea, TotalGaussianCurvature,
+    AnyFunctional, BoundaryLength, EnclosedVolume, Functional, TotalArea, TotalGaussianCurvature,
 };
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
@@ -85,7 +85,7 @@ pub struct PotentialOf<F, P> {
 
 /// `E = k/2 Σ_c (F_c − F0_c)²/|F0_c|`: of [`TotalArea`] with k in energy per area, of
 /// [`EnclosedVolume`] with k a pressure.
-pub type Penalty<T, F = Quantity> = PotentialOf<F, Quadratic<T>>;
+pub type Penalty<T, F = AnyFunctional> = PotentialOf<F, Quadratic<T>>;
 /// `E = σ A`, σ the surface tension, positive if it contracts.
 pub type SurfaceTension<T> = PotentialOf<TotalArea, Linear<T>>;
 /// `E = −Δp V`, Δp the pressure inside minus the one outside: positive inflates. It does not act on

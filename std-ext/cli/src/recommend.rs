@@ -11,7 +11,7 @@ use helfrich_std::method::{AnyMethod, BendingMethod};
 use helfrich_std::recommend::{Candidate, Wish, recommend};
 use helfrich_std::report;
 use helfrich_std::scalar::Scalar;
-use helfrich_std::study::{Progress, Quantity};
+use helfrich_std::study::{Quantity, StudyProgress};
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -100,7 +100,7 @@ pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Fai
         &positions,
         &wish,
         &|| stop.load(Ordering::Relaxed),
-        &mut |Progress { done, total, at }| {
+        &mut |StudyProgress { done, total, at }| {
             bar.show(done as f64 / total as f64, at);
         },
     );

@@ -13,7 +13,7 @@ use helfrich_std::report;
 use helfrich_std::report::page::{Page, Section};
 use helfrich_std::scalar::Scalar;
 use helfrich_std::study::{
-    Cache, LoadedCache, NoiseRow, NoiseStudy, Progress, Quantity, Row, Session, Study,
+    Cache, LoadedCache, NoiseRow, NoiseStudy, Quantity, Row, Session, Study, StudyProgress,
 };
 use helfrich_std::verdict::verdicts;
 use std::fs;
@@ -190,7 +190,7 @@ fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), 
     let mut cache = arguments.kept.open(arguments.html.as_ref().map(|_| name))?;
     let mut bar = ProgressBar::default();
     let rows = study.run_in(&mut Session {
-        progress: &mut |Progress { done, total, at }| bar.show(done as f64 / total as f64, at),
+        progress: &mut |StudyProgress { done, total, at }| bar.show(done as f64 / total as f64, at),
         interrupted: &interrupted,
         cache: cache.as_mut(),
         allocated: Some(&super::allocated),
@@ -288,7 +288,7 @@ impl StudyArguments {
         let stop = interruption();
         let mut bar = ProgressBar::default();
         let rows = study.run(&|| stop.load(Ordering::Relaxed), &mut |progress| {
-            let Progress { done, total, at } = progress;
+            let StudyProgress { done, total, at } = progress;
             bar.show(done as f64 / total as f64, at);
         });
         bar.clear();

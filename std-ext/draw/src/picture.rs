@@ -16,7 +16,7 @@ mod strokes;
 mod ticks;
 
 pub use canvas::Canvas;
-pub use chart::{Axis, Chart, Curve, Marks, Numbers, Point, Scale};
+pub use chart::{Axis, AxisScale, Chart, Curve, Marks, Numbers, Point};
 pub use colour::{Colour, ColourMap};
 pub use slice::FlowSlice;
 

@@ -7,11 +7,11 @@
 use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
-    AreaDifference, BorderTension, Components, Conservative, Cotangent, Curvatures, DualArea,
-    Finding, GaussianBending, GaussianDomains, Gravity, InPlane, LaplaceBeltrami, LineTension,
-    LocalArea, MaterialParameter, MembraneViscosity, Method, NeoHookean, OsmoticPressure, Penalty,
-    PointLoads, Prepared, Projected, Quantity, RigidBody, Skalak, StrongForm, Surface,
-    SurfaceTension, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
+    AnyFunctional, AreaDifference, BorderTension, Components, Conservative, Cotangent, Curvatures,
+    DualArea, Finding, GaussianBending, GaussianDomains, Gravity, InPlane, LaplaceBeltrami,
+    LineTension, LocalArea, MaterialParameter, MembraneViscosity, Method, NeoHookean,
+    OsmoticPressure, Penalty, PointLoads, Prepared, Projected, RigidBody, Skalak, StrongForm,
+    Surface, SurfaceTension, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
 };
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -177,7 +177,7 @@ potentials! {
     InPlane<f64, Skalak<f64>>,
     LineTension<f64>,
     OsmoticPressure<f64>,
-    Penalty<f64, Quantity>,
+    Penalty<f64, AnyFunctional>,
     PointLoads<f64>,
     SurfaceTension<f64>,
     WallAdhesion<f64>,

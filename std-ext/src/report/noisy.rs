@@ -1,7 +1,7 @@
 //! Errors on noisy shapes, as a table of text and as a part of a page.
 
 use crate::method::BendingMethod;
-use crate::picture::{Axis, Chart, Curve, Marks, Numbers, Point, Scale};
+use crate::picture::{Axis, AxisScale, Chart, Curve, Marks, Numbers, Point};
 use crate::report::page::text::{Table, count, csv_line, escaped, percent};
 use crate::report::page::{Section, style_of, svg};
 use crate::study::{BEST_FIXED, NoiseRow};
@@ -229,7 +229,7 @@ fn chart_of(rows: &[NoiseRow], deviations: &[f64], quantity: usize) -> Chart {
     });
     let axis = |label: String, numbers| Axis {
         label,
-        scale: Scale::Logarithmic,
+        scale: AxisScale::Logarithmic,
         numbers,
         ..Axis::default()
     };

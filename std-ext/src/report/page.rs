@@ -20,7 +20,7 @@ use crate::png;
 use crate::provenance::{Build, Provenance};
 use crate::report::SCATTERED;
 use crate::study::{ErrorFields, MOST_SCATTER, Quantity, Row};
-use crate::verdict::Verdict;
+use crate::verdict::ConvergenceVerdict;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -33,7 +33,7 @@ pub struct Page<'a> {
     /// Accuracy and cost of every method.
     pub rows: &'a [Row],
     /// Their convergence.
-    pub verdicts: &'a [Verdict],
+    pub verdicts: &'a [ConvergenceVerdict],
     /// Maps of their errors; drawn with the feature `pictures` only.
     pub errors: &'a [ErrorFields],
     /// Further parts with measurements of other programs.

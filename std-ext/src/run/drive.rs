@@ -3,7 +3,7 @@
 use super::state::DriveState;
 use super::{End, Progress, RunError};
 use crate::flow::{Effort, Fluid};
-use crate::simulation::{Cost, Simulation};
+use crate::simulation::{EffectCost, Simulation};
 
 /// A driver in progress.
 pub(super) trait Drive {
@@ -32,7 +32,7 @@ pub(super) trait Drive {
     fn work(&self) -> Work;
 
     /// Computing times of the driver, besides those of effects.
-    fn costs(&self) -> Vec<Cost> {
+    fn costs(&self) -> Vec<EffectCost> {
         Vec::new()
     }
 
@@ -76,8 +76,8 @@ pub(super) struct Work {
 }
 
 /// Cost of something other than an effect.
-pub(super) fn cost(name: &str, effort: Effort) -> Cost {
-    Cost {
+pub(super) fn cost(name: &str, effort: Effort) -> EffectCost {
+    EffectCost {
         effect: name.to_owned(),
         evaluations: effort.evaluations,
         seconds: effort.time.as_secs_f64(),

@@ -14,7 +14,7 @@ use crate::scene::{Bending, Material, Named, Scene, SurfaceEffect, SurfaceScene}
 use crate::simulation::{Acting, Body, Simulation};
 use crate::six::Six;
 use glam::DVec3;
-use helfrich::{Functional, Prepared, Quantity, Surface};
+use helfrich::{AnyFunctional, Functional, Prepared, Surface};
 use serde::Serialize;
 
 /// The energy of a closed surface with bending, found in two ways.
@@ -157,7 +157,7 @@ impl Estimating<'_> {
     }
 
     /// Quantities that are constrained or have an energy.
-    fn quantities(&self) -> Vec<Quantity> {
+    fn quantities(&self) -> Vec<AnyFunctional> {
         let mut quantities = Vec::new();
         for (_, effect) in self.surface.effects.iter() {
             if let Some(quantity) = effect.quantity()
@@ -180,7 +180,8 @@ impl Estimating<'_> {
         let weights = reciprocal_areas(self.at);
         let quantities = self.quantities();
         let found = quantities.iter().map(|&quantity| {
-            let mut prepared: Prepared<f64, Quantity> = Prepared::new(quantity, self.at.mesh());
+            let mut prepared: Prepared<f64, AnyFunctional> =
+                Prepared::new(quantity, self.at.mesh());
             prepared.with(|quantity, execution, workspace| {
                 let mut values = vec![0.0; integrals.len()];
                 quantity.values(execution, self.at, workspace, &mut values);
@@ -224,11 +225,11 @@ impl Estimating<'_> {
 }
 
 impl Integrals {
-    fn value(&self, quantity: Quantity) -> f64 {
+    fn value(&self, quantity: AnyFunctional) -> f64 {
         match quantity {
-            Quantity::Area => self.area,
-            Quantity::Volume => self.volume,
-            Quantity::MeanCurvature => self.mean,
+            AnyFunctional::Area => self.area,
+            AnyFunctional::Volume => self.volume,
+            AnyFunctional::MeanCurvature => self.mean,
         }
     }
 }

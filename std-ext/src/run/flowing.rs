@@ -13,7 +13,7 @@ use crate::flow::{
     Fluid, KeptVolumes, Membranes, Moving, Redistribution, SOLUTION_TOLERANCE, Suspension,
 };
 use crate::scene::{self, BoundaryIntegral, Scene, SurfaceScene};
-use crate::simulation::{Cost, Simulation};
+use crate::simulation::{EffectCost, Simulation};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -350,7 +350,7 @@ impl Drive for Flowing<'_> {
         }
     }
 
-    fn costs(&self) -> Vec<Cost> {
+    fn costs(&self) -> Vec<EffectCost> {
         let efforts = self.suspension.efforts().into_iter();
         efforts.map(|(name, effort)| cost(name, effort)).collect()
     }

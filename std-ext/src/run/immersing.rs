@@ -12,7 +12,7 @@ use crate::flow::lattice_boltzmann::limits::FINITE_BOX;
 use crate::flow::lattice_boltzmann::{Lattice, Node, Setup, Sides};
 use crate::flow::{Channel, Fluid, Immersion, ImmersionPrecision, KeptVolumes, Redistribution};
 use crate::scene::{Flow, LatticeBoltzmann, Scene};
-use crate::simulation::{Cost, Simulation};
+use crate::simulation::{EffectCost, Simulation};
 use std::array;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -215,7 +215,7 @@ impl<T: Stored> Drive for Immersing<'_, T> {
         }
     }
 
-    fn costs(&self) -> Vec<Cost> {
+    fn costs(&self) -> Vec<EffectCost> {
         let efforts = self.immersion.efforts().into_iter();
         efforts.map(|(name, effort)| cost(name, effort)).collect()
     }

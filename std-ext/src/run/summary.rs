@@ -3,7 +3,7 @@
 use super::remedy::remedy;
 use super::{EnergyEstimate, Flagged};
 use crate::scene::{Relax, Scene};
-use crate::simulation::{Cost, messages_once};
+use crate::simulation::{EffectCost, messages_once};
 use serde::{Deserialize, Serialize};
 
 /// The way in which a run ended.
@@ -70,7 +70,7 @@ pub struct Summary {
     /// The names and numbers of the last row; a number that is not finite is null.
     pub last: Vec<(String, f64)>,
     /// Cost of each effect.
-    pub effects: Vec<Cost>,
+    pub effects: Vec<EffectCost>,
     /// Findings of the bending methods at the end, surface by surface.
     pub flagged: Vec<Flagged>,
     /// The estimated errors of the energies of closed surfaces at the end of a relaxation.

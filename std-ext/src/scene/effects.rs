@@ -54,7 +54,7 @@ use super::reader::Reader;
 use super::{Boundary, Driver, MeshSource, Parameter, Parameters};
 use crate::info::MeshInfo;
 use crate::io::Column;
-use helfrich::Quantity;
+use helfrich::AnyFunctional;
 use serde::Serialize;
 use std::fmt;
 use std::sync::Arc;
@@ -201,7 +201,7 @@ pub(crate) trait SurfaceEffect: fmt::Debug {
     }
 
     /// The quantity of each component on which its energy depends, or which it constrains.
-    fn quantity(&self) -> Option<Quantity> {
+    fn quantity(&self) -> Option<AnyFunctional> {
         None
     }
 

@@ -15,7 +15,7 @@ use crate::scene::{
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
-use helfrich::{Constraint, Constraints, Images, Quantity, Repulsion, Surface, TriangleMesh};
+use helfrich::{AnyFunctional, Constraint, Constraints, Images, Repulsion, Surface, TriangleMesh};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -170,7 +170,7 @@ fn between_bodies(
 struct Context<'a> {
     file: &'a SceneFile,
     files: &'a mut MeshFiles,
-    held: &'a mut Vec<Quantity>,
+    held: &'a mut Vec<AnyFunctional>,
     warnings: &'a mut Vec<SceneError>,
 }
 

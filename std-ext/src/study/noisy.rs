@@ -1,7 +1,7 @@
 //! Errors of methods on exact shapes whose vertices have noise.
 
 use super::errors::natural_scales;
-use super::{Progress, StudyError};
+use super::{StudyError, StudyProgress};
 use crate::execute::Parallel;
 use crate::generate::random::Random;
 use crate::generate::{AnyShape, Family, GeneratedMesh, generate};
@@ -82,7 +82,7 @@ impl NoiseStudy {
     pub fn run(
         &self,
         interrupted: &dyn Fn() -> bool,
-        progress: &mut dyn FnMut(Progress<'_>),
+        progress: &mut dyn FnMut(StudyProgress<'_>),
     ) -> Result<Vec<NoiseRow>, StudyError> {
         AnyMethod::check_names(&self.methods)?;
         let mut rows = Vec::new();
@@ -93,7 +93,7 @@ impl NoiseStudy {
                 let made = generate(&self.shape, family, vertices, self.seed)?;
                 for &deviation in &self.deviations {
                     let at = format!("{family}, {vertices} vertices, noise {deviation}");
-                    progress(Progress {
+                    progress(StudyProgress {
                         done,
                         total,
                         at: &at,

@@ -8,7 +8,7 @@ use helfrich_cli::terminal::{
     Failure, ProgressBar, check_outputs, ended, file_named, interruption, save, say,
 };
 use helfrich_std::method::{AnyMethod, BendingMethod};
-use helfrich_std::study::{Cache, Progress};
+use helfrich_std::study::{Cache, StudyProgress};
 use helfrich_studies::effects::{EffectCosts, effect_costs};
 use helfrich_studies::flow::{FlowRow, FlowStudy, FlowStudyError};
 use helfrich_studies::report;
@@ -106,7 +106,7 @@ fn stability(arguments: &StabilityArguments) -> Result<(), Failure> {
         group: arguments.group,
     };
     let mut bar = ProgressBar::default();
-    let rows = table.run(&mut |Progress { done, total, at }| {
+    let rows = table.run(&mut |StudyProgress { done, total, at }| {
         bar.show(done as f64 / total as f64, at);
     });
     bar.clear();

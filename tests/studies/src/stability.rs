@@ -16,7 +16,7 @@ pub use double_double::DoubleDouble;
 pub use dynamics::Course;
 
 use helfrich_std::scalar::Scalar;
-use helfrich_std::study::Progress;
+use helfrich_std::study::StudyProgress;
 use serde::Serialize;
 use std::error::Error;
 use std::fmt;
@@ -326,7 +326,10 @@ impl Stability {
     ///
     /// # Errors
     /// If a mesh cannot be made, or there is no space for a run.
-    pub fn run(self, progress: &mut dyn FnMut(Progress<'_>)) -> Result<Vec<Row>, StabilityError> {
+    pub fn run(
+        self,
+        progress: &mut dyn FnMut(StudyProgress<'_>),
+    ) -> Result<Vec<Row>, StabilityError> {
         let wanted = |group| self.group.is_none_or(|only| only == group);
         let evaluations = match wanted(Group::Geometry) {
             true => geometry::count(self.large),
@@ -341,7 +344,7 @@ impl Stability {
         if wanted(Group::Geometry) {
             rows = geometry::rows(self.large, &mut |done, at| {
                 let done = done as u64;
-                progress(Progress { done, total, at });
+                progress(StudyProgress { done, total, at });
             })?;
         }
         let mut dynamics = Vec::new();
@@ -349,11 +352,11 @@ impl Stability {
             let mut run = 0;
             dynamics = dynamics::rows(&mut |at| {
                 let done = (evaluations + RUN * run) as u64;
-                progress(Progress { done, total, at });
+                progress(StudyProgress { done, total, at });
                 run += 1;
             })?;
         }
-        progress(Progress {
+        progress(StudyProgress {
             done: total - 1,
             total,
             at: "formulas in twice the precision, threads, input",

@@ -1,8 +1,8 @@
 //! Equilibrium shapes: what membranes relax to.
 
 use helfrich::{
-    Conservative, Constraint, Constraints, Energy, Force, GompperKroll, InPlane, Juelicher,
-    LoopSubdivision, NeoHookean, Prepared, Projected, Quantity, StrongForm, Surface, TriangleMesh,
+    AnyFunctional, Conservative, Constraint, Constraints, Energy, Force, GompperKroll, InPlane,
+    Juelicher, LoopSubdivision, NeoHookean, Prepared, Projected, StrongForm, Surface, TriangleMesh,
 };
 use helfrich_std::dynamics::{
     Evaluation, Held, Membrane, Motion, Outcome, Problem, Relaxation, Settings, StepReport,
@@ -119,7 +119,10 @@ impl Vesicle {
             targets: target.into(),
         };
         let constraints = Constraints {
-            constraints: vec![hold(Quantity::Area, area), hold(Quantity::Volume, volume)],
+            constraints: vec![
+                hold(AnyFunctional::Area, area),
+                hold(AnyFunctional::Volume, volume),
+            ],
         };
         let (evaluate, conservative) = method(&mesh);
         let body = Body {

@@ -2,8 +2,8 @@
 
 use helfrich::constraint::{Linear, PotentialOf};
 use helfrich::{
-    AreaDifference, Components, Constraint, ConstraintError, Constraints, Correction,
-    EnclosedVolume, Functional, OsmoticPressure, Penalty, Prepared, Quantity, Surface,
+    AnyFunctional, AreaDifference, Components, Constraint, ConstraintError, Constraints,
+    Correction, EnclosedVolume, Functional, OsmoticPressure, Penalty, Prepared, Surface,
     SurfaceTension, Targets, TotalArea, TotalMeanCurvature,
 };
 use helfrich_tests::laws::{
@@ -38,7 +38,11 @@ const FIRST_ORDER: Tolerance = Tolerance::new(
     "the step is 1e-6 of the size; cosines are second order",
 );
 
-const ALL: [Quantity; 3] = [Quantity::Area, Quantity::Volume, Quantity::MeanCurvature];
+const ALL: [AnyFunctional; 3] = [
+    AnyFunctional::Area,
+    AnyFunctional::Volume,
+    AnyFunctional::MeanCurvature,
+];
 
 struct AsConservative<L>(L);
 impl<L: Law> ConservativeLaw for AsConservative<L> {
@@ -219,8 +223,8 @@ fn components_have_targets_of_their_own() {
 }
 
 /// These quantities held at what they are.
-fn holding(quantities: &[Quantity], mesh: &Mesh) -> Constraints<f64> {
-    let held = |&functional: &Quantity| Constraint {
+fn holding(quantities: &[AnyFunctional], mesh: &Mesh) -> Constraints<f64> {
+    let held = |&functional: &AnyFunctional| Constraint {
         functional,
         targets: Targets::measured(&functional, mesh.surface()),
     };
@@ -362,7 +366,7 @@ fn what_cannot_be_corrected_is_refused_and_left() {
         assert!(mesh.positions == before, "positions after {error}");
         error
     };
-    let enlarged = |quantities: &[Quantity], mesh: &Mesh, factor: f64| {
+    let enlarged = |quantities: &[AnyFunctional], mesh: &Mesh, factor: f64| {
         let mut constraints = holding(quantities, mesh);
         if let Targets::PerComponent(targets) = &mut constraints.constraints[0].targets {
             targets[0] *= factor;
@@ -390,7 +394,7 @@ fn what_cannot_be_corrected_is_refused_and_left() {
     let patch = hemisphere(2);
     let constraints = Constraints {
         constraints: vec![Constraint {
-            functional: Quantity::Volume,
+            functional: AnyFunctional::Volume,
             targets: 1.0.into(),
         }],
     };
@@ -485,7 +489,7 @@ fn multipliers_are_tension_and_pressure() {
 #[test]
 fn dependent_constraints_are_projected_once() {
     let mesh = icosphere(3);
-    let mut twice = holding(&[Quantity::Area, Quantity::Area], &mesh);
+    let mut twice = holding(&[AnyFunctional::Area, AnyFunctional::Area], &mesh);
     let mut force = SplitMix64::new(3).directions(mesh.positions.len());
     let mut other = force.clone();
     project(&twice, &mesh, &mut force);

@@ -3,8 +3,8 @@
 use autodiff::F1;
 use helfrich::functional::ComponentElements;
 use helfrich::{
-    BoundaryLength, EnclosedVolume, Functional, Method, Quantity, Real, Serial, Surface, TotalArea,
-    TotalGaussianCurvature, TotalMeanCurvature, TriangleMesh,
+    AnyFunctional, BoundaryLength, EnclosedVolume, Functional, Method, Real, Serial, Surface,
+    TotalArea, TotalGaussianCurvature, TotalMeanCurvature, TriangleMesh,
 };
 use helfrich_tests::meshes::{
     Mesh, SplitMix64, bent, cases, disc, hemisphere, icosphere, octahedron, rough_any, tetrahedron,
@@ -79,7 +79,11 @@ fn check_gradient(mesh: &Mesh) {
     check(TotalMeanCurvature, mesh);
     check(TotalGaussianCurvature, mesh);
     check(BoundaryLength, mesh);
-    for quantity in [Quantity::Area, Quantity::Volume, Quantity::MeanCurvature] {
+    for quantity in [
+        AnyFunctional::Area,
+        AnyFunctional::Volume,
+        AnyFunctional::MeanCurvature,
+    ] {
         check(quantity, mesh);
     }
 }

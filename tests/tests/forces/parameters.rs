@@ -1,8 +1,8 @@
 //! Parameters of effects that are no numbers are refused, and named.
 
 use helfrich::{
-    AreaDifference, Gravity, MembraneViscosity, Method, OsmoticPressure, ParameterError, Penalty,
-    PointLoads, Quantity, Repulsion, SurfaceTension, Targets, WallAdhesion,
+    AnyFunctional, AreaDifference, Gravity, MembraneViscosity, Method, OsmoticPressure,
+    ParameterError, Penalty, PointLoads, Repulsion, SurfaceTension, Targets, WallAdhesion,
 };
 use helfrich::{Images, Interaction, Prepared, Serial};
 use helfrich_tests::meshes::icosphere;
@@ -41,11 +41,11 @@ fn parameters_that_are_no_numbers_are_refused() {
         refused(SurfaceTension::new(value), slope);
         refused(OsmoticPressure::new(value), slope);
         let modulus = "modulus of a penalty";
-        refused(Penalty::new(Quantity::Area, value, 1.0), modulus);
+        refused(Penalty::new(AnyFunctional::Area, value, 1.0), modulus);
         let target = "target of a penalty";
-        refused(Penalty::new(Quantity::Area, 1.0, value), target);
+        refused(Penalty::new(AnyFunctional::Area, 1.0, value), target);
         let targets = Targets::PerComponent(vec![1.0, value]);
-        refused(Penalty::new(Quantity::Area, 1.0, targets), target);
+        refused(Penalty::new(AnyFunctional::Area, 1.0, targets), target);
         let modulus = "modulus of the area difference";
         refused(AreaDifference::new(value, 1.0), modulus);
         refused(AreaDifference::new(1.0, value), "target of ∫ H dS");

@@ -1,8 +1,8 @@
 //! Nothing is allocated after the first evaluation.
 
 use helfrich::{
-    Constraint, Constraints, Cotangent, Curvature, Curvatures, DualArea, Images, InPlane,
-    Interaction, LaplaceBeltrami, Method, NeoHookean, Prepared, Quantity, Real, Repulsion, Rows,
+    AnyFunctional, Constraint, Constraints, Cotangent, Curvature, Curvatures, DualArea, Images,
+    InPlane, Interaction, LaplaceBeltrami, Method, NeoHookean, Prepared, Real, Repulsion, Rows,
     Serial, SparseMatrix, Surface, Targets,
 };
 use helfrich_tests::allocation::allocations;
@@ -145,12 +145,16 @@ fn check_repulsion(repulsion: Repulsion<f64>) {
 fn constraints_allocate_once() {
     let Allocation { mesh, moved } = Allocation::of(icosphere(2));
     let constraints = Constraints {
-        constraints: [Quantity::Area, Quantity::Volume, Quantity::MeanCurvature]
-            .map(|functional| Constraint {
-                functional,
-                targets: Targets::measured(&functional, moved.surface()),
-            })
-            .to_vec(),
+        constraints: [
+            AnyFunctional::Area,
+            AnyFunctional::Volume,
+            AnyFunctional::MeanCurvature,
+        ]
+        .map(|functional| Constraint {
+            functional,
+            targets: Targets::measured(&functional, moved.surface()),
+        })
+        .to_vec(),
     };
     let mut prepared = Prepared::new(constraints, &mesh.connectivity);
     let disturbed = moved.map(|[x, y, z]| [x, 1.01 * y, z]);

@@ -1,11 +1,11 @@
 //! A workspace of another mesh is refused, by everything that takes one.
 
 use helfrich::{
-    AreaDifference, BoundaryLength, Conservative, Constraint, Constraints, ControlPoints,
-    CorrectedCurvature, Curvature, Curvatures, Dissipation, EnclosedVolume, Energy, Force,
-    ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher, KantorNelson,
-    LaplaceBeltrami, LoopSubdivision, MaterialParameter, MembraneViscosity, Method, NeoHookean,
-    Paraboloid, PointLoads, Prepared, Projected, Quantity, Rows, Serial, StrongForm, Surface,
+    AnyFunctional, AreaDifference, BoundaryLength, Conservative, Constraint, Constraints,
+    ControlPoints, CorrectedCurvature, Curvature, Curvatures, Dissipation, EnclosedVolume, Energy,
+    Force, ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher,
+    KantorNelson, LaplaceBeltrami, LoopSubdivision, MaterialParameter, MembraneViscosity, Method,
+    NeoHookean, Paraboloid, PointLoads, Prepared, Projected, Rows, Serial, StrongForm, Surface,
     Targets, TotalArea, TotalGaussianCurvature, TotalMeanCurvature, TriangleMesh, VertexNormals,
     Workspace,
 };
@@ -230,7 +230,11 @@ fn functionals_and_effects_refuse_workspaces_of_other_meshes() {
     meshes.check_functional("mean curvature", &TotalMeanCurvature);
     meshes.check_functional("Gaussian curvature", &TotalGaussianCurvature);
     meshes.check_functional("boundary", &BoundaryLength);
-    for quantity in [Quantity::Area, Quantity::Volume, Quantity::MeanCurvature] {
+    for quantity in [
+        AnyFunctional::Area,
+        AnyFunctional::Volume,
+        AnyFunctional::MeanCurvature,
+    ] {
         meshes.check_functional("quantity", &quantity);
     }
     meshes.check_conservative("area difference", &AreaDifference::new(1.0, 20.0));
@@ -243,7 +247,7 @@ fn functionals_and_effects_refuse_workspaces_of_other_meshes() {
     let elastic = InPlane::new(law, own, meshes.own.surface()).expect("a reference");
     meshes.check_conservative("in-plane", &elastic);
 
-    let functional = Quantity::Area;
+    let functional = AnyFunctional::Area;
     let targets = Targets::measured(&functional, meshes.own.surface());
     let constraint = Constraint {
         functional,

@@ -5,8 +5,8 @@
 )]
 
 use helfrich_std::picture::{
-    Axis, Canvas, Chart, ColourMap, Colouring, Curve, Frame, Marks, PaintedSurface, Picture,
-    PictureError, Point, Scale, Shading, View,
+    Axis, AxisScale, Canvas, Chart, ColourMap, Colouring, Curve, Frame, Marks, PaintedSurface,
+    Picture, PictureError, Point, Shading, View,
 };
 use helfrich_tests::meshes::{Mesh, cases, icosphere};
 use helfrich_tests::tolerance::PICTURE_RADIUS;
@@ -271,7 +271,7 @@ fn impossible_pictures_are_refused() {
     }
     let x = Axis {
         range: Some([0.0, 1.0]),
-        scale: Scale::Logarithmic,
+        scale: AxisScale::Logarithmic,
         ..Axis::default()
     };
     assert!(matches!(
@@ -315,8 +315,8 @@ fn coloured(canvas: &Canvas) -> [f64; 2] {
 #[test]
 fn points_are_where_their_axes_have_them() {
     for (scale, range, values) in [
-        (Scale::Linear, [-1.0, 3.0], [0.0, 1.0, 2.0]),
-        (Scale::Logarithmic, [1e-6, 1e2], [1e-4, 1e-2, 1.0]),
+        (AxisScale::Linear, [-1.0, 3.0], [0.0, 1.0, 2.0]),
+        (AxisScale::Logarithmic, [1e-6, 1e2], [1e-4, 1e-2, 1.0]),
     ] {
         let axis = Axis {
             range: Some(range),
@@ -376,7 +376,7 @@ proptest! {
             marks: Marks::LineAndPoints,
             ..Curve::default()
         };
-        let scale = if logarithmic { Scale::Logarithmic } else { Scale::Linear };
+        let scale = if logarithmic { AxisScale::Logarithmic } else { AxisScale::Linear };
         let axis = Axis { scale, ..Axis::default() };
         let dashed = Curve { marks: Marks::Dashes, ..curve.clone() };
         for curves in [vec![], vec![curve], vec![dashed]] {

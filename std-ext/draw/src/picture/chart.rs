@@ -28,14 +28,14 @@ pub struct Axis {
     /// Its ends; by default slightly more than the range of the curves.
     pub range: Option<[f64; 2]>,
     /// Linear or logarithmic scale.
-    pub scale: Scale,
+    pub scale: AxisScale,
     /// The numbers at a logarithmic axis; powers of ten in pixels.
     pub numbers: Numbers,
 }
 
 /// The scale of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Scale {
+pub enum AxisScale {
     /// Linear: equal differences have equal distances.
     #[default]
     Linear,
@@ -130,16 +130,16 @@ impl Marks {
 
 /// The map from numbers to pixels.
 struct Projection {
-    scales: [Scale; 2],
+    scales: [AxisScale; 2],
     ranges: [[f64; 2]; 2],
     area: Area,
 }
 
-fn on_scale(scale: Scale, number: f64) -> f64 {
+fn on_scale(scale: AxisScale, number: f64) -> f64 {
     match scale {
-        Scale::Linear => number,
-        Scale::Logarithmic if number > 0.0 => libm::log10(number),
-        Scale::Logarithmic => f64::NAN,
+        AxisScale::Linear => number,
+        AxisScale::Logarithmic if number > 0.0 => libm::log10(number),
+        AxisScale::Logarithmic => f64::NAN,
     }
 }
 
@@ -197,8 +197,8 @@ impl Chart {
         let ticks = |axis: &Axis, [low, high]: [f64; 2], count: f64| {
             let count = count.clamp(2.0, 8.0);
             match axis.scale {
-                Scale::Linear => Ticks::linear(low, high, count),
-                Scale::Logarithmic => Ticks::logarithmic(low, high, count),
+                AxisScale::Linear => Ticks::linear(low, high, count),
+                AxisScale::Logarithmic => Ticks::logarithmic(low, high, count),
             }
         };
         let x_ticks = ticks(x, ranges[0], area.width() / (9.0 * letters));
@@ -364,9 +364,9 @@ impl Axis {
         let ends = [low - margin, high + margin];
         Ok(match self.scale {
             // At the ends of what f64 holds there is no room for a margin.
-            Scale::Linear if !(ends[1] - ends[0]).is_finite() => [low, high],
-            Scale::Linear => ends,
-            Scale::Logarithmic => ends.map(|end| libm::exp10(end.clamp(LEAST, MOST))),
+            AxisScale::Linear if !(ends[1] - ends[0]).is_finite() => [low, high],
+            AxisScale::Linear => ends,
+            AxisScale::Logarithmic => ends.map(|end| libm::exp10(end.clamp(LEAST, MOST))),
         })
     }
 }

@@ -1,7 +1,8 @@
 //! Constraints of one membrane, as [`Problem`](super::Problem)s need them.
 
 use helfrich::{
-    ConstraintError, Constraints, Correction, Functional, Prepared, Quantity, Surface, TriangleMesh,
+    AnyFunctional, ConstraintError, Constraints, Correction, Functional, Prepared, Surface,
+    TriangleMesh,
 };
 use std::sync::Arc;
 
@@ -10,7 +11,7 @@ use std::sync::Arc;
 pub struct Held {
     mesh: Arc<TriangleMesh>,
     constraints: Prepared<f64, Constraints<f64>>,
-    quantities: Vec<Prepared<f64, Quantity>>,
+    quantities: Vec<Prepared<f64, AnyFunctional>>,
     groups: Vec<u32>,
     ones: Vec<f64>,
 }
@@ -18,7 +19,7 @@ pub struct Held {
 impl Held {
     /// Prepares constraints for a mesh.
     pub fn new(mesh: Arc<TriangleMesh>, constraints: Constraints<f64>) -> Self {
-        let prepare = |quantity: Quantity| Prepared::new(quantity, &mesh);
+        let prepare = |quantity: AnyFunctional| Prepared::new(quantity, &mesh);
         let quantities = constraints.constraints.iter().map(|c| c.functional);
         let quantities = quantities.map(prepare).collect();
         let (groups, count) = mesh.components();

@@ -63,7 +63,7 @@ pub struct State {
     reference: Vec<Vector>,
     /// `None` before the first evaluation.
     lowest_energy: Option<f64>,
-    progress: Option<Progress>,
+    progress: Option<Improvement>,
     /// Whether the last step was a Newton step.
     newton: bool,
     /// Steps until the next redistribution, and between the last two.
@@ -76,7 +76,7 @@ pub struct State {
 
 /// The best result so far, and the step of its last significant improvement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Progress {
+struct Improvement {
     residual: f64,
     energy: f64,
     iteration: usize,
@@ -387,7 +387,7 @@ impl Relaxation {
             energy,
             energy_scale,
         } = point.evaluation;
-        let now = Progress {
+        let now = Improvement {
             residual: point.residual,
             energy,
             iteration: *iteration,
@@ -396,7 +396,7 @@ impl Relaxation {
         let falls =
             problem.is_conservative() && energy < best.energy - 1e3 * f64::EPSILON * energy_scale;
         if falls || point.residual < 0.99 * best.residual {
-            *best = Progress {
+            *best = Improvement {
                 residual: best.residual.min(point.residual),
                 energy: best.energy.min(energy),
                 iteration: *iteration,

@@ -2,7 +2,7 @@
 
 use crate::dynamics::Held;
 use glam::DVec3;
-use helfrich::{Constraint, Constraints, Quantity, Surface, Targets, TriangleMesh};
+use helfrich::{AnyFunctional, Constraint, Constraints, Surface, Targets, TriangleMesh};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -48,8 +48,8 @@ impl KeptVolumes {
                 continue;
             }
             let constraints = vec![Constraint {
-                functional: Quantity::Volume,
-                targets: Targets::measured(&Quantity::Volume, surface),
+                functional: AnyFunctional::Volume,
+                targets: Targets::measured(&AnyFunctional::Volume, surface),
             }];
             let (_, components) = mesh.components();
             volumes.push(KeptVolume {

@@ -9,7 +9,7 @@ use crate::answer::{Norm, seconds};
 use crate::picture::{Chart, Numbers, Point};
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
-use crate::verdict::Verdict;
+use crate::verdict::ConvergenceVerdict;
 use std::io::{self, Write};
 
 pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
@@ -281,7 +281,7 @@ fn error_table(page: &Page<'_>, variant: &Variant<'_>) -> Table {
                 )
             }));
         }
-        let same = |verdict: &&Verdict| {
+        let same = |verdict: &&ConvergenceVerdict| {
             (verdict.method, verdict.scalar, verdict.quantity) == (method, scalar, quantity)
                 && verdict.family == family
         };

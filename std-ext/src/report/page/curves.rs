@@ -3,7 +3,7 @@
 use super::text::count;
 use super::{each, style_in};
 use crate::method::AnyMethod;
-use crate::picture::{Axis, Curve, Marks, Numbers, Point, Scale};
+use crate::picture::{Axis, AxisScale, Curve, Marks, Numbers, Point};
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 
@@ -45,7 +45,7 @@ pub(super) fn logarithmic(label: &str, numbers: Numbers) -> Axis {
     Axis {
         label: label.to_owned(),
         range: None,
-        scale: Scale::Logarithmic,
+        scale: AxisScale::Logarithmic,
         numbers,
     }
 }

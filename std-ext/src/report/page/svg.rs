@@ -4,7 +4,7 @@
 //! file includes their definitions.
 
 use super::text::{escaped, number_label};
-use crate::picture::{Axis, Chart, Point, Scale};
+use crate::picture::{Axis, AxisScale, Chart, Point};
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -60,8 +60,8 @@ struct Places {
 }
 
 impl Places {
-    fn new(scale: Scale, values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
-        let logarithmic = scale != Scale::Linear;
+    fn new(scale: AxisScale, values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
+        let logarithmic = scale != AxisScale::Linear;
         let on = |value: f64| if logarithmic { value.log10() } else { value };
         let (low, high) = values
             .map(on)

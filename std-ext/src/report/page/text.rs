@@ -1,6 +1,6 @@
 //! Formatting of numbers and texts for the page.
 
-use crate::picture::{Axis, Numbers, Scale};
+use crate::picture::{Axis, AxisScale, Numbers};
 use crate::report::SCATTERED;
 use crate::study::Row;
 use base64::Engine;
@@ -133,7 +133,7 @@ pub fn number_label(value: f64, axis: &Axis) -> String {
             format!("{}", (value * 1e6).round() / 1e6)
         }
     };
-    if axis.scale == Scale::Linear {
+    if axis.scale == AxisScale::Linear {
         return format!("{}", (value * 1e6).round() / 1e6);
     }
     match axis.numbers {

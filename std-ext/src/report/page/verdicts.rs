@@ -4,10 +4,10 @@ use super::text::{Table, csv_line, escaped, signed};
 use super::{each, label};
 use crate::scalar::Scalar;
 use crate::study::Quantity;
-use crate::verdict::Verdict;
+use crate::verdict::ConvergenceVerdict;
 use std::io::{self, Write};
 
-pub(super) fn write(verdicts: &[Verdict], out: &mut dyn Write) -> io::Result<()> {
+pub(super) fn write(verdicts: &[ConvergenceVerdict], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "<section id=\"verdicts\"><h2>Does it converge?</h2>")?;
     if verdicts.is_empty() {
         return writeln!(

@@ -7,7 +7,7 @@ use super::{
     Builder, Check, Described, EffectError, Groups, Hold, MeshCheck, MeshSource, Named, Parameter,
     Parameters, Preparation, Reader, Stiffness, SurfaceEffect,
 };
-use helfrich::{Quantity, Surface, Targets};
+use helfrich::{AnyFunctional, Surface, Targets};
 use serde::Serialize;
 
 /// Total area of each connected component, held at a target.
@@ -42,7 +42,7 @@ impl HeldArea {
     pub(super) fn targets(this: Option<Self>, surface: Surface<'_, f64>) -> Targets<f64> {
         match this.map(|area| area.target) {
             Some(Target::Value(area)) => Targets::Same(area),
-            _ => Targets::measured(&Quantity::Area, surface),
+            _ => Targets::measured(&AnyFunctional::Area, surface),
         }
     }
 }
@@ -80,8 +80,8 @@ impl Described for HeldArea {
 }
 
 impl SurfaceEffect for HeldArea {
-    fn quantity(&self) -> Option<Quantity> {
-        Some(Quantity::Area)
+    fn quantity(&self) -> Option<AnyFunctional> {
+        Some(AnyFunctional::Area)
     }
 
     fn check(&self, check: &mut Check<'_, '_>) {
@@ -123,6 +123,6 @@ impl SurfaceEffect for HeldArea {
 
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
         let targets = Self::targets(Some(*self), preparation.surface);
-        preparation.hold(Self::NAME, self.hold, Quantity::Area, targets)
+        preparation.hold(Self::NAME, self.hold, AnyFunctional::Area, targets)
     }
 }

@@ -8,7 +8,7 @@ use super::{
     Builder, Check, Described, EffectError, Groups, Hold, MeshCheck, MeshSource, Named, Parameter,
     Parameters, Preparation, Reader, SurfaceEffect,
 };
-use helfrich::{Quantity, Targets};
+use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -78,8 +78,8 @@ impl Described for HeldAreaDifference {
 }
 
 impl SurfaceEffect for HeldAreaDifference {
-    fn quantity(&self) -> Option<Quantity> {
-        Some(Quantity::MeanCurvature)
+    fn quantity(&self) -> Option<AnyFunctional> {
+        Some(AnyFunctional::MeanCurvature)
     }
 
     fn check(&self, check: &mut Check<'_, '_>) {
@@ -137,7 +137,9 @@ impl SurfaceEffect for HeldAreaDifference {
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
         let surface = preparation.surface;
         let targets = match self.target {
-            AreaDifferenceTarget::Initial => Targets::measured(&Quantity::MeanCurvature, surface),
+            AreaDifferenceTarget::Initial => {
+                Targets::measured(&AnyFunctional::MeanCurvature, surface)
+            }
             AreaDifferenceTarget::Value(integral) => Targets::Same(integral),
             AreaDifferenceTarget::Reduced(reduced) => {
                 let areas = HeldArea::targets(preparation.siblings.area, surface);
@@ -145,7 +147,7 @@ impl SurfaceEffect for HeldAreaDifference {
             }
         };
         match self.hold {
-            Hold::Exact => preparation.constrain(Self::NAME, Quantity::MeanCurvature, targets),
+            Hold::Exact => preparation.constrain(Self::NAME, AnyFunctional::MeanCurvature, targets),
             Hold::Penalty(modulus) => {
                 let penalty = helfrich::AreaDifference::new(modulus, targets);
                 preparation.conservative(Self::NAME, penalty)?;

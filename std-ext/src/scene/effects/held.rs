@@ -4,7 +4,7 @@ use super::super::keys::{Form, Key, optional};
 use super::super::units::Dimension;
 use super::{EffectError, MeshCheck, Parameter, Parameters, Preparation, Reader};
 use crate::six::Six;
-use helfrich::{Quantity, Targets};
+use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
 
 /// The way in which a quantity is kept at its target.
@@ -121,7 +121,7 @@ impl Preparation<'_> {
         &mut self,
         name: &'static str,
         hold: Hold,
-        quantity: Quantity,
+        quantity: AnyFunctional,
         targets: Targets<f64>,
     ) -> Result<(), EffectError> {
         match hold {

@@ -5,8 +5,8 @@ use super::{Effects, Stretch};
 use crate::effect::{CannotBend, CompiledPotential, Effect, Lumping, Viscosity};
 use crate::io::ColumnPlace;
 use helfrich::{
-    Constraint, LoadError, MaterialParameter, ParameterError, Quantity, ReferenceError, Reordering,
-    Surface, SurfaceError, Targets, TriangleMesh,
+    AnyFunctional, Constraint, LoadError, MaterialParameter, ParameterError, ReferenceError,
+    Reordering, Surface, SurfaceError, Targets, TriangleMesh,
 };
 
 /// The reason why an effect cannot be prepared for a mesh. The message is one line.
@@ -99,7 +99,7 @@ impl Preparation<'_> {
     pub(super) fn constrain(
         &mut self,
         name: &'static str,
-        functional: Quantity,
+        functional: AnyFunctional,
         targets: Targets<f64>,
     ) {
         let constraint = Constraint {

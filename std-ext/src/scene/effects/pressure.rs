@@ -6,7 +6,7 @@ use super::{
     Builder, Check, Described, EffectError, Groups, MeshSource, Named, Parameter, Parameters,
     Preparation, Reader, SurfaceEffect,
 };
-use helfrich::{OsmoticPressure, Quantity};
+use helfrich::{AnyFunctional, OsmoticPressure};
 use serde::Serialize;
 
 /// Pressure inside minus pressure outside, `E = −Δp V`.
@@ -33,8 +33,8 @@ impl Described for Pressure {
 }
 
 impl SurfaceEffect for Pressure {
-    fn quantity(&self) -> Option<Quantity> {
-        Some(Quantity::Volume)
+    fn quantity(&self) -> Option<AnyFunctional> {
+        Some(AnyFunctional::Volume)
     }
 
     fn check(&self, check: &mut Check<'_, '_>) {

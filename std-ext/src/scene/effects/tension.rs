@@ -6,7 +6,7 @@ use super::{
     Builder, Check, Described, EffectError, Groups, MeshSource, Named, Parameter, Parameters,
     Preparation, Reader, Stiffness, SurfaceEffect,
 };
-use helfrich::{Quantity, SurfaceTension};
+use helfrich::{AnyFunctional, SurfaceTension};
 use serde::Serialize;
 
 /// Surface tension, `E = σ A`.
@@ -33,8 +33,8 @@ impl Described for Tension {
 }
 
 impl SurfaceEffect for Tension {
-    fn quantity(&self) -> Option<Quantity> {
-        Some(Quantity::Area)
+    fn quantity(&self) -> Option<AnyFunctional> {
+        Some(AnyFunctional::Area)
     }
 
     fn check(&self, check: &mut Check<'_, '_>) {

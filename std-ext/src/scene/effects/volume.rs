@@ -9,7 +9,7 @@ use super::{
     Parameters, Preparation, Reader, SurfaceEffect, Target,
 };
 use crate::six::Six;
-use helfrich::{Quantity, Targets};
+use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -115,8 +115,8 @@ impl HeldVolume {
 }
 
 impl SurfaceEffect for HeldVolume {
-    fn quantity(&self) -> Option<Quantity> {
-        Some(Quantity::Volume)
+    fn quantity(&self) -> Option<AnyFunctional> {
+        Some(AnyFunctional::Volume)
     }
 
     fn check(&self, check: &mut Check<'_, '_>) {
@@ -184,13 +184,13 @@ impl SurfaceEffect for HeldVolume {
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
         let surface = preparation.surface;
         let targets = match self.target {
-            VolumeTarget::Initial => Targets::measured(&Quantity::Volume, surface),
+            VolumeTarget::Initial => Targets::measured(&AnyFunctional::Volume, surface),
             VolumeTarget::Value(volume) => Targets::Same(volume),
             VolumeTarget::Reduced(reduced) => {
                 let areas = HeldArea::targets(preparation.siblings.area, surface);
                 map(&areas, |area| reduced * area.powf(1.5) / (6.0 * PI.sqrt()))
             }
         };
-        preparation.hold(Self::NAME, self.hold, Quantity::Volume, targets)
+        preparation.hold(Self::NAME, self.hold, AnyFunctional::Volume, targets)
     }
 }

@@ -2,7 +2,9 @@
 
 use super::super::{Held, Membrane, Motion, Problem, Settings};
 use super::{Evaluation, Failure, Outcome, Relaxation, SetupError, State, StepReport};
-use helfrich::{Constraint, Constraints, Juelicher, Prepared, Quantity, Surface, TriangleMesh};
+use helfrich::{
+    AnyFunctional, Constraint, Constraints, Juelicher, Prepared, Surface, TriangleMesh,
+};
 use helfrich_mesh::generate::{AnyShape, Family, generate};
 use std::sync::Arc;
 
@@ -33,8 +35,8 @@ impl Vesicle {
         };
         let constraints = Constraints {
             constraints: vec![
-                hold(Quantity::Area, area),
-                hold(Quantity::Volume, 0.9 * sphere),
+                hold(AnyFunctional::Area, area),
+                hold(AnyFunctional::Volume, 0.9 * sphere),
             ],
         };
         let vesicle = Self {

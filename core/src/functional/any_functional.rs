@@ -10,7 +10,7 @@ use crate::surface::Surface;
 
 /// A functional that is chosen at run time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Quantity {
+pub enum AnyFunctional {
     /// [`TotalArea`].
     Area,
     /// [`EnclosedVolume`].
@@ -19,9 +19,9 @@ pub enum Quantity {
     MeanCurvature,
 }
 
-/// Memory of a [`Quantity`]: the workspace of the functional it stands for.
+/// Memory of a [`AnyFunctional`]: the workspace of the functional it stands for.
 #[derive(Clone, Debug)]
-pub enum QuantityMemory<T: Real> {
+pub enum AnyFunctionalMemory<T: Real> {
     /// The workspace of [`TotalArea`].
     Area(Workspace<T, TotalArea>),
     /// The workspace of [`EnclosedVolume`].
@@ -30,42 +30,44 @@ pub enum QuantityMemory<T: Real> {
     MeanCurvature(Workspace<T, TotalMeanCurvature>),
 }
 
-impl<T: Real> Method<T> for Quantity {
-    type Memory = QuantityMemory<T>;
+impl<T: Real> Method<T> for AnyFunctional {
+    type Memory = AnyFunctionalMemory<T>;
 
-    fn memory(&self, mesh: &TriangleMesh) -> QuantityMemory<T> {
+    fn memory(&self, mesh: &TriangleMesh) -> AnyFunctionalMemory<T> {
         match self {
-            Self::Area => QuantityMemory::Area(TotalArea.workspace(mesh)),
-            Self::Volume => QuantityMemory::Volume(EnclosedVolume.workspace(mesh)),
+            Self::Area => AnyFunctionalMemory::Area(TotalArea.workspace(mesh)),
+            Self::Volume => AnyFunctionalMemory::Volume(EnclosedVolume.workspace(mesh)),
             Self::MeanCurvature => {
-                QuantityMemory::MeanCurvature(TotalMeanCurvature.workspace(mesh))
+                AnyFunctionalMemory::MeanCurvature(TotalMeanCurvature.workspace(mesh))
             }
         }
     }
 }
 
-impl Quantity {
+impl AnyFunctional {
     /// Refuses a workspace that was made for another quantity.
-    fn expect<T: Real>(self, memory: &QuantityMemory<T>) {
+    fn expect<T: Real>(self, memory: &AnyFunctionalMemory<T>) {
         let of_memory = match memory {
-            QuantityMemory::Area(_) => Self::Area,
-            QuantityMemory::Volume(_) => Self::Volume,
-            QuantityMemory::MeanCurvature(_) => Self::MeanCurvature,
+            AnyFunctionalMemory::Area(_) => Self::Area,
+            AnyFunctionalMemory::Volume(_) => Self::Volume,
+            AnyFunctionalMemory::MeanCurvature(_) => Self::MeanCurvature,
         };
         assert!(
             self == of_memory,
-            "Quantity::{self:?} was given a workspace of Quantity::{of_memory:?}: make one by \
+            "AnyFunctional::{self:?} was given a workspace of AnyFunctional::{of_memory:?}: make one by \
              Method::workspace of this quantity"
         );
     }
 }
 
-impl<T: Real> Functional<T> for Quantity {
+impl<T: Real> Functional<T> for AnyFunctional {
     fn components<'a>(&self, workspace: &'a Workspace<T, Self>) -> &'a Components {
         match workspace.memory() {
-            QuantityMemory::Area(workspace) => TotalArea.components(workspace),
-            QuantityMemory::Volume(workspace) => EnclosedVolume.components(workspace),
-            QuantityMemory::MeanCurvature(workspace) => TotalMeanCurvature.components(workspace),
+            AnyFunctionalMemory::Area(workspace) => TotalArea.components(workspace),
+            AnyFunctionalMemory::Volume(workspace) => EnclosedVolume.components(workspace),
+            AnyFunctionalMemory::MeanCurvature(workspace) => {
+                TotalMeanCurvature.components(workspace)
+            }
         }
     }
 
@@ -79,13 +81,13 @@ impl<T: Real> Functional<T> for Quantity {
         let memory = workspace.for_mesh_mut(surface.mesh());
         self.expect(memory);
         match memory {
-            QuantityMemory::Area(workspace) => {
+            AnyFunctionalMemory::Area(workspace) => {
                 TotalArea.values(execution, surface, workspace, values);
             }
-            QuantityMemory::Volume(workspace) => {
+            AnyFunctionalMemory::Volume(workspace) => {
                 EnclosedVolume.values(execution, surface, workspace, values);
             }
-            QuantityMemory::MeanCurvature(workspace) => {
+            AnyFunctionalMemory::MeanCurvature(workspace) => {
                 TotalMeanCurvature.values(execution, surface, workspace, values);
             }
         }
@@ -102,13 +104,13 @@ impl<T: Real> Functional<T> for Quantity {
         let memory = workspace.for_mesh_mut(surface.mesh());
         self.expect(memory);
         match memory {
-            QuantityMemory::Area(workspace) => {
+            AnyFunctionalMemory::Area(workspace) => {
                 TotalArea.add_gradient(execution, surface, workspace, weights, gradient);
             }
-            QuantityMemory::Volume(workspace) => {
+            AnyFunctionalMemory::Volume(workspace) => {
                 EnclosedVolume.add_gradient(execution, surface, workspace, weights, gradient);
             }
-            QuantityMemory::MeanCurvature(workspace) => {
+            AnyFunctionalMemory::MeanCurvature(workspace) => {
                 TotalMeanCurvature.add_gradient(execution, surface, workspace, weights, gradient);
             }
         }
