@@ -16,7 +16,7 @@ pub trait Method<T: Real>: Sized {
     /// Results that follow from the connectivity, and memory for one evaluation at a time. It grows
     /// at the first evaluation and is reused by the following ones; after an evaluation it holds
     /// the results of that evaluation.
-    type Memory: Clone + fmt::Debug;
+    type Memory: Clone + fmt::Debug + Send;
 
     /// Whether triangles without area are missing in the results, so that [`Self::inspect`] reports
     /// them.

@@ -147,7 +147,7 @@ impl Effect {
     message = "`{Self}` is not in the list of potentials",
     note = "add it to `potentials!` in std-ext/evaluate/src/effect.rs, where its loops are compiled"
 )]
-pub trait CompiledPotential: Conservative<f64> {
+pub trait CompiledPotential: Conservative<f64> + Send {
     /// The method, prepared for a mesh.
     fn prepared(self, mesh: &TriangleMesh) -> PreparedPotential;
 }
@@ -208,7 +208,7 @@ impl Visitor<f64> for Acting<'_> {
 
     fn energy<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<f64> + fmt::Debug + 'static,
+        M: Conservative<f64> + fmt::Debug + Send + 'static,
     {
         let prepared = Box::new(prepared(method, self.mesh));
         Ok(Effect::new(self.name, true, prepared))
@@ -216,14 +216,14 @@ impl Visitor<f64> for Acting<'_> {
 
     fn energy_and_curvatures<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<f64> + Curvatures<f64> + fmt::Debug + 'static,
+        M: Conservative<f64> + Curvatures<f64> + fmt::Debug + Send + 'static,
     {
         self.energy(method)
     }
 
     fn strong_form<L>(self, method: StrongForm<f64, L>) -> Self::Output
     where
-        L: LaplaceBeltrami<f64> + fmt::Debug + Sync + 'static,
+        L: LaplaceBeltrami<f64> + fmt::Debug + Send + Sync + 'static,
     {
         let prepared: Box<dyn Act> = match self.lumping {
             Lumping::Own => Box::new(InStrongForm(prepared(Projected(method), self.mesh))),
@@ -234,7 +234,7 @@ impl Visitor<f64> for Acting<'_> {
 
     fn curvatures<M>(self, _method: M) -> Self::Output
     where
-        M: Curvatures<f64> + fmt::Debug + 'static,
+        M: Curvatures<f64> + fmt::Debug + Send + 'static,
     {
         Err(CannotBend::NoForce(self.bending))
     }
@@ -245,8 +245,8 @@ fn prepared<M: Method<f64>>(method: M, mesh: &TriangleMesh) -> Prepared<f64, M, 
     Prepared::with_execution(method, mesh, Parallel::new())
 }
 
-/// The interface of every prepared effect.
-trait Act: fmt::Debug {
+/// The interface of every prepared effect. Membranes are handed from thread to thread.
+trait Act: fmt::Debug + Send {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64;
 
     fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding));
@@ -254,7 +254,7 @@ trait Act: fmt::Debug {
 
 impl<M> Act for Prepared<f64, M, Parallel>
 where
-    M: Conservative<f64> + fmt::Debug,
+    M: Conservative<f64> + fmt::Debug + Send,
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         self.add_force_and_energy(surface, force)
@@ -273,7 +273,7 @@ where
 
 impl<L> Act for InStrongForm<L>
 where
-    L: LaplaceBeltrami<f64> + fmt::Debug + Sync,
+    L: LaplaceBeltrami<f64> + fmt::Debug + Send + Sync,
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         self.0.add_force(surface, force);
@@ -317,7 +317,7 @@ where
 
 impl<L> Act for Lumped<L>
 where
-    L: LaplaceBeltrami<f64> + fmt::Debug + Sync,
+    L: LaplaceBeltrami<f64> + fmt::Debug + Send + Sync,
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         let thirds = Cotangent::new(DualArea::Barycentric);

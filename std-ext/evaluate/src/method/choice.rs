@@ -13,22 +13,22 @@ pub(crate) trait Visitor<T: Real> {
     /// Takes a method with an energy that defines no curvatures.
     fn energy<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<T> + fmt::Debug + 'static;
+        M: Conservative<T> + fmt::Debug + Send + 'static;
 
     /// Takes a method with an energy that defines H, or H and K.
     fn energy_and_curvatures<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<T> + Curvatures<T> + fmt::Debug + 'static;
+        M: Conservative<T> + Curvatures<T> + fmt::Debug + Send + 'static;
 
     /// Takes a method in strong form.
     fn strong_form<L>(self, method: StrongForm<T, L>) -> Self::Output
     where
-        L: LaplaceBeltrami<T> + fmt::Debug + Sync + 'static;
+        L: LaplaceBeltrami<T> + fmt::Debug + Send + Sync + 'static;
 
     /// Takes an operator for curvatures only.
     fn curvatures<M>(self, method: M) -> Self::Output
     where
-        M: Curvatures<T> + fmt::Debug + 'static;
+        M: Curvatures<T> + fmt::Debug + Send + 'static;
 }
 
 /// Parameters from which methods are made.

@@ -54,7 +54,7 @@ impl<T: Real> Evaluator<T> {
         execution: X,
     ) -> Self
     where
-        X: Execution + Copy + fmt::Debug + 'static,
+        X: Execution + Copy + fmt::Debug + Send + 'static,
     {
         Self::made(
             method.into(),
@@ -324,13 +324,13 @@ pub(super) struct Preparing<'a, T, X> {
 impl<T, X> Visitor<T> for Preparing<'_, T, X>
 where
     T: Real,
-    X: Execution + fmt::Debug + 'static,
+    X: Execution + fmt::Debug + Send + 'static,
 {
     type Output = Box<dyn Evaluate<T>>;
 
     fn energy<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<T> + fmt::Debug + 'static,
+        M: Conservative<T> + fmt::Debug + Send + 'static,
     {
         let prepared = Prepared::with_execution(method, self.mesh, self.execution);
         Box::new(WithEnergy {
@@ -341,7 +341,7 @@ where
 
     fn energy_and_curvatures<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<T> + Curvatures<T> + fmt::Debug + 'static,
+        M: Conservative<T> + Curvatures<T> + fmt::Debug + Send + 'static,
     {
         let prepared = Prepared::with_execution(method, self.mesh, self.execution);
         let describe: DescribeFn<T, M, X> = if self.gaussian {
@@ -354,7 +354,7 @@ where
 
     fn strong_form<L>(self, method: StrongForm<T, L>) -> Self::Output
     where
-        L: LaplaceBeltrami<T> + fmt::Debug + Sync + 'static,
+        L: LaplaceBeltrami<T> + fmt::Debug + Send + Sync + 'static,
     {
         let prepared = Prepared::with_execution(method, self.mesh, self.execution);
         Box::new(InStrongForm(prepared))
@@ -362,7 +362,7 @@ where
 
     fn curvatures<M>(self, method: M) -> Self::Output
     where
-        M: Curvatures<T> + fmt::Debug + 'static,
+        M: Curvatures<T> + fmt::Debug + Send + 'static,
     {
         let prepared = Prepared::with_execution(method, self.mesh, self.execution);
         Box::new(WithoutForce {
@@ -405,8 +405,8 @@ fn collect<T: Real>(
     (fields, findings)
 }
 
-/// The interface of every prepared method.
-pub(super) trait Evaluate<T: Real>: fmt::Debug {
+/// The interface of every prepared method. Evaluators are handed from thread to thread.
+pub(super) trait Evaluate<T: Real>: fmt::Debug + Send {
     /// Adds nodal forces to `force`, or sets it to force densities: see [`Evaluator::evaluate`].
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]);
 
@@ -437,8 +437,8 @@ where
 impl<T, M, X> Evaluate<T> for WithEnergy<T, M, X>
 where
     T: Real,
-    M: Conservative<T> + fmt::Debug,
-    X: Execution + fmt::Debug,
+    M: Conservative<T> + fmt::Debug + Send,
+    X: Execution + fmt::Debug + Send,
 {
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
         self.prepared.add_force_and_energy(surface, force);
@@ -472,8 +472,8 @@ where
 impl<T, M, X> Evaluate<T> for WithoutForce<T, M, X>
 where
     T: Real,
-    M: Curvatures<T> + fmt::Debug,
-    X: Execution + fmt::Debug,
+    M: Curvatures<T> + fmt::Debug + Send,
+    X: Execution + fmt::Debug + Send,
 {
     fn evaluate(&mut self, surface: Surface<'_, T>, _force: &mut [[T; 3]]) {
         self.prepared.curvatures(surface);
@@ -504,8 +504,8 @@ where
 impl<T, L, X> Evaluate<T> for InStrongForm<T, L, X>
 where
     T: Real,
-    X: Execution + fmt::Debug,
-    L: LaplaceBeltrami<T> + fmt::Debug + Sync,
+    X: Execution + fmt::Debug + Send,
+    L: LaplaceBeltrami<T> + fmt::Debug + Send + Sync,
 {
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
         self.0.force_density(surface, force);

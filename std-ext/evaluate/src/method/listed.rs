@@ -27,7 +27,7 @@ impl<const PLACE: usize> Described for Of<PLACE> {
 /// A method whose forces are the gradient of its energy.
 pub trait ListedEnergy: Described {
     /// The method for the scalar T.
-    type Method<T: Real>: Conservative<T> + fmt::Debug + 'static;
+    type Method<T: Real>: Conservative<T> + fmt::Debug + Send + 'static;
 
     /// Makes the method.
     fn method<T: Real>(settings: Settings<'_, T>) -> Self::Method<T>;
@@ -36,7 +36,7 @@ pub trait ListedEnergy: Described {
 /// A method in strong form.
 pub trait ListedOperator: Described {
     /// Its operator for the scalar T.
-    type Operator<T: Real>: LaplaceBeltrami<T> + Copy + fmt::Debug + Sync + 'static;
+    type Operator<T: Real>: LaplaceBeltrami<T> + Copy + fmt::Debug + Send + Sync + 'static;
 
     /// Makes the method.
     fn method<T: Real>(settings: Settings<'_, T>) -> StrongForm<T, Self::Operator<T>>;
@@ -45,7 +45,7 @@ pub trait ListedOperator: Described {
 /// An operator for curvatures only.
 pub trait ListedCurvatures: Described {
     /// The operator for the scalar T.
-    type Method<T: Real>: Curvatures<T> + Copy + fmt::Debug + 'static;
+    type Method<T: Real>: Curvatures<T> + Copy + fmt::Debug + Send + 'static;
 
     /// Makes the operator.
     fn method<T: Real>(settings: Settings<'_, T>) -> Self::Method<T>;
