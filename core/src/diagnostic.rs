@@ -133,6 +133,7 @@ pub enum Finding {
 pub struct Quality {
     findings: Vec<Finding>,
     flagged: Vec<bool>,
+    flags: Vec<u32>,
 }
 
 impl Quality {
@@ -143,24 +144,28 @@ impl Quality {
     pub fn gather(mesh: &TriangleMesh, inspect: impl FnOnce(&mut dyn FnMut(Finding))) -> Self {
         let mut findings = Vec::new();
         inspect(&mut |finding| findings.push(finding));
-        let mut flagged = alloc::vec![false; mesh.vertex_count()];
-        let mut flag = |vertex: u32| {
-            flagged[vertex as usize] = true;
+        let mut flags = alloc::vec![0; mesh.vertex_count()];
+        let mut flag = |vertex: u32, bit: u32| {
+            flags[vertex as usize] |= bit;
             for &neighbour in mesh.one_ring(vertex as usize) {
-                flagged[neighbour as usize] = true;
+                flags[neighbour as usize] |= bit;
             }
         };
         for finding in &findings {
+            let bit = finding.bit();
             match finding.place() {
-                Place::Vertex(vertex) => flag(vertex),
+                Place::Vertex(vertex) => flag(vertex, bit),
                 Place::Triangle(triangle) => {
-                    mesh.triangles()[triangle as usize]
-                        .into_iter()
-                        .for_each(&mut flag);
+                    let corners = mesh.triangles()[triangle as usize];
+                    corners.into_iter().for_each(|corner| flag(corner, bit));
                 }
             }
         }
-        Self { findings, flagged }
+        Self {
+            findings,
+            flagged: flags.iter().map(|&bits| bits != 0).collect(),
+            flags,
+        }
     }
 
     /// The findings, in the order in which the method reports them.
@@ -172,6 +177,11 @@ impl Quality {
     pub fn flagged(&self) -> &[bool] {
         &self.flagged
     }
+
+    /// The kinds of findings that concern each vertex, as the sum of their bits: see [`Finding::bit`].
+    pub fn flags(&self) -> &[u32] {
+        &self.flags
+    }
 }
 
 /// The place of a finding.
@@ -181,6 +191,49 @@ enum Place {
 }
 
 impl Finding {
+    /// The names of the kinds of findings, in the order of their bits.
+    pub const KINDS: [&'static str; 16] = [
+        "zero_area",
+        "negative_area",
+        "reduced_degree",
+        "too_few_neighbours",
+        "small_area",
+        "clamped_area",
+        "amplified",
+        "uneven",
+        "unusual_valence",
+        "folded",
+        "rounded_position",
+        "noisy_position",
+        "out_of_range",
+        "overstretched",
+        "degenerate_triangle",
+        "thin_triangle",
+    ];
+
+    /// The bit of the kind of finding, 1 for the first of [`Self::KINDS`].
+    pub fn bit(self) -> u32 {
+        let kind = match self {
+            Self::ZeroArea { .. } => 0,
+            Self::NegativeArea { .. } => 1,
+            Self::ReducedDegree { .. } => 2,
+            Self::TooFewNeighbours { .. } => 3,
+            Self::SmallArea { .. } => 4,
+            Self::ClampedArea { .. } => 5,
+            Self::Amplified { .. } => 6,
+            Self::Uneven { .. } => 7,
+            Self::UnusualValence { .. } => 8,
+            Self::Folded { .. } => 9,
+            Self::RoundedPosition { .. } => 10,
+            Self::NoisyPosition { .. } => 11,
+            Self::OutOfRange { .. } => 12,
+            Self::Overstretched { .. } => 13,
+            Self::DegenerateTriangle { .. } => 14,
+            Self::ThinTriangle { .. } => 15,
+        };
+        1 << kind
+    }
+
     fn place(self) -> Place {
         match self {
             Self::ZeroArea { vertex }
