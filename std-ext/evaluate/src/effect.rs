@@ -59,10 +59,7 @@ impl Effect {
         lumping: Lumping,
         mesh: &TriangleMesh,
     ) -> Result<Self, CannotBend> {
-        let varies = modulus.varies() || spontaneous_curvature.varies();
-        if method == BendingMethod::KantorNelson && varies {
-            return Err(CannotBend::Uniform(method));
-        }
+        CannotBend::unless_uniform(method, [&modulus, &spontaneous_curvature])?;
         let settings = Settings {
             modulus,
             spontaneous_curvature,
@@ -109,6 +106,15 @@ impl Effect {
     pub fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         let start = Instant::now();
         let energy = self.prepared.add_force(surface, force);
+        self.time += start.elapsed();
+        self.evaluations += 1;
+        energy
+    }
+
+    /// The energy alone, which [`Self::add_force`] returns, too.
+    pub fn energy(&mut self, surface: Surface<'_, f64>) -> f64 {
+        let start = Instant::now();
+        let energy = self.prepared.energy(surface);
         self.time += start.elapsed();
         self.evaluations += 1;
         energy
@@ -195,6 +201,19 @@ pub enum CannotBend {
     Uniform(BendingMethod),
 }
 
+impl CannotBend {
+    /// Refuses a modulus or a spontaneous curvature that varies, where the method has one for all edges.
+    pub(crate) fn unless_uniform(
+        method: BendingMethod,
+        material: [&MaterialParameter<f64>; 2],
+    ) -> Result<(), Self> {
+        if method == BendingMethod::KantorNelson && material.iter().any(|own| own.varies()) {
+            return Err(Self::Uniform(method));
+        }
+        Ok(())
+    }
+}
+
 /// A bending method as an effect.
 struct Acting<'a> {
     name: &'static str,
@@ -249,6 +268,8 @@ fn prepared<M: Method<f64>>(method: M, mesh: &TriangleMesh) -> Prepared<f64, M, 
 trait Act: fmt::Debug + Send {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64;
 
+    fn energy(&mut self, surface: Surface<'_, f64>) -> f64;
+
     fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding));
 }
 
@@ -258,6 +279,10 @@ where
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         self.add_force_and_energy(surface, force)
+    }
+
+    fn energy(&mut self, surface: Surface<'_, f64>) -> f64 {
+        Prepared::energy(self, surface)
     }
 
     fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding)) {
@@ -280,6 +305,10 @@ where
         self.0.with(|Projected(method), execution, workspace| {
             method.energy_of(execution, workspace.memory().method.memory())
         })
+    }
+
+    fn energy(&mut self, surface: Surface<'_, f64>) -> f64 {
+        self.0.energy(surface)
     }
 
     fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding)) {
@@ -338,6 +367,10 @@ where
         }
         self.method
             .with(|method, execution, workspace| method.energy_of(execution, workspace.memory()))
+    }
+
+    fn energy(&mut self, surface: Surface<'_, f64>) -> f64 {
+        self.method.energy(surface)
     }
 
     fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding)) {

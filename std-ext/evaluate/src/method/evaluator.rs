@@ -2,6 +2,7 @@
 
 use super::fields::Fields;
 use super::{AnyMethod, BendingMethod, MethodOptions, OwnMethod, Settings, Visitor, choose};
+use crate::effect::CannotBend;
 use crate::execute::Parallel;
 use crate::ordered::Ordered;
 use helfrich::{
@@ -59,7 +60,7 @@ impl<T: Real> Evaluator<T> {
         Self::made(
             method.into(),
             options,
-            modulus,
+            [modulus.into(), MaterialParameter::default()],
             mesh,
             execution,
             |settings, preparing| choose(method, settings, preparing),
@@ -70,7 +71,7 @@ impl<T: Real> Evaluator<T> {
     fn made<X>(
         method: AnyMethod,
         options: &MethodOptions,
-        modulus: T,
+        material: [MaterialParameter<T>; 2],
         mesh: &TriangleMesh,
         execution: X,
         make: impl FnOnce(Settings<'_, T>, Preparing<'_, T, X>) -> Box<dyn Evaluate<T>>,
@@ -78,9 +79,17 @@ impl<T: Real> Evaluator<T> {
         let ordered = Ordered::of(mesh);
         let vertices = mesh.vertex_count();
         let mesh = ordered.as_ref().map_or(mesh, |ordered| ordered.mesh());
+        let in_order = |parameter| match (&ordered, parameter) {
+            (Some(ordered), MaterialParameter::PerVertex(values)) => {
+                MaterialParameter::PerVertex(ordered.order().apply(&values))
+            }
+            (_, parameter) => parameter,
+        };
+        let number = material[0].at(0);
+        let [modulus, spontaneous_curvature] = material.map(in_order);
         let settings = Settings {
-            modulus: modulus.into(),
-            spontaneous_curvature: MaterialParameter::default(),
+            modulus,
+            spontaneous_curvature,
             options,
             mesh,
         };
@@ -88,7 +97,7 @@ impl<T: Real> Evaluator<T> {
         let preparing = Preparing {
             mesh,
             execution,
-            modulus,
+            modulus: number,
             gaussian,
         };
         Self {
@@ -255,7 +264,8 @@ macro_rules! evaluated {
                 threads: Parallel,
             ) -> Evaluator<$number> {
                 let options = MethodOptions::default();
-                Evaluator::made(method.into(), &options, modulus, mesh, threads, method.$made)
+                let material = [modulus.into(), MaterialParameter::default()];
+                Evaluator::made(method.into(), &options, material, mesh, threads, method.$made)
             }
         }
 
@@ -287,6 +297,33 @@ macro_rules! evaluated {
 evaluated!(f32: single, f64: double);
 
 impl Evaluator<f64> {
+    /// Prepares `method` with a bending modulus κ and a spontaneous curvature H0, which may vary, on the
+    /// given threads.
+    ///
+    /// # Errors
+    /// If the method is an operator for curvatures only, or kantor-nelson (A) and one of these varies.
+    ///
+    /// # Panics
+    /// If a parameter is not finite or too large, see [`helfrich::Method::check`], or one that varies
+    /// has not one number for each vertex.
+    pub fn with_material(
+        method: BendingMethod,
+        options: &MethodOptions,
+        material: [MaterialParameter<f64>; 2],
+        mesh: &TriangleMesh,
+        threads: Parallel,
+    ) -> Result<Self, CannotBend> {
+        if !method.has_force() {
+            return Err(CannotBend::NoForce(method));
+        }
+        CannotBend::unless_uniform(method, material.each_ref())?;
+        let make = |settings: Settings<'_, f64>, preparing: Preparing<'_, f64, Parallel>| {
+            choose(method, settings, preparing)
+        };
+        let method = method.into();
+        Ok(Self::made(method, options, material, mesh, threads, make))
+    }
+
     /// Jets of degree 8, the highest: slow and not available in scenes, but the reference for other
     /// methods where exact values are unknown.
     pub fn reference(modulus: f64, mesh: &TriangleMesh) -> Self {
