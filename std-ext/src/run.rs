@@ -71,12 +71,14 @@ const SERIES: &str = "series.csv";
 pub(crate) const SUMMARY: &str = "summary.json";
 
 /// The progress of a run.
-#[derive(Clone, Debug)]
-pub struct Progress {
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
     /// From 0 to 1.
     pub fraction: f64,
     /// Description of the progress.
-    pub message: String,
+    pub message: &'a str,
+    /// The positions of all surfaces, one after the other.
+    pub positions: &'a [[f64; 3]],
 }
 
 /// The content of a checkpoint.
@@ -120,7 +122,7 @@ pub fn run(
     folder: &Path,
     resume: bool,
     interrupted: &dyn Fn() -> bool,
-    progress: &mut dyn FnMut(&Progress),
+    progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Result<Summary, RunError> {
     let start = Instant::now();
     let lock = folder::lock_if_there(folder)?;
@@ -272,7 +274,7 @@ impl Run<'_> {
     fn drive(
         &mut self,
         interrupted: &dyn Fn() -> bool,
-        progress: &mut dyn FnMut(&Progress),
+        progress: &mut dyn FnMut(&Progress<'_>),
     ) -> Result<(End, String), RunError> {
         if self.outputs.written.is_none() {
             self.write(false)?;
@@ -280,7 +282,12 @@ impl Run<'_> {
         }
         loop {
             let step = self.drive.step(&mut self.simulation)?;
-            progress(&self.drive.progress());
+            let (fraction, message) = self.drive.progress();
+            progress(&Progress {
+                fraction,
+                message: &message,
+                positions: self.drive.positions(),
+            });
             if step.output {
                 self.write(step.end.is_some())?;
             }

@@ -138,7 +138,7 @@ pub struct SweepProgress<'a> {
     /// Its name.
     pub name: &'a str,
     /// The progress of the run.
-    pub run: &'a Progress,
+    pub run: &'a Progress<'a>,
     /// The fraction of the whole sweep from 0 to 1, with equal weights for all runs.
     pub fraction: f64,
 }
@@ -334,7 +334,7 @@ impl Sweep {
             if interrupted() {
                 return Ok(());
             }
-            let mut tell = |run: &Progress| board.tell(at, case, run);
+            let mut tell = |run: &Progress<'_>| board.tell(at, case, run);
             let own = folder.join(&case.name);
             let outcome = match self.run_case(case, &own, resume, &interrupted, &mut tell) {
                 Ok(ended) => Outcome::Ended(ended),
@@ -360,7 +360,7 @@ impl Sweep {
         folder: &Path,
         resume: bool,
         interrupted: &dyn Fn() -> bool,
-        progress: &mut dyn FnMut(&Progress),
+        progress: &mut dyn FnMut(&Progress<'_>),
     ) -> Result<Ended, Trouble> {
         let of_case = |error: &dyn ToString| Trouble::Case(error.to_string());
         let file = self.read(case).map_err(|error| of_case(&error))?;

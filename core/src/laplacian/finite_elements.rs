@@ -109,6 +109,19 @@ impl Cotangent {
         });
     }
 
+    /// `∇λ` of the three corners of a triangle, in its order: the gradient of a field is the sum of its
+    /// numbers at the corners times these. They are 0 for a triangle without area.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn corner_gradients<T: Real>(
+        &self,
+        surface: Surface<'_, T>,
+        triangle: usize,
+    ) -> [[T; 3]; 3] {
+        corner_gradients(&surface.triangle(triangle)).map(finite_or_zero)
+    }
+
     /// Sets `divergence` to the integrated `−∫ v·∇λ_i dS`, one number for each vertex, of a field v
     /// with one vector for each triangle, in the unit of v times length. Divided by the area of the
     /// vertex it is the divergence of the tangential part of v.

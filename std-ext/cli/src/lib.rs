@@ -409,7 +409,7 @@ fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
         arguments.resume,
         &|| stop.load(Ordering::Relaxed),
         &mut |progress| {
-            bar.show(progress.fraction, &progress.message);
+            bar.show(progress.fraction, progress.message);
         },
     );
     bar.clear();

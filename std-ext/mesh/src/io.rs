@@ -36,6 +36,7 @@ pub use sha256::sha256;
 pub use vti::{Grid, write_vti};
 pub use vtk::{PointField, PointValues, VtkError};
 pub use vtp::{Collection, CollectionEntry, write_vtp, write_vtp_with_cells};
+pub use weld::{Welded, weld};
 pub use whole::{free_memory, read_whole, without_mark};
 pub use write::{WriteError, write, write_to};
 

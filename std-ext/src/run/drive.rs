@@ -1,7 +1,7 @@
 //! The interface between a run and the drivers, which move the surfaces of a scene.
 
 use super::state::DriveState;
-use super::{End, Progress, RunError};
+use super::{End, RunError};
 use crate::flow::{Effort, Fluid};
 use crate::simulation::{EffectCost, Simulation};
 
@@ -25,8 +25,8 @@ pub(super) trait Drive {
     /// Advances by one step.
     fn step(&mut self, simulation: &mut Simulation) -> Result<Step, RunError>;
 
-    /// The progress, for display.
-    fn progress(&self) -> Progress;
+    /// The progress from 0 to 1, and its description.
+    fn progress(&self) -> (f64, String);
 
     /// Work done so far.
     fn work(&self) -> Work;

@@ -4,7 +4,7 @@ use super::clock::Clock;
 use super::deformed::Deformed;
 use super::drive::{Drive, Mark, Step, Work, cost};
 use super::state::{DriveState, FlowingProgress, FlowingState};
-use super::{End, Progress, RunError};
+use super::{End, RunError};
 use crate::dynamics::integrate::{Integrator, Scheme, Settings, SpectralRadius, StepReport};
 use crate::dynamics::{Motion, Problem};
 use crate::enclosure::surroundings;
@@ -331,16 +331,13 @@ impl Drive for Flowing<'_> {
         })
     }
 
-    fn progress(&self) -> Progress {
+    fn progress(&self) -> (f64, String) {
         let (step, stages) = self
             .report
             .map_or((f64::NAN, 0), |report| (report.step, report.stages));
         let progress = self.clock.progress(self.integrator.time(), step);
         let message = format!("{progress}, {stages} velocities a step");
-        Progress {
-            fraction: self.integrator.time() / self.clock.duration,
-            message,
-        }
+        (self.integrator.time() / self.clock.duration, message)
     }
 
     fn work(&self) -> Work {

@@ -5,7 +5,7 @@ use super::deformed::Deformed;
 use super::drive::{Drive, Mark, Step, Work, cost};
 use super::flowing::is_held;
 use super::state::{DriveState, ImmersingProgress, ImmersingState};
-use super::{End, Progress, RunError};
+use super::{End, RunError};
 use crate::dynamics::Problem;
 use crate::execute::available_threads;
 use crate::flow::lattice_boltzmann::limits::FINITE_BOX;
@@ -199,13 +199,11 @@ impl<T: Stored> Drive for Immersing<'_, T> {
         })
     }
 
-    fn progress(&self) -> Progress {
+    fn progress(&self) -> (f64, String) {
         let total = self.nearest(self.clock.duration);
         let progress = self.clock.progress(self.time(), self.driver.step);
-        Progress {
-            fraction: self.progress.steps as f64 / total as f64,
-            message: format!("{progress}, {} of {total} steps", self.progress.steps),
-        }
+        let message = format!("{progress}, {} of {total} steps", self.progress.steps);
+        (self.progress.steps as f64 / total as f64, message)
     }
 
     fn work(&self) -> Work {

@@ -3,7 +3,7 @@
 use super::drive::{Drive, Mark, Step, Work};
 use super::remedy::{advice, remedy};
 use super::state::{DriveState, RelaxingProgress, RelaxingState};
-use super::{End, Progress, RunError};
+use super::{End, RunError};
 use crate::dynamics::{Failure, Outcome, Relaxation, Settings, SetupError};
 use crate::scene::{Relax, Scene};
 use crate::series::ITERATION;
@@ -220,7 +220,7 @@ impl Drive for Relaxing {
 
     /// Progress: the decades by which the residual has fallen, relative to those by which it has to
     /// fall.
-    fn progress(&self) -> Progress {
+    fn progress(&self) -> (f64, String) {
         let first = self.progress.first_residual.unwrap_or(f64::NAN);
         let done = (first / self.residual).ln() / (first / self.relax.residual).ln();
         // NaN if there is nothing to do.
@@ -240,13 +240,11 @@ impl Drive for Relaxing {
         } else {
             String::new()
         };
-        Progress {
-            fraction: (self.progress.load as f64 + done) / *loads as f64,
-            message: format!(
-                "{load}iteration {}, energy {energy:.6e}, residual {residual:.1e}",
-                self.progress.iteration
-            ),
-        }
+        let message = format!(
+            "{load}iteration {}, energy {energy:.6e}, residual {residual:.1e}",
+            self.progress.iteration
+        );
+        ((self.progress.load as f64 + done) / *loads as f64, message)
     }
 
     fn work(&self) -> Work {

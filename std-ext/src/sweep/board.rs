@@ -53,7 +53,7 @@ impl<'a> Board<'a> {
     }
 
     /// Tells how far a run is.
-    pub(super) fn tell(&self, at: usize, case: &Case, run: &Progress) {
+    pub(super) fn tell(&self, at: usize, case: &Case, run: &Progress<'_>) {
         let mut shared = self.shared();
         shared.fractions[at] = run.fraction;
         let count = self.cases.len();

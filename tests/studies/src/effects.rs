@@ -156,7 +156,7 @@ fn measure(
     let ready = build(&file).map_err(|error| problem(&error))?;
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("run");
-    let mut unheard = |_: &Progress| {};
+    let mut unheard = |_: &Progress<'_>| {};
     let summary = run(&file.scene, ready, &out, false, interrupted, &mut unheard)?;
     match summary.end {
         End::Completed | End::Interrupted => Ok(summary),

@@ -184,7 +184,7 @@ pub struct FlowProgress<'a> {
     /// The running case.
     pub case: &'a FlowCase,
     /// The progress of this run.
-    pub run: &'a Progress,
+    pub run: &'a Progress<'a>,
 }
 
 /// The reason why a study of flow cannot be made.
@@ -322,7 +322,7 @@ impl FlowStudy {
             if interrupted() {
                 break;
             }
-            let mut tell = |run: &Progress| {
+            let mut tell = |run: &Progress<'_>| {
                 progress(&FlowProgress {
                     fraction: (before + case.weight() * run.fraction) / total,
                     case,
@@ -405,7 +405,7 @@ impl FlowCase {
         strain: f64,
         folder: &Path,
         interrupted: &dyn Fn() -> bool,
-        progress: &mut dyn FnMut(&Progress),
+        progress: &mut dyn FnMut(&Progress<'_>),
     ) -> Result<Found, FlowStudyError> {
         let file = self.file(strain)?;
         let ready = build(&file).map_err(|error| FlowStudyError::Scene {
