@@ -43,6 +43,28 @@ pub const fn verdict_name(verdict: Verdict) -> &'static str {
     }
 }
 
+/// The words for verdicts other than clean, each with its bit in flags of vertices. They come after the bits
+/// of findings ([`helfrich::Finding::bit`]), with room for more of these.
+pub const VERDICT_BITS: [(&str, u32); 4] = [
+    (verdict_name(Verdict::Noise), 1 << 24),
+    (verdict_name(Verdict::Unresolved), 1 << 25),
+    (verdict_name(Verdict::OneSided), 1 << 26),
+    (verdict_name(Verdict::Unknown), 1 << 27),
+];
+
+/// The bit of a verdict among [`VERDICT_BITS`]; 0 for clean vertices.
+pub fn verdict_bit(verdict: Verdict) -> u32 {
+    let name = verdict_name(verdict);
+    let known = VERDICT_BITS.iter().find(|(known, _)| *known == name);
+    known.map_or(0, |&(_, bit)| bit)
+}
+
+/// The principal curvatures `H ± √(H² − K)`, k₁ ≥ k₂; both are H where K exceeds H².
+pub fn principal_curvatures(mean: f64, gaussian: f64) -> [f64; 2] {
+    let apart = (mean * mean - gaussian).max(0.0).sqrt();
+    [mean + apart, mean - apart]
+}
+
 fn known(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
@@ -93,13 +115,12 @@ impl Measurement {
         let mean = |vertex: usize| number(fields.mean[vertex]);
         let gaussian = |vertex: usize| number(fields.gaussian[vertex]);
         let principal = |which: usize| {
-            let sign = [1.0, -1.0][which];
             self.each(|vertex, at| {
                 let (mean, own) = (mean(vertex), at.mean.value);
                 if mean == own {
                     return at.principal[which].value;
                 }
-                mean + sign * (mean * mean - gaussian(vertex)).max(0.0).sqrt()
+                principal_curvatures(mean, gaussian(vertex))[which]
             })
         };
         let bars = |values: &[f64], of: &dyn Fn(&Measured<f64>) -> Estimate<f64>| {

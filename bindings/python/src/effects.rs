@@ -1,0 +1,299 @@
+//! Effects from their Python descriptions: classes with the words of scenes.
+
+use crate::arrays::{Numbers, Positions, made_ready};
+use crate::curvature::Chosen;
+use crate::failure::{Fault, invalid};
+use helfrich::{
+    AreaDifference, BorderTension, Components, GaussianBending, GaussianDomains, GompperKroll,
+    Gravity, InPlane, LineTension, LocalArea, MaterialParameter, Method, NeoHookean,
+    OsmoticPressure, Penalty, PointLoads, Quantity, Reordering, Skalak, StrainEnergy, Surface,
+    SurfaceTension, Targets, TriangleMesh, WallAdhesion,
+};
+use helfrich_std::effect::{CompiledPotential, Effect, Lumping};
+use helfrich_std::method::BendingMethod;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+/// The mesh of a membrane, and the order in which it is evaluated.
+pub(crate) struct Ground<'a> {
+    /// The mesh of the user.
+    pub(crate) mesh: &'a TriangleMesh,
+    /// The same in the order of evaluation.
+    pub(crate) own: &'a TriangleMesh,
+    pub(crate) order: Option<&'a Reordering>,
+}
+
+/// A parameter at the vertices of a mesh, or the same everywhere.
+pub(crate) fn material(
+    numbers: &Numbers<'_>,
+    vertices: usize,
+    name: &str,
+) -> PyResult<MaterialParameter<f64>> {
+    Ok(match (numbers, numbers.each(vertices, name)?) {
+        (_, Some(each)) => MaterialParameter::PerVertex(each.to_vec()),
+        (Numbers::Same(same), None) => MaterialParameter::Constant(*same),
+        (Numbers::Each(_), None) => MaterialParameter::default(),
+    })
+}
+
+/// Refuses a modulus κ and a spontaneous curvature H0 with which methods cannot compute.
+pub(crate) fn checked_material(
+    method: BendingMethod,
+    [modulus, spontaneous_curvature]: &[MaterialParameter<f64>; 2],
+) -> PyResult<()> {
+    let is_curved = *spontaneous_curvature != MaterialParameter::default();
+    if method == BendingMethod::KantorNelson && is_curved {
+        return Err(invalid(
+            "kantor-nelson has no spontaneous curvature: choose another method",
+        ));
+    }
+    let same_limits = GompperKroll {
+        modulus: modulus.clone(),
+        spontaneous_curvature: spontaneous_curvature.clone(),
+        ..GompperKroll::new(1.0)
+    };
+    Method::check(&same_limits).map_err(invalid)
+}
+
+/// The attributes of an effect's description.
+struct Reader<'a, 'py> {
+    described: &'a Bound<'py, PyAny>,
+    ground: &'a Ground<'a>,
+}
+
+impl<'py> Reader<'_, 'py> {
+    fn get(&self, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.described.getattr(name)
+    }
+
+    fn number(&self, name: &str) -> PyResult<f64> {
+        let value = self.get(name)?;
+        value
+            .extract()
+            .map_err(|_| PyTypeError::new_err(format!("{name} is {value}: a number is needed")))
+    }
+
+    fn vector(&self, name: &str) -> PyResult<[f64; 3]> {
+        let value = self.get(name)?;
+        value.extract().map_err(|_| {
+            PyTypeError::new_err(format!("{name} is {value}: three numbers are needed"))
+        })
+    }
+
+    /// A parameter at the vertices, in the order of evaluation.
+    fn material(&self, name: &str) -> PyResult<MaterialParameter<f64>> {
+        let numbers = Numbers::named(&self.get(name)?, name)?;
+        let values = material(&numbers, self.ground.mesh.vertex_count(), name)?;
+        Ok(match (values, self.ground.order) {
+            (MaterialParameter::PerVertex(values), Some(order)) => {
+                MaterialParameter::PerVertex(order.apply(&values))
+            }
+            (values, _) => values,
+        })
+    }
+
+    /// A target for each component, in the order of evaluation, or the same for all.
+    fn targets(&self, name: &str) -> PyResult<Targets<f64>> {
+        let numbers = Numbers::named(&self.get(name)?, name)?;
+        if let Numbers::Same(same) = numbers {
+            return Ok(Targets::Same(same));
+        }
+        let components = Components::new(self.ground.mesh);
+        let each = numbers.each(components.count(), name)?.unwrap_or(&[]);
+        let Some(order) = self.ground.order else {
+            return Ok(Targets::PerComponent(each.to_vec()));
+        };
+        let own = Components::new(self.ground.own);
+        let mut ordered = vec![0.0; own.count()];
+        for (&component, &vertex) in own.of_vertex().iter().zip(order.vertices()) {
+            let old = components.of_vertex()[vertex as usize];
+            ordered[component as usize] = each[old as usize];
+        }
+        Ok(Targets::PerComponent(ordered))
+    }
+
+    /// A law of in-plane elasticity over the reference positions.
+    fn in_plane<W: StrainEnergy<f64>>(&self, law: W) -> PyResult<InPlane<f64, W>> {
+        let positions = Positions::named(&self.get("reference")?, "reference")?;
+        let positions = positions.double();
+        Surface::new(self.ground.mesh, &positions[..]).map_err(Fault::from)?;
+        let positions = match self.ground.order {
+            Some(order) => order.apply(&positions),
+            None => positions.into_owned(),
+        };
+        let own = self.ground.own;
+        let reference = Surface::new(own, &positions).map_err(Fault::from)?;
+        let made = InPlane::new(law, own, reference);
+        Ok(made.map_err(Fault::new)?)
+    }
+
+    /// The effect of a potential whose parameters are checked.
+    fn potential(&self, name: &'static str, method: impl CompiledPotential) -> PyResult<Effect> {
+        method.check().map_err(invalid)?;
+        Ok(Effect::conservative(name, method, self.ground.own))
+    }
+
+    fn bending(&self) -> PyResult<Effect> {
+        let method: String = self.get("method")?.extract()?;
+        let areas: Option<String> = self.get("areas")?.extract()?;
+        let bandwidth: Option<String> = self.get("bandwidth")?.extract()?;
+        let Chosen { method, options } =
+            Chosen::named(&method, areas.as_deref(), bandwidth.as_deref())?;
+        let material = [self.material("kappa")?, self.material("H0")?];
+        checked_material(method, &material)?;
+        let own = self.ground.own;
+        Effect::bending("bending", method, &options, material, Lumping::Own, own).map_err(invalid)
+    }
+
+    fn gaussian_bending(&self) -> PyResult<Effect> {
+        let name = "gaussian_bending";
+        match self.material("modulus")? {
+            MaterialParameter::Constant(modulus) => {
+                self.potential(name, GaussianBending::new(modulus))
+            }
+            modulus => self.potential(name, GaussianDomains { modulus }),
+        }
+    }
+
+    fn border_tension(&self) -> PyResult<Effect> {
+        let (tension, own) = (self.number("value")?, self.ground.own);
+        let domains = made_ready("labels", &self.get("domains")?, "domains")?;
+        let domains = domains
+            .cast::<PyArray1<i64>>()?
+            .try_readonly()
+            .map_err(invalid)?;
+        let labels = domains.as_slice().map_err(invalid)?;
+        let [vertices, triangles] = [own.vertex_count(), own.triangles().len()];
+        let order = self.ground.order;
+        let method = if labels.len() == vertices {
+            let labels = order.map_or_else(|| labels.to_vec(), |order| order.apply(labels));
+            BorderTension::new(tension, own, &labels)
+        } else if labels.len() == triangles {
+            let own_labels = order.map(|order| order.apply_to_triangles(labels));
+            let labels = own_labels.unwrap_or_else(|| labels.to_vec());
+            BorderTension::of_triangles(tension, own, &labels)
+        } else {
+            return Err(Fault::new(format_args!(
+                "domains has {} labels: one for each of {vertices} vertices or {triangles} faces is needed",
+                labels.len()
+            ))
+            .into());
+        };
+        self.potential("border_tension", method)
+    }
+
+    fn adhesion(&self) -> PyResult<Effect> {
+        let normal = self.vector("normal")?;
+        let [x, y, z] = normal;
+        let length = x.hypot(y).hypot(z);
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(invalid("the normal of the wall has no length"));
+        }
+        self.potential(
+            "adhesion",
+            WallAdhesion {
+                strength: self.number("strength")?,
+                distance: self.number("distance")?,
+                range: self.number("range")?,
+                wall: self.vector("wall")?,
+                normal: normal.map(|component| component / length),
+            },
+        )
+    }
+
+    fn loads(&self) -> PyResult<Effect> {
+        let vertices = made_ready("labels", &self.get("vertices")?, "vertices")?;
+        let vertices = vertices
+            .cast::<PyArray1<i64>>()?
+            .try_readonly()
+            .map_err(invalid)?;
+        let vertices = vertices.as_slice().map_err(invalid)?;
+        let forces = Positions::named(&self.get("forces")?, "forces")?;
+        let forces = forces.double();
+        if vertices.len() != forces.len() {
+            return Err(Fault::new(format_args!(
+                "there are {} vertices for {} forces: one for each is needed",
+                vertices.len(),
+                forces.len()
+            ))
+            .into());
+        }
+        let numbers = vertices
+            .iter()
+            .map(|&vertex| u32::try_from(vertex).unwrap_or(u32::MAX));
+        let given = Vec::from_iter(numbers.zip(forces.iter().copied()));
+        // Messages name the vertices of the user's mesh.
+        PointLoads::new(self.ground.mesh, given.clone()).map_err(invalid)?;
+        let Some(order) = self.ground.order else {
+            let loads = PointLoads::new(self.ground.own, given).map_err(invalid)?;
+            return self.potential("stretching", loads);
+        };
+        let mut places = vec![0; order.vertices().len()];
+        for (place, &vertex) in order.vertices().iter().enumerate() {
+            places[vertex as usize] = place as u32;
+        }
+        let given = given.into_iter();
+        let ordered = given
+            .map(|(vertex, force)| (places[vertex as usize], force))
+            .collect();
+        let loads = PointLoads::new(self.ground.own, ordered).map_err(invalid)?;
+        self.potential("stretching", loads)
+    }
+}
+
+/// The effect that an object describes, ready for a mesh.
+pub(crate) fn effect(described: &Bound<'_, PyAny>, ground: &Ground<'_>) -> PyResult<Effect> {
+    let reader = Reader { described, ground };
+    let class = described.get_type().name()?.to_string();
+    match class.as_str() {
+        "Bending" => reader.bending(),
+        "GaussianBending" => reader.gaussian_bending(),
+        "NeoHookean" => {
+            let shear_modulus = reader.number("shear_modulus")?;
+            let law = reader.in_plane(NeoHookean { shear_modulus })?;
+            reader.potential("elasticity", law)
+        }
+        "Skalak" => {
+            let law = Skalak {
+                shear_modulus: reader.number("shear_modulus")?,
+                area_ratio: reader.number("area_ratio")?,
+            };
+            reader.potential("elasticity", reader.in_plane(law)?)
+        }
+        "LocalArea" => {
+            let area_modulus = reader.number("modulus")?;
+            let law = reader.in_plane(LocalArea { area_modulus })?;
+            reader.potential("local_area", law)
+        }
+        "Area" => {
+            let (modulus, targets) = (reader.number("modulus")?, reader.targets("target")?);
+            reader.potential("area", Penalty::new(Quantity::Area, modulus, targets))
+        }
+        "Volume" => {
+            let (modulus, targets) = (reader.number("modulus")?, reader.targets("target")?);
+            reader.potential("volume", Penalty::new(Quantity::Volume, modulus, targets))
+        }
+        "AreaDifference" => {
+            let (modulus, targets) = (reader.number("modulus")?, reader.targets("target")?);
+            reader.potential("area_difference", AreaDifference::new(modulus, targets))
+        }
+        "Tension" => reader.potential("tension", SurfaceTension::new(reader.number("value")?)),
+        "LineTension" => {
+            reader.potential("line_tension", LineTension::new(reader.number("value")?))
+        }
+        "BorderTension" => reader.border_tension(),
+        "Pressure" => reader.potential("pressure", OsmoticPressure::new(reader.number("value")?)),
+        "Gravity" => {
+            let density = reader.number("density_difference")?;
+            let weight = reader.vector("acceleration")?.map(|g| density * g);
+            let level = reader.vector("level")?;
+            reader.potential("gravity", Gravity { weight, level })
+        }
+        "Adhesion" => reader.adhesion(),
+        "Loads" => reader.loads(),
+        _ => Err(PyTypeError::new_err(format!(
+            "{class} is no effect: helfrich.effects has them all"
+        ))),
+    }
+}

@@ -1,0 +1,304 @@
+//! A membrane: a mesh with the effects on it, for repeated evaluation.
+
+use crate::arrays::{Positions, faces, matrix, rows};
+use crate::effects::{Ground, effect};
+use crate::failure::{Fault, invalid};
+use crate::work::on_threads;
+use helfrich::{Quality, Surface, TriangleMesh};
+use helfrich_std::effect::Effect;
+use helfrich_std::ordered::Ordered;
+use numpy::{
+    Element, PyArray1, PyArray2, PyArrayMethods, PyReadwriteArray2, PyUntypedArrayMethods,
+};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// A mesh with the effects on it. What it is for the user is documented in its Python subclass.
+#[pyclass(subclass, frozen, module = "helfrich._helfrich")]
+pub(crate) struct Membrane {
+    mesh: TriangleMesh,
+    threads: Option<usize>,
+    /// Locked without the interpreter's lock only.
+    prepared: Mutex<Prepared>,
+}
+
+/// Effects prepared for the mesh, in an order that is kind to caches.
+struct Prepared {
+    ordered: Option<Ordered<f64>>,
+    effects: Vec<Effect>,
+    /// Forces in double precision, for arrays in single precision.
+    force: Vec<[f64; 3]>,
+}
+
+impl Prepared {
+    /// Sets `force` to the sum of all forces, and returns the sum of all energies.
+    fn evaluate(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
+        force.fill([0.0; 3]);
+        let effects = self.effects.iter_mut();
+        match &mut self.ordered {
+            None => effects.map(|effect| effect.add_force(surface, force)).sum(),
+            Some(ordered) => {
+                let (surface, own) = ordered.parts(surface);
+                own.fill([0.0; 3]);
+                let energy = effects.map(|effect| effect.add_force(surface, own)).sum();
+                ordered.add_forces_to(force);
+                energy
+            }
+        }
+    }
+
+    fn energy(&mut self, surface: Surface<'_, f64>) -> f64 {
+        let surface = match &mut self.ordered {
+            None => surface,
+            Some(ordered) => ordered.parts(surface).0,
+        };
+        self.effects
+            .iter_mut()
+            .map(|effect| effect.energy(surface))
+            .sum()
+    }
+
+    /// The kinds of findings that concern each vertex, of the last evaluation.
+    fn flags(&self, surface: Surface<'_, f64>) -> Vec<u32> {
+        let gathered = Quality::gather(surface.mesh(), |report| {
+            for effect in &self.effects {
+                match &self.ordered {
+                    None => effect.inspect(surface, report),
+                    Some(ordered) => ordered.inspect(
+                        surface,
+                        |surface, report| effect.inspect(surface, report),
+                        report,
+                    ),
+                }
+            }
+        });
+        gathered.flags().to_vec()
+    }
+}
+
+/// An array for results, which nobody else reads or writes.
+fn writable<'py, T: Element>(
+    array: &Bound<'py, PyArray2<T>>,
+    vertices: usize,
+) -> PyResult<PyReadwriteArray2<'py, T>> {
+    if array.shape() != [vertices, 3] {
+        let [rows, columns] = [array.shape()[0], array.shape()[1]];
+        return Err(Fault::new(format_args!(
+            "out has the shape ({rows}, {columns}): ({vertices}, 3) is needed"
+        ))
+        .into());
+    }
+    if !array.is_c_contiguous() || !array.is_aligned() {
+        return Err(invalid(
+            "out is not one piece of memory in C order: numpy.empty_like(V, order=\"C\") is",
+        ));
+    }
+    array.try_readwrite().map_err(|error| {
+        invalid(format_args!(
+            "out cannot be written to: {error}: it must be writeable, and share no memory with V"
+        ))
+    })
+}
+
+/// The first and the last byte of an array in one piece of memory.
+fn bytes<T: Element>(array: &Bound<'_, PyArray2<T>>) -> [usize; 2] {
+    let start = array.data() as usize;
+    [start, start + array.len() * size_of::<T>()]
+}
+
+fn refuse_overlap<T: Element>(
+    out: &Bound<'_, PyArray2<T>>,
+    positions: &Bound<'_, PyArray2<T>>,
+) -> PyResult<()> {
+    let ([start, end], [from, to]) = (bytes(out), bytes(positions));
+    if start < to && from < end {
+        return Err(invalid("out shares memory with V: another array is needed"));
+    }
+    Ok(())
+}
+
+impl Membrane {
+    fn locked(&self) -> MutexGuard<'_, Prepared> {
+        // After a panic, too: each evaluation sets all that it reads.
+        self.prepared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The forces in double precision, written to `force`.
+    fn forces_of(&self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) -> Result<f64, Fault> {
+        let surface = Surface::new(&self.mesh, positions)?;
+        Ok(self.locked().evaluate(surface, force))
+    }
+
+    /// The forces in single precision, computed in double precision.
+    fn single_forces_of(
+        &self,
+        positions: &[[f64; 3]],
+        force: &mut [[f32; 3]],
+    ) -> Result<f64, Fault> {
+        let surface = Surface::new(&self.mesh, positions)?;
+        let mut prepared = self.locked();
+        let mut double = std::mem::take(&mut prepared.force);
+        double.resize(positions.len(), [0.0; 3]);
+        let energy = prepared.evaluate(surface, &mut double);
+        for (single, double) in force.iter_mut().zip(&double) {
+            *single = double.map(|component| component as f32);
+        }
+        prepared.force = double;
+        Ok(energy)
+    }
+
+    fn evaluate<'py>(
+        &self,
+        positions: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(f64, Bound<'py, PyAny>)> {
+        let py = positions.py();
+        let vertices = self.mesh.vertex_count();
+        let positions = Positions::new(positions)?;
+        let other = |kind| PyTypeError::new_err(format!("out must be an array of {kind}, as V is"));
+        match &positions {
+            Positions::Double(array) => {
+                let out = match out {
+                    None => return self.fresh(py, rows(array)),
+                    Some(out) => out.cast::<PyArray2<f64>>().map_err(|_| other("float64"))?,
+                };
+                refuse_overlap(out, array)?;
+                let mut written = writable(out, vertices)?;
+                let force = written.as_slice_mut().map_err(invalid)?.as_chunks_mut().0;
+                let rows = rows(array);
+                let energy = on_threads(py, self.threads, || self.forces_of(rows, force))??;
+                Ok((energy, out.clone().into_any()))
+            }
+            Positions::Single(array) => {
+                let double = positions.double();
+                let fresh;
+                let out = match out {
+                    None => {
+                        fresh = PyArray2::<f32>::zeros(py, [vertices, 3], false);
+                        &fresh
+                    }
+                    Some(out) => out.cast::<PyArray2<f32>>().map_err(|_| other("float32"))?,
+                };
+                refuse_overlap(out, array)?;
+                let mut written = writable(out, vertices)?;
+                let force = written.as_slice_mut().map_err(invalid)?.as_chunks_mut().0;
+                let work = || self.single_forces_of(&double, force);
+                let energy = on_threads(py, self.threads, work)??;
+                Ok((energy, out.clone().into_any()))
+            }
+        }
+    }
+
+    /// The forces as a new array.
+    fn fresh<'py>(
+        &self,
+        py: Python<'py>,
+        positions: &[[f64; 3]],
+    ) -> PyResult<(f64, Bound<'py, PyAny>)> {
+        let mut force = vec![[0.0; 3]; self.mesh.vertex_count()];
+        let energy = on_threads(py, self.threads, || self.forces_of(positions, &mut force))??;
+        Ok((energy, matrix(py, force)?.into_any()))
+    }
+}
+
+#[pymethods]
+impl Membrane {
+    #[new]
+    #[pyo3(signature = (F, *effects, vertices=None, threads=None))]
+    #[expect(non_snake_case, reason = "the name of the faces in Python")]
+    fn new(
+        F: &Bound<'_, PyAny>,
+        effects: &Bound<'_, PyTuple>,
+        vertices: Option<usize>,
+        threads: Option<usize>,
+    ) -> PyResult<Self> {
+        let faces = faces(F)?;
+        let named = faces.as_flattened().iter().max();
+        let vertices = vertices.unwrap_or(named.map_or(0, |&last| last as usize + 1));
+        on_threads(F.py(), threads, || {
+            let mesh = TriangleMesh::new(vertices, faces)?;
+            let ordered = Ordered::of(&mesh);
+            Ok::<_, Fault>((mesh, ordered))
+        })?
+        .map_err(PyErr::from)
+        .and_then(|(mesh, ordered)| {
+            let ground = Ground {
+                mesh: &mesh,
+                own: ordered.as_ref().map_or(&mesh, |ordered| ordered.mesh()),
+                order: ordered.as_ref().map(Ordered::order),
+            };
+            let effects = effects.iter().map(|described| effect(&described, &ground));
+            let effects = effects.collect::<PyResult<_>>()?;
+            let prepared = Mutex::new(Prepared {
+                ordered,
+                effects,
+                force: Vec::new(),
+            });
+            Ok(Self {
+                mesh,
+                threads,
+                prepared,
+            })
+        })
+    }
+
+    #[expect(non_snake_case, reason = "the name of the positions in Python")]
+    fn energy(&self, V: &Bound<'_, PyAny>) -> PyResult<f64> {
+        let positions = Positions::new(V)?;
+        let double = positions.double();
+        let energy = on_threads(V.py(), self.threads, || {
+            let surface = Surface::new(&self.mesh, &double[..])?;
+            Ok::<_, Fault>(self.locked().energy(surface))
+        })?;
+        Ok(energy?)
+    }
+
+    #[pyo3(signature = (V, out=None))]
+    #[expect(non_snake_case, reason = "the name of the positions in Python")]
+    fn force<'py>(
+        &self,
+        V: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self.evaluate(V, out)?.1)
+    }
+
+    #[pyo3(signature = (V, out=None))]
+    #[expect(non_snake_case, reason = "the name of the positions in Python")]
+    fn energy_and_force<'py>(
+        &self,
+        V: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(f64, Bound<'py, PyAny>)> {
+        self.evaluate(V, out)
+    }
+
+    #[expect(non_snake_case, reason = "the name of the positions in Python")]
+    fn flags<'py>(&self, V: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let positions = Positions::new(V)?;
+        let double = positions.double();
+        let flags = on_threads(V.py(), self.threads, || {
+            let surface = Surface::new(&self.mesh, &double[..])?;
+            let mut prepared = self.locked();
+            let mut force = vec![[0.0; 3]; double.len()];
+            prepared.evaluate(surface, &mut force);
+            Ok::<_, Fault>(prepared.flags(surface))
+        })?;
+        Ok(PyArray1::from_vec(V.py(), flags?))
+    }
+
+    /// The name of each effect, the number of its evaluations so far and their time in seconds.
+    #[getter]
+    fn costs(&self, py: Python<'_>) -> Vec<(&'static str, u64, f64)> {
+        py.detach(|| {
+            let prepared = self.locked();
+            let of = |effect: &Effect| {
+                let (evaluations, time) = effect.cost();
+                (effect.name(), evaluations, time.as_secs_f64())
+            };
+            prepared.effects.iter().map(of).collect()
+        })
+    }
+}

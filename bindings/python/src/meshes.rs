@@ -1,0 +1,195 @@
+//! Meshes: files, shapes, checks, refinement.
+
+use crate::arrays::{Arrays, Input, arrays, matrix};
+use crate::failure::{Fault, invalid, unreadable, unwritable};
+use crate::work::on_threads;
+use helfrich::shapes::Shape;
+use helfrich::{Surface, TriangleMesh};
+use helfrich_std::generate::{AnyShape, Family, generate};
+use helfrich_std::info::MeshInfo;
+use helfrich_std::io::{self, MeshFile, PointField, PointValues, Welded};
+use helfrich_std::noise::noise_of;
+use helfrich_std::subdivide as refinement;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+
+/// Reads a mesh file.
+#[pyfunction]
+pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<Arrays<'_>> {
+    let file = on_threads(py, None, || io::read(&path))?;
+    let MeshFile { positions, mesh } = file.map_err(|error| unreadable(&error))?;
+    arrays(py, positions, &mesh)
+}
+
+/// Numbers or vectors at vertices, for a file.
+enum Field<'py> {
+    Scalars(PyReadonlyArray1<'py, f64>),
+    Vectors(PyReadonlyArray2<'py, f64>),
+}
+
+/// Writes a mesh file, with fields of numbers (n,) and vectors (n, 3) in double precision.
+#[pyfunction]
+pub(crate) fn write(
+    py: Python<'_>,
+    path: PathBuf,
+    positions: &Bound<'_, PyAny>,
+    faces: &Bound<'_, PyAny>,
+    fields: &Bound<'_, PyDict>,
+) -> PyResult<()> {
+    let mut input = Input::new(positions, faces)?;
+    let mut named = Vec::new();
+    for (name, values) in fields.iter() {
+        let field = match values.cast::<PyArray2<f64>>() {
+            Ok(vectors) => Field::Vectors(vectors.try_readonly().map_err(invalid)?),
+            Err(_) => Field::Scalars(
+                values
+                    .cast::<PyArray1<f64>>()?
+                    .try_readonly()
+                    .map_err(invalid)?,
+            ),
+        };
+        named.push((name.extract::<String>()?, field));
+    }
+    let fields = named.iter().map(|(name, field)| PointField {
+        name,
+        values: match field {
+            Field::Scalars(array) => PointValues::Scalars(array.as_slice().unwrap_or(&[])),
+            Field::Vectors(array) => PointValues::Vectors(crate::arrays::rows(array)),
+        },
+    });
+    let fields = Vec::from_iter(fields);
+    let triangles = input.take_faces();
+    let positions = input.positions.double();
+    on_threads(py, None, || {
+        let mesh = TriangleMesh::new(positions.len(), triangles).map_err(Fault::from)?;
+        Surface::new(&mesh, &positions[..]).map_err(Fault::from)?;
+        if fields.is_empty() {
+            return io::write(&path, &positions, &mesh).map_err(|error| unwritable(&error));
+        }
+        io::write_vtp(&path, &mesh, &positions, None, &fields)
+            .map_err(|error| PyOSError::new_err(error.to_string()))
+    })?
+}
+
+/// A mesh of a family on an exact shape, and its exact values by name.
+#[pyfunction]
+pub(crate) fn shape<'py>(
+    py: Python<'py>,
+    spec: &str,
+    vertices: usize,
+    family: &str,
+    seed: u64,
+) -> PyResult<(Arrays<'py>, Bound<'py, PyDict>)> {
+    let shape: AnyShape = spec.parse().map_err(invalid)?;
+    let family: Family = family.parse().map_err(invalid)?;
+    let made = on_threads(py, None, || generate(&shape, family, vertices, seed))?;
+    let made = made.map_err(Fault::from)?;
+    let points = Vec::from_iter(made.preimages.iter().map(|&at| shape.at(at)));
+    let exact = PyDict::new(py);
+    let list = |name: &str, values: Vec<f64>| exact.set_item(name, PyArray1::from_vec(py, values));
+    list("H", points.iter().map(|at| at.mean).collect())?;
+    list("K", points.iter().map(|at| at.gaussian).collect())?;
+    list(
+        "laplacian_of_H",
+        points.iter().map(|at| at.laplacian_of_mean).collect(),
+    )?;
+    list("f", points.iter().map(|at| at.force_density(1.0)).collect())?;
+    exact.set_item(
+        "normal",
+        matrix(py, points.iter().map(|at| at.normal).collect())?,
+    )?;
+    exact.set_item("area", shape.area())?;
+    exact.set_item("volume", shape.volume())?;
+    Ok((arrays(py, made.positions, &made.mesh)?, exact))
+}
+
+/// The measurements of a mesh by name; of one that is none, the fault.
+#[pyfunction]
+pub(crate) fn inspect<'py>(
+    py: Python<'py>,
+    positions: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let mut input = Input::new(positions, faces)?;
+    let triangles = input.take_faces();
+    let positions = input.positions.double();
+    let found = on_threads(py, None, || {
+        let mesh = TriangleMesh::new(positions.len(), triangles)?;
+        let surface = Surface::new(&mesh, &positions[..])?;
+        let file = MeshFile {
+            positions: positions.to_vec(),
+            mesh: mesh.clone(),
+        };
+        Ok::<_, Fault>((
+            MeshInfo::new(surface),
+            noise_of(surface),
+            file.split_vertices(),
+        ))
+    })?;
+    let (info, noise, split) = found?;
+    let report = PyDict::new(py);
+    report.set_item("vertices", info.vertices)?;
+    report.set_item("isolated_vertices", info.isolated_vertices)?;
+    report.set_item("split_vertices", split)?;
+    report.set_item("edges", info.edges)?;
+    report.set_item("boundary_edges", info.boundary_edges)?;
+    report.set_item("faces", info.triangles)?;
+    report.set_item("components", info.components)?;
+    report.set_item("euler_characteristic", info.euler_characteristic)?;
+    report.set_item("area", info.area)?;
+    report.set_item("volume", info.volume)?;
+    report.set_item("angles", (info.angles[0], info.angles[1]))?;
+    report.set_item("valences", (info.valences[0], info.valences[1]))?;
+    report.set_item("edge_lengths", (info.edge_lengths[0], info.edge_lengths[1]))?;
+    report.set_item("noise", noise.length)?;
+    report.set_item("noise_in_edges", noise.edges)?;
+    report.set_item("degenerate_faces", info.degenerate_triangles)?;
+    Ok(report)
+}
+
+/// Merges vertices; the last array has the new vertex of each old one.
+#[pyfunction]
+pub(crate) fn weld<'py>(
+    py: Python<'py>,
+    positions: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+    distance: f64,
+) -> PyResult<(Arrays<'py>, Bound<'py, PyArray1<u32>>)> {
+    let mut input = Input::new(positions, faces)?;
+    let triangles = input.take_faces();
+    let positions = input.positions.double();
+    let welded = on_threads(py, None, || io::weld(&positions, &triangles, distance))?;
+    let Welded { file, vertices } = welded.map_err(Fault::from)?;
+    let merged = arrays(py, file.positions, &file.mesh)?;
+    Ok((merged, PyArray1::from_vec(py, vertices)))
+}
+
+/// Refines a mesh by Loop's rules.
+#[pyfunction]
+pub(crate) fn subdivide<'py>(
+    py: Python<'py>,
+    positions: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+    levels: u32,
+    limit: bool,
+) -> PyResult<Arrays<'py>> {
+    let mut input = Input::new(positions, faces)?;
+    let triangles = input.take_faces();
+    let positions = input.positions.double();
+    let target = if limit {
+        refinement::Target::Limit
+    } else {
+        refinement::Target::Controls
+    };
+    let fine = on_threads(py, None, || {
+        let mesh = TriangleMesh::new(positions.len(), triangles)?;
+        Surface::new(&mesh, &positions[..])?;
+        let positions = positions.to_vec();
+        refinement::subdivide(MeshFile { positions, mesh }, levels, target).map_err(Fault::new)
+    })?;
+    let MeshFile { positions, mesh } = fine?;
+    arrays(py, positions, &mesh)
+}

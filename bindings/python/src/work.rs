@@ -1,0 +1,65 @@
+//! Work without the interpreter's lock: on a number of threads, and until the user interrupts it.
+
+use crate::failure::invalid;
+use helfrich_std::execute::{available_threads, with_threads};
+use pyo3::prelude::*;
+use std::cell::RefCell;
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
+/// Time between looks for signals.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
+
+/// Does `work` on this number of threads, 1 to 1024, or all.
+pub(crate) fn on_threads<R: Send>(
+    py: Python<'_>,
+    threads: Option<usize>,
+    work: impl FnOnce() -> R + Send,
+) -> PyResult<R> {
+    let threads = match threads {
+        None => available_threads(),
+        Some(threads) => NonZeroUsize::new(threads)
+            .filter(|threads| threads.get() <= 1024)
+            .ok_or_else(|| invalid(format_args!("threads is {threads}: 1 to 1024 are possible")))?,
+    };
+    Ok(py.detach(|| with_threads(threads, work)))
+}
+
+/// Looks for signals, as those of Ctrl-C, while work is done, and for the end that somebody asks for.
+#[derive(Default)]
+pub(crate) struct Watch {
+    last: RefCell<Option<Instant>>,
+    error: RefCell<Option<PyErr>>,
+}
+
+impl Watch {
+    /// Whether work has to end.
+    pub(crate) fn ends(&self) -> bool {
+        let now = Instant::now();
+        let is_early = |last: Instant| now.duration_since(last) < BETWEEN_LOOKS;
+        if self.error.borrow().is_some() {
+            return true;
+        }
+        if self.last.borrow().is_some_and(is_early) {
+            return false;
+        }
+        *self.last.borrow_mut() = Some(now);
+        match Python::attach(|py| py.check_signals()) {
+            Ok(()) => false,
+            Err(error) => {
+                self.fail(error);
+                true
+            }
+        }
+    }
+
+    /// Ends the work with an error.
+    pub(crate) fn fail(&self, error: PyErr) {
+        self.error.borrow_mut().get_or_insert(error);
+    }
+
+    /// The error that ended the work.
+    pub(crate) fn into_error(self) -> Option<PyErr> {
+        self.error.into_inner()
+    }
+}
