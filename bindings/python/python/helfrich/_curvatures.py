@@ -1,0 +1,219 @@
+"""Curvatures at every vertex."""
+
+from __future__ import annotations
+
+import enum
+from typing import Any, NamedTuple, Optional
+
+import numpy as np
+
+from . import _helfrich
+from ._arrays import both
+
+Flag = enum.IntFlag("Flag", dict(_helfrich.FLAGS), module="helfrich")
+Flag.__doc__ = """Reasons why values at a vertex are less trustworthy than usual.
+
+The first are findings of methods, which also concern the neighbours of a vertex: a triangle without
+area, say, or an unusual number of neighbours. The last four are verdicts of jets that choose their
+scale: NOISE and ONE_SIDED (near a boundary) widen error bars, UNRESOLVED says that the mesh is too
+coarse for its shape, and UNKNOWN that there is no value: it is 0.
+
+Examples
+--------
+>>> import helfrich
+>>> helfrich.Flag.UNKNOWN in helfrich.Flag(0)
+False
+"""
+
+
+class Errors(NamedTuple):
+    """Error bars (n,): the true error is estimated to be within them at 99 of 100 vertices.
+
+    They are infinite where nothing is known. `f` is that of the force density for κ = 1.
+    """
+
+    H: np.ndarray
+    K: np.ndarray
+    k1: np.ndarray
+    k2: np.ndarray
+    f: np.ndarray
+
+
+class Curvature(NamedTuple):
+    """The result of `curvature`. Arrays are (n,) or (n, 3), with the number type of V."""
+
+    H: np.ndarray
+    """Mean curvature (k1 + k2)/2, 1/length, positive on a sphere."""
+    K: Optional[np.ndarray]
+    """Gaussian curvature k1 k2, 1/length²; None if the method does not define it."""
+    k1: Optional[np.ndarray]
+    """The larger principal curvature; None if the method does not define K."""
+    k2: Optional[np.ndarray]
+    """The smaller principal curvature; None if the method does not define K."""
+    d1: Optional[np.ndarray]
+    """Unit vector (n, 3) along k1, 0 near umbilics; None unless asked for."""
+    d2: Optional[np.ndarray]
+    """Unit vector (n, 3) along k2, 0 near umbilics; None unless asked for."""
+    normal: np.ndarray
+    """Outward unit normal (n, 3)."""
+    area: np.ndarray
+    """Mixed area of the vertex, length²."""
+    error: Optional[Errors]
+    """Error bars; None unless the method has them or they were asked for."""
+    flags: np.ndarray
+    """Sums of `helfrich.Flag`, uint32; 0 where nothing is wrong."""
+
+
+def _answer(
+    V: Any,
+    F: Any,
+    *,
+    method: str = "auto",
+    areas: Optional[str] = None,
+    bandwidth: Any = None,
+    kappa: Any = 1.0,
+    H0: Any = 0.0,
+    scale: Optional[int] = None,
+    sigma: float = 0.0,
+    errors: bool = False,
+    threads: Optional[int] = None,
+) -> dict:
+    V, F = both(V, F)
+    if scale is not None and not 28 <= scale <= 4096:
+        raise ValueError(f"scale is {scale}: 28 to 4096 neighbours are possible")
+    if not 0 <= sigma < np.inf:
+        raise ValueError(f"sigma is {sigma}: a length is needed")
+    return _helfrich.curvature(
+        V,
+        F,
+        method=method,
+        areas=areas,
+        bandwidth=None if bandwidth is None else str(bandwidth),
+        modulus=kappa,
+        spontaneous_curvature=H0,
+        scale=scale,
+        sigma=float(sigma),
+        errors=errors,
+        threads=threads,
+    )
+
+
+def curvature(
+    V: Any,
+    F: Any = None,
+    *,
+    method: str = "auto",
+    scale: Optional[int] = None,
+    sigma: float = 0.0,
+    directions: bool = False,
+    errors: bool = False,
+    areas: Optional[str] = None,
+    bandwidth: Any = None,
+    threads: Optional[int] = None,
+) -> Curvature:
+    """Curvatures, normals and areas at every vertex, with error bars.
+
+    Parameters
+    ----------
+    V : (n, 3) float32 or float64
+        Positions, read without a copy where they are in C order. A mesh of pyvista, trimesh or
+        meshio may take the place of V and F.
+    F : (m, 3) integers
+        Triangles, counter-clockwise seen from outside.
+    method : str
+        "auto" fits osculating jets whose degree and number of neighbours follow from the noise at
+        each vertex, and has error bars. Other methods are listed in `helfrich.METHODS`.
+    scale : int, optional
+        Number of neighbours of the fits of "auto", 28 to 4096, instead of their own choice.
+    sigma : float
+        Known standard deviation of the positions along the normal, a length: a lower bound of the
+        noise that "auto" assumes.
+    directions : bool
+        Whether principal directions are returned; only "auto" and `errors=True` know them.
+    errors : bool
+        Error bars for another method than "auto", by comparison with it.
+    areas, bandwidth : str, optional
+        Options of the methods that have them, as in the program.
+    threads : int, optional
+        Number of threads, all by default. Results do not depend on it.
+
+    Returns
+    -------
+    Curvature
+        `H K k1 k2 d1 d2 normal area error flags`. Values are never NaN: where one is unknown, it is
+        0 and flagged `Flag.UNKNOWN`.
+
+    Raises
+    ------
+    MeshError
+        If V and F are no oriented manifold with finite coordinates.
+    ValueError
+        If there is no such method, or it does not define H.
+
+    Examples
+    --------
+    >>> import helfrich
+    >>> V, F, exact = helfrich.shape("sphere:2", 642)
+    >>> c = helfrich.curvature(V, F)
+    >>> bool((abs(c.H - 0.5) <= c.error.H).all())
+    True
+    """
+    found = _answer(
+        V, F, method=method, areas=areas, bandwidth=bandwidth,
+        scale=scale, sigma=sigma, errors=errors, threads=threads,
+    )  # fmt: skip
+    if found["H"] is None:
+        raise ValueError(f"{method} defines no curvatures: choose a method that defines H, such as auto")
+    if directions and "d1" not in found:
+        raise ValueError(f"{method} has no principal directions: choose auto, or errors=True")
+    bars = None
+    if found["H_error"] is not None:
+        bars = Errors(*(found[f"{name}_error"] for name in ("H", "K", "k1", "k2", "f")))
+    return Curvature(
+        H=found["H"],
+        K=found["K"],
+        k1=found.get("k1"),
+        k2=found.get("k2"),
+        d1=found["d1"] if directions else None,
+        d2=found["d2"] if directions else None,
+        normal=found["normal"],
+        area=found["area"],
+        error=bars,
+        flags=found["flags"],
+    )
+
+
+def mean_curvature(V: Any, F: Any = None, *, method: str = "auto", threads: Optional[int] = None) -> np.ndarray:
+    """Mean curvature H (n,), 1/length, positive on a sphere.
+
+    Arguments and errors are those of `curvature`; H is 0 where it is unknown.
+
+    Examples
+    --------
+    >>> import helfrich
+    >>> V, F, _ = helfrich.shape("sphere:2", 642)
+    >>> float(helfrich.mean_curvature(V, F).round(6).max())
+    0.5
+    """
+    return curvature(V, F, method=method, threads=threads).H
+
+
+def gaussian_curvature(
+    V: Any, F: Any = None, *, method: str = "auto", threads: Optional[int] = None
+) -> np.ndarray:
+    """Gaussian curvature K (n,), 1/length².
+
+    Arguments and errors are those of `curvature`; also a ValueError if the method does not define K.
+    K is 0 where it is unknown.
+
+    Examples
+    --------
+    >>> import helfrich
+    >>> V, F, _ = helfrich.shape("sphere:2", 642)
+    >>> float(helfrich.gaussian_curvature(V, F).round(6).max())
+    0.25
+    """
+    found = curvature(V, F, method=method, threads=threads).K
+    if found is None:
+        raise ValueError(f"{method} does not define K: choose a method that does, such as auto")
+    return found

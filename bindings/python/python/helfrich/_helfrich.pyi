@@ -1,0 +1,72 @@
+"""The compiled module. Everything but `Membrane` is for the package only."""
+
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+import numpy as np
+
+METHODS: List[Dict[str, Any]]
+FLAGS: List[Tuple[str, int]]
+EFFECTS: List[str]
+SCENES: List[str]
+__version__: str
+
+_Mesh = Tuple[np.ndarray, np.ndarray]
+_Sparse = Tuple[np.ndarray, np.ndarray, np.ndarray]
+
+class Membrane:
+    def __new__(
+        cls, F: Any, *effects: Any, vertices: Optional[int] = None, threads: Optional[int] = None
+    ) -> Membrane: ...
+    def energy(self, V: Any) -> float: ...
+    def force(self, V: Any, out: Optional[np.ndarray] = None) -> np.ndarray: ...
+    def energy_and_force(
+        self, V: Any, out: Optional[np.ndarray] = None
+    ) -> Tuple[float, np.ndarray]: ...
+    def flags(self, V: Any) -> np.ndarray: ...
+    @property
+    def costs(self) -> List[Tuple[str, int, float]]: ...
+
+def read(path: str) -> _Mesh: ...
+def write(path: str, positions: Any, faces: Any, fields: Dict[str, np.ndarray]) -> None: ...
+def shape(spec: str, vertices: int, family: str, seed: int) -> Tuple[_Mesh, Dict[str, Any]]: ...
+def inspect(positions: Any, faces: Any) -> Dict[str, Any]: ...
+def weld(positions: Any, faces: Any, distance: float) -> Tuple[_Mesh, np.ndarray]: ...
+def subdivide(positions: Any, faces: Any, levels: int, limit: bool) -> _Mesh: ...
+def curvature(
+    positions: Any,
+    faces: Any,
+    *,
+    method: str,
+    areas: Optional[str],
+    bandwidth: Optional[str],
+    modulus: Any,
+    spontaneous_curvature: Any,
+    scale: Optional[int],
+    sigma: float,
+    errors: bool,
+    threads: Optional[int],
+) -> Dict[str, Any]: ...
+def laplacian(
+    positions: Any, faces: Any, areas: str
+) -> Tuple[_Sparse, Optional[np.ndarray], Optional[_Sparse]]: ...
+def gradient(positions: Any, faces: Any) -> np.ndarray: ...
+def recommend(
+    positions: Any,
+    faces: Any,
+    *,
+    error: float,
+    quantity: str,
+    norm: str,
+    methods: Optional[List[str]],
+    scalars: List[str],
+    threads: Optional[int],
+) -> str: ...
+def run(
+    scene: str,
+    text: Optional[str],
+    settings: List[str],
+    folder: str,
+    resume: bool,
+    callback: Optional[Callable[..., Any]],
+    threads: Optional[int],
+) -> Tuple[str, Dict[str, np.ndarray], Dict[str, _Mesh]]: ...

@@ -1,0 +1,135 @@
+"""Energies and forces."""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import numpy as np
+
+from . import _helfrich
+from ._arrays import both, positions
+from ._curvatures import _answer
+from ._helfrich import Membrane
+from .effects import Bending
+
+__all__ = ["Membrane", "bending_energy", "bending_force"]
+
+
+def bending_energy(
+    V: Any,
+    F: Any = None,
+    *,
+    kappa: Any = 1.0,
+    H0: Any = 0.0,
+    method: str = "gompper-kroll",
+    areas: Optional[str] = None,
+    bandwidth: Any = None,
+    threads: Optional[int] = None,
+) -> float:
+    """The bending energy E = 2 ∫ κ (H − H0)² dS, 8πκ for a sphere with H0 = 0.
+
+    Parameters
+    ----------
+    V, F
+        The mesh, as in `curvature`. Energies are computed in double precision.
+    kappa, H0 : float or (n,)
+        Bending modulus, an energy, and spontaneous curvature, 1/length.
+    method : str
+        A method with forces, see `helfrich.METHODS`; "auto" is "jet". Its own energy, or a quadrature
+        of 2 ∫ κ (H − H0)² dS for methods in strong form.
+
+    Raises
+    ------
+    MeshError
+        If V and F are no mesh, or kappa or H0 do not fit it.
+    ValueError
+        If there is no such method, or a parameter is out of range.
+
+    Examples
+    --------
+    >>> import helfrich
+    >>> from math import pi
+    >>> V, F, _ = helfrich.shape("sphere:3", 2562)
+    >>> round(helfrich.bending_energy(V, F, method="j6") / (8 * pi), 2)
+    1.0
+    """
+    V, F = both(V, F)
+    V = positions(V)
+    bending = Bending(method, kappa, H0, areas, None if bandwidth is None else str(bandwidth))
+    return Membrane(F, bending, vertices=len(V), threads=threads).energy(V)
+
+
+def bending_force(
+    V: Any,
+    F: Any = None,
+    *,
+    kappa: Any = 1.0,
+    H0: Any = 0.0,
+    method: str = "auto",
+    density: bool = False,
+    areas: Optional[str] = None,
+    bandwidth: Any = None,
+    out: Optional[np.ndarray] = None,
+    threads: Optional[int] = None,
+) -> np.ndarray:
+    """The bending force (n, 3): nodal forces, or the force density.
+
+    Parameters
+    ----------
+    V, F
+        The mesh, as in `curvature`.
+    kappa, H0 : float or (n,)
+        Bending modulus, an energy, and spontaneous curvature, 1/length.
+    method : str
+        A method with forces. "auto" takes osculating jets of the degree that suits the mesh; its force
+        density averages noise of the positions, as in `curvature`.
+    density : bool
+        Whether to return f = 2 κ [Δ_S H + 2 H (H² − K)] n, force per area, instead of forces. Where it
+        is not defined, as at a boundary, it is 0.
+    out : (n, 3), optional
+        Array for the nodal forces, with the number type of V.
+
+    Returns
+    -------
+    (n, 3), with the number type of V
+        Nodal forces −∂E/∂x, computed in double precision; those of methods in strong form are f times
+        areas, freed of their net force and torque. Methods with an energy have exact gradients.
+
+    Raises
+    ------
+    MeshError
+        If V and F are no mesh, or kappa or H0 do not fit it.
+    ValueError
+        If there is no such method, a parameter is out of range, or out cannot be written to.
+
+    Examples
+    --------
+    >>> import helfrich
+    >>> V, F, exact = helfrich.shape("discocyte", 2562)
+    >>> f = helfrich.bending_force(V, F, density=True)
+    >>> error = abs((f * exact.normal).sum(axis=1) - exact.f).max() / abs(exact.f).max()
+    >>> bool(error < 0.05)
+    True
+    """
+    V, F = both(V, F)
+    if density:
+        if out is not None:
+            raise ValueError("out is for nodal forces: leave it out with density=True")
+        found = _answer(
+            V, F, method=method, kappa=kappa, H0=H0, areas=areas, bandwidth=bandwidth, threads=threads
+        )
+        if not _has_force(method):
+            raise ValueError(f"{method} measures curvatures only and has no force: choose a bending method")
+        return found["f"]
+    V = positions(V)
+    bending = Bending(method, kappa, H0, areas, None if bandwidth is None else str(bandwidth))
+    return Membrane(F, bending, vertices=len(V), threads=threads).force(V, out=out)
+
+
+def _has_force(name: str) -> bool:
+    known = (
+        method["has_force"]
+        for method in _helfrich.METHODS
+        if name.lower() in (method["name"], (method["letter"] or "").lower())
+    )
+    return next(known, True)

@@ -1,0 +1,307 @@
+"""Meshes: files, exact shapes, checks, refinement."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from typing import Any, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from . import _helfrich
+from ._arrays import both, positions
+from ._errors import MeshError
+
+Mesh = Tuple[np.ndarray, np.ndarray]
+
+
+def read(path: "str | os.PathLike[str]") -> Mesh:
+    """Reads a mesh file: OBJ, OFF, STL, PLY or VTP.
+
+    Polygons become triangles. STL files are welded; others keep their vertices, see `weld`.
+
+    Returns
+    -------
+    V : (n, 3) float64
+        All digits of the file.
+    F : (m, 3) uint32
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    MeshError
+        If its content is no oriented manifold.
+
+    Examples
+    --------
+    >>> import helfrich, tempfile, os
+    >>> V, F, _ = helfrich.shape("sphere", 42)
+    >>> path = os.path.join(tempfile.mkdtemp(), "sphere.ply")
+    >>> helfrich.write(path, V, F)
+    >>> bool((helfrich.read(path)[0] == V).all())
+    True
+    """
+    return _helfrich.read(os.fspath(path))
+
+
+def write(path: "str | os.PathLike[str]", V: Any, F: Any = None, **vertex_fields: Any) -> None:
+    """Writes a mesh file, completely or not at all: OBJ, OFF, STL, PLY or VTP.
+
+    All formats keep all digits of float64, except STL with those of float32. VTP files take fields at the
+    vertices, (n,) or (n, 3), by keyword, for ParaView and pyvista.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    MeshError
+        If V and F are no mesh, or a field does not fit it.
+    ValueError
+        If the name has no known ending, or the format takes no fields.
+
+    Examples
+    --------
+    >>> import helfrich, tempfile, os
+    >>> V, F, exact = helfrich.shape("discocyte", 642)
+    >>> path = os.path.join(tempfile.mkdtemp(), "cell.vtp")
+    >>> helfrich.write(path, V, F, H=exact.H, normal=exact.normal)
+    """
+    V, F = both(V, F)
+    path = os.fspath(path)
+    if vertex_fields and not path.lower().endswith(".vtp"):
+        raise ValueError(f"{path}: fields are written to .vtp files only")
+    vertices = len(positions(V))
+    fields = {}
+    for name, values in vertex_fields.items():
+        array = np.asarray(values)
+        if array.dtype.kind not in "fiub" or array.shape not in ((vertices,), (vertices, 3)):
+            raise MeshError(
+                f"the field {name} is {array.dtype} of the shape {array.shape}: numbers of the shape "
+                f"({vertices},) or ({vertices}, 3) are needed"
+            )
+        fields[name] = np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
+    _helfrich.write(path, V, F, fields)
+
+
+class Exact(NamedTuple):
+    """Exact values at the vertices of a shape. Arrays are (n,) or (n, 3) float64."""
+
+    H: np.ndarray
+    """Mean curvature, 1/length."""
+    K: np.ndarray
+    """Gaussian curvature, 1/length²."""
+    laplacian_of_H: np.ndarray
+    """Δ_S H, 1/length³."""
+    f: np.ndarray
+    """The bending force density along the normal for κ = 1, 1/length³."""
+    normal: np.ndarray
+    """Outward unit normal (n, 3)."""
+    area: float
+    """Area of the shape."""
+    volume: float
+    """Volume of the shape."""
+
+
+def shape(
+    spec: str, n: int, *, family: str = "regular", seed: int = 0
+) -> Tuple[np.ndarray, np.ndarray, Exact]:
+    """A mesh on a shape whose curvatures are known exactly.
+
+    Parameters
+    ----------
+    spec : str
+        "sphere", "sphere:R", "ellipsoid:a,b,c", "torus:R,r" or "discocyte:R" (a red blood cell).
+    n : int
+        Number of vertices; 10·4^k + 2 for refined icosahedra. Tori have nearly as many.
+    family : str
+        "regular", "smooth", "relaxed", "irregular" or "hard" (with needles and caps).
+    seed : int
+        Seed of the families with random points.
+
+    Returns
+    -------
+    V : (n, 3) float64
+    F : (m, 3) uint32
+    exact : Exact
+        `H K laplacian_of_H f normal area volume`.
+
+    Raises
+    ------
+    ValueError
+        If there is no such shape, family or number of vertices.
+
+    Examples
+    --------
+    >>> import helfrich
+    >>> V, F, exact = helfrich.shape("torus:3,1", 600)
+    >>> bool(exact.K.min() < 0 < exact.K.max())
+    True
+    """
+    (V, F), exact = _helfrich.shape(spec, n, family, seed)
+    return V, F, Exact(**exact)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Something that is wrong with a mesh, and where."""
+
+    message: str
+    face: Optional[int] = None
+    edge: Optional[Tuple[int, int]] = None
+    vertex: Optional[int] = None
+
+    def __str__(self) -> str:
+        return self.message
+
+
+@dataclass(frozen=True)
+class Report:
+    """The result of `check`; numbers are 0 or None if the arrays are no mesh."""
+
+    problems: List[Problem] = field(default_factory=list)
+    """What is wrong; empty if nothing is."""
+    is_mesh: bool = False
+    """Whether the arrays are an oriented manifold, so that all functions take them."""
+    vertices: int = 0
+    faces: int = 0
+    edges: int = 0
+    boundary_edges: int = 0
+    isolated_vertices: int = 0
+    split_vertices: int = 0
+    """Boundary vertices at the same point as others: `weld` merges them."""
+    components: int = 0
+    euler_characteristic: int = 0
+    genus: Optional[int] = None
+    """Sum of the handles of all components; None if there is a boundary."""
+    area: float = 0.0
+    volume: Optional[float] = None
+    """Enclosed volume; None if there is a boundary."""
+    angles: Tuple[float, float] = (0.0, 0.0)
+    """Smallest and largest angle of a triangle, in degrees."""
+    valences: Tuple[int, int] = (0, 0)
+    """Fewest and most neighbours of a vertex."""
+    edge_lengths: Tuple[float, float] = (0.0, 0.0)
+    noise: float = 0.0
+    """Noise of the positions along the normal, a length; 0 if none was found."""
+    noise_in_edges: float = 0.0
+    """The same over the mean edge length."""
+
+    @property
+    def quality(self) -> float:
+        """The smallest angle over 60°: 1 for equilateral triangles, 0 for a degenerate one."""
+        return self.angles[0] / 60.0
+
+
+def check(V: Any, F: Any = None) -> Report:
+    """Counts, topology, quality, noise and problems of a mesh. Never raises.
+
+    Parameters
+    ----------
+    V, F
+        The mesh, as in `curvature`, or anything else: what is wrong is told in `problems`.
+
+    Examples
+    --------
+    >>> import helfrich
+    >>> V, F, _ = helfrich.shape("torus", 600)
+    >>> report = helfrich.check(V, F)
+    >>> report.genus, report.problems
+    (1, [])
+    >>> print(*helfrich.check(V, F[:, ::-1]).problems)
+    the faces run clockwise seen from outside, and normals point inward: reverse them, as F[:, ::-1] does
+    """
+    try:
+        V, F = both(V, F)
+        found = _helfrich.inspect(V, F)
+    except MeshError as error:
+        return Report([Problem(str(error), error.face, error.edge, error.vertex)])
+    except Exception as error:  # noqa: BLE001, never raises
+        return Report([Problem(f"{type(error).__name__}: {error}")])
+    problems = [
+        Problem(f"face {face} has no area", face=face) for face in found.pop("degenerate_faces")
+    ]
+    if found["split_vertices"]:
+        problems.append(
+            Problem(f"{found['split_vertices']} vertices are at the same points as others: weld the mesh")
+        )
+    if found["isolated_vertices"]:
+        problems.append(Problem(f"{found['isolated_vertices']} vertices are in no face"))
+    if found["volume"] is not None and found["volume"] < 0:
+        problems.append(
+            Problem(
+                "the faces run clockwise seen from outside, and normals point inward: reverse them, as "
+                "F[:, ::-1] does"
+            )
+        )
+    genus = None
+    if found["boundary_edges"] == 0:
+        genus = found["components"] - found["euler_characteristic"] // 2
+    return Report(problems, True, genus=genus, **found)
+
+
+def weld(
+    V: Any, F: Any = None, *, distance: float = 0.0
+) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Merges vertices at the same point, or at most `distance` apart.
+
+    A vertex becomes the nearest one before it that was kept; triangles of which two corners are merged are
+    left out.
+
+    Returns
+    -------
+    V : (k, 3) float64
+    F : (m, 3) uint32
+    map : (n,) uint32
+        The new vertex of each old one.
+
+    Raises
+    ------
+    MeshError
+        If the result is no oriented manifold.
+    ValueError
+        If the distance is negative or not finite.
+
+    Examples
+    --------
+    >>> import helfrich, numpy
+    >>> V, F, _ = helfrich.shape("sphere", 42)
+    >>> soup = numpy.arange(F.size).reshape(-1, 3)
+    >>> merged, faces, where = helfrich.weld(V[F.ravel()], soup)
+    >>> len(V[F.ravel()]), len(merged)
+    (240, 42)
+    """
+    V, F = both(V, F)
+    if not 0 <= distance < np.inf:
+        raise ValueError(f"distance is {distance}: a length is needed, 0 or more")
+    (V, F), where = _helfrich.weld(V, F, float(distance))
+    return V, F, where
+
+
+def subdivide(V: Any, F: Any = None, *, levels: int = 1, limit: bool = False) -> Mesh:
+    """Refines a mesh by Loop's rules: four triangles for each triangle and level.
+
+    With `limit`, vertices are placed on the smooth surface to which further refinement would converge.
+
+    Returns
+    -------
+    V : (k, 3) float64
+        The vertices of the mesh come first, in their order.
+    F : (4^levels m, 3) uint32
+
+    Raises
+    ------
+    MeshError
+        If V and F are no mesh, or the result is too large.
+
+    Examples
+    --------
+    >>> import helfrich
+    >>> V, F, _ = helfrich.shape("sphere", 42)
+    >>> helfrich.subdivide(V, F, levels=2)[0].shape
+    (642, 3)
+    """
+    V, F = both(V, F)
+    if not 0 <= levels <= 32:
+        raise ValueError(f"levels is {levels}: 0 to 32 are possible")
+    return _helfrich.subdivide(V, F, levels, limit)
