@@ -3,7 +3,7 @@
 use crate::arrays::{Positions, faces, matrix, rows};
 use crate::effects::{Ground, effect};
 use crate::failure::{Fault, invalid};
-use crate::work::on_threads;
+use crate::work::prepared_for;
 use helfrich::{Quality, Surface, TriangleMesh};
 use helfrich_std::effect::Effect;
 use helfrich_std::ordered::Ordered;
@@ -15,11 +15,46 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A mesh with the effects on it. What it is for the user is documented in its Python subclass.
-#[pyclass(subclass, frozen, module = "helfrich._helfrich")]
+/// A mesh with the effects on it, for repeated evaluation of their energy and force.
+///
+/// The triangles F (m, 3), of any integer type or a mesh of another library, are checked once, and so are the
+/// effects, values of `helfrich.effects`. Memory is kept from one evaluation to the next. Several threads may
+/// use one membrane; they take turns.
+///
+/// Parameters
+/// ----------
+/// F : (m, 3) integers
+///     Triangles, counter-clockwise seen from outside.
+/// *effects
+///     Values of `helfrich.effects`.
+/// vertices : int, optional
+///     Number of vertices, by default the largest in F and one.
+/// threads : int, optional
+///     Number of threads, all by default. Results do not depend on it.
+///
+/// Raises
+/// ------
+/// MeshError
+///     If F is no oriented manifold, or an effect does not fit it.
+/// ValueError
+///     If a parameter is out of range.
+/// TypeError
+///     If an effect is none.
+///
+/// Examples
+/// --------
+/// >>> import helfrich, numpy
+/// >>> from helfrich.effects import Bending, Skalak
+/// >>> V, F, _ = helfrich.shape("discocyte", 642)
+/// >>> cell = helfrich.Membrane(F, Bending(kappa=0.2), Skalak(5.3, 10.0, reference=V))
+/// >>> out = numpy.empty_like(V)
+/// >>> cell.force(V, out=out) is out
+/// True
+/// >>> bool(abs(out.sum(axis=0)).max() < 1e-12)
+/// True
+#[pyclass(subclass, frozen, module = "helfrich")]
 pub(crate) struct Membrane {
     mesh: TriangleMesh,
-    threads: Option<usize>,
     /// Locked without the interpreter's lock only.
     prepared: Mutex<Prepared>,
 }
@@ -168,7 +203,7 @@ impl Membrane {
                 let mut written = writable(out, vertices)?;
                 let force = written.as_slice_mut().map_err(invalid)?.as_chunks_mut().0;
                 let rows = rows(array);
-                let energy = on_threads(py, self.threads, || self.forces_of(rows, force))??;
+                let energy = py.detach(|| self.forces_of(rows, force))?;
                 Ok((energy, out.clone().into_any()))
             }
             Positions::Single(array) => {
@@ -185,7 +220,7 @@ impl Membrane {
                 let mut written = writable(out, vertices)?;
                 let force = written.as_slice_mut().map_err(invalid)?.as_chunks_mut().0;
                 let work = || self.single_forces_of(&double, force);
-                let energy = on_threads(py, self.threads, work)??;
+                let energy = py.detach(work)?;
                 Ok((energy, out.clone().into_any()))
             }
         }
@@ -198,7 +233,7 @@ impl Membrane {
         positions: &[[f64; 3]],
     ) -> PyResult<(f64, Bound<'py, PyAny>)> {
         let mut force = vec![[0.0; 3]; self.mesh.vertex_count()];
-        let energy = on_threads(py, self.threads, || self.forces_of(positions, &mut force))??;
+        let energy = py.detach(|| self.forces_of(positions, &mut force))?;
         Ok((energy, matrix(py, force)?.into_any()))
     }
 }
@@ -217,44 +252,62 @@ impl Membrane {
         let faces = faces(F)?;
         let named = faces.as_flattened().iter().max();
         let vertices = vertices.unwrap_or(named.map_or(0, |&last| last as usize + 1));
-        on_threads(F.py(), threads, || {
+        let made = F.py().detach(|| {
             let mesh = TriangleMesh::new(vertices, faces)?;
             let ordered = Ordered::of(&mesh);
             Ok::<_, Fault>((mesh, ordered))
-        })?
-        .map_err(PyErr::from)
-        .and_then(|(mesh, ordered)| {
-            let ground = Ground {
-                mesh: &mesh,
-                own: ordered.as_ref().map_or(&mesh, |ordered| ordered.mesh()),
-                order: ordered.as_ref().map(Ordered::order),
-            };
-            let effects = effects.iter().map(|described| effect(&described, &ground));
-            let effects = effects.collect::<PyResult<_>>()?;
-            let prepared = Mutex::new(Prepared {
-                ordered,
-                effects,
-                force: Vec::new(),
-            });
-            Ok(Self {
-                mesh,
-                threads,
-                prepared,
-            })
-        })
+        });
+        let (mesh, ordered) = made?;
+        let ground = Ground {
+            mesh: &mesh,
+            own: ordered.as_ref().map_or(&mesh, |ordered| ordered.mesh()),
+            order: ordered.as_ref().map(Ordered::order),
+        };
+        let effects = prepared_for(threads, || {
+            let effects = effects.iter();
+            effects
+                .map(|described| effect(&described, &ground))
+                .collect()
+        })?;
+        let prepared = Mutex::new(Prepared {
+            ordered,
+            effects,
+            force: Vec::new(),
+        });
+        Ok(Self { mesh, prepared })
     }
 
+    /// The sum of the energies (float) at the positions V (n, 3).
+    ///
+    /// Computed in double precision, without the interpreter's lock.
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If V does not fit the mesh, or is not finite.
     #[expect(non_snake_case, reason = "the name of the positions in Python")]
     fn energy(&self, V: &Bound<'_, PyAny>) -> PyResult<f64> {
         let positions = Positions::new(V)?;
         let double = positions.double();
-        let energy = on_threads(V.py(), self.threads, || {
+        let energy = V.py().detach(|| {
             let surface = Surface::new(&self.mesh, &double[..])?;
             Ok::<_, Fault>(self.locked().energy(surface))
-        })?;
+        });
         Ok(energy?)
     }
 
+    /// The sum of the nodal forces (n, 3) at the positions V (n, 3), with the number type of V.
+    ///
+    /// `out` is an array for the result, which is also returned: writeable, in C order, with the shape and
+    /// the number type of V, and without memory in common with it. Forces are computed in double precision,
+    /// without the interpreter's lock.
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If V does not fit the mesh, or is not finite.
+    /// ValueError, TypeError
+    ///     If out is no such array.
     #[pyo3(signature = (V, out=None))]
     #[expect(non_snake_case, reason = "the name of the positions in Python")]
     fn force<'py>(
@@ -265,6 +318,7 @@ impl Membrane {
         Ok(self.evaluate(V, out)?.1)
     }
 
+    /// The energy and the forces of one evaluation, as `energy` and `force` return them.
     #[pyo3(signature = (V, out=None))]
     #[expect(non_snake_case, reason = "the name of the positions in Python")]
     fn energy_and_force<'py>(
@@ -275,17 +329,18 @@ impl Membrane {
         self.evaluate(V, out)
     }
 
+    /// What makes forces at the positions V (n, 3) less trustworthy: sums of `helfrich.Flag` (n,), uint32.
     #[expect(non_snake_case, reason = "the name of the positions in Python")]
     fn flags<'py>(&self, V: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let positions = Positions::new(V)?;
         let double = positions.double();
-        let flags = on_threads(V.py(), self.threads, || {
+        let flags = V.py().detach(|| {
             let surface = Surface::new(&self.mesh, &double[..])?;
             let mut prepared = self.locked();
             let mut force = vec![[0.0; 3]; double.len()];
             prepared.evaluate(surface, &mut force);
             Ok::<_, Fault>(prepared.flags(surface))
-        })?;
+        });
         Ok(PyArray1::from_vec(V.py(), flags?))
     }
 

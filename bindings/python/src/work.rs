@@ -1,7 +1,7 @@
 //! Work without the interpreter's lock: on a number of threads, and until the user interrupts it.
 
 use crate::failure::invalid;
-use helfrich_std::execute::{available_threads, with_threads};
+use helfrich_std::execute::with_threads;
 use pyo3::prelude::*;
 use std::cell::RefCell;
 use std::num::NonZeroUsize;
@@ -10,19 +10,27 @@ use std::time::{Duration, Instant};
 /// Time between looks for signals.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
-/// Does `work` on this number of threads, 1 to 1024, or all.
+/// Does `work` so that whatever it prepares runs on this number of threads, 1 to 1024, or on all.
+pub(crate) fn prepared_for<R>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> PyResult<R>,
+) -> PyResult<R> {
+    let Some(threads) = threads else {
+        // The system takes longer to count them than a small evaluation does.
+        return work();
+    };
+    let threads = NonZeroUsize::new(threads).filter(|threads| threads.get() <= 1024);
+    let out_of_range = || invalid("threads is out of range: 1 to 1024 are possible");
+    with_threads(threads.ok_or_else(out_of_range)?, work)
+}
+
+/// Does `work` on this number of threads, 1 to 1024, or all, without the interpreter's lock.
 pub(crate) fn on_threads<R: Send>(
     py: Python<'_>,
     threads: Option<usize>,
     work: impl FnOnce() -> R + Send,
 ) -> PyResult<R> {
-    let threads = match threads {
-        None => available_threads(),
-        Some(threads) => NonZeroUsize::new(threads)
-            .filter(|threads| threads.get() <= 1024)
-            .ok_or_else(|| invalid(format_args!("threads is {threads}: 1 to 1024 are possible")))?,
-    };
-    Ok(py.detach(|| with_threads(threads, work)))
+    prepared_for(threads, || Ok(py.detach(work)))
 }
 
 /// Looks for signals, as those of Ctrl-C, while work is done, and for the end that somebody asks for.

@@ -192,7 +192,7 @@ def mean_curvature(V: Any, F: Any = None, *, method: str = "auto", threads: Opti
     --------
     >>> import helfrich
     >>> V, F, _ = helfrich.shape("sphere:2", 642)
-    >>> float(helfrich.mean_curvature(V, F).round(6).max())
+    >>> float(helfrich.mean_curvature(V, F).max().round(3))
     0.5
     """
     return curvature(V, F, method=method, threads=threads).H
@@ -210,7 +210,7 @@ def gaussian_curvature(
     --------
     >>> import helfrich
     >>> V, F, _ = helfrich.shape("sphere:2", 642)
-    >>> float(helfrich.gaussian_curvature(V, F).round(6).max())
+    >>> float(helfrich.gaussian_curvature(V, F).max().round(3))
     0.25
     """
     found = curvature(V, F, method=method, threads=threads).K

@@ -94,7 +94,7 @@ def run(
     ...     }],
     ...     "driver": {"kind": "relax", "energy_error": 0.2},
     ... })
-    >>> bool(vesicle.series["E_bending"][-1] < vesicle.series["E_bending"][0])
+    >>> bool(vesicle.series["energy"][-1] < vesicle.series["energy"][0])
     True
     """
     if resume and out is None:
