@@ -1,13 +1,13 @@
 //! Curvatures and force densities at every vertex.
 
-use crate::arrays::{Input, Numbers, matrix};
+use crate::arrays::{Input, Numbers, Positions, matrix, rows};
 use crate::effects::{checked_material, material};
 use crate::failure::{Fault, invalid};
 use crate::work::{Watch, on_threads};
 use helfrich::{AdaptiveJet, MaterialParameter, Measured, Quality, Surface, TriangleMesh, Verdict};
 use helfrich_std::execute::Parallel;
 use helfrich_std::measurement::{
-    Column, ColumnValues, Measurement, VERDICT_BITS, principal_curvatures, verdict_bit,
+    Column, ColumnValues, Measurement, principal_curvatures, verdict_bit,
 };
 use helfrich_std::method::{AnyMethod, BendingMethod, Compiled, Evaluator, Fields, MethodOptions};
 use numpy::{Element, PyArray1};
@@ -293,7 +293,6 @@ impl<T: Number> Answer<T> {
                 arrays.set_item(name, matrix(py, directions)?)?;
             }
         }
-        debug_assert!(VERDICT_BITS.len() == 4);
         arrays.set_item("flags", list(py, self.flags))?;
         Ok(arrays)
     }
@@ -339,30 +338,31 @@ pub(crate) fn curvature<'py>(
     let is_single = input.positions.is_single() && is_plain && !question.is_measured();
     let made = move || TriangleMesh::new(count, triangles).map_err(|error| Some(error.into()));
     let watch = Watch::default();
-    let failed = |watch: Watch, failed: Failed| match (watch.into_error(), failed) {
-        (Some(error), _) => error,
-        (None, Some(fault)) => fault.into(),
-        (None, None) => invalid("interrupted"),
-    };
-    if let (true, crate::arrays::Positions::Single(array)) = (is_single, &input.positions) {
-        let rows = crate::arrays::rows(array);
+    if let (true, Positions::Single(array)) = (is_single, &input.positions) {
+        let rows = rows(array);
         let (found, watch) = on_threads(py, threads, || {
             let found = made().and_then(|mesh| single_answer(&question, &mesh, rows, &watch));
             (found, watch)
         })?;
-        return match found {
-            Ok(answer) => answer.arrays::<f32>(py, &question),
-            Err(error) => Err(failed(watch, error)),
-        };
+        return ended(found, watch)?.arrays::<f32>(py, &question);
     }
     let double = input.positions.double();
     let (found, watch) = on_threads(py, threads, || {
         let found = made().and_then(|mesh| answer(&question, &mesh, &double, &watch));
         (found, watch)
     })?;
-    match found {
-        Ok(answer) if input.positions.is_single() => answer.arrays::<f32>(py, &question),
-        Ok(answer) => answer.arrays::<f64>(py, &question),
-        Err(error) => Err(failed(watch, error)),
+    let answer = ended(found, watch)?;
+    if input.positions.is_single() {
+        answer.arrays::<f32>(py, &question)
+    } else {
+        answer.arrays::<f64>(py, &question)
     }
+}
+
+/// The answer, unless a signal has come or something has failed.
+fn ended<A>(found: Result<A, Failed>, watch: Watch) -> PyResult<A> {
+    if let Some(error) = watch.into_error() {
+        return Err(error);
+    }
+    found.map_err(|fault| fault.unwrap_or_else(|| Fault::new("interrupted")).into())
 }

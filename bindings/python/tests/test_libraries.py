@@ -1,0 +1,117 @@
+"""Meshes of other libraries take the place of V and F, and go round trip."""
+
+import numpy as np
+import pytest
+
+import helfrich
+
+
+@pytest.fixture
+def mesh():
+    V, F, _ = helfrich.shape("discocyte", 642)
+    return V, F
+
+
+def same(given, mesh):
+    """Every function takes the mesh in the place of V and F."""
+    V, F = mesh
+    expected = helfrich.curvature(V, F).H
+    np.testing.assert_array_equal(helfrich.curvature(given).H, expected)
+    membrane = helfrich.Membrane(given, helfrich.effects.Bending())
+    np.testing.assert_array_equal(membrane.force(given), membrane.force(V))
+    assert helfrich.bending_energy(given) == helfrich.bending_energy(V, F)
+    assert helfrich.check(given) == helfrich.check(V, F)
+    np.testing.assert_array_equal(helfrich.subdivide(given)[0], helfrich.subdivide(V, F)[0])
+
+
+def test_trimesh(mesh):
+    trimesh = pytest.importorskip("trimesh")
+    V, F = mesh
+    given = trimesh.Trimesh(V, F, process=False)
+    same(given, mesh)
+    assert type(given.vertices).__name__ == "TrackedArray"
+    np.testing.assert_array_equal(helfrich.curvature(given.vertices, given.faces).H, helfrich.curvature(V, F).H)
+
+
+def test_pyvista(mesh, tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    V, F = mesh
+    given = pyvista.PolyData.from_regular_faces(V, F)
+    same(given, mesh)
+    c = helfrich.curvature(given)
+    given["H"], given["error of H"] = c.H, c.error.H
+    given.save(tmp_path / "theirs.vtp")
+    back = helfrich.read(tmp_path / "theirs.vtp")
+    np.testing.assert_array_equal(back[0], V)
+    np.testing.assert_array_equal(back[1], F)
+    helfrich.write(tmp_path / "ours.vtp", given, H=c.H, normal=c.normal)
+    read = pyvista.read(tmp_path / "ours.vtp")
+    np.testing.assert_array_equal(np.asarray(read.points), V)
+    np.testing.assert_array_equal(read["H"], c.H)
+    np.testing.assert_array_equal(read["normal"], c.normal)
+    same(read, mesh)
+    with pytest.raises(helfrich.MeshError, match="triangulate"):
+        helfrich.curvature(pyvista.Plane())
+
+
+def test_three_lines_and_a_picture(mesh, tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    mesh = pyvista.PolyData.from_regular_faces(*mesh)
+    c = helfrich.curvature(mesh)
+    mesh["H"], mesh["error of H"] = c.H, c.error.H
+    assert mesh["H"].shape == mesh["error of H"].shape == (642,)
+    try:
+        mesh.plot(scalars="H", off_screen=True, screenshot=str(tmp_path / "H.png"))
+    except Exception as error:
+        pytest.skip(f"a picture by pyvista: {error}")
+    assert (tmp_path / "H.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize("ending", ["ply", "vtp", "obj", "off", "stl"])
+def test_files(mesh, tmp_path, ending):
+    V, F = mesh
+    helfrich.write(tmp_path / f"mesh.{ending}", V, F)
+    positions, faces = helfrich.read(tmp_path / f"mesh.{ending}")
+    if ending == "stl":
+        np.testing.assert_array_equal(positions[faces], V.astype(np.float32)[F])
+    else:
+        np.testing.assert_array_equal(positions, V)
+        np.testing.assert_array_equal(faces, F)
+    assert positions.dtype == np.float64 and faces.dtype == np.uint32
+
+
+@pytest.mark.parametrize("ending", ["ply", "vtp", "obj", "off", "stl"])
+def test_meshio(mesh, tmp_path, ending):
+    meshio = pytest.importorskip("meshio")
+    V, F = mesh
+    given = meshio.Mesh(V, [("triangle", F.astype(np.int64))])
+    same(given, mesh)
+    path = tmp_path / f"mesh.{ending}"
+    if ending != "vtp":
+        given.write(path)
+        positions, faces = helfrich.read(path)
+        np.testing.assert_allclose(positions[faces], V[F], rtol=0, atol=1e-6)
+    if ending != "vtp":
+        helfrich.write(path, V, F)
+        read = meshio.read(path)
+        np.testing.assert_allclose(read.points[read.cells_dict["triangle"]], V[F], rtol=0, atol=1e-6)
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    V, F, _ = helfrich.shape("sphere", 42)
+    with pytest.raises(FileNotFoundError, match="no such file"):
+        helfrich.read(tmp_path / "none.ply")
+    with pytest.raises(OSError):
+        helfrich.read(tmp_path)
+    (tmp_path / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n")
+    with pytest.raises(helfrich.MeshError, match="bad.obj") as caught:
+        helfrich.read(tmp_path / "bad.obj")
+    assert caught.value.face == 1 or caught.value.edge is not None
+    with pytest.raises(ValueError, match="unknown format"):
+        helfrich.write(tmp_path / "mesh.xyz", V, F)
+    with pytest.raises(ValueError, match="vtp"):
+        helfrich.write(tmp_path / "mesh.ply", V, F, H=V[:, 0])
+    with pytest.raises(helfrich.MeshError, match="the field H"):
+        helfrich.write(tmp_path / "mesh.vtp", V, F, H=V[:-1, 0])
+    with pytest.raises(OSError):
+        helfrich.write(tmp_path / "none" / "mesh.ply", V, F)

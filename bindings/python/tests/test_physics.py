@@ -1,0 +1,240 @@
+"""Gradients, and signs of exact shapes and of other libraries."""
+
+import numpy as np
+import pytest
+
+import helfrich
+from conftest import cap, rough
+from helfrich import effects as e
+
+CONSERVATIVE = [method["name"] for method in helfrich.METHODS if method["is_conservative"]]
+
+
+def twisted(V, share=0.1):
+    """Positions away from the reference: stretched by up to a share, and turned."""
+    return V * [1 + share, 1.0, 1 - share] + share * np.stack([V[:, 1], V[:, 2], V[:, 0]], axis=1)
+
+
+def acting():
+    """Each effect with an energy, on a mesh on which it acts."""
+    V, F = rough(42)
+    halves = (V[:, 0] > 0).astype(int)
+    kappa = 1 + 0.5 * halves
+    closed = {
+        **{f"bending {name}": e.Bending(name, 0.7) for name in CONSERVATIVE},
+        **{f"bending {name}, H0": e.Bending(name, kappa, 0.3 * halves) for name in CONSERVATIVE[1:]},
+        "gaussian_bending of domains": e.GaussianBending(-0.5 - halves),
+        "neo-hookean": e.NeoHookean(1.3, twisted(V)),
+        "skalak": e.Skalak(1.3, 10.0, twisted(V)),
+        "local_area": e.LocalArea(2.0, twisted(V)),
+        "area": e.Area(3.0, 7.0),
+        "volume": e.Volume(3.0, 2.0),
+        "area_difference": e.AreaDifference(0.4, 11.0),
+        "tension": e.Tension(0.3),
+        "pressure": e.Pressure(0.7),
+        "border_tension of vertices": e.BorderTension(0.6, halves),
+        "border_tension of faces": e.BorderTension(0.6, halves[F[:, 0]]),
+        "gravity": e.Gravity(0.4, [0.1, 0.2, -1.0], level=[0, 0, 0.5]),
+        "adhesion": e.Adhesion(0.5, 0.4, 0.3, wall=[0, 0, -2], normal=[0, 0, 3]),
+        "stretching": e.Loads([3, 7], [[1, 0, 0.2], [-1, 0.1, 0]]),
+    }
+    for name, effect in closed.items():
+        yield pytest.param(V, F, effect, id=name)
+    V, F = cap()
+    for name, effect in {"line_tension": e.LineTension(0.8), "gaussian_bending": e.GaussianBending(-0.5)}.items():
+        yield pytest.param(V, F, effect, id=name)
+
+
+@pytest.mark.parametrize("V, F, effect", list(acting()))
+def test_forces_are_gradients(V, F, effect):
+    optimize = pytest.importorskip("scipy.optimize")
+    membrane = helfrich.Membrane(F, effect)
+
+    def energy(x):
+        return membrane.energy(x.reshape(-1, 3))
+
+    def gradient(x):
+        return -membrane.force(x.reshape(-1, 3)).ravel()
+
+    x = V.ravel()
+    scale = np.linalg.norm(gradient(x))
+    assert scale > 0
+    # Forward differences with steps h of 1.5e-8 have errors of h/2 times second derivatives, which are
+    # some hundred times the force on these meshes, and of the rounding of the energy over h.
+    assert optimize.check_grad(energy, gradient, x) < 2e-5 * scale + 1e-6 * abs(energy(x))
+
+
+def test_a_sum_of_effects_is_the_sum():
+    V, F = rough(42)
+    parts = [e.Bending(), e.Tension(0.3), e.Volume(1.0, 2.0)]
+    together = helfrich.Membrane(F, *parts).force(V)
+    alone = sum(helfrich.Membrane(F, part).force(V) for part in parts)
+    np.testing.assert_allclose(together, alone, atol=1e-12 * abs(together).max())
+
+
+@pytest.mark.parametrize("radius", [0.5, 3.0])
+def test_a_sphere(radius):
+    """H = 1/R > 0, K = 1/R², E = 8πκ, normals outward: signs first."""
+    V, F, exact = helfrich.shape(f"sphere:{radius}", 642)
+    found = helfrich.curvature(V, F)
+    assert (found.H > 0).all()
+    assert ((found.normal * V).sum(axis=1) > 0).all()
+    assert (abs(found.H - 1 / radius) <= found.error.H).all()
+    assert (abs(found.K - 1 / radius**2) <= found.error.K).all()
+    assert found.area.sum() == pytest.approx(4 * np.pi * radius**2, rel=0.01)
+    for method in helfrich.METHODS:
+        if method["has_force"] and method["name"] != "kantor-nelson":
+            energy = helfrich.bending_energy(V, F, kappa=2.0, method=method["name"])
+            # The coarsest of them, belkin and hamann, have errors of a few percent on this mesh.
+            assert energy == pytest.approx(16 * np.pi, rel=0.1), method["name"]
+    np.testing.assert_allclose(exact.H, 1 / radius)
+
+
+def test_a_body_of_other_directions():
+    """On a cylinder-like torus, d1 runs around the tube and d2 along it."""
+    V, F, exact = helfrich.shape("torus:4,1", 2000)
+    found = helfrich.curvature(V, F, directions=True)
+    outside = np.hypot(V[:, 0], V[:, 1]) > 4.5
+    around = np.stack([-V[:, 1], V[:, 0], 0 * V[:, 0]], axis=1) / np.hypot(V[:, 0], V[:, 1])[:, None]
+    assert (found.k1 >= found.k2).all()
+    assert (abs((found.d2 * around).sum(axis=1))[outside] > 0.99).all()
+    assert (abs((found.d1 * around).sum(axis=1))[outside] < 0.1).all()
+
+
+def test_conventions_of_libigl():
+    igl = pytest.importorskip("igl")
+    V, F, _ = helfrich.shape("sphere:2", 642)
+    faces = F.astype(np.int64)
+    k = igl.principal_curvature(V, faces)[2:4]
+    mean = helfrich.mean_curvature(V, F)
+    # libigl's first value is the larger one, and both are positive on a sphere here.
+    assert (np.sign(k[0]) == np.sign(mean)).all()
+    # Its paraboloids over five rings, two fifths of this sphere, are 12 % off.
+    np.testing.assert_allclose(0.5 * (k[0] + k[1]), mean, rtol=0.15)
+    np.testing.assert_allclose(k[0] * k[1], helfrich.gaussian_curvature(V, F), rtol=0.3)
+    # Angle defects are positive on a sphere, as K is.
+    defects = igl.gaussian_curvature(V, faces)
+    found = helfrich.curvature(V, F, method="meyer")
+    np.testing.assert_allclose(defects / found.area, found.K, rtol=1e-9)
+    L, M = helfrich.laplacian(V, F, mass="voronoi")
+    # The opposite sign: libigl's is negative semidefinite.
+    np.testing.assert_allclose((L + igl.cotmatrix(V, faces)).toarray(), 0, atol=1e-12)
+    areas = igl.massmatrix(V, faces, igl.MASSMATRIX_TYPE_VORONOI)
+    np.testing.assert_allclose(M.diagonal(), areas.diagonal(), rtol=1e-12)
+    G, theirs = helfrich.gradient(V, F), igl.grad(V, faces)
+    u = V[:, 0] * V[:, 1]
+    np.testing.assert_allclose((G @ u).reshape(-1, 3), (theirs @ u).reshape(3, -1).T, atol=1e-12)
+
+
+def test_operators():
+    pytest.importorskip("scipy")
+    V, F = rough(162)
+    L, M = helfrich.laplacian(V, F)
+    assert (L != L.T).nnz == 0
+    assert abs(L @ np.ones(len(V))).max() < 1e-13
+    assert np.linalg.eigvalsh(L.toarray()).min() > -1e-12
+    # ∂A/∂x is L x: the force of a tension of −1.
+    np.testing.assert_allclose(L @ V, helfrich.Membrane(F, e.Tension(-1)).force(V), atol=1e-12)
+    area = helfrich.check(V, F).area
+    for mass in ["mixed", "barycentric", "voronoi", "consistent"]:
+        M = helfrich.laplacian(V, F, mass=mass)[1]
+        assert M.sum() == pytest.approx(area)
+    G = helfrich.gradient(V, F)
+    a, b, c = V[F].transpose(1, 0, 2)
+    areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    weights = np.repeat(areas, 3)
+    np.testing.assert_allclose((G.T @ (G * weights[:, None])).toarray(), L.toarray(), atol=1e-12)
+    gradient = (G @ V[:, 0]).reshape(-1, 3)
+    # ∇x is the tangential part of the x axis: orthogonal to the normal.
+    assert abs((gradient * np.cross(b - a, c - a)).sum(axis=1)).max() < 1e-14
+
+
+def test_flags():
+    V, F = rough(162)
+    assert {name.lower() for name in helfrich.Flag.__members__} >= {"zero_area", "unknown", "noise"}
+    V = V.copy()
+    a, b = F[10, :2]
+    V[a] = V[b] + 1e-5
+    flags = helfrich.Membrane(F, e.Bending()).flags(V)
+    assert flags[a] & helfrich.Flag.THIN_TRIANGLE
+    assert (flags == 0).any()
+    assert (helfrich.curvature(V, F, method="meyer").flags[a]) != 0
+    V, F = cap()
+    found = helfrich.curvature(V, F)
+    assert (found.flags & helfrich.Flag.ONE_SIDED).any()
+
+
+def test_minimisation():
+    """An ellipsoid that bends and keeps its area becomes a sphere: E = 8πκ."""
+    optimize = pytest.importorskip("scipy.optimize")
+    V, F, _ = helfrich.shape("ellipsoid:1.1,1,0.9", 162, family="relaxed")
+    area = helfrich.check(V, F).area
+    cell = helfrich.Membrane(F, e.Bending("juelicher"), e.Area(100.0, area), e.LocalArea(1.0, V))
+    start = cell.energy(V)
+
+    def both(x):
+        energy, force = cell.energy_and_force(x.reshape(-1, 3))
+        return energy, -force.ravel()
+
+    found = optimize.minimize(both, V.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": 300})
+    assert found.fun < start
+    radii = np.linalg.norm(found.x.reshape(-1, 3), axis=1)
+    # Before it is 0.2; the elasticity of triangles keeps a little of it.
+    assert radii.max() / radii.min() - 1 < 0.05
+
+
+def test_a_large_mesh_is_evaluated_in_another_order():
+    """Parameters at vertices, faces and components follow their vertices."""
+    V, F, _ = helfrich.shape("ellipsoid:1,0.9,0.8", 10242)
+    V = np.concatenate([V, 2 * V + 10])
+    F = np.concatenate([F, F + len(V) // 2])
+    halves = (V[:, 0] > V[:, 1]).astype(int)
+    areas = np.array([8.0, 50.0])
+    loads = np.array([5, 20000, 77])
+    described = [
+        e.Bending("gompper-kroll", 1 + halves, 0.2 * halves),
+        e.GaussianBending(-1.0 - halves),
+        e.Skalak(1.0, 2.0, twisted(V, 0.01)),
+        e.Area(1.0, areas),
+        e.AreaDifference(0.1, np.array([12.0, 24.0])),
+        e.BorderTension(0.3, halves),
+        e.BorderTension(0.3, halves[F[:, 0]]),
+        e.Loads(loads, np.eye(3)),
+    ]
+    # The same membrane with its parts in another order of vertices, which are evaluated differently.
+    order = np.random.default_rng(3).permutation(len(V))
+    place = np.argsort(order)
+    again = [
+        e.Bending("gompper-kroll", (1 + halves)[order], (0.2 * halves)[order]),
+        e.GaussianBending((-1.0 - halves)[order]),
+        e.Skalak(1.0, 2.0, twisted(V, 0.01)[order]),
+        e.Area(1.0, areas if order[0] < len(V) // 2 else areas[::-1]),
+        e.AreaDifference(0.1, np.array([12.0, 24.0][:: 1 if order[0] < len(V) // 2 else -1])),
+        e.BorderTension(0.3, halves[order]),
+        e.BorderTension(0.3, halves[F[:, 0]]),
+        e.Loads(place[loads], np.eye(3)),
+    ]
+    for first, second in zip(described, again):
+        one, other = helfrich.Membrane(F, first), helfrich.Membrane(place[F], second)
+        force, moved = one.force(V), other.force(V[order])
+        np.testing.assert_allclose(moved, force[order], atol=1e-10 * abs(force).max(), err_msg=str(first)[:40])
+        assert other.energy(V[order]) == pytest.approx(one.energy(V), rel=1e-10)
+
+
+def test_weld_and_subdivide():
+    V, F = rough(162)
+    rng = np.random.default_rng(0)
+    soup = V[F.ravel()] + 1e-6 * rng.uniform(-0.5, 0.5, (F.size, 3))
+    faces = np.arange(F.size).reshape(-1, 3)
+    assert helfrich.check(soup, faces).components == len(F)
+    merged, welded, where = helfrich.weld(soup, faces, distance=2e-6)
+    assert len(merged) == len(V) and helfrich.check(merged, welded).genus == 0
+    np.testing.assert_allclose(merged[where], soup, atol=2e-6)
+    np.testing.assert_array_equal(where[faces], welded)
+    assert len(helfrich.weld(soup, faces)[0]) == len(soup)
+    with pytest.raises(ValueError, match="distance"):
+        helfrich.weld(V, F, distance=-1)
+    fine, more = helfrich.subdivide(V, F, levels=2)
+    assert len(more) == 16 * len(F) and helfrich.check(fine, more).genus == 0
+    limit, _ = helfrich.subdivide(V, F, levels=0, limit=True)
+    assert helfrich.check(limit, F).area < helfrich.check(V, F).area
