@@ -146,6 +146,15 @@ pub(crate) fn faces(object: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     found_faces(&ready)?.ok_or_else(|| PyTypeError::new_err("F cannot be read"))
 }
 
+/// The address of the numbers of V as the module reads them: that of V where nothing is copied.
+#[pyfunction]
+pub(crate) fn address(positions: &Bound<'_, PyAny>) -> PyResult<usize> {
+    Ok(match Positions::new(positions)? {
+        Positions::Single(array) => rows(&array).as_ptr() as usize,
+        Positions::Double(array) => rows(&array).as_ptr() as usize,
+    })
+}
+
 /// A mesh of arrays.
 pub(crate) struct Input<'py> {
     pub(crate) positions: Positions<'py>,

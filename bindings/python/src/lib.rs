@@ -53,6 +53,8 @@ mod _helfrich {
     use super::*;
 
     #[pymodule_export]
+    use super::arrays::address;
+    #[pymodule_export]
     use super::curvature::curvature;
     #[pymodule_export]
     use super::membrane::Membrane;

@@ -62,6 +62,11 @@ def recommend(
     scalars : sequence of str
         Number types to choose from: "f32", "f32-pair", "f64".
 
+    Returns
+    -------
+    Recommendation
+        `method scalar expected seconds reaches is_resolved noise vertices_needed candidates`.
+
     Raises
     ------
     MeshError
