@@ -14,6 +14,7 @@ mod builder;
 mod check;
 mod drivers;
 mod effects;
+mod embedded;
 mod flow;
 mod keys;
 mod material;

@@ -32,6 +32,36 @@ pub(super) fn parse(
         text: text.to_owned(),
         overrides: overrides.clone(),
     };
+    let mut table = values(&source)?;
+    let problems = overrides.apply(&SCENE, &mut table);
+    checked(source, table, problems, MeshFiles::default())
+}
+
+/// The values of a text.
+///
+/// # Errors
+/// If it is not TOML.
+pub(super) fn values(source: &Source) -> Result<Table, SceneErrors> {
+    let (document, syntax_errors) = DeTable::parse_recoverable(&source.text);
+    // Errors after the first are often only its consequences.
+    let start = |error: &toml::de::Error| error.span().map(|span| span.start);
+    if let Some(error) = syntax_errors.into_iter().min_by_key(start) {
+        let origin = error.span().map_or(Origin::File, Origin::Text);
+        let message = error.message().to_owned();
+        return Err(SceneErrors::from(
+            source.error(&origin, Problem::Syntax { message }),
+        ));
+    }
+    Ok(Table::new(document.get_ref(), &Origin::Text))
+}
+
+/// The scene of these values, of which some have problems already; `meshes` have been read before.
+pub(super) fn checked(
+    source: Source,
+    table: Table,
+    problems: Vec<(Origin, Problem)>,
+    meshes: MeshFiles,
+) -> Result<SceneFile, SceneErrors> {
     let fail = |problems: Vec<(Origin, Problem)>| {
         let mut problems = problems;
         problems.sort_by_key(|(origin, _)| match origin {
@@ -44,18 +74,7 @@ pub(super) fn parse(
             .map(|(origin, problem)| source.error(&origin, problem));
         SceneErrors::new(errors.collect())
     };
-    let (document, syntax_errors) = DeTable::parse_recoverable(text);
-    // Errors after the first are often only its consequences.
-    let start = |error: &toml::de::Error| error.span().map(|span| span.start);
-    if let Some(error) = syntax_errors.into_iter().min_by_key(start) {
-        let origin = error.span().map_or(Origin::File, Origin::Text);
-        let message = error.message().to_owned();
-        return Err(SceneErrors::from(
-            source.error(&origin, Problem::Syntax { message }),
-        ));
-    }
-    let mut table = Table::new(document.get_ref(), &Origin::Text);
-    let mut problems = Problems(overrides.apply(&SCENE, &mut table));
+    let mut problems = Problems(problems);
     let units = match table.get("units").map(|node| &node.value) {
         Some(Value::Text(name)) if name == "none" => UnitSystem::None,
         _ => UnitSystem::Micro,
@@ -70,11 +89,11 @@ pub(super) fn parse(
     let origin = Origin::File;
     let mut warnings = Problems::default();
     let mut builder = Builder {
-        folder: path.parent().unwrap_or(Path::new("")),
+        folder: source.path.parent().unwrap_or(Path::new("")),
         problems: &mut problems,
         warnings: &mut warnings,
         barriers: Vec::new(),
-        meshes: MeshFiles::default(),
+        meshes,
     };
     let mut scene = builder.scene(Reader::new(&SCENE, &table, &origin, scale), units);
     let thermal = table.get("temperature").is_some() || table.any_text(&is_thermal);

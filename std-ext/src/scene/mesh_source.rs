@@ -119,6 +119,18 @@ struct Known {
 }
 
 impl MeshFiles {
+    /// A mesh in memory under the name of a file, with numbers at its vertices and triangles. Its noise
+    /// stays.
+    pub(super) fn in_memory(source: MeshFileSource, file: MeshFile, columns: Vec<Column>) -> Self {
+        let known = Known {
+            source,
+            file: Arc::new(file),
+            columns: Some(columns.into_iter().map(Arc::new).collect()),
+            quieted: Some(None),
+        };
+        Self { known: vec![known] }
+    }
+
     /// The content of a file, which is read at the first request.
     ///
     /// # Errors

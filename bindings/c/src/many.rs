@@ -1,0 +1,131 @@
+//! Many membranes at once, on several threads.
+
+use crate::call::{Call, guarded};
+use crate::membrane::{Membrane, threads};
+use crate::number::Number;
+use crate::status::{Error, Failure, Outcome, Status};
+use std::sync::{Mutex, PoisonError};
+
+/// A membrane with its parts of the arrays.
+type Task<'a, N> = (
+    usize,
+    &'a mut Membrane,
+    &'a [[N; 3]],
+    &'a mut [[N; 3]],
+    &'a mut N,
+);
+
+fn forces<N: Number + Send + Sync>(
+    call: &mut Call,
+    (membranes, count): (*const *mut Membrane, usize),
+    positions: *const [N; 3],
+    forces: *mut [N; 3],
+    total: usize,
+    energies: *mut N,
+    thread_count: usize,
+) -> Outcome {
+    let handles = call.read("membranes", membranes, count)?;
+    let mut positions = call.read("positions", positions, total)?;
+    let mut forces = call.write("forces", forces, total)?;
+    let energies = call.write("energies", energies, count)?;
+    let mut tasks: Vec<Task<'_, N>> = Vec::with_capacity(count);
+    let mut vertices = 0_usize;
+    let membranes = call.objects_mut("membranes", handles)?;
+    for (index, (membrane, energy)) in membranes.into_iter().zip(energies).enumerate() {
+        let own = membrane.vertex_count();
+        vertices += own;
+        if own > positions.len() {
+            let of = format!("one for each vertex of membranes 0 to {index}");
+            return Err(Failure::count("positions", total, vertices, &of));
+        }
+        let (at, after) = positions.split_at(own);
+        let (force, left) = std::mem::take(&mut forces).split_at_mut(own);
+        (positions, forces) = (after, left);
+        tasks.push((index, membrane, at, force, energy));
+    }
+    if !positions.is_empty() {
+        let of = "one for each vertex of all membranes";
+        return Err(Failure::count("positions", total, vertices, of));
+    }
+    let workers = threads(thread_count).get().min(tasks.len());
+    let queue = Mutex::new(tasks.into_iter());
+    let failed: Mutex<Option<(usize, Failure)>> = Mutex::new(None);
+    let work = || {
+        loop {
+            let next = queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let Some((index, membrane, at, force, energy)) = next else {
+                return;
+            };
+            let at = N::widen(at);
+            match N::compute(force, |force| membrane.evaluate(&at, force)) {
+                Ok(value) => *energy = N::nearest(value),
+                Err(failure) => {
+                    let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                    if failed.as_ref().is_none_or(|(first, _)| index < *first) {
+                        *failed = Some((index, failure));
+                    }
+                }
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..workers {
+            scope.spawn(work);
+        }
+        work();
+    });
+    match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        None => Ok(()),
+        Some((index, failure)) => Err(Failure {
+            text: format!("membrane {index}: {}", failure.text),
+            ..failure
+        }),
+    }
+}
+
+/// Evaluates many membranes on up to `threads` threads, 0 for all: nodal forces and energies, as by
+/// hf_membrane_force of each, to the last bit.
+///
+/// `membranes` has `count` different membranes, which should have been made for one thread each. `positions` and
+/// `forces` have the rows of all membranes one after the other, `total` in all; `energies` has `count`
+/// numbers. If a membrane fails, the error is that of the first one, and the results of the others are valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membranes_force(
+    membranes: *const *mut Membrane,
+    count: usize,
+    positions: *const [f64; 3],
+    forces: *mut [f64; 3],
+    total: usize,
+    energies: *mut f64,
+    threads: usize,
+    error: *mut Error,
+) -> Status {
+    let membranes = (membranes, count);
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            self::forces(call, membranes, positions, forces, total, energies, threads)
+        })
+    }
+}
+
+/// Twin of hf_membranes_force in f32.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membranes_force_f32(
+    membranes: *const *mut Membrane,
+    count: usize,
+    positions: *const [f32; 3],
+    forces: *mut [f32; 3],
+    total: usize,
+    energies: *mut f32,
+    threads: usize,
+    error: *mut Error,
+) -> Status {
+    let membranes = (membranes, count);
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            self::forces(call, membranes, positions, forces, total, energies, threads)
+        })
+    }
+}

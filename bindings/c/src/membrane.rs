@@ -1,0 +1,592 @@
+//! Membranes: a mesh and the effects that act on it.
+
+use crate::call::{Call, free, guarded, of_vertices, surface};
+use crate::mesh::Mesh;
+use crate::names::name;
+use crate::number::Number;
+use crate::status::{Error, Failure, Outcome, Status};
+use helfrich::TriangleMesh;
+use helfrich_std::dynamics::Problem;
+use helfrich_std::execute::{available_threads, with_threads};
+use helfrich_std::io::{Column, ColumnPlace, MeshFile};
+use helfrich_std::scene::SceneFile;
+use helfrich_std::simulation::{Simulation, build};
+use std::ffi::c_char;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+
+/// Effects on one mesh, with the memory of their evaluations. One thread at a time may use it.
+#[derive(Debug)]
+pub struct Membrane {
+    simulation: Simulation,
+    mesh: Arc<TriangleMesh>,
+    effects: Vec<String>,
+    force: Vec<[f64; 3]>,
+}
+
+/// A material parameter by a name, for `{ column = "name" }` in the text of effects.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Values {
+    /// Its name, ended by a zero byte.
+    pub name: *const c_char,
+    /// One number for each vertex, or for each triangle.
+    pub values: *const f64,
+    /// Number of values.
+    pub count: usize,
+}
+
+/// The number of threads that a caller asks for; 0 stands for all.
+pub(crate) fn threads(count: usize) -> NonZeroUsize {
+    NonZeroUsize::new(count).unwrap_or_else(available_threads)
+}
+
+impl Membrane {
+    fn new(
+        mesh: &Arc<TriangleMesh>,
+        reference: &[[f64; 3]],
+        effects: &str,
+        columns: Vec<Column>,
+        threads: NonZeroUsize,
+    ) -> Result<Self, Failure> {
+        surface(mesh, reference)?;
+        let invalid =
+            |error: &dyn ToString| Failure::new(Status::InvalidEffects, error.to_string());
+        let file = MeshFile {
+            positions: reference.to_vec(),
+            mesh: TriangleMesh::clone(mesh),
+        };
+        let scene = SceneFile::of_effects(effects, file, columns);
+        let scene = scene.map_err(|error| invalid(&error))?;
+        let built = with_threads(threads, || build(&scene));
+        let (simulation, _) = built.map_err(|error| invalid(&error))?;
+        Ok(Self {
+            effects: simulation.effect_names(),
+            simulation,
+            mesh: Arc::clone(mesh),
+            force: vec![[0.0; 3]; reference.len()],
+        })
+    }
+
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.force.len()
+    }
+
+    /// Sets the forces and returns the energy.
+    pub(crate) fn evaluate(
+        &mut self,
+        positions: &[[f64; 3]],
+        force: &mut [[f64; 3]],
+    ) -> Result<f64, Failure> {
+        surface(&self.mesh, positions)?;
+        of_vertices("force", force.len(), &self.mesh)?;
+        Ok(self.simulation.evaluate(positions, force).energy)
+    }
+
+    /// Evaluates, and keeps the forces.
+    fn keep(&mut self, positions: &[[f64; 3]]) -> Result<f64, Failure> {
+        let mut force = std::mem::take(&mut self.force);
+        let energy = self.evaluate(positions, &mut force);
+        self.force = force;
+        energy
+    }
+}
+
+fn new<N: Number>(
+    call: &mut Call,
+    mesh: *const Mesh,
+    (reference, count): (*const [N; 3], usize),
+    effects: *const c_char,
+    (values, value_count): (*const Values, usize),
+    thread_count: usize,
+    membrane: *mut *mut Membrane,
+) -> Outcome {
+    let mesh = &call.object("mesh", mesh)?.triangles;
+    let reference = call.at_vertices("reference", reference, count, mesh)?;
+    let effects = call.text("effects", effects)?;
+    let mut columns = Vec::new();
+    for given in call.read("values", values, value_count)? {
+        let place = match given.count {
+            count if count == mesh.vertex_count() => ColumnPlace::Vertices,
+            count if count == mesh.triangles().len() => ColumnPlace::Triangles,
+            count => {
+                let of = "one for each vertex, or one for each triangle";
+                return Err(Failure::count("values", count, mesh.vertex_count(), of));
+            }
+        };
+        columns.push(Column {
+            name: call.text("name", given.name)?.to_owned(),
+            place,
+            values: call.read("values", given.values, given.count)?.to_vec(),
+        });
+    }
+    let made = Membrane::new(mesh, &reference, effects, columns, threads(thread_count))?;
+    call.give("membrane", membrane, made)
+}
+
+/// Makes a membrane: a mesh and the effects that act on it.
+///
+/// `effects` is TOML with the keys that effects have in a scene, one or more of those that hf_effect_name
+/// lists: `bending = { method = "j6", modulus = 1.0 }`. docs/SCENES.md describes them. Numbers have no units: they
+/// are in those of the caller. The `count` rows of `reference` are the positions at which effects are free of
+/// stress, and where initial areas and volumes are measured. `values` are `value_count` material parameters for
+/// `{ column = "name" }`; NULL with 0. Evaluations run on up to `threads` threads, 0 for all; no result
+/// depends on their number.
+///
+/// On success `*membrane` is a new membrane, which hf_membrane_free frees. Fails with
+/// HF_STATUS_INVALID_EFFECTS if the text is wrong; the message names the line and what would be right.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_new(
+    mesh: *const Mesh,
+    reference: *const [f64; 3],
+    count: usize,
+    effects: *const c_char,
+    values: *const Values,
+    value_count: usize,
+    threads: usize,
+    membrane: *mut *mut Membrane,
+    error: *mut Error,
+) -> Status {
+    let (reference, values) = ((reference, count), (values, value_count));
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            new(call, mesh, reference, effects, values, threads, membrane)
+        })
+    }
+}
+
+/// Twin of hf_membrane_new with the reference in f32.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_new_f32(
+    mesh: *const Mesh,
+    reference: *const [f32; 3],
+    count: usize,
+    effects: *const c_char,
+    values: *const Values,
+    value_count: usize,
+    threads: usize,
+    membrane: *mut *mut Membrane,
+    error: *mut Error,
+) -> Status {
+    let (reference, values) = ((reference, count), (values, value_count));
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            new(call, mesh, reference, effects, values, threads, membrane)
+        })
+    }
+}
+
+/// Frees a membrane; NULL is ignored.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_free(membrane: *mut Membrane) {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe { free(membrane) }
+}
+
+/// Writes the warnings about the effects and the mesh, one a line, into `text`, which has room for `capacity`
+/// bytes; nothing if there are none. Fails with HF_STATUS_INVALID_COUNT if there is too little room, and says
+/// how much is needed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_warnings(
+    membrane: *const Membrane,
+    text: *mut c_char,
+    capacity: usize,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            let warnings = call.object("membrane", membrane)?.simulation.warnings();
+            let lines = warnings
+                .iter()
+                .map(|warning| format!("{}\n", warning.problem));
+            call.put(&lines.collect::<String>(), text, capacity)
+        })
+    }
+}
+
+/// Number of effects of a membrane that are forces, or 0 if it is NULL. Constraints are not among them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_effect_count(membrane: *const Membrane) -> usize {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe { membrane.as_ref() }.map_or(0, |membrane| membrane.effects.len())
+}
+
+/// Writes the name of one of the forces of a membrane; otherwise as hf_method_name.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_effect_name(
+    membrane: *const Membrane,
+    index: usize,
+    text: *mut c_char,
+    capacity: usize,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            let effects = &call.object("membrane", membrane)?.effects;
+            let names = Vec::from_iter(effects.iter().map(String::as_str));
+            name(call, &names, index, text, capacity)
+        })
+    }
+}
+
+fn energy<N: Number>(
+    call: &mut Call,
+    membrane: *mut Membrane,
+    positions: *const [N; 3],
+    count: usize,
+    energy: *mut N,
+) -> Outcome {
+    let membrane = call.object_mut("membrane", membrane)?;
+    let positions = call.at_vertices("positions", positions, count, &membrane.mesh)?;
+    let place = call.place("energy", energy)?;
+    *place = N::nearest(membrane.keep(&positions)?);
+    Ok(())
+}
+
+/// Sets `*energy` to the sum of the energies of all effects at these positions.
+///
+/// For bending by a method in strong form it is the quadrature `2κ Σ (H − H0)² A`, whose gradient is not the
+/// force.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_energy(
+    membrane: *mut Membrane,
+    positions: *const [f64; 3],
+    count: usize,
+    energy: *mut f64,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            self::energy(call, membrane, positions, count, energy)
+        })
+    }
+}
+
+/// Twin of hf_membrane_energy in f32.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_energy_f32(
+    membrane: *mut Membrane,
+    positions: *const [f32; 3],
+    count: usize,
+    energy: *mut f32,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            self::energy(call, membrane, positions, count, energy)
+        })
+    }
+}
+
+fn force<N: Number>(
+    call: &mut Call,
+    membrane: *mut Membrane,
+    positions: *const [N; 3],
+    count: usize,
+    force: *mut [N; 3],
+    energy: *mut N,
+) -> Outcome {
+    let membrane = call.object_mut("membrane", membrane)?;
+    let positions = call.at_vertices("positions", positions, count, &membrane.mesh)?;
+    let force = call.write("force", force, count)?;
+    let place = call.write_if_wanted("energy", energy, 1)?;
+    let energy = N::compute(force, |force| membrane.evaluate(&positions, force))?;
+    if let Some([place]) = place {
+        *place = N::nearest(energy);
+    }
+    Ok(())
+}
+
+/// Sets `force`, `count` rows of three, to the nodal forces −∂E/∂x of all effects, and `*energy` to their
+/// energy unless it is NULL.
+///
+/// Nodal forces are in units of force. Forces of bending by a method in strong form are its force density times
+/// the area of the vertex, without net force and torque. Quantities that are held exactly exert no force:
+/// see hf_membrane_constraint_gradients.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_force(
+    membrane: *mut Membrane,
+    positions: *const [f64; 3],
+    count: usize,
+    force: *mut [f64; 3],
+    energy: *mut f64,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            self::force(call, membrane, positions, count, force, energy)
+        })
+    }
+}
+
+/// Twin of hf_membrane_force in f32.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_force_f32(
+    membrane: *mut Membrane,
+    positions: *const [f32; 3],
+    count: usize,
+    force: *mut [f32; 3],
+    energy: *mut f32,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            self::force(call, membrane, positions, count, force, energy)
+        })
+    }
+}
+
+fn resolve<N: Number>(
+    call: &mut Call,
+    membrane: *mut Membrane,
+    (positions, count): (*const [N; 3], usize),
+    energies: *mut N,
+    forces: *mut [N; 3],
+    effect_count: usize,
+) -> Outcome {
+    let membrane = call.object_mut("membrane", membrane)?;
+    let positions = call.at_vertices("positions", positions, count, &membrane.mesh)?;
+    surface(&membrane.mesh, &positions)?;
+    let effects = membrane.effects.len();
+    if effect_count != effects {
+        return Err(Failure::count(
+            "energies",
+            effect_count,
+            effects,
+            "one for each effect",
+        ));
+    }
+    let energies = call.write_if_wanted("energies", energies, effects)?;
+    let forces = call.write_if_wanted("forces", forces, effects * count)?;
+    let acting = membrane.simulation.resolve(&positions);
+    for (place, acting) in energies.into_iter().flatten().zip(&acting) {
+        *place = N::nearest(acting.energy);
+    }
+    let all = acting.iter().flat_map(|acting| &acting.force);
+    for (place, force) in forces.into_iter().flatten().zip(all) {
+        *place = force.map(N::nearest);
+    }
+    Ok(())
+}
+
+/// Sets `energies` to the energy of each effect, and `forces` to its nodal forces: `effect_count` numbers, and
+/// `effect_count` times `count` rows of three. Either may be NULL.
+///
+/// The order is that of hf_membrane_effect_name.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_effect_forces(
+    membrane: *mut Membrane,
+    positions: *const [f64; 3],
+    count: usize,
+    energies: *mut f64,
+    forces: *mut [f64; 3],
+    effect_count: usize,
+    error: *mut Error,
+) -> Status {
+    let at = (positions, count);
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            resolve(call, membrane, at, energies, forces, effect_count)
+        })
+    }
+}
+
+/// Twin of hf_membrane_effect_forces in f32.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_effect_forces_f32(
+    membrane: *mut Membrane,
+    positions: *const [f32; 3],
+    count: usize,
+    energies: *mut f32,
+    forces: *mut [f32; 3],
+    effect_count: usize,
+    error: *mut Error,
+) -> Status {
+    let at = (positions, count);
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            resolve(call, membrane, at, energies, forces, effect_count)
+        })
+    }
+}
+
+/// Arrays of an engine that has more vertices than those of one membrane.
+struct Engine<N> {
+    places: *const u32,
+    count: usize,
+    positions: *const [N; 3],
+    total: usize,
+    owned: usize,
+    force: *mut [N; 3],
+}
+
+fn add_force_at<N: Number>(
+    call: &mut Call,
+    membrane: *mut Membrane,
+    engine: &Engine<N>,
+    energy: *mut N,
+) -> Outcome {
+    let membrane = call.object_mut("membrane", membrane)?;
+    of_vertices("places", engine.count, &membrane.mesh)?;
+    let places = call.read("places", engine.places, engine.count)?;
+    let positions = call.read("positions", engine.positions, engine.total)?;
+    if engine.owned > engine.total {
+        let text = format!(
+            "`owned` is {}: there are {} entries",
+            engine.owned, engine.total
+        );
+        return Err(Failure::new(Status::InvalidCount, text));
+    }
+    let all = call.write("force", engine.force, engine.owned)?;
+    let place = call.write_if_wanted("energy", energy, 1)?;
+    let mut own = Vec::with_capacity(places.len());
+    for (vertex, &at) in places.iter().enumerate() {
+        let position = positions.get(at as usize).ok_or_else(|| {
+            let total = positions.len();
+            Failure::argument(format!(
+                "vertex {vertex} has the place {at} in `places`: there are {total} places, counted from 0"
+            ))
+        })?;
+        own.push(position.map(N::wide));
+    }
+    let energy = membrane.keep(&own)?;
+    for (&at, force) in places.iter().zip(&membrane.force) {
+        if let Some(sum) = all.get_mut(at as usize) {
+            *sum = std::array::from_fn(|axis| N::nearest(sum[axis].wide() + force[axis]));
+        }
+    }
+    if let Some([place]) = place {
+        *place = N::nearest(energy);
+    }
+    Ok(())
+}
+
+/// Adds the nodal forces of a membrane whose vertices are scattered in larger arrays of an engine.
+///
+/// The position of vertex i is row `places[i]` of `positions`, which has `total` rows; `places` has `count`
+/// entries, one for each vertex. Forces are added to the `owned` first rows of `force`, and left out at places
+/// beyond, those of ghosts: where several ranks have all vertices of a membrane as owned or ghost ones, each
+/// evaluates it and keeps its own share, and no forces are sent. Ghosts have to be unwrapped images, near
+/// their neighbours. `*energy` is set to the energy of the whole membrane unless it is NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_add_force_at(
+    membrane: *mut Membrane,
+    places: *const u32,
+    count: usize,
+    positions: *const [f64; 3],
+    total: usize,
+    owned: usize,
+    force: *mut [f64; 3],
+    energy: *mut f64,
+    error: *mut Error,
+) -> Status {
+    let engine = Engine {
+        places,
+        count,
+        positions,
+        total,
+        owned,
+        force,
+    };
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe { guarded(error, |call| add_force_at(call, membrane, &engine, energy)) }
+}
+
+/// Twin of hf_membrane_add_force_at in f32.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_add_force_at_f32(
+    membrane: *mut Membrane,
+    places: *const u32,
+    count: usize,
+    positions: *const [f32; 3],
+    total: usize,
+    owned: usize,
+    force: *mut [f32; 3],
+    energy: *mut f32,
+    error: *mut Error,
+) -> Status {
+    let engine = Engine {
+        places,
+        count,
+        positions,
+        total,
+        owned,
+        force,
+    };
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe { guarded(error, |call| add_force_at(call, membrane, &engine, energy)) }
+}
+
+/// Number of quantities of a membrane that are held exactly, or 0 if it is NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_constraint_count(membrane: *const Membrane) -> usize {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe { membrane.as_ref() }.map_or(0, |membrane| membrane.simulation.constraint_count())
+}
+
+/// Sets `gradients`, `constraint_count` times `count` rows of three, to the gradients of the quantities that are
+/// held exactly, one quantity after the other. Forces without their components along these keep the quantities.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_constraint_gradients(
+    membrane: *mut Membrane,
+    positions: *const [f64; 3],
+    count: usize,
+    gradients: *mut [f64; 3],
+    constraint_count: usize,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            let membrane = call.object_mut("membrane", membrane)?;
+            let positions = call.at_vertices("positions", positions, count, &membrane.mesh)?;
+            surface(&membrane.mesh, &positions)?;
+            let needed = membrane.simulation.constraint_count();
+            if constraint_count != needed {
+                let of = "one field for each constraint";
+                return Err(Failure::count("gradients", constraint_count, needed, of));
+            }
+            let gradients = call.write("gradients", gradients, needed * count)?;
+            let mut fields = vec![vec![[0.0; 3]; count]; needed];
+            membrane
+                .simulation
+                .constraint_gradients(&positions, &mut fields);
+            gradients.copy_from_slice(&fields.concat());
+            Ok(())
+        })
+    }
+}
+
+/// Moves `positions` so that each quantity that is held exactly has its target value, and sets `*residual` to
+/// the largest relative error that remains; it is infinite if the targets cannot be reached from there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_membrane_restore(
+    membrane: *mut Membrane,
+    positions: *mut [f64; 3],
+    count: usize,
+    residual: *mut f64,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            let membrane = call.object_mut("membrane", membrane)?;
+            of_vertices("positions", count, &membrane.mesh)?;
+            let positions = call.write("positions", positions, count)?;
+            let place = call.place("residual", residual)?;
+            surface(&membrane.mesh, positions)?;
+            *place = membrane.simulation.restore(positions);
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,257 @@
+//! Meshes: triangles of vertices, and mesh files.
+
+use crate::call::{Call, free, guarded, of_vertices, surface};
+use crate::number::Number;
+use crate::status::{Error, Failure, Outcome, Status};
+use helfrich::{Surface, TriangleMesh};
+use helfrich_std::io::{read, read_welded};
+use std::ffi::c_char;
+use std::path::Path;
+use std::sync::Arc;
+
+/// An oriented manifold of triangles, closed or with edges. It never changes, and several threads may use it.
+#[derive(Debug)]
+pub struct Mesh {
+    pub(crate) triangles: Arc<TriangleMesh>,
+    /// Positions from a mesh file.
+    positions: Option<Vec<[f64; 3]>>,
+}
+
+/// Makes a mesh of triangles whose corners run counter-clockwise seen from outside.
+///
+/// `triangles` has `triangle_count` rows of three numbers of vertices, each below `vertex_count`. On success
+/// `*mesh` is a new mesh, which hf_mesh_free frees. Fails with HF_STATUS_INVALID_MESH if the triangles are no
+/// oriented manifold.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_mesh_new(
+    vertex_count: usize,
+    triangles: *const [u32; 3],
+    triangle_count: usize,
+    mesh: *mut *mut Mesh,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            let triangles = call.read("triangles", triangles, triangle_count)?;
+            let triangles = TriangleMesh::new(vertex_count, triangles.to_vec())?;
+            let made = Mesh {
+                triangles: Arc::new(triangles),
+                positions: None,
+            };
+            call.give("mesh", mesh, made)
+        })
+    }
+}
+
+/// Reads a mesh with its positions from an OBJ, OFF, STL, PLY or VTP file.
+///
+/// `path` is UTF-8. Vertices at the same point are merged if `weld` is not 0. On success `*mesh` is a new mesh,
+/// which hf_mesh_free frees. Fails with HF_STATUS_UNREADABLE_FILE if there is no such file or no mesh in it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_mesh_read(
+    path: *const c_char,
+    weld: u32,
+    mesh: *mut *mut Mesh,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            let path = Path::new(call.text("path", path)?);
+            let file = if weld == 0 {
+                read(path)
+            } else {
+                read_welded(path)
+            };
+            let file = file.map_err(|error| Failure::new(Status::UnreadableFile, error))?;
+            let made = Mesh {
+                triangles: Arc::new(file.mesh),
+                positions: Some(file.positions),
+            };
+            call.give("mesh", mesh, made)
+        })
+    }
+}
+
+/// Frees a mesh; NULL is ignored. Membranes and methods that were made with it stay usable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_mesh_free(mesh: *mut Mesh) {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe { free(mesh) }
+}
+
+/// Number of vertices, or 0 if `mesh` is NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_mesh_vertex_count(mesh: *const Mesh) -> usize {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe { mesh.as_ref() }.map_or(0, |mesh| mesh.triangles.vertex_count())
+}
+
+/// Number of triangles, or 0 if `mesh` is NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_mesh_triangle_count(mesh: *const Mesh) -> usize {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe { mesh.as_ref() }.map_or(0, |mesh| mesh.triangles.triangles().len())
+}
+
+/// Sets `triangles` to the corners of the triangles, `triangle_count` rows of three.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_mesh_triangles(
+    mesh: *const Mesh,
+    triangles: *mut [u32; 3],
+    triangle_count: usize,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            let own = call.object("mesh", mesh)?.triangles.triangles();
+            if triangle_count != own.len() {
+                let of = "one for each triangle";
+                return Err(Failure::count("triangles", triangle_count, own.len(), of));
+            }
+            let triangles = call.write("triangles", triangles, triangle_count)?;
+            triangles.copy_from_slice(own);
+            Ok(())
+        })
+    }
+}
+
+fn positions<N: Number>(
+    call: &mut Call,
+    mesh: *const Mesh,
+    positions: *mut [N; 3],
+    count: usize,
+) -> Outcome {
+    let mesh = call.object("mesh", mesh)?;
+    let Some(own) = &mesh.positions else {
+        let text = "the mesh was made of triangles alone: only meshes from files have positions";
+        return Err(Failure::new(Status::Undefined, text));
+    };
+    of_vertices("positions", count, &mesh.triangles)?;
+    let positions = call.write("positions", positions, count)?;
+    for (position, own) in positions.iter_mut().zip(own) {
+        *position = own.map(N::nearest);
+    }
+    Ok(())
+}
+
+/// Sets `positions`, `count` rows of three, to the positions in the mesh's file, in its unit of length.
+///
+/// Fails with HF_STATUS_UNDEFINED for meshes that are not from a file.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_mesh_positions(
+    mesh: *const Mesh,
+    positions: *mut [f64; 3],
+    count: usize,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe { guarded(error, |call| self::positions(call, mesh, positions, count)) }
+}
+
+/// Twin of hf_mesh_positions in f32.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_mesh_positions_f32(
+    mesh: *const Mesh,
+    positions: *mut [f32; 3],
+    count: usize,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe { guarded(error, |call| self::positions(call, mesh, positions, count)) }
+}
+
+fn size<N: Number>(
+    call: &mut Call,
+    mesh: *const Mesh,
+    positions: *const [N; 3],
+    count: usize,
+    size: (&'static str, *mut N),
+    measure: impl FnOnce(Surface<'_, f64>) -> Option<f64>,
+) -> Outcome {
+    let mesh = &call.object("mesh", mesh)?.triangles;
+    let positions = call.at_vertices("positions", positions, count, mesh)?;
+    let place = call.place(size.0, size.1)?;
+    let size = measure(surface(mesh, &positions)?).ok_or_else(|| {
+        let edges = mesh.boundary_edge_count();
+        let text = format!("the mesh has {edges} boundary edges, and encloses no volume");
+        Failure::new(Status::Undefined, text)
+    })?;
+    *place = N::nearest(size);
+    Ok(())
+}
+
+/// Sets `*area` to the area of a surface, length².
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_area(
+    mesh: *const Mesh,
+    positions: *const [f64; 3],
+    count: usize,
+    area: *mut f64,
+    error: *mut Error,
+) -> Status {
+    let of = |surface: Surface<'_, f64>| Some(surface.area());
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            size(call, mesh, positions, count, ("area", area), of)
+        })
+    }
+}
+
+/// Twin of hf_area in f32.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_area_f32(
+    mesh: *const Mesh,
+    positions: *const [f32; 3],
+    count: usize,
+    area: *mut f32,
+    error: *mut Error,
+) -> Status {
+    let of = |surface: Surface<'_, f64>| Some(surface.area());
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            size(call, mesh, positions, count, ("area", area), of)
+        })
+    }
+}
+
+/// Sets `*volume` to the enclosed volume, length³: positive if triangles run counter-clockwise seen from
+/// outside. Fails with HF_STATUS_UNDEFINED for open surfaces.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_volume(
+    mesh: *const Mesh,
+    positions: *const [f64; 3],
+    count: usize,
+    volume: *mut f64,
+    error: *mut Error,
+) -> Status {
+    let of = |surface: Surface<'_, f64>| surface.volume();
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            size(call, mesh, positions, count, ("volume", volume), of)
+        })
+    }
+}
+
+/// Twin of hf_volume in f32.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hf_volume_f32(
+    mesh: *const Mesh,
+    positions: *const [f32; 3],
+    count: usize,
+    volume: *mut f32,
+    error: *mut Error,
+) -> Status {
+    let of = |surface: Surface<'_, f64>| surface.volume();
+    // SAFETY: the caller keeps the contract of this library.
+    unsafe {
+        guarded(error, |call| {
+            size(call, mesh, positions, count, ("volume", volume), of)
+        })
+    }
+}
