@@ -4,6 +4,7 @@
 
 pub mod accuracy;
 pub mod allocation;
+pub mod axisymmetric;
 pub mod exact;
 pub mod invariants;
 pub mod isosurface;

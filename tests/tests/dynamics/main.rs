@@ -1,5 +1,6 @@
 //! Drivers: relaxation, integration in time, and capsules in flow.
 
+mod axisymmetric;
 mod capsules;
 mod contact;
 mod drops;
