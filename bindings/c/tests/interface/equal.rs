@@ -2,8 +2,8 @@
 
 use super::{EFFECTS, Handle, ellipsoid, membrane_of, mesh_of, moved, succeed, text};
 use helfrich::{
-    AdaptiveJet, Conservative, Cotangent, DualArea, GompperKroll, InPlane, Penalty, Prepared,
-    Quality, Quantity, Serial, Skalak, Surface, Targets, TriangleMesh,
+    AdaptiveJet, AnyFunctional, Conservative, Cotangent, DualArea, GompperKroll, InPlane, Penalty,
+    Prepared, Quality, Serial, Skalak, Surface, Targets, TriangleMesh,
 };
 use helfrich_capi::many::hf_membranes_force;
 use helfrich_capi::measure::{Measured, hf_measure};
@@ -54,7 +54,7 @@ fn by_the_core(
         shear_modulus: 0.7,
         area_ratio: 1.5,
     };
-    let volume = Targets::measured(&Quantity::Volume, start);
+    let volume = Targets::measured(&AnyFunctional::Volume, start);
     [
         add(bending, mesh, positions, force),
         add(
@@ -64,7 +64,7 @@ fn by_the_core(
             force,
         ),
         add(
-            Penalty::new(Quantity::Volume, 20.0, volume),
+            Penalty::new(AnyFunctional::Volume, 20.0, volume),
             mesh,
             positions,
             force,
