@@ -4,9 +4,9 @@ use crate::arrays::{Numbers, Positions, made_ready};
 use crate::curvature::Chosen;
 use crate::failure::{Fault, invalid};
 use helfrich::{
-    AreaDifference, BorderTension, Components, GaussianBending, GaussianDomains, GompperKroll,
-    Gravity, InPlane, LineTension, LocalArea, MaterialParameter, Method, NeoHookean,
-    OsmoticPressure, Penalty, PointLoads, Quantity, Reordering, Skalak, StrainEnergy, Surface,
+    AnyFunctional, AreaDifference, BorderTension, Components, GaussianBending, GaussianDomains,
+    GompperKroll, Gravity, InPlane, LineTension, LocalArea, MaterialParameter, Method, NeoHookean,
+    OsmoticPressure, Penalty, PointLoads, Reordering, Skalak, StrainEnergy, Surface,
     SurfaceTension, Targets, TriangleMesh, WallAdhesion,
 };
 use helfrich_std::effect::{CompiledPotential, Effect, Lumping};
@@ -268,11 +268,14 @@ pub(crate) fn effect(described: &Bound<'_, PyAny>, ground: &Ground<'_>) -> PyRes
         }
         "Area" => {
             let (modulus, targets) = (reader.number("modulus")?, reader.targets("target")?);
-            reader.potential("area", Penalty::new(Quantity::Area, modulus, targets))
+            reader.potential("area", Penalty::new(AnyFunctional::Area, modulus, targets))
         }
         "Volume" => {
             let (modulus, targets) = (reader.number("modulus")?, reader.targets("target")?);
-            reader.potential("volume", Penalty::new(Quantity::Volume, modulus, targets))
+            reader.potential(
+                "volume",
+                Penalty::new(AnyFunctional::Volume, modulus, targets),
+            )
         }
         "AreaDifference" => {
             let (modulus, targets) = (reader.number("modulus")?, reader.targets("target")?);

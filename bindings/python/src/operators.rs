@@ -26,18 +26,21 @@ fn parts(py: Python<'_>, matrix: SparseMatrix<f64>) -> Parts<'_> {
     )
 }
 
-/// The stiffness matrix and the areas of vertices, or the consistent mass matrix.
+/// The stiffness matrix, and the areas of vertices or the consistent mass matrix.
+type StiffnessAndMass<'py> = (
+    Parts<'py>,
+    Option<Bound<'py, PyArray1<f64>>>,
+    Option<Parts<'py>>,
+);
+
+/// Assembles the stiffness matrix and the areas of vertices, or the consistent mass matrix.
 #[pyfunction]
 pub(crate) fn laplacian<'py>(
     py: Python<'py>,
     positions: &Bound<'py, PyAny>,
     faces: &Bound<'py, PyAny>,
     areas: &str,
-) -> PyResult<(
-    Parts<'py>,
-    Option<Bound<'py, PyArray1<f64>>>,
-    Option<Parts<'py>>,
-)> {
+) -> PyResult<StiffnessAndMass<'py>> {
     let is_consistent = areas == "consistent";
     let areas = match areas {
         "consistent" => DualArea::Mixed,
