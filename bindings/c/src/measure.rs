@@ -52,8 +52,10 @@ pub struct Measured<N> {
 
 /// The arrays that are wanted of one kind.
 fn put<V>(place: Option<&mut [V]>, vertices: &[Vertex<f64>], of: impl Fn(&Vertex<f64>) -> V) {
-    for (place, vertex) in place.into_iter().flatten().zip(vertices) {
-        *place = of(vertex);
+    if let Some(place) = place {
+        for (place, vertex) in place.iter_mut().zip(vertices) {
+            *place = of(vertex);
+        }
     }
 }
 

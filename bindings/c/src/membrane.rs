@@ -367,12 +367,16 @@ fn resolve<N: Number>(
     let energies = call.write_if_wanted("energies", energies, effects)?;
     let forces = call.write_if_wanted("forces", forces, effects * count)?;
     let acting = membrane.simulation.resolve(&positions);
-    for (place, acting) in energies.into_iter().flatten().zip(&acting) {
-        *place = N::nearest(acting.energy);
+    if let Some(energies) = energies {
+        for (place, acting) in energies.iter_mut().zip(&acting) {
+            *place = N::nearest(acting.energy);
+        }
     }
-    let all = acting.iter().flat_map(|acting| &acting.force);
-    for (place, force) in forces.into_iter().flatten().zip(all) {
-        *place = force.map(N::nearest);
+    if let Some(forces) = forces {
+        let all = acting.iter().flat_map(|acting| &acting.force);
+        for (place, force) in forces.iter_mut().zip(all) {
+            *place = force.map(N::nearest);
+        }
     }
     Ok(())
 }

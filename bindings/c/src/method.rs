@@ -125,8 +125,10 @@ pub unsafe extern "C" fn hf_method_free(method: *mut Method) {
 }
 
 fn set<N: Copy, V: Copy>(place: Option<&mut [N]>, values: &[V], number: impl Fn(V) -> N) {
-    for (place, &value) in place.into_iter().flatten().zip(values) {
-        *place = number(value);
+    if let Some(place) = place {
+        for (place, &value) in place.iter_mut().zip(values) {
+            *place = number(value);
+        }
     }
 }
 
