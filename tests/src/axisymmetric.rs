@@ -423,7 +423,8 @@ impl Vesicle {
         let belongs = match self.branch {
             Branch::Prolate => tallest > widest,
             Branch::Oblate => tallest < widest,
-            Branch::Stomatocyte => curve.rate[0] < 0.0,
+            // Oblates are concave at both poles.
+            Branch::Stomatocyte => curve.rate[0] < 0.0 && curve.rate[grid.nodes - 1] > 0.0,
         };
         if !belongs || self.energy() < 1.0 {
             return Err(Error::OtherBranch(self.branch, self.reduced_volume));
