@@ -4,7 +4,7 @@ use crate::failure::{Fault, invalid};
 use helfrich::TriangleMesh;
 use numpy::{
     Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    PyUntypedArrayMethods,
+    PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -190,7 +190,12 @@ pub(crate) enum Numbers<'py> {
 impl<'py> Numbers<'py> {
     /// The numbers of an object, which is called `name` in messages.
     pub(crate) fn named(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
-        if let Ok(same) = object.extract::<f64>() {
+        let dimensions = object
+            .cast::<PyUntypedArray>()
+            .map_or(0, |array| array.ndim());
+        if dimensions == 0
+            && let Ok(same) = object.extract::<f64>()
+        {
             return Ok(Self::Same(same));
         }
         let ready = made_ready("numbers", object, name)?;

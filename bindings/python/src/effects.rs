@@ -4,10 +4,10 @@ use crate::arrays::{Numbers, Positions, made_ready};
 use crate::curvature::Chosen;
 use crate::failure::{Fault, invalid};
 use helfrich::{
-    AnyFunctional, AreaDifference, BorderTension, Components, GaussianBending, GaussianDomains,
-    GompperKroll, Gravity, InPlane, LineTension, LocalArea, MaterialParameter, Method, NeoHookean,
-    OsmoticPressure, Penalty, PointLoads, Reordering, Skalak, StrainEnergy, Surface,
-    SurfaceTension, Targets, TriangleMesh, WallAdhesion,
+    AnyFunctional, AreaDifference, BorderTension, Components, Constraint, GaussianBending,
+    GaussianDomains, GompperKroll, Gravity, InPlane, LineTension, LocalArea, MaterialParameter,
+    Method, NeoHookean, OsmoticPressure, Penalty, PointLoads, Reordering, Skalak, StrainEnergy,
+    Surface, SurfaceTension, Targets, TriangleMesh, WallAdhesion,
 };
 use helfrich_std::effect::{CompiledPotential, Effect, Lumping};
 use helfrich_std::method::BendingMethod;
@@ -242,11 +242,58 @@ impl<'py> Reader<'_, 'py> {
     }
 }
 
-/// The effect that an object describes, ready for a mesh.
-pub(crate) fn effect(described: &Bound<'_, PyAny>, ground: &Ground<'_>) -> PyResult<Effect> {
+/// An effect that acts by its forces, or a quantity of each component that is held exactly.
+pub(crate) enum Part {
+    Acting(Effect),
+    Held(Constraint<f64>),
+}
+
+impl Reader<'_, '_> {
+    /// A quantity that is held exactly, or whose penalty acts.
+    fn quantity(
+        &self,
+        functional: AnyFunctional,
+        penalty: impl FnOnce(f64, Targets<f64>) -> PyResult<Effect>,
+    ) -> PyResult<Part> {
+        let targets = self.targets("target")?;
+        if !self.get("exact")?.is_truthy()? {
+            return penalty(self.number("modulus")?, targets).map(Part::Acting);
+        }
+        if !self.get("modulus")?.is_none() {
+            return Err(invalid(
+                "an exact quantity has no modulus: leave one of them out",
+            ));
+        }
+        Ok(Part::Held(Constraint {
+            functional,
+            targets,
+        }))
+    }
+}
+
+/// The part of a membrane that an object describes, ready for a mesh.
+pub(crate) fn part(described: &Bound<'_, PyAny>, ground: &Ground<'_>) -> PyResult<Part> {
     let reader = Reader { described, ground };
     let class = described.get_type().name()?.to_string();
     match class.as_str() {
+        "Area" => reader.quantity(AnyFunctional::Area, |modulus, targets| {
+            reader.potential("area", Penalty::new(AnyFunctional::Area, modulus, targets))
+        }),
+        "Volume" => reader.quantity(AnyFunctional::Volume, |modulus, targets| {
+            reader.potential(
+                "volume",
+                Penalty::new(AnyFunctional::Volume, modulus, targets),
+            )
+        }),
+        "AreaDifference" => reader.quantity(AnyFunctional::MeanCurvature, |modulus, targets| {
+            reader.potential("area_difference", AreaDifference::new(modulus, targets))
+        }),
+        _ => effect(&reader, &class).map(Part::Acting),
+    }
+}
+
+fn effect(reader: &Reader<'_, '_>, class: &str) -> PyResult<Effect> {
+    match class {
         "Bending" => reader.bending(),
         "GaussianBending" => reader.gaussian_bending(),
         "NeoHookean" => {
@@ -265,21 +312,6 @@ pub(crate) fn effect(described: &Bound<'_, PyAny>, ground: &Ground<'_>) -> PyRes
             let area_modulus = reader.number("modulus")?;
             let law = reader.in_plane(LocalArea { area_modulus })?;
             reader.potential("local_area", law)
-        }
-        "Area" => {
-            let (modulus, targets) = (reader.number("modulus")?, reader.targets("target")?);
-            reader.potential("area", Penalty::new(AnyFunctional::Area, modulus, targets))
-        }
-        "Volume" => {
-            let (modulus, targets) = (reader.number("modulus")?, reader.targets("target")?);
-            reader.potential(
-                "volume",
-                Penalty::new(AnyFunctional::Volume, modulus, targets),
-            )
-        }
-        "AreaDifference" => {
-            let (modulus, targets) = (reader.number("modulus")?, reader.targets("target")?);
-            reader.potential("area_difference", AreaDifference::new(modulus, targets))
         }
         "Tension" => reader.potential("tension", SurfaceTension::new(reader.number("value")?)),
         "LineTension" => {

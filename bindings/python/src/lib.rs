@@ -61,7 +61,7 @@ mod _helfrich {
     #[pymodule_export]
     use super::meshes::{inspect, read, shape, subdivide, weld, write};
     #[pymodule_export]
-    use super::operators::{gradient, laplacian};
+    use super::operators::{gradient, laplacian, stiffness};
     #[pymodule_export]
     use super::recommendation::recommend;
     #[pymodule_export]

@@ -1,10 +1,10 @@
 //! A membrane: a mesh with the effects on it, for repeated evaluation.
 
 use crate::arrays::{Positions, faces, matrix, rows};
-use crate::effects::{Ground, effect};
+use crate::effects::{Ground, Part, part};
 use crate::failure::{Fault, invalid};
 use crate::work::prepared_for;
-use helfrich::{Quality, Surface, TriangleMesh};
+use helfrich::{ConstraintError, Constraints, Method, Prepared, Quality, Surface, TriangleMesh};
 use helfrich_std::effect::Effect;
 use helfrich_std::ordered::Ordered;
 use numpy::{
@@ -13,7 +13,7 @@ use numpy::{
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A mesh with the effects on it, for repeated evaluation of their energy and force.
 ///
@@ -56,32 +56,73 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 pub(crate) struct Membrane {
     mesh: TriangleMesh,
     /// Locked without the interpreter's lock only.
-    prepared: Mutex<Prepared>,
+    acting: Mutex<Acting>,
 }
 
 /// Effects prepared for the mesh, in an order that is kind to caches.
-struct Prepared {
+struct Acting {
     ordered: Option<Ordered<f64>>,
     effects: Vec<Effect>,
+    /// Quantities that are held exactly.
+    held: Option<Prepared<f64, Constraints<f64>>>,
     /// Forces in double precision, for arrays in single precision.
     force: Vec<[f64; 3]>,
 }
 
-impl Prepared {
+impl Acting {
     /// Sets `force` to the sum of all forces, and returns the sum of all energies.
     fn evaluate(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
-        force.fill([0.0; 3]);
-        let effects = self.effects.iter_mut();
-        match &mut self.ordered {
-            None => effects.map(|effect| effect.add_force(surface, force)).sum(),
+        let Self {
+            ordered,
+            effects,
+            held,
+            ..
+        } = self;
+        let mut add = |surface: Surface<'_, f64>, force: &mut [[f64; 3]]| {
+            force.fill([0.0; 3]);
+            let effects = effects.iter_mut();
+            let energy = effects.map(|effect| effect.add_force(surface, force)).sum();
+            if let Some(held) = held {
+                held.with(|held, execution, workspace| {
+                    held.project(execution, surface, workspace, force);
+                });
+            }
+            energy
+        };
+        match ordered {
+            None => add(surface, force),
             Some(ordered) => {
                 let (surface, own) = ordered.parts(surface);
-                own.fill([0.0; 3]);
-                let energy = effects.map(|effect| effect.add_force(surface, own)).sum();
+                let energy = add(surface, own);
+                force.fill([0.0; 3]);
                 ordered.add_forces_to(force);
                 energy
             }
         }
+    }
+
+    /// Moves positions onto the exact constraints.
+    fn restore(
+        &mut self,
+        mesh: &TriangleMesh,
+        positions: &mut [[f64; 3]],
+    ) -> Result<(), ConstraintError> {
+        let Some(held) = &mut self.held else {
+            return Ok(());
+        };
+        let mut correct = |mesh: &TriangleMesh, positions: &mut [[f64; 3]]| {
+            held.with(|held, execution, workspace| {
+                held.correct(execution, mesh, positions, workspace)
+            })
+        };
+        match &mut self.ordered {
+            None => correct(mesh, positions)?,
+            Some(ordered) => {
+                let own = Arc::clone(ordered.mesh());
+                ordered.change(positions, |positions| correct(&own, positions))?
+            }
+        };
+        Ok(())
     }
 
     fn energy(&mut self, surface: Surface<'_, f64>) -> f64 {
@@ -155,9 +196,9 @@ fn refuse_overlap<T: Element>(
 }
 
 impl Membrane {
-    fn locked(&self) -> MutexGuard<'_, Prepared> {
+    fn locked(&self) -> MutexGuard<'_, Acting> {
         // After a panic, too: each evaluation sets all that it reads.
-        self.prepared.lock().unwrap_or_else(PoisonError::into_inner)
+        self.acting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The forces in double precision, written to `force`.
@@ -263,18 +304,28 @@ impl Membrane {
             own: ordered.as_ref().map_or(&mesh, |ordered| ordered.mesh()),
             order: ordered.as_ref().map(Ordered::order),
         };
-        let effects = prepared_for(threads, || {
-            let effects = effects.iter();
-            effects
-                .map(|described| effect(&described, &ground))
-                .collect()
+        let (mut acting, mut constraints) = (Vec::new(), Vec::new());
+        prepared_for(threads, || {
+            for described in effects {
+                match part(&described, &ground)? {
+                    Part::Acting(effect) => acting.push(effect),
+                    Part::Held(constraint) => constraints.push(constraint),
+                }
+            }
+            Ok(())
         })?;
-        let prepared = Mutex::new(Prepared {
+        let held = (!constraints.is_empty()).then(|| Constraints { constraints });
+        let held = held.map(|held| {
+            Method::check(&held).map_err(invalid)?;
+            Ok::<_, PyErr>(Prepared::new(held, ground.own))
+        });
+        let acting = Mutex::new(Acting {
+            held: held.transpose()?,
             ordered,
-            effects,
+            effects: acting,
             force: Vec::new(),
         });
-        Ok(Self { mesh, prepared })
+        Ok(Self { mesh, acting })
     }
 
     /// The sum of the energies (float) at the positions V (n, 3).
@@ -297,6 +348,8 @@ impl Membrane {
     }
 
     /// The sum of the nodal forces (n, 3) at the positions V (n, 3), with the number type of V.
+    ///
+    /// Where quantities are held exactly, the parts along their gradients are removed.
     ///
     /// `out` is an array for the result, which is also returned: writeable, in C order, with the shape and
     /// the number type of V, and without memory in common with it. Forces are computed in double precision,
@@ -327,6 +380,31 @@ impl Membrane {
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(f64, Bound<'py, PyAny>)> {
         self.evaluate(V, out)
+    }
+
+    /// The positions V (n, 3), moved so that every exact quantity has its target: a new array.
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If V does not fit the mesh, or is not finite.
+    /// ValueError
+    ///     If a target cannot be reached.
+    #[expect(non_snake_case, reason = "the name of the positions in Python")]
+    fn restore<'py>(&self, V: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let positions = Positions::new(V)?;
+        let is_single = positions.is_single();
+        let mut moved = positions.double().into_owned();
+        let restored = V.py().detach(|| {
+            Surface::new(&self.mesh, &moved[..])?;
+            Ok::<_, Fault>(self.locked().restore(&self.mesh, &mut moved))
+        });
+        restored?.map_err(invalid)?;
+        if is_single {
+            let moved = moved.iter().map(|x| x.map(|component| component as f32));
+            return Ok(matrix(V.py(), moved.collect())?.into_any());
+        }
+        Ok(matrix(V.py(), moved)?.into_any())
     }
 
     /// What makes forces at the positions V (n, 3) less trustworthy: sums of `helfrich.Flag` (n,), uint32.

@@ -1,11 +1,12 @@
 //! Operators as sparse matrices.
 
-use crate::arrays::Input;
+use crate::arrays::{Input, matrix};
+use crate::curvature::Chosen;
 use crate::failure::{Fault, invalid};
 use crate::work::on_threads;
 use helfrich::{Cotangent, DualArea, SparseMatrix, Surface, TriangleMesh};
 use helfrich_std::execute::Parallel;
-use helfrich_std::method::MethodOptions;
+use helfrich_std::method::{MethodOptions, OperatorMatrix};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -26,21 +27,22 @@ fn parts(py: Python<'_>, matrix: SparseMatrix<f64>) -> Parts<'_> {
     )
 }
 
-/// The stiffness matrix, and the areas of vertices or the consistent mass matrix.
-type StiffnessAndMass<'py> = (
+/// A matrix, and the areas of vertices or the consistent mass matrix.
+type Operator<'py> = (
     Parts<'py>,
     Option<Bound<'py, PyArray1<f64>>>,
     Option<Parts<'py>>,
 );
 
-/// Assembles the stiffness matrix and the areas of vertices, or the consistent mass matrix.
+/// The stiffness matrix of linear finite elements, with the areas of vertices, or the consistent mass
+/// matrix.
 #[pyfunction]
-pub(crate) fn laplacian<'py>(
+pub(crate) fn stiffness<'py>(
     py: Python<'py>,
     positions: &Bound<'py, PyAny>,
     faces: &Bound<'py, PyAny>,
     areas: &str,
-) -> PyResult<StiffnessAndMass<'py>> {
+) -> PyResult<Operator<'py>> {
     let is_consistent = areas == "consistent";
     let areas = match areas {
         "consistent" => DualArea::Mixed,
@@ -61,11 +63,30 @@ pub(crate) fn laplacian<'py>(
     })?;
     let (stiffness, mass, areas) = found?;
     let areas = mass.is_none().then(|| PyArray1::from_vec(py, areas));
-    Ok((
-        parts(py, stiffness),
-        areas,
-        mass.map(|mass| parts(py, mass)),
-    ))
+    let mass = mass.map(|mass| parts(py, mass));
+    Ok((parts(py, stiffness), areas, mass))
+}
+
+/// The operator Δ_S of a method, and the areas of vertices.
+#[pyfunction]
+pub(crate) fn laplacian<'py>(
+    py: Python<'py>,
+    positions: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+    method: &str,
+) -> PyResult<Operator<'py>> {
+    let Chosen { method, options } = Chosen::named(method, None, None)?;
+    let mut input = Input::new(positions, faces)?;
+    let triangles = input.take_faces();
+    let positions = input.positions.double();
+    let found = on_threads(py, None, || {
+        let mesh = TriangleMesh::new(positions.len(), triangles).map_err(Fault::from)?;
+        let surface = Surface::new(&mesh, &positions[..]).map_err(Fault::from)?;
+        method.operator(&options, surface).map_err(invalid)
+    })?;
+    let OperatorMatrix { matrix, areas } = found?;
+    let areas = PyArray1::from_vec(py, areas);
+    Ok((parts(py, matrix), Some(areas), None))
 }
 
 /// The gradients of the fields that are 1 at one corner of a triangle, (3 m, 3): the columns of row 3 t + k
@@ -90,5 +111,5 @@ pub(crate) fn gradient<'py>(
         });
         Ok::<_, Fault>(Vec::from_iter(rows))
     })?;
-    crate::arrays::matrix(py, found?)
+    matrix(py, found?)
 }

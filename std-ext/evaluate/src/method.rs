@@ -7,6 +7,7 @@ mod choice;
 mod evaluator;
 mod fields;
 mod listed;
+mod operator;
 mod options;
 mod own;
 
@@ -15,6 +16,7 @@ pub(crate) use choice::Visitor;
 pub use evaluator::{Compiled, Evaluated, Evaluator};
 pub use fields::Fields;
 pub use listed::{Described, ListVisitor, ListedCurvatures, ListedEnergy, ListedOperator, Of};
+pub use operator::{NoOperator, OperatorMatrix};
 pub use options::{InvalidBandwidth, MethodOptions, UnknownAreas, UnusedOption};
 pub use own::{AnyMethod, OwnMethod, RepeatedName};
 

@@ -27,16 +27,18 @@ def laplacian(
     """The negative Laplacian L, positive semidefinite, and the mass matrix M.
 
     The sign is that of potpourri3d and robust_laplacian, and the opposite of libigl's: M⁻¹ L u is
-    −Δ u. L is symmetric to the last bit, its rows sum to 0, and u·L u is ∫ |∇u|² dS.
+    −Δ u. By default L is symmetric to the last bit, its rows sum to 0, and u·L u is ∫ |∇u|² dS.
 
     Parameters
     ----------
     V, F
         The mesh, as in `curvature`. Boundaries are free: nothing flows through them.
     method : str
-        "cotangent", linear finite elements.
+        "cotangent" is that of linear finite elements. The operators of methods in strong form are
+        "meyer", "belkin", "farutin", "j4", "j6" and "jet": L is −M Δ then, and neither symmetric nor
+        semidefinite, but jets converge at every vertex.
     mass : str
-        The areas on the diagonal of M: "mixed", those of the cotangent curvatures, "barycentric",
+        For "cotangent", the areas on the diagonal of M: "mixed", those of the cotangent curvatures, "barycentric",
         thirds of triangles, or "voronoi". "consistent" is the mass matrix of linear finite elements.
 
     Returns
@@ -62,13 +64,15 @@ def laplacian(
     >>> round(float(x @ L @ x / (x @ M @ x)), 1)
     2.0
     """
-    if method != "cotangent":
-        raise ValueError(f"there is no Laplacian {method!r}: there is cotangent")
     sparse = _sparse()
     V, F = both(V, F)
-    stiffness, areas, consistent = _helfrich.laplacian(V, F, mass)
-    n = len(stiffness[2]) - 1
-    L = sparse.csr_array(stiffness, shape=(n, n))
+    if method == "cotangent":
+        (values, columns, offsets), areas, consistent = _helfrich.stiffness(V, F, mass)
+    else:
+        (values, columns, offsets), areas, consistent = _helfrich.laplacian(V, F, method)
+        values *= -np.repeat(areas, np.diff(offsets))
+    n = len(offsets) - 1
+    L = sparse.csr_array((values, columns, offsets), shape=(n, n))
     if areas is None:
         return L, sparse.csr_array(consistent, shape=(n, n))
     diagonal = np.arange(n + 1)

@@ -105,33 +105,39 @@ class LocalArea:
 class Area:
     """Penalty on the total area: E = k/2 (A − A0)²/A0 of each component.
 
-    `modulus` is k, energy per area, and `target` A0 of the components.
+    `modulus` is k, energy per area, and `target` A0 of the components. With `exact`, there is no modulus:
+    forces do not change the area, and `Membrane.restore` sets it to the target.
     """
 
-    modulus: float
-    target: Any
+    modulus: Optional[float] = None
+    target: Any = None
+    exact: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Volume:
     """Penalty on the enclosed volume: E = k/2 (V − V0)²/|V0| of each component without boundary.
 
-    `modulus` is k, a pressure, and `target` V0 of the components.
+    `modulus` is k, a pressure, and `target` V0 of the components. With `exact`, there is no modulus:
+    forces do not change the volume, and `Membrane.restore` sets it to the target.
     """
 
-    modulus: float
-    target: Any
+    modulus: Optional[float] = None
+    target: Any = None
+    exact: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class AreaDifference:
     """Area difference of the leaflets of a bilayer: E = 2π κ̄ (M − M0)²/A, with M = ∫ H dS.
 
-    `modulus` is κ̄, an energy, and `target` M0 = ΔA0/(2 D) of the components, a length.
+    `modulus` is κ̄, an energy, and `target` M0 = ΔA0/(2 D) of the components, a length. With `exact`,
+    there is no modulus: forces do not change M, and `Membrane.restore` sets it to the target.
     """
 
-    modulus: float
-    target: Any
+    modulus: Optional[float] = None
+    target: Any = None
+    exact: bool = False
 
 
 @dataclass(frozen=True, eq=False)
