@@ -90,6 +90,28 @@ def test_a_sphere(radius):
     np.testing.assert_allclose(exact.H, 1 / radius)
 
 
+def test_spontaneous_curvature():
+    """On a sphere, f·n = 4κ (H − H0) H0 H: 2κ·2 (H − H0)(H² − K + H0 H) with H² = K."""
+    R, H0, kappa = 2.0, -0.3, 1.7
+    V, F, exact = helfrich.shape(f"sphere:{R}", 2562)
+    wanted = 4 * kappa * (1 / R - H0) * H0 / R
+    for given in [H0, np.full(len(V), H0)]:
+        f = helfrich.bending_force(V, F, kappa=kappa, H0=given, method="j6", density=True)
+        # The fourth derivative of jets of degree 6 is off by h⁵ over R³.
+        np.testing.assert_allclose((f * exact.normal).sum(axis=1), wanted, rtol=1e-4)
+    energy = helfrich.bending_energy(V, F, kappa=kappa, H0=H0, method="j6")
+    assert energy == pytest.approx(2 * kappa * (1 / R - H0) ** 2 * 4 * np.pi * R**2, rel=2e-3)
+
+
+@pytest.mark.parametrize("method", [method["name"] for method in helfrich.METHODS if method["has_force"]])
+def test_an_energy_alone_is_that_beside_forces(method):
+    V, F = rough(162)
+    cell = helfrich.Membrane(F, e.Bending(method, 0.3), e.Skalak(1, 2, V * 1.1))
+    energy, force = cell.energy_and_force(V)
+    assert cell.energy(V) == energy
+    np.testing.assert_array_equal(cell.force(V), force)
+
+
 def test_a_body_of_other_directions():
     """On a cylinder-like torus, d1 runs around the tube and d2 along it."""
     V, F, exact = helfrich.shape("torus:4,1", 2000)
@@ -274,7 +296,9 @@ def test_operators_of_methods(method):
     L, M = helfrich.laplacian(V, F, method=method)
     found = (L @ V) / M.diagonal()[:, None]
     wanted = 2 * exact.H[:, None] * exact.normal
-    worst = {"j4": 1e-3, "j6": 1e-3, "jet": 1e-3}.get(method, 0.2)
+    # Errors of jets of degree 4 are of the order of h³, of degree 6 h⁵, with edges h of 0.07 radii; others
+    # have a few percent.
+    worst = {"j4": 5e-3, "j6": 1e-3, "jet": 1e-3}.get(method, 0.2)
     largest = abs(exact.H).max()
     error = np.linalg.norm(found - wanted, axis=1) / largest
     # Methods that do not converge at every vertex do so in the mean.
