@@ -10,9 +10,9 @@ use helfrich_std::generate::GeneratedMesh;
 /// spheres), they are relative to a power of the sphere's curvature.
 #[derive(Clone, Copy, Debug)]
 pub struct Errors {
-    /// The largest.
+    /// Largest error.
     pub max: f64,
-    /// The area-weighted mean.
+    /// Area-weighted mean error.
     pub mean: f64,
 }
 
@@ -27,11 +27,11 @@ pub struct StrongFormErrors {
     pub laplacian_of_mean: Errors,
     /// Errors of f, as a vector.
     pub force_density: Errors,
-    /// Energy from the method's own areas and H, relative to the exact energy.
+    /// Energy from the method's own areas and H, with κ = 1.
     pub energy: f64,
 }
 
-/// The mesh with its positions.
+/// Surface of a generated mesh.
 ///
 /// # Panics
 /// If the mesh is not valid; generated meshes always are.
@@ -45,13 +45,14 @@ pub fn exact_points(made: &GeneratedMesh) -> Vec<ExactPoint<f64>> {
     preimages.map(|&preimage| made.shape.at(preimage)).collect()
 }
 
-/// n, H, K and mixed areas, by the cotangent operator.
+/// n, H, K and mixed areas at the vertices, by the cotangent operator.
 pub fn cotangent_curvature(surface: Surface<'_, f64>) -> Vec<Curvature<f64>> {
     let mut cotangent = Prepared::new(Cotangent::new(DualArea::Mixed), surface.mesh());
     cotangent.curvatures(surface).to_vec()
 }
 
-/// Errors of values at the vertices.
+/// Errors at the vertices. `exact` is the exact value; `error` gives the absolute error of a vertex from its
+/// number and its exact value. An error of NaN counts as infinite.
 pub fn errors(
     made: &GeneratedMesh,
     exact: impl Fn(&ExactPoint<f64>) -> f64,
@@ -78,7 +79,7 @@ pub fn errors(
     }
 }
 
-/// Errors of f = `force` over `area`, or of a density if all areas are 1.
+/// Errors of the force density f = `force`/`area`. If `force` is a density already, `area` returns 1.
 pub fn density_errors(
     made: &GeneratedMesh,
     force: &[[f64; 3]],

@@ -7,7 +7,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-/// The system's allocator; counts the calls of each thread, and the bytes that it holds.
+/// System allocator that counts the calls of each thread and the bytes that the thread has allocated.
 #[derive(Clone, Copy, Debug)]
 pub struct Counting;
 
@@ -17,7 +17,7 @@ thread_local! {
     static BYTES: Cell<isize> = const { Cell::new(0) };
 }
 
-/// Counts a call that changes the number of allocated bytes by this difference.
+/// Counts a call that changes the number of allocated bytes by `bytes`.
 fn count(bytes: isize) {
     CALLS.with(|calls| calls.set(calls.get() + 1));
     give_back(-bytes);

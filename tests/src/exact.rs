@@ -7,7 +7,7 @@ use helfrich_std::generate::{AnyShape, Family, generate};
 use proptest::prelude::{Strategy, prop_oneof};
 use proptest::sample::select;
 
-/// A mesh on an exact shape, in a few readable numbers.
+/// Mesh on an exact shape, described by a few readable numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct OnShape {
     /// The shape.
@@ -24,7 +24,7 @@ impl OnShape {
     /// The mesh, and the exact surface at each of its vertices.
     ///
     /// # Panics
-    /// If there is no such mesh; for the strategy [`on_shapes`] there always is one.
+    /// If there is no such mesh. The strategy [`on_shapes`] describes only meshes that exist.
     pub fn mesh(self) -> (Mesh, Vec<ExactPoint<f64>>) {
         let made = generate(&self.shape, self.family, self.vertices, self.seed);
         let made = made.expect("a mesh of the strategy's numbers");
@@ -38,7 +38,7 @@ impl OnShape {
     }
 }
 
-/// Shapes of every kind, with lengths about 1.
+/// Shapes of every kind, with lengths of order 1.
 pub fn shapes() -> impl Strategy<Value = AnyShape> {
     let read = |text: String| text.parse::<AnyShape>().expect("lengths within bounds");
     let length = || 0.5..2.0;
@@ -63,7 +63,7 @@ pub fn on_shapes(most: usize) -> impl Strategy<Value = OnShape> {
     })
 }
 
-/// A mesh on a star-shaped surface with waves, in a few readable numbers.
+/// Mesh on a star-shaped surface with waves, described by a few readable numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct OnStar {
     /// Seed of the directions of the waves.

@@ -1,4 +1,4 @@
-//! Checks of accepted input by other means than the code under test, for tests and fuzz targets.
+//! Checks of accepted input that do not use the code under test, for tests and fuzz targets.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -75,8 +75,8 @@ fn check_edges(mesh: &TriangleMesh, sides: &BTreeMap<[u32; 2], u32>) {
     assert_eq!(mesh.is_closed(), boundary == 0);
 }
 
-/// The ring has every neighbour once. Consecutive neighbours span a triangle with the vertex, in this
-/// orientation, and these are all its triangles, so that they form one fan.
+/// Checks that the ring contains every neighbour once, that consecutive neighbours span a triangle with the
+/// vertex in this orientation, and that these are all its triangles, so that they form one fan.
 fn check_ring(mesh: &TriangleMesh, vertex: u32, sides: &BTreeMap<[u32; 2], u32>) {
     let ring = mesh.one_ring(vertex as usize);
     let mut neighbours = BTreeSet::new();

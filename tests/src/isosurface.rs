@@ -33,7 +33,7 @@ impl Grid {
         self.nodes.pow(axis as u32)
     }
 
-    /// The node of a corner of the cube that begins at a node.
+    /// Node at a corner of the cube whose first node is `cube`.
     fn node(&self, cube: usize, corner: usize) -> usize {
         cube + (0..3)
             .filter(|axis| corner >> axis & 1 == 1)
@@ -46,7 +46,7 @@ impl Grid {
         [0, 1, 2].map(|axis| (node / self.step(axis) % self.nodes) as f64 * 2.0 / cells - 1.0)
     }
 
-    /// The vertex on the edge between two corners of a cube, where a linear interpolation is zero.
+    /// Vertex on the edge between two corners of a cube, at the zero of the linear interpolation.
     fn vertex(&mut self, cube: usize, corners: [usize; 2]) -> u32 {
         let [from, to] = [corners[0].min(corners[1]), corners[0].max(corners[1])];
         let axis = (from ^ to).trailing_zeros() as usize;
@@ -60,8 +60,8 @@ impl Grid {
         })
     }
 
-    /// For each vertex on the edges of a cube, the next one around its polygon. On a face with four
-    /// vertices each positive corner is cut off.
+    /// For each vertex on the edges of a cube, the next vertex of its polygon; and whether a face is
+    /// ambiguous. An ambiguous face has four vertices; each of its positive corners is cut off separately.
     fn polygons(&mut self, cube: usize) -> (HashMap<u32, u32>, bool) {
         let mut next = HashMap::new();
         let mut is_ambiguous = false;
@@ -84,8 +84,8 @@ impl Grid {
     }
 }
 
-/// The surface where a field changes its sign on a grid of `cells³` cubes over [−1, 1]³, normals away from
-/// where it is positive: marching cubes, with the polygons of each cube traced face by face.
+/// Zero level of a field on a grid of `cells³` cubes over [−1, 1]³ by marching cubes, with normals that point
+/// away from positive values. The polygons of each cube are traced face by face.
 pub fn marching_cubes(cells: usize, field: impl Fn([f64; 3]) -> f64) -> Soup {
     let nodes = cells + 1;
     let mut grid = Grid {
@@ -115,7 +115,8 @@ pub fn marching_cubes(cells: usize, field: impl Fn([f64; 3]) -> f64) -> Soup {
             }
             let mut sides = polygon.windows(2).map(|side| [side[0], side[1]]);
             if is_ambiguous && polygon.len() > 3 {
-                // A diagonal may lie on a face where the neighbouring cube has one, too.
+                // The polygon is triangulated about its centre, because a diagonal could lie in a face in
+                // which the neighbouring cube has one, too.
                 let corners = polygon
                     .iter()
                     .map(|&vertex| grid.positions[vertex as usize]);
@@ -133,8 +134,8 @@ pub fn marching_cubes(cells: usize, field: impl Fn([f64; 3]) -> f64) -> Soup {
     (grid.positions, triangles)
 }
 
-/// A surface like one from a segmentation: of one to four overlapping or separate blobs, with noise of
-/// the values and of the positions, and with holes in every second case.
+/// Isosurface like those of a segmentation: one to four overlapping or separate blobs, with noise of the
+/// values and of the positions, and with holes in every second case.
 pub fn segmentation(cells: usize, seed: u64) -> Soup {
     let mut random = SplitMix64::new(seed);
     let blobs = Vec::from_iter((0..=random.below(4)).map(|_| {

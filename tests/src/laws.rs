@@ -59,7 +59,7 @@ pub trait CurvatureLaw {
     fn check<M: Curvatures<f64> + Copy>(&mut self, name: &str, method: M);
 }
 
-/// Every method whose force is a gradient.
+/// Applies a law to every method whose force is a gradient.
 pub fn for_each_conservative(law: &mut impl ConservativeLaw) {
     struct Energies<'a, L>(&'a mut L);
     impl<L: ConservativeLaw> ListVisitor for Energies<'_, L> {
@@ -82,7 +82,7 @@ pub fn for_each_conservative(law: &mut impl ConservativeLaw) {
     law.check(Sum(Hinged::Forces, SquaredLaplacian(DualArea::Voronoi)));
 }
 
-/// Every method.
+/// Applies a law to every method.
 pub fn for_each(law: &mut impl Law) {
     struct AsLaw<'a, L>(&'a mut L);
     impl<L: Law> ConservativeLaw for AsLaw<'_, L> {
@@ -107,7 +107,7 @@ pub fn for_each(law: &mut impl Law) {
     law.check(GuardedParaboloid);
 }
 
-/// Every Laplace–Beltrami operator.
+/// Applies a law to every Laplace–Beltrami operator.
 pub fn for_each_operator(law: &mut impl OperatorLaw) {
     struct Operators<'a, L>(&'a mut L);
     impl<L: OperatorLaw> ListVisitor for Operators<'_, L> {
@@ -131,7 +131,7 @@ pub fn for_each_operator(law: &mut impl OperatorLaw) {
     law.check("paraboloid, guarded", Paraboloid::guarded());
 }
 
-/// Every Laplace–Beltrami operator, and every operator for curvatures only.
+/// Applies a law to every Laplace–Beltrami operator and to every operator for curvatures only.
 pub fn for_each_curvatures(law: &mut impl CurvatureLaw) {
     struct AsLaw<'a, L>(&'a mut L);
     impl<L: CurvatureLaw> OperatorLaw for AsLaw<'_, L> {
@@ -152,7 +152,7 @@ pub fn for_each_curvatures(law: &mut impl CurvatureLaw) {
     for_each_listed(&mut AsLaw(law));
 }
 
-/// Every law of methods, on one mesh.
+/// Checks every law of methods on one mesh.
 ///
 /// # Panics
 /// If the method breaks a law.
@@ -171,7 +171,7 @@ pub fn check(method: impl Candidate, mesh: &Mesh) {
     Law::check(&mut law, method);
 }
 
-/// Every law of methods with an energy, those of [`check`] among them, on one mesh.
+/// Checks every law of methods with an energy on one mesh, which include those of [`check`].
 ///
 /// # Panics
 /// If the method breaks a law.

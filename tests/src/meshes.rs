@@ -17,11 +17,10 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// The mesh of these triangles over these positions.
+    /// Mesh of these triangles and positions.
     ///
     /// # Panics
     /// If the mesh is not valid.
-    /// If it is not.
     pub fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         let connectivity =
             TriangleMesh::new(positions.len(), triangles).expect("the generators make manifolds");
@@ -39,7 +38,7 @@ impl Mesh {
         Surface::new(&self.connectivity, &self.positions).expect("one finite position a vertex")
     }
 
-    /// The same connectivity with every position moved.
+    /// Mesh with the same connectivity, every position mapped.
     pub fn map(&self, position: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         Self {
             connectivity: self.connectivity.clone(),
@@ -137,7 +136,7 @@ pub fn tetrahedron() -> Mesh {
     Mesh::new(positions, triangles).map(unit)
 }
 
-/// The regular octahedron in the unit sphere; its last four triangles look down.
+/// The regular octahedron in the unit sphere; its last four triangles face down.
 pub fn octahedron() -> Mesh {
     let positions = vec![
         [1.0, 0.0, 0.0],
@@ -364,7 +363,7 @@ pub struct SplitMix64 {
 }
 
 impl SplitMix64 {
-    /// The sequence of this seed.
+    /// Starts the sequence of this seed.
     pub fn new(seed: u64) -> Self {
         Self { state: seed }
     }

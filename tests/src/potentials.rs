@@ -57,7 +57,7 @@ impl ConservativeCandidate for Penalised {
 /// Area difference.
 #[derive(Clone, Copy, Debug)]
 pub struct Bilayer {
-    /// M0.
+    /// Target M0 of [`AreaDifference`].
     pub target: f64,
 }
 
@@ -71,7 +71,7 @@ impl ConservativeCandidate for Bilayer {
     }
 }
 
-/// Every energy of whole components, with targets of bodies of size 1.
+/// Applies a law to every energy of whole components, with targets for bodies of size 1.
 pub fn for_each_potential(law: &mut impl ConservativeLaw) {
     law.check(Tension);
     law.check(Pressure);

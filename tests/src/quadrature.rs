@@ -10,7 +10,7 @@ pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
         .map(|k| {
             let mut x = (PI * (k as f64 + 0.75) / (count as f64 + 0.5)).cos();
             let mut slope = 0.0;
-            // Newton's iteration from Tricomi's guess doubles the digits each time.
+            // Each step of Newton's iteration from Tricomi's estimate doubles the number of digits.
             for _ in 0..6 {
                 let (mut before, mut value) = (1.0, x);
                 for degree in 2..=count {

@@ -45,7 +45,7 @@ impl Series {
         inverse
     }
 
-    /// The square root, likewise.
+    /// The square root, by Newton's iteration, which also doubles the known degrees.
     fn sqrt(self) -> Self {
         let mut root = Self::constant(self.0[0].sqrt());
         for _ in 0..3 {
@@ -54,7 +54,7 @@ impl Series {
         root
     }
 
-    /// The derivatives by u and v, one degree less of which is known.
+    /// Derivatives with respect to u and v. They are known to one degree less.
     fn derivatives(self) -> [Self; 2] {
         let mut derivatives = [Self::constant(0.0); 2];
         for (u, v) in exponents() {
@@ -149,7 +149,7 @@ impl Star {
 
 /// The surface r(p) p at a unit vector p.
 fn over_sphere(preimage: [f64; 3], radius: impl Fn([Series; 3]) -> Series) -> ExactPoint<f64> {
-    // Any axes that are not along p; the result depends on none.
+    // Two tangents perpendicular to p; the result does not depend on their choice.
     let least = (0..3).min_by(|&a, &b| preimage[a].abs().total_cmp(&preimage[b].abs()));
     let axis: [f64; 3] = from_fn(|k| f64::from(u8::from(Some(k) == least)));
     let [x, y, z] = preimage;
@@ -211,7 +211,7 @@ mod tests {
     use approx::assert_relative_eq;
     use helfrich::shapes::{Ellipsoid, Shape};
 
-    /// The ellipsoid as a star: r = (Σ pᵢ²/aᵢ²)^(−1/2); its exact formulas are the core's.
+    /// The series agree with the core's exact formulas for the ellipsoid, the star r = (Σ pᵢ²/aᵢ²)^(−1/2).
     #[test]
     fn series_give_the_ellipsoid() {
         let axes: [f64; 3] = [1.0, 0.8, 0.5];

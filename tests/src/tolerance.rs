@@ -1,13 +1,14 @@
-//! Tolerances that several files of tests share, each with its reason. One of a single file stands there.
+//! Tolerances that several test files share, each with its reason. A tolerance of a single file stands in
+//! that file.
 
 pub mod methods;
 
-/// How far a computed number may be from the expected one.
+/// Bound on the deviation of a computed number from the expected one.
 #[derive(Clone, Copy, Debug)]
 pub struct Tolerance {
-    /// The bound, relative to what the test says.
+    /// Bound, relative to the scale that the test gives.
     pub value: f64,
-    /// Why it is this and not less.
+    /// Reason for this bound and against a smaller one.
     pub reason: &'static str,
 }
 
@@ -30,28 +31,28 @@ impl Tolerance {
     }
 }
 
-/// Errors of methods that do not converge, against what another implementation measured on other
-/// meshes of the same kind, relative.
+/// Errors of methods that do not converge, against those that another implementation measured on other meshes
+/// of the same kind, relative.
 pub const PUBLISHED_ERROR: Tolerance = Tolerance::new(
     0.4,
     "a largest error over the vertices depends on how the icosahedron is turned and mapped; the \
      orders do not",
 );
 
-/// Sum and torque of forces that have none, relative to the largest force.
+/// Net force and torque of forces that should have none, relative to the largest force.
 pub const NO_NET_FORCE: Tolerance =
     Tolerance::new(1e-11, "rounding of some hundred forces on a body of size 1");
 
-/// Results of a method in two ways that agree except for rounding, relative.
+/// Results of two computations that differ only by rounding, relative.
 pub const SAME: Tolerance = Tolerance::new(
     1e-11,
     "some operations in another order, on numbers that do not cancel",
 );
 
-/// Energies and curvatures that stall, against the value at which they are known to, relative.
+/// Energies and curvatures that do not converge, against the known values at which they stall, relative.
 pub const STALL: Tolerance = Tolerance::new(
     5e-3,
-    "the known value has three digits, and meshes of the same kind differ in the next",
+    "the known value has three digits, and meshes of the same kind differ in the fourth",
 );
 
 /// Forces against derivatives by dual numbers, relative to the largest force.
@@ -109,7 +110,7 @@ pub const CONSTRAINED: Tolerance = Tolerance::new(
     "some roundings of a value and of the positions it is taken from",
 );
 
-/// Rates along directions that should keep a value, by central differences.
+/// Rates of change of a quantity along directions that should preserve it, by central differences.
 pub const TANGENT: Tolerance = Tolerance::new(
     1e-7,
     "a step of 1e-6 leaves 1e-12 of truncation and 1e-15/1e-6 of rounding, times a value of 20",
@@ -130,7 +131,7 @@ pub const VESICLE_ENERGY: Tolerance = Tolerance::new(
 /// Places and lengths in pictures, relative to a length of about a hundred pixels.
 pub const PICTURE_RADIUS: Tolerance = Tolerance::new(
     1e-2,
-    "pixels that an outline merely touches are counted as seen, which is half a pixel in a hundred",
+    "pixels that an outline merely touches count as covered, an excess of half a pixel in a hundred",
 );
 
 /// Velocities from the same forces in other units, relative to the largest.
@@ -143,11 +144,12 @@ pub const FLOW_SPHERE: Tolerance = Tolerance::new(
     "second order: the polyhedron's area and volume are 1.3e-3 short",
 );
 
-/// Velocity next to a surface by halved triangles against the same on triangles of a 16th of the
-/// edge, relative.
+/// Velocities near a surface whose triangles are halved adaptively, against those of the same surface with
+/// edges a sixteenth as long, relative.
 pub const FLOW_NEAR: Tolerance = Tolerance::new(
     5e-4,
-    "middles of edges on a triangle at twice its edge are good to 1e-3 of what it gives",
+    "the rule of edge midpoints on a triangle at twice its edge length is accurate to 1e-3 of the \
+     contribution",
 );
 
 /// Velocities and pressures of the double layer, and pressures of the single one, near a triangle,
@@ -157,16 +159,17 @@ pub const FLOW_SEVEN_STRESSLETS: Tolerance = Tolerance::new(
     "as for the single layer, with two more powers of the distance under the integral",
 );
 
-/// Velocities in, on and around a strained sphere of 2562 vertices of any viscosity, of 1.
+/// Velocities in, on and around a strained sphere of 2562 vertices at any viscosity ratio, absolute at
+/// velocities of order 1.
 pub const FLOW_STRAINED: Tolerance = Tolerance::new(
     5e-3,
-    "second order: the polyhedron's area and volume are 1.3e-3 short, and forces are 2λ + 3 times them",
+    "second order: the polyhedron's area and volume are 1.3e-3 short, and forces grow as 2λ + 3",
 );
 
-/// Solutions of the equation of both layers in another order, relative.
+/// Solutions of the integral equation of both layers that should be the same, relative.
 pub const FLOW_SOLVED: Tolerance = Tolerance::new(
     1e-10,
-    "residuals of 1e-12, and the condition of the equation",
+    "residuals of 1e-12, times the condition number of the equation",
 );
 
 /// Mass of a lattice after a few steps, relative; momentum and differences of it, relative to a
@@ -176,16 +179,16 @@ pub const LATTICE_ROUNDING: Tolerance = Tolerance::new(
     "the errors of a thousand nodes, rounded some hundred times each, mostly cancel",
 );
 
-/// Sums over the weights of a kernel, and what is interpolated with it.
+/// Sums over the weights of a kernel, and values interpolated with it.
 pub const LATTICE_KERNEL: Tolerance = Tolerance::new(1e-14, "sums of 64 terms, none above 1");
 
-/// Where VTK says a grid's point is, absolute.
+/// Coordinates of grid points as VTK computes them, absolute.
 pub const GRID_POINT: Tolerance = Tolerance::new(
     1e-14,
-    "VTK multiplies in another order, at places of order one",
+    "VTK multiplies in another order, at coordinates of order one",
 );
 
-/// Numbers that follow from a scene's by a short formula, or by that of a mesh of its volume.
+/// Numbers that follow by a short formula from those of a scene, or from the volume of a mesh.
 pub const SCENE_NUMBER: Tolerance = Tolerance::new(
     1e-12,
     "a few roundings, or the sum over a thousand triangles",
@@ -194,5 +197,5 @@ pub const SCENE_NUMBER: Tolerance = Tolerance::new(
 /// Volumes in flow, relative.
 pub const CAPSULE_VOLUME: Tolerance = Tolerance::new(
     1e-12,
-    "they are corrected after every step; between, they are not looked at",
+    "the volume is corrected after every step; only these states are compared",
 );

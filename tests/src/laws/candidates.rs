@@ -19,7 +19,7 @@ pub trait Candidate: Copy {
     type Method<T: Real>: Energy<T> + Force<T>;
     /// Name in messages of failures.
     fn name(self) -> &'static str;
-    /// The library's modules whose formulas it runs, by the names of their types.
+    /// Words of the method's type name, among which are the modules of the library whose formulas it runs.
     fn modules(self) -> Vec<&'static str> {
         let names = type_name::<Self::Method<f64>>().split(['<', ',', '>', ' ']);
         names.flat_map(|name| name.split("::")).collect()
@@ -30,8 +30,8 @@ pub trait Candidate: Copy {
     fn is_gradient(self) -> bool {
         false
     }
-    /// Whether neighbours or degrees are chosen by thresholds. At a threshold rounding decides, and on
-    /// a coarse mesh some vertex always is at one.
+    /// Whether the method chooses neighbours or polynomial degrees by thresholds. At a threshold, rounding
+    /// decides, and on a coarse mesh some vertex is always at one.
     fn chooses_by_threshold(self) -> bool {
         let modules = self.modules();
         ["jet", "paraboloid"]
@@ -83,7 +83,7 @@ pub(super) fn settings<T: Real>(modulus: T) -> Settings<'static, T> {
     }
 }
 
-/// A method with an energy, of the list or your own.
+/// Method with an energy, from the program's list or your own.
 #[derive(Clone, Copy, Debug)]
 pub struct Listed<M>(pub M);
 
@@ -101,7 +101,7 @@ impl<M: ListedEnergy + Copy> ConservativeCandidate for Listed<M> {
     }
 }
 
-/// A method in strong form, of the list or your own.
+/// Method in strong form, from the program's list or your own.
 #[derive(Clone, Copy, Debug)]
 pub struct ListedStrong<M>(pub M);
 

@@ -12,18 +12,18 @@ const GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
     "a step of 1e-4 edges leaves 1e-9 of truncation and 1e-16/1e-4 of rounding, times the roughness",
 );
 
-/// Net torque of methods of which it is not within [`BALANCE`], by their names in the law suite.
+/// Bounds of the net torque for methods that exceed [`BALANCE`], by their names in the law suite.
 const TORQUE: &[(&str, Tolerance)] = &[(
     "Hamann",
     Tolerance::new(
         1e-10,
         "the torque of a fit vanishes as far as its normal equations are solved: to ε times their \
-         condition, at most 1e6 where a fit is accepted",
+         condition number, at most 1e6 for accepted fits",
     ),
 )];
 
-/// The directions in which a gradient is tested: some single coordinates, then random directions of
-/// all.
+/// Directions in which a gradient is tested: first some single coordinates, then random directions of all
+/// vertices.
 fn trials(vertices: usize, seed: u64) -> Vec<Vec<[f64; 3]>> {
     let mut random = SplitMix64::new(seed);
     let mut trials = Vec::new();
@@ -42,7 +42,7 @@ fn along(force: &[[f64; 3]], direction: &[[f64; 3]]) -> f64 {
     -force.iter().zip(direction).map(work).sum::<f64>()
 }
 
-/// |d| as the sum over vertices, so that the largest force times it bounds every term.
+/// Sum of |d| over the vertices. Times the largest force, it bounds |F·d|.
 fn extent(direction: &[[f64; 3]]) -> f64 {
     direction.iter().map(|&d| norm(d)).sum()
 }
@@ -91,8 +91,8 @@ impl ConservativeLaw for ForceIsDifference<'_> {
             positions,
         } = self.0;
         let name = ConservativeCandidate::name(candidate);
-        // Where an area nearly vanishes, the slope of the energy changes over a distance as short as
-        // this.
+        // The step is shorter on rough meshes, because the slope of the energy changes over short distances
+        // where a dual area nearly vanishes.
         let step = 1e-4 * self.0.edge_length() / self.0.roughness();
         if candidate.switches_at_right_angles() && self.0.distance_from_right_angle() < 2e-3 {
             return;

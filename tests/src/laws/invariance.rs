@@ -5,17 +5,18 @@ use crate::meshes::{Mesh, SplitMix64, difference, norm, rotation, turned};
 use crate::tolerance::{self, Tolerance};
 use helfrich::Real;
 
-/// Rotation and relabelling of methods that fit, on meshes of a few vertices, too.
+/// Bound for rotation and relabelling of methods that fit polynomials, also on meshes of a few vertices.
 const FIT_INVARIANCE: Tolerance = Tolerance::new(
     1e-8,
-    "the worst fits that are taken have a condition of 1/√ε = 7e7, by which they multiply the rounding of \
-     1e-16 of positions",
+    "the worst accepted fits have a condition number of 1/√ε = 7e7, which multiplies the rounding of \
+     positions of 1e-16",
 );
 
-/// The same in f32.
+/// Bound for scaling in f32, relative to the largest force times the mesh's roughness.
 const INVARIANCE_SINGLE: Tolerance = Tolerance::new(5e-3, "as in f64, from a rounding of 6e-8");
 
-/// Energies do not change, and forces follow, when the surface is rotated, translated or relabelled.
+/// Rotation, translation and relabelling of the surface leave the energy unchanged and transform the forces
+/// likewise.
 #[derive(Clone, Copy, Debug)]
 pub struct Invariant<'a> {
     /// The surface.
@@ -32,9 +33,9 @@ impl Law for Invariant<'_> {
     }
 }
 
-/// [`Invariant`] for methods that choose by thresholds, too, on a mesh of any size. If two vertices are
-/// equally far from a third, to six digits, and only one of them is among its neighbours, the number of
-/// the vertex decides; the mesh must not have such vertices.
+/// [`Invariant`] for the methods that choose by thresholds, on a mesh of any size. The mesh must not have two
+/// vertices that are equally far from a third one, to six digits, and of which only one is its neighbour: the
+/// vertex numbers decide which one.
 #[derive(Clone, Copy, Debug)]
 pub struct InvariantFits<'a>(pub Invariant<'a>);
 
@@ -47,7 +48,7 @@ impl Law for InvariantFits<'_> {
 }
 
 impl Invariant<'_> {
-    /// The law for translations, and within a tolerance for rotations and labels.
+    /// Checks translations to the last bit, and rotations and relabelling within `rounding`, if it is given.
     fn check_within(&self, candidate: impl Candidate, rounding: Option<tolerance::Tolerance>) {
         let mut random = SplitMix64::new(self.seed);
         // Positions on a grid, so that a move by a multiple of the grid's pitch is not rounded.
@@ -107,7 +108,7 @@ pub struct ScaleFree<'a> {
 }
 
 impl ScaleFree<'_> {
-    /// The law in one scalar.
+    /// Checks the law in the scalar `T`.
     pub fn check_in<T: Real>(&self, candidate: impl Candidate, rounding: tolerance::Tolerance) {
         let name = candidate.name();
         let connectivity = &self.mesh.connectivity;
@@ -134,8 +135,7 @@ impl ScaleFree<'_> {
             }
         } else if !candidate.chooses_by_threshold() || positions.len() >= ROOM {
             let double = |x: T| x.to_f64().unwrap_or(f64::NAN);
-            // In double precision and divided by κ/s, so that the comparison itself cannot
-            // underflow.
+            // The comparison is in double precision and divides by κ/s, so that it cannot underflow itself.
             let unscaled = Vec::from_iter(force_pair[1].iter().map(|f| f.map(double)));
             let force_scale = largest(&unscaled) * self.mesh.roughness();
             for (found, wanted) in force_pair[0].iter().zip(unscaled) {

@@ -9,15 +9,15 @@ use helfrich::{
 };
 use helfrich_std::generate::{Family, generate};
 
-/// Results of an operator on a surface against its results on the surface moved, relative to the
+/// Results of an operator on a moved surface against those on the original surface, relative to the
 /// curvatures.
 const OPERATOR_MOTION: Tolerance = Tolerance::new(
     1e-9,
-    "positions are rounded anew at 1e-16 and second derivatives divide that by h² = 1e-2, times \
-     the condition of a fit",
+    "the moved positions are rounded at 1e-16, and second derivatives divide that by h² = 1e-2, times \
+     the condition number of a fit",
 );
 
-/// An operator that has measured a surface.
+/// Operator with its workspace and its curvatures of one surface.
 #[derive(Debug)]
 pub struct Measured<'a, L: Method<f64>> {
     mesh: &'a Mesh,
@@ -28,7 +28,7 @@ pub struct Measured<'a, L: Method<f64>> {
 }
 
 impl<'a, L: Curvatures<f64>> Measured<'a, L> {
-    /// Measures.
+    /// Evaluates the operator on the surface.
     pub fn new(operator: L, mesh: &'a Mesh) -> Self {
         let mut workspace = operator.workspace(&mesh.connectivity);
         let mut curvature = vec![Curvature::default(); mesh.positions.len()];
@@ -54,7 +54,7 @@ impl<'a, L: Curvatures<f64>> Measured<'a, L> {
 impl<L: LaplaceBeltrami<f64>> Measured<'_, L> {
     /// Δ_S of a field.
     pub fn apply<const D: usize>(&self, field: &[[f64; D]]) -> Vec<[f64; D]> {
-        // The initial content is not zero, because the operator sets results and does not add to them.
+        // NaN would stay in the results of an operator that adds to them instead of setting them.
         let mut laplacian = vec![[f64::NAN; D]; field.len()];
         let surface = self.mesh.surface();
         self.operator
@@ -71,7 +71,7 @@ impl<L: LaplaceBeltrami<f64>> Measured<'_, L> {
         laplacian
     }
 
-    /// Fills the rows.
+    /// Assembles the operator's rows.
     pub fn assemble(&self, rows: &mut Rows<f64>) {
         self.operator
             .assemble(self.mesh.surface(), &self.workspace, rows);
@@ -99,8 +99,7 @@ impl OperatorLaw for ConstantsVanish<'_> {
     }
 }
 
-/// Rows have the same results as the operator; filled again for a moved surface, they keep their
-/// memory.
+/// Rows give the same results as the operator. Assembled again for a moved surface, they reuse their memory.
 #[derive(Clone, Copy, Debug)]
 pub struct RowsAgree<'a>(pub &'a Mesh);
 
@@ -170,8 +169,8 @@ impl OperatorLaw for RowsAgree<'_> {
     }
 }
 
-/// Rows with their diagonal are a valid matrix with the same results as the operator; filled again, it
-/// is the same.
+/// The rows with their diagonal form a valid sparse matrix with the same results as the operator. Filling it
+/// again gives the same matrix.
 #[derive(Clone, Copy, Debug)]
 pub struct MatrixAgrees<'a>(pub &'a Mesh);
 
@@ -215,13 +214,14 @@ impl OperatorLaw for MatrixAgrees<'_> {
     }
 }
 
-/// Number of entries of all rows.
+/// Number of entries in all rows.
 fn rows_entries(rows: &Rows<f64>) -> usize {
     (0..rows.len()).map(|row| rows.row(row).0.len()).sum()
 }
 
-/// Curvatures follow: n rotates; H, K and A are invariant; H and K scale as 1/length and its square.
-/// Only meshes with enough vertices are rotated for operators that choose by thresholds.
+/// n rotates with the surface; H, K and A are invariant under motion; H scales as 1/length, K as 1/length², A
+/// as length². Only meshes with enough vertices are rotated, for the sake of operators that choose by
+/// thresholds.
 #[derive(Clone, Copy, Debug)]
 pub struct CurvatureFollows<'a>(pub &'a Mesh);
 
@@ -295,7 +295,7 @@ fn waves(mesh: &Mesh) -> Vec<f64> {
     mesh.positions.iter().map(wave).collect()
 }
 
-/// Every law of operators on an ellipsoid, for operators that apply the same rows that they assemble.
+/// Checks every law of operators on an ellipsoid, for an operator that applies the rows that it assembles.
 ///
 /// # Panics
 /// If a law is broken.
@@ -320,7 +320,7 @@ pub fn check_operator(name: &str, operator: impl LaplaceBeltrami<f64> + Copy) {
     assert_eq!(by_rows, measured.apply_to_scalar(&field), "{name}: rows");
 }
 
-/// The laws that hold on the smallest meshes, and what the operator reports on each.
+/// Checks the laws that hold on the smallest meshes, and returns the operator's findings on each.
 ///
 /// # Panics
 /// If a law is broken.

@@ -1,10 +1,10 @@
-//! Strategies of proptest that make meshes.
+//! Meshes as `proptest` strategies.
 
 use super::{Mesh, SplitMix64, disc, hemisphere, icosphere, torus, unit};
 use proptest::prelude::{ProptestConfig, Strategy, prop_oneof};
 use proptest::test_runner::FileFailurePersistence;
 
-/// A mesh with random displacements, in three numbers that shrink to a smooth and coarse one.
+/// Mesh with random displacements, described by numbers that shrink towards a smooth and coarse mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Rough {
     /// The polyhedron from which the mesh is made.
@@ -109,7 +109,7 @@ pub struct Inscribed {
     pub seed: u64,
     /// Largest displacement, in mean edge lengths: from about 0.4 on, areas become negative.
     pub amplitude: f64,
-    /// How often the icosahedron is divided.
+    /// Number of subdivisions of the icosahedron.
     pub refinement: u32,
     /// The sphere's radius is ten to this power.
     pub exponent: i32,

@@ -1,4 +1,4 @@
-//! Methods of which more, or less, is known than of every method.
+//! Bounds of single methods that are tighter or looser than those of every method.
 
 use super::Tolerance;
 
@@ -9,14 +9,14 @@ pub struct OnSphere {
     pub method: &'static str,
     /// Limit of the energy, in 8πκ.
     pub energy: f64,
-    /// How far from it the energy is, in 8πκ.
+    /// Bound on the deviation of the energy from its limit, in 8πκ.
     pub energy_error: Tolerance,
-    /// Largest |f| R³/κ, which is 0 on the sphere.
+    /// Bound on the largest |f| R³/κ; the exact f is 0 on the sphere.
     pub density: Tolerance,
 }
 
-/// Methods on the sphere of which more is known than of every method. Densities above 1 are needed, and a
-/// test says so.
+/// Methods that have bounds of their own on the sphere. A test fails if a density bound above 1 is four times
+/// larger than necessary.
 pub const ON_SPHERE: &[OnSphere] = &[
     OnSphere {
         method: "Kantor–Nelson",
@@ -159,8 +159,8 @@ pub const ON_SPHERE: &[OnSphere] = &[
 ];
 
 impl OnSphere {
-    /// The row of a method, or what holds for every method that is consistent, by whether its force is
-    /// the gradient of an energy.
+    /// Returns the row of a method. A method without a row gets the bounds of a consistent method, which
+    /// depend on whether its force is the gradient of an energy.
     pub fn of(method: &'static str, is_gradient: bool) -> Self {
         let own = ON_SPHERE.iter().find(|row| row.method == method);
         own.copied().unwrap_or(Self {
@@ -271,7 +271,7 @@ pub struct SinglePrecision {
     pub force: Tolerance,
 }
 
-/// Methods of which f32 says more or less than of every method.
+/// Methods whose bounds in f32 differ from those of every method.
 pub const SINGLE_PRECISION: &[SinglePrecision] = &[
     SinglePrecision {
         method: "Kantor–Nelson",
@@ -291,7 +291,7 @@ pub const SINGLE_PRECISION: &[SinglePrecision] = &[
 ];
 
 impl SinglePrecision {
-    /// The row of a method, or what holds for every method.
+    /// Returns the row of a method, or the bounds of every method.
     pub fn of(method: &'static str) -> Self {
         let own = SINGLE_PRECISION
             .iter()
@@ -315,11 +315,12 @@ const SINGLE_KERNEL_ENERGY: Tolerance = Tolerance::new(
 );
 const SINGLE_KERNEL: Tolerance = Tolerance::new(
     2e-2,
-    "the same, uneven from vertex to vertex, over the bandwidth once more",
+    "the same errors vary from vertex to vertex, and the Laplacian divides them by the bandwidth",
 );
 const SINGLE_HINGED: Tolerance = Tolerance::new(
     4e-5,
-    "a stored position is off by 6e-8, a hinge's angle by that over an edge, and so twice more",
+    "a stored position is off by 6e-8, which the angle of a hinge divides by an edge length, and the \
+     force by two more",
 );
 const SINGLE_LAPLACIAN: Tolerance = Tolerance::new(
     4e-4,

@@ -5,11 +5,12 @@ use helfrich_std::flow::{DoubleLayer, SingleLayer};
 use helfrich_tests::meshes::{Mesh, bent, difference, disc, icosphere, norm, torus};
 use std::num::NonZeroUsize;
 
-/// Degrees of polynomials go up in steps, so that some tolerances are met more narrowly than others.
+/// The degree of the polynomials rises in steps with the tolerance, so that some tolerances are met with less
+/// to spare than others.
 const TOLERANCES: [f64; 3] = [1e-3, 3e-6, 1e-8];
 
-/// Bodies that are long, round, bent, open and close to each other, in an order that says nothing of where
-/// their vertices lie.
+/// Elongated, round, bent and open bodies, and two close to each other. The order of the vertices does not
+/// follow their positions.
 fn bodies() -> Vec<(&'static str, Vec<Mesh>)> {
     let ball = icosphere(4);
     let needle = ball.map(|[x, y, z]| [5.0 * x, 0.5 * y, 0.5 * z]);
@@ -32,13 +33,13 @@ fn errors(dense: &[[f64; 3]], found: &[[f64; 3]]) -> Field {
     pairs.map(|(&a, &b)| difference(a, b)).collect()
 }
 
-/// Values of both signs everywhere, of many wavelengths.
+/// Vector field of several wavelengths, with values of both signs.
 fn values(positions: &[[f64; 3]]) -> Field {
     let value = |&[x, y, z]: &[f64; 3]| [x - y * z, (9.0 * z).sin(), (41.0 * x).cos() - y];
     positions.iter().map(value).collect()
 }
 
-/// Points around and inside, and on the surfaces.
+/// Points around, inside and on the surfaces.
 fn points(positions: &[[f64; 3]]) -> Field {
     let scaled = |factor: f64| move |x: &[f64; 3]| x.map(|x| factor * x);
     let around = positions.iter().step_by(3).map(scaled(1.317));
@@ -56,7 +57,7 @@ fn assert_within(tolerance: f64, scale: f64, dense: &[[f64; 3]], found: &[[f64; 
         largest <= 20.0 * tolerance,
         "{what}, {tolerance:e}: {largest:e}"
     );
-    // Otherwise nothing was tested.
+    // A mean error of zero would mean that the clusters were not used.
     assert!(mean > 0.0, "{what}, {tolerance:e}: all pairs");
 }
 
@@ -82,7 +83,7 @@ fn clusters_of_single_layers_keep_their_tolerance() {
     }
 }
 
-/// Both fields of the double layer: at the vertices, and at the points.
+/// Velocities of the double layer at the vertices and at the points.
 fn twice(layer: &DoubleLayer, points: &[[f64; 3]]) -> [Field; 2] {
     let mut fields = [
         vec![[0.0; 3]; layer.vertex_count()],
@@ -106,7 +107,7 @@ fn clusters_of_double_layers_keep_their_tolerance() {
         let ratios = &[5.0, 0.2][..bodies.len()];
         let meshes = bodies.iter().map(|body| &body.connectivity);
         let mut layer = DoubleLayer::new(meshes, ratios, ONE);
-        // Rigid motions, which cause nothing, and others.
+        // A rigid motion, whose double layer cancels, and a general field.
         let turning = Vec::from_iter(positions.iter().map(|&[x, y, _]| [1.0 - y, x, 0.5]));
         for (which, velocities) in [("turning", turning), ("any", values(&positions))] {
             let scale = 4.0 * rms(&velocities);
@@ -184,7 +185,7 @@ fn clusters_of_strange_positions_are_those_of_all_pairs() {
             rms(&dense)
         );
     }
-    // What is no number spreads to all, as over all pairs.
+    // A NaN spreads to all velocities, as in the sum over all pairs.
     let mut positions = ball.positions.clone();
     positions[1234][1] = f64::NAN;
     let mut layer = SingleLayer::new([&ball.connectivity], VISCOSITY, ONE);

@@ -1,4 +1,4 @@
-//! Fluids of two viscosities: both layers.
+//! Fluids of two viscosities: single and double layer.
 
 use super::{
     Field, ONE, U, VISCOSITY, assert_second_order, at_points, at_vertices, away, in_parts, largest,
@@ -9,27 +9,27 @@ use helfrich_tests::meshes::{Mesh, cross, difference, dot, icosphere, norm};
 use helfrich_tests::tolerance::{self, Tolerance};
 use std::num::NonZeroUsize;
 
-/// Pressures around a strained sphere, within an edge of it too, of 5.
+/// Pressures around a strained sphere, also within an edge length of it, relative to 5.
 const FLOW_PRESSURE: Tolerance = Tolerance::new(
     2e-2,
     "flat triangles bend at edges, near which the pressure has the logarithm of the distance",
 );
 
-/// Pressures next to a coarse surface by halved triangles against the same on triangles of a 16th of
-/// the edge, relative to a pressure two edges off.
+/// Pressures near a coarse surface whose triangles are halved adaptively, against those of the same surface
+/// with edges a sixteenth as long, relative to the pressure two edge lengths away.
 const FLOW_NEAR_PRESSURE: Tolerance = Tolerance::new(
     1e-3,
-    "middles of edges on a triangle at four times its edge, for the third power of 1/r",
+    "the rule of edge midpoints on a triangle at four times its edge length, for the third power of 1/r",
 );
 
-/// Velocities on a pancake by facing triangles in parts against triangles of a quarter of the edge,
-/// relative.
+/// Velocities on a pancake whose facing triangles are halved adaptively, against those of the same surface
+/// with edges a quarter as long, relative.
 const FLOW_FACING: Tolerance = Tolerance::new(
     5e-3,
-    "seven points on the neighbours of the triangles around a vertex, middles of edges beyond",
+    "seven points on the neighbours of the triangles around a vertex, edge midpoints beyond",
 );
 
-/// A straining motion.
+/// Rate of strain: symmetric and without trace.
 const E: [[f64; 3]; 3] = [[0.6, 0.4, -0.3], [0.4, -0.9, 0.2], [-0.3, 0.2, 0.3]];
 
 fn strained(x: [f64; 3]) -> [f64; 3] {
@@ -44,7 +44,7 @@ fn straining(mesh: &Mesh, ratio: f64) -> Field {
     rows.map(|&x| scaled(factor, strained(x))).collect()
 }
 
-/// The velocity in and around it.
+/// Velocity inside and around the strained sphere.
 fn around_strained(x: [f64; 3]) -> [f64; 3] {
     let r = norm(x).max(1.0);
     let along = 2.5 * dot(x, strained(x)) * (r.powi(-5) - r.powi(-7));
@@ -52,7 +52,7 @@ fn around_strained(x: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| isotropic[k] + along * x[k])
 }
 
-/// The pressure.
+/// Pressure inside and around the strained sphere.
 fn pressure_around_strained(x: [f64; 3]) -> f64 {
     let r = norm(x);
     if r < 1.0 {
@@ -62,7 +62,7 @@ fn pressure_around_strained(x: [f64; 3]) -> f64 {
     }
 }
 
-/// Both layers, and the velocity that solves their equation in fluid that is at rest far off.
+/// Both layers, and the velocity that solves their equation in fluid that is at rest far away.
 fn solved(
     meshes: &[&Mesh],
     ratios: &[f64],
@@ -82,7 +82,7 @@ fn solved(
     (single, double, velocity)
 }
 
-/// Velocity and pressure in the fluid.
+/// Velocity and pressure at points of the fluids.
 fn in_fluid(single: &SingleLayer, double: &DoubleLayer, points: &[[f64; 3]]) -> (Field, Vec<f64>) {
     let mut velocity = at_points(single, points);
     double.add_at_points(points, &mut velocity);
@@ -99,7 +99,7 @@ fn in_fluid(single: &SingleLayer, double: &DoubleLayer, points: &[[f64; 3]]) -> 
 
 #[test]
 fn spheres_of_any_viscosity_are_strained() {
-    // Inside and outside, within an edge of the surface and well off.
+    // Points inside and outside, within an edge length of the surface and far from it.
     let direction = [0.48, -0.6, 0.64];
     let points = [0.0, 0.5, 0.97, 1.02, 1.5, 4.0].map(|r| scaled(r, direction));
     let expected_points = points.map(around_strained);
@@ -124,7 +124,7 @@ fn spheres_of_any_viscosity_are_strained() {
     }
 }
 
-/// Rigid motion is free of stress: another viscosity inside changes nothing.
+/// Rigid motion is free of stress, so that it solves the equation at any viscosity ratio.
 #[test]
 fn rigid_motions_hold_at_any_viscosity_ratio() {
     let (a, b) = (icosphere(2), away(&icosphere(1), [0.3, 2.4, 0.1]));
@@ -170,7 +170,7 @@ fn surfaces_of_different_viscosities_may_stand_in_any_order() {
         let (single, double, velocity) =
             solved(&meshes, &order.map(|k| ratios[k]), &tractions, ONE);
         let (inside, pressure) = in_fluid(&single, &double, &points);
-        // Back in the first order.
+        // The velocities in the order of `meshes`.
         let mut parts = [(); 3].map(|()| Vec::new());
         let mut rest = velocity.as_slice();
         for (mesh, k) in meshes.iter().zip(order) {
@@ -191,7 +191,7 @@ fn surfaces_of_different_viscosities_may_stand_in_any_order() {
             tolerance::FLOW_SOLVED.assert(*p, *expected, 1.0, "pressure");
         }
     }
-    // Without a contrast there is nothing to solve.
+    // Without a viscosity contrast, the velocity is the single layer's.
     let (single, _, velocity) = solved(&[&meshes[0]], &[1.0], &pulls[0], ONE);
     assert_eq!(velocity, at_vertices(&single));
 }
@@ -212,7 +212,8 @@ fn both_layers_do_not_depend_on_the_number_of_threads() {
     }
 }
 
-/// A uniform velocity on a surface gives nothing outside: only near triangles done well show it.
+/// A uniform velocity on a closed surface has no double-layer velocity outside, and the terms cancel only if
+/// near triangles are integrated accurately.
 #[test]
 fn surfaces_that_almost_touch_see_each_other_whole() {
     let (a, b) = (icosphere(2), icosphere(3));
@@ -313,7 +314,7 @@ fn close_points_see_the_double_layer_in_parts() {
     }
 }
 
-/// Two sides of a pancake a twentieth of an edge apart.
+/// The two sides of a pancake are a twentieth of an edge length apart.
 #[test]
 fn sides_of_one_surface_that_are_close_see_each_other_in_parts() {
     let sphere = icosphere(2);

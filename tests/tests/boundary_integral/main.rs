@@ -54,7 +54,7 @@ fn scaled(factor: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
     [factor * x, factor * y, factor * z]
 }
 
-/// The order at which errors fall from one refinement to the next.
+/// Checks that errors fall at about second order from one refinement to the next.
 #[track_caller]
 fn assert_second_order(errors: &[f64], what: &str) {
     for pair in errors.windows(2) {
@@ -66,12 +66,12 @@ fn assert_second_order(errors: &[f64], what: &str) {
     }
 }
 
-/// The force per area on a sphere of radius 1 that moves with U: 6πμaU, spread evenly.
+/// Force per area on a sphere of radius 1 that moves with velocity U: the drag 6πμaU, spread evenly.
 fn drag(mesh: &Mesh) -> Field {
     vec![scaled(1.5 * VISCOSITY, U); mesh.positions.len()]
 }
 
-/// The flow around it: a Stokeslet and a source doublet.
+/// Flow around this sphere: a Stokeslet and a source doublet.
 fn around_sphere(x: [f64; 3]) -> [f64; 3] {
     let r = norm(x);
     let along = dot(x, U);
@@ -85,12 +85,13 @@ fn away(mesh: &Mesh, [a, b, c]: [f64; 3]) -> Mesh {
     mesh.map(|[x, y, z]| [x + a, y + b, z + c])
 }
 
-/// A mesh of the same flat triangles in parts, and a linear field on it.
+/// The same flat triangles, each halved `halvings` times along its edges, and the linear field on them.
 fn in_parts(mesh: &Mesh, field: &[[f64; 3]], halvings: u32) -> (Mesh, Field) {
     let (mut mesh, mut field) = (mesh.clone(), field.to_vec());
     for _ in 0..halvings {
         let divided = mesh.divided();
-        // The values halve like positions do.
+        // The field is linear on triangles, so that its values at edge midpoints are averages, like
+        // positions.
         let values = Mesh {
             positions: field,
             ..mesh

@@ -1,4 +1,4 @@
-//! Surfaces in each other, with fluids of several viscosities.
+//! Nested surfaces with fluids of several viscosities.
 
 use super::{
     Field, ONE, U, VISCOSITY, assert_second_order, at_points, at_vertices, away, largest,
@@ -10,14 +10,14 @@ use helfrich_std::flow::{DoubleLayer, Gmres, SingleLayer};
 use helfrich_tests::meshes::{Mesh, cross, dot, icosphere};
 use helfrich_tests::tolerance;
 
-/// A straining motion.
+/// Rate of strain: symmetric and without trace.
 const E: [[f64; 3]; 3] = [[0.6, 0.4, -0.3], [0.4, -0.9, 0.2], [-0.3, 0.2, 0.3]];
 
 fn strained(x: [f64; 3]) -> [f64; 3] {
     E.map(|row| dot(row, x))
 }
 
-/// Surfaces with the viscosity inside over that of the outermost fluid.
+/// Surfaces with the ratios of the viscosity inside to that of the outermost fluid.
 struct Nested<'a> {
     meshes: Vec<&'a Mesh>,
     ratios: Vec<f64>,
@@ -38,7 +38,7 @@ impl<'a> Nested<'a> {
         double
     }
 
-    /// Both layers, and the velocity that these forces per area make.
+    /// Both layers, and the velocity due to these forces per area.
     fn solved(&self, tractions: &[[f64; 3]]) -> (SingleLayer, DoubleLayer, Field) {
         let single = layer(&self.meshes, tractions);
         let mut double = self.double_layer();
@@ -50,7 +50,7 @@ impl<'a> Nested<'a> {
     }
 }
 
-/// The velocity in the fluid.
+/// Velocity at points of the fluids.
 fn in_fluid(single: &SingleLayer, double: &DoubleLayer, points: &[[f64; 3]]) -> Field {
     let mut velocity = at_points(single, points);
     double.add_at_points(points, &mut velocity);
@@ -66,9 +66,9 @@ fn cell(refinement: u32) -> [Mesh; 2] {
     [icosphere(refinement), nucleus]
 }
 
-/// Where all fluid within r = 1 is strained by E·x, its stress is `2 λ μ E`: forces per area on the
-/// outer surface are `μ (2 λ_1 + 3) E·n`, as around one sphere, and on the inner one
-/// `2 μ (λ_2 − λ_1) E·n`. Viscosities fall or rise inwards, or the core is as the fluid outside.
+/// If all fluid within r = 1 is strained by E·x, its stress is `2 λ μ E`: forces per area on the outer
+/// surface are `μ (2 λ_1 + 3) E·n`, as on a single sphere, and on the inner one `2 μ (λ_2 − λ_1) E·n`.
+/// Viscosities fall or rise inwards, or the core has the viscosity of the outermost fluid.
 #[test]
 fn concentric_spheres_are_strained() {
     let direction = [0.48, -0.6, 0.64];
@@ -94,13 +94,13 @@ fn concentric_spheres_are_strained() {
             off.push(largest_error(&inside, &expected_points));
         }
         assert_second_order(&on, "on the surfaces");
-        // Of 642 vertices, errors are four times those of 2562.
+        // The bound is for 2562 vertices; with 642, errors of second order are four times as large.
         tolerance::FLOW_STRAINED.assert(0.25 * on[1], 0.0, 1.0, "on the surfaces");
         tolerance::FLOW_STRAINED.assert(0.25 * off[1], 0.0, 1.0, "in the fluid");
     }
 }
 
-/// Rigid motion is free of stress wherever fluids meet.
+/// Rigid motion is free of stress in nested fluids, too.
 #[test]
 fn rigid_motions_hold_in_nested_fluids() {
     let [outer, inner] = cell(2);
@@ -125,8 +125,8 @@ fn pulls(mesh: &Mesh) -> Field {
     rows.map(|&[x, y, z]| [x * y, 0.3 - z, x + z * z]).collect()
 }
 
-/// A surface without forces between fluids of the same viscosity is not there: it moves with the fluid
-/// around it, and nothing else changes.
+/// A surface without forces between fluids of the same viscosity moves with the fluid and changes no other
+/// velocity.
 #[test]
 fn a_surface_in_its_own_fluid_changes_nothing() {
     let [outer, inner] = cell(2);
@@ -141,16 +141,17 @@ fn a_surface_in_its_own_fluid_changes_nothing() {
     tolerance::FLOW_SOLVED.assert(error, 0.0, largest(&alone), "on the outer surface");
     let expected = in_fluid(&single, &double, &inner.positions);
     let error = largest_error(on_inner, &expected);
-    // At a vertex its own velocity is taken away under the integral, at a point of the fluid none.
+    // The double layer subtracts a vertex's own velocity under the integral at vertices, but not at points of
+    // the fluid; the quadrature errors differ.
     tolerance::FLOW_NEAR.assert(error, 0.0, largest(&alone), "on the inner surface");
-    // Of another viscosity it is there.
+    // With another viscosity inside, the surface has an effect.
     let nested = Nested::new(&[(&outer, 5.0), (&inner, 1.0)]);
     let nothing = vec![[0.0; 3]; inner.positions.len()];
     let (_, _, other) = nested.solved(&[tractions, nothing].concat());
     assert!(largest_error(&other, &velocity) > 0.01 * largest(&alone));
 }
 
-/// Three in each other and one beside, in any order.
+/// Three nested surfaces and one beside them give the same results in any order.
 #[test]
 fn nested_surfaces_may_stand_in_any_order() {
     let [outer, middle] = cell(2);
@@ -171,7 +172,7 @@ fn nested_surfaces_may_stand_in_any_order() {
         let mut ratios = [0.0; 5];
         double.viscosity_ratios(&points, &mut ratios);
         assert_eq!(ratios, [4.0, 0.5, 3.0, 2.0, 1.0], "{order:?}");
-        // Back in the first order.
+        // The velocities in the order of `parts`.
         let mut found = [(); 4].map(|()| Vec::new());
         let mut rest = velocity.as_slice();
         for k in order {

@@ -19,12 +19,12 @@ const PANEL: Tolerance = Tolerance::new(
 /// Velocity near a single triangle against Gauss rules of 96 points, relative.
 const FLOW_SEVEN_POINTS: Tolerance = Tolerance::new(
     1e-6,
-    "corners are 0.29 distances from the centre at most, 6e-4 in the sixth power, times the rule's \
-     constant; most parts are farther off, and signs differ",
+    "corners are at most 0.29 distances from the centre, 6e-4 in the sixth power, times the rule's \
+     constant; most parts are farther away, and signs differ",
 );
 
-/// The integral of `integrand(r, value)`, r = x − origin, over a triangle with a linear field on it,
-/// by the product of two Gauss rules.
+/// Integral of `integrand(r, value)` with r = x − origin over a triangle on which the values are linear, by a
+/// product of two Gauss rules.
 fn product_rule<const N: usize>(
     corners: [[f64; 3]; 3],
     values: [[f64; 3]; 3],
@@ -64,7 +64,7 @@ fn tensor(
     })
 }
 
-/// ∫ G(x − corners[0])·q dS by triangles that are halved towards the corner.
+/// ∫ G(x − corners[0])·q dS, by repeated halving of the triangle towards the singular corner.
 fn graded(corners: [[f64; 3]; 3], tractions: [[f64; 3]; 3], halvings: u32) -> [f64; 3] {
     let rule = gauss_legendre(96);
     let origin = corners[0];
@@ -95,7 +95,7 @@ fn triangles_are_exact_about_their_corners() {
     let mesh = TriangleMesh::new(3, vec![[0, 1, 2]]).unwrap();
     let shapes = [
         [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.8, 0.3]],
-        // Obtuse; narrow at one corner; large and far from the origin.
+        // An obtuse triangle, one narrow at a corner, and a large one far from the origin.
         [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [-0.7, 0.2, 0.3]],
         [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [1.1, 0.0, 0.05]],
         [
@@ -117,8 +117,8 @@ fn triangles_are_exact_about_their_corners() {
     }
 }
 
-/// Far from a surface the sum is that of the middles of edges, three a triangle, whatever the
-/// processor's way of adding them.
+/// Far from a surface, velocities are sums over edge midpoints, three per triangle, on processors with any
+/// vector width.
 #[test]
 fn far_points_see_three_stokeslets_a_triangle() {
     let sphere = icosphere(2);
@@ -129,7 +129,7 @@ fn far_points_see_three_stokeslets_a_triangle() {
             .map(|&[x, y, z]| [1.0 + y, z * x, 0.5 - z]),
     );
     let surface = sphere.surface();
-    // More than a lane of them, and not a multiple.
+    // The number of points exceeds the vector width and is not a multiple of it.
     let points = Vec::from_iter((0..7).map(|k| [3.0, -2.0 + f64::from(k), 1.0]));
     let expected = points.iter().map(|&point| {
         let mut sum = [0.0; 3];
@@ -155,7 +155,7 @@ fn far_points_see_three_stokeslets_a_triangle() {
     tolerance::FLOW_ROUNDING.assert(error, 0.0, largest(&expected), "far off");
 }
 
-/// With parts that are near throughout, what is left is the error of seven points.
+/// If every triangle is near, the remaining error is that of the seven-point rule of degree five.
 #[test]
 fn near_triangles_are_integrated_to_degree_five() {
     let mesh = TriangleMesh::new(3, vec![[0, 1, 2]]).unwrap();
@@ -221,7 +221,7 @@ fn close_points_see_triangles_in_parts() {
     );
     let (fine, fine_field) = in_parts(&sphere, &field, 4);
     let edge = sphere.edge_length();
-    // Above a triangle's middle, above an edge, above a vertex; at several distances.
+    // Points above a triangle's centre, an edge, a vertex and a general point, at several distances.
     let [a, b, c] = sphere.connectivity.triangles()[17].map(|v| sphere.positions[v as usize]);
     let shares = [
         [1.0 / 3.0; 3],
@@ -241,7 +241,7 @@ fn close_points_see_triangles_in_parts() {
     let error = largest_error(&found, &expected);
     tolerance::FLOW_NEAR.assert(error, 0.0, largest(&expected), "near a surface");
 
-    // The same on the vertices of a surface that touches nothing but is as near.
+    // The vertices of another surface at these points have the same velocities.
     let other = Mesh::new(
         points,
         (0..8).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),

@@ -1,4 +1,4 @@
-//! Velocities by the single layer.
+//! Velocities of the single layer.
 
 use super::{
     U, VISCOSITY, around_sphere, assert_second_order, at_points, at_vertices, away, drag, largest,
@@ -11,7 +11,7 @@ use std::num::NonZeroUsize;
 /// Velocities of moved and turned surfaces, relative to the largest.
 const FLOW_MOTION: Tolerance = Tolerance::new(
     1e-11,
-    "places rounded at 1e-15 of the distance between vertices some hundred times nearer",
+    "positions are rounded at 1e-15 of a distance some hundred times that between near vertices",
 );
 
 #[test]
@@ -28,7 +28,7 @@ fn spheres_feel_the_drag_of_stokes() {
 
 #[test]
 fn nodal_forces_are_spread_over_barycentric_areas() {
-    // Lengths far from 1: forces per area go with their square.
+    // Lengths are far from 1, so that a wrong power of length in the forces per area shows.
     let sphere = icosphere(2).map(|x| scaled(3e-6, x));
     let surface = sphere.surface();
     let tractions = Vec::from_iter(
@@ -61,7 +61,7 @@ fn pressure_moves_nothing() {
         let sphere = icosphere(refinement);
         let layer = layer(&[&sphere], &sphere.positions);
         on.push(largest(&at_vertices(&layer)));
-        // Inside, just off the surface on both sides, and outside.
+        // Points inside and outside the sphere.
         let points = [0.0, 0.3, 0.7, 1.3, 3.0].map(|r| scaled(r / norm(U), U));
         off.push(largest(&at_points(&layer, &points)));
     }

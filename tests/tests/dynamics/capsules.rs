@@ -1,5 +1,5 @@
-//! Capsules in shear flow: scenes, run as users run them, against small-deformation theory, published
-//! curves and the independent computation that the data name.
+//! Capsules in shear flow: scenes run as users run them, compared with small-deformation theory, published
+//! curves, and the independent computation that the data files name.
 
 use crate::scenes::{at, column, last, run_file, run_scene};
 use helfrich_std::deformation::first_plateau;
@@ -20,15 +20,15 @@ const CAPSULE_REFERENCE: Tolerance = Tolerance::new(5e-4, "the prototype's own u
 /// D of a stiff capsule by linearly implicit steps against stabilised ones, relative.
 const CAPSULE_IMPLICIT: Tolerance = Tolerance::new(
     1e-3,
-    "displacements are as large as D = 3.6e-3, errors of a step a few thousandths of these",
+    "displacements are as large as D = 3.6e-3, and errors of a step are a few thousandths of them",
 );
 
 /// Inclination against the independent computation, relative.
-const CAPSULE_INCLINATION: Tolerance = Tolerance::new(1e-2, "it is given to 0.1 degrees");
+const CAPSULE_INCLINATION: Tolerance = Tolerance::new(1e-2, "the reference is given to 0.1 degrees");
 
 /// D with Loop subdivision on 320 triangles against the paper's, absolute.
 const CAPSULE_SUBDIVISION: Tolerance =
-    Tolerance::new(5e-4, "what elasticity and flow leave on so few triangles");
+    Tolerance::new(5e-4, "the error of elasticity and flow on so few triangles");
 
 /// D at a capillary number of 0.005 against small-deformation theory, relative.
 const CAPSULE_SLOPE: Tolerance = Tolerance::new(
@@ -36,29 +36,29 @@ const CAPSULE_SLOPE: Tolerance = Tolerance::new(
     "1280 triangles, and the next order of the capillary number, of half a percent each",
 );
 
-/// D of capsules of another viscosity than the fluid, on 320 triangles, relative.
+/// D of capsules whose viscosity differs from the fluid's, on 320 triangles, relative.
 const CAPSULE_VISCOUS: Tolerance =
     Tolerance::new(4e-2, "four times the error of method B on 1280 triangles");
 
 /// Symmetry of two capsules, in units of their radius.
 const CAPSULE_PAIR: Tolerance = Tolerance::new(
     1e-3,
-    "their meshes are not each other's image, and errors differ by the mesh's own",
+    "the meshes are not images of each other, so that their discretisation errors differ",
 );
 
 /// Growth of 1/D with the viscosity of the membrane, relative.
 const CAPSULE_MEMBRANE: Tolerance = Tolerance::new(
     5e-2,
-    "elasticity has a few percent of what the most deformed has to overcome",
+    "elasticity contributes a few percent of the resistance to the largest deformation",
 );
 
 /// Speed of a falling capsule, relative.
 const CAPSULE_FALL: Tolerance = Tolerance::new(
     1e-2,
-    "the drag of 1280 triangles is off by 0.4 %; the membrane gives way by a hundredth",
+    "the drag on 1280 triangles is off by 0.4 %, and the membrane deforms by a hundredth",
 );
 
-/// Numbers of a comma-separated file with comments and a head.
+/// Fields of the rows of a comma-separated file, without comments and header.
 fn data(name: &str) -> Vec<Vec<String>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("data")
@@ -69,8 +69,8 @@ fn data(name: &str) -> Vec<Vec<String>> {
     lines.map(fields).collect()
 }
 
-/// The paper's own case: D(t) as its methods C and S have it, and the steady state of the prototype
-/// on as many triangles; volume kept, and the numbers that go with it.
+/// The paper's own case: D(t) agrees with the published curve, the steady state with that of the prototype on
+/// the same number of triangles, and the volume is kept.
 #[test]
 fn the_capsule_of_the_paper_deforms_as_published() {
     let (summary, series) = run_scene("capsule-shear.toml", &[]);
@@ -92,13 +92,13 @@ fn the_capsule_of_the_paper_deforms_as_published() {
         CAPSULE_VOLUME.assert(volume, volumes[0], volumes[0], "volume");
     }
     assert!(summary.right_hand_sides.is_some_and(|count| count > 100));
-    // The material goes round once in some 14 γ̇t.
+    // The material circulates once in about γ̇t = 14.
     let turns = last(&series, "tank_treading_turns");
     assert!((0.2..0.4).contains(&turns), "{turns} turns");
 }
 
-/// D and inclination in the steady state by the independent computation, on 1280 triangles: the four
-/// other sets of parameters that the README counts.
+/// D and inclination in the steady state agree with the independent computation on 1280 triangles, for the
+/// four other sets of parameters that the README counts.
 #[test]
 fn steady_deformations_are_those_of_an_independent_computation() {
     let [without, weak] = ["bending=", "bending.modulus=0.0025"];
@@ -127,8 +127,9 @@ fn steady_deformations_are_those_of_an_independent_computation() {
     }
 }
 
-/// Where bending is much faster than the flow, with κ = a²G and Ca = 0.02: linearly implicit steps
-/// find the deformations of stabilised ones with a tenth of the velocities.
+/// Where bending relaxes much faster than the flow deforms, with κ = a²G and Ca = 0.02, linearly implicit
+/// steps give the same deformations as stabilised steps with less than a tenth of the evaluations that an
+/// explicit scheme needs.
 #[test]
 fn stiff_capsules_need_few_linearly_implicit_steps() {
     let found = |integrator: &str, tolerance: &str| {
@@ -157,7 +158,7 @@ fn stiff_capsules_need_few_linearly_implicit_steps() {
     assert!(10.0 * implicit < explicit, "{implicit} of {explicit}");
 }
 
-/// Loop subdivision on a fourth of the triangles.
+/// Loop subdivision agrees with the paper's method S on a quarter of the triangles.
 #[test]
 fn loop_subdivision_needs_few_triangles() {
     let overrides = [
@@ -171,9 +172,9 @@ fn loop_subdivision_needs_few_triangles() {
     CAPSULE_SUBDIVISION.assert(deformation, 0.1334, 1.0, "D of S on 320 triangles");
 }
 
-/// D at its first plateau, for both laws and viscosity ratios 1 and 5, which the limit does not
-/// depend on: Barthès-Biesel and Rallison, J. Fluid Mech. 113 (1981) 251, with bending as Barthès-Biesel,
-/// Diaz and Dhenin, J. Fluid Mech. 460 (2002) 211 have the laws.
+/// D at its first plateau agrees with theory for both laws, and for viscosity ratios 1 and 5, on which the
+/// limit does not depend: Barthès-Biesel and Rallison, J. Fluid Mech. 113 (1981) 251, with bending as in
+/// Barthès-Biesel, Diaz and Dhenin, J. Fluid Mech. 460 (2002) 211.
 #[test]
 fn small_deformations_follow_theory() {
     let capillary = 0.005;
@@ -190,7 +191,7 @@ fn small_deformations_follow_theory() {
             }
             _ => 25.0 / 12.0 * capillary / (1.0 + 11.0 * bending),
         };
-        // The viscous case is on a coarser mesh, for it takes ten times as long.
+        // The case of ratio 5 takes ten times as long, so its mesh is coarser.
         let vertices = if ratio == 1.0 { 642 } else { 162 };
         let mut overrides = vec![
             format!("driver.flow.rate={capillary}"),
@@ -220,7 +221,7 @@ fn small_deformations_follow_theory() {
     }
 }
 
-/// Two capsules, each the other's image under a half turn: so they stay.
+/// Two capsules that are images of each other under a half turn stay so.
 #[test]
 fn a_pair_stays_symmetric_and_apart() {
     let overrides = [
@@ -241,11 +242,11 @@ fn a_pair_stays_symmetric_and_apart() {
     }
     let heights = column(&series, "centroid_y_left");
     let highest = heights.iter().fold(0.0, |a: f64, &b| a.max(b));
-    assert!(highest > 0.6, "they pass over each other: {highest}");
+    assert!(highest > 0.6, "the distance while they pass each other: {highest}");
 }
 
-/// The shipped cell, on a coarse mesh: it tilts over the direction of the flow and on against the
-/// gradient, and nothing stops it on its way.
+/// The shipped cell, on a coarse mesh, tilts past the direction of the flow and on against the gradient
+/// without coming to rest.
 #[test]
 fn a_red_blood_cell_tumbles() {
     let overrides = [
@@ -263,7 +264,7 @@ fn a_red_blood_cell_tumbles() {
     }
 }
 
-/// Fluid and membrane resist side by side: what holds a small deformation up, 1/D after a short time,
+/// Fluid and membrane resist in parallel: the resistance to a small deformation, 1/D after a short time,
 /// grows in proportion to the membrane's viscosity.
 #[test]
 fn a_viscous_membrane_deforms_more_slowly() {

@@ -1,4 +1,4 @@
-//! Surfaces that meet in a box of fluid, through its ends as inside of it.
+//! Contact between surfaces in a box of fluid, directly and through the ends of the periodic box.
 
 use crate::scenes::run_file;
 use helfrich_std::dynamics::Problem;
@@ -35,7 +35,7 @@ fn ready(file: &SceneFile) -> (Simulation, Vec<[f64; 3]>) {
     build(file).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Warnings that surfaces are in each other, without the way they got there.
+/// Warnings about overlaps, without the words that tell whether the overlap is through the ends of the box.
 fn said(warnings: impl Iterator<Item = String>, what: &str) -> Vec<String> {
     let direct = |warning: String| {
         let through =
@@ -50,7 +50,8 @@ fn said(warnings: impl Iterator<Item = String>, what: &str) -> Vec<String> {
         .collect()
 }
 
-/// The same energy, forces and warnings, before and in a run.
+/// Two surfaces that overlap through the ends of the box have the energy, forces and warnings of surfaces
+/// that overlap directly, before and in a run.
 #[test]
 fn an_overlap_through_the_ends_is_one_inside() {
     let lengths = [6.0, 6.0, 7.0];
@@ -62,7 +63,7 @@ fn an_overlap_through_the_ends_is_one_inside() {
         let mut force = vec![[0.0; 3]; positions.len()];
         let energy = simulation.evaluate(&positions, &mut force).energy;
         let warnings = simulation.warnings().iter().map(ToString::to_string);
-        // Places in the text of the scene differ.
+        // The positions in the scene's text differ, so only the part from the first name on is compared.
         let said = said(warnings, "starts across");
         let messages = said.iter().map(|warning| {
             let start = warning.find("\"c").expect("a name");
@@ -77,10 +78,10 @@ fn an_overlap_through_the_ends_is_one_inside() {
     for (a, b) in within.1.iter().flatten().zip(across.1.iter().flatten()) {
         tolerance::SAME.assert(*a, *b, largest, "F");
     }
-    // Of both surfaces, and said once.
+    // One warning names both surfaces.
     assert_eq!(within.2.len(), 1, "{:?}", within.2);
     assert_eq!(within.2, across.2);
-    // In each other they would be thrown apart.
+    // The runs go without the repulsion, which would throw overlapping surfaces apart.
     let [within, across] = [inside, through].map(|mut file| {
         file.scene.interactions.clear();
         let (summary, _) = run_file(file);
@@ -90,7 +91,7 @@ fn an_overlap_through_the_ends_is_one_inside() {
     assert_eq!(within, across);
 }
 
-/// Both overlaps of a row of three are said, in one warning.
+/// One warning names both overlaps in a row of three surfaces.
 #[test]
 fn every_pair_that_starts_across_is_named() {
     let places = [[0.0; 3], [1.5, 0.0, 0.0], [3.0, 0.0, 0.0]];
@@ -107,13 +108,14 @@ fn every_pair_that_starts_across_is_named() {
     );
 }
 
-/// Skalak capsules of radius 1 in shear, as many along each axis, at random angles. They come to the end, and
-/// at no time is one in another or in an image.
+/// Runs `along`³ Skalak capsules of radius 1 in shear, at random angles. The run reaches its end without a
+/// warning that one has gone into another or into an image.
 fn stay_apart(along: u32, lengths: [f64; 3], capsule: &str, more: &str) {
     let mut random = SplitMix64::new(1);
     let mut text = "units = \"none\"\n".to_owned();
     for number in 0..along.pow(3) {
-        // Those beside the walls are as far from them as from each other, but for what a kernel needs.
+        // Along y, the layers next to the walls keep the same distance from walls as from each other, less
+        // the width of the kernel.
         let place = [0, 1, 2].map(|axis| {
             let layer = f64::from(number / along.pow(axis) % along) - 0.5 * f64::from(along - 1);
             let shaken = if axis == 1 { 0.01 } else { 0.03 };
@@ -144,8 +146,8 @@ fn stay_apart(along: u32, lengths: [f64; 3], capsule: &str, more: &str) {
     assert_eq!(gone, [""; 0]);
 }
 
-/// Eight with 40 % of the volume but for a layer at the walls, on meshes so coarse that vertices are
-/// farther from each other than the repulsion reaches.
+/// Eight capsules fill 40 % of the volume without the layers at the walls. The meshes are so coarse that
+/// vertices are farther apart than the repulsion's range.
 #[test]
 fn dense_suspensions_stay_apart() {
     let capsule = "vertices = 42\nbending = { method = \"gompper-kroll\", modulus = 0.01 }";
@@ -153,7 +155,7 @@ fn dense_suspensions_stay_apart() {
     stay_apart(2, [4.4, 5.0, 4.4], capsule, more);
 }
 
-/// 27 with 42 % of the volume, without bending, so that they crumple.
+/// 27 capsules with 42 % of the volume, without bending, so that they crumple.
 #[test]
 #[ignore = "three minutes: by hand, see CONTRIBUTING"]
 fn dense_suspensions_stay_apart_for_long() {
@@ -161,8 +163,8 @@ fn dense_suspensions_stay_apart_for_long() {
     stay_apart(3, [6.4, 6.6, 6.4], "vertices = 162", more);
 }
 
-/// As far from the image of the first as from each other: nothing pushes any of them along, one alone
-/// included.
+/// In a periodic row, every capsule is as far from the next as the last from the image of the first, so that
+/// the net repulsion on each vanishes, also for a single capsule and its own images.
 #[test]
 fn a_symmetric_row_is_not_pushed() {
     for count in [1, 3] {
@@ -184,7 +186,7 @@ fn a_symmetric_row_is_not_pushed() {
     }
 }
 
-/// Drawn out along the box, a surface reaches into the next image, and that one into it.
+/// A surface that is stretched along the box overlaps its own next image.
 #[test]
 fn surfaces_are_seen_in_their_own_images() {
     let (simulation, mut positions) = ready(&row(&[[0.3, 0.0, 0.0]], [2.5, 4.0, 4.0], ""));
@@ -206,7 +208,7 @@ fn surfaces_are_seen_in_their_own_images() {
     assert_eq!((surface.as_str(), into), ("c0", &None));
     assert_eq!(inside.shift.map(f64::abs), [2.5, 0.0, 0.0]);
     assert!(inside.is_by_image() && inside.count > 0);
-    // Along the others it is short, and where nothing is periodic there is no image.
+    // In a longer box the surface does not reach its image.
     let (simulation, _) = ready(&row(&[[0.3, 0.0, 0.0]], [4.0; 3], ""));
     assert_eq!(simulation.crossings(&positions), []);
 }

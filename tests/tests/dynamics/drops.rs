@@ -1,4 +1,4 @@
-//! Fluid surfaces in shear flow: their meshes stay even, and what they say of a drop is right.
+//! Fluid surfaces in shear flow: their meshes stay even, and the deformation of drops is right.
 
 use crate::scenes::{column, run_file};
 use helfrich_std::run::{End, run};
@@ -12,12 +12,12 @@ use tempfile::TempDir;
 /// D of a drop at a capillary number of 0.02 against linear theory, relative.
 const DROP_TAYLOR: Tolerance = Tolerance::new(
     2e-2,
-    "1280 triangles; a fourth of it is left on four times as many",
+    "1280 triangles; four times as many leave a quarter of the error",
 );
 
 const BOUNDARY_INTEGRAL: &str = "kind = \"boundary-integral\"";
 
-/// A drop on a regular mesh and the fluid around it; more lines of the surface and of the driver.
+/// Drop on a regular mesh and the fluid around it, with further lines for the surface and the driver.
 fn drop(surface: &str, driver: &str) -> SceneFile {
     drop_of("regular", surface, driver)
 }
@@ -46,14 +46,15 @@ fn drop_of(family: &str, surface: &str, driver: &str) -> SceneFile {
     file.unwrap_or_else(|errors| panic!("{errors}"))
 }
 
-/// D of a drop by linear theory: J. M. Rallison, J. Fluid Mech. 98 (1980) 625, section 4, whose limit
-/// is that of G. I. Taylor, Proc. R. Soc. A 146 (1934) 501; λ = 1.
+/// D of a drop with λ = 1 by linear theory: J. M. Rallison, J. Fluid Mech. 98 (1980) 625, section 4, with the
+/// limit of G. I. Taylor, Proc. R. Soc. A 146 (1934) 501.
 fn taylor(capillary: f64, strain: f64) -> f64 {
     let time = strain / (2.1875 * capillary);
     35.0 / 32.0 * capillary * (1.0 - (-time).exp())
 }
 
-/// For fifty times as long as the drop takes to its shape, on every family of even meshes.
+/// D follows theory for fifty times as long as the drop takes to reach its shape, on every family of even
+/// meshes.
 #[test]
 fn a_drop_deforms_as_theory_has_it_and_stays_so() {
     let driver = format!("{BOUNDARY_INTEGRAL}\nstrain = 2");
@@ -74,7 +75,8 @@ fn a_drop_deforms_as_theory_has_it_and_stays_so() {
     }
 }
 
-/// By each driver with a fluid: a drop whose surface goes around, its mesh even or carried along.
+/// With each driver with a fluid, redistribution keeps the mesh of a tank-treading drop even; without it,
+/// triangles become narrow and a warning says so.
 #[test]
 fn meshes_of_drops_stay_even_and_narrow_triangles_are_said() {
     let lattice = "kind = \"lattice-boltzmann\"\nresolution = 4\nbox = [5, 5, 5]";
@@ -96,7 +98,7 @@ fn meshes_of_drops_stay_even_and_narrow_triangles_are_said() {
     }
 }
 
-/// Surfaces whose material has a reference are moved as if there were no redistribution.
+/// Redistribution does not move surfaces whose material has a reference.
 #[test]
 fn elastic_surfaces_are_not_redistributed() {
     let elasticity = "elasticity = { law = \"neo-hookean\", shear_modulus = 1 }";
@@ -118,7 +120,8 @@ fn elastic_surfaces_are_not_redistributed() {
     }
 }
 
-/// Interrupted in between and taken up again, with sliding vertices and marks of the material.
+/// A run that is interrupted and resumed gives the same bits as an uninterrupted one, with redistributed
+/// vertices and marks of the material.
 #[test]
 fn drops_go_on_from_their_stored_bits() {
     let lattice = "kind = \"lattice-boltzmann\"\nresolution = 3\nbox = [4, 4, 4]";

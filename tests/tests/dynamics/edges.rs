@@ -24,8 +24,8 @@ fn bessel(x: f64) -> [f64; 2] {
     sums
 }
 
-/// kR at which `kR J0(kR) + (κ_G/κ) J1(kR) = 0` first, for κ_G = 0 and κ_G = −κ: the first zeros of J0
-/// and of J1′.
+/// First solution kR of `kR J0(kR) + (κ_G/κ) J1(kR) = 0` for κ_G = 0 and κ_G = −κ: the first zeros of J0 and
+/// of J1′.
 const FIRST_ZEROS: [(f64, f64); 2] = [(0.0, 2.404_825_557_695_773), (-1.0, 1.841_183_781_340_659)];
 
 /// A flat disc of radius R and fixed area with a free edge buckles at the line tension `Λ = κ k²/R`.
@@ -36,8 +36,8 @@ const FIRST_ZEROS: [(f64, f64); 2] = [(0.0, 2.404_825_557_695_773), (-1.0, 1.841
 /// Phys. Lett. A 50 (1974) 115, are stable up to `4 (2κ + κ_G)/R`, which is 8 instead of 5.78 for κ_G = 0,
 /// and 4 instead of 3.39 for κ_G = −κ.
 ///
-/// The energy of the mode over the edge that it saves is stationary at the mode, so that its error is that
-/// of the energies alone: of first order where the strip at the edge bends.
+/// The energy of the mode, divided by the length of edge that the mode saves, is stationary at the mode, so
+/// that its error is that of the energies alone: of first order, because of the strip at the edge.
 #[test]
 fn a_disc_buckles_at_the_line_tension_of_a_plate() {
     fn threshold<M: Conservative<f64>>(method: M, gaussian: f64, zero: f64, rings: u32) -> f64 {
@@ -75,7 +75,7 @@ fn scene(folder: &Path, start: &Mesh, keys: &str) -> SceneFile {
     SceneFile::parse(&text, &folder.join("scene.toml"), &Overrides::default()).expect("a scene")
 }
 
-/// Relaxes a surface with these keys in a scene; returns its mesh and the last report.
+/// Relaxes a surface with these keys in a scene; returns the final mesh and the last report.
 fn relaxed(start: &Mesh, keys: &str, settings: Settings) -> (Mesh, StepReport) {
     let folder = tempfile::tempdir().expect("a folder");
     let file = scene(folder.path(), start, keys);
@@ -90,7 +90,7 @@ fn relaxed(start: &Mesh, keys: &str, settings: Settings) -> (Mesh, StepReport) {
     (mesh, report)
 }
 
-/// The vertices at the edge, and with `beside` those next to one.
+/// Selects the vertices at the edge, and with `beside` also their neighbours.
 fn at_edge(mesh: &Mesh, beside: bool) -> impl Fn(usize) -> bool {
     let inside = |vertex: usize| mesh.connectivity.is_interior(vertex);
     let surrounded = |vertex: usize| mesh.connectivity.is_surrounded(vertex);
@@ -105,8 +105,8 @@ fn assert_held(held: impl Fn(usize) -> bool, before: &Mesh, after: &Mesh) {
     }
 }
 
-/// Plateau's problem for two rings: a film under tension between them becomes the catenoid `r = cosh z`,
-/// to second order in the edges.
+/// Plateau's problem for two rings: a film under tension between them becomes the catenoid `r = cosh z`, with
+/// an error of second order in the edge length.
 #[test]
 fn a_film_between_rings_becomes_a_catenoid() {
     let error = |around: u32| {
@@ -124,8 +124,8 @@ fn a_film_between_rings_becomes_a_catenoid() {
     assert!(fine < 2e-3 && fine < coarse / 3.0, "{coarse:e} {fine:e}");
 }
 
-/// Bending alone: a cap that is clamped at its edge returns to the sphere, where ∫H² dS is stationary and
-/// which has that edge and normal. One that is hinged has no torque at its edge, and flattens.
+/// With bending alone, a cap that is clamped at its edge returns to the sphere, where ∫H² dS is stationary
+/// and which has this edge and normal. A hinged cap has no torque at its edge and flattens.
 #[test]
 fn a_clamped_cap_stays_and_a_hinged_one_flattens() {
     let sphere = cap(10, 1.0);
@@ -155,8 +155,8 @@ fn a_clamped_cap_stays_and_a_hinged_one_flattens() {
 }
 
 /// A slightly domed disc becomes flat below the line tension of
-/// [`a_disc_buckles_at_the_line_tension_of_a_plate`], and a deep cup above it, until its edge has shrunk to
-/// a few triangles.
+/// [`a_disc_buckles_at_the_line_tension_of_a_plate`]. Above it, the disc becomes a deep cup, until its edge
+/// has shrunk to a few triangles.
 #[test]
 fn a_disc_flattens_or_closes() {
     let domed = round_disc(10).map(|[x, y, _]| [x, y, 0.05 * (1.0 - x * x - y * y)]);
@@ -187,7 +187,8 @@ fn a_disc_flattens_or_closes() {
     }
 }
 
-/// The run of a disc that closes says so, and what a film between rings becomes is written.
+/// A run of a disc that closes fails with a message that says so, one of a film between rings converges, and
+/// both write the final surface.
 #[test]
 fn runs_of_open_surfaces_end_as_they_should() {
     let disc = round_disc(6).map(|[x, y, _]| [x, y, 0.2 * (1.0 - x * x - y * y)]);

@@ -1,4 +1,4 @@
-//! Capsules in the fluid of a lattice, beside the same capsules in boundary integrals.
+//! Capsules in the fluid of a lattice, compared with the same capsules in boundary integrals.
 
 use crate::scenes::{column, last, run_scene, scenes};
 use helfrich_std::flow::Channel;
@@ -13,24 +13,24 @@ use tempfile::TempDir;
 /// D of a capsule on a lattice of four nodes a radius against boundary integrals, relative.
 const IMMERSED_COARSE: Tolerance = Tolerance::new(
     0.12,
-    "a kernel of two points makes the membrane thicker by a share of a node, wider ones by more; \
-     the published excess at this resolution with much bending is 15 %, box included",
+    "a kernel of two points thickens the membrane by part of a node spacing, wider kernels by more; the \
+     published excess at this resolution with much bending is 15 %, box included",
 );
 
 /// D of the same run in f32 and f64, relative.
 const IMMERSED_SINGLE: Tolerance = Tolerance::new(
     1e-3,
-    "populations deviate from rest by 1e-3 and are rounded at 6e-8 of it a step, for a thousand steps",
+    "populations deviate from rest by 1e-3 and are rounded at 6e-8 of that in each of a thousand steps",
 );
 
 /// Growth of the deformation of a viscous membrane on a lattice of five nodes a radius, relative.
 const IMMERSED_VISCOUS: Tolerance = Tolerance::new(
     0.04,
-    "a box of seven radii adds 1.5 (a/L)³/D, about 3 % of it in elastic capsules, and vertices that \
-     are spread over nodes make it larger by some percent",
+    "a box of seven radii adds 1.5 (a/L)³/D, about 3 % of D in elastic capsules, and vertices that are \
+     spread over nodes add some percent",
 );
 
-/// D of bodies in each other on a lattice in another order of the surfaces, relative.
+/// D of nested bodies on a lattice with the surfaces in another order, relative.
 const NESTED_ORDER: Tolerance = Tolerance::new(
     1e-10,
     "forces on nodes are summed in another order, for a few hundred steps",
@@ -39,13 +39,13 @@ const NESTED_ORDER: Tolerance = Tolerance::new(
 /// Velocities in a channel of 32 nodes, relative to the one in the middle.
 const IMMERSED_PROBE: Tolerance = Tolerance::new(
     1e-2,
-    "a grain a tenth as wide as the channel, and linear interpolation of a parabola",
+    "a grain a tenth as wide as the channel disturbs the flow, and a parabola is interpolated linearly",
 );
 
 /// Flow in ducts by a series of 200 terms, relative.
 const CHANNEL_SERIES: Tolerance = Tolerance::new(5e-4, "the published number has four digits");
 
-/// Four nodes a radius, in a cube of five.
+/// Four nodes per radius, in a cube of five radii.
 const COARSE: [&str; 4] = [
     "driver.resolution=4",
     "driver.box=[5, 5, 5]",
@@ -57,8 +57,8 @@ fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&COARSE, more].concat()
 }
 
-/// D(L) − D(∞) is 1.5 (a/L)³, and membranes are thicker by a share of the distance of nodes: what is
-/// left is of the order of 10 % on so coarse a lattice. Both solvers have nothing in common.
+/// The finite box adds 1.5 (a/L)³ to D, which is subtracted. The kernel thickens membranes by part of a node
+/// spacing, which leaves about 10 % on so coarse a lattice. The two solvers share no formulas.
 #[test]
 fn a_capsule_deforms_as_by_boundary_integrals() {
     for ratio in ["surface.0.viscosity_ratio=1", "surface.0.viscosity_ratio=5"] {
@@ -72,7 +72,7 @@ fn a_capsule_deforms_as_by_boundary_integrals() {
         for &volume in &volumes {
             CAPSULE_VOLUME.assert(volume, volumes[0], volumes[0], "volume");
         }
-        // A capsule in the middle stays there.
+        // A capsule in the centre of the box stays there.
         assert!(last(&series, "centroid_y").abs() < 1e-9);
         let note = &summary.warnings;
         assert!(
@@ -82,7 +82,7 @@ fn a_capsule_deforms_as_by_boundary_integrals() {
     }
 }
 
-/// Fluid that resists more inside makes the capsule follow later.
+/// A more viscous fluid inside makes the capsule deform more slowly.
 #[test]
 fn a_viscous_content_slows_a_capsule_down() {
     let deformation = |ratio: &str| {
@@ -102,13 +102,13 @@ fn a_viscous_content_slows_a_capsule_down() {
     );
 }
 
-/// A sphere whose membrane is viscous and hardly elastic deforms at the rate `γ̇ α/2`, to first order:
-/// Lamb's solution inside and outside, with Scriven's stress between them, as R. W. Flumerfelt, J.
-/// Colloid Interface Sci. 76 (1980) 330 has it for drops. Of the same fluids and with
-/// `B = η_s/(μa) = η_d/(μa)` α is `(175 + 160 B)/(175 + 210 B + 32 B²)`, and meanwhile vorticity turns
-/// the axes: `D = α sin(γ̇t/2)`. The fluid's inertia on the lattice is felt at the start.
+/// A sphere with a viscous and hardly elastic membrane deforms at the rate `γ̇ α/2` to first order: Lamb's
+/// solution inside and outside, with Scriven's stress on the membrane, as in R. W. Flumerfelt, J. Colloid
+/// Interface Sci. 76 (1980) 330 for drops. With the same fluid on both sides and `B = η_s/(μa) = η_d/(μa)`, α
+/// is `(175 + 160 B)/(175 + 210 B + 32 B²)`. Meanwhile vorticity turns the axes: `D = α sin(γ̇t/2)`. The
+/// comparison begins at γ̇t = 0.1, because the inertia of the lattice's fluid is felt at the start.
 ///
-/// With η_d = 0 it is `(35 + 8 B)/(35 + 20 B)`; docs/FLOW.md has what becomes of larger B.
+/// With η_d = 0, α is `(35 + 8 B)/(35 + 20 B)`; docs/FLOW.md describes larger B.
 #[test]
 fn viscous_membranes_deform_at_the_rate_of_theory() {
     for (boussinesq, dilational) in [(1.0, 1.0), (5.0, 5.0), (20.0, 20.0), (1.0, 0.0)] {
@@ -138,7 +138,7 @@ fn viscous_membranes_deform_at_the_rate_of_theory() {
     }
 }
 
-/// An elastic capsule with a membrane of twenty μa, by both solvers.
+/// An elastic capsule with a membrane viscosity of 20 μa has the same D by both solvers.
 #[test]
 fn a_viscous_capsule_deforms_as_by_boundary_integrals() {
     let overrides = [
@@ -157,7 +157,7 @@ fn a_viscous_capsule_deforms_as_by_boundary_integrals() {
     CAPSULE_VOLUME.assert(last(&series, "volume"), volumes[0], volumes[0], "volume");
 }
 
-/// A cell with a nucleus, each of its own viscosity, in a box and in unbounded fluid.
+/// D of a cell and of its nucleus, each with a viscosity of its own, in a box or in unbounded fluid.
 fn nested(reversed: bool, driver: &str) -> [f64; 2] {
     let surface = |name: &str, shape: &str, ratio: f64| {
         format!(
@@ -194,9 +194,9 @@ fn nested(reversed: bool, driver: &str) -> [f64; 2] {
     })
 }
 
-/// The innermost surface around says what fluid there is, whatever the order of the surfaces, a fluid
-/// like that outside of all included. Both solvers have nothing in common; the radius of the nucleus
-/// is 2.5 and 3.6 nodes, and what that makes of it is taken out.
+/// The innermost surface around a point determines its fluid, in any order of the surfaces, also if that
+/// fluid is like the one outside of all. The two solvers share no formulas. The nucleus has a radius of 2.5
+/// and 3.6 nodes; extrapolation in the spacing removes the effect of the kernel's width.
 #[test]
 fn a_nucleus_deforms_as_by_boundary_integrals_in_any_order() {
     let in_box = |reversed, spacing: f64| {
@@ -213,7 +213,7 @@ fn a_nucleus_deforms_as_by_boundary_integrals_in_any_order() {
     }
 }
 
-/// The same scene in both number types, and with each kernel.
+/// Both number types and all kernels give the same D within their errors.
 #[test]
 fn number_types_and_kernels_agree() {
     let deformation = |more: &str| {
@@ -223,15 +223,15 @@ fn number_types_and_kernels_agree() {
     let double = deformation("driver.precision=f64");
     let single = deformation("driver.precision=f32");
     IMMERSED_SINGLE.assert(single, double, double, "f32");
-    assert!(single != double, "the number type is heeded");
+    assert!(single != double, "the number type has no effect");
     for kernel in ["driver.kernel=three", "driver.kernel=four"] {
         let found = deformation(kernel);
         IMMERSED_COARSE.assert(found, double, double, kernel);
-        assert!(found != double, "the kernel is heeded");
+        assert!(found != double, "the kernel has no effect");
     }
 }
 
-/// With inertia the same capsule deforms more, as in the literature at Re of order 1.
+/// Inertia increases the deformation, as in the literature at Re of order 1.
 #[test]
 fn inertia_is_there_if_there_is_a_density() {
     let deformation = |more: &[&str]| {
@@ -239,15 +239,15 @@ fn inertia_is_there_if_there_is_a_density() {
         last(&series, "deformation")
     };
     let without = deformation(&[]);
-    // Re = ργ̇a²/μ of 0.01 and 1.
+    // Re = ργ̇a²/μ is 0.01 and 1.
     let slow = deformation(&["driver.density=0.0667"]);
     let fast = deformation(&["driver.density=6.67"]);
     IMMERSED_COARSE.assert(slow, without, without, "nearly none");
     assert!(fast > 1.02 * without, "{fast} {without}");
 }
 
-/// A channel, a capsule far too small to matter, and probes: one in the middle, one half-way to the
-/// wall.
+/// Probes in the middle of a channel and half-way to its wall measure a parabolic flow. The capsule is too
+/// small to matter.
 #[test]
 fn probes_see_the_flow_of_a_channel() {
     let scene = r#"
@@ -296,7 +296,7 @@ volume = [{ name = "all", stride = 3 }]
     IMMERSED_PROBE.assert(number("between_x"), 3.0 * 0.75, 3.0, "half-way to the wall");
     IMMERSED_PROBE.assert(number("middle_y"), 0.0, 3.0, "across");
     let volume = fs::read_to_string(out.join("volumes/all-00000001.vti")).expect("a volume");
-    // 24 × 32 × 24 nodes, every third.
+    // Every third of 24 × 32 × 24 nodes is written.
     assert!(
         volume.contains("WholeExtent=\"0 7 0 10 0 7\""),
         "{}",
@@ -306,7 +306,7 @@ volume = [{ name = "all", stride = 3 }]
     assert!(index.contains("volumes/all-00000001.vti"), "{index}");
 }
 
-/// Forces too stiff for the step end a run with the reason, and leave what there was.
+/// Forces that are too stiff for the step end a run with the reason; the output so far stays.
 #[test]
 fn steps_that_are_too_long_end_a_run() {
     let overrides = with(&[
@@ -330,9 +330,9 @@ fn steps_that_are_too_long_end_a_run() {
     assert!(out.join("checkpoint").exists());
 }
 
-/// Ducts obey the equation of twisted bars, whose torsion constant is four times the integral of u μ/g:
-/// 0.1406 H⁴ of a square, S. P. Timoshenko and J. N. Goodier, Theory of Elasticity, section 109. Between
-/// plates the middle has an eighth of H².
+/// Flow in a duct obeys the equation of a twisted bar, whose torsion constant is four times the integral of u
+/// μ/g: 0.1406 H⁴ for a square, S. P. Timoshenko and J. N. Goodier, Theory of Elasticity, section 109.
+/// Between plates, u μ/g in the middle is H²/8.
 #[test]
 fn channels_flow_as_their_series() {
     let plates = Channel {
@@ -351,7 +351,7 @@ fn channels_flow_as_their_series() {
         .sum();
     let expected = 16.0 * 0.1406 / 4.0;
     CHANNEL_SERIES.assert(integral / 1024.0, expected, expected, "a square");
-    // The walls, all alike.
+    // The velocity vanishes on all four walls.
     for [y, z] in [[1.0, 0.3], [-1.0, 0.9], [0.3, 1.0], [0.7, -1.0]] {
         CHANNEL_SERIES.assert(square.response(y, z), 0.0, 0.3, "on a wall");
     }

@@ -1,4 +1,4 @@
-//! Integration in time against theory.
+//! Integration in time, compared with theory.
 
 mod failures;
 mod spectrum;
@@ -12,10 +12,10 @@ use std::f64::consts::PI;
 /// Observed orders of convergence in time.
 const TIME_ORDER: Tolerance = Tolerance::new(
     0.1,
-    "the next term of the error is a fiftieth of the first at steps of 1/40",
+    "at steps of 1/40, the next term of the error is a fiftieth of the leading one",
 );
 
-/// The remainder, after a linearly implicit step, of a mode that decays a billion times as fast.
+/// Remainder of a mode that decays a billion times within a linearly implicit step.
 const STABLE_LIMIT: Tolerance = Tolerance::new(
     1e-6,
     "the reciprocal of the rate, times the square of coefficients of order 10",
@@ -50,7 +50,7 @@ fn logistic(x: &[[f64; 3]], time: f64, v: &mut [[f64; 3]]) -> Result<(), String>
     Ok(())
 }
 
-/// Where those vectors are later, exactly.
+/// Exact solution of [`logistic`] at a later time.
 fn logistic_flow(x: &[[f64; 3]], from: f64, to: f64) -> Vec<[f64; 3]> {
     let (sin, cos) = (to.sin() - from.sin()).sin_cos();
     let moved = |x: &[f64; 3]| {
@@ -87,15 +87,15 @@ fn size(a: &[[f64; 3]]) -> f64 {
     distance(a, &vec![[0.0; 3]; a.len()])
 }
 
-/// A chain of vertices with fixed ends: `x_i' = D (x_(i−1) − 2 x_i + x_(i+1))`, and one of them may
-/// be driven apart: `+ g x_j`.
+/// Chain of vertices with fixed ends, `x_i' = D (x_(i−1) − 2 x_i + x_(i+1))`, plus `g x_j` on one vertex j if
+/// `driven`.
 struct Chain {
     diffusion: f64,
     driven: Option<(usize, f64)>,
 }
 
 impl Chain {
-    /// The spectral radius, exactly.
+    /// Exact spectral radius of a chain that is not driven.
     fn radius(&self, count: usize) -> f64 {
         let half = 0.5 * PI / (count + 1) as f64;
         4.0 * self.diffusion * (count as f64 * half).sin().powi(2)
@@ -123,7 +123,7 @@ impl RightHandSide for Chain {
     }
 }
 
-/// Positions in which all modes of a chain are present.
+/// Positions that contain all modes of a chain.
 fn rough(count: usize) -> Vec<[f64; 3]> {
     let position = |i: usize| {
         let s = (i * i) as f64;
@@ -146,7 +146,7 @@ fn fixed_step(scheme: Scheme, step: f64, radius: SpectralRadius) -> Settings {
     }
 }
 
-/// A spectral radius for which a stabilised step of this length has this number of stages.
+/// Spectral radius for which a stabilised step of this length takes this number of stages.
 fn radius_for(stages: usize, step: f64) -> f64 {
     ((stages * stages) as f64 - 1.0) / (1.54 * step)
 }
@@ -185,7 +185,7 @@ fn orders_of_convergence_are_those_of_the_schemes() {
     }
 }
 
-/// Velocities with an approximation A of their derivatives that has these decay rates, one per axis.
+/// Velocities whose derivatives are approximated by a matrix A with these decay rates, one per axis.
 struct Linearised<F> {
     velocities: F,
     rates: [f64; 3],
@@ -204,7 +204,8 @@ impl<F: RightHandSide> RightHandSide for Linearised<F> {
     }
 }
 
-/// A is anything but the derivatives of these velocities.
+/// Linearly implicit steps keep their order although A has nothing in common with the derivatives of the
+/// velocities.
 #[test]
 fn linearly_implicit_steps_keep_their_order_with_any_matrix() {
     let (from, to) = (0.3, 2.3);
@@ -226,13 +227,13 @@ fn linearly_implicit_steps_keep_their_order_with_any_matrix() {
     TIME_ORDER.assert(found[1], 3.0, 1.0, "order");
 }
 
-/// With the derivatives themselves, modes vanish however long the step; with decay rates between 0.7
-/// times and four times the true ones they decay, and with half of them they grow.
+/// With the exact derivatives, modes vanish however long the step; with decay rates in A between 0.7 times
+/// and four times the true ones they decay; with half of them they grow.
 #[test]
 fn linearly_implicit_steps_are_stable_for_similar_matrices() {
     let rate = 1e9;
     let after = |share: f64| {
-        // The length of the first step is limited by the tolerance, too.
+        // The tolerance is huge, because it also limits the first step.
         let settings = Settings {
             tolerance: 1e30,
             ..fixed_step(Scheme::Rosenbrock, 1.0, SpectralRadius::Unknown)
@@ -297,7 +298,7 @@ fn a_stabilised_step_is_its_chebyshev_polynomial() {
 #[test]
 fn stabilised_steps_are_stable_up_to_their_limit() {
     let count = 100;
-    // The intervals of 3 and 5 stages are a good deal longer than that.
+    // The stability intervals of 3 and 5 stages are much longer than the one given here.
     for stages in [2_usize, 4, 9, 10, 31] {
         for (share, stable) in [(0.95, true), (1.05, false)] {
             let mut chain = Chain {
@@ -396,7 +397,8 @@ fn errors_are_what_the_tolerance_allows() {
             assert!(largest <= STEP_ERROR.value, "{scheme:?}: {largest}");
             finals.push(error);
         }
-        // Errors allowed are of third order: a scheme of order p ends with tolerance^(p/3).
+        // The error allowed per step is of third order, so that a scheme of order p ends with an error ~
+        // tolerance^(p/3).
         let found = (finals[1] / finals[3]).log10() / 2.0;
         println!("{scheme:?}: error at the end ~ tolerance^{found:.3}");
         let expected = if scheme == Scheme::Rkc2 {
@@ -449,7 +451,7 @@ fn output_times_are_hit_and_leave_no_trace() {
 
 #[test]
 fn what_is_kept_is_restored_without_evaluations() {
-    /// Rigid rotation, in which lengths are kept.
+    /// Rigid rotation, which preserves lengths.
     struct Turning;
     impl RightHandSide for Turning {
         fn evaluate(&mut self, x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]) -> Result<(), String> {
@@ -504,7 +506,7 @@ fn stabilised_steps_need_fewer_evaluations_where_it_is_stiff() {
             ]
         })
         .collect();
-    // Each of these is a mode.
+    // Each term is a mode of the chain.
     let decay = |k: f64| {
         let rate = 4.0 * diffusion * (0.5 * k * PI / (count + 1) as f64).sin().powi(2);
         (-rate * end).exp()

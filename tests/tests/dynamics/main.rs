@@ -1,4 +1,4 @@
-//! Drivers: relaxation, integration in time, and capsules in flow.
+//! Drivers: relaxation, integration in time, capsules and drops in flow, and open membranes.
 
 mod axisymmetric;
 mod capsules;

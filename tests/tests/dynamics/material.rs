@@ -1,4 +1,4 @@
-//! Vesicles whose parts are different.
+//! Vesicles with properties that vary over the surface.
 
 use helfrich::Surface;
 use helfrich_std::generate::{Family, generate};
@@ -10,8 +10,8 @@ use helfrich_std::simulation::build;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// Relaxes the vesicle of a mesh file, with these keys of bending, and returns `∫ H² dA` over the vertices
-/// that were below and above the plane z = 0 in `vesicle.vtp`.
+/// Relaxes the vesicle of a mesh file with these bending keys. Returns `∫ H² dA` over the vertices that were
+/// below and above the plane z = 0 in `vesicle.vtp`.
 fn relaxed(folder: &Path, out: &str, mesh: &str, bending: &str) -> [f64; 2] {
     let text = format!(
         "units = \"none\"\n[driver]\nkind = \"relax\"\nenergy_error = 0.1\n[output]\npictures = \
@@ -38,8 +38,8 @@ fn relaxed(folder: &Path, out: &str, mesh: &str, bending: &str) -> [f64; 2] {
     sums
 }
 
-/// A prolate vesicle whose upper half is five times as stiff bends below rather than above; with the same
-/// modulus everywhere both halves are alike. H0 that favours curvature above has the opposite effect.
+/// A prolate vesicle whose upper half is five times as stiff bends more below than above; with a uniform
+/// modulus, both halves are alike. H0 that favours curvature above has the opposite effect.
 #[test]
 fn soft_and_curved_parts_bend_more() {
     let folder = TempDir::new().expect("a folder");
@@ -69,7 +69,7 @@ fn soft_and_curved_parts_bend_more() {
     assert!((uniform - 1.0).abs() < 0.01, "{uniform}");
     let soft_below = ratio("soft", "vesicle.vtp", "modulus = { column = \"kappa\" }");
     assert!(soft_below > 1.1, "{soft_below}");
-    // The end of a run keeps the columns that its scene names.
+    // The final mesh file of a run keeps the columns that its scene names.
     let (_, kept) = read_with_columns(&folder.path().join("soft/last.vtp")).expect("the end");
     let [kappa] = kept.as_slice() else {
         panic!("{kept:?}");

@@ -1,4 +1,4 @@
-//! Equilibrium shapes: what membranes relax to.
+//! Equilibrium shapes by relaxation.
 
 use helfrich::{
     AnyFunctional, Conservative, Constraint, Constraints, Energy, Force, GompperKroll, InPlane,
@@ -15,30 +15,30 @@ use std::sync::Arc;
 /// Rise of the energy in an accepted step of a relaxation, relative.
 const ENERGY_RISE: Tolerance = Tolerance::new(
     1e-13,
-    "thousands of terms of one size, summed in pairs, round at some 1e-16",
+    "thousands of terms of the same size, summed pairwise, round at about 1e-16 each",
 );
 
-/// The energy of the method itself, of 642 vertices.
+/// Equilibrium energy of a method on 642 vertices against theory or another path, relative.
 const COARSE_VESICLE_ENERGY: Tolerance = Tolerance::new(
     2e-2,
-    "four times that of 2562 vertices, less what methods share",
+    "four times the error of 2562 vertices, less the part that methods share",
 );
 
-/// Area, volume and energy over G R² of an elastic sphere that relaxed, relative.
+/// Area, volume and energy over G R² of an elastic sphere after its relaxation, relative.
 const REGAINED: Tolerance = Tolerance::new(
     1e-6,
-    "the residual of 1e-5 bounds the strain, to which the energy is quadratic",
+    "the residual of 1e-5 bounds the strain, in which the energy is quadratic",
 );
 
-/// Energies of the stationary axisymmetric vesicles of Seifert, Berndl and Lipowsky, Phys. Rev. A 44
-/// (1991) 1182, over 8πκ: reduced volume, semi-axis along the axis of a spheroid of that reduced
-/// volume over the one across, energy.
+/// Energies over 8πκ of the stationary axisymmetric vesicles of Seifert, Berndl and Lipowsky, Phys. Rev. A 44
+/// (1991) 1182: (reduced volume, aspect ratio along over across the axis of a spheroid of that reduced
+/// volume, energy).
 const PROLATE_90: (f64, f64, f64) = (0.9, 1.962, 1.1896);
 const PROLATE_80: (f64, f64, f64) = (0.8, 2.791, 1.3874);
 const OBLATE_70: (f64, f64, f64) = (0.7, 0.325, 1.6991);
 const OBLATE_90: (f64, f64, f64) = (0.9, 0.544, 1.2179);
 
-/// Calls a prepared method: sets forces, returns the energy.
+/// Evaluation of a prepared method: sets the forces and returns the energy.
 type Evaluate = Box<dyn FnMut(Surface<'_, f64>, &mut [[f64; 3]]) -> f64>;
 
 fn conservative<M: Conservative<f64> + 'static>(method: M, mesh: &TriangleMesh) -> Evaluate {
@@ -95,7 +95,7 @@ impl Problem for Body {
     }
 }
 
-/// A vesicle with its own area and this reduced volume, and where it begins.
+/// Vesicle with its area and reduced volume, and its initial mesh.
 struct Vesicle {
     start: GeneratedMesh,
     body: Body,
@@ -139,13 +139,12 @@ impl Vesicle {
         }
     }
 
-    /// Relaxes, and checks what holds for every relaxation; returns the last report with the energy
-    /// over 8πκ.
+    /// Relaxes, and checks the laws of every relaxation; returns the last report with the energy over 8πκ.
     fn relax(&mut self, settings: Settings) -> StepReport {
         self.relax_to(settings, Outcome::Converged)
     }
 
-    /// The same to another end.
+    /// Relaxes like [`Self::relax`] up to this outcome.
     fn relax_to(&mut self, settings: Settings, end: Outcome) -> StepReport {
         let membrane = Membrane {
             mesh: Arc::clone(&self.body.mesh),
@@ -217,8 +216,8 @@ fn other_methods_agree_within_their_error() {
     assert(jets, "J4");
 }
 
-/// A tolerance below the rounding of forces is never reached: the relaxation ends there by itself, and no
-/// redistribution of vertices starts it again.
+/// A tolerance below the rounding of forces is never reached: the relaxation stops at rounding, and no
+/// redistribution of vertices restarts it.
 #[test]
 fn relaxations_end_at_rounding() {
     let methods: [fn(&TriangleMesh) -> Evaluate; 2] = [
@@ -250,7 +249,7 @@ fn an_unstable_oblate_becomes_prolate() {
     let energy = vesicle.relax(Settings::default()).energy;
     let expected = PROLATE_90.2;
     COARSE_VESICLE_ENERGY.assert(energy, expected, expected, "prolate");
-    // Far nearer to the prolate than to the branch it left.
+    // The energy is at least four times closer to the prolate branch than to the oblate one.
     assert!((OBLATE_90.2 - energy) > 4.0 * (energy - expected).abs());
 }
 
@@ -267,7 +266,8 @@ fn the_preconditioner_saves_most_of_the_steps() {
     };
     let ((few, with), (many, without)) = (steps(true), steps(false));
     assert!(4 * few < many, "{few} {many}");
-    // Different ways across the same surface; what differs is where along it the vertices end.
+    // The two relaxations take different paths to the same shape and end with different positions of the
+    // vertices within the surface.
     COARSE_VESICLE_ENERGY.assert(with, without, without, "either way");
 }
 

@@ -35,12 +35,12 @@ pub(crate) fn column(series: &SeriesTable, name: &str) -> Vec<f64> {
     found.unwrap_or_else(|| panic!("no column {name} among {:?}", series.columns))
 }
 
-/// The last number of a column.
+/// Last number of a column.
 pub(crate) fn last(series: &SeriesTable, name: &str) -> f64 {
     *column(series, name).last().expect("a row")
 }
 
-/// Between two rows in proportion.
+/// Deformation at this strain, interpolated linearly between two rows.
 pub(crate) fn at(series: &SeriesTable, strain: f64) -> f64 {
     let (strains, values) = (column(series, "strain"), column(series, "deformation"));
     let after = strains.partition_point(|&found| found < strain).max(1);

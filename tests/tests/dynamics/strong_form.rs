@@ -7,13 +7,13 @@ use helfrich_std::series::SeriesTable;
 use helfrich_std::simulation::build;
 use tempfile::TempDir;
 
-/// The flat vesicle that is shipped, by jets of degree 4 on a mesh of this family.
+/// Relaxes the shipped oblate vesicle by jets of degree 4 on a mesh of this family.
 fn relaxed(family: &str) -> (Summary, SeriesTable) {
     let family = format!("surface.vesicle.family={family}");
     let overrides = [
         "surface.vesicle.bending.method=j4",
         "surface.vesicle.vertices=642",
-        // Forces are of interest: of so many vertices the energy is known to 5 %.
+        // The test is about forces; with so few vertices the energy is accurate to 5 %.
         "driver.energy_error=0.1",
         "output.pictures=false",
         "output.surfaces=false",
@@ -31,9 +31,9 @@ fn relaxed(family: &str) -> (Summary, SeriesTable) {
     (summary, series)
 }
 
-/// Secants go around the equilibrium on a mesh that is stretched along the rim, with residuals of 1 to
-/// 100; Newton's steps get there, for forces are continuous where fits do not depend on how the surface
-/// is turned.
+/// On a mesh that is stretched along the rim, quasi-Newton steps (secants) circle the equilibrium with
+/// residuals of 1 to 100. Newton steps reach it, because forces are continuous if fits do not depend on the
+/// orientation of the surface.
 #[test]
 fn jets_get_to_equilibrium_on_stretched_meshes() {
     for family in ["smooth", "relaxed"] {

@@ -1,4 +1,4 @@
-//! Velocities that fail, steps that are too long, and settings that are refused.
+//! Velocities that fail, steps that are too long, and invalid settings.
 
 use super::{RK4, distance, logistic, logistic_flow, vectors};
 use helfrich_std::dynamics::integrate::{
@@ -9,7 +9,7 @@ use helfrich_std::dynamics::integrate::{
 fn what_goes_wrong_is_said_and_the_last_good_positions_stay() {
     for scheme in [Scheme::Rkc2, Scheme::Bs23, RK4] {
         let settings = Settings::new(scheme, 1.0);
-        // From the beginning.
+        // Velocities that are NaN from the start.
         let mut broken = |x: &[[f64; 3]], time: f64, v: &mut [[f64; 3]]| {
             logistic(x, time, v)?;
             v[2][1] = f64::NAN;
@@ -25,7 +25,7 @@ fn what_goes_wrong_is_said_and_the_last_good_positions_stay() {
             }
         );
         assert_eq!((run.time(), run.positions()), (0.5, &vectors()[..]));
-        // From some time on.
+        // Velocities that are infinite from t = 0.7 on.
         let mut broken = |x: &[[f64; 3]], time: f64, v: &mut [[f64; 3]]| {
             logistic(x, time, v)?;
             if time > 0.7 {
@@ -44,7 +44,7 @@ fn what_goes_wrong_is_said_and_the_last_good_positions_stay() {
         assert!((0.6..=0.7).contains(&run.time()), "{}", run.time());
         let exact = logistic_flow(&vectors(), 0.5, run.time());
         assert!(distance(run.positions(), &exact) < 1e-3);
-        // With a reason.
+        // The message of velocities that refuse positions is passed on.
         let mut refusing = |_: &[[f64; 3]], _: f64, _: &mut [[f64; 3]]| Err("too close".to_owned());
         let mut run = Integrator::new(vectors(), 0.5, settings).expect("a start");
         let failure = run.step(&mut refusing, 1.0).expect_err("refused");
@@ -55,7 +55,7 @@ fn what_goes_wrong_is_said_and_the_last_good_positions_stay() {
 #[test]
 fn a_step_that_went_too_far_is_tried_again_shorter() {
     for scheme in [Scheme::Rkc2, Scheme::Bs23] {
-        // x' = −x up to a wall behind which there is nothing.
+        // x' = −x, with a wall at 0 behind which there are no velocities.
         let mut walled = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
             if x[0][0] < 0.0 {
                 return Err("behind the wall".to_owned());
@@ -77,7 +77,7 @@ fn a_step_that_went_too_far_is_tried_again_shorter() {
 #[test]
 fn where_no_step_is_short_enough_it_is_said() {
     for scheme in [Scheme::Rkc2, Scheme::Bs23] {
-        // x' = |x| x ends at t = 1.
+        // The solution of x' = |x| x diverges at t = 1.
         let mut explosive = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
             v[0] = x[0].map(|y| x[0][0].abs() * y);
             Ok(())
@@ -148,7 +148,7 @@ fn settings_that_make_no_sense_are_refused() {
     assert_eq!(refuse(few, vectors()), SetupError::StageLimit { limit: 1 });
     let bad = vec![[0.0; 3], [0.0, f64::NAN, 0.0]];
     assert_eq!(refuse(usual, bad), SetupError::NotFinite { vertex: 1 });
-    // Nothing at all to move is no mistake.
+    // A system without vertices is accepted.
     let mut run = Integrator::new(Vec::new(), 0.0, usual).expect("a start");
     let report = run
         .run(&mut logistic, 1.0, |_, _| true)

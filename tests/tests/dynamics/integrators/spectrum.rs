@@ -46,7 +46,7 @@ fn the_spectral_radius_is_found_within_its_margin() {
         );
         assert!(again.iterations <= 3, "{again:?}");
     }
-    // A complex pair: vectors turn and shrink.
+    // A complex pair of eigenvalues: vectors rotate and shrink.
     let mut spiral = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
         for (v, x) in v.iter_mut().zip(x) {
             *v = [-x[0] - 5.0 * x[1], 5.0 * x[0] - x[1], -3.0 * x[2]];
@@ -60,7 +60,7 @@ fn the_spectral_radius_is_found_within_its_margin() {
         spectrum.converged && spectrum.growth.is_none(),
         "{spectrum:?}"
     );
-    // Far from the origin, where positions are rounded.
+    // Positions far from the origin, which are rounded coarsely.
     let far: Vec<[f64; 3]> = rough(100).into_iter().map(|x| x.map(|x| x + 1e9)).collect();
     let mut chain = Chain {
         diffusion: 7.0,
@@ -69,7 +69,7 @@ fn the_spectral_radius_is_found_within_its_margin() {
     let mut run = Integrator::new(far, 0.0, settings).expect("a start");
     let spectrum = run.estimate_spectrum(&mut chain).expect("velocities");
     inside(spectrum.radius, chain.radius(100), "far away");
-    // Where nothing happens there is no limit.
+    // Constant velocities do not limit the step.
     let mut still = |_: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
         v.fill([1.0, 0.0, 0.0]);
         Ok(())
@@ -98,7 +98,7 @@ fn a_mode_that_grows_is_named() {
     let found = spectrum.growth.expect("it grows");
     GROWTH_RATE.assert(found, rate, rate, "rate");
     assert_eq!(spectrum.vertex, 17);
-    // Vectors that turn as they grow.
+    // Vectors that rotate while they grow.
     let mut spiral = |x: &[[f64; 3]], _: f64, v: &mut [[f64; 3]]| {
         for (i, (v, x)) in v.iter_mut().zip(x).enumerate() {
             let (rate, turn) = if i == 3 { (2.0, 5.0) } else { (0.5, 2.0) };
@@ -113,8 +113,8 @@ fn a_mode_that_grows_is_named() {
     assert_eq!(spectrum.vertex, 3);
 }
 
-/// Every mode decays. Velocities jump where vertices are displaced to one side, as those of methods that
-/// choose neighbours by distance: to differences on that side it looks like a mode that grows.
+/// Every mode decays, but velocities jump when vertices move to one side, as in methods that choose
+/// neighbours by distance. Finite differences towards that side look like a growing mode.
 #[test]
 fn jumps_are_no_growth() {
     for jump in [1e-6, 1e-3, 1.0] {
@@ -135,8 +135,8 @@ fn jumps_are_no_growth() {
     }
 }
 
-/// Every mode decays. The second vertex feels the square of the first one's displacement, a term of
-/// even order: to differences it looks like a mode that grows if the sign of the mode alternates.
+/// Every mode decays, but the second vertex feels the square of the first one's displacement. This term of
+/// even order looks like a growing mode to finite differences if the sign of the mode alternates.
 #[test]
 fn terms_of_second_order_are_no_growth() {
     for coupling in [1.0, 1e2, 1e3] {
