@@ -23,7 +23,7 @@ fn at_triangles(name: &str, values: &[f64]) -> Column {
     }
 }
 
-/// Columns are read as they were written, bit for bit; vectors are not numbers.
+/// Columns are read bit for bit as they were written; arrays of vectors are not read as columns.
 #[test]
 fn columns_of_vtp_files_keep_all_digits() {
     let folder = TempDir::new().unwrap();
@@ -72,7 +72,7 @@ fn columns(text: &str, format: Format) -> Vec<Column> {
     columns
 }
 
-/// Pieces one after the other; a column that one of them lacks is none.
+/// Columns of several pieces are joined; a column that one piece lacks is omitted.
 #[test]
 fn columns_of_pieces_are_joined() {
     let one = columns(&vtp(&[PIECE]), Format::Vtp);
@@ -88,7 +88,8 @@ fn columns_of_pieces_are_joined() {
     assert_eq!(two, expected);
 }
 
-/// The triangles of a polygon have its number; lines, whose numbers precede those of polygons, have none.
+/// All triangles of a polygon get its number. The numbers of lines, which precede those of polygons, are
+/// skipped.
 #[test]
 fn faces_with_more_corners_have_one_number() {
     let text = vtp(&[
@@ -120,7 +121,7 @@ fn faces_with_more_corners_have_one_number() {
     assert_eq!(columns(text, Format::Ply), expected);
 }
 
-/// Only where columns are asked for.
+/// A column of the wrong length is an error only if columns are requested.
 #[test]
 fn columns_of_another_length_are_refused() {
     for (numbers, found) in [("-4 5", 2), ("-4 5 6 7", 4)] {
@@ -135,7 +136,7 @@ fn columns_of_another_length_are_refused() {
     }
 }
 
-/// Before, between and behind the coordinates; lists are no columns.
+/// Columns are read before, between and after the coordinates; list properties are not columns.
 #[test]
 fn columns_of_ply_files() {
     let header = |encoding: &str| {

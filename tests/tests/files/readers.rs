@@ -1,4 +1,4 @@
-//! Mesh files: what is read, and what is said about files that are no mesh.
+//! Mesh files: their contents, and messages about files that contain no mesh.
 
 mod obj;
 mod off;
@@ -61,7 +61,7 @@ fn line_ends_of_windows_change_nothing() {
     assert_reads(&bytes, Format::Ply, &solid);
 }
 
-/// Every prefix of a good file is a mesh or an error, never a panic.
+/// Every truncated file is an error or still a mesh, never a panic.
 #[test]
 fn truncation_anywhere_is_an_error() {
     let solid = tetrahedron();
@@ -71,7 +71,7 @@ fn truncation_anywhere_is_an_error() {
         (solid.ply().trim_end().into(), Format::Ply),
     ] {
         for length in 0..bytes.len() {
-            // A last number that lost digits is still a number.
+            // A last number that lost some digits is still a number.
             let lost = bytes.len() - length;
             assert!(
                 parse(&bytes[..length], format).is_err() || lost < 3,

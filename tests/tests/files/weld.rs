@@ -1,9 +1,9 @@
-//! Split vertices, and meshes put together again.
+//! Split vertices and their welding.
 
 use helfrich_std::io::MeshFile;
 use helfrich_tests::meshes::{Mesh, disc, icosphere};
 
-/// Each face with corners of its own, as renderers export it.
+/// The mesh with separate vertices for each face, as renderers export it.
 fn split(mesh: &Mesh) -> MeshFile {
     let triangles = mesh.connectivity.triangles().iter();
     let corners = triangles
@@ -20,7 +20,7 @@ fn split(mesh: &Mesh) -> MeshFile {
     }
 }
 
-/// A sphere, and a disc, whose own boundary stays, with the same triangles over the same points.
+/// A sphere and a disc are welded into the same triangles over the same points; the disc keeps its boundary.
 #[test]
 fn split_meshes_are_put_together() {
     for mesh in [icosphere(2), disc(3)] {
@@ -43,7 +43,7 @@ fn split_meshes_are_put_together() {
     }
 }
 
-/// Meshes without split vertices stay as they are.
+/// Meshes without split vertices stay unchanged.
 #[test]
 fn whole_meshes_have_no_split_vertices() {
     let mesh = icosphere(1);
@@ -55,7 +55,7 @@ fn whole_meshes_have_no_split_vertices() {
     assert_eq!(file.welded().expect("a mesh"), file);
 }
 
-/// Two tetrahedra that touch in a vertex are no manifold when that is one.
+/// Welding two tetrahedra that touch in a vertex would not give a manifold.
 #[test]
 fn what_only_touches_is_refused() {
     let tetrahedron = |from: f64, to: f64, first: u32| {

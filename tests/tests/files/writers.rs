@@ -1,4 +1,4 @@
-//! Mesh files that are written and read again, and refined ones.
+//! Mesh files that are written and read again, and refined meshes.
 
 use helfrich_std::generate::{Family, generate};
 use helfrich_std::io::{Format, MeshFile, WriteError, parse, read, write, write_to};
@@ -30,7 +30,7 @@ fn what_is_written_is_read_again_with_all_digits() {
     }
 }
 
-/// STL has no list of vertices: these come back in the order in which triangles name them.
+/// STL has no list of vertices, so that vertices are numbered by their first appearance in triangles.
 #[test]
 fn stl_keeps_the_triangles_and_seven_digits() {
     let file = discocyte(162);

@@ -40,9 +40,9 @@ proptest! {
     }
 }
 
-/// By Archimedes the area of a sphere between two heights is 2πR times their difference, so that
-/// `E = 2πRW [λ/2 (q₁² − q₂²) − 2λ (q₁ − q₂)]` with q at the lowest and the highest point. The error falls
-/// with the square of the edges.
+/// By Archimedes, the area of a sphere between two heights is 2πR times their difference, so that `E = 2πRW
+/// [λ/2 (q₁² − q₂²) − 2λ (q₁ − q₂)]` with q at the lowest and the highest point. The error is of second order
+/// in the edge length.
 #[test]
 fn a_sphere_above_a_wall_has_its_energy() {
     let wall = WallAdhesion {

@@ -19,13 +19,14 @@ use helfrich_tests::tolerance::{self, Tolerance};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
-/// Energies on a sphere of 2562 vertices against the smooth ones, relative.
+/// Energies on a sphere of 2562 vertices against those of the smooth sphere, relative.
 const COARSE_SPHERE: Tolerance = Tolerance::new(
     2e-2,
-    "M and A are second order, 1.5e-3 here, and five times that where M0 is 0.8 M; squared",
+    "M and A have second-order errors of 1.5e-3, five times as much relative to M − M0 for M0 = 0.8 M; \
+     then squared",
 );
 
-/// |F/F0 − 1| after a correction, 1e8 radii from the origin.
+/// |F/F0 − 1| after a correction of a body at 1e8 radii from the origin.
 const CONSTRAINED_FAR: Tolerance =
     Tolerance::new(1e-7, "positions are rounded at 1e-8 of the radius there");
 
@@ -35,7 +36,7 @@ const CONSTRAINED_SINGLE: Tolerance = Tolerance::new(5e-6, "as in f64, from a ro
 /// Directions of a small step against those to first order.
 const FIRST_ORDER: Tolerance = Tolerance::new(
     1e-5,
-    "the step is 1e-6 of the size; cosines are second order",
+    "the step is 1e-6 of the size, and the cosine deviates from 1 in second order",
 );
 
 const ALL: [AnyFunctional; 3] = [
@@ -98,8 +99,8 @@ fn degenerate_surfaces_give_finite_numbers() {
     }
 }
 
-/// E = σA and E = −ΔpV of the regular octahedron with edge √2: A = 4√3, V = 4/3; a penalty and the
-/// area difference by hand, M = 6√2 acos(1/3).
+/// Energies of the regular octahedron with edge √2 by hand: E = σA and E = −ΔpV with A = 4√3 and V = 4/3, a
+/// penalty, and the area difference with M = 6√2 acos(1/3).
 #[test]
 fn energies_have_their_values() {
     let mesh = octahedron();
@@ -141,7 +142,7 @@ fn area_difference_of_spheres() {
     COARSE_SPHERE.assert(found, expected, expected, "E");
 }
 
-/// F(s x) = s^p F(x), therefore Σ x·∂F = p F: the work of a dilatation, exactly.
+/// F(s x) = s^p F(x), so that Σ x·∂F = p F by Euler's theorem, exactly.
 #[test]
 fn dilatation_does_the_work_of_euler() {
     fn check(functional: impl Functional<f64> + Copy, power: f64, mesh: &Mesh) {
@@ -162,8 +163,9 @@ fn dilatation_does_the_work_of_euler() {
     }
 }
 
-/// Δp = 2σ/R: tension and pressure balance on a sphere. The work of what is left along smooth
-/// fields is second order in the edge length; at single vertices it is not, where triangles turn.
+/// Δp = 2σ/R: tension and pressure balance on a sphere. The work of the residual force along smooth fields is
+/// of second order in the edge length; along displacements of single vertices it is not, because triangles
+/// rotate.
 #[test]
 fn sphere_under_tension_obeys_laplace() {
     let (radius, sigma) = (2.5, 3.0);
@@ -222,7 +224,7 @@ fn components_have_targets_of_their_own() {
     }
 }
 
-/// These quantities held at what they are.
+/// Constraints that hold these quantities at their current values.
 fn holding(quantities: &[AnyFunctional], mesh: &Mesh) -> Constraints<f64> {
     let held = |&functional: &AnyFunctional| Constraint {
         functional,
@@ -246,7 +248,7 @@ fn correct(
     })
 }
 
-/// The largest |F/F0 − 1|.
+/// Largest |F/F0 − 1| of all constraints and components.
 fn residual(constraints: &Constraints<f64>, mesh: &Mesh) -> f64 {
     let mut largest = 0.0_f64;
     for constraint in &constraints.constraints {
@@ -284,7 +286,7 @@ fn corrections_hold_over_a_thousand_disturbances() {
     }
 }
 
-/// Ten percent away, it still comes.
+/// A correction converges from a deviation of ten percent.
 #[test]
 fn corrections_come_from_afar() {
     let mut mesh = several();
@@ -301,7 +303,7 @@ fn corrections_come_from_afar() {
     tolerance::CONSTRAINED.assert(residual(&constraints, &mesh), 0.0, 1.0, "F/F0");
     assert_ne!(mesh.positions, before.positions);
 
-    // Once there, nothing moves; and where one component is off, the others stay.
+    // On target, nothing moves; and if one component is off, the others stay.
     let there = mesh.clone();
     assert_eq!(correct(&mut prepared, &mut mesh).unwrap().steps, 0);
     assert_eq!(mesh.positions, there.positions);
@@ -314,7 +316,7 @@ fn corrections_come_from_afar() {
     }
 }
 
-/// To first order the correction is the shortest: it has no part across the gradients.
+/// To first order the correction is the shortest one: its displacement is parallel to the gradient.
 #[test]
 fn corrections_are_the_shortest() {
     let mesh = icosphere(2).map(bent);
@@ -339,7 +341,7 @@ fn corrections_are_the_shortest() {
     FIRST_ORDER.assert(cosine, 1.0, 1.0, "cosine between step and gradient");
 }
 
-/// Far away positions are rounded, and what can be reached is that.
+/// Far from the origin, a correction is as accurate as the rounding of positions permits.
 #[test]
 fn corrections_far_away() {
     let far = 2.0_f64.powi(27);
@@ -373,7 +375,7 @@ fn what_cannot_be_corrected_is_refused_and_left() {
         }
         constraints
     };
-    // Area and volume of spheres, coarse and fine.
+    // Area and volume of spheres are dependent constraints, on coarse and fine meshes.
     for refinement in 1..=4 {
         let sphere = icosphere(refinement);
         let constraints = enlarged(&ALL[..2], &sphere, 1.01);
@@ -383,14 +385,14 @@ fn what_cannot_be_corrected_is_refused_and_left() {
             "{error}"
         );
     }
-    // Of vesicles, reduced volume 0.98, they are apart.
+    // Area and volume of vesicles of reduced volume 0.98 are independent.
     for refinement in 2..=4 {
         let mut vesicle = icosphere(refinement).map(|[x, y, z]| [x, y, 1.28 * z]);
         let constraints = enlarged(&ALL[..2], &vesicle, 1.01);
         let mut prepared = Prepared::new(constraints, &vesicle.connectivity);
         correct(&mut prepared, &mut vesicle).unwrap();
     }
-    // What encloses nothing has no volume to hold.
+    // An open patch has no volume that could be held.
     let patch = hemisphere(2);
     let constraints = Constraints {
         constraints: vec![Constraint {
@@ -405,7 +407,7 @@ fn what_cannot_be_corrected_is_refused_and_left() {
             constraint: 0
         }
     ));
-    // No area is negative.
+    // A negative area cannot be reached.
     let body = icosphere(2).map(bent);
     let constraints = enlarged(&ALL[..1], &body, -1.0);
     assert!(matches!(
@@ -460,10 +462,10 @@ fn projected_fields_keep_the_constraints() {
             tolerance::TANGENT.assert(rate, 0.0, 1.0, &format!("{quantity:?} along the field"));
         }
     }
-    // What was taken is orthogonal to what is left, and a second projection takes nothing.
+    // The removed part is orthogonal to the rest, and a second projection removes nothing.
     let taken = original.iter().zip(&field);
     let taken = taken.map(|(&a, &b)| dot(difference(a, b), b));
-    tolerance::SAME.assert(taken.sum(), 0.0, 1.0, "taken · left");
+    tolerance::SAME.assert(taken.sum(), 0.0, 1.0, "removed · rest");
     let once = field.clone();
     project(&constraints, &mesh, &mut field);
     for (&once, &twice) in once.iter().zip(&field) {
@@ -471,7 +473,7 @@ fn projected_fields_keep_the_constraints() {
     }
 }
 
-/// Tension against pressure: nothing is left of them, and the multipliers name them.
+/// The projection removes forces of tension and pressure completely, and its multipliers are their values.
 #[test]
 fn multipliers_are_tension_and_pressure() {
     let mesh = icosphere(3).map(bent);
@@ -485,7 +487,7 @@ fn multipliers_are_tension_and_pressure() {
     tolerance::SAME.assert(multipliers[1], 7.0, 7.0, "Δp");
 }
 
-/// On a sphere area and volume are nearly one constraint: their common span is taken.
+/// Two identical constraints are dependent; the projection removes their common span once.
 #[test]
 fn dependent_constraints_are_projected_once() {
     let mesh = icosphere(3);
@@ -500,7 +502,7 @@ fn dependent_constraints_are_projected_once() {
     }
 }
 
-/// The three lifetimes in single precision.
+/// Penalty, correction and projection in single precision.
 #[test]
 fn corrections_in_single_precision() {
     let mesh = icosphere(2).map(bent);
@@ -525,7 +527,7 @@ fn corrections_in_single_precision() {
     CONSTRAINED_SINGLE.assert(residual, 0.0, 1.0, "A/A0");
 }
 
-/// Steps towards these targets leave the range of positions.
+/// Steps towards these targets would leave the range of floating-point positions.
 #[test]
 fn targets_beyond_the_range_are_not_reached() {
     let start = icosphere(1).map(bent);
@@ -541,7 +543,7 @@ fn targets_beyond_the_range_are_not_reached() {
     }
 }
 
-/// Everything is within rounding of an infinite target.
+/// Infinite targets must be refused explicitly, because every value is within rounding of them.
 #[test]
 fn infinite_targets_are_refused() {
     let start = icosphere(1).map(bent);

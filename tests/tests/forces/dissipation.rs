@@ -1,4 +1,4 @@
-//! Membrane viscosity: a quadratic potential's exact derivative, and flows known exactly.
+//! Membrane viscosity: forces are derivatives of a quadratic potential, and agree with exactly known flows.
 
 use autodiff::F1;
 use helfrich::{Dissipation, Finding, MembraneViscosity, Prepared, Real, Surface};
@@ -21,7 +21,7 @@ const fn viscosity(shear: f64, dilational: f64) -> MembraneViscosity<f64> {
     MembraneViscosity { shear, dilational }
 }
 
-/// Forces and power.
+/// Dissipative forces, and dissipated power.
 fn evaluate(
     method: impl Dissipation<f64>,
     mesh: &Mesh,
@@ -80,7 +80,7 @@ proptest! {
             let scale = bound(&force, &direction);
             tolerance::SAME.assert(-work(&force, &direction), derivative, scale, "−∂R/∂v");
 
-            // Linear and symmetric.
+            // Forces are linear in the velocities, and their matrix is symmetric.
             let (other, _) = evaluate(method, mesh, &direction);
             let scale = scale + bound(&other, &velocities);
             let crossed = work(&other, &velocities);
@@ -132,8 +132,8 @@ fn a_growing_sphere_dilates() {
     }
 }
 
-/// In a flat sheet under a homogeneous rate of strain, turned in space: the surface stress
-/// `τ = (η_d − η_s) tr d P + 2 η_s d` gives the power, and the forces at the edge: `Σ x F = −A τ`.
+/// In a flat sheet under a homogeneous rate of strain, rotated in space, the surface stress `τ = (η_d − η_s)
+/// tr d P + 2 η_s d` gives the dissipated power and the forces at the edge: `Σ x F = −A τ`.
 #[test]
 fn flat_sheets_have_the_stress_of_boussinesq_and_scriven() {
     let (flat, turn) = (disc(3), rotation(GENERIC));

@@ -13,7 +13,7 @@ use helfrich_tests::tolerance;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
-/// Three domains at random, so that some triangles belong to each of them.
+/// Three random domains, so that some triangles belong to all three.
 fn at_random(vertices: usize) -> (Vec<f64>, Vec<i64>) {
     let mut random = SplitMix64::new(3);
     let moduli = (0..vertices).map(|_| random.symmetric()).collect();
@@ -35,7 +35,7 @@ fn border<T: Real>(mesh: &TriangleMesh, labels: &[i64]) -> BorderTension<T> {
 proptest! {
     #![proptest_config(cases(32))]
 
-    /// Borders of vertices and of triangles; also without net force and torque.
+    /// Labels at vertices and on triangles; the forces also have no net force and torque.
     #[test]
     fn forces_are_gradients(rough in rough_any()) {
         let Mesh { connectivity: mesh, positions } = &rough.mesh();
@@ -49,7 +49,8 @@ proptest! {
     }
 }
 
-/// On closed surfaces a constant without force, to the last bit; on open ones that of the edge.
+/// Equal moduli give the energy and forces of [`GaussianBending`]. On closed surfaces the energy is a
+/// constant and the force is zero to the last bit.
 #[test]
 fn equal_moduli_are_one() {
     let modulus = -0.9;
@@ -84,7 +85,7 @@ fn equal_moduli_are_one() {
     }
 }
 
-/// The circle of each vertex of a cap of `rings` circles about its highest point.
+/// Number of the circle of each vertex, in a cap of `rings` circles about its highest point.
 fn circles(rings: u32) -> Vec<u32> {
     let circle = |ring: u32| std::iter::repeat_n(ring, 6 * ring as usize);
     std::iter::once(0)
@@ -92,8 +93,9 @@ fn circles(rings: u32) -> Vec<u32> {
         .collect()
 }
 
-/// `E = κ_G ∫ K dS` of the inner half of the circles, the rest without modulus: K is the area of the
-/// normals, `2π (1 − n_z)` at the border midway between two circles. Of second order, also on a spheroid.
+/// `E = κ_G ∫ K dS` over the inner half of the circles, with zero modulus elsewhere. ∫ K dS is the area on
+/// the Gauss sphere, `2π (1 − n_z)` at the border midway between two circles. The error is of second order,
+/// also on a spheroid.
 #[test]
 fn the_energy_of_a_domain_converges() {
     for (stretch, name) in [(1.0, "sphere"), (1.6, "spheroid")] {
@@ -118,8 +120,8 @@ fn the_energy_of_a_domain_converges() {
     }
 }
 
-/// A border that moves outward along a sphere gains `Δκ_G K` times the area it passes: with every point
-/// moved by the polar angle ε, `dE = Δκ_G 2π sin θ ε`.
+/// A border that moves outward on a sphere changes the energy by `Δκ_G K` times the area that it sweeps: if
+/// every point moves by the polar angle ε, `dE = Δκ_G 2π sin θ ε`.
 #[test]
 fn a_jump_of_the_modulus_pushes_its_border() {
     let errors = [8, 16, 32].map(|rings: u32| {
@@ -132,7 +134,7 @@ fn a_jump_of_the_modulus_pushes_its_border() {
         let force = forces(gaussian(&moduli), &mesh.connectivity, &mesh.positions);
         let mut work = 0.0;
         for ((&force, &[x, y, z]), &circle) in force.iter().zip(&mesh.positions).zip(&circles) {
-            // The edge of the cap has forces of its own.
+            // Forces at the edge of the cap are left out.
             if circle > 0 && circle < rings - 1 {
                 let across = x.hypot(y);
                 work += dot(force, [z * x / across, z * y / across, -across]);
@@ -148,8 +150,9 @@ fn a_jump_of_the_modulus_pushes_its_border() {
     );
 }
 
-/// Between two circles: `L = ½ (L_1 + L_2)`, and each vertex of the two is pulled towards the axis by
-/// `Λ sin(π/N)` of N on its circle: Λ/ρ per length of the border. Others feel nothing.
+/// A border between two circles has the length `L = ½ (L_1 + L_2)`. With N vertices on a circle, each is
+/// pulled towards the axis by `Λ sin(π/N)`, together Λ/ρ per length of the border. Other vertices feel no
+/// force.
 #[test]
 fn a_circular_border_contracts() {
     let (rings, tension) = (8, 1.7);
@@ -184,7 +187,7 @@ fn a_circular_border_contracts() {
     }
 }
 
-/// Three domains in one equilateral triangle of side 1: three times a third of its height.
+/// Three domains meet in one equilateral triangle of side 1: the border is three times a third of the height.
 #[test]
 fn three_domains_meet_in_a_triangle() {
     let mesh = TriangleMesh::new(3, vec![[0, 1, 2]]).unwrap();
@@ -198,7 +201,7 @@ fn three_domains_meet_in_a_triangle() {
     }
 }
 
-/// Triangles within the inner `rings` of a mesh of circles about its first vertex, labelled 1.
+/// Labels of triangles in a mesh of circles about its first vertex: 1 within the inner `rings`, else 0.
 fn inner_triangles(mesh: &TriangleMesh, rings: u32) -> Vec<i64> {
     let inside = 1 + 3 * rings * (rings + 1);
     let triangles = mesh.triangles().iter();
@@ -216,7 +219,7 @@ fn area_inside(mesh: &Mesh, labels: &[i64]) -> f64 {
         .sum()
 }
 
-/// The line tension at which a bud of a given energy costs as much as the flat domain, both of area πL²:
+/// Line tension at which a bud with this bending energy costs as much as the flat domain, both of area πL²:
 /// `Λ L/κ = E/κ / (ℓ_flat/L − ℓ/L)`, with the lengths ℓ of their borders.
 fn tension_of_bud(flat: &Mesh, bud: &Mesh, labels: &[i64]) -> f64 {
     let bending = energy(GompperKroll::new(1.0), &bud.connectivity, &bud.positions);
@@ -234,8 +237,8 @@ fn tension_of_bud(flat: &Mesh, bud: &Mesh, labels: &[i64]) -> f64 {
 /// complete bud is favoured. R. Lipowsky, J. Phys. II France 2 (1992) 1825; F. Jülicher, R. Lipowsky,
 /// Phys. Rev. Lett. 70 (1993) 2964.
 ///
-/// The method counts the bending of the vertices at the border as a whole, of which the outer half is not
-/// the domain's: of first order in 1/rings.
+/// The method counts the bending energy of vertices at the border fully, although the outer half does not
+/// belong to the domain. This error is of first order in 1/rings.
 #[test]
 fn domains_bud_as_caps_between_eight_and_four() {
     for angle in [0.2_f64, 1.0, 2.0, 2.5] {
@@ -253,9 +256,9 @@ fn domains_bud_as_caps_between_eight_and_four() {
     }
 }
 
-/// A flat domain is unstable before, at `Λ L/κ = 2.405²`, the first zero of J0 squared: of all slopes ψ(r)
-/// that take the same area, `ψ = J1(kr)` inside, with no moment at the border because the membrane outside
-/// follows as a catenoid, `ψ ~ 1/r`, which costs nothing.
+/// A flat domain is unstable already at `Λ L/κ = 2.405²`, the square of the first zero of J0. Of all slopes
+/// ψ(r) that take up the same area, the softest is `ψ = J1(kr)` inside, without moment at the border, because
+/// the membrane outside follows as a catenoid, `ψ ~ 1/r`, which costs no energy.
 #[test]
 fn a_flat_domain_buckles_with_its_surroundings() {
     let zero = 2.404_825_557_695_773_f64;

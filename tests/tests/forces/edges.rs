@@ -45,8 +45,8 @@ fn boundary(mesh: &Mesh) -> Vec<usize> {
     boundary.map(|(vertex, _)| vertex).collect()
 }
 
-/// On a polygon of N even sides, of length s and on a circle of radius r, the pull at a corner is
-/// `2Λ sin(π/N) = Λ s/r`: Λ/r per length, and inward.
+/// On a regular polygon with N sides of length s on a circle of radius r, the force on a corner is `2Λ
+/// sin(π/N) = Λ s/r`: Λ/r per length, inward.
 #[test]
 fn line_tension_pulls_a_circle_inward() {
     let mesh = round_disc(4);
@@ -72,8 +72,7 @@ fn line_tension_pulls_a_circle_inward() {
 }
 
 /// `∫ K dS = 2π (1 − cos θ)` over a cap, and `−4π tanh h` over a catenoid. The sum over interior vertices
-/// leaves out half a row of triangles, so that the error is of first order, and is second beyond that
-/// half.
+/// leaves out half a row of triangles at the edge. This error is of first order, the rest of second.
 #[test]
 fn integrated_gaussian_curvature_converges() {
     let measured = |mesh: Mesh| {
@@ -101,7 +100,7 @@ fn integrated_gaussian_curvature_converges() {
     check_orders(errors, "catenoid");
 }
 
-/// Errors of first order, and of second without half a row.
+/// Checks that errors are of first order, and of second order without the half row of triangles.
 fn check_orders([coarse, fine]: [[f64; 2]; 2], name: &str) {
     let [first, second] = [0, 1].map(|k| (coarse[k] / fine[k]).log2());
     assert!(
@@ -110,8 +109,8 @@ fn check_orders([coarse, fine]: [[f64; 2]; 2], name: &str) {
     );
 }
 
-/// On flat discs and closed surfaces the integrated Gaussian curvature is 2πχ less the turn of the
-/// boundary, whatever the mesh.
+/// On flat discs and closed surfaces, the integrated Gaussian curvature is 2πχ minus the total turning angle
+/// of the boundary, whatever the mesh.
 #[test]
 fn gaussian_energy_is_topological() {
     let modulus = -0.9;
@@ -127,7 +126,7 @@ fn gaussian_energy_is_topological() {
     }
 }
 
-/// Interior vertices feel neither: only those at the boundary and beside it.
+/// Forces act only on vertices at the boundary and next to it.
 #[test]
 fn forces_stay_at_the_edge() {
     let mesh = hemisphere(3);
@@ -141,10 +140,10 @@ fn forces_stay_at_the_edge() {
     }
 }
 
-/// A membrane under a uniform tension σ pulls its edge with σ per length, along the surface and inward:
-/// in all by `σ 2π r sin θ` along the axis of a cap with an edge of radius r at the angle θ, and by
-/// `σ 2π r dz/ds = 2πσ` at each end of a catenoid of neck radius 1. A vertex of the edge also bears the
-/// curvature of half a row of triangles, which is an error of first order on the cap, where H is not 0.
+/// A membrane under uniform tension σ pulls its edge with σ per length, tangentially and inward: the total
+/// along the axis is `σ 2π r sin θ` for a cap with an edge of radius r at the angle θ, and `σ 2π r dz/ds =
+/// 2πσ` at each end of a catenoid of neck radius 1. A vertex of the edge also bears the normal force of half
+/// a row of triangles, an error of first order on the cap, where H is not 0.
 #[test]
 fn tension_pulls_at_the_edge() {
     let pull = |mesh: &Mesh| {

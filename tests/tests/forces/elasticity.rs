@@ -1,4 +1,4 @@
-//! In-plane laws over a reference: exact gradients, known limits, and shapes that are refused.
+//! In-plane laws relative to a reference: exact gradients, known limits, and references that are refused.
 
 mod families;
 mod range;
@@ -20,20 +20,20 @@ use helfrich_tests::meshes::{
 use helfrich_tests::tolerance::{self, Tolerance};
 use proptest::prelude::*;
 
-/// Energies and forces of homogeneous strains, relative to modulus times area, forces over the
-/// strain.
+/// Energies and forces under homogeneous strains, relative to modulus times area; forces are also divided by
+/// the strain.
 const HOMOGENEOUS: Tolerance = Tolerance::new(
     1e-13,
-    "a linear triangle is exact: only some roundings are left",
+    "a linear triangle is exact for a homogeneous strain; only a few roundings are left",
 );
 
-/// Energies of small strains against their quadratic limit, relative, over the strain.
+/// Energies of small strains against their quadratic limit, relative, divided by the strain.
 const SMALL_STRAIN: Tolerance = Tolerance::new(
     8.0,
-    "terms of third order: the strain times a number that grows with the stretch's exponents",
+    "terms of third order: the strain times a number that grows with the exponents of the stretches",
 );
 
-/// The energy of a strain of 1e-8 in positions without structure, relative.
+/// Energy of a strain of 1e-8 in positions that are rounded, relative.
 const TINY_STRAIN: Tolerance = Tolerance::new(
     1e-6,
     "positions are rounded at 1e-16 over an edge of a third, and the strain is 1e-8",
@@ -60,7 +60,7 @@ fn every_law_of_the_library_is_in_the_suite() {
     }
 }
 
-/// A law over a reference, as the suite of all methods takes it.
+/// A law with its reference, as a candidate of the suite of all methods.
 #[derive(Clone, Copy)]
 struct Over<'a, F> {
     family: F,
@@ -80,12 +80,12 @@ impl<F: Family> ConservativeCandidate for Over<'_, F> {
     }
 }
 
-/// Another shape with the same mesh.
+/// Another shape of the same mesh, as the reference.
 fn relaxed(mesh: &Mesh) -> Mesh {
     mesh.map(|[x, y, z]| [0.9 * x + 0.1 * y, 1.1 * y - 0.1 * z, 0.8 * z + 0.1 * x * y])
 }
 
-/// The laws of conservative methods that a method made for one mesh can be asked to obey.
+/// Laws of conservative methods that apply to a method made for one mesh.
 struct Conserves<'a>(&'a Mesh);
 
 impl Check for Conserves<'_> {
@@ -96,7 +96,7 @@ impl Check for Conserves<'_> {
         ForceIsDifference(self.0).check(candidate);
         Balanced(self.0).check(candidate);
 
-        // What an evaluation leaves in memory does not enter the next; forces are added.
+        // The workspace carries nothing over to the next evaluation, and forces are added to the output.
         let (expected, total) = evaluate(family, reference, self.0);
         let method = ConservativeCandidate::method(candidate, 1.0);
         let mut prepared = Prepared::new(method, &self.0.connectivity);
@@ -112,7 +112,7 @@ impl Check for Conserves<'_> {
     }
 }
 
-/// F and E over a reference.
+/// Forces and energy over a reference.
 fn evaluate<F: Family>(family: F, reference: &Mesh, now: &Mesh) -> (Vec<[f64; 3]>, f64) {
     let method = || ConservativeCandidate::method(Over { family, reference }, 1.0);
     let (mesh, positions) = (&now.connectivity, &now.positions);
@@ -122,7 +122,7 @@ fn evaluate<F: Family>(family: F, reference: &Mesh, now: &Mesh) -> (Vec<[f64; 3]
     )
 }
 
-/// Nothing at all is felt in the reference, wherever it lies.
+/// Energy and forces vanish exactly in the reference shape, wherever it lies.
 struct AtRest<'a>(&'a Mesh);
 
 impl Check for AtRest<'_> {
@@ -156,7 +156,8 @@ impl Check for AtRest<'_> {
     }
 }
 
-/// Turning either shape, new labels, and scaling both: E follows the square of lengths, F lengths.
+/// Rotation of either shape and relabelling transform E and F accordingly; under common scaling, E grows as
+/// length², F as length.
 struct Follows<'a>(&'a Mesh, u64);
 
 impl Check for Follows<'_> {
@@ -217,7 +218,7 @@ proptest! {
     }
 }
 
-/// The symmetric 2×2 matrix with these principal values along axes turned by `angle`.
+/// Symmetric 2×2 matrix (xx, xy, yy) with these principal values along axes turned by `angle`.
 fn symmetric([a, b]: [f64; 2], angle: f64) -> [f64; 3] {
     let (s, c) = angle.sin_cos();
     [
@@ -234,7 +235,8 @@ fn stretched(patch: &Mesh, stretches: [f64; 2], angle: f64) -> Mesh {
     patch.map(|[x, y, _]| turned(turn, [xx * x + xy * y, xy * x + yy * y, 0.0]))
 }
 
-/// A linear triangle is exact for a homogeneous strain.
+/// The energy of a homogeneous strain is the law's density times the area, because linear triangles are
+/// exact.
 #[test]
 fn homogeneous_strain_has_the_energy_of_the_law() {
     struct Homogeneous;
@@ -253,8 +255,8 @@ fn homogeneous_strain_has_the_energy_of_the_law() {
     for_each(&mut Homogeneous);
 }
 
-/// `W → ½ K_s (tr ε)² + G |dev ε|²`, down to strains whose squares are far below rounding: there
-/// the same law, written with `tr C − 2` and `det C − 1`, is all rounding.
+/// `W → ½ K_s (tr ε)² + G |dev ε|²`, down to strains whose squares are far below rounding, where the same law
+/// written with `tr C − 2` and `det C − 1` returns only rounding.
 #[test]
 fn small_strains_have_the_moduli() {
     struct Small;
@@ -263,7 +265,7 @@ fn small_strains_have_the_moduli() {
             let law = family.law(1.0);
             let [shear, area] = family.moduli();
             assert_eq!([law.shear_modulus(), law.area_modulus()], [shear, area]);
-            // The strains are multiples of 2⁻⁵², so that what is stored of them is the strain.
+            // The strains are multiples of 2⁻⁵², so that positions store them exactly.
             let patch = &Mesh::new(
                 vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
                 vec![[0, 1, 2], [1, 3, 2]],
@@ -276,7 +278,7 @@ fn small_strains_have_the_moduli() {
                     let (_, energy) = evaluate(family, patch, &now);
                     let expected = 0.5 * area * (a + b) * (a + b) + 0.5 * shear * (a - b) * (a - b);
                     if expected > 0.0 {
-                        // The law's terms of third order.
+                        // The bound is for the law's terms of third order.
                         let bound = SMALL_STRAIN.value * size;
                         let error = (energy / expected - 1.0).abs();
                         assert!(error <= bound, "{}, {size:e}: {error:e}", F::MODULE);
@@ -287,7 +289,7 @@ fn small_strains_have_the_moduli() {
     }
     for_each(&mut Small);
 
-    // Without structure on the grid: only the positions' rounding is left.
+    // Here the strain is not a multiple of 2⁻⁵² and positions are rounded. The naive formula fails.
     let (size, patch) = (1e-8, &disc(3));
     let stretches = [1.0 + size, 1.0 - size];
     let area = patch.surface().area();
@@ -297,8 +299,8 @@ fn small_strains_have_the_moduli() {
     assert!((naive / (2.0 * size * size) - 1.0).abs() > 0.1, "{naive:e}");
 }
 
-/// Every triangle of a sphere that is blown up has the same tension in all directions: the force
-/// is this tension times the gradient of the area.
+/// Every triangle of an inflated sphere has the same isotropic tension; the force is this tension times the
+/// gradient of the area.
 #[test]
 fn a_stretched_sphere_has_the_exact_tension() {
     struct Blown;
@@ -458,7 +460,7 @@ fn single_precision() {
             let (now, reference) = (icosphere(3).map(bent), &icosphere(3));
             let candidate = Over { family, reference };
             let (expected, total) = evaluate(family, reference, &now);
-            // In metres and newtons a metre: nothing may underflow.
+            // In metres and newtons per metre, too, nothing may underflow.
             for (length, modulus) in [(1.0_f32, 1.0_f32), (4e-6, 5e-6)] {
                 let shrunk = now.map(|x| x.map(|x| x * f64::from(length)));
                 let rest = &reference.map(|x| x.map(|x| x * f64::from(length)));
@@ -486,7 +488,7 @@ fn single_precision() {
     for_each(&mut Single);
 }
 
-/// A law of one's own enters as the library's do.
+/// A law from another program is used like the library's laws.
 #[test]
 fn laws_of_other_programs() {
     /// `W = I1²`.

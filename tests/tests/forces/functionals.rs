@@ -30,7 +30,7 @@ fn gradient(functional: impl Functional<f64>, mesh: &Mesh, weights: &[f64]) -> V
     gradient
 }
 
-/// The meshes side by side, with their vertices and triangles in turns, and one vertex in none.
+/// The meshes side by side, with their vertices and triangles interleaved, and one isolated vertex.
 fn together(meshes: &[Mesh]) -> Mesh {
     let (mut positions, mut triangles) = (vec![], vec![]);
     for (k, mesh) in meshes.iter().enumerate() {
@@ -48,7 +48,7 @@ fn several() -> Mesh {
     together(&[icosphere(1), torus(9, 6), hemisphere(2), disc(2)].map(|mesh| mesh.map(bent)))
 }
 
-/// `F` of the surface and −dF/dx along random directions against the gradient.
+/// Compares the derivative of a functional along random directions with its gradient.
 fn check_gradient(mesh: &Mesh) {
     fn check<F>(functional: F, mesh: &Mesh)
     where
@@ -102,8 +102,8 @@ fn gradients_are_exact_with_several_components() {
     check_gradient(&several());
 }
 
-/// Edge a: `A = √3 a²`, `V = a³/(6√2)` and `A = 2√3 a²`, `V = √2 a³/3`; the angles between normals
-/// are π − acos(1/3) and acos(1/3).
+/// Edge a: a tetrahedron has `A = √3 a²` and `V = a³/(6√2)`, an octahedron `A = 2√3 a²` and `V = √2 a³/3`;
+/// the angles between normals are π − acos(1/3) and acos(1/3).
 #[test]
 fn solids_have_their_values() {
     let (root2, root3) = (2.0_f64.sqrt(), 3.0_f64.sqrt());
@@ -135,7 +135,7 @@ fn solids_have_their_values() {
     }
 }
 
-/// M → 4πR, second order.
+/// M converges to 4πR in second order.
 #[test]
 fn mean_curvature_of_spheres_converges() {
     let error = |refinement| {
@@ -149,8 +149,8 @@ fn mean_curvature_of_spheres_converges() {
     );
 }
 
-/// Each component has the values and gradients that it has alone; open ones enclose nothing, and closed
-/// ones have no edge.
+/// Each component has the same values and gradients as alone. Open components have no volume, closed ones no
+/// boundary length.
 #[test]
 fn components_are_independent() {
     fn check(functional: impl Functional<f64> + Copy, measures: fn(&TriangleMesh) -> bool) {
@@ -167,7 +167,7 @@ fn components_are_independent() {
                 assert_eq!(value, 0.0, "an isolated vertex");
                 continue;
             }
-            // The others' vertices are in no triangle now, and components of their own.
+            // The vertices of the other components are isolated now, and each is a component.
             let alone = Mesh::new(whole.positions.clone(), triangles);
             let found = values(functional, &alone, &alone.positions);
             let nonzero = Vec::from_iter(found.iter().filter(|&&value| value != 0.0));
@@ -200,7 +200,7 @@ fn components_are_independent() {
     check(BoundaryLength, |mesh| !mesh.is_closed());
 }
 
-/// Moved by 2²⁷ ≈ 1e8 radii, on a grid that does not round there: not a bit changes.
+/// A translation by 2²⁷ ≈ 1e8 radii, on a grid on which it is exact, does not change a bit.
 #[test]
 fn offsets_do_not_matter() {
     let pitch = 2.0_f64.powi(-24);
@@ -223,7 +223,8 @@ fn offsets_do_not_matter() {
     check(BoundaryLength, &here, &there);
 }
 
-/// A component's elements, each in the component of its first corner.
+/// The elements of each component are listed together; an element belongs to the component of its first
+/// corner.
 #[test]
 fn elements_are_grouped_by_component() {
     let mesh = several();

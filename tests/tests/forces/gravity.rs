@@ -1,4 +1,4 @@
-//! The weight of what a surface encloses.
+//! Weight of the fluid inside a surface.
 
 use autodiff::F1;
 use helfrich::{Gravity, Prepared, Real, Surface};
@@ -39,8 +39,8 @@ proptest! {
     }
 }
 
-/// `E = −Δρ g·(x_centre − x_level) V` of a body with a centre; the forces sum up to Δρ V g and act
-/// at the centre.
+/// `E = −Δρ g·(x_centre − x_level) V` for a body with this centre of volume; the forces sum to Δρ V g and
+/// have no torque about the centre.
 #[test]
 fn bodies_have_their_weight() {
     let centre = [2.0, 1.0, -3.0];
@@ -65,7 +65,7 @@ fn bodies_have_their_weight() {
     tolerance::SAME.assert(norm(torque), 0.0, norm(expected), "Σ (x − x_c) × F");
 }
 
-/// A heavy body sinks: its energy falls along g.
+/// A heavy body sinks: the net force points along g.
 #[test]
 fn the_heavy_sinks() {
     let mesh = icosphere(1).map(bent);
@@ -89,7 +89,7 @@ fn open_surfaces_weigh_nothing() {
     }
 }
 
-/// Remainders of positions count.
+/// The remainders of positions contribute to the energy.
 #[test]
 fn remainders_count() {
     let far = 2.0_f64.powi(40);

@@ -1,4 +1,4 @@
-//! Repulsion of surfaces against the double loop over all pairs, its gradient, and its limits.
+//! Repulsion of surfaces against a double loop over all pairs, its gradient, and its limits.
 
 mod images;
 
@@ -23,7 +23,7 @@ const REPULSION_SINGLE: Tolerance = Tolerance::new(
 
 type Positions<T> = Vec<[T; 3]>;
 
-/// In free space.
+/// Repulsion in free space.
 fn free<T: Real>(modulus: T, range: T) -> Repulsion<T> {
     Repulsion {
         modulus,
@@ -65,7 +65,7 @@ fn law(range: f64, distance: f64) -> [f64; 2] {
     [energy, pressure / distance]
 }
 
-/// From the nearest point of the convex hull of up to three points, to x.
+/// Vector to x from the nearest point of the convex hull of up to three points.
 fn apart(x: [f64; 3], hull: &[[f64; 3]]) -> [f64; 3] {
     let point = |a: [f64; 3]| difference(x, a);
     let along = |a: [f64; 3], b: [f64; 3]| {
@@ -93,7 +93,7 @@ fn apart(x: [f64; 3], hull: &[[f64; 3]]) -> [f64; 3] {
     }
 }
 
-/// Triangles, and with the other sign interior edges, and interior vertices.
+/// Triangles and interior vertices with the sign +1, interior edges with −1, by inclusion and exclusion.
 fn simplices(mesh: &Mesh) -> Vec<(f64, Vec<usize>)> {
     let mesh = &mesh.connectivity;
     let corners = |corners: &[u32]| Vec::from_iter(corners.iter().map(|&k| k as usize));
@@ -118,8 +118,8 @@ fn areas(mesh: &Mesh, x: &Positions<f64>) -> Vec<f64> {
     areas
 }
 
-/// The double loop over all pairs and all images: energy, and the forces on all surfaces at fixed areas,
-/// those on triangles at one corner.
+/// Double loop over all pairs and all images. Returns the energy and the forces on all surfaces at constant
+/// vertex areas; the whole force on a triangle or edge is added to its first corner.
 fn by_pairs(
     repulsion: Repulsion<f64>,
     meshes: &[Mesh],
@@ -163,7 +163,7 @@ fn by_pairs(
     (energy, forces)
 }
 
-/// Whole numbers of periods along each axis, all that can bring two of the positions into the range.
+/// All translations by whole periods that can bring two of the positions within the range of each other.
 fn shifts(images: &Images<f64>, range: f64, positions: &[Positions<f64>]) -> Vec<[f64; 3]> {
     let along = |axis: usize| {
         let coordinates = || positions.iter().flatten().map(|x| x[axis]);
@@ -183,7 +183,7 @@ fn shifts(images: &Images<f64>, range: f64, positions: &[Positions<f64>]) -> Vec
         .collect()
 }
 
-/// Bodies beside, in and around each other.
+/// Bodies next to, inside and around each other.
 fn crowd(seed: u64, count: usize) -> Vec<Mesh> {
     crowd_of([icosphere(2), torus(16, 8), hemisphere(2)], seed, count)
 }
@@ -204,8 +204,8 @@ fn crowd_of(bodies: [Mesh; 3], seed: u64, count: usize) -> Vec<Mesh> {
     bodies
 }
 
-/// By how much roundings of positions count more where places of bodies that are in each other all but touch:
-/// as 1/d, and the energy there is as 1/d².
+/// Factor by which rounding of positions matters more if surfaces almost touch: errors grow as 1/d, and the
+/// energy as 1/d².
 fn nearness(energy: f64) -> f64 {
     1.0 + energy.sqrt()
 }
@@ -216,7 +216,8 @@ fn check_pairs(repulsion: Repulsion<f64>, meshes: &[Mesh]) -> f64 {
     let (expected, direct) = by_pairs(repulsion, meshes, &x);
     let near = nearness(expected);
     tolerance::SAME.assert(energy, expected, near * expected.abs(), "E");
-    // What the areas add is seen by the law of gradients; here its sum, which is none.
+    // Only net forces are compared: forces from changes of the vertex areas have no net force. Their values
+    // are checked by the law of gradients.
     for (force, direct) in forces.iter().zip(&direct) {
         let net =
             |force: &[[f64; 3]]| [0, 1, 2].map(|axis| force.iter().map(|f| f[axis]).sum::<f64>());
@@ -288,8 +289,8 @@ proptest! {
     }
 }
 
-/// Bodies far apart by more cells than there are numbers, and cells smaller than any number's last
-/// digit: the pairs are those of the double loop.
+/// Bodies separated by more cells than integers can count, and cells smaller than the last digit of
+/// coordinates: the pairs found are those of the double loop.
 #[test]
 fn any_extent_is_searched() {
     let crowd = crowd(1, 3);
@@ -297,7 +298,8 @@ fn any_extent_is_searched() {
     let near = check_pairs(repulsion, &crowd);
     assert!(near > 0.0);
     for far in [1e6, 1e14, 1e75] {
-        // One vertex of each drawn out: the boxes meet everywhere, and cells are few or many.
+        // Two vertices of each surface are pulled far out: all bounding boxes intersect, and cells are few or
+        // many.
         let mut meshes = crowd.clone();
         for (k, mesh) in meshes.iter_mut().enumerate() {
             mesh.positions[0][k] = far;
@@ -311,8 +313,8 @@ fn any_extent_is_searched() {
         let (expected, _) = by_pairs(repulsion, &meshes, &x);
         tolerance::SAME.assert(energy, expected, expected, &format!("E, {far:e}"));
     }
-    // Where positions are rounded to a 64th, places in cells are as well, seen from a vertex far
-    // away: near pairs are found all the same.
+    // Relative to a far vertex, positions are rounded to a 64th, and cells as well. Near pairs are found
+    // nevertheless.
     let far = 1e14;
     let drawn_out = |mesh: &Mesh| {
         let mut positions = mesh.map(|x| x.map(|x| x + far)).positions;
@@ -327,8 +329,8 @@ fn any_extent_is_searched() {
     }
 }
 
-/// Concentric spheres, each at the distance h of the other: E = 2π (R1² + R2²) w(h) exactly; on meshes
-/// turned against each other, to second order.
+/// Concentric spheres with the gap h have E = 2π (R1² + R2²) w(h) exactly; meshes rotated against each other
+/// approach it in second order.
 #[test]
 fn concentric_spheres_have_the_energy_of_their_gap() {
     let error = |refinement: u32| {
@@ -347,8 +349,8 @@ fn concentric_spheres_have_the_energy_of_their_gap() {
     assert!((coarse / fine).log2() > 1.5, "{coarse:e}, {fine:e}");
 }
 
-/// In convex bodies apart from each other, each vertex has the energy of its least distance alone,
-/// whether a triangle is nearest, an edge or a corner.
+/// Between separate convex bodies, each vertex contributes the energy of its smallest distance once, whether
+/// the nearest point lies in a triangle, on an edge or at a corner.
 #[test]
 fn what_is_nearest_for_several_triangles_counts_once() {
     let range = 0.9;
@@ -384,9 +386,9 @@ fn what_is_nearest_for_several_triangles_counts_once() {
     assert!(nonzero > 100, "{nonzero}");
 }
 
-/// Onto the middle of a triangle far larger than the range, where no vertex is near: the push of
-/// `p(h) = k r_c/2 (1 − s²)² (1 + 2s²)/s³` on half of its area grows without bound, and is smooth where
-/// the foot goes over an edge into the next triangle.
+/// A vertex approaches the interior of a triangle far larger than the range, where no other vertex is near.
+/// The force from `p(h) = k r_c/2 (1 − s²)² (1 + 2s²)/s³` on half of its area grows without bound, and is
+/// smooth where the nearest point crosses an edge to the next triangle.
 #[test]
 fn the_barrier_has_no_holes_and_no_top() {
     let quad = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
@@ -413,7 +415,7 @@ fn the_barrier_has_no_holes_and_no_top() {
     }
 }
 
-/// Where surfaces touch the energy is infinite, and no force is a number by chance.
+/// Surfaces that touch have infinite energy.
 #[test]
 fn surfaces_that_touch_have_no_finite_energy() {
     let meshes = [icosphere(1), icosphere(1).map(|[x, y, z]| [x + 2.0, y, z])];
@@ -426,8 +428,8 @@ fn surfaces_that_touch_have_no_finite_energy() {
     assert_eq!(energy(&touching), f64::INFINITY);
 }
 
-/// Two small triangles face to face: pushed apart, by nothing beyond the range, and just within it
-/// by a force that grows as the square of the depth.
+/// Two small parallel triangles repel each other; the force is zero beyond the range, and just within it
+/// grows as the square of the depth.
 #[test]
 fn repulsion_sets_in_smoothly() {
     let push = |distance: f64| {
@@ -448,7 +450,8 @@ fn repulsion_sets_in_smoothly() {
     assert!((ratio - 4.0).abs() < 0.05, "{ratio}");
 }
 
-/// Where boxes do not meet nothing is looked at, and where no vertex is near no force is touched.
+/// No pairs are examined if bounding boxes do not intersect, and no force entry is touched if no vertex is
+/// near: NaN would make a written entry visible in the energy.
 #[test]
 fn what_is_far_costs_nothing() {
     let repulsion = free(1.0, 0.25);
@@ -482,7 +485,7 @@ fn what_is_far_costs_nothing() {
     }
 }
 
-/// To the last bit, in a box and in free space, whoever takes which vertices.
+/// Results are the same to the last bit for every number of threads, in a periodic box and in free space.
 #[test]
 fn threads_do_not_matter() {
     let beside = |x: f64| icosphere(4).map(bent).map(|[a, b, c]| [a + x, b, c]);
@@ -512,7 +515,8 @@ fn threads_do_not_matter() {
     }
 }
 
-/// Moved by 1e8 radii without rounding, and with the surfaces in another order.
+/// Translation by 1e8 radii without rounding, and another order of the surfaces, change results at most by
+/// rounding.
 #[test]
 fn motion_and_order_do_not_matter() {
     let pitch = 2.0_f64.powi(-24);
@@ -543,7 +547,7 @@ fn motion_and_order_do_not_matter() {
 
 #[test]
 fn single_precision_finds_the_same() {
-    // Near places of bodies that are in each other have forces without bound.
+    // The bodies do not overlap, because forces of nearly touching overlapping surfaces have no bound.
     let turn = rotation(GENERIC);
     let beside = icosphere(2).map(|x| {
         let [x, y, z] = turned(turn, bent(x));

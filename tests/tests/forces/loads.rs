@@ -42,7 +42,7 @@ fn energy_is_the_work_from_the_level() {
     let dual = loads.loads().iter();
     let dual = dual.map(|&(vertex, force)| (vertex, force.map(F1::cst)));
     let dual = PointLoads::new(&mesh.connectivity, dual.collect()).unwrap();
-    // The law of the gradient, without that of balance: these forces have a sum.
+    // Forces are the gradient, but their sum need not vanish, so the law of balance does not apply.
     let direction = [0.3, -1.0, 0.2];
     let moved = mesh
         .positions
@@ -54,7 +54,7 @@ fn energy_is_the_work_from_the_level() {
 
     let none = PointLoads::new(&mesh.connectivity, vec![]).unwrap();
     assert_eq!(energy(none, &mesh.connectivity, &mesh.positions), 0.0);
-    // Pairs of positions: the remainder of a loaded vertex counts.
+    // The remainder of a loaded vertex's position contributes to the energy.
     let remainders = vec![[0.0, 0.0, 1e-18]; 6];
     let single = PointLoads::new(&mesh.connectivity, vec![(0, [0.0, 0.0, 1.0])]).unwrap();
     let flat = vec![[0.0; 3]; 6];
@@ -65,7 +65,7 @@ fn energy_is_the_work_from_the_level() {
     );
 }
 
-/// The two ends as their definition has it.
+/// The vertices that are loaded at the two ends.
 fn ends(mesh: &Mesh, fraction: f64) -> (Vec<u32>, Vec<u32>) {
     let loads = PointLoads::opposite_ends(mesh.surface(), ALONG_X, fraction, 7.0).unwrap();
     let side = |sign: f64| {
@@ -100,7 +100,7 @@ proptest! {
 #[test]
 fn opposite_ends_pull_without_net_force_wherever_the_surface_lies() {
     let mesh = icosphere(3);
-    // 39 vertices at each end: a 39th is no binary fraction.
+    // 39 vertices at each end: 1/39 is not a binary fraction.
     let pull = 0.7;
     let loads = PointLoads::opposite_ends(mesh.surface(), ALONG_X, 0.06, pull).unwrap();
     assert_eq!(loads.loads().len(), 2 * 39);
@@ -111,7 +111,7 @@ fn opposite_ends_pull_without_net_force_wherever_the_surface_lies() {
     }
     assert!(force.iter().all(|f| f[1] == 0.0 && f[2] == 0.0));
 
-    // On a grid, a move is exact, and changes no bit.
+    // On a grid, the translation is exact and changes no bit.
     let pitch = 2.0_f64.powi(-30);
     let here = mesh.map(|x| x.map(|x| (x / pitch).round() * pitch));
     let there = here.map(|[x, y, z]| [x + 1024.0, y - 512.0, z]);
@@ -120,7 +120,7 @@ fn opposite_ends_pull_without_net_force_wherever_the_surface_lies() {
     assert_eq!(near, far);
     assert!(near < 0.0);
 
-    // Along any direction, of any length.
+    // The direction may be any vector of any length.
     let coarse = icosphere(1);
     let turn = rotation(GENERIC);
     let direction = turned(turn, [5.0, 0.0, 0.0]);
@@ -133,7 +133,7 @@ fn opposite_ends_pull_without_net_force_wherever_the_surface_lies() {
 
 #[test]
 fn the_force_is_the_gradient() {
-    // Two loads on one line through both, so that there is no torque either.
+    // Two opposite loads along the line through both vertices, so that there is no torque either.
     let mesh = icosphere(1);
     let [a, b] = [0, 7];
     let along = [0, 1, 2].map(|k| mesh.positions[b][k] - mesh.positions[a][k]);
@@ -144,7 +144,8 @@ fn the_force_is_the_gradient() {
     check_gradient(&one, two, &mesh.connectivity, &mesh.positions);
 }
 
-/// Among equal coordinates, the lower number is farther back; the two ends have nothing in common.
+/// Among vertices at equal coordinates, the one with the lower number counts as farther back, so that the
+/// ends do not share vertices.
 #[test]
 fn ties_are_broken_by_number() {
     let line = octahedron().map(|_| [1.0, 2.0, 3.0]);
@@ -188,7 +189,7 @@ fn what_cannot_be_loaded_is_refused() {
             "{error}"
         );
     }
-    // Vertices in no triangle are no end.
+    // Isolated vertices do not belong to an end.
     let mut positions = mesh.positions.clone();
     positions.push([9.0, 0.0, 0.0]);
     let isolated = Mesh::new(positions, mesh.connectivity.triangles().to_vec());

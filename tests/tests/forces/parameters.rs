@@ -1,4 +1,4 @@
-//! Parameters of effects that are no numbers are refused, and named.
+//! Parameters of effects that are not finite are refused and named.
 
 use helfrich::{
     AnyFunctional, AreaDifference, Gravity, MembraneViscosity, Method, OsmoticPressure,
@@ -8,7 +8,7 @@ use helfrich::{Images, Interaction, Prepared, Serial};
 use helfrich_tests::meshes::icosphere;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// The method names the parameter, and is not prepared.
+/// Checks that the method names the parameter and cannot be prepared.
 fn refused(method: impl Method<f64>, parameter: &str) {
     let mesh = icosphere(1);
     match method.check() {
@@ -82,7 +82,7 @@ fn parameters_that_are_no_numbers_are_refused() {
     }
 }
 
-/// A repulsion has no workspace to be prepared: its energy is no number where its modulus is none.
+/// A repulsion has no preparation in which to refuse its modulus: with a NaN modulus its energy is NaN.
 #[test]
 fn a_repulsion_without_modulus_has_no_energy() {
     let [near, other] = [0.0, 2.05].map(|shift| icosphere(2).map(|[x, y, z]| [x + shift, y, z]));

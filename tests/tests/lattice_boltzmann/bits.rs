@@ -1,4 +1,5 @@
-//! Bits: what results do not depend on, and what they do.
+//! Bitwise reproducibility: the independence of results from threads and position, and their dependence on
+//! the number type.
 
 use crate::{cells, everything, lattice, periodic, seen, stirred};
 use helfrich_tests::tolerance::Tolerance;
@@ -52,8 +53,8 @@ fn single_precision_follows_double() {
     }
 }
 
-/// The same flow somewhere else is the same flow, to the last bit: rows, ends of vectors and both
-/// kinds of step treat every node alike.
+/// A flow that is shifted periodically gives the same bits, because rows, ends of vectors and both kinds of
+/// step treat every node alike.
 #[test]
 fn flows_are_the_same_wherever_they_start() {
     let size = [11, 6, 5];

@@ -1,8 +1,8 @@
 //! Drag of spheres in Stokes flow.
 //!
-//! H. Hasimoto, J. Fluid Mech. 5 (1959) 317: a sphere in a cubic box of edge L with periodic sides,
-//! held in a stream of mean velocity U, feels a force F with
-//! `6πμ a U/F = 1 − 1.7601 c^(1/3) + c − 1.5593 c²`, c the fraction of the volume that is sphere.
+//! H. Hasimoto, J. Fluid Mech. 5 (1959) 317: a sphere that is held in a cubic periodic box of edge L in a
+//! stream of mean velocity U feels a force F with `6πμ a U/F = 1 − 1.7601 c^(1/3) + c − 1.5593 c²`, where c
+//! is the volume fraction of the sphere.
 
 use crate::{cells, lattice, periodic, sphere};
 use helfrich_std::flow::lattice_boltzmann::{Immersed, Kernel, Lattice, Node, Setup};
@@ -10,29 +10,28 @@ use helfrich_tests::meshes::icosphere;
 use helfrich_tests::tolerance::Tolerance;
 use std::f64::consts::{PI, TAU};
 
-/// Force on an obstacle in steady flow against that some time before, relative.
+/// Force on an obstacle in steady flow against its value some time earlier, relative.
 const LATTICE_DRAG_BALANCE: Tolerance = Tolerance::new(
     1e-4,
-    "e⁻¹³ is left of the longest wave by then; boxes with obstacles have somewhat slower ones",
+    "the longest wave has decayed to e⁻¹³ by then; boxes with obstacles have somewhat slower ones",
 );
 
 /// Drag of a sphere of six nodes' radius, relative.
 const LATTICE_DRAG: Tolerance = Tolerance::new(
     2e-2,
-    "its surface is made of steps: the radius is uncertain by a tenth of the distance of nodes",
+    "the surface is made of steps: the radius is uncertain by a tenth of a node spacing",
 );
 
-/// Loss of a sphere's mobility by periodic sides, from three boxes.
+/// Slope of a sphere's mobility in 1/L, from three boxes, relative.
 const LATTICE_BOX: Tolerance = Tolerance::new(
     2e-2,
     "the next term, of sixth order, is 27 (4/24)⁶ = 6e-4 of the mobility",
 );
 
-/// Drag of a sphere of points, by its radius, relative.
+/// Hydrodynamic radius of a sphere of points, relative to its radius.
 const LATTICE_SMEARED: Tolerance = Tolerance::new(
     1.5e-2,
-    "kernels are no Gaussians: a tenth of what they add to the radius, which is 0.5 of 4 for the \
-     widest",
+    "kernels are not Gaussians: a tenth of what they add to the radius, which is 0.5 of 4 for the widest",
 );
 
 const VISCOSITY: f64 = 0.6;
@@ -45,16 +44,16 @@ fn cubic(edge: usize) -> Lattice<f64> {
     })
 }
 
-/// The longest wave decays by νk² a step: 15 of its lives.
+/// The longest wave decays at the rate νk² per step: 15 of its lifetimes.
 fn settling_steps(edge: usize) -> u64 {
     let wave = TAU / edge as f64;
     (15.0 / (VISCOSITY * wave * wave)) as u64
 }
 
-/// Advances fluid of which a body takes `drag` in each step, with the force on all nodes that gives
-/// it back: the stream stays, and what else is left of the start decays as fast as waves do. Returns
-/// velocity, averaged over the box, and the force on the body with that of the pressure gradient on
-/// its `solid` nodes.
+/// Advances fluid from which a body takes the momentum `drag` in each step. A force on all fluid nodes
+/// returns it, so that the stream persists and all other remains of the start decay like waves. Returns the
+/// velocity, averaged over the box, and the force on the body, including the driving pressure gradient on its
+/// `solid` nodes.
 fn streaming(
     mut lattice: Lattice<f64>,
     solid: f64,
@@ -82,7 +81,7 @@ fn streaming(
     [velocity, taken * volume / (volume - solid)]
 }
 
-/// The same for an obstacle in the middle, with its number of nodes.
+/// [`streaming`] past an obstacle in the middle of the box, and the number of its nodes.
 fn past_obstacle(edge: usize, radius: f64) -> ([f64; 2], f64) {
     let mut lattice = cubic(edge);
     let ball = sphere(radius, [0.5 * edge as f64; 3]);
@@ -99,7 +98,7 @@ fn past_obstacle(edge: usize, radius: f64) -> ([f64; 2], f64) {
     (found, solid)
 }
 
-/// The radius of the sphere that has this drag in a box.
+/// Radius of the sphere that has this drag in a periodic box.
 fn hydrodynamic_radius(edge: usize, [velocity, force]: [f64; 2]) -> f64 {
     let (mut low, mut high) = (0.0, 0.5 * edge as f64);
     while high - low > 1e-6 {
@@ -115,7 +114,8 @@ fn hydrodynamic_radius(edge: usize, [velocity, force]: [f64; 2]) -> f64 {
     low
 }
 
-/// In three boxes, without use of what is known of boxes: U/F = 1/(6πμa) − s/L + q/L³.
+/// The drag in three boxes, extrapolated to open fluid without Hasimoto's formula: U/F = 1/(6πμa) − s/L +
+/// q/L³.
 #[test]
 fn spheres_have_the_drag_of_stokes_in_open_fluid() {
     let radius = 4.0;
@@ -126,7 +126,7 @@ fn spheres_have_the_drag_of_stokes_in_open_fluid() {
         volume = solid;
         6.0 * PI * VISCOSITY * velocity / force
     });
-    // Newton's divided differences, with 1/L³ beside 1/L.
+    // Newton's divided differences for the powers 1, 1/L and 1/L³.
     let [a, b, c] = edges.map(|edge| 1.0 / edge);
     let [ab, bc] = [
         (mobilities[0] - mobilities[1]) / (a - b),
@@ -135,13 +135,13 @@ fn spheres_have_the_drag_of_stokes_in_open_fluid() {
     let cubic = (ab - bc) / ((a * a + a * b + b * b) - (b * b + b * c + c * c));
     let slope = ab - cubic * (a * a + a * b + b * b);
     let open = mobilities[0] - slope * a - cubic * a * a * a;
-    LATTICE_BOX.assert(slope, -2.8373, 2.8373, "what a box takes");
+    LATTICE_BOX.assert(slope, -2.8373, 2.8373, "slope in 1/L");
     let radius = (0.75 * volume / PI).cbrt();
     LATTICE_DRAG.assert(1.0 / open, radius, radius, "6πμa by drag");
 }
 
-/// The velocity at points on a sphere that push the fluid in it and around with the same force each,
-/// and the sum of these, which all nodes take back.
+/// Mean velocity of points on a sphere that all push the fluid with the same force, and the sum of these
+/// forces, which a force on all nodes balances.
 fn pushed_by_points(edge: usize, radius: f64, kernel: Kernel) -> [f64; 2] {
     let mut lattice = cubic(edge);
     let ball = icosphere(3).map(|x| x.map(|x| 0.5 * edge as f64 + 0.3 + radius * x));
@@ -160,15 +160,15 @@ fn pushed_by_points(edge: usize, radius: f64, kernel: Kernel) -> [f64; 2] {
     [sum / count as f64, force]
 }
 
-/// A shell of forces at r moves one at r' with `F/(6πμ max(r, r'))`. A kernel that spreads points
-/// by σ² along each axis, once to the fluid and once from it, makes of the mean of max(r, r')
-/// `a + σ/√π + σ²/a`, as far as it is like a Gaussian.
+/// A shell of forces at r moves one at r' with velocity `F/(6πμ max(r, r'))`. Points are spread by the kernel
+/// once towards the fluid and once from it, each with variance σ² along each axis. As far as the kernel
+/// resembles a Gaussian, the mean of max(r, r') is then `a + σ/√π + σ²/a`.
 #[test]
 fn spheres_of_points_have_the_drag_of_stokes() {
     let (edge, radius) = (22, 4.0);
     for kernel in [Kernel::Two, Kernel::Three, Kernel::Four] {
         let found = hydrodynamic_radius(edge, pushed_by_points(edge, radius, kernel));
-        // Averaged over the places between nodes.
+        // Variance of the kernel, averaged over positions between nodes.
         let steps = (-200..=200).map(|step| 0.01 * f64::from(step));
         let variance: f64 = steps.map(|r| 0.01 * r * r * kernel.weight(r)).sum();
         let expected = radius + (variance / PI).sqrt() + variance / radius;

@@ -1,38 +1,40 @@
-//! Flows against exact ones.
+//! Flows compared with exact solutions.
 
 use crate::{between, cells, lattice, periodic, seen, stirred, turned, unit};
 use helfrich_std::flow::lattice_boltzmann::{Lattice, LatticeError, Node, Setup, Sides};
 use helfrich_tests::tolerance::{self, Tolerance};
 use std::f64::consts::{PI, TAU};
 
-/// Steady flows on a lattice between plates, for which its walls are exact, relative to the fastest.
+/// Steady flows on a lattice between plates, for which wall conditions are exact, relative to the largest
+/// velocity.
 const LATTICE_STEADY: Tolerance = Tolerance::new(
     1e-12,
-    "rounding over thousands of steps; what is left of the start is e⁻⁴⁰ and less",
+    "rounding over thousands of steps; the start has decayed to e⁻⁴⁰ or less",
 );
 
-/// Velocities of a decayed vortex with 48 nodes to its wavelength, relative to the first.
+/// Velocities of a decayed vortex with 48 nodes per wavelength, relative to the initial speed.
 const LATTICE_VORTEX: Tolerance = Tolerance::new(
     2e-3,
     "second order in k = 2π/48, k² = 0.017, and in the Mach number, Ma² = 5e-4",
 );
 
-/// The same in a stream four times as fast.
+/// Velocities of the vortex in a stream that is four times as fast, relative to the initial speed.
 const LATTICE_STREAM: Tolerance = Tolerance::new(
     4e-3,
-    "the viscosity is short of 3 · 0.05² = 0.75 %, which after a half-life is 0.26 % of the speed, \
-     and the rest as without a stream",
+    "the viscosity is short by 3 · 0.05² = 0.75 %, which changes the speed by 0.26 % after a half-life; \
+     the other errors are those without a stream",
 );
 
-/// Loss of viscosity and speed of waves along streams, relative to 3u².
+/// Reduction of the viscosity and speed of waves in streams, relative to 3u² and u.
 const LATTICE_GALILEAN: Tolerance = Tolerance::new(5e-2, "k² = (2π/32)² = 0.04 of it");
 
-/// Velocities in a duct of 32 nodes' width, relative to the one in its middle.
+/// Velocities in a duct 32 nodes wide, relative to that in the centre.
 const LATTICE_DUCT: Tolerance = Tolerance::new(1e-3, "second order: 1/32²");
 
 #[test]
 fn flow_between_plates_is_the_exact_parabola() {
-    // Along each axis and across each: every direction's walls are tried, at any viscosity.
+    // The flow is along each axis and across each, so that the walls of every direction are tested, at
+    // several viscosities.
     for (viscosity, axis, inertia) in [(0.1, 0, true), (1.0, 1, true), (0.4, 2, false)] {
         let across = (axis + 1) % 3;
         let (width, force) = (9, 1e-5);
@@ -88,7 +90,7 @@ fn flow_between_moving_plates_is_exactly_linear() {
     }
 }
 
-/// A vortex of Taylor and Green in the plane across an axis, in a stream: the velocity at a time.
+/// Taylor–Green vortex in the plane across an axis, in a stream: velocity at a time.
 struct Vortex {
     edge: usize,
     speed: f64,
@@ -113,7 +115,7 @@ impl Vortex {
         }
     }
 
-    /// The largest error of the velocity, relative, after the vortex has lost half of its speed.
+    /// Largest error of the velocity, relative, after the vortex has lost half of its speed.
     fn error(&self) -> f64 {
         let mut lattice = lattice::<f64>(periodic([self.edge, self.edge, 1], self.viscosity));
         lattice.fill(|cell| self.node(cell, 0.0));
@@ -136,7 +138,7 @@ fn vortices_decay_at_second_order() {
     let errors = [12, 24, 48].map(|edge| {
         Vortex {
             edge,
-            // The Mach number falls with the distance of nodes, the Reynolds number stays.
+            // The Mach number decreases with the node spacing, at constant Reynolds number.
             speed: 0.6 / edge as f64,
             stream: [0.0; 2],
             viscosity: 0.1,
@@ -162,9 +164,9 @@ fn vortices_decay_alike_in_a_stream() {
     LATTICE_STREAM.assert(error, 0.0, 1.0, "velocity");
 }
 
-/// A wave of shear in a stream along it: Galilean invariance is broken by the third power of the
-/// velocity, by which the viscosity is short of 3u² of itself (Y. H. Qian, S. A. Orszag, Europhys.
-/// Lett. 21 (1993) 255), and by nothing of a lower one.
+/// A shear wave in a stream along it: Galilean invariance is broken only by the third power of the velocity,
+/// which reduces the viscosity by the fraction 3u² (Y. H. Qian, S. A. Orszag, Europhys. Lett. 21 (1993) 255).
+/// Lower powers have no effect.
 #[test]
 fn streams_change_waves_by_the_mach_number_squared() {
     let (edge, viscosity) = (32, 0.1);
@@ -205,7 +207,7 @@ fn streams_change_waves_by_the_mach_number_squared() {
     }
 }
 
-/// Without inertia a stream carries nothing along, and changes nothing.
+/// Without inertia a stream adds to the flow and does not carry it along.
 #[test]
 fn streams_without_inertia_are_added() {
     let size = [9, 6, 7];
@@ -240,8 +242,8 @@ fn streams_without_inertia_are_added() {
     }
 }
 
-/// Along a duct with square sides, in units of G w²/μ: the parabola between two of the sides, less
-/// what the other two take (F. M. White, Viscous Fluid Flow, section 3-3).
+/// Velocity in a square duct in units of G w²/μ: the parabola between two of the sides, minus the series for
+/// the other two (F. M. White, Viscous Fluid Flow, section 3-3).
 fn duct(y: f64, z: f64) -> f64 {
     let series = (0..40).map(|term| {
         let k = f64::from(2 * term + 1) * PI;
@@ -283,7 +285,7 @@ fn flow_in_a_duct_is_that_of_the_series_to_second_order() {
     }
 }
 
-/// Two layers of fluids between moving plates: the stress is the same in both.
+/// In two layers of different fluids between moving plates, the stress is the same.
 #[test]
 fn viscosities_may_differ_from_node_to_node() {
     let walls = Sides::Walls {

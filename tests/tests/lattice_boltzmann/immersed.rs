@@ -1,4 +1,4 @@
-//! Points in the fluid.
+//! Points immersed in the fluid.
 
 use crate::{cells, everything, lattice, periodic, scattered, seen, stirred};
 use helfrich_std::flow::lattice_boltzmann::{Immersed, Kernel, Node, Precision, Setup, Sides};
@@ -7,22 +7,22 @@ use helfrich_tests::tolerance::{self, Tolerance};
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 
-/// Velocities that an f32 collision keeps, against the sum of its populations in f64.
+/// Velocities kept during an f32 collision against those summed from populations in f64.
 const LATTICE_KEPT_SINGLE: Tolerance = Tolerance::new(
     1e-6,
     "sums of nineteen populations and a force, each rounded at 6e-8 of the largest",
 );
 
-/// Work of forces on points and on nodes, relative to what one of them does.
+/// Work of forces on points against that on nodes, relative to either.
 const LATTICE_WORK: Tolerance = Tolerance::new(
     1e-12,
-    "forces on nodes are read off differences of velocities, of a hundredth of these",
+    "forces on nodes are differences of velocities, a hundredth of the velocities",
 );
 
-/// Mobilities in two boxes, relative to their difference.
+/// Difference of mobilities in two boxes, relative.
 const LATTICE_IMAGES: Tolerance = Tolerance::new(
     1e-2,
-    "second order: on the lattice, k² is off by some of its square, which is (2π/14)² for the first",
+    "second order: the lattice's k² deviates in the next order, (2π/14)² for the first wave",
 );
 
 const KERNELS: [Kernel; 3] = [Kernel::Two, Kernel::Three, Kernel::Four];
@@ -71,14 +71,14 @@ fn spread_forces_add_up() {
     for kernel in KERNELS {
         let mut lattice = lattice::<f64>(periodic(size, 0.1));
         let mut immersed = Immersed::new(kernel);
-        // Periods away is the same place.
+        // Positions whole periods away are equivalent.
         let away = points.iter().map(|&[x, y, z]| [x - 9.0, y + 14.0, z]);
         immersed.place(&lattice, &Vec::from_iter(away)).unwrap();
         immersed.spread(&mut lattice, &forces).unwrap();
         lattice.advance(5);
         for axis in 0..3 {
             let total: f64 = forces.iter().map(|force| force[axis]).sum();
-            // Half of the force of the next step counts as there.
+            // The momentum includes half of the force of the next step.
             let found = lattice.momentum()[axis];
             tolerance::LATTICE_ROUNDING.assert(found, 5.5 * total, 0.05 * 504.0, "momentum");
         }
@@ -94,7 +94,7 @@ fn spread_forces_add_up() {
 #[test]
 fn forces_act_where_they_are_and_keep_their_torque() {
     for kernel in KERNELS {
-        // Without a step, fluid at rest has the velocity F/2.
+        // Before a step, fluid at rest has the velocity F/2.
         let mut lattice = lattice::<f64>(periodic([9, 8, 10], 0.1));
         let point = [4.3, 3.9, 5.62];
         let force = [1e-3, -2e-3, 5e-4];
@@ -119,7 +119,7 @@ fn forces_act_where_they_are_and_keep_their_torque() {
 
 #[test]
 fn linear_flows_are_interpolated_exactly() {
-    // Between walls, so that the flow may be linear: the wall at 0 is 1 or 2 nodes away.
+    // Walls permit a linear flow. The points keep one or two nodes away from the wall at 0.
     let size = [10, 9, 11];
     let setup = Setup {
         sides: [Sides::RESTING; 3],
@@ -133,14 +133,14 @@ fn linear_flows_are_interpolated_exactly() {
         ]
     };
     let points = Vec::from_iter(scattered(60, [7, 6, 8]).iter().map(|x| x.map(|x| x + 1.5)));
-    // Before even steps and before odd ones.
+    // Reads before even and before odd steps.
     for inertia in [true, false] {
         let setup = Setup {
             inertia,
             ..setup.clone()
         };
         let mut lattice = lattice::<f64>(setup);
-        // Filling takes half of the force into account, as reading does.
+        // Filling accounts for half of the force, like reading.
         lattice.set_force([2e-3, -1e-3, 3e-3]).unwrap();
         for _ in 0..2 {
             lattice.fill(|cell| Node {
@@ -163,7 +163,7 @@ fn linear_flows_are_interpolated_exactly() {
     }
 }
 
-/// One point reads its own nodes; many share rows, with parts of them left out.
+/// One point alone reads the same velocity as many points, which share rows and leave parts of them out.
 #[test]
 fn points_do_not_know_of_each_other() {
     let size = [80, 6, 7];
@@ -186,10 +186,10 @@ fn points_do_not_know_of_each_other() {
     }
 }
 
-/// Velocities kept by collisions are those that are read before them.
+/// Velocities that a collision keeps are those that interpolation reads before the step.
 #[test]
 fn collisions_keep_velocities() {
-    // Rows that fill no vectors, points round all ends of them.
+    // Row lengths that do not fill vectors, and points around all their ends.
     let size = [11, 7, 9];
     let points = scattered(30, size);
     let forces = vec![[2e-4, -1e-4, 3e-4]; points.len()];
@@ -202,7 +202,7 @@ fn collisions_keep_velocities() {
         let mut lattice = lattice::<T>(setup.clone());
         lattice.fill(stirred(setup.cells));
         lattice.set_force([1e-4, 0.0, -2e-4]).unwrap();
-        // Two even steps, one odd.
+        // Three steps: even, odd, even.
         for kernel in KERNELS {
             let mut immersed = Immersed::new(kernel);
             immersed.place(&lattice, points).unwrap();
@@ -242,7 +242,7 @@ fn velocities_that_were_not_kept_are_not_made_up() {
     immersed.interpolate_kept(&lattice, &mut [[0.0; 3]]);
 }
 
-/// Interpolation is the transpose of spreading: forces do the work that the fluid gets.
+/// Interpolation is the transpose of spreading: the work of forces on points is that on nodes.
 #[test]
 fn work_on_points_is_work_on_nodes() {
     let size = [9, 7, 8];
@@ -281,7 +281,7 @@ fn work_on_points_is_work_on_nodes() {
     }
 }
 
-/// Velocities that forces add at once are those that they add once spread, and symmetric as work is.
+/// Immediate responses to forces equal the change of the velocities after spreading them, and are symmetric.
 #[test]
 fn responses_are_those_of_spread_forces() {
     let size = [40, 7, 8];
@@ -374,9 +374,10 @@ fn points_and_forces_do_not_depend_on_the_number_of_threads() {
     }
 }
 
-/// H. Hasimoto, J. Fluid Mech. 5 (1959) 317: in a cubic box a force F moves by 2.8373 F/(6πμL) less than in open fluid.
-/// The velocity by the images has the Laplacian 2F/(3μL³) there, of which a force that is spread by
-/// σ² along each axis sees σ². The difference of two boxes does not know the fluid near the point.
+/// H. Hasimoto, J. Fluid Mech. 5 (1959) 317: in a cubic periodic box, the velocity at a force F is smaller by
+/// 2.8373 F/(6πμL) than in open fluid. The velocity due to the images has the Laplacian 2F/(3μL³) there,
+/// whose effect on a force that is spread by σ² along each axis is proportional to σ². The difference of two
+/// boxes does not depend on the flow near the point.
 #[test]
 fn point_forces_feel_their_images() {
     let (viscosity, force, offset) = (0.5, 1e-4, 0.2);
@@ -386,7 +387,7 @@ fn point_forces_feel_their_images() {
                 inertia: false,
                 ..periodic([edge; 3], viscosity)
             });
-            // What the point gives to the fluid, all of it takes away.
+            // A uniform force on all nodes balances that of the point.
             let volume = (edge * edge * edge) as f64;
             lattice.set_force([-force / volume, 0.0, 0.0]).unwrap();
             let mut immersed = Immersed::new(kernel);

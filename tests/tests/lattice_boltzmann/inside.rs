@@ -1,15 +1,15 @@
-//! Nodes inside of meshes.
+//! Nodes inside meshes.
 
 use crate::{between, cells, lattice, periodic, sphere, stirred};
 use helfrich::Surface;
 use helfrich_std::flow::lattice_boltzmann::Sides;
 use helfrich_tests::meshes::Mesh;
 
-/// Whether nodes are inside, by their distance from the centre.
+/// Nodes are inside a ball according to their distance from its centre.
 #[test]
 fn nodes_are_inside_of_meshes_or_not() {
     let lattice = lattice::<f32>(periodic([20, 17, 15], 0.1));
-    // In the middle, through all sides, and periods away.
+    // Balls in the middle, across all sides, and whole periods away.
     for centre in [[9.3, 8.1, 7.7], [0.2, 16.8, -0.1], [-991.0, 34.5, 1510.4]] {
         let ball = sphere(4.9, centre);
         let inside = lattice.inside(&ball.connectivity, &ball.positions).unwrap();
@@ -24,7 +24,7 @@ fn nodes_are_inside_of_meshes_or_not() {
                 away(z, centre[2], 15.0),
             ];
             let distance = away.iter().map(|d| d * d).sum::<f64>().sqrt();
-            // The mesh lies between the sphere and its triangles' middles.
+            // The mesh lies between the sphere and the centres of its triangles.
             if !(4.8..=4.9).contains(&distance) {
                 assert_eq!(inside[number], distance < 4.85, "at {distance}");
             }
@@ -32,8 +32,8 @@ fn nodes_are_inside_of_meshes_or_not() {
     }
 }
 
-/// Lines through vertices and along edges: of six tetrahedra that fill a cube, all with corners on
-/// nodes, one has each node, and together they have as many as the volume says.
+/// Lines of nodes pass through vertices and along edges: of six tetrahedra that fill a cube with corners on
+/// lines of nodes, exactly one contains each node, and together they contain as many as the volume says.
 #[test]
 fn lines_through_edges_are_counted_once() {
     let lattice = lattice::<f64>(periodic([12; 3], 0.1));
@@ -46,7 +46,7 @@ fn lines_through_edges_are_counted_once() {
         [2, 1, 0],
         [1, 0, 2],
     ] {
-        // Along three edges of the cube from one corner to the opposite one.
+        // Path along three edges of the cube from one corner to the opposite one.
         let mut corner = [2.5; 3];
         let mut corners = vec![corner];
         for axis in path {
@@ -64,7 +64,7 @@ fn lines_through_edges_are_counted_once() {
     assert_eq!(owners.iter().sum::<usize>(), 6 * 6 * 6);
 }
 
-/// Fluids of their own in two spheres, wherever they have moved to, against each node's own number.
+/// Two spheres with viscosities of their own, in any position, give the same bits as viscosities per node.
 #[test]
 fn fluids_inside_surfaces_have_their_viscosities() {
     let size = [20, 17, 15];
@@ -78,7 +78,7 @@ fn fluids_inside_surfaces_have_their_viscosities() {
         lattice.fill(stirred(size));
         lattice
     });
-    // Through periodic sides and a wall, and the second in the first, through a side as well.
+    // Across periodic sides and a wall; then with the second sphere inside the first, across a side as well.
     for (centres, radius) in [
         ([[0.4, 8.1, -7.0], [10.0, 9.0, 7.0]], 4.3),
         ([[19.0, 2.0, 8.0], [20.1, 3.0, 7.0]], 2.4),
@@ -102,7 +102,7 @@ fn fluids_inside_surfaces_have_their_viscosities() {
             fresh.advance(1);
             assert!(moved.state() == fresh.state(), "{centres:?}");
         }
-        // What is refused changes nothing.
+        // A refused call changes nothing.
         let mut positions = balls[0].positions.clone();
         positions.iter_mut().for_each(|x| x[1] += 100.0);
         let away = Surface::new(&balls[0].connectivity, &positions).unwrap();
@@ -119,13 +119,13 @@ fn fluids_inside_surfaces_have_their_viscosities() {
     assert!(moved.state() == fresh.state(), "without surfaces");
 }
 
-/// Shells in each other, the innermost like the fluid outside, in every order of the surfaces: the
-/// viscosity is that of the innermost around a node.
+/// In nested shells, of which the innermost has the viscosity of the fluid outside, each node has the
+/// viscosity of the innermost surface around it, in every order of the surfaces.
 #[test]
 fn the_innermost_surface_says_which_fluid_there_is() {
     let size = [20, 17, 15];
     let setup = periodic(size, 0.1);
-    // Through the sides of the box.
+    // The shells reach across the sides of the box.
     let balls = [
         (sphere(6.2, [19.0, 8.1, 7.7]), 0.5),
         (sphere(4.1, [20.5, 8.0, 7.0]), 0.05),

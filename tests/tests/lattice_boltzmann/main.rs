@@ -1,4 +1,4 @@
-//! The lattice Boltzmann method against exact flows and conservation laws.
+//! The lattice Boltzmann method compared with exact flows and conservation laws.
 
 mod bits;
 mod drag;
@@ -26,7 +26,7 @@ fn periodic(cells: [usize; 3], viscosity: f64) -> Setup {
     }
 }
 
-/// Walls along one axis.
+/// Setup with walls along one axis.
 fn between(axis: usize, walls: Sides, setup: Setup) -> Setup {
     let mut sides = setup.sides;
     sides[axis] = walls;
@@ -41,7 +41,7 @@ fn cells([length, rows, planes]: [usize; 3]) -> impl Iterator<Item = [usize; 3]>
     (0..planes).flat_map(move |z| (0..rows).flat_map(move |y| (0..length).map(move |x| [x, y, z])))
 }
 
-/// The cell's axes in another order: what was along x is along `axis`.
+/// Cyclic permutation of the axes: the x component moves to `axis`.
 fn turned([x, y, z]: [usize; 3], axis: usize) -> [usize; 3] {
     [[x, y, z], [z, x, y], [y, z, x]][axis]
 }
@@ -50,7 +50,7 @@ fn unit(axis: usize, length: f64) -> [f64; 3] {
     std::array::from_fn(|k| if k == axis { length } else { 0.0 })
 }
 
-/// A smooth flow without symmetry, of a speed about 0.05.
+/// Smooth flow without symmetry, with speeds of about 0.05.
 fn stirred(lengths: [usize; 3]) -> impl Fn([usize; 3]) -> Node {
     move |cell| {
         let [x, y, z] = [0, 1, 2].map(|k| TAU * (cell[k] as f64 + 0.5) / lengths[k] as f64);
@@ -65,7 +65,7 @@ fn stirred(lengths: [usize; 3]) -> impl Fn([usize; 3]) -> Node {
     }
 }
 
-/// All numbers of a lattice that anyone can see.
+/// Densities and velocities at all nodes.
 fn seen<T: Precision>(lattice: &Lattice<T>) -> Vec<Node> {
     cells(lattice.cells())
         .map(|cell| lattice.node(cell))
@@ -76,7 +76,7 @@ fn sphere(radius: f64, [x, y, z]: [f64; 3]) -> Mesh {
     icosphere(3).map(|p| [x + radius * p[0], y + radius * p[1], z + radius * p[2]])
 }
 
-/// Everything at once, in a lattice whose sizes no width of vectors divides.
+/// A lattice with all features at once, whose sizes are no multiples of a vector width.
 fn everything<T: Precision>(threads: usize) -> Lattice<T> {
     let size = [11, 7, 9];
     let setup = Setup {
@@ -97,7 +97,7 @@ fn everything<T: Precision>(threads: usize) -> Lattice<T> {
     lattice
 }
 
-/// Places of points with every position relative to nodes, on nodes and half-way among them.
+/// Points at random positions relative to nodes, on nodes and half-way between them.
 fn scattered(count: usize, size: [usize; 3]) -> Vec<[f64; 3]> {
     let mut random = SplitMix64::new(7);
     let mut points =

@@ -1,4 +1,4 @@
-//! Conservation of momentum and mass, and their losses.
+//! Conservation of momentum and mass, and their exchange with walls and obstacles.
 
 use crate::{between, cells, lattice, periodic, scattered, sphere, stirred};
 use helfrich_std::flow::lattice_boltzmann::{Immersed, Kernel, Node, Sides};
@@ -37,7 +37,7 @@ fn walls_and_obstacles_take_the_momentum_that_is_lost() {
     };
     let setup = between(1, lid, between(2, Sides::RESTING, periodic(size, 0.2)));
     let mut lattice = lattice::<f64>(setup);
-    // One reaches through the periodic side, the other into the wall.
+    // One obstacle reaches through the periodic side, the other into the wall.
     for centre in [[13.2, 5.1, 6.0], [6.0, 1.0, 3.0]] {
         let ball = sphere(2.6, centre);
         lattice
@@ -56,7 +56,7 @@ fn walls_and_obstacles_take_the_momentum_that_is_lost() {
     let force = [1e-4, 2e-4, -3e-4];
     lattice.set_force(force).unwrap();
     let mass = lattice.mass();
-    // Points in the fluid between, with other forces in each step.
+    // Points in the fluid between the obstacles, with other forces in each step.
     let points = scattered(40, [3, 4, 6]).into_iter();
     let points = points.map(|[x, y, z]| [8.0 + 0.5 * x, 4.5 + 0.5 * y, 2.0 + z]);
     let points = Vec::from_iter(points);

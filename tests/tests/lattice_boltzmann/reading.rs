@@ -1,11 +1,11 @@
-//! The fluid between nodes.
+//! Interpolation of the fluid between nodes.
 
 use crate::{between, cells, everything, lattice, periodic, scattered, stirred, unit};
 use helfrich_std::flow::lattice_boltzmann::{Node, Setup, Sides};
 use helfrich_tests::meshes::{Mesh, SplitMix64};
 use helfrich_tests::tolerance;
 
-/// Up to the walls, where the flow has their velocity.
+/// A linear flow is interpolated exactly up to the walls, where it has their velocity.
 #[test]
 fn flow_between_plates_is_read_off_anywhere() {
     for (axis, inertia) in [(0, true), (1, false), (2, true)] {
@@ -69,7 +69,7 @@ fn fluid_at_walls_has_their_velocity() {
     };
     let mut random = SplitMix64::new(2);
     for _ in 0..50 {
-        // Not in edges, where velocities go over from one wall to the other.
+        // Points away from edges, where the velocity changes from that of one wall to that of the other.
         let [x, y] = [3.0, 2.5].map(|middle| middle + (middle - 0.5) * random.symmetric());
         let z = 4.0 * random.symmetric();
         at([x, 0.0, z], low);
@@ -85,7 +85,7 @@ fn fluid_at_nodes_is_that_of_nodes() {
     for _ in 0..2 {
         for cell in cells(lattice.cells()) {
             let [x, y, z] = cell.map(|k| k as f64 + 0.5);
-            // On periodic axes, also periods away.
+            // On periodic axes, a point whole periods away gives the same.
             for point in [[x, y, z], [x - 11.0, y, z + 18.0]] {
                 let expected = (!lattice.is_solid(cell)).then(|| lattice.node(cell));
                 assert_eq!(lattice.fluid_at(point), expected);
@@ -95,7 +95,7 @@ fn fluid_at_nodes_is_that_of_nodes() {
     }
 }
 
-/// A cube whose sides lie half-way between nodes.
+/// Cube whose faces lie half-way between nodes.
 fn cube([low, high]: [f64; 2]) -> Mesh {
     let corner = |corner: usize| [0, 1, 2].map(|axis| [low, high][(corner >> axis) & 1]);
     let mut triangles = Vec::new();
@@ -120,7 +120,7 @@ fn fluid_stops_at_obstacles() {
     for _ in 0..100 {
         let place = [(); 3].map(|()| 5.0 + 2.0 * random.symmetric());
         for axis in 0..3 {
-            // Near an edge of the cube, fluid passes by on two sides.
+            // Points away from the cube's edges, where fluid adjoins on two sides.
             let mut others = (0..3).filter(|&other| other != axis);
             let amid = others.all(|other| (3.5..6.5).contains(&place[other]));
             for (side, away) in [(3.0, -1.0), (7.0, 1.0)] {

@@ -107,7 +107,7 @@ fn impossible_points_are_refused() {
     assert_eq!(lattice.momentum(), [0.0; 3]);
 }
 
-/// A drop of water in a channel: 1 µm, 1000 kg/m³ and 1e-6 m²/s.
+/// Conversion with water in a channel: 1 µm spacing, 1000 kg/m³ and 1e-6 m²/s.
 #[test]
 fn units_convert_both_ways() {
     let units = Units::with_viscosity(1e-6, 1e3, 1e-6, 0.1).unwrap();

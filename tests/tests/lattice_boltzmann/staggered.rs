@@ -1,7 +1,7 @@
-//! Momentum that changes its sign from node to node and from step to step.
+//! Staggered momentum, which changes its sign from node to node and from step to step.
 //!
-//! Populations move by one node or none along an axis, so that the momentum along it with the sign
-//! `(−1)^(i + n)` at node i in step n is as constant as momentum itself, whatever the viscosity: G. Zanetti,
+//! Populations move by one node or none along an axis, so that the momentum along it, weighted with the sign
+//! `(−1)^(i + n)` at node i in step n, is conserved like momentum itself, whatever the viscosity: G. Zanetti,
 //! Phys. Rev. A 40 (1989) 1539. Membranes must not feed it.
 
 use crate::{cells, lattice, periodic, turned, unit};
@@ -12,10 +12,11 @@ use helfrich_std::flow::{Immersion, Membranes};
 use helfrich_tests::meshes::{Mesh, icosphere};
 use helfrich_tests::tolerance::{self, Tolerance};
 
-/// Momentum of a sign that changes from step to step, with a membrane in the fluid, relative.
+/// Staggered momentum with a membrane in the fluid, relative to its initial value.
 const LATTICE_STAGGERED: Tolerance = Tolerance::new(
     1e-2,
-    "the first step has none before it, so that vertices are off by half of its displacement: a membrane      of a tenth of μ spacing/step pulls them by a tenth of that, on a part of the nodes, to and fro",
+    "the first step has no predecessor, so that vertices are off by half of its displacement: a membrane \
+     of a tenth of μ spacing/step pulls them back and forth by a tenth of that, on a part of the nodes",
 );
 
 const SIZE: [usize; 3] = [16, 13, 15];
@@ -60,7 +61,7 @@ fn sign(number: usize) -> f64 {
     if number.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-/// Fluid that flows to and fro along an axis, from each plane of nodes to the next.
+/// Fluid whose velocity along an axis alternates from each plane of nodes to the next.
 fn staggered(axis: usize) -> Lattice<f64> {
     let mut lattice = lattice(periodic(turned(SIZE, axis), 1.0 / 3.0));
     lattice.fill(|cell| Node {
@@ -70,7 +71,7 @@ fn staggered(axis: usize) -> Lattice<f64> {
     lattice
 }
 
-/// The mean over all nodes, with the sign of the step.
+/// Mean staggered momentum over all nodes.
 fn momentum(lattice: &Lattice<f64>, axis: usize) -> f64 {
     let size = lattice.cells();
     let nodes = cells(size).map(|cell| {
@@ -90,8 +91,9 @@ fn it_is_conserved() {
     }
 }
 
-/// Vertices that moved by each step's own velocities alone would go to and fro, and their membrane would pull
-/// them in step with the fluid: without walls, which take some of it, this momentum grows without end.
+/// If vertices moved with the velocities of single steps, they would oscillate, and their membrane would pull
+/// them in step with the fluid: without walls, which absorb some of it, this momentum would grow without
+/// bound.
 #[test]
 fn membranes_do_not_feed_it() {
     for axis in 0..3 {

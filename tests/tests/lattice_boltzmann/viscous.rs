@@ -1,4 +1,4 @@
-//! Viscous membranes in the fluid, up to viscosities that hardly let it deform them.
+//! Viscous membranes in the fluid, up to viscosities at which they hardly deform.
 
 use crate::{cells, lattice, periodic, stirred};
 use helfrich::{MembraneViscosity, Prepared, Surface};
@@ -8,10 +8,11 @@ use helfrich_tests::meshes::{Mesh, dot, icosphere};
 use helfrich_tests::tolerance::{self, Tolerance};
 use std::num::NonZeroUsize;
 
-/// Strain of viscous membranes that are as good as rigid, by their viscosity, relative.
+/// Ratio of the strains of two nearly rigid viscous membranes, relative.
 const LATTICE_STIFF: Tolerance = Tolerance::new(
     0.05,
-    "flows of higher order than strain, of which a box of four radii has many, give way by a little more",
+    "modes of higher order than strain, of which a box of four radii has many, deform the membrane \
+     slightly more",
 );
 
 const SIZE: [usize; 3] = [16, 14, 15];
@@ -19,14 +20,15 @@ const RADIUS: f64 = 4.0;
 /// Kinematic viscosity of the fluid.
 const VISCOSITY: f64 = 1.0 / 3.0;
 
-/// A membrane that has nothing but viscosity.
+/// Membrane with viscosity alone.
 struct Viscous<'a> {
     mesh: &'a Mesh,
     viscosity: Prepared<f64, MembraneViscosity<f64>>,
 }
 
 impl<'a> Viscous<'a> {
-    /// A viscosity in multiples of the fluid's times the radius, in the plane and for areas.
+    /// Membrane with equal shear and dilational viscosity, `boussinesq` times the fluid's viscosity times the
+    /// radius.
     fn new(mesh: &'a Mesh, boussinesq: f64) -> Self {
         let shear = boussinesq * VISCOSITY * RADIUS;
         let viscosity = MembraneViscosity {
@@ -62,7 +64,7 @@ impl Membranes for Viscous<'_> {
     }
 }
 
-/// A sphere in stirred fluid, in units of the lattice.
+/// Sphere in stirred fluid, in lattice units.
 fn immersion<T: ImmersionPrecision>(setup: Setup, mesh: &Mesh) -> Immersion<T> {
     let mut lattice = lattice::<T>(setup);
     lattice.fill(stirred(SIZE));
@@ -79,16 +81,16 @@ fn ball(refinement: u32) -> Mesh {
     icosphere(refinement).map(|x| std::array::from_fn(|k| middle[k] + RADIUS * x[k]))
 }
 
-/// `Σ ρ u²/2` of all nodes.
+/// Kinetic energy `Σ ρ u²/2` of all nodes.
 fn kinetic_energy<T: ImmersionPrecision>(lattice: &Lattice<T>) -> f64 {
     let nodes = cells(SIZE).map(|cell| lattice.node(cell));
     let energies = nodes.map(|node| 0.5 * node.density * dot(node.velocity, node.velocity));
     energies.sum()
 }
 
-/// Viscous membranes take energy from the fluid and no momentum, however viscous they are: without
-/// driving, the flow only dies away. Forces at the velocities of the step before make it grow without
-/// end from viscosities of about one μa on.
+/// Viscous membranes take energy but no momentum from the fluid, at any viscosity: without driving, the flow
+/// only decays. Forces from the velocities of the previous step would make it grow without bound from
+/// viscosities of about one μa on.
 #[test]
 fn viscous_membranes_take_energy_and_no_momentum() {
     for (boussinesq, inertia) in [(0.5, true), (5.0, false), (20.0, true), (500.0, false)] {
@@ -105,7 +107,7 @@ fn viscous_membranes_take_energy_and_no_momentum() {
             kinetic_energy(immersion.lattice()),
             immersion.lattice().mass(),
         );
-        // Until the shortest waves are gone, and the flow has gone round the sphere.
+        // Until the shortest waves have decayed and the flow has passed around the sphere.
         for step in 0..60 {
             let what = format!("viscosity {boussinesq}, step {step}");
             let advanced = immersion.advance(&mut membranes, &mut positions);
@@ -119,8 +121,8 @@ fn viscous_membranes_take_energy_and_no_momentum() {
     }
 }
 
-/// A membrane that is as good as rigid moves as a rigid body does: it keeps its edges while the fluid
-/// around takes it along.
+/// A nearly rigid membrane moves as a rigid body: it keeps its edge lengths while the surrounding fluid
+/// carries it along.
 #[test]
 fn stiff_membranes_move_as_rigid_bodies() {
     let change = |boussinesq: f64| {
@@ -143,12 +145,12 @@ fn stiff_membranes_move_as_rigid_bodies() {
                 .abs()
         });
         let moved = (positions[0][0] - mesh.positions[0][0]).abs();
-        assert!(moved > 0.1, "{boussinesq}: it is taken along, by {moved}");
+        assert!(moved > 0.1, "{boussinesq}: the fluid carries it along by {moved}");
         changes.fold(0.0, f64::max)
     };
     let [soft, stiff, stiffer] = [0.0, 100.0, 1000.0].map(change);
     assert!(soft > 10.0 * stiff, "{soft} {stiff}");
-    // The rate of strain, as a viscous membrane in a straining flow has it: see the tests of runs.
+    // Rate of strain of a viscous membrane in a straining flow, as in `tests/dynamics/immersed.rs`.
     let rate = |b: f64| (175.0 + 160.0 * b) / (175.0 + 210.0 * b + 32.0 * b * b);
     let expected = rate(100.0) / rate(1000.0);
     LATTICE_STIFF.assert(stiff / stiffer, expected, expected, "strain");
@@ -156,7 +158,7 @@ fn stiff_membranes_move_as_rigid_bodies() {
 
 #[test]
 fn solutions_do_not_depend_on_the_number_of_threads() {
-    // So many vertices that threads are worth starting.
+    // So many vertices that several threads are used.
     let mesh = ball(4);
     let run = |threads| {
         let setup = Setup {

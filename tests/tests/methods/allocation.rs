@@ -19,7 +19,7 @@ fn the_counter_counts() {
     assert_eq!(allocations(|| ()), 0);
 }
 
-/// A mesh, and the same one moved.
+/// A mesh, and the same mesh with other positions.
 struct Allocation {
     mesh: Mesh,
     moved: Mesh,
@@ -196,7 +196,7 @@ fn matrices_are_refilled_in_place() {
     assert_eq!(fill(&moved), 0);
 }
 
-/// An in-plane law over a mesh as its own reference.
+/// In-plane law whose reference is the mesh itself.
 #[derive(Clone, Copy)]
 struct Elastic<'a>(&'a Mesh);
 

@@ -1,4 +1,4 @@
-//! Corrected curvature measures: where they are exact, how they converge, and what they leave out.
+//! Corrected curvature measures: exact cases, orders of convergence, and vertices without values.
 
 use helfrich::{CorrectedCurvature, Curvature, Finding, Prepared, VertexKind, VertexNormals};
 use helfrich_std::generate::{Family, generate};
@@ -18,8 +18,9 @@ fn curvatures(method: CorrectedCurvature, mesh: &Mesh) -> Vec<Curvature<f64>> {
     prepared.curvatures(mesh.surface()).to_vec()
 }
 
-/// The averaged normal of a regular solid is that of its sphere, and the measures of a triangle with
-/// normals x/R are exact: H = 1/R, K = 1/R², positive with the triangles counter-clockwise from outside.
+/// On regular solids the averaged normals are those of the circumscribed sphere, and the measures of a
+/// triangle with normals x/R are exact: H = 1/R, K = 1/R², positive if triangles are counterclockwise from
+/// outside.
 #[test]
 fn regular_solids_have_the_curvature_of_their_sphere() {
     for (name, solid) in [
@@ -39,7 +40,7 @@ fn regular_solids_have_the_curvature_of_their_sphere() {
     }
 }
 
-/// Largest relative errors of H and K on meshes of a shape, each finer than the last.
+/// Largest relative errors of H and K on two meshes of a shape.
 fn errors(
     method: CorrectedCurvature,
     shape: &str,
@@ -60,13 +61,13 @@ fn errors(
     })
 }
 
-/// The orders of H and K as the edge length is quartered.
+/// Orders of H and K between two meshes whose edge lengths have the ratio four.
 fn orders(errors: [[f64; 2]; 2]) -> [f64; 2] {
     let [coarse, fine] = errors;
     [0, 1].map(|k| (coarse[k] / fine[k]).log2() / 2.0)
 }
 
-/// With normals of fourth order what is left is the interpolation: second order where triangles are
+/// With normals of fourth order, only the interpolation's error remains: second order where triangles are
 /// arranged evenly, first order on any mesh.
 #[test]
 fn fitted_normals_converge_at_every_vertex() {
@@ -93,7 +94,7 @@ fn averaged_normals_converge_on_an_even_torus() {
     }
 }
 
-/// At boundaries nothing is defined, and where there is no area, this is said.
+/// Boundary vertices have no curvature, and a finding reports vertices without area.
 #[test]
 fn what_is_left_out_is_reported() {
     let solid = icosahedron();

@@ -1,10 +1,10 @@
-//! Every file of the library that has a method is in the suite of laws.
+//! Every file of the library that implements a method is in the suite of laws.
 
 use helfrich_tests::laws::{Candidate, Law, for_each};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The library's files whose formulas the laws of methods run through.
+/// Modules of the library whose formulas the laws of methods evaluate.
 struct Covered(Vec<&'static str>);
 
 impl Law for Covered {
@@ -13,7 +13,7 @@ impl Law for Covered {
     }
 }
 
-/// The modules of a folder of the library that have a method in them.
+/// Modules in a folder of the library that implement a method.
 fn method_modules(folder: &str) -> Vec<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../core/src")

@@ -1,4 +1,4 @@
-//! Loops on several threads and in wide vectors: the bits of the loop in the core.
+//! Loops on several threads and in wide vectors give the bits of the serial loop in the core.
 
 use helfrich::element::{ElementKernel, Execution, SlotKernel, Slots, Strided};
 use helfrich::{
@@ -13,7 +13,7 @@ use helfrich_tests::tolerance::Tolerance;
 use std::fmt::Debug;
 use std::num::NonZeroUsize;
 
-/// Forces of one method in two orders of the vertices, over the largest of them.
+/// Forces of one method in two orders of the vertices, relative to the largest.
 const REORDERED: Tolerance = Tolerance::new(
     1e-12,
     "rounding of positions in a fourth derivative: 1e-16 over the fourth power of an edge of a tenth",
@@ -25,7 +25,7 @@ fn threads() -> impl Iterator<Item = Parallel> {
     })
 }
 
-/// Slots in runs of changing length, all with the same scratch memory.
+/// Execution in runs of varying numbers of slots, which all use the same scratch memory.
 #[derive(Debug)]
 struct Piecemeal;
 
@@ -67,17 +67,17 @@ impl Execution for Piecemeal {
     }
 }
 
-/// A mesh so uneven that neighbours of one vertex carry a fit and those of the next do not.
+/// Mesh so uneven that whether neighbours determine a fit changes from vertex to vertex.
 fn uneven() -> Mesh {
     icosphere(3).map(|x| [0, 1, 2].map(|k| x[k] + 0.05 * (57.0 * x[(k + 1) % 3]).sin()))
 }
 
-/// Large enough that threads are used, in an order that is no order.
+/// Mesh large enough for threads, in random vertex order.
 fn large() -> Mesh {
     torus(110, 56).map(bent).relabelled(7).0
 }
 
-/// The same numbers, with NaN like itself.
+/// Checks that two values have the same numbers, where NaN equals NaN.
 fn assert_same<V: Debug>(found: &V, expected: &V, what: &str) {
     let (found, expected) = (format!("{found:?}"), format!("{expected:?}"));
     assert!(found == expected, "{what}: not the bits of the serial loop");
@@ -104,7 +104,7 @@ impl SameBits<'_> {
             assert_same(&found, &expected, &what);
             assert_same(&prepared.energy(surface), &energy, &what);
         }
-        // What is set in one run does not matter either.
+        // Scratch memory carries nothing over from run to run.
         let what = format!("{name}, {place}, piecemeal");
         let mut found = start.clone();
         let mut prepared = Prepared::with_execution(method(), &mesh.connectivity, Piecemeal);
@@ -135,8 +135,8 @@ impl Law for SameBits<'_> {
     fn check<C: Candidate>(&mut self, candidate: C) {
         let name = candidate.name();
         self.check_in(name, || candidate.method(1.0_f64));
-        // Slow methods take long over many vertices, and do nothing else in single precision; a thousand
-        // are enough for threads in loops over vertices.
+        // Slow methods take long on many vertices, and f32 runs the same loops; a thousand vertices are
+        // enough for threads in loops over vertices.
         if self.1.positions.len() < 3000 {
             self.check_in(name, || candidate.method(1.0_f32));
         }
@@ -184,7 +184,7 @@ fn every_method_has_the_bits_of_the_serial_loop() {
     }
 }
 
-/// Forces of every method in another order of vertices and triangles.
+/// Forces of every method are the same in another order of vertices and triangles.
 struct Ordered<'a>(&'a Mesh);
 
 impl Law for Ordered<'_> {
@@ -235,7 +235,7 @@ fn each_slot_is_set_once_and_by_its_number() {
             let mut triple = vec![0; 3 * count];
             let output = (&mut single[..], Strided::new(&mut triple, 3));
             assert_eq!(output.count(), count);
-            // Slow enough for threads.
+            // Each entry is slow enough to be worth threads.
             execution.map(output, |k, (single, triple)| {
                 let mut sum = 0.0_f64;
                 for step in 0..2000 {
@@ -269,7 +269,7 @@ fn sums_do_not_depend_on_the_execution() {
     }
 }
 
-/// Points all around, at small and at large distances.
+/// Points at angles all around, at small and at large distances.
 fn points() -> impl Iterator<Item = (f64, f64)> {
     let angles = (0..=20_000).map(|k| f64::from(k) * 3.2e-4 - 3.2);
     angles.flat_map(|angle: f64| {
@@ -314,7 +314,7 @@ fn arctangents_on_the_axes_and_at_the_origin() {
     assert!(Lane::atan2(1.0, f64::NAN).is_nan());
 }
 
-/// The number of threads belongs to the work for which it was chosen, and to its thread.
+/// The number of threads is set for one piece of work on one thread, and restored after it.
 #[test]
 fn work_has_the_threads_that_it_is_given() {
     let count = |threads| NonZeroUsize::new(threads).unwrap();

@@ -1,5 +1,5 @@
-//! Stiffness, mass, gradient and divergence of linear finite elements: their laws on closed and open
-//! meshes, in both precisions.
+//! Stiffness, mass, gradient and divergence of linear finite elements: their laws on closed and open meshes,
+//! in f32 and f64.
 
 use autodiff::F1;
 use helfrich::{
@@ -15,27 +15,28 @@ use helfrich_tests::tolerance::{self, Tolerance};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
-/// Stiffness, mass, gradient and divergence in two ways, relative to ε times the sum of the absolute
-/// terms, each with the condition `l²/2A` of its triangle.
+/// Stiffness, mass, gradient and divergence computed in two ways, relative to ε times the sum of the absolute
+/// terms, each multiplied by the condition `l²/2A` of its triangle.
 const FINITE_ELEMENTS: Tolerance = Tolerance::new(
     32.0,
     "edges, normal and area of a triangle round a few times each, and a vertex has a dozen triangles",
 );
 
-/// l (l + 1) by Rayleigh quotients of spherical harmonics on a sphere of 2562 vertices, relative.
+/// Eigenvalues l (l + 1) from Rayleigh quotients of spherical harmonics on a sphere of 2562 vertices,
+/// relative.
 const RAYLEIGH_QUOTIENT: Tolerance = Tolerance::new(
     2e-2,
-    "second order: edges of 0.07 in waves of length 2π/l, squared, and l = 3 at most",
+    "second order: edges of 0.07 and waves of length 2π/l with l ≤ 3, squared",
 );
 
 const KINDS: [DualArea; 3] = [DualArea::Mixed, DualArea::Voronoi, DualArea::Barycentric];
 
-/// The kind of areas does not matter.
+/// Operator with mixed areas; finite elements do not use them.
 const ELEMENTS: Cotangent = Cotangent {
     area: DualArea::Mixed,
 };
 
-/// A surface in one precision, with its numbers in the other.
+/// Surface in the precision T, with the same positions in f64.
 struct Elements<'a, T> {
     mesh: &'a TriangleMesh,
     positions: Vec<[T; 3]>,
@@ -76,7 +77,7 @@ impl<'a, T: Real + Into<f64>> Elements<'a, T> {
         divergence
     }
 
-    /// A field between −1 and 1.
+    /// Random field with values between −1 and 1.
     fn field(&self, random: &mut SplitMix64) -> Vec<T> {
         let vertices = 0..self.positions.len();
         vertices.map(|_| T::constant(random.symmetric())).collect()
@@ -90,14 +91,14 @@ impl<'a, T: Real + Into<f64>> Elements<'a, T> {
         })
     }
 
-    /// ε l²/2A of each triangle, with its longest edge l: the rounding of a cotangent.
+    /// Rounding ε l²/2A of the cotangents of each triangle, with its longest edge l.
     fn roundings(&self) -> Vec<f64> {
         let epsilon: f64 = T::epsilon().into();
         let rounding = |x: [[f64; 3]; 3]| epsilon * longest(x).powi(2) / norm(area_vector(x));
         self.corners().map(|(_, x)| rounding(x)).collect()
     }
 
-    /// The sums of one number of each triangle around each vertex.
+    /// For each vertex, sum of one number per triangle over its triangles.
     fn at_vertices(&self, of_triangles: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.positions.len()];
         for ((corners, _), number) in self.corners().zip(of_triangles) {
@@ -109,7 +110,7 @@ impl<'a, T: Real + Into<f64>> Elements<'a, T> {
     }
 }
 
-/// The normal with twice the area as its length.
+/// Normal whose length is twice the area.
 fn area_vector([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
     cross(difference(b, a), difference(c, a))
 }
@@ -129,7 +130,8 @@ fn product<T: Real + Into<f64>>(x: &[f64], matrix: &SparseMatrix<T>, y: &[f64]) 
     terms.sum()
 }
 
-/// Compressed rows of each vertex and its neighbours, in order, and the same read by columns.
+/// Checks that rows are compressed, with sorted columns for each vertex and its neighbours, and that the
+/// transpose reads the same pattern.
 fn assert_form<T: Real>(matrix: &SparseMatrix<T>, mesh: &TriangleMesh) {
     let vertices = mesh.vertex_count();
     let mut pattern = BTreeSet::from_iter((0..vertices).map(|vertex| (vertex, vertex)));
@@ -157,7 +159,7 @@ fn assert_form<T: Real>(matrix: &SparseMatrix<T>, mesh: &TriangleMesh) {
     }
 }
 
-/// Stiffness: form, rows that sum to zero, `φ·S φ = ∫ |∇φ|²`, `S = −div grad`.
+/// Laws of the stiffness matrix: its form, rows that sum to zero, `φ·S φ = ∫ |∇φ|²`, `S = −div grad`.
 fn stiffness_laws<T: Real + Into<f64>>(mesh: &Mesh, seed: u64) {
     let elements = Elements::<T>::new(mesh);
     let stiffness = elements.stiffness();
@@ -200,7 +202,7 @@ fn stiffness_laws<T: Real + Into<f64>>(mesh: &Mesh, seed: u64) {
     );
 }
 
-/// Mass: form, rows that sum to areas, `φ·M ψ = ∫ φ ψ`.
+/// Laws of the mass matrix: its form, rows that sum to areas, `φ·M ψ = ∫ φ ψ`.
 fn mass_laws<T: Real + Into<f64>>(mesh: &Mesh, seed: u64) {
     let elements = Elements::<T>::new(mesh);
     let mass = elements.mass();
@@ -216,7 +218,7 @@ fn mass_laws<T: Real + Into<f64>>(mesh: &Mesh, seed: u64) {
     let area = elements.surface().area().into();
     FINITE_ELEMENTS.assert(total, area, epsilon * area, "sum of all");
 
-    // Midpoints of edges integrate quadratic functions exactly.
+    // The rule of edge midpoints integrates quadratic functions exactly.
     let mut random = SplitMix64::new(seed);
     let [f, g] = [(); 2].map(|()| in_double(&elements.field(&mut random)));
     let (mut integral, mut scale) = (0.0, 0.0);
@@ -226,13 +228,13 @@ fn mass_laws<T: Real + Into<f64>>(mesh: &Mesh, seed: u64) {
             let (i, j) = (corners[k], corners[(k + 1) % 3]);
             integral += sixth * 0.25 * (f[i] + f[j]) * (g[i] + g[j]);
         }
-        // The area's own rounding.
+        // The area itself is rounded.
         scale += epsilon * longest(x).powi(2);
     }
     FINITE_ELEMENTS.assert(product(&f, &mass, &g), integral, scale, "∫ φ ψ");
 }
 
-/// The gradient of a·x is the tangential part of a.
+/// Checks that the gradient of a·x is the tangential part of a.
 fn gradient_laws<T: Real + Into<f64>>(mesh: &Mesh, seed: u64) {
     let elements = Elements::<T>::new(mesh);
     let along = SplitMix64::new(seed).directions(1)[0].map(T::constant);
@@ -246,14 +248,14 @@ fn gradient_laws<T: Real + Into<f64>>(mesh: &Mesh, seed: u64) {
         let part = dot(along, vector) / dot(vector, vector);
         let expected = [0, 1, 2].map(|k| along[k] - part * vector[k]);
         let error = norm(difference(gradient.map(Into::into), expected));
-        // The values of the field are rounded, too, and differences of them divided by a height.
+        // The values of the field are rounded, and the gradient divides their differences by a height.
         let distance = x.into_iter().map(norm).fold(0.0, f64::max);
         let scale = rounding * (1.0 + distance / longest(x));
         FINITE_ELEMENTS.assert(error, 0.0, scale, "∇(a·x)");
     }
 }
 
-/// The divergence of any vectors is minus the adjoint of the gradient, and sums to zero.
+/// Checks that the divergence of any vectors is minus the adjoint of the gradient and sums to zero.
 fn divergence_laws<T: Real + Into<f64>>(mesh: &Mesh, seed: u64) {
     let elements = Elements::<T>::new(mesh);
     let mut random = SplitMix64::new(seed);
@@ -274,7 +276,7 @@ fn divergence_laws<T: Real + Into<f64>>(mesh: &Mesh, seed: u64) {
     FINITE_ELEMENTS.assert(divergence.iter().sum(), 0.0, scale, "∫ div v");
 }
 
-/// `−Δ_S φ` is S φ divided by areas, and of positions `2 H n`.
+/// Checks that `−Δ_S φ` is S φ divided by areas, and `2 H n` for φ = x.
 fn operator_laws(mesh: &Mesh, seed: u64) {
     let elements = Elements::<f64>::new(mesh);
     let field = SplitMix64::new(seed).directions(mesh.positions.len());
@@ -375,7 +377,7 @@ fn positive_semidefinite_also_where_cotangent_sums_are_negative() {
     assert!(negative > 0, "every cotangent sum is positive");
 }
 
-/// On a flat sheet the divergence of v = x is 2, times a third of the triangles around a vertex.
+/// On a flat sheet, the divergence of v = x is 2, times a third of the area of the triangles around a vertex.
 #[test]
 fn divergence_of_positions_in_the_plane() {
     let jittered = Rough {
@@ -393,7 +395,7 @@ fn divergence_of_positions_in_the_plane() {
     let mut compared = 0;
     for (vertex, found) in elements.divergence(&vectors).into_iter().enumerate() {
         if flat.connectivity.vertex_kind(vertex) == VertexKind::Interior {
-            // A dozen terms: a vector of length 1 at most times half an edge.
+            // A dozen terms, each a vector of length 1 at most times half an edge.
             let scale = f64::EPSILON * flat.edge_length();
             FINITE_ELEMENTS.assert(found, 2.0 * areas[vertex], scale, "∫ div x");
             compared += 1;
@@ -405,8 +407,8 @@ fn divergence_of_positions_in_the_plane() {
 /// A function on the sphere.
 type Harmonic = fn([f64; 3]) -> f64;
 
-/// Rayleigh quotients of spherical harmonics tend to l (l + 1) with the square of the edge length,
-/// with each kind of mass.
+/// Rayleigh quotients of spherical harmonics converge to l (l + 1) in second order in the edge length, with
+/// each kind of mass matrix.
 #[test]
 fn eigenvalues_of_the_sphere() {
     let harmonics: [(f64, Harmonic); 3] = [
@@ -441,8 +443,8 @@ fn eigenvalues_of_the_sphere() {
     let (coarse, fine) = (errors(3), errors(4));
     for (case, (coarse, fine)) in coarse.into_iter().zip(fine).enumerate() {
         RAYLEIGH_QUOTIENT.assert(fine, 0.0, 1.0, &format!("eigenvalue {case}"));
-        // With areas on the diagonal l = 1 is exact: x·S x is twice the area, as of any surface,
-        // Σ A_i |x_i|² is the area, as of any partition on this sphere, and all axes are alike.
+        // With areas on the diagonal, l = 1 is exact: x·S x is twice the area, as for any surface, and Σ A_i
+        // |x_i|² is the area, as for any partition of this sphere; by symmetry, all axes are alike.
         if [1, 2, 3].contains(&case) {
             tolerance::SAME.assert(fine, 0.0, 1.0, "l = 1");
             continue;
@@ -455,7 +457,7 @@ fn eigenvalues_of_the_sphere() {
     }
 }
 
-/// A triangle without area contributes nothing, and a vertex without triangles has an empty row.
+/// A triangle without area contributes nothing, and an isolated vertex has an empty row.
 #[test]
 fn triangles_without_area_and_isolated_vertices() {
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -485,7 +487,7 @@ fn triangles_without_area_and_isolated_vertices() {
     assert_eq!(divergence, [0.5, -0.5, 0.0, 0.0, 0.0]);
 }
 
-/// The same bits on several threads and in wide vectors.
+/// Several threads and wide vectors give the same bits as the serial loop.
 #[test]
 fn executions_agree() {
     for mesh in [icosphere(4).map(bent), sheet(40).map(bent)] {

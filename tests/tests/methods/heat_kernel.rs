@@ -1,4 +1,4 @@
-//! Method D: the behaviour that it has, stall and divergence included.
+//! Method D: its known behaviour, including where it stalls and diverges.
 
 use helfrich::laplacian::LaplaceBeltrami;
 use helfrich::{Bandwidth, Curvature, Curvatures, HeatKernel, Method, Rows, Serial, StrongForm};
@@ -7,18 +7,18 @@ use helfrich_tests::accuracy::{StrongFormErrors, of_strong_form, surface};
 use helfrich_tests::laws::{check_operator, findings_on_small_meshes};
 use helfrich_tests::tolerance::{self, Tolerance};
 
-/// Two entries of a symmetric matrix that are computed apart, relative to themselves.
+/// Two entries of a symmetric matrix that are computed separately, relative to their value.
 const SYMMETRY: Tolerance = Tolerance::new(
     1e-13,
-    "products of a few factors, in another order; the exponential's argument reaches 36 and \
-     multiplies its rounding by that",
+    "products of a few factors, in another order; the exponential's argument is up to 36 and multiplies \
+     its rounding by that",
 );
 
 fn made(family: Family, vertices: usize) -> GeneratedMesh {
     generate(&"discocyte".parse().unwrap(), family, vertices, 1).unwrap()
 }
 
-/// As published: a bandwidth of the mixed area of each vertex.
+/// Bandwidth as published: the mixed area of each vertex.
 fn published() -> HeatKernel<f64> {
     HeatKernel::new(Bandwidth::MixedArea(1.0))
 }
@@ -41,7 +41,8 @@ fn tiny_and_open_meshes_give_finite_values() {
     findings_on_small_meshes(published());
 }
 
-/// Nothing converges as published: f neither grows nor falls on regular meshes, and grows on irregular ones.
+/// With the published bandwidth nothing converges: f hardly falls on regular meshes, and grows on irregular
+/// ones.
 #[test]
 fn force_density_stalls_on_regular_and_diverges_on_irregular_meshes() {
     let found = [642, 2562, 10242].map(|n| on_discocyte(Family::Regular, n));
@@ -55,8 +56,8 @@ fn force_density_stalls_on_regular_and_diverges_on_irregular_meshes() {
     assert!(found[2].force_density.max > 10.0 * found[0].force_density.max);
 }
 
-/// The two sides of the dimple are 0.2 R apart, and the kernel reaches further than that: were
-/// vertices found through space, H would be wrong by as much as it is.
+/// The two sides of the dimple are 0.2 R apart, within the kernel's range: if vertices were found by distance
+/// in space, the error of H would be of the order of H.
 #[test]
 fn sheets_that_lie_close_together_are_not_coupled() {
     let made = made(Family::Regular, 2562);
@@ -89,8 +90,8 @@ fn sheets_that_lie_close_together_are_not_coupled() {
     );
 }
 
-/// A bandwidth that shrinks more slowly than the triangles makes H converge where one of a fixed
-/// number of triangles does not: on irregular meshes.
+/// On irregular meshes, a bandwidth that shrinks more slowly than the triangles gives much smaller errors of
+/// Δ_S H than one of a fixed number of triangles.
 #[test]
 fn a_wider_kernel_smooths_irregular_meshes() {
     let made = made(Family::Irregular, 2562);
@@ -101,7 +102,7 @@ fn a_wider_kernel_smooths_irregular_meshes() {
     assert!(wide.laplacian_of_mean.max < 0.2 * narrow.laplacian_of_mean.max);
 }
 
-/// With one bandwidth for all, `A_i c_ij = A_j c_ji` with barycentric areas.
+/// With one bandwidth for all vertices, `A_i c_ij = A_j c_ji` with barycentric areas.
 #[test]
 fn a_global_bandwidth_gives_a_symmetric_operator() {
     let made = made(Family::Regular, 642);

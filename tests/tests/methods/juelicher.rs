@@ -1,4 +1,4 @@
-//! Jülicher's method: exact gradient, and the errors that it has.
+//! Jülicher's method: exact gradient, and its known errors.
 
 use autodiff::F1;
 use helfrich::{Juelicher, Prepared};
@@ -53,7 +53,7 @@ fn energy_converges_on_regular_meshes_and_stalls_on_irregular_ones() {
     assert!((1.01..1.04).contains(&(energy / DISCOCYTE)));
 }
 
-/// At the valence-5 vertices of an icosphere H is 14.6 % wrong, however fine the mesh.
+/// At the valence-5 vertices of an icosphere, H is 14.6 % wrong at any refinement.
 #[test]
 fn mean_curvature_on_a_sphere_is_wrong_where_five_edges_meet() {
     for vertices in [642, 2562] {
@@ -66,7 +66,7 @@ fn mean_curvature_on_a_sphere_is_wrong_where_five_edges_meet() {
     }
 }
 
-/// f = F/A diverges as method A's: four times as large on a mesh twice as fine.
+/// f = F/A diverges like that of method A: it is four times as large on a mesh with half the edge length.
 #[test]
 fn force_density_diverges() {
     let error = [2562, 10242].map(|vertices| {
@@ -79,7 +79,7 @@ fn force_density_diverges() {
     assert!((-2.2..-1.8).contains(&order), "order {order} of {error:?}");
 }
 
-/// With the curvature of a sphere as spontaneous curvature little energy is left.
+/// A spontaneous curvature close to the curvature leaves little energy, and forces remain the gradient.
 #[test]
 fn spontaneous_curvature() {
     let made = made("discocyte", Family::Irregular, 162);

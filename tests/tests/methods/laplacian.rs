@@ -1,4 +1,4 @@
-//! The laws of operators, over every operator, and those of the cotangent operator.
+//! Laws of operators, applied to every operator, and laws of the cotangent operator.
 
 use helfrich::{Cotangent, DualArea, GompperKroll, Jet, Prepared, Rows, Serial, VertexKind};
 use helfrich_tests::laws::{
@@ -16,7 +16,7 @@ use proptest::prelude::*;
 /// H R on inscribed meshes, relative to ε R² Σ|cot|/|A|.
 const SPHERE_EXACT: Tolerance = Tolerance::new(
     4.0,
-    "positions lie on the sphere to ε R, and each cotangent multiplies such an error of a difference",
+    "positions lie on the sphere up to ε R, and each cotangent multiplies the error of a difference",
 );
 
 /// Δ_S x against −2 n on the icosphere of 2562 vertices, largest error.
@@ -39,7 +39,8 @@ fn dual_areas(kind: DualArea, mesh: &Mesh) -> Vec<f64> {
     areas
 }
 
-/// Σ |cot| of the angles that a vertex's operator uses, by angles: independent of the library.
+/// Σ |cot| of the angles that the operator uses at each vertex, computed from the angles, independently of
+/// the library.
 fn cotangent_sums(mesh: &Mesh) -> Vec<f64> {
     let mut sums = vec![0.0; mesh.positions.len()];
     for &triangle in mesh.connectivity.triangles() {
@@ -123,7 +124,7 @@ proptest! {
     }
 }
 
-/// Σ K_i A_i = 2πχ.
+/// Checks Σ K_i A_i = 2πχ.
 fn assert_gauss_bonnet(mesh: &Mesh) {
     let expected = std::f64::consts::TAU * mesh.connectivity.euler_characteristic() as f64;
     for kind in KINDS {
@@ -211,7 +212,7 @@ fn spheres_with_negative_areas_are_exact() {
             vertices += inscribed.mesh().positions.len();
         }
     }
-    // The law would be empty if the rule left out much, or no area were negative.
+    // The law would be empty if many vertices were left out, or if no area were negative.
     assert!(
         compared * 100 >= vertices * 99,
         "{compared} of {vertices} compared"
@@ -256,9 +257,9 @@ fn linear_and_quadratic_functions_on_a_flat_patch() {
     }
 }
 
-/// Δ_S x = −2 n/R, Δ_S (3z² − 1) = −6 (3z² − 1)/R²: eigenfunctions on the sphere.
+/// Δ_S x = −2 x/R² and Δ_S (3z² − 1) = −6 (3z² − 1)/R²: eigenfunctions on the sphere.
 ///
-/// The error of the first is tangential, for along n the operator is exact, and of first order.
+/// The error of the first is tangential and of first order, because along n the operator is exact.
 #[test]
 fn eigenfunctions_of_the_sphere() {
     let mut before = [f64::INFINITY; 2];
@@ -286,7 +287,7 @@ fn eigenfunctions_of_the_sphere() {
     assert!(before[1] < EIGENFUNCTION_MEAN.value);
 }
 
-/// The weights that Meyer et al. give the corners of an obtuse triangle.
+/// Areas that Meyer et al. assign to the corners of an obtuse triangle.
 #[test]
 fn mixed_areas_of_an_obtuse_triangle() {
     let positions = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
@@ -297,7 +298,8 @@ fn mixed_areas_of_an_obtuse_triangle() {
     assert_eq!(dual_areas(DualArea::Voronoi, &obtuse), [-0.25, 0.25, 2.0]);
 }
 
-/// On a mesh that is stretched, the nearest vertices are many edges away in one direction.
+/// On a stretched mesh, rows contain the vertices nearest in space, which are many edges away in one
+/// direction.
 #[test]
 fn rows_of_jets_have_the_nearest_vertices_of_stretched_meshes() {
     let mesh = icosphere(3).map(|[x, y, z]| [2.0 * x, y, z]);
@@ -321,15 +323,15 @@ fn rows_of_jets_have_the_nearest_vertices_of_stretched_meshes() {
     }
 }
 
-/// Jets by normal equations against those by orthogonal factorisations, H and K relative to the
-/// curvature of a sphere, rows to their largest entries.
+/// Jets by normal equations against jets by orthogonal factorisation: H and K relative to the curvature of a
+/// sphere, rows relative to their largest entries.
 const BOTH_SOLUTIONS: Tolerance = Tolerance::new(
     1e-10,
-    "normal equations square a condition number, which is up to a thousand",
+    "normal equations square the condition number, which is up to a thousand",
 );
 
-/// Fits by normal equations are those by orthogonal factorisations, which serve fits whose accepted
-/// condition is too bad for the equations.
+/// Fits by normal equations agree with fits by orthogonal factorisation, which are used where the condition
+/// number is acceptable but too large for normal equations.
 #[test]
 fn jets_of_both_solutions_agree() {
     let mesh = icosphere(3).map(bent);
@@ -341,7 +343,7 @@ fn jets_of_both_solutions_agree() {
             };
             Measured::new(jet, &mesh)
         };
-        // Both accept every fit; equations are refined once, and not at all.
+        // Both accept every fit; the two conditionings give solutions with one refinement and with none.
         let factorised = with(1e-8);
         for conditioning in [1e-5, 1e-3] {
             let normal = with(conditioning);
@@ -364,8 +366,8 @@ fn jets_of_both_solutions_agree() {
     }
 }
 
-/// No vertex within two edges is left out that is nearer than one of a row: the search, on meshes with
-/// and without equal distances.
+/// A row omits no vertex within two edges that is nearer than one of its own, on meshes with and without
+/// equal distances.
 #[test]
 fn rows_of_jets_have_the_nearest_vertices() {
     let uneven = |x: [f64; 3]| [0, 1, 2].map(|k| x[k] + 0.05 * (57.0 * x[(k + 1) % 3]).sin());
@@ -393,7 +395,7 @@ fn rows_of_jets_have_the_nearest_vertices() {
             let ring = connectivity.one_ring(vertex).iter();
             for near in ring.flat_map(|&v| connectivity.one_ring(v as usize)) {
                 let known = *near as usize == vertex || columns.binary_search(near).is_ok();
-                // Distances that agree in six digits count as the same.
+                // Distances that agree to six digits count as equal.
                 assert!(
                     known || to(near) >= farthest * (1.0 - 4e-6),
                     "vertex {vertex}"

@@ -1,4 +1,4 @@
-//! The laws of methods, over every method.
+//! Laws of methods, applied to every method.
 
 use helfrich::{Cotangent, DualArea, Finding, GompperKroll, KantorNelson, StrongForm, VertexKind};
 use helfrich_tests::laws::{
@@ -16,8 +16,8 @@ use proptest::prelude::*;
 /// Net force and torque of the strong form on a smooth mesh of 642 vertices, relative to Σ|F|.
 const STRONG_BALANCE: Tolerance = Tolerance::new(
     4e-3,
-    "forces are pointwise values times areas, no gradient: they balance as the mesh is refined, those \
-     of the heat kernel of a quarter of an area least of all",
+    "forces are pointwise values times areas and no gradient: they balance as the mesh is refined, those \
+     of the heat kernel of a quarter of an area least well",
 );
 
 proptest! {
@@ -63,13 +63,13 @@ proptest! {
         }));
         let scale = 2.0_f64.powf((f64::from(exponent) * 10.0 / 3.0).round());
         for_each(&mut ScaleFreeSingle(ScaleFree { mesh, scale, modulus: 1.0 }));
-        // A cell in metres, its modulus in joules: smaller products than these would underflow.
+        // A cell in metres, with its modulus in joules: smaller products than these would underflow.
         for_each(&mut ScaleFreeSingle(ScaleFree { mesh, scale: 4e-6, modulus: 2e-19 }));
     }
 }
 
-/// Turned and relabelled, on rough meshes from twelve vertices on: which neighbours a fit takes depends
-/// on neither.
+/// The choice of neighbours for a fit depends neither on rotation nor on labels, on rough meshes from twelve
+/// vertices on.
 #[test]
 fn motion_and_labels_do_not_matter_to_fits() {
     for base in [Base::Icosphere, Base::Torus, Base::Hemisphere, Base::Disc] {
@@ -90,7 +90,7 @@ fn motion_and_labels_do_not_matter_to_fits() {
 
 #[test]
 fn known_solids_obey() {
-    // Bent, for in the symmetric solids no force is left to compare with.
+    // The solids are bent, because symmetric ones have hardly any force to compare.
     for solid in [tetrahedron(), octahedron(), icosahedron()] {
         let mesh = solid.map(|x| bent(turned(rotation(GENERIC), x)));
         for_each_conservative(&mut Balanced(&mesh));
@@ -121,7 +121,7 @@ fn calibrations_of_the_edge_modulus() {
     }
 }
 
-/// The sign of every force: against a bump on a plane, along the radius nowhere on a sphere.
+/// The sign of every force: it flattens a bump on a plane.
 #[test]
 fn forces_flatten_a_bump() {
     struct Flattens<'a>(&'a Mesh);
@@ -145,7 +145,7 @@ fn forces_flatten_a_bump() {
     for_each(&mut Flattens(&bumped));
 }
 
-/// Method C is no gradient: how far from balance it is, is bounded by the table.
+/// Method C is no gradient; the table bounds its net force and torque.
 #[test]
 fn strong_form_is_nearly_balanced_on_smooth_meshes() {
     struct NearlyBalanced(Mesh);
@@ -161,7 +161,7 @@ fn strong_form_is_nearly_balanced_on_smooth_meshes() {
     for_each(&mut NearlyBalanced(icosphere(3).map(bent)));
 }
 
-/// Spheres where a method is not exact: the energy, and the largest f R³/κ, which should be 0.
+/// Errors on a sphere are within the table: of the energy, and the largest f R³/κ, which should be 0.
 #[test]
 fn spheres_within_the_table() {
     struct OnSphere<'a>(&'a Mesh);
@@ -200,7 +200,7 @@ fn replaced(mesh: &Mesh, vertex: usize, position: [f64; 3]) -> Mesh {
     replaced
 }
 
-/// Surfaces without extent somewhere, with boundary, or with vertices in no triangle.
+/// Surfaces with degenerate triangles, with boundary, or with isolated vertices.
 fn degenerate_meshes() -> Vec<Mesh> {
     let sphere = icosphere(1);
     let neighbours = sphere.connectivity.one_ring(0);
@@ -209,7 +209,8 @@ fn degenerate_meshes() -> Vec<Mesh> {
     let mut isolated = sphere.positions.clone();
     isolated.push([3.0, 0.0, 0.0]);
     vec![
-        // Two vertices in one place; one in the middle of an edge; all in one place; all in a row.
+        // Two vertices at one point; a vertex in the middle of an edge; all vertices at one point; all on a
+        // line.
         replaced(&sphere, 0, first),
         replaced(&sphere, 0, middle),
         sphere.map(|_| [1.0, 2.0, 3.0]),
@@ -242,8 +243,8 @@ fn degenerate_triangles_and_areas_are_reported() {
     struct Reports<'a>(&'a Mesh, Vec<u32>);
     impl Law for Reports<'_> {
         fn check<C: Candidate>(&mut self, candidate: C) {
-            // Jets are fitted to vertices, and the limit surface of Loop subdivision has an area
-            // where a triangle of its control points has none.
+            // Jets are fitted to vertices, not triangles, and the limit surface of Loop subdivision has an
+            // area even where a triangle of its control mesh has none.
             if ["jet", "loop_subdivision"]
                 .iter()
                 .any(|module| candidate.modules().contains(module))
@@ -255,7 +256,7 @@ fn degenerate_triangles_and_areas_are_reported() {
                 Finding::DegenerateTriangle { triangle } => Some(*triangle),
                 _ => None,
             });
-            // The sum of two reports what each of them finds.
+            // A sum of two methods reports the findings of each.
             let mut triangles = Vec::from_iter(triangles);
             triangles.sort_unstable();
             triangles.dedup();
@@ -302,7 +303,7 @@ fn degenerate_triangles_and_areas_are_reported() {
     assert_eq!(negative(GompperKroll::new(1.0)), 0, "mixed areas");
 }
 
-/// Statements about boundaries in the documentation of each method.
+/// Vertices at boundaries get the values that the documentation of each method states.
 #[test]
 fn boundaries_get_the_documented_values() {
     let mesh = hemisphere(2);
@@ -326,8 +327,8 @@ fn boundaries_get_the_documented_values() {
             assert_eq!(curvature.gaussian != 0.0, interior, "K at vertex {vertex}");
         }
     }
-    // B sums over interior vertices, A over interior edges: a flat patch has no energy, with
-    // whatever boundary, and one hinge has that of its angle.
+    // B sums over interior vertices, A over interior edges: a flat patch has no energy, whatever its
+    // boundary, and a single hinge has the energy of its angle.
     let flat = disc(3);
     for energy in [
         energy(GompperKroll::new(1.0), &flat.connectivity, &flat.positions),

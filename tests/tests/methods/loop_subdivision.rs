@@ -1,4 +1,4 @@
-//! Method S: its gradient, its symmetries, and the orders at which it converges.
+//! Method S: its gradient, symmetries, and orders of convergence.
 
 use autodiff::F1;
 use helfrich::bending::ConsistentMemory;
@@ -11,10 +11,10 @@ use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_tests::tolerance::{self, Tolerance};
 use std::array::from_fn;
 
-/// Forces against the energy's derivative by dual numbers, relative to the largest force.
+/// Forces against derivatives of the energy by dual numbers, relative to the largest force.
 const GRADIENT_EXACT: Tolerance = Tolerance::new(
     1e-11,
-    "dual numbers add no truncation; the sums over disturbed meshes cancel to about a thousandth",
+    "dual numbers have no truncation error; sums over disturbed meshes cancel to about a thousandth",
 );
 
 /// Forces against central differences of the energy, relative to the largest force.
@@ -23,16 +23,16 @@ const LOOP_GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
     "fourth-order differences with a step of 2e-4 leave 1e-8 of truncation and 1e-10 of rounding",
 );
 
-/// Net force and torque of a conservative method, relative to the sum of all forces' lengths.
+/// Net force and torque, relative to the sum of the lengths of all forces.
 const LOOP_NET_FORCE: Tolerance = Tolerance::new(
     1e-12,
-    "exact but for the rounding of each force, and of weights whose sums are 0",
+    "exact up to the rounding of each force and of weights whose sums are 0",
 );
 
-/// Energies and forces of a surface that was rotated and moved by about its size, relative.
+/// Energies and forces of a surface that is rotated and translated by about its size, relative.
 const RIGID_MOTION: Tolerance = Tolerance::new(
     1e-11,
-    "positions are rounded anew, and forces are their fourth derivatives",
+    "the moved positions are rounded, and forces are their fourth derivatives",
 );
 
 /// Energy of method S with sharpened or hybrid control points on smooth discocytes, relative.
@@ -42,18 +42,18 @@ const LOOP_DISCOCYTE_642: Tolerance = Tolerance::new(
      the larger curvature); edges differ by a tenth",
 );
 
-/// The same with four times the vertices.
+/// Energy of method S with four times the vertices, relative.
 const LOOP_DISCOCYTE_2562: Tolerance =
-    Tolerance::new(1.5e-3 / 16.0, "fourth order: edges of a half");
+    Tolerance::new(1.5e-3 / 16.0, "fourth order, with edges half as long");
 
-/// The same with sixteen times the vertices.
+/// Energy of method S with sixteen times the vertices, relative.
 const LOOP_DISCOCYTE_10242: Tolerance =
-    Tolerance::new(1.5e-3 / 256.0, "fourth order: edges of a quarter");
+    Tolerance::new(1.5e-3 / 256.0, "fourth order, with edges a quarter as long");
 
 /// Energy of method S in f32 against f64, relative.
 const LOOP_SINGLE: Tolerance = Tolerance::new(
     1e-6,
-    "positions rounded at 6e-8 are differentiated twice, over edges of a twentieth",
+    "positions are rounded at 6e-8, and differentiated twice over edges of a twentieth",
 );
 
 type Positions = Vec<[f64; 3]>;
@@ -93,7 +93,7 @@ fn largest(vectors: &[[f64; 3]]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Points displaced by up to `amplitude`, without any symmetry.
+/// Points with deterministic irregular displacements of up to `amplitude`.
 fn disturbed(positions: &[[f64; 3]], amplitude: f64) -> Positions {
     let number = |k: usize| (((k + 1) as f64 * 12.9898).sin() * 43758.5453).fract();
     let indexed = positions.iter().enumerate();
@@ -110,7 +110,7 @@ fn tetrahedron() -> (TriangleMesh, Positions) {
         [1.0, -1.0, -1.0],
         [-1.0, -1.0, 1.0],
     ];
-    // The list of triangles runs clockwise around these corners' mirror image.
+    // The triangles are clockwise for these corners, so the corners are mirrored.
     let mirrored = corners.map(|[x, y, z]: [f64; 3]| [-x, y, z]);
     (TriangleMesh::new(4, triangles).unwrap(), mirrored.to_vec())
 }
@@ -127,7 +127,7 @@ fn octahedron() -> (TriangleMesh, Positions) {
     (TriangleMesh::new(6, sides.collect()).unwrap(), positions)
 }
 
-/// A sphere with a hole: the triangles at some vertices are left out.
+/// Sphere with holes: the triangles around two vertices are left out.
 fn with_hole() -> (TriangleMesh, Positions) {
     let made = make("discocyte", Family::Smooth, 162);
     let kept = made.mesh.triangles().iter();
@@ -136,7 +136,7 @@ fn with_hole() -> (TriangleMesh, Positions) {
     (mesh, made.positions)
 }
 
-/// Closed and open, of all valences, tiny and not.
+/// Closed and open meshes with vertices of all valences, small and large.
 fn meshes() -> Vec<(&'static str, TriangleMesh, Positions)> {
     let generated = |shape, family, vertices| {
         let made = make(shape, family, vertices);
@@ -158,7 +158,7 @@ fn meshes() -> Vec<(&'static str, TriangleMesh, Positions)> {
     .into()
 }
 
-/// One component of the forces' gradient by a dual number in one coordinate.
+/// Derivative of the energy with respect to one coordinate, by a dual number.
 fn slope(
     method: &Prepared<F1, LoopSubdivision<F1>>,
     mesh: &TriangleMesh,
@@ -206,7 +206,7 @@ fn forces_match_finite_differences() {
                     moved[vertex][axis] += step;
                     method.energy(Surface::new(&mesh, &moved).unwrap())
                 };
-                // Fourth order.
+                // Fourth-order central difference.
                 let h = 2e-4;
                 let difference =
                     (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
@@ -244,7 +244,7 @@ fn motions_and_scale_change_what_they_must() {
         for controls in ControlPoints::ALL {
             let (energy, force) = forces(controls, &mesh, &positions);
             let largest = largest(&force);
-            // Powers of two are exact.
+            // Scaling by powers of two is exact.
             for exponent in [-40, 40] {
                 let scale = 2f64.powi(exponent);
                 let scaled = positions.iter().map(|x| x.map(|x| scale * x)).collect();
@@ -292,7 +292,8 @@ fn interpolated_surfaces_pass_through_the_nodes() {
     }
 }
 
-/// The surface over triangles with several extraordinary corners is that of the refined mesh.
+/// If triangles have several extraordinary corners, refining them within the plan gives the energy of the
+/// refined mesh.
 #[test]
 fn refinement_within_the_plan_changes_nothing_but_the_points() {
     let (mesh, positions) = octahedron();
@@ -359,13 +360,13 @@ fn energy_on_smooth_discocytes() {
     }
 }
 
-/// ln(e₁/e₂)/ln√(N₂/N₁).
+/// Order ln(e₁/e₂)/ln√(N₂/N₁).
 fn order(coarse: f64, fine: f64, vertices: [usize; 2]) -> f64 {
     (coarse / fine).ln() / (vertices[1] as f64 / vertices[0] as f64).sqrt().ln()
 }
 
-/// Errors on a torus with R/r = 2, the largest of any node: of the energy, the consistent and the
-/// lumped force density, and the mean curvature.
+/// Number of vertices, and errors on a torus with R/r = 2: of the energy, and the largest over the nodes of
+/// the consistent and the lumped force density and of the mean curvature.
 fn errors_on_torus(vertices: usize) -> (usize, [f64; 4]) {
     let made = make("torus", Family::Regular, vertices);
     let count = made.positions.len();
@@ -415,14 +416,14 @@ fn orders_on_the_torus() {
     for pair in found.windows(2) {
         let [(coarse, before), (fine, after)] = [pair[0], pair[1]];
         let orders: [f64; 4] = from_fn(|k| order(before[k], after[k], [coarse, fine]));
-        // Second derivatives of a quartic spline at a node are of second order only.
+        // At a node, second derivatives of a quartic spline are only of second order.
         for (order, least) in orders.iter().zip([3.7, 3.7, 3.3, 1.9]) {
             assert!(*order >= least, "{orders:?} from {before:?} to {after:?}");
         }
     }
 }
 
-/// Largest error of H at any node, and the relative ones of area and volume.
+/// Largest error of H over the nodes, and relative errors of area and volume.
 fn errors_on_discocyte(vertices: usize) -> [f64; 3] {
     let made = make("discocyte", Family::Smooth, vertices);
     let surface = Surface::new(&made.mesh, &made.positions).unwrap();
@@ -448,8 +449,8 @@ fn errors_on_discocyte(vertices: usize) -> [f64; 3] {
     ]
 }
 
-/// Where every triangle has several extraordinary corners, and all are refined: the solid is convex
-/// and its corners are alike.
+/// Every triangle of the solid has several extraordinary corners, so that all are refined. The solid is
+/// convex, and its corners are equivalent.
 #[test]
 fn corners_of_refined_triangles_have_their_curvature() {
     for (mesh, positions) in [tetrahedron(), octahedron()] {
@@ -457,7 +458,7 @@ fn corners_of_refined_triangles_have_their_curvature() {
         let mut bending = prepared(ControlPoints::default(), &mesh);
         let curvature = bending.curvatures(surface);
         let first = curvature[0];
-        // Positive where normals point outward.
+        // H is positive where normals point outward.
         let outward = dot(first.normal, positions[0]);
         assert!(
             first.mean * outward > 0.0 && first.gaussian > 0.0,
@@ -470,7 +471,7 @@ fn corners_of_refined_triangles_have_their_curvature() {
     }
 }
 
-/// H converges slowly even at extraordinary vertices, where it is a mean; area and volume fast.
+/// H converges slowly, also at extraordinary vertices, where it is an average; area and volume converge fast.
 #[test]
 fn curvature_area_and_volume() {
     let [before, after] = [642, 2562].map(errors_on_discocyte);
@@ -480,7 +481,7 @@ fn curvature_area_and_volume() {
     }
 }
 
-/// Evaluating again gives the same, and so does single precision as far as it goes.
+/// Repeated evaluations agree to the last bit, and f32 agrees within its precision.
 #[test]
 fn evaluations_repeat_and_single_precision_agrees() {
     let made = make("discocyte", Family::Smooth, 642);

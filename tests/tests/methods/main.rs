@@ -1,4 +1,4 @@
-//! Bending methods and their operators: the laws of all, and how each behaves.
+//! Bending methods and their operators: common laws, and the behaviour of each.
 
 use helfrich_tests::allocation::Counting;
 

@@ -17,7 +17,7 @@ fn made(shape: &str, family: Family, vertices: usize) -> GeneratedMesh {
     generate(&shape.parse().unwrap(), family, vertices, 1).unwrap()
 }
 
-/// A modulus, which jumps by a factor of 20 in places, and a spontaneous curvature at each vertex.
+/// Modulus that jumps by a factor of up to 20, and spontaneous curvature, at each vertex.
 fn material(positions: &[[f64; 3]]) -> [Vec<f64>; 2] {
     let modulus = |x: &[f64; 3]| if x[0] > 0.1 { 20.0 } else { 1.0 + 0.3 * x[1] };
     let curvature = |x: &[f64; 3]| 0.4 + x[0] - 0.7 * x[2];
@@ -43,8 +43,8 @@ macro_rules! varying {
 #[test]
 fn energies_have_the_exact_gradient() {
     let even = made("discocyte", Family::Relaxed, 162);
-    // Its triangles have several extraordinary corners; other methods have there forces so large
-    // that finite differences are of no use.
+    // Triangles of this mesh have several extraordinary corners. Other methods have such large forces on it
+    // that finite differences are useless.
     let uneven = made("discocyte", Family::Irregular, 162);
     let sheet = meshes::sheet(6);
     let surfaces = [
@@ -75,7 +75,8 @@ fn energies_have_the_exact_gradient() {
     }
 }
 
-/// Equal values are one value: the same bits, on meshes where methods refine triangles, too.
+/// Equal values at all vertices give the same bits as a constant, also on meshes where methods refine
+/// triangles.
 #[test]
 fn equal_values_are_a_constant() {
     let made = made("discocyte", Family::Irregular, 162);
@@ -106,7 +107,7 @@ fn equal_values_are_a_constant() {
 fn energies_and_forces_on_a_sphere() {
     let (alpha, beta, gamma, delta) = (2.0, 0.7, 0.3, 0.5);
     let missing = 1.0 - gamma;
-    // Of (α + β z)(m − δ z)².
+    // ∫ (α + β z)(m − δ z)² dS.
     let squares = alpha * missing * missing * 4.0 * PI
         + (alpha * delta * delta - 2.0 * beta * missing * delta) * 4.0 * PI / 3.0;
     let expected = 2.0 * squares;
@@ -123,8 +124,8 @@ fn energies_and_forces_on_a_sphere() {
     macro_rules! check {
         ($($method:expr),*) => {$(
             let (_, energy) = force_and_energy(set!($method, &sphere), surface(&sphere));
-            // The largest error is Hamann's, 1.2 %; with 2562 vertices H is known to half a percent, and
-            // H − H0 is as small as a fifth of H.
+            // The largest error is Hamann's, 1.2 %: with 2562 vertices H is accurate to half a percent, and H
+            // − H0 is as small as a fifth of H.
             let error = energy / expected - 1.0;
             assert!(error.abs() < 0.02, "{}: {error:e}", stringify!($method));
         )*};
@@ -160,14 +161,14 @@ fn energies_and_forces_on_a_sphere() {
         worst
     };
     let errors = [error(642), error(2562)];
-    // f is up to 9; jets of degree 4 converge with second order at least.
+    // |f| is up to 9; jets of degree 4 converge in second order at least.
     assert!(
         errors[1] < 0.05 && errors[1] < 0.3 * errors[0],
         "{errors:?}"
     );
 }
 
-/// A modulus for each vertex of another mesh, and one with which energies overflow.
+/// Moduli for the vertices of another mesh, and moduli with which energies overflow or that are NaN.
 #[test]
 fn unusable_moduli_are_refused() {
     fn check<M>(name: &str, mut method: M, set: fn(&mut M, MaterialParameter<f64>))

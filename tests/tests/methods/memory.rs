@@ -1,4 +1,4 @@
-//! How much memory methods take.
+//! Memory use of methods.
 
 use helfrich::{
     Force, GompperKroll, Juelicher, KantorNelson, LoopSubdivision, Prepared, StrongForm,
@@ -13,7 +13,7 @@ use helfrich_tests::laws::{Candidate, ConservativeCandidate, Listed, ListedStron
 use helfrich_tests::meshes::{bent, icosphere};
 use std::path::Path;
 
-/// Plan and memory of a method in f64 after its first evaluation, bytes a vertex.
+/// Bytes per vertex of plan and memory of a method in f64 after its first evaluation.
 fn bytes<M: Force<f64>>(method: M) -> f64 {
     let mesh = icosphere(4).map(bent);
     let mut force = vec![[0.0; 3]; mesh.positions.len()];
@@ -34,23 +34,24 @@ fn the_counter_counts_bytes() {
     assert_eq!(bytes, -1000);
 }
 
-/// The table of docs/PERFORMANCE.md: what each takes, in numbers of 8 bytes and indices of 4.
+/// Memory agrees with the table of docs/PERFORMANCE.md; bounds count numbers of 8 bytes and indices of 4.
 #[test]
 fn memory_is_bounded() {
     for (name, found, bound) in [
-        // Four indices for each of three edges; force and energy.
+        // Four indices for each of three edges per vertex; force and energy.
         ("A", bytes(KantorNelson::new(1.0)), 100.0),
-        // ∂A/∂x and A; the weights of the second pass.
+        // ∂A/∂x and A; weights of the second pass.
         ("B", bytes(GompperKroll::new(1.0)), 70.0),
         ("Jülicher", bytes(Juelicher::new(1.0)), 90.0),
         // Curvatures of 56 bytes and seven weights of the operator.
         ("C", bytes(StrongForm::meyer(1.0)), 200.0),
-        // As many neighbours as the kernel reaches: 12 bytes each.
+        // All neighbours within the kernel's range, 12 bytes each.
         ("D", bytes(StrongForm::belkin(1.0)), 1800.0),
         ("E", bytes(StrongForm::farutin(1.0)), 260.0),
-        // Three quadrature points for each of two patches; control points and the way to them.
+        // Three quadrature points for each of two patches per vertex; control points and the weights that
+        // give them.
         ("S", bytes(LoopSubdivision::new(1.0)), 2400.0),
-        // 64 and 112 neighbours of 12 bytes, found among 120 and 220 of 4.
+        // 64 and 112 neighbours of 12 bytes, chosen from 120 and 220 candidates of 4 bytes.
         ("J4", bytes(StrongForm::j4(1.0)), 1480.0),
         ("J6", bytes(StrongForm::j6(1.0)), 2480.0),
     ] {
@@ -61,7 +62,7 @@ fn memory_is_bounded() {
     }
 }
 
-/// Memory of a bending method by a scene's explanation, bytes per vertex.
+/// Bytes per vertex of a bending method according to the explanation of a scene.
 fn explained(method: &str) -> f64 {
     let mesh = icosphere(4).map(bent);
     let memory = |bending: &str| {

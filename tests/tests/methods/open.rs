@@ -1,4 +1,4 @@
-//! Open surfaces that are known exactly: a spherical cap and a catenoid.
+//! Open surfaces with exact curvatures: a spherical cap and a catenoid.
 
 use helfrich::{Curvatures, GompperKroll, Hamann, Juelicher, LoopSubdivision, VertexKind};
 use helfrich_tests::laws::{
@@ -7,7 +7,7 @@ use helfrich_tests::laws::{
 };
 use helfrich_tests::meshes::{Mesh, bent, cap, catenoid};
 
-/// The laws of all methods on open surfaces, minimal or not.
+/// Laws of all methods on open surfaces, exact or bent.
 #[test]
 fn laws_hold_on_open_surfaces() {
     for smooth in [cap(4, 2.0), catenoid(12, 0.9)] {
@@ -23,7 +23,7 @@ fn laws_hold_on_open_surfaces() {
     }
 }
 
-/// H and K of an exact surface at a point of it.
+/// Exact H and K at a point of a surface.
 type Exact = fn([f64; 3]) -> [f64; 2];
 
 fn of_cap(_: [f64; 3]) -> [f64; 2] {
@@ -35,7 +35,7 @@ fn of_catenoid([_, _, z]: [f64; 3]) -> [f64; 2] {
     [0.0, -z.cosh().powi(-4)]
 }
 
-/// The root mean square errors of H and K over interior vertices, by area.
+/// Area-weighted root mean square errors of H and K over interior vertices.
 fn errors<M: Curvatures<f64>>(method: M, mesh: &Mesh, exact: Exact) -> [f64; 2] {
     let curvature = Measured::new(method, mesh).curvature;
     let (mut sums, mut total) = ([0.0; 2], 0.0);
@@ -50,9 +50,9 @@ fn errors<M: Curvatures<f64>>(method: M, mesh: &Mesh, exact: Exact) -> [f64; 2] 
     sums.map(|sum: f64| (sum / total).sqrt())
 }
 
-/// Methods whose values near an edge depend on the missing surface beyond it, or on normals there, so
-/// that their errors fall with the root of the edge length: those of kernels, of limit surfaces that end in
-/// another curve, and of averaged normals.
+/// Methods whose values near an edge depend on the missing surface beyond it, or on normals there: kernels,
+/// limit surfaces that end in another curve, and averaged normals. Their errors fall as the square root of
+/// the edge length.
 const CUT_OFF: [&str; 4] = [
     "Belkin et al.",
     "heat kernel, published bandwidth",
@@ -63,8 +63,8 @@ const CUT_OFF: [&str; 4] = [
 struct Converges;
 
 impl Converges {
-    /// On the catenoid's even triangles errors are of second order; on the uneven ones of the cap they
-    /// fall.
+    /// Errors are of second order on the even triangles of the catenoid, and decrease on the uneven ones of
+    /// the cap.
     fn check_method<M: Curvatures<f64>>(&self, name: &str, method: impl Fn() -> M) {
         let compare = |make: fn(u32) -> Mesh, exact: Exact, least: f64| {
             let [coarse, fine] = [8, 16].map(|size| errors(method(), &make(size), exact));
@@ -88,7 +88,7 @@ impl CurvatureLaw for Converges {
     }
 }
 
-/// At interior vertices, whatever the edge.
+/// Curvatures at interior vertices converge, whatever the edge.
 #[test]
 fn curvatures_of_open_surfaces_converge() {
     for_each_curvatures(&mut Converges);

@@ -1,4 +1,4 @@
-//! Methods that are not of the list: they are measured, recommended and shown as those of the list are.
+//! Methods that are not in the list are measured, recommended and shown like listed ones.
 
 use helfrich::{DualArea, GompperKroll, Real};
 use helfrich_std::answer::Norm;
@@ -18,7 +18,7 @@ use helfrich_tests::meshes::cases;
 use proptest::prelude::*;
 use std::time::SystemTime;
 
-/// B, under a name and a title of its own.
+/// Method B under another name and title.
 #[derive(Clone, Copy, Debug)]
 struct Mine;
 
@@ -71,7 +71,7 @@ fn they_are_measured_and_shown() {
     let methods = vec![BendingMethod::GompperKroll.into(), MINE.into()];
     let rows = study(methods.clone()).run(&mut |_| {}).expect("a study");
     let [listed, own] = [methods[0], methods[1]].map(|method| rows_of(&rows, method));
-    // H and f, two meshes, two number types.
+    // H and f on two meshes in two number types.
     assert_eq!((own.len(), &own), (8, &listed));
     let html = Page {
         rows: &rows,
@@ -138,18 +138,18 @@ fn one_name_is_not_given_to_two() {
 proptest! {
     #![proptest_config(cases(16))]
 
-    /// The strategies of exact meshes make meshes whose vertices are on their surfaces.
+    /// Strategies of exact meshes place vertices on their surfaces.
     #[test]
     fn exact_meshes_are_on_their_shapes(shape in on_shapes(400), star in on_stars()) {
         for (mesh, exact) in [shape.mesh(), star.mesh()] {
             prop_assert_eq!(mesh.positions.len(), exact.len());
             for (position, point) in mesh.positions.iter().zip(&exact) {
-                // Positions are rounded once, and lengths are about 1.
+                // Positions are rounded once, and lengths are of order 1.
                 for (found, exact) in position.iter().zip(point.position) {
                     prop_assert!((found - exact).abs() < 1e-12);
                 }
             }
-            // Outward: H would have the wrong sign otherwise.
+            // Triangles are oriented outward; otherwise H would have the wrong sign.
             let volume = mesh.surface().volume();
             prop_assert!(volume.is_some_and(|volume| volume > 0.0));
         }

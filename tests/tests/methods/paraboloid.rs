@@ -1,4 +1,4 @@
-//! Method E: the behaviour that it has, stall and divergence included.
+//! Method E: its known behaviour, including where it stalls and diverges.
 
 use helfrich::{Finding, Paraboloid, StrongForm};
 use helfrich_std::generate::{Family, generate};
@@ -21,7 +21,7 @@ fn laws() {
     check_operator("paraboloid, guarded", Paraboloid::guarded());
 }
 
-/// Vertices whose ring does not determine a paraboloid are left out, and reported.
+/// Vertices whose ring does not determine a paraboloid have no value, and a finding reports them.
 #[test]
 fn tiny_and_open_meshes_give_finite_values() {
     for operator in [Paraboloid::default(), Paraboloid::guarded()] {
@@ -54,7 +54,8 @@ fn orders_on_regular_meshes() {
     }
 }
 
-/// One-rings of five near a conic section blow up the published method; the guard holds H.
+/// One-rings of five vertices near a conic section make the published method diverge; the guard keeps H
+/// bounded.
 #[test]
 fn irregular_meshes_diverge_and_the_guard_helps() {
     let published = on_discocyte(Paraboloid::default(), Family::Irregular);

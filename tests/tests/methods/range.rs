@@ -1,4 +1,4 @@
-//! Sizes near the end of a number type's range: results scale, or a finding says that they do not.
+//! Sizes near the ends of a number type's range: results scale, or a finding says that they do not.
 
 use helfrich::{
     Finding, GompperKroll, Hamann, Juelicher, LoopSubdivision, MaterialParameter, Prepared,
@@ -9,7 +9,7 @@ use helfrich_tests::laws::{Candidate, Law, for_each};
 use helfrich_tests::meshes::{Mesh, bent, icosphere};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// A surface's fields with the vertices that a finding names.
+/// Fields of a surface of this size, and for each vertex whether a finding names it.
 fn measured<T: Evaluated>(method: BendingMethod, mesh: &Mesh, size: T) -> (Fields<T>, Vec<bool>) {
     let scaled = |position: &[f64; 3]| position.map(|x| T::constant(x) * size);
     let positions = Vec::from_iter(mesh.positions.iter().map(scaled));
@@ -20,8 +20,8 @@ fn measured<T: Evaluated>(method: BendingMethod, mesh: &Mesh, size: T) -> (Field
     (fields, quality.flagged().to_vec())
 }
 
-/// Scaling by a power of two leaves every digit: H is divided by it and f by its cube, unless a finding
-/// names the vertex. No field is ever 0 because numbers were too small or too large.
+/// Checks that scaling by a power of two keeps all digits: H is divided by it and f by its cube, unless a
+/// finding names the vertex. No field is 0 because of underflow or overflow.
 fn results_scale_or_say_so<T: Evaluated>(exponents: impl Iterator<Item = i32>) {
     let mesh = icosphere(3).map(bent);
     let all: Vec<BendingMethod> = BendingMethod::ALL.into();
@@ -36,7 +36,7 @@ fn results_scale_or_say_so<T: Evaluated>(exponents: impl Iterator<Item = i32>) {
                     continue;
                 }
                 let near = |found: T, expected: T, what: &str| {
-                    // Sums are taken in the same order; elementary functions of ratios alone round.
+                    // Sums have the same order; only elementary functions of ratios round differently.
                     let error = (found - expected).abs();
                     let bound = T::constant(64.0) * T::epsilon() * expected.abs();
                     assert!(
@@ -66,7 +66,7 @@ fn results_scale_or_say_so<T: Evaluated>(exponents: impl Iterator<Item = i32>) {
 
 #[test]
 fn single_precision() {
-    // Squares of areas leave the normal numbers at about 2^-29, before they vanish.
+    // Squares of areas become subnormal at about 2^-29, before they vanish.
     results_scale_or_say_so::<f32>((-75..=25).step_by(10).chain(-36..=-27));
 }
 
@@ -75,7 +75,7 @@ fn double_precision() {
     results_scale_or_say_so::<f64>((-600..=250).step_by(50).chain(-268..=-252));
 }
 
-/// The jet's H of a small sphere is 1/R, and not 0: 1e-12 in f32, 1e-90 in f64.
+/// The jets' H of a tiny sphere is 1/R and not 0, for R = 1e-12 in f32 and 1e-90 in f64.
 #[test]
 fn jets_of_small_spheres() {
     fn mean<T: Evaluated>(radius: f64) -> Vec<f64> {
@@ -88,7 +88,7 @@ fn jets_of_small_spheres() {
     }
 }
 
-/// Values out of range are no curvatures, and are reported.
+/// Curvatures that overflow or underflow are omitted, and reported.
 #[test]
 fn what_is_out_of_range_is_said() {
     let mesh = icosphere(3).map(bent);
@@ -105,13 +105,13 @@ fn what_is_out_of_range_is_said() {
     );
 }
 
-/// The message of a panic; none if there was no panic.
+/// Message of a panic, if there is one.
 pub(crate) fn refusal(evaluate: impl FnOnce()) -> Option<String> {
     let payload = catch_unwind(AssertUnwindSafe(evaluate)).err()?;
     Some(payload.downcast_ref::<String>().expect("a message").clone())
 }
 
-/// No energy of 0 from a modulus that is no number.
+/// A modulus that is not finite is refused; it must not give an energy of 0.
 #[test]
 fn moduli_that_are_no_numbers_are_refused() {
     struct Refused(Mesh);
@@ -141,8 +141,8 @@ fn moduli_that_are_no_numbers_are_refused() {
     assert!(refusal(|| _ = changed.energy(mesh.surface())).is_some());
 }
 
-/// Moduli at which forces would overflow, and be 0, are refused; with the largest power of two that is
-/// not, energies and forces are those of the modulus 1 to the last bit.
+/// Moduli with which forces would overflow, and become 0, are refused. With the largest accepted power of
+/// two, energies and forces are those of the modulus 1, to the last bit.
 #[test]
 fn moduli_that_overflow_are_refused() {
     struct Large(Mesh);
@@ -172,8 +172,8 @@ fn moduli_that_overflow_are_refused() {
     for_each(&mut Large(icosphere(2).map(bent)));
 }
 
-/// H0 whose square overflows would leave vertices out. With the largest that is accepted the energy is
-/// `2κ H0² A`, because H is nothing beside it.
+/// H0 whose square overflows is refused; otherwise it would drop vertices. With the largest accepted H0 the
+/// energy is `2κ H0² A`, because H is negligible.
 #[test]
 fn spontaneous_curvatures_that_overflow_are_refused() {
     let mesh = icosphere(2).map(bent);
@@ -200,7 +200,7 @@ fn spontaneous_curvatures_that_overflow_are_refused() {
                     }
                 }
                 let found = energy(largest.into());
-                // Areas of limit surfaces and of fits are smaller than those of triangles.
+                // Areas of limit surfaces and fits are smaller than those of triangles.
                 assert!((found / expected - 1.0).abs() < 0.05, "{}: {found}", stringify!($method));
             )*
         };
@@ -217,7 +217,7 @@ fn spontaneous_curvatures_that_overflow_are_refused() {
     );
 }
 
-/// Outputs with fewer entries than vertices are refused in the same words everywhere.
+/// Outputs with fewer entries than vertices are refused with the same message by every method.
 #[test]
 fn outputs_that_are_too_short_are_refused() {
     struct Short(Mesh);
@@ -234,7 +234,8 @@ fn outputs_that_are_too_short_are_refused() {
     for_each(&mut Short(icosphere(2)));
 }
 
-/// A workspace of another mesh with as many vertices and triangles would give numbers, and is refused.
+/// A workspace of another mesh with the same numbers of vertices and triangles would give wrong results, and
+/// is refused.
 #[test]
 fn surfaces_of_another_mesh_are_refused() {
     struct Refused(Mesh, TriangleMesh);

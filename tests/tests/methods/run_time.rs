@@ -1,4 +1,4 @@
-//! Methods by name do what the core's methods do, with the same defaults wherever they are chosen.
+//! Methods selected by name agree with the core's methods, with the same defaults everywhere.
 
 use helfrich::{
     Bandwidth, Conservative, DualArea, ForceDensity, GompperKroll, HeatKernel, MaterialParameter,
@@ -9,7 +9,7 @@ use helfrich_std::execute::Parallel;
 use helfrich_std::generate::{AnyShape, Family, GeneratedMesh, generate};
 use helfrich_std::method::{BendingMethod, Evaluator, MethodOptions};
 
-/// An irregular mesh, some of whose triangles are obtuse.
+/// Irregular mesh with some obtuse triangles.
 fn irregular() -> GeneratedMesh {
     let shape: AnyShape = "discocyte".parse().expect("a shape");
     generate(&shape, Family::Irregular, 400, 3).expect("a mesh")
@@ -38,7 +38,7 @@ fn density<M: ForceDensity<f64>>(method: M, surface: Surface<'_, f64>) -> Vec<[f
     force
 }
 
-/// A study, a table of curvatures and a run evaluate one method under one name.
+/// Study, table of curvatures and run evaluate the same method under one name.
 #[test]
 fn runs_and_studies_evaluate_the_same_method() {
     let mesh = irregular();
@@ -83,7 +83,7 @@ fn all_in_strong_form() -> impl Iterator<Item = BendingMethod> {
     all.filter(|method| !method.is_conservative())
 }
 
-/// Areas and bandwidth arrive at the core's method.
+/// The options for areas and bandwidth reach the core's method.
 #[test]
 fn options_choose_the_variant() {
     let mesh = irregular();
@@ -118,12 +118,12 @@ fn options_choose_the_variant() {
         .flatten()
         .fold(0.0, |a: f64, b| a.max(b.abs()));
     for (found, global) in found.iter().flatten().zip(global.iter().flatten()) {
-        // The sum of the areas rounds in another order.
+        // The sum of the areas is rounded in another order.
         assert!((found - global).abs() < 1e-9 * largest);
     }
 }
 
-/// Texts of options are read back as what they say, and others refused with what there is.
+/// Texts of options are parsed, and others are refused with a list of the possible ones.
 #[test]
 fn options_are_parsed() {
     for (name, areas) in [
@@ -147,7 +147,7 @@ fn options_are_parsed() {
     }
 }
 
-/// The default bandwidth in mean areas of a vertex is √N/100, and a quarter below 625 vertices.
+/// The default bandwidth is √N/100 mean vertex areas, and a quarter below 625 vertices.
 #[test]
 fn the_default_bandwidth_shrinks_more_slowly_than_the_triangles() {
     let shape: AnyShape = "discocyte".parse().expect("a shape");

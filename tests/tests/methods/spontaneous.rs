@@ -49,7 +49,7 @@ fn gompper_kroll_has_the_exact_gradient() {
     check_gradient(&one, two, &sheet.connectivity, &sheet.positions);
 }
 
-/// Its meshes have triangles with several extraordinary corners, and a boundary.
+/// These meshes have triangles with several extraordinary corners, and a boundary.
 #[test]
 fn loop_subdivision_has_the_exact_gradient() {
     let made = made("discocyte", Family::Irregular, 162);
@@ -74,9 +74,9 @@ fn loop_subdivision_has_the_exact_gradient() {
     }
 }
 
-/// H0 = α + β (z + ρ) on a torus of radii R and r, at the order of the surface itself: at angle t
-/// around the tube `H = (R + 2r cos t)/(2r ρ)`, `z = r sin t`, `ρ = R + r cos t` and `dS = 2π r ρ dt`;
-/// the trapezoidal rule is exact to rounding there.
+/// H0 = α + β (z + ρ) on a torus of radii R and r; the order is that of the surface itself. At angle t around
+/// the tube, `H = (R + 2r cos t)/(2r ρ)`, `z = r sin t`, `ρ = R + r cos t` and `dS = 2π r ρ dt`; the
+/// trapezoidal rule is exact up to rounding.
 #[test]
 fn loop_subdivision_with_varying_spontaneous_curvature() {
     let (alpha, beta, big, small) = (0.3, 0.8, 1.0, 0.5);
@@ -125,7 +125,7 @@ fn energy_of_a_sphere() {
     }
 }
 
-/// A spontaneous curvature of zero at every vertex is computed on another path, to the same end.
+/// A spontaneous curvature of zero at every vertex takes another path in the code with the same result.
 #[test]
 fn zero_per_vertex_is_none() {
     let made = made("discocyte", Family::Relaxed, 642);
@@ -151,8 +151,8 @@ fn zero_per_vertex_is_none() {
     );
 }
 
-/// f against the exact one for H0 = α + β z on an ellipsoid, where Δ_S z = −2 H n_z and
-/// ∇_S z = e_z − n_z n; by jets, which converge.
+/// f converges to the exact one for H0 = α + β z on an ellipsoid, where Δ_S z = −2 H n_z and ∇_S z = e_z −
+/// n_z n; by jets, because they converge.
 #[test]
 fn strong_form_with_varying_spontaneous_curvature() {
     let error = |vertices: usize| {
@@ -182,7 +182,7 @@ fn strong_form_with_varying_spontaneous_curvature() {
     assert!(errors[1] < 0.2 && errors[1] < 0.3 * errors[0], "{errors:?}");
 }
 
-/// The biconcave disc has convex and concave hinges: as its own reference it feels nothing at all.
+/// A biconcave disc, which has convex and concave hinges, feels no force if it is its own reference.
 #[test]
 fn a_reference_shape_has_exactly_no_force() {
     for family in [Family::Regular, Family::Irregular] {
@@ -253,7 +253,7 @@ fn check_projected<L: LaplaceBeltrami<f64> + Sync + Clone>(method: StrongForm<f6
     for component in net(&force, &made.positions).concat() {
         tolerance::NO_NET_FORCE.assert(component, 0.0, largest, "net force or torque");
     }
-    // Densities over the same areas are the same forces.
+    // The projected force densities times areas are the same forces.
     let density = density(Projected(method), surface(&made));
     let mut areas = vec![0.0; made.mesh.vertex_count()];
     Cotangent::new(DualArea::Mixed).dual_areas(&Serial, surface(&made), &mut areas);
@@ -273,8 +273,8 @@ fn projected_forces_have_no_sum_and_no_torque() {
     check_projected(StrongForm::j4(1.0));
 }
 
-/// Two spheres, and forces on the one leave the other alone; points on a line turn about no axis
-/// through them.
+/// The projection of each of two spheres leaves the forces on the other unchanged; points on a line do not
+/// resist rotation about it.
 #[test]
 fn components_are_projected_apart_and_lines_do_not_spin() {
     let Mesh {

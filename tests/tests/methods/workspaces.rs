@@ -1,4 +1,4 @@
-//! A workspace of another mesh is refused, by everything that takes one.
+//! Every function that takes a workspace refuses one of another mesh.
 
 use helfrich::{
     AnyFunctional, AreaDifference, BoundaryLength, Conservative, Constraint, Constraints,
@@ -17,7 +17,7 @@ use helfrich_tests::meshes::{Mesh, bent, icosphere};
 use helfrich_tests::potentials::for_each_potential;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// A mesh, and others: with as many vertices and triangles, with fewer, with more.
+/// A mesh, and three others: with the same numbers of vertices and triangles, with fewer, and with more.
 struct Meshes {
     own: Mesh,
     others: [Mesh; 3],
@@ -33,7 +33,7 @@ impl Meshes {
         Self { own, others }
     }
 
-    /// Uses a workspace of the mesh itself on it, and a copy on each of the others.
+    /// Uses a workspace on its own mesh, and checks that copies are refused on each of the others.
     fn refused<M: Method<f64>>(
         &self,
         name: &str,
@@ -41,7 +41,7 @@ impl Meshes {
         mut act: impl FnMut(&mut Workspace<f64, M>, &Mesh),
     ) {
         let mut workspace = method.workspace(&self.own.connectivity);
-        // What the first evaluation leaves is as large as it gets.
+        // The first evaluation allocates everything that a workspace can hold.
         act(&mut workspace, &self.own);
         for other in &self.others {
             let mut copy = workspace.clone();
@@ -55,7 +55,7 @@ impl Meshes {
         act(&mut workspace, &self.own);
     }
 
-    /// The message names both meshes and the remedy.
+    /// Checks that the message names both meshes and the remedy.
     fn assert_documented(&self, name: &str, message: &str, other: &Mesh, remedy: &str) {
         let [expected, given] = [&self.own, other].map(|mesh| {
             let mesh = &mesh.connectivity;
@@ -265,7 +265,7 @@ fn functionals_and_effects_refuse_workspaces_of_other_meshes() {
     });
 }
 
-/// Functions of methods beyond the traits.
+/// Functions of methods that belong to no trait.
 #[test]
 fn curvatures_refuse_workspaces_of_other_meshes() {
     let meshes = Meshes::new();
@@ -292,8 +292,8 @@ fn curvatures_refuse_workspaces_of_other_meshes() {
     });
 }
 
-/// A reference shape belongs to a mesh as well: with as many triangles in another order, it would be
-/// that of other triangles.
+/// A reference shape belongs to one mesh: on a mesh with as many triangles in another order, values would
+/// belong to other triangles.
 #[test]
 fn references_of_another_mesh_are_refused() {
     let meshes = Meshes::new();
@@ -318,7 +318,7 @@ fn references_of_another_mesh_are_refused() {
     assert_eq!([elastic, hinged], [0.0; 2], "equal meshes are the same");
 }
 
-/// An operator that has measured nothing has nothing to apply.
+/// An operator can be applied only after it has measured a surface.
 #[test]
 fn operators_are_applied_to_measured_surfaces_only() {
     struct Measures(Mesh);
@@ -355,7 +355,7 @@ fn operators_are_applied_to_measured_surfaces_only() {
     for_each_operator(&mut Measures(icosphere(2).map(bent)));
 }
 
-/// Memory that depends on a parameter serves methods with the same parameter only.
+/// A workspace that depends on a parameter serves only methods with the same parameter.
 #[test]
 fn workspaces_of_other_parameters_are_refused() {
     fn refused<M: Energy<f64>>(made: &M, used: &M, parameter: &str) {
@@ -390,7 +390,7 @@ fn workspaces_of_other_parameters_are_refused() {
     );
 }
 
-/// The same of an operator for curvatures only.
+/// The same law for an operator for curvatures only.
 #[test]
 fn workspaces_of_other_normals_are_refused() {
     let mesh = icosphere(2).map(bent);
@@ -406,7 +406,7 @@ fn workspaces_of_other_normals_are_refused() {
     assert!(message.contains(documented), "{message}");
 }
 
-/// Too few numbers of spontaneous curvature, and too many.
+/// Spontaneous curvatures with too few or too many values are refused.
 #[test]
 fn spontaneous_curvatures_for_other_meshes_are_refused() {
     let mesh = icosphere(2).map(bent);

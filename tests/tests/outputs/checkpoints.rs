@@ -1,4 +1,4 @@
-//! States of runs.
+//! Checkpoints: states of runs.
 #![expect(
     clippy::unwrap_used,
     reason = "what fails in a helper fails the test that called it"
@@ -15,7 +15,7 @@ use std::path::Path;
 use std::{fs, io};
 use tempfile::TempDir;
 
-/// A state of the kinds that runs have.
+/// State with all kinds of data that runs store.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 struct State {
     time: f64,
@@ -65,7 +65,7 @@ fn a_checkpoint_keeps_every_bit() {
     };
     assert_eq!(number(&found), number(&state()));
     assert_eq!((found.steps, found.names), (state().steps, state().names));
-    // Nothing else is left in the folder.
+    // No temporary file is left in the folder.
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
 }
 
@@ -137,7 +137,7 @@ fn what_else_is_wrong_with_a_checkpoint_is_said() {
         refused::<State>(&path, scene),
         CheckpointProblem::OtherScene { found, expected } if (found, expected) == (other, scene)
     ));
-    // Of another type, whether too short or too long.
+    // A state of another type is refused, whether it is too short or too long.
     for (path, problem) in [
         (
             "short",
@@ -170,7 +170,7 @@ fn what_else_is_wrong_with_a_checkpoint_is_said() {
     ));
 }
 
-/// Bytes that become the state of a checkpoint as they are.
+/// Bytes that are written unchanged as the state of a checkpoint.
 struct Raw(Vec<u8>);
 
 impl Serialize for Raw {
@@ -186,7 +186,7 @@ impl Serialize for Raw {
 proptest! {
     #![proptest_config(cases(32))]
 
-    /// A list that announces more than there is would exhaust memory, or panic, if it were trusted.
+    /// A list that claims more entries than there are would exhaust memory, or panic, if it were trusted.
     #[test]
     fn a_state_of_any_bytes_is_read_or_refused(
         bytes in prop::collection::vec(any::<u8>(), 0..200),
@@ -205,7 +205,7 @@ proptest! {
     }
 }
 
-/// The examples of NIST for SHA-256: of one block, of two, of none, and of a million letters.
+/// The examples of NIST for SHA-256: messages of one block, of two, of none, and of a million letters.
 #[test]
 fn fingerprints_are_sha_256() {
     let million = "a".repeat(1_000_000);
@@ -231,8 +231,8 @@ fn fingerprints_are_sha_256() {
     }
 }
 
-/// The digests of FIPS 180-2 (2002), appendix B: a message of one block, of two, and of a million
-/// bytes, however they are divided.
+/// Digests of FIPS 180-2 (2002), appendix B: messages of one block, of two, and of a million bytes, in any
+/// division into parts.
 #[test]
 fn checksums_are_those_of_the_standard() {
     let hexadecimal = |parts: &[&[u8]]| {

@@ -1,4 +1,4 @@
-//! Deformation and inclination of known bodies; sections.
+//! Deformation and inclination of known bodies, and plane sections.
 #![expect(
     clippy::unwrap_used,
     reason = "what fails in a helper fails the test that called it"
@@ -28,24 +28,24 @@ const DEFORMATION: Tolerance = Tolerance::new(
 
 /// A semi-axis extrapolated from two refinements, relative.
 const DEFORMATION_EXTRAPOLATED: Tolerance =
-    Tolerance::new(2e-5, "fourth order: 5e-3 of 642 vertices squared");
+    Tolerance::new(2e-5, "fourth order: the square of 5e-3 for 642 vertices");
 
 /// D of an irregular mesh of 642 vertices.
 const DEFORMATION_RANDOM_MESH: Tolerance = Tolerance::new(
     5e-3,
-    "the polyhedron's volume is 1 % short, more where it is curved more; D has the difference",
+    "the polyhedron's volume is 1 % short, by more where curvature is larger; the difference enters D",
 );
 
 /// D by extreme points of a mesh of 2562 vertices.
 const DEFORMATION_EXTREMES: Tolerance = Tolerance::new(
     2e-3,
-    "chords are short of the curve by an eighth of the squared edge, 7e-4",
+    "chords deviate from the curve by an eighth of the squared edge length, 7e-4",
 );
 
-/// The nearest of 400 points on every line of a section, relative.
+/// Distance to the nearest of 400 sample points on every line of a section, relative.
 const DEFORMATION_SAMPLED: Tolerance = Tolerance::new(
     1e-4,
-    "half a part of a line of a third of a radius is 4e-4, squared",
+    "half a sample spacing on a line of a third of a radius is 4e-4, squared",
 );
 
 /// Areas of sections of a sphere of 642 vertices, relative.
@@ -71,7 +71,7 @@ fn stretched(refinement: u32, [a, b, c]: [f64; 3]) -> Mesh {
     icosphere(refinement).map(|[x, y, z]| [a * x, b * y, c * z])
 }
 
-/// Turned about z, from x to y.
+/// Rotation about z, from x towards y.
 fn inclined(degrees: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     move |[x, y, z]| [cosine * x - sine * y, sine * x + cosine * y, z]
@@ -81,7 +81,7 @@ fn moved([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x + 12.0, y - 31.0, z + 7.0]
 }
 
-/// A box with corners at ± half its sides.
+/// Box with corners at ± half of its sides.
 fn cuboid(sides: [f64; 3]) -> Mesh {
     let corner =
         |index: u32| std::array::from_fn(|axis| (f64::from(index >> axis & 1) - 0.5) * sides[axis]);
@@ -104,7 +104,7 @@ fn assert_close(found: f64, expected: f64, scale: f64, what: &str) {
     DEFORMATION.assert(found, expected, scale, what);
 }
 
-/// The moments of a box are those of every textbook: a²/12 along a side a.
+/// The moments of a box are a²/12 along a side a.
 #[test]
 fn a_box_has_the_moments_of_a_box() {
     let sides = [3.0, 1.0, 2.0];
@@ -127,8 +127,8 @@ fn a_box_has_the_moments_of_a_box() {
     assert_close(dot(cross(first, second), third), 1.0, 1.0, "handedness");
 }
 
-/// Icosahedra have isotropic moments, and affine maps keep ratios: D and θ of an inscribed ellipsoid
-/// are exact; lengths are short by the polyhedron's second order.
+/// Icosahedra have isotropic moments, and affine maps preserve ratios: D and θ of an inscribed ellipsoid are
+/// exact; lengths are too small in second order.
 #[test]
 fn ellipsoids_are_recognised_however_they_lie() {
     let [a, b, c] = SEMI_AXES;
@@ -177,7 +177,7 @@ fn inclination_is_between_a_quarter_turn_either_way() {
         let body = stretched(1, SEMI_AXES).map(inclined(turn));
         let found = of(&body).in_plane(plane()).inclination;
         assert!(found > -90.0 && found <= 90.0);
-        // At the seam either end may be found.
+        // At the seam, −90° and 90° are equivalent.
         let away = (found - expected).abs();
         assert_close(away.min(180.0 - away), 0.0, 90.0, "inclination");
     }
@@ -202,7 +202,7 @@ fn deformation_depends_on_shape_alone() {
     let other = other.in_plane(turned_plane);
     assert_close(other.taylor(), in_plane.taylor(), 1.0, "D in the plane");
     assert_close(other.inclination, in_plane.inclination, 90.0, "inclination");
-    // The other hand: the mesh inside out encloses the same body.
+    // A mesh of the opposite orientation encloses the mirrored body.
     let mirrored = body.map(|[x, y, z]| [x, -y, z]);
     let found = of(&mirrored);
     assert!(found.volume < 0.0);
@@ -225,7 +225,7 @@ fn planes_are_those_in_which_a_flow_shears() {
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| turned(turn, axis));
     let gradient = std::array::from_fn(|i| std::array::from_fn(|j| -40.0 * along[i] * across[j]));
     let found = ShearPlane::at(&Ambient::Linear { gradient }, [1.0, 2.0, 3.0]).unwrap();
-    // Both may point the other way, together.
+    // Both directions may be reversed together.
     let same = |a, b, what| assert_close(dot(a, b).abs(), 1.0, 1.0, what);
     same(found.flow(), along, "flow");
     same(found.gradient(), across, "gradient");
@@ -268,7 +268,8 @@ fn planes_are_those_in_which_a_flow_shears() {
     assert_eq!(ShearPlane::new([0.0; 3], [1.0, 0.0, 0.0]), None);
 }
 
-/// A cube cut through the middle, parallel to a side: the corners and the middles of a square.
+/// A cube cut through its centre, parallel to a face: the extreme points are the corners and edge midpoints
+/// of a square.
 #[test]
 fn extremes_are_those_of_the_cut() {
     let cube = cuboid([2.0; 3]).map(moved);
@@ -287,7 +288,7 @@ fn extremes_are_those_of_the_cut() {
     assert_eq!(extremes(cube.surface(), [0.0; 3], plane()), None);
 }
 
-/// Where lines of the cut would come nearer beyond their ends, as between spikes, they do not count.
+/// The nearest point lies on the lines of the cut, not on their extensions, as between spikes.
 #[test]
 fn extremes_are_points_of_the_surface() {
     let spiky = icosphere(2).map(|x| {
@@ -310,7 +311,7 @@ fn extremes_are_points_of_the_surface() {
     DEFORMATION_SAMPLED.assert(found[1], low, low, "nearest");
 }
 
-/// Sections of a sphere are closed, lie in the plane, and enclose the area that they should.
+/// Sections of a sphere are closed, lie in the plane, and enclose the exact area.
 #[test]
 fn sections_are_closed_curves_around_the_inside() {
     let ball = icosphere(3);
@@ -331,7 +332,7 @@ fn sections_are_closed_curves_around_the_inside() {
         let expected = PI * (1.0 - height * height);
         SECTION_AREA.assert(area, expected, expected, "area");
     }
-    // Through vertices: each is on one side.
+    // Vertices in the plane count to one side.
     let through = section(cuboid([2.0; 3]).surface(), [0.0; 3], [1.0, 1.0, 0.0]);
     let length: f64 = through
         .iter()
@@ -354,7 +355,8 @@ fn wrinkles_show_and_spheres_have_none() {
     assert!(wrinkle_indicator(rough.surface()) > 1.5);
 }
 
-/// Little on smooth surfaces, less on finer meshes; about 1 where vertices go up and down in turn.
+/// The roughness is small on smooth surfaces, smaller on finer meshes, and about 1 if neighbouring vertices
+/// alternate in height.
 #[test]
 fn roughness_is_of_the_scale_of_the_mesh() {
     let rough = |mesh: &Mesh| roughness(mesh.surface());

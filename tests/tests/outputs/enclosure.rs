@@ -1,4 +1,4 @@
-//! Points and surfaces in closed surfaces.
+//! Points and surfaces inside closed surfaces.
 
 use helfrich::Images;
 use helfrich_std::enclosure::{
@@ -6,7 +6,7 @@ use helfrich_std::enclosure::{
 };
 use helfrich_tests::meshes::{Mesh, SplitMix64, hemisphere, icosphere};
 
-/// Points of an ellipsoid are inside where the sum of squares says so, near, far, and on flat meshes.
+/// Points are inside an ellipsoid according to its equation, near and far, also for flat meshes.
 #[test]
 fn closed_surfaces_enclose_what_is_inside() {
     let axes = [2.0, 1.0, 0.5];
@@ -16,7 +16,7 @@ fn closed_surfaces_enclose_what_is_inside() {
     for _ in 0..200 {
         let unit = [0; 3].map(|_| 1.3 * random.symmetric());
         let distance = unit.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // Between the polyhedron and the ellipsoid nothing is asked.
+        // Points between the polyhedron and the ellipsoid are skipped.
         if (0.97..1.0).contains(&distance) {
             continue;
         }
@@ -38,8 +38,8 @@ fn closed_surfaces_enclose_what_is_inside() {
     assert_eq!(vertices_inside(mesh.surface(), within.surface()), None);
 }
 
-/// The innermost of the closed surfaces around each one, whatever their order; what lies across another
-/// one lies in none.
+/// Each surface is assigned to the innermost closed surface around it, whatever their order; a surface that
+/// intersects another lies in none.
 #[test]
 fn surfaces_know_what_they_lie_in() {
     let ball = |radius: f64, x: f64| {
@@ -55,7 +55,7 @@ fn surfaces_know_what_they_lie_in() {
         ball(0.2, 9.0),
         ball(0.1, 0.5),
     ];
-    // The hemisphere of radius 1 lies in the fifth, and nothing in it.
+    // The hemisphere of radius 1 lies in the fifth surface, and no surface lies in the hemisphere.
     let expected = [
         None,
         Some(2),
@@ -80,8 +80,8 @@ fn surfaces_know_what_they_lie_in() {
     }
 }
 
-/// In a periodic box what lies in an image lies in the surface, wherever in the box it is; what lies across
-/// the wall of one lies in none.
+/// In a periodic box, a surface inside an image of another one lies in that one, wherever in the box it is; a
+/// surface that intersects an image lies in none.
 #[test]
 fn surfaces_lie_in_images_of_others() {
     let ball = |radius: f64, x: f64| {
@@ -103,7 +103,8 @@ fn surfaces_lie_in_images_of_others() {
     assert_eq!(surroundings(&surfaces, &Images::none()), [None; 4]);
 }
 
-/// By an image as by the surface itself, wherever in the box both are; and by several of a short box.
+/// An image encloses vertices like the surface itself, wherever in the box both are; in a short box, several
+/// images do.
 #[test]
 fn images_enclose_as_surfaces_do() {
     let images = Images {
@@ -123,11 +124,11 @@ fn images_enclose_as_surfaces_do() {
         let shift = shift.map(|length| 0.0 - length);
         assert_eq!(found, [Inside { shift, ..expected }]);
     }
-    // No period along y.
+    // There is no period along y.
     let beside = at([1.0, 4.25, 0.0]);
     let found = inside_of_images(beside.surface(), sphere.surface(), &images);
     assert_eq!(found, []);
-    // Half of it in the one, half of it in the next.
+    // Half of the surface lies in one image, half in the next.
     let touching = Images {
         periods: [2.0, 0.0, 0.0],
         own: false,

@@ -8,7 +8,7 @@ mod plots;
 mod series;
 mod vtk;
 
-/// A time that no short text holds.
+/// A time whose shortest exact text has many digits.
 const TIME: f64 = 0.1 + 0.2;
 
 fn bits(values: &[f64]) -> Vec<u64> {

@@ -1,4 +1,4 @@
-//! Pictures of surfaces, and plots.
+//! Pictures of surfaces, and charts.
 #![expect(
     clippy::unwrap_used,
     reason = "what fails in a helper fails the test that called it"
@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use std::{fs, io};
 use tempfile::TempDir;
 
-/// A ball in the middle of a square picture, seen along y with z upwards; x is to the right.
+/// View of a ball in the middle of a square picture, along y with z upwards and x to the right.
 const AHEAD: View = View {
     direction: [0.0, -1.0, 0.0],
     up: [0.0, 0.0, 1.0],
@@ -49,7 +49,7 @@ fn painted<'a>(mesh: &'a Mesh, field: Option<&'a [f64]>) -> PaintedSurface<'a> {
     }
 }
 
-/// Red, green and blue of the pixel at shares of the width and the height.
+/// Red, green and blue of the pixel at these fractions of the width and the height.
 fn pixel(canvas: &Canvas, x: f64, y: f64) -> [u8; 3] {
     let [width, height] = canvas.size();
     let at = |share: f64, count: usize| ((share * count as f64) as usize).min(count - 1);
@@ -59,7 +59,7 @@ fn pixel(canvas: &Canvas, x: f64, y: f64) -> [u8; 3] {
 
 const WHITE: [u8; 3] = [255; 3];
 
-/// The parallel projection of a ball is a disc.
+/// The parallel projection of a ball is a disc of the right size.
 #[test]
 fn a_sphere_covers_a_disc_of_the_right_size() {
     let mesh = icosphere(4);
@@ -83,7 +83,7 @@ fn a_sphere_covers_a_disc_of_the_right_size() {
     }
 }
 
-/// A line at a vertex in front is seen, one at a vertex behind is not.
+/// A line at a vertex in front is visible, one at a vertex behind is not.
 #[test]
 fn lines_are_drawn_on_the_side_that_is_seen() {
     let ball = icosphere(3);
@@ -115,7 +115,7 @@ fn lines_are_drawn_on_the_side_that_is_seen() {
     assert!(matches!(refused, Err(PictureError::CountMismatch { .. })));
 }
 
-/// The lines of a ball end where a nearer ball begins.
+/// The lines of a ball end at the outline of a nearer ball.
 #[test]
 fn lines_end_where_another_surface_hides_them() {
     let ball = icosphere(4);
@@ -134,7 +134,7 @@ fn lines_end_where_another_surface_hides_them() {
         let surfaces = [painted(&near, None), far];
         picture(&surfaces, ColourMap::Sequential).draw().unwrap()
     });
-    // Of the nearer ball, without the width of a line at its edge; as in the test of its size.
+    // Outline of the nearer ball as in the test of its size, less the width of a line at the edge.
     let letters = 12.0 * (400.0_f64 / 900.0).sqrt();
     let radius = (400.0 - 4.0 * letters) / 4.0;
     let centre = [200.0 - 0.5 * radius, 200.0];
@@ -165,14 +165,14 @@ fn fields_become_colours_where_they_are_and_the_nearer_surface_is_seen() {
     diverging.view.frame = None;
     diverging.size = [520, 400];
     let canvas = diverging.draw().unwrap();
-    // Left of the colour bar the ball fills the height: blue, light, red from left to right.
+    // Left of the colour bar, the ball fills the height: blue, light and red from left to right.
     let [left, middle, right] = [0.2, 0.42, 0.65].map(|x| pixel(&canvas, x, 0.5));
     assert!(left[2] > left[0] + 60, "{left:?}");
     assert!(right[0] > right[2] + 60, "{right:?}");
     assert!(middle[0].abs_diff(middle[2]) < 40, "{middle:?}");
     assert_eq!(pixel(&canvas, 0.01, 0.01), WHITE);
 
-    // The viewer is at y = −∞: of two balls, the one with the smaller y is seen.
+    // The viewer is at y = −∞: the ball with the smaller y is visible.
     let moved = |y: f64| ball.map(|[a, b, c]| [a, b + y, c]);
     let (near, far) = (moved(-3.0), moved(3.0));
     let [low, high] = [0.0, 1.0].map(|value| vec![value; ball.positions.len()]);
@@ -291,7 +291,7 @@ fn chart(x: Axis, curves: Vec<Curve>) -> Chart {
     }
 }
 
-/// Where the pixels of a colour as strong as a mark's are on average, as shares of the picture.
+/// Mean position of the pixels with colours as saturated as a mark's, as fractions of the picture.
 fn coloured(canvas: &Canvas) -> [f64; 2] {
     let [width, height] = canvas.size();
     let rgb = canvas.rgb();
@@ -311,7 +311,7 @@ fn coloured(canvas: &Canvas) -> [f64; 2] {
     ]
 }
 
-/// Equal steps on an axis, linear or logarithmic, are equal steps in the picture.
+/// Equal steps on a linear axis, and equal ratios on a logarithmic one, are equal steps in the picture.
 #[test]
 fn points_are_where_their_axes_have_them() {
     for (scale, range, values) in [
@@ -335,7 +335,7 @@ fn points_are_where_their_axes_have_them() {
             };
             coloured(&chart.draw(SIZE).unwrap())
         });
-        // To the right, and upwards.
+        // x increases to the right, y upwards.
         for (axis, direction) in [(0, 1.0), (1, -1.0)] {
             let [a, b, c] = places.map(|place| direction * place[axis]);
             assert!(b > a);
@@ -347,7 +347,7 @@ fn points_are_where_their_axes_have_them() {
 proptest! {
     #![proptest_config(cases(24))]
 
-    /// Whatever is to be shown, it is drawn or refused. Surfaces beyond 2²⁵² are none.
+    /// Any input is either drawn or refused. Surfaces beyond 2²⁵² are refused.
     #[test]
     fn no_number_breaks_a_picture(
         exponent in -308_i32..76,

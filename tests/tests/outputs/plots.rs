@@ -135,7 +135,7 @@ fn names_stand_for_the_columns_of_all_surfaces() {
     assert_eq!(columns_of(&table, "volume", surfaces), []);
 }
 
-/// How many pixels have colours that neither letters nor axes have.
+/// Number of pixels in colours that neither letters nor axes have.
 fn coloured(canvas: &Canvas) -> usize {
     let rgb = canvas.rgb();
     let strong = |part: &&[u8]| part.iter().max().unwrap() - part.iter().min().unwrap() > 100;
@@ -154,12 +154,12 @@ fn series_are_drawn_beside_what_was_published() {
     let line = [curve("deformation_a")];
     let drawn = coloured(&plot(&line, &[]).draw().unwrap());
     assert!(drawn > 100);
-    // Interrupted between its only two points.
+    // This column has a gap between its only two points, so that no line is drawn.
     let torn = [curve("deformation_b")];
     assert_eq!(coloured(&plot(&torn, &[]).draw().unwrap()), 0);
     let published = |points: &[[f64; 2]]| {
         [PublishedCurve {
-            // No legend, which would hide some of the rest.
+            // There is no legend, which could hide parts of the curve.
             name: String::new(),
             points: points.to_vec(),
         }]
@@ -170,7 +170,7 @@ fn series_are_drawn_beside_what_was_published() {
     let curve = published(&[[0.0, 0.2], [2.0, 0.15], [4.0, 0.0]]);
     let dashed = coloured(&plot(&line, &curve).draw().unwrap());
     assert!(dashed > marked + 100, "broken lines");
-    // One row alone is a mark.
+    // A single row is drawn as a mark.
     let mut short = table.clone();
     short.rows.truncate(1);
     let alone = [SeriesCurve {
@@ -244,15 +244,15 @@ fn pixels(canvas: &Canvas) -> Vec<([f64; 2], [u8; 3])> {
     rgb.chunks(3).enumerate().map(pixel).collect()
 }
 
-/// Red to the right of where a field changes its sign, blue to the left, grey where it has no value:
-/// the picture's pixels tell where the plane's axes are.
+/// A field that changes its sign is red on the right, blue on the left, and grey where it has no value: the
+/// pixels show the directions of the plane's axes.
 #[test]
 fn colours_are_where_the_field_is() {
     let rest = on_grid(|_| [0.0; 3]);
     let field = on_grid(|[x, y, _]| if y < -1.4 { f64::NAN } else { x });
     let canvas = slice(&rest, Some(&field)).draw().unwrap();
     let mean = |of: fn([u8; 3]) -> bool| {
-        // Not the colour bar.
+        // Pixels left of the colour bar.
         let found = pixels(&canvas);
         let found = found.iter().filter(|(at, rgb)| at[0] < 435.0 && of(*rgb));
         let found = Vec::from_iter(found.map(|(at, _)| *at));
@@ -264,12 +264,12 @@ fn colours_are_where_the_field_is() {
     let grey = mean(|[r, g, b]| [r, g, b] == [140; 3]);
     assert!(red[0] > blue[0] + 100.0, "{red:?} {blue:?}");
     PICTURE_RADIUS.assert(red[1], blue[1], 300.0, "side by side");
-    // Below: y is upwards.
+    // Grey is below red, because y points upwards.
     assert!(grey[1] > red[1] + 100.0, "{grey:?}");
     PICTURE_RADIUS.assert(grey[0], 0.5 * (red[0] + blue[0]), 300.0, "in the middle");
 }
 
-/// Lines follow directions: a flow twice as fast has the same, one along the normal has none.
+/// Streamlines follow directions only: a faster flow has the same lines, a flow along the normal has none.
 #[test]
 fn streamlines_follow_what_lies_in_the_plane() {
     let field = on_grid(|_| 0.0);
@@ -285,7 +285,7 @@ fn streamlines_follow_what_lies_in_the_plane() {
     let rest = draw(&on_grid(|_| [0.0; 3]));
     assert_eq!(rest, draw(&on_grid(|_| [0.0, 0.0, 5.0])));
     assert_ne!(rest, drawn);
-    // Without a field colours are those of the speed, whatever is missing.
+    // Without a field, colours show the speed, and missing values do not matter.
     let torn = on_grid(|[x, y, _]| [if x > 1.0 { f64::NAN } else { y }, 0.0, 0.0]);
     slice(&torn, None).draw().unwrap();
 }
@@ -311,7 +311,7 @@ fn outlines_are_those_of_the_plane() {
     let centre = [mean(0), mean(1)];
     let radius = |at: &[f64; 2]| (at[0] - centre[0]).hypot(at[1] - centre[1]);
     let radii = ink.iter().map(radius);
-    // The frame is 6 lengths wide, all of them of the colour of 0.
+    // The frame is 6 lengths wide, filled with the colour of 0.
     let neutral = pixel(&bare, centre);
     let row = pixels(&bare).into_iter();
     let row = row.filter(|(at, rgb)| (at[1] - centre[1]).abs() <= 0.5 && *rgb == neutral);

@@ -1,4 +1,4 @@
-//! Tables that grow while a run goes on.
+//! Tables that grow during a run.
 #![expect(
     clippy::unwrap_used,
     reason = "what fails in a helper fails the test that called it"
@@ -12,7 +12,7 @@ use tempfile::TempDir;
 
 const COLUMNS: [&str; 3] = ["time", "energy_bending", "area"];
 
-/// Numbers of all sizes, and those that are none.
+/// Numbers of all sizes, including infinity and NaN.
 fn row(at: u64) -> [f64; 3] {
     let at = at as f64;
     let odd = [f64::NAN, f64::INFINITY, -0.0, 5e-324, f64::MAX][at as usize % 5];
@@ -66,12 +66,12 @@ fn wherever_a_series_was_torn_the_resumed_one_is_the_same() {
             assert_eq!(fs::read(&path).unwrap(), whole);
         }
     }
-    // A reader does not see the torn line.
+    // A reader does not see the incomplete line.
     fs::write(&path, &whole[..whole.len() - 2]).unwrap();
     assert_eq!(SeriesTable::read(&path).unwrap().rows.len(), 7);
 }
 
-/// Taken away while a run writes it, a series is written anew: no row is lost.
+/// A series that is deleted during a run is written again completely.
 #[test]
 fn a_series_that_was_taken_away_is_there_again() {
     let folder = TempDir::new().unwrap();
@@ -87,7 +87,7 @@ fn a_series_that_was_taken_away_is_there_again() {
     fs::remove_file(&path).unwrap();
     assert_eq!(series.mark().unwrap(), 6);
     assert_eq!(fs::read(&path).unwrap(), whole);
-    // With its folder gone it cannot be.
+    // If its folder is gone, too, it cannot be written.
     drop(folder);
     let error = series.append(&row(6)).unwrap_err();
     assert!(
@@ -96,7 +96,7 @@ fn a_series_that_was_taken_away_is_there_again() {
     );
 }
 
-/// Rows that others write into a series are not mixed with the run's.
+/// Rows that another program writes into a series are not mixed with those of the run.
 #[test]
 fn a_series_that_another_program_has_changed_is_not_gone_on_with() {
     let folder = TempDir::new().unwrap();

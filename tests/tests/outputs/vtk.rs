@@ -1,4 +1,4 @@
-//! Surfaces and grids for VTK, and the index of a run.
+//! Surfaces and grids for VTK, and the index file of a run.
 #![expect(
     clippy::unwrap_used,
     reason = "what fails in a helper fails the test that called it"
@@ -18,7 +18,7 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// A surface with a field of every kind, and values that text would lose.
+/// A surface with a field of every kind, with values that short texts would not preserve.
 struct Example {
     mesh: helfrich::TriangleMesh,
     positions: Vec<[f64; 3]>,
@@ -72,7 +72,8 @@ impl Example {
     }
 }
 
-/// Every value of a field as an f64, in the order of the file, with VTK's name of the type.
+/// VTK's name of the type of a field, its number of components, and all values as f64 in the order of the
+/// file.
 fn flat(values: PointValues<'_>) -> (&'static str, usize, Vec<f64>) {
     let wide = |values: &[f32]| values.iter().map(|&x| f64::from(x)).collect();
     match values {
@@ -83,7 +84,7 @@ fn flat(values: PointValues<'_>) -> (&'static str, usize, Vec<f64>) {
     }
 }
 
-/// Every value of an array as an f64, as [`flat`] has them.
+/// The same of an array, for comparison with [`flat`].
 fn numbers(array: &Array) -> (&'static str, usize, Vec<f64>) {
     let components = array.components;
     match &array.numbers {
@@ -96,7 +97,7 @@ fn numbers(array: &Array) -> (&'static str, usize, Vec<f64>) {
     }
 }
 
-/// A file that is as published, with these fields.
+/// Data of a file that conforms to the published format and has these fields.
 #[track_caller]
 fn published(path: &Path, fields: &[PointField<'_>]) -> Data {
     let contents = read(&fs::read_to_string(path).unwrap()).unwrap();
@@ -131,7 +132,7 @@ fn a_surface_is_stored_bit_by_bit_as_vtk_documents_it() {
     assert_eq!(polygons, triangles);
 }
 
-/// Axes that are no rows of a symmetric matrix: rows and columns must not be confused.
+/// Grid whose axes do not form a symmetric matrix, so that confusing rows and columns shows.
 fn oblique_grid() -> Grid {
     let [first, second, third] = [[0.6, 0.8, 0.0], [0.0, 0.0, 1.0], [0.8, -0.6, 0.0]];
     Grid {
@@ -142,7 +143,7 @@ fn oblique_grid() -> Grid {
     }
 }
 
-/// The grid's points, and numbers at them that text would lose.
+/// The grid's points, and values at them that short texts would not preserve.
 struct OnGrid {
     points: Vec<[f64; 3]>,
     pressure: Vec<f64>,
@@ -175,8 +176,8 @@ impl OnGrid {
     }
 }
 
-/// Where the points are follows from the attributes by what VTK publishes of them: the origin, and
-/// the matrix of directions times the spacings times the numbers of the point.
+/// The positions of the points follow from the attributes by VTK's documentation: the origin plus the matrix
+/// of directions times the spacings times the indices of the point.
 #[test]
 fn a_grid_is_stored_as_vtk_documents_it() {
     let folder = TempDir::new().unwrap();
@@ -207,7 +208,7 @@ fn a_grid_is_stored_as_vtk_documents_it() {
     }
 }
 
-/// Files with a fault each, which a reader that overlooks it would let through.
+/// Files with one fault each, which a careless reader would let pass.
 #[test]
 fn what_is_not_as_published_is_refused() {
     let folder = TempDir::new().unwrap();

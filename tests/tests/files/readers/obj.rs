@@ -7,7 +7,7 @@ fn obj(text: &str) -> Result<MeshFile, ParseError> {
     parse(text.as_bytes(), Format::Obj)
 }
 
-/// Four vertices and, on lines 5 and following, faces.
+/// Four vertices, and faces from line 5 on.
 fn obj_faces(faces: &str) -> Result<MeshFile, ParseError> {
     obj(&format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n{faces}"))
 }
@@ -19,7 +19,7 @@ fn obj_statements() {
     let file = obj(text).unwrap();
     assert_eq!(file.positions[2], [1.0, 1.0, 0.0]);
     assert_eq!(file.mesh.triangles(), [[0, 1, 2], [0, 2, 3]]);
-    // Faces may come before their vertices, and negative numbers count back from where they stand.
+    // Faces may precede their vertices, and negative numbers count back from the last vertex before the face.
     let file = obj("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 4\nv 1 1 0\n").unwrap();
     assert_eq!(file.mesh.triangles(), [[0, 1, 2], [2, 1, 3]]);
 }

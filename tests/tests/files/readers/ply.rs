@@ -140,7 +140,7 @@ fn bad_binary_ply_files() {
     let solid = tetrahedron();
     let good = solid.binary_ply(false);
     let header = solid.ply_header("binary_little_endian").len();
-    // A vertex takes 30 bytes, the material 4, a face 17.
+    // A vertex takes 30 bytes, the element between vertices and faces 4, a face 17.
     let faces = header + 4 * 30 + 4;
     let mut infinite = good.clone();
     infinite[header + 30 + 9..][..8].copy_from_slice(&f64::INFINITY.to_le_bytes());
@@ -199,7 +199,7 @@ fn bad_binary_ply_files() {
     }
 }
 
-/// Records as nearly all files have them, which are read many at a time.
+/// Plain records, as in nearly all files, which are read many at a time.
 struct Plain {
     big: bool,
     double: bool,
@@ -272,7 +272,7 @@ impl Plain {
         bytes
     }
 
-    /// The byte at which a vertex begins, or the first face.
+    /// Byte offset of a vertex, or of the first face if `vertex` is the number of vertices.
     fn vertex(&self, vertex: usize) -> usize {
         let coordinate = if self.double { 8 } else { 4 };
         self.header().len() + vertex * (3 * coordinate + 1)
@@ -284,7 +284,8 @@ impl Plain {
     }
 }
 
-/// Plain records, and those behind one that is not, have the same mesh, and errors name their places.
+/// Plain records give the same mesh as records after one that is not plain, and errors name their byte
+/// offsets.
 #[test]
 fn plain_records_are_read_as_others() {
     for (big, double) in [(false, false), (false, true), (true, false), (true, true)] {
@@ -295,7 +296,8 @@ fn plain_records_are_read_as_others() {
         let faces = faces.map(|triangle| triangle.map(|vertex| vertex as i32).to_vec());
         assert_eq!(Vec::from_iter(faces), solid.faces);
 
-        // (2, 1, 4) and (1, 3, 4) are (2, 1, 3, 4) in another division.
+        // The triangles (2, 1, 4) and (1, 3, 4) together are the quadrilateral (2, 1, 3, 4), which the reader
+        // cuts along the other diagonal.
         let mut with_quad = Plain::octahedron(big, double);
         with_quad.faces.splice(1..3, [vec![4, 2, 1, 3]]);
         let found = parse(&with_quad.bytes(), Format::Ply).unwrap();

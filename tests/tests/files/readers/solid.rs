@@ -8,7 +8,7 @@ pub(super) struct Solid {
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// With coordinates that need all digits of an `f64`.
+/// Tetrahedron whose coordinates need all digits of an `f64`.
 pub(super) fn tetrahedron() -> Solid {
     Solid {
         positions: vec![
@@ -32,7 +32,7 @@ pub(super) fn icosahedron() -> Solid {
     ] {
         positions.extend([[0.0, a, b], [a, b, 0.0], [b, 0.0, a]]);
     }
-    // The faces are the triples with all edges of length 2, turned outwards.
+    // The faces are the triples whose edges all have length 2, oriented outwards.
     let mut triangles = Vec::new();
     let distance = |i: usize, j: usize| {
         let squares = (0..3).map(|k| (positions[i][k] - positions[j][k]).powi(2));
@@ -175,7 +175,7 @@ impl Solid {
     }
 }
 
-/// `solid` with corners numbered as they first appear, as STL readers do.
+/// `solid` with vertices numbered by their first appearance in triangles, as by STL readers.
 pub(super) fn in_order_of_appearance(solid: &Solid, round: impl Fn(f64) -> f64) -> Solid {
     let mut order = Vec::new();
     for vertex in solid.triangles.iter().flatten() {

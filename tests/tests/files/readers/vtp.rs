@@ -1,4 +1,4 @@
-//! VTP: polygons of VTK's PolyData.
+//! VTP files: polygons of VTK's PolyData.
 
 use super::solid::{Solid, icosahedron, tetrahedron};
 use helfrich_std::io::{Format, parse};
@@ -9,7 +9,7 @@ fn message(text: &str) -> String {
     parse(text.as_bytes(), Format::Vtp).unwrap_err().to_string()
 }
 
-/// A file of one piece with these arrays, and what follows the data.
+/// A file of one piece with these arrays, followed by `after` behind the data.
 fn document(attributes: &str, counts: [usize; 2], arrays: [&str; 3], after: &str) -> String {
     let [points, polygons] = counts;
     let [coordinates, connectivity, offsets] = arrays;
@@ -25,7 +25,7 @@ fn document(attributes: &str, counts: [usize; 2], arrays: [&str; 3], after: &str
     )
 }
 
-/// With the digits of the text, on two lines.
+/// ASCII arrays with all digits, coordinates and corners on lines of their own.
 fn ascii(solid: &Solid) -> String {
     let mut points = "type=\"Float64\" format=\"ascii\">\n".to_owned();
     for [x, y, z] in &solid.positions {
@@ -43,7 +43,7 @@ fn ascii(solid: &Solid) -> String {
     document("", counts, [&points, &corners, &ends], "")
 }
 
-/// Numbers of 32 and 64 bits at the end of the file, as they are.
+/// Raw numbers of 32 and 64 bits, appended at the end of the file.
 fn appended_raw(solid: &Solid) -> Vec<u8> {
     let bytes = |data: Vec<u8>| [&(data.len() as u32).to_le_bytes()[..], &data].concat();
     let points = solid.positions.as_flattened().iter();
@@ -77,8 +77,8 @@ fn appended_raw(solid: &Solid) -> Vec<u8> {
     .concat()
 }
 
-/// The tetrahedron, encoded by Python's base64, struct and zlib: in big-endian order with headers
-/// that have a padding of their own; compressed; compressed and appended.
+/// The tetrahedron, encoded by Python's base64, struct and zlib: in big-endian order with separately padded
+/// headers; compressed; compressed and appended.
 fn encoded() -> [String; 3] {
     let binary =
         |kind: &str, data: &str| format!("type=\"{kind}\" format=\"binary\">\n   {data}\n");
@@ -158,7 +158,7 @@ fn every_way_of_storing_numbers_gives_the_same_mesh() {
     }
 }
 
-/// Pieces follow each other, and polygons are split as everywhere.
+/// Pieces are concatenated, and polygons are split into triangles as in other formats.
 #[test]
 fn pieces_and_polygons_become_one_mesh() {
     let piece = |z: f64| {
@@ -183,7 +183,7 @@ fn pieces_and_polygons_become_one_mesh() {
     assert_eq!(file.positions[6], [1.0, 1.0, 2.5]);
 }
 
-/// Replaced text of a file, its replacement, and a part of the message.
+/// Text of a file, its wrong replacement, and part of the error message.
 const WRONG: [[&str; 3]; 20] = [
     [
         "'PolyData'",
@@ -303,7 +303,7 @@ fn wrong_files_say_where_and_what() {
     assert!(message("<VTKFile type=\"PolyData\"></VTKFile>").contains("it has no triangle"));
 }
 
-/// Wherever a file ends, and whichever byte is another one.
+/// A file that is truncated anywhere, or of which any byte is changed, is a mesh or an error.
 #[test]
 fn damaged_files_are_errors_or_meshes() {
     let tetrahedron = tetrahedron();
@@ -327,7 +327,8 @@ fn damaged_files_are_errors_or_meshes() {
     }
 }
 
-/// Files that VTK itself has written, in each of its ways to store numbers: the seeds of the fuzz target.
+/// Files written by VTK itself, in each of its number formats, are read. They are the seeds of the fuzz
+/// target.
 #[test]
 fn files_of_vtk_are_read() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../fuzz/corpus-seeds/read_vtp");

@@ -1,16 +1,16 @@
-//! The laws, each with its formulas from theory.
+//! The laws, each with formulas from theory for comparison.
 
 use helfrich::{LocalArea, NeoHookean, Real, Skalak, StrainEnergy};
 
-/// A law, to be made for any scalar.
+/// A law that can be made for any scalar.
 pub(super) trait Family: Copy {
     type Law<T: Real>: StrainEnergy<T>;
-    /// The library's file with its formulas.
+    /// Module of the library that contains the law.
     const MODULE: &'static str;
     fn law<T: Real>(self, modulus: T) -> Self::Law<T>;
-    /// W of two principal stretches, as the literature has it, for a modulus of 1.
+    /// W of two principal stretches in the form of the literature, for a modulus of 1.
     fn density(self, stretches: [f64; 2]) -> f64;
-    /// Tension of two equal stretches.
+    /// Tension under two equal stretches.
     fn tension(self, stretch: f64) -> f64;
     /// G and K_s.
     fn moduli(self) -> [f64; 2];
@@ -42,7 +42,7 @@ impl Family for Rubber {
     }
 }
 
-/// With its C.
+/// Skalak's law with its parameter C.
 #[derive(Clone, Copy)]
 pub(super) struct Blood(pub(super) f64);
 
@@ -88,7 +88,7 @@ impl Family for Area {
     }
 }
 
-/// Two laws over one reference.
+/// Sum of two laws over one reference.
 #[derive(Clone, Copy)]
 pub(super) struct Both<A, B>(pub(super) A, pub(super) B);
 
@@ -110,7 +110,7 @@ impl<A: Family, B: Family> Family for Both<A, B> {
     }
 }
 
-/// Checks of every law.
+/// A check that can be applied to every law.
 pub(super) trait Check {
     fn check<F: Family>(&mut self, family: F);
 }

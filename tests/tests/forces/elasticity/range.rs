@@ -1,10 +1,11 @@
-//! Strains at the ends of the range of numbers.
+//! Strains near the ends of the floating-point range.
 
 use helfrich::{
     Finding, InPlane, LocalArea, NeoHookean, Prepared, Skalak, StrainEnergy, Surface, TriangleMesh,
 };
 
-/// A flat right-angled triangle with sides of length `side` and its law at rest with sides of 1.
+/// Energy, forces and findings of a flat right-angled triangle with legs of length `side`, whose reference
+/// has legs of length 1.
 fn one_triangle<W: StrainEnergy<f64>>(law: W, side: f64) -> (f64, [[f64; 3]; 3], Vec<Finding>) {
     let mesh = TriangleMesh::new(3, vec![[0, 1, 2]]).unwrap();
     let corners = |side: f64| [[0.0; 3], [side, 0.0, 0.0], [0.0, side, 0.0]];
@@ -19,8 +20,8 @@ fn one_triangle<W: StrainEnergy<f64>>(law: W, side: f64) -> (f64, [[f64; 3]; 3],
     (energy, force, findings)
 }
 
-/// Tension G (1 − λ⁻⁶) of equal stretches λ on half a unit of area: `E = A0 G/2 (2 λ² − 3 + λ⁻⁴)`, and
-/// its derivative along x at the corner there, which is half of that by λ.
+/// Equal stretches λ of half a unit of area have the tension G (1 − λ⁻⁶): `E = A0 G/2 (2 λ² − 3 + λ⁻⁴)`. The
+/// force along x on the corner on that axis is half of −dE/dλ.
 #[test]
 fn neo_hookean_forces_at_the_end_of_the_range() {
     for stretch in [1e3_f64, 1e40, 1e60, 1e74] {
@@ -40,9 +41,9 @@ fn neo_hookean_forces_at_the_end_of_the_range() {
     }
 }
 
-/// A triangle stretched by λ along x alone. With both principal stretches λ and μ, −ΣF·∂x/∂λ is
-/// `A0 ∂W/∂λ` and −ΣF·∂x/∂μ is `A0 ∂W/∂μ`. The second is larger by λ, and forces along the edges cancel to
-/// it: where they have lost their digits, that is said.
+/// A triangle is stretched by λ along x alone. With both principal stretches λ and μ, −ΣF·∂x/∂λ is `A0 ∂W/∂λ`
+/// and −ΣF·∂x/∂μ is `A0 ∂W/∂μ`. Forces along the edges are larger by λ than their sum and cancel to it; where
+/// they have lost their digits, a finding says so.
 #[test]
 fn forces_of_stretches_along_one_axis_are_right_or_flagged() {
     fn check<W: StrainEnergy<f64>>(law: W, stretch: f64, slopes: [f64; 2]) -> bool {
@@ -96,7 +97,7 @@ fn forces_of_stretches_along_one_axis_are_right_or_flagged() {
     );
 }
 
-/// W of Skalak's law is of the eighth power of the stretch: where it has no number, that is said.
+/// W of Skalak's law grows as the eighth power of the stretch; where it overflows, a finding says so.
 #[test]
 fn stretches_beyond_the_range_are_said() {
     let law = Skalak {
@@ -111,7 +112,7 @@ fn stretches_beyond_the_range_are_said() {
     assert_eq!(findings, [Finding::Overstretched { triangle: 0 }]);
 }
 
-/// A membrane without extent is no better than at rest.
+/// The energy grows monotonically as a membrane collapses to a point.
 #[test]
 fn collapsed_membranes_have_more_energy_than_at_rest() {
     let law = NeoHookean { shear_modulus: 2.0 };

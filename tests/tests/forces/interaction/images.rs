@@ -1,4 +1,4 @@
-//! The same in periodic boxes, where surfaces meet images of others and of themselves.
+//! Repulsion in periodic boxes, where surfaces meet images of others and of themselves.
 
 use super::{check_gradient, check_pairs, crowd_of, evaluate, free, nearness, positions};
 use helfrich::{Images, Repulsion};
@@ -29,12 +29,12 @@ fn sum_of_norms(force: &[[f64; 3]]) -> f64 {
     force.iter().map(|&f| norm(f)).sum()
 }
 
-/// None, one shorter than the surfaces, or one longer.
+/// No period, a period shorter than the surfaces, or a longer one.
 fn period() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), 1.2..2.5, 2.5..9.0]
 }
 
-/// Surfaces moved each by a whole number of periods, at most so many.
+/// The surfaces, each translated by a random whole number of periods, at most `most`.
 fn moved(repulsion: Repulsion<f64>, meshes: &[Mesh], most: f64, seed: u64) -> Vec<Mesh> {
     let mut random = SplitMix64::new(seed);
     let periods = repulsion.images.periods;
@@ -45,7 +45,7 @@ fn moved(repulsion: Repulsion<f64>, meshes: &[Mesh], most: f64, seed: u64) -> Ve
     moved.collect()
 }
 
-/// The same energy, and the same force on every vertex.
+/// Checks that two configurations have the same energy and the same force on every vertex.
 #[track_caller]
 fn check_same(repulsion: Repulsion<f64>, here: &[Mesh], there: &[Mesh]) {
     let [first, second] =
@@ -61,7 +61,7 @@ fn check_same(repulsion: Repulsion<f64>, here: &[Mesh], there: &[Mesh]) {
 proptest! {
     #![proptest_config(cases(16))]
 
-    /// In boxes shorter than surfaces and ranges, too.
+    /// The boxes may be shorter than surfaces and ranges.
     #[test]
     fn all_images_are_found(
         seed in 0..1_000_000_u64,
@@ -105,8 +105,8 @@ proptest! {
     }
 }
 
-/// Pairs are found far away, too, where places in cells are rounded until a single cell is left: all the
-/// same.
+/// Translation by so many periods that cell indices are rounded until a single cell is left does not change
+/// the pairs.
 #[test]
 fn many_periods_do_not_matter() {
     let pitch = 2.0_f64.powi(-8);
@@ -122,8 +122,8 @@ fn many_periods_do_not_matter() {
     }
 }
 
-/// Two surfaces that overlap have the same energy and forces through the ends of the box as inside of
-/// it and as in free space, if they are far from all other images.
+/// Two surfaces that overlap through the ends of the box have the same energy and forces as in the middle of
+/// it and in free space, if they are far from all other images.
 #[test]
 fn an_overlap_through_the_end_is_one_inside() {
     let sphere = icosphere(2);
@@ -139,8 +139,8 @@ fn an_overlap_through_the_end_is_one_inside() {
     check_same(repulsion, &inside, &through);
 }
 
-/// A row of equal spheres, of which the last is as near to the image of the first as all are to each
-/// other: nothing pushes any of them along, and in free space both ends are pushed out.
+/// In a periodic row of equal spheres, the last is as near to the image of the first as neighbours are to
+/// each other: no sphere feels a net force. In free space, both ends are pushed outward.
 #[test]
 fn a_symmetric_row_stays_symmetric() {
     let (period, range) = (6.3, 0.8);
@@ -164,7 +164,7 @@ fn a_symmetric_row_stays_symmetric() {
     }
 }
 
-/// Own images push where it is said, and what is no length is no period.
+/// Images of the surface itself act only if `own` is set, and an invalid period counts as none.
 #[test]
 fn own_images_are_a_choice() {
     let sphere = [icosphere(2)];

@@ -9,12 +9,12 @@ use std::f64::consts::PI;
 /// First plateaus of known curves, relative to the plateau.
 const PLATEAU: Tolerance = Tolerance::new(
     2e-3,
-    "the slope over five points of a coarse curve is up to a quarter too steep or too gentle",
+    "the slope over five points of a coarse curve is wrong by up to a quarter",
 );
 
-/// When a slope is least, relative.
+/// Time at which a slope is least, relative.
 const PLATEAU_TIME: Tolerance =
-    Tolerance::new(5e-2, "one sample in twenty, where the slope is least");
+    Tolerance::new(5e-2, "one sample of twenty up to the least slope");
 
 fn sampled(step: f64, end: f64, curve: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
     let count = (end / step).round() as usize;
@@ -23,7 +23,7 @@ fn sampled(step: f64, end: f64, curve: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f6
     (times, values)
 }
 
-/// D∞ (1 − e^(−t/τ)) is short of D∞ by the fraction at which its slope counts as none.
+/// D∞ (1 − e^(−t/τ)) at its plateau is below D∞ by the fraction at which a slope counts as zero.
 #[test]
 fn plateaus_are_found_before_curves_creep_on() {
     let limit = 0.0104;
@@ -39,22 +39,22 @@ fn plateaus_are_found_before_curves_creep_on() {
         let plain = first(&rise);
         PLATEAU.assert(plain.value, limit * (1.0 - 2e-3), limit, what);
         PLATEAU.assert(first(&creep).value, limit, limit, what);
-        // Its slope is least where 2 · 2·10⁻³ t = e^(−t/τ)/τ has the same slope on both sides.
+        // The slope is least where its derivative vanishes: 2 · 2·10⁻³ = e^(−t/τ)/τ².
         let turn = 0.4 * (1.0 / (4e-3 * 0.16_f64)).ln();
         let turned = first(&upturn);
         PLATEAU_TIME.assert(turned.time, turn, turn, what);
-        // At the first maximum: tan 2t = −1/(2τ).
+        // The first maximum is at tan 2t = −1/(2τ).
         let peak = 0.5 * (PI - (1.25_f64).atan());
         PLATEAU.assert(first(&overshoot).value, overshoot(peak), limit, what);
     }
 }
 
-/// Five points tell the slope of a parabola at their middle exactly: between samples the slope and
-/// the curve are straight.
+/// The slope over five points is exact for a parabola at their centre; between samples, slope and curve are
+/// interpolated linearly.
 #[test]
 fn plateaus_are_between_samples() {
     let (times, values) = sampled(0.1, 1.5, |time| time - 0.5 * time * time);
-    // The steepest slope is that of the first three points, 0.9; a quarter of it is at 0.775.
+    // The steepest slope is that of the first three points, 0.9; a quarter of it is reached at 0.775.
     let found = first_plateau(&times, &values, 0.25).unwrap();
     assert_close(found.time, 0.775, 1.0, "time");
     assert_close(found.value, 0.455 + 0.75 * 0.025, 1.0, "value");
@@ -72,7 +72,7 @@ fn plateaus_survive_the_last_digits_of_a_time_step() {
     times.insert(7, 0.131);
     values.insert(7, f64::NAN);
     assert_eq!(first_plateau(&times, &values, 2e-3), Some(found));
-    // Falling curves, curves that never rest, and curves at rest.
+    // Falling curves, curves that never settle, and constant curves.
     let fallen = Vec::from_iter(values.iter().map(|value| -value));
     let fallen = first_plateau(&times, &fallen, 2e-3).unwrap();
     assert_eq!(fallen.value, -found.value);

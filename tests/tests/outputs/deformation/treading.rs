@@ -8,13 +8,13 @@ use helfrich_tests::tolerance::Tolerance;
 use std::f64::consts::TAU;
 use tempfile::TempDir;
 
-/// Turns of a tank-treading ellipsoid of 162 vertices.
+/// Turns and period of a tank-treading ellipsoid of 162 vertices.
 const TANK_TREADING: Tolerance = Tolerance::new(
     1e-2,
-    "some thirty vertices are not evenly spread in phase; whole turns are interpolated over 0.09",
+    "some thirty vertices are unevenly spread in phase; whole turns are interpolated over 0.09",
 );
 
-/// Follows a body through time.
+/// Tank-treading state of a body that is followed through time.
 fn followed(times: usize, step: f64, body: impl Fn(f64) -> Mesh) -> TankTreading {
     let start = body(0.0);
     let mut state = TankTreading::new(start.surface(), &of(&start), plane(), 0.0);
@@ -26,7 +26,7 @@ fn followed(times: usize, step: f64, body: impl Fn(f64) -> Mesh) -> TankTreading
     state
 }
 
-/// Half the shear rate, as rotation goes in a shear flow: from y to x.
+/// A sphere that rotates from y to x, as in a shear flow, has the period of its rotation.
 #[test]
 fn a_sphere_that_rotates_takes_its_period() {
     let omega = 1.3;
@@ -44,17 +44,17 @@ fn a_sphere_that_rotates_takes_its_period() {
     assert_close(back.period(), TAU / omega, 5.0, "period backwards");
 }
 
-/// A body with dimples that lies in the shear plane: the bottoms of the dimples are near the plane and
-/// on the axis, where nothing turns; the rims' outer parts are far from the plane.
+/// A body with dimples that lies in the shear plane: the bottoms of the dimples are near the plane but on the
+/// axis, where nothing turns; the outer parts of the rims are far from the plane.
 #[test]
 fn what_is_on_the_axis_or_far_from_the_plane_does_not_count() {
     let omega = 1.1;
-    // With vertices at the poles.
+    // The mesh has vertices at the poles.
     let ball = octahedron().divided().divided().divided().map(unit);
     let disc = ball.map(|[x, y, z]| [x, y, 0.4 * z * (x * x + y * y + 0.05)]);
     let spun = |time: f64| {
         disc.map(|[x, y, z]| match z.abs() {
-            // Far from the plane the material stays.
+            // Far from the plane the material rests.
             0.05.. => [x, y, z],
             _ => inclined((-omega * time).to_degrees())([x, y, z]),
         })
@@ -70,7 +70,7 @@ fn what_is_on_the_axis_or_far_from_the_plane_does_not_count() {
     );
 }
 
-/// Keller and Skalak's membrane: an ellipsoid that stays, whose points run around it.
+/// Keller and Skalak's membrane: the ellipsoid stays and its points circulate.
 #[test]
 fn a_membrane_that_treads_takes_its_period() {
     let ball = icosphere(2);
@@ -82,13 +82,13 @@ fn a_membrane_that_treads_takes_its_period() {
         })
     };
     let state = followed(200, 0.09, treading);
-    // In between the vertices of this mesh are not quite evenly spread in phase.
+    // Between whole turns, the vertices of this mesh are not quite evenly spread in phase.
     TANK_TREADING.assert(state.turns(), 18.0 / TAU, 1.0, "turns");
     TANK_TREADING.assert(state.period(), TAU, 1.0, "period");
     assert_close(state.axis_turns(), 0.0, 1.0, "the axis stays");
 }
 
-/// The same membrane, whose mesh stays while its material goes by, and drifts as a whole.
+/// The same membrane with a mesh that stays while the material moves past it and the body drifts.
 #[test]
 fn material_that_goes_by_takes_its_period() {
     let ball = icosphere(2);
@@ -117,7 +117,8 @@ fn material_that_goes_by_takes_its_period() {
     assert_close(state.axis_turns(), 0.0, 1.0, "the axis stays");
 }
 
-/// A rigid body that turns, by velocities that change from step to step.
+/// A body rotates rigidly, with a mesh that follows it and an angular velocity that changes from step to
+/// step.
 #[test]
 fn material_that_turns_with_its_body_does_not_tread() {
     let omega = |time: f64| 1.0 + 0.5 * time.cos();
@@ -137,18 +138,18 @@ fn material_that_turns_with_its_body_does_not_tread() {
         state.update_by_velocities(time, now.surface(), &of(&now), &velocities);
     }
     assert_close(state.axis_turns(), angle(10.0) / TAU, 1.0, "tumbling");
-    // Second order in steps of a tenth, the first of which has no rate before it.
+    // The error is of second order in steps of a tenth; the first step has no earlier rate.
     TANK_TREADING.assert(state.turns(), 0.0, 1.0, "treading");
 }
 
-/// A rigid body in shear: G. B. Jeffery, Proc. R. Soc. A 102 (1922) 161.
+/// A rigid body tumbles in shear: G. B. Jeffery, Proc. R. Soc. A 102 (1922) 161.
 #[test]
 fn a_body_that_tumbles_does_not_tread() {
     let (rate, ratio) = (0.7, 3.0);
     let orbit = TAU / rate * (ratio + 1.0 / ratio);
     let from_gradient = |time: f64| {
         let phase = TAU * time / orbit;
-        // The arc tangent of r tan, beyond its branch.
+        // Arc tangent of r tan φ, continued beyond its branch.
         (ratio * phase.sin()).atan2(phase.cos())
     };
     let long = stretched(2, [1.0, ratio, 1.0]);
@@ -166,7 +167,7 @@ fn a_body_that_tumbles_does_not_tread() {
     assert!(state.period().is_nan());
 }
 
-/// The long axis of what is all but a sphere is where its mesh has it.
+/// The long axis of a nearly spherical body is an artefact of its mesh, and its turns do not count.
 #[test]
 fn the_axis_counts_from_when_there_is_one() {
     let ball = icosphere(1);
@@ -178,9 +179,9 @@ fn the_axis_counts_from_when_there_is_one() {
         ball.map(|[x, y, z]| inclined(angle)([stretch * x, y, z]))
     };
     let state = followed(9, 0.2, growing);
-    // From 34° at 0.6 to 22° at 1.8.
+    // The axis turns from 34° at t = 0.6 to 22° at 1.8.
     assert_close(state.axis_turns(), 12.0 / 360.0, 1.0, "turns of the axis");
-    // Round in between, it goes on from where it was.
+    // After a spherical phase, the count continues from the last axis.
     let waning = |time: f64| {
         let stretch = if (0.5..1.1).contains(&time) { 1.0 } else { 1.5 };
         ball.map(|[x, y, z]| inclined(40.0 - 10.0 * time)([stretch * x, y, z]))

@@ -1,4 +1,4 @@
-//! Files read by VTK itself, where there is one: the tests are ignored, and fail without it.
+//! Files read by VTK itself. The tests are ignored because they need VTK:
 //! `cargo test -p helfrich-tests --test outputs vtk_itself -- --ignored`
 
 use super::{Example, OnGrid, flat, oblique_grid};
@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
 
-/// Contents of a file as VTK reads it, by the Python that `HELFRICH_PYTHON` names, or else `python3`.
+/// Contents of a file as read by VTK in the Python that `HELFRICH_PYTHON` names, or else `python3`.
 fn read_by_vtk(path: &Path) -> Value {
     let python = env::var_os("HELFRICH_PYTHON").unwrap_or_else(|| "python3".into());
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/data/read_vtk.py");
@@ -27,7 +27,7 @@ fn read_by_vtk(path: &Path) -> Value {
     found
 }
 
-/// Fields as VTK has read them.
+/// Checks the fields that VTK has read.
 fn assert_same_fields(found: &Value, expected: &[PointField<'_>]) {
     let arrays = found["point_data"].as_object().unwrap();
     assert_eq!(arrays.len(), expected.len());

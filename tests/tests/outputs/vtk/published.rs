@@ -1,5 +1,5 @@
-//! A reader of VTK's XML files by what is published of them, independent of the library: whatever an
-//! element, an attribute or a number of bytes has too much or too little is an error.
+//! Reader of VTK's XML files according to the published format, independent of the library. Any missing or
+//! superfluous element, attribute or byte is an error.
 //!
 //! Source: *VTK XML file formats* (docs.vtk.org, VTK File Formats), for serial PolyData and ImageData
 //! files with arrays in place; the ParaView guide for collections. What is not needed here
@@ -8,10 +8,10 @@
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
 
-/// An element that may be in a file.
+/// An element that a file may contain.
 struct Rule {
     name: &'static str,
-    /// The elements that it may be in.
+    /// Elements that may contain it.
     within: &'static [&'static str],
     required: &'static [&'static str],
     optional: &'static [&'static str],
@@ -31,7 +31,7 @@ const fn rule(
     }
 }
 
-/// The attributes of a piece of a surface, whose cells come in this order.
+/// Attributes that count the points and cells of a piece of a surface; cells are numbered in this order.
 const COUNTS: [&str; 5] = [
     "NumberOfPoints",
     "NumberOfVerts",
@@ -112,7 +112,7 @@ pub(super) struct Contents {
     pub(super) data: Data,
 }
 
-/// The data sets that are read.
+/// Data sets that this reader understands.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Data {
     Surface {
@@ -139,7 +139,7 @@ pub(super) struct Entry {
 
 type Found<T> = Result<T, String>;
 
-/// Contents of a file, or the fault in it.
+/// Contents of a file, or its fault.
 pub(super) fn read(text: &str) -> Found<Contents> {
     let document = Document::parse(text).map_err(|error| error.to_string())?;
     let root = document.root_element();
@@ -209,7 +209,7 @@ fn entry(node: Node<'_, '_>) -> Found<Entry> {
     })
 }
 
-/// The number of points and cells, and what the surface is.
+/// Number of points and cells, and the surface.
 fn surface(piece: Node<'_, '_>) -> Found<(usize, usize, Data)> {
     let mut counts = [0; 5];
     for (count, name) in counts.iter_mut().zip(COUNTS) {
@@ -237,7 +237,7 @@ fn surface(piece: Node<'_, '_>) -> Found<(usize, usize, Data)> {
     Ok((points, cells, data))
 }
 
-/// The corners of each cell.
+/// Corners of each cell.
 fn cells(arrays: &[Array], points: usize, count: usize) -> Found<Vec<Vec<i64>>> {
     let integers = |wanted: &str| match arrays.iter().find(|array| array.name == wanted) {
         Some(Array {
@@ -278,7 +278,7 @@ fn cells(arrays: &[Array], points: usize, count: usize) -> Found<Vec<Vec<i64>>> 
     }
 }
 
-/// The number of points and cells, and what the grid is.
+/// Number of points and cells, and the grid.
 fn grid(data: Node<'_, '_>, piece: Node<'_, '_>) -> Found<(usize, usize, Data)> {
     let extent = numbers::<usize>(attribute(data, "WholeExtent")?, 6)?;
     if numbers::<usize>(attribute(piece, "Extent")?, 6)? != extent {
@@ -307,7 +307,7 @@ fn grid(data: Node<'_, '_>, piece: Node<'_, '_>) -> Found<(usize, usize, Data)> 
     Ok((counts.iter().product(), cells, grid))
 }
 
-/// The arrays of an element, each of so many tuples; none if there is no such element.
+/// Arrays of an element, each with this number of tuples; empty if there is no such element.
 fn arrays(node: Node<'_, '_>, name: &str, tuples: Option<usize>) -> Found<Vec<Array>> {
     if !elements(node).any(|child| child.has_tag_name(name)) {
         return Ok(Vec::new());
@@ -380,7 +380,7 @@ fn chunks<const N: usize, T>(bytes: &[u8], number: fn([u8; N]) -> T) -> Found<Ve
     }
 }
 
-/// The bytes of base64 (RFC 4648, section 4), padded, without a character too many.
+/// Bytes of padded base64 text (RFC 4648, section 4), without superfluous characters.
 fn decoded(text: &str) -> Found<Vec<u8>> {
     const ALPHABET: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let digits = text.trim_end_matches('=');
@@ -404,7 +404,7 @@ fn decoded(text: &str) -> Found<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Checks that a node may be where it is, with all its attributes and no more.
+/// Checks that a node is allowed at its place, with all required attributes and no unknown ones.
 fn check_node(node: Node<'_, '_>) -> Found<()> {
     let parent = node
         .parent_element()
