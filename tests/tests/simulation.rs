@@ -1,4 +1,4 @@
-//! Simulations: exactly the effects that a scene names, and the scenes that are shipped.
+//! Simulations have exactly the effects that a scene names; results of the shipped scenes.
 
 use helfrich_std::dynamics::Problem;
 use helfrich_std::generate::AnyShape;
@@ -12,11 +12,11 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// The estimate of the energy by jets of degree 6 on curved triangles, of 2562 vertices.
+/// Estimate of the energy by jets of degree 6 on curved triangles, with 2562 vertices, relative.
 const VESICLE_ESTIMATE: Tolerance = Tolerance::new(
     1e-3,
-    "fourth order, and of second order in the distance of the shape from the equilibrium; theory has \
-     five digits",
+    "fourth order in the edges, and second order in the deviation of the shape from equilibrium; theory \
+     has five digits",
 );
 
 #[global_allocator]
@@ -30,7 +30,7 @@ fn parse(text: &str) -> SceneFile {
 const SURFACE: &str =
     "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\nshape = \"sphere\"\n";
 
-/// Every effect by itself, as it stands in a scene.
+/// Keys of every effect, as in a scene.
 const EFFECTS: [(&str, &str); 10] = [
     ("bending", "method = \"gompper-kroll\"\nmodulus = 1"),
     (
@@ -50,8 +50,8 @@ const EFFECTS: [(&str, &str); 10] = [
     ("stretching", "axis = [1, 0, 0]\nforce = 1"),
 ];
 
-/// A scene with these effects, on so few vertices that no loop starts a thread, however slow the
-/// machine: starting one allocates.
+/// Scene with these effects, on so few vertices that no loop starts threads on any machine, because starting
+/// a thread allocates.
 fn scene(named: &[usize]) -> SceneFile {
     let table = |&k: &usize| -> String {
         let (name, keys) = EFFECTS[k];
@@ -63,8 +63,8 @@ fn scene(named: &[usize]) -> SceneFile {
     parse(&format!("{SURFACE}vertices = 42\n{tables}"))
 }
 
-/// The names of the effects with the number of their evaluations, after so many of the whole; and
-/// the allocations of all but the first of these.
+/// Names of the effects and how often each was evaluated in `times` evaluations of the simulation, and the
+/// number of allocations in all evaluations but the first.
 fn evaluated(file: &SceneFile, times: usize) -> (Vec<(String, u64)>, usize) {
     let (mut simulation, positions) = build(file).expect("a simulation");
     let mut force = vec![[0.0; 3]; positions.len()];
@@ -79,7 +79,7 @@ fn evaluated(file: &SceneFile, times: usize) -> (Vec<(String, u64)>, usize) {
     (costs.collect(), allocations)
 }
 
-/// Each effect alone, each missing, none, and all.
+/// Each effect alone, all but one, none, and all: only named effects are evaluated.
 #[test]
 fn what_a_scene_does_not_name_is_never_touched() {
     let all = Vec::from_iter(0..EFFECTS.len());
@@ -97,7 +97,7 @@ fn what_a_scene_does_not_name_is_never_touched() {
     }
 }
 
-/// The whole is the sum of its effects, on every surface and between them.
+/// The total is the sum of the effects on every surface and between them.
 #[test]
 fn an_evaluation_is_the_sum_of_what_each_effect_does() {
     let text = format!(
@@ -126,7 +126,7 @@ fn an_evaluation_is_the_sum_of_what_each_effect_does() {
             .map(|acting| acting.force.as_flattened()[entry]);
         tolerance::SAME.assert(found, parts.sum(), largest, "F");
     }
-    // Each acts where it should.
+    // Each effect acts on its own surfaces only.
     let second = simulation.bodies()[1].vertices();
     assert!(
         acting[0].force[second.clone()]
@@ -153,10 +153,10 @@ fn shipped(name: &str) -> PathBuf {
     root.join("std-ext/scenes").join(format!("{name}.toml"))
 }
 
-/// Bound of the energy's error with 642 vertices, where something other than the energy is tested.
+/// Bound of the energy's error with 642 vertices, for tests that do not test the energy.
 const COARSE: &str = "driver.energy_error=0.05";
 
-/// Runs a shipped scene, and returns its end and its series.
+/// Runs a shipped scene, and returns its summary and its series.
 fn run_shipped(name: &str, overrides: &[&str]) -> (Summary, SeriesTable, TempDir) {
     let quiet = ["output.pictures=false", "output.surfaces=false"];
     let overrides = Overrides::new(overrides.iter().chain(&quiet).copied()).expect("overrides");
@@ -169,8 +169,8 @@ fn run_shipped(name: &str, overrides: &[&str]) -> (Summary, SeriesTable, TempDir
     (summary, table, folder)
 }
 
-/// Energies of the stationary axisymmetric vesicles of Seifert, Berndl and Lipowsky, Phys. Rev. A 44
-/// (1991) 1182, over 8πκ; the vesicle that leaves the oblate branch ends as the prolate.
+/// Energies over 8πκ of the stationary axisymmetric vesicles of Seifert, Berndl and Lipowsky, Phys. Rev. A 44
+/// (1991) 1182; the unstable oblate becomes the prolate.
 #[test]
 fn vesicles_have_the_energies_of_theory() {
     for (name, expected) in [
@@ -198,8 +198,8 @@ fn vesicles_have_the_energies_of_theory() {
     }
 }
 
-/// Long prolates, from the ellipsoids of their reduced volume: the energies of Seifert, Berndl and
-/// Lipowsky, or an end that says how to get there, as Loop's method does.
+/// Long prolates that start from ellipsoids of their reduced volume either have the energies of Seifert,
+/// Berndl and Lipowsky, or end with a remedy; Loop's method reaches them.
 #[test]
 fn long_prolates_have_the_energies_of_theory_or_a_remedy() {
     for (reduced, shape, expected, methods) in [
@@ -243,8 +243,9 @@ fn long_prolates_have_the_energies_of_theory_or_a_remedy() {
     }
 }
 
-/// A mesh that is drawn out to another shape has minima of its discrete energy that are none of the
-/// surface, on even triangles: they are no equilibria, and the remedy names the shape to begin with.
+/// A mesh of even triangles that is stretched far towards another shape has minima of the discrete energy
+/// that the surface does not have. They do not count as equilibria, and the remedy names a better initial
+/// shape.
 #[test]
 fn energies_that_are_not_known_are_no_equilibria() {
     let end = |method: &str, vertices: usize, reduced: f64, more: &[&str]| {
@@ -273,7 +274,7 @@ fn energies_that_are_not_known_are_no_equilibria() {
     ] {
         let (summary, found) = end("gompper-kroll", vertices, reduced, &[]);
         let what = format!("{vertices} vertices, {reduced}: {}", summary.message);
-        // What a user would have taken for the equilibrium.
+        // Without the estimate, users would take this energy for the equilibrium.
         assert!(found.energy < (1.0 - least) * 8.0 * PI * theory, "{what}");
         assert_eq!(summary.end, End::Unresolved, "{what}");
         assert!(found.error > 0.01, "{what}");
@@ -296,7 +297,7 @@ fn energies_that_are_not_known_are_no_equilibria() {
         let its = 6.0 * PI.sqrt() * shape.volume() / shape.area().powf(1.5);
         assert!((its / reduced - 1.0).abs() < 1e-3, "{what}");
     }
-    // Who asks for less accepts it, and the summary says how much it is.
+    // A larger accepted error ends the run as converged, and the summary shows the error.
     let lax = ["driver.energy_error=10"];
     let (summary, found) = end("gompper-kroll", 642, 0.651, &lax);
     assert_eq!(summary.end, End::Converged, "{}", summary.message);
@@ -311,7 +312,8 @@ fn energies_that_are_not_known_are_no_equilibria() {
     }
 }
 
-/// Where nothing improves any more, the end says what ends, and that does.
+/// A relaxation that cannot improve further says which setting would end it, and with that setting it
+/// converges.
 #[test]
 fn a_stagnated_relaxation_says_what_ends() {
     let end = |residual: &str| {
@@ -329,7 +331,8 @@ fn a_stagnated_relaxation_says_what_ends() {
     assert_eq!(summary.end, End::Converged, "{}", summary.message);
 }
 
-/// On needles and caps no residual makes an equilibrium; on an even mesh the same one does.
+/// On a mesh of needles and caps, even a huge accepted residual gives no equilibrium; on an even mesh it
+/// does.
 #[test]
 fn energies_on_flagged_vertices_are_no_equilibrium() {
     let end = |family: &str| {
@@ -365,7 +368,7 @@ fn energies_on_flagged_vertices_are_no_equilibrium() {
     assert!(warning.starts_with("from iteration 0: "), "{warning}");
 }
 
-/// The oblate is stationary for a while: its energy is passed on the way.
+/// The oblate is nearly stationary for a while, so that the energy passes its value.
 #[test]
 fn the_unstable_oblate_is_left() {
     let (_, table, _folder) = run_shipped("vesicle-oblate-unstable-0.9", &["output.every=1"]);
@@ -377,7 +380,7 @@ fn the_unstable_oblate_is_left() {
     assert!(near >= 5, "{energies:?}");
 }
 
-/// Line tension contracts the border between two domains of a mesh file, and energy only falls.
+/// Line tension contracts the border between two domains of a mesh file, and the energy never increases.
 #[test]
 fn a_border_contracts_to_its_equilibrium() {
     let (summary, table, _folder) = run_shipped("two-domains", &[]);
@@ -396,7 +399,6 @@ fn a_border_contracts_to_its_equilibrium() {
 fn a_bud_forms_and_a_cell_becomes_a_discocyte() {
     let (summary, ..) = run_shipped("budding", &[]);
     assert_eq!(summary.end, End::Converged);
-    // Two unit spheres' worth of membrane on a neck would have H0 = 1 and no energy; a tube has more.
     let (summary, table, _folder) = run_shipped(
         "red-blood-cell-relax",
         &["surface.cell.vertices=642", COARSE],
@@ -407,8 +409,8 @@ fn a_bud_forms_and_a_cell_becomes_a_discocyte() {
     tolerance::HELD.assert(last("volume"), 94.0, 94.0, "volume");
 }
 
-/// J. P. Mills et al., Mech. Chem. Biosyst. 1 (2004) 169: both diameters within their bounds under
-/// every force.
+/// Under every force, both diameters are within the bounds of J. P. Mills et al., Mech. Chem. Biosyst. 1
+/// (2004) 169.
 #[test]
 fn the_stretched_cell_is_as_measured() {
     let (summary, table, _folder) = run_shipped(

@@ -177,7 +177,8 @@ fn streams_change_waves_by_the_mach_number_squared() {
             density: 1.0,
             velocity: [stream, 1e-3 * (k * (x as f64 + 0.5)).cos(), 0.0],
         });
-        // Amplitude and phase, after the moments that equilibrium leaves out have come up.
+        // Amplitude and phase, after an initial transient: equilibrium populations lack the stress of the
+        // wave.
         let wave = |lattice: &Lattice<f64>| {
             let mut sums = [0.0; 2];
             for x in 0..edge {

@@ -130,8 +130,8 @@ fn product<T: Real + Into<f64>>(x: &[f64], matrix: &SparseMatrix<T>, y: &[f64]) 
     terms.sum()
 }
 
-/// Checks that rows are compressed, with sorted columns for each vertex and its neighbours, and that the
-/// transpose reads the same pattern.
+/// Checks that the compressed rows contain each vertex and its neighbours, in order, and that the matrix is
+/// symmetric.
 fn assert_form<T: Real>(matrix: &SparseMatrix<T>, mesh: &TriangleMesh) {
     let vertices = mesh.vertex_count();
     let mut pattern = BTreeSet::from_iter((0..vertices).map(|vertex| (vertex, vertex)));

@@ -156,11 +156,11 @@ fn gauss_bonnet_on_known_meshes() {
     assert_gauss_bonnet(&fold);
 }
 
-/// On any mesh inscribed in a sphere, methods B and C with Voronoi areas find H = 1/R along x/R.
+/// Checks that methods B and C with Voronoi areas give H = 1/R along x/R on any mesh inscribed in a sphere.
 ///
-/// The rounding of the positions alone moves H R by ε R² Σ|cot|/|A|; the tolerance is a few times
-/// that, and vertices where it exceeds one half have an area within rounding of zero and say
-/// nothing. How many vertices were compared, and how many with a negative area, is returned.
+/// The rounding of positions alone changes H R by ε R² Σ|cot|/|A|; the tolerance is a few times that. Vertices
+/// where it exceeds one half have an area within rounding of zero and are left out. Returns the number of
+/// vertices compared, and of those with a negative area.
 fn assert_sphere_exact(inscribed: Inscribed) -> (usize, usize) {
     let (mesh, radius) = (inscribed.mesh(), inscribed.radius());
     let vertices = mesh.positions.len();

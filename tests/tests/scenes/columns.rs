@@ -1,4 +1,4 @@
-//! Parameters at each vertex, from columns of mesh files.
+//! Parameters that vary from vertex to vertex, read from columns of mesh files.
 
 use helfrich_std::dynamics::Problem;
 use helfrich_std::info::MeshInfo;
@@ -12,15 +12,15 @@ use helfrich_std::simulation::build;
 use helfrich_tests::meshes::{Mesh, difference, icosphere, norm};
 use tempfile::TempDir;
 
-/// A sphere with columns in a folder of its own.
+/// Sphere with columns, in a folder of its own.
 struct Files {
     folder: TempDir,
     mesh: Mesh,
 }
 
 impl Files {
-    /// `equal` is 2 everywhere, `jump` 1 below and 4 above, `H0` the height, `zero` 0 at vertex 7 and
-    /// `wrong` no number there.
+    /// Writes these columns: `equal` is 2 everywhere, `jump` 1 below and 4 above, `H0` the height, `zero` 0
+    /// at vertex 7, and `wrong` NaN there.
     fn new() -> Self {
         let folder = TempDir::new().unwrap();
         let mesh = icosphere(2);
@@ -49,7 +49,7 @@ impl Files {
         Self { folder, mesh }
     }
 
-    /// A scene with these keys of the surface, and of its bending besides the method.
+    /// Scene with these keys of the surface and of its bending.
     fn scene(&self, surface: &str, bending: &str) -> Result<SceneFile, SceneErrors> {
         let text = format!(
             "units = \"none\"\n[driver]\nkind = \"relax\"\n[[surface]]\n{surface}\nlocal_area.modulus \
@@ -69,7 +69,7 @@ impl Files {
 
 const MESH: &str = "mesh = \"sphere.vtp\"";
 
-/// Energy and forces of a scene at its start, on a sphere that is moved a little.
+/// Energy and forces of a scene at its start, on the sphere stretched along x.
 fn evaluated(file: &SceneFile) -> (f64, Vec<[f64; 3]>) {
     let (mut simulation, mut positions) = build(file).unwrap();
     for position in &mut positions {
@@ -80,8 +80,8 @@ fn evaluated(file: &SceneFile) -> (f64, Vec<[f64; 3]>) {
     (evaluation.energy, force)
 }
 
-/// A column of equal numbers is the number, to the last bit and by every method that has columns; one
-/// of other numbers is not.
+/// A column of equal numbers gives the same bits as the number, with every method that accepts columns; a
+/// column of other numbers does not.
 #[test]
 fn a_column_of_equal_numbers_is_the_number() {
     let files = Files::new();
@@ -159,7 +159,7 @@ fn unusable_columns_are_refused() {
     );
 }
 
-/// The range of a column is explained; numbers that vary form no group.
+/// The explanation shows the range of a column; varying numbers form no dimensionless group.
 #[test]
 fn columns_are_explained() {
     let files = Files::new();
@@ -176,7 +176,7 @@ fn columns_are_explained() {
     assert!(file.warnings.is_empty(), "{:?}", file.warnings);
 }
 
-/// The effects of domains: their energies at the start, what is explained, and what is refused.
+/// Domains: the energies of their effects at the start, the explanation, and refused columns.
 #[test]
 fn domains_have_borders() {
     let files = Files::new();
@@ -191,7 +191,7 @@ fn domains_have_borders() {
         .iter()
         .find(|acting| acting.effect == "border_tension");
     let length = acting.expect("a border").energy / 2.0;
-    // The equator, in a zigzag.
+    // The border runs in a zigzag along the equator.
     let turn = 2.0 * std::f64::consts::PI;
     assert!(length > turn && length < 1.25 * turn, "{length}");
     let info = MeshInfo::new(files.mesh.surface());
@@ -217,8 +217,8 @@ fn domains_have_borders() {
     );
 }
 
-/// Labels of faces: the border is exactly the edges between them. A modulus of faces is the mean of those
-/// around each vertex. Both are in the last file of a run.
+/// With labels of faces, the border consists exactly of the edges between them. A modulus of faces is
+/// averaged around each vertex. Both columns are in the last file of a run.
 #[test]
 fn faces_have_columns() {
     let files = Files::new();
@@ -274,7 +274,7 @@ fn faces_have_columns() {
     assert_eq!(evaluated(&file), expected);
 }
 
-/// A Gaussian modulus does something to a closed surface where it varies, and there only.
+/// On a closed surface, a Gaussian modulus has an effect only if it varies.
 #[test]
 fn gaussian_moduli_have_columns() {
     let files = Files::new();
@@ -298,7 +298,7 @@ fn gaussian_moduli_have_columns() {
     assert_eq!(idle, 0);
 }
 
-/// Without anything that keeps areas, one part grows at the cost of the other.
+/// If nothing preserves local areas, one part grows at the cost of the other, and a warning says so.
 #[test]
 fn parts_whose_area_nothing_holds_are_doubted() {
     let files = Files::new();

@@ -4,7 +4,7 @@ use super::{capsule_in, generated, refused, the_error, valid, with};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::scene::{Boundary, SceneFile};
 
-/// Contradictions and doubts about a scene on its mesh, closed or cut open.
+/// Errors and warnings of a scene on its mesh, which is closed or has an edge.
 fn findings(keys: &str, open: bool) -> (String, String) {
     let file: SceneFile = valid(&with(keys));
     let closed = generated(&file, 0);

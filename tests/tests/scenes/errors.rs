@@ -29,7 +29,7 @@ fn wrong_keys_name_the_line_and_the_nearest_key() {
         [8, 10],
         &["no key `spontaneous_curvature` in `surface.0`"],
     );
-    // A part of a key is as good a guess as a wrong letter.
+    // Part of a key is as good a guess as a misspelt key.
     refused_effect(
         "tension.value = 1\ngravity.acceleration = [0, 0, 1]\ngravity.density = 1\ngravity.density_difference = 1",
         [10, 9],
@@ -130,7 +130,7 @@ fn wrong_forms_say_what_is_needed() {
 
 #[test]
 fn places_count_characters_and_lines() {
-    // Three of them have two bytes.
+    // Three of the characters before the error take two bytes, so that columns must count characters.
     refused_effect(
         "area = { target = \"3 µm²\", constraint = \"exäct\" }",
         [8, 41],
@@ -325,7 +325,7 @@ fn units_are_converted_and_checked() {
         [8, 41],
         &["did you mean `initial`?"],
     );
-    // Every way in which TOML writes numbers.
+    // Numbers in every notation of TOML.
     let surface = valid("units = \"none\"\ndriver.kind = \"relax\"\n[[surface]]\nmesh = \"a.ply\"\ntension.value = 1_000.5\nscale = 0x10").scene.surfaces.remove(0);
     let found = surface.effects.tension.unwrap().value;
     assert_eq!((found, surface.scale), (1000.5, 16.0));
@@ -351,7 +351,7 @@ fn contradictions_of_methods_and_viscosities_are_refused() {
             "gompper-kroll",
         ],
     );
-    // Operators for curvatures only have no force.
+    // Operators for curvatures only have no force, so they are not among the choices.
     refused_effect(
         "[surface.bending]\nmethod = \"corrected\"\nmodulus = 1",
         [9, 10],
@@ -562,7 +562,7 @@ fn independent_errors_are_said_together() {
         _ => 0,
     }));
     assert_eq!(lines, [9, 10, 11, 13], "{errors}");
-    // Each with its line below it, marked.
+    // The message shows each line, with the wrong value marked.
     assert!(
         errors
             .to_string()

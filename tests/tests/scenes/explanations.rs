@@ -12,7 +12,7 @@ fn explanations_name_effects_and_groups() {
          [surface.volume]\nconstraint = \"exact\"\nreduced = 0.9\n\
          [surface.area]\nmodulus = 3\n",
     ));
-    // A sphere of radius 3, exactly.
+    // The area and volume of an exact sphere of radius 3.
     let pi = std::f64::consts::PI;
     let mesh = MeshInfo {
         area: 36.0 * pi,
@@ -41,7 +41,7 @@ fn explanations_name_effects_and_groups() {
     close("b = κ/(R² G)", 0.5 / 18.0);
     close("κ/(R² 3 G)", 0.5 / 54.0);
     close("K_s/G", 3.0);
-    // Y = 3 G of an incompressible sheet.
+    // Y = 3 G for an incompressible sheet.
     close("γ = Y R²/κ, Y = 4 K_s G/(K_s + G)", 6.0 * 9.0 / 0.5);
     close("k R²/κ", 54.0);
     let text = explanation.to_string();
@@ -55,7 +55,7 @@ fn explanations_name_effects_and_groups() {
     }
 }
 
-/// kT at 298.15 K, or at the temperature that the scene names; k_B is 1.380649e-23 J/K by definition.
+/// kT is that at 298.15 K, or at the temperature that the scene sets; k_B is 1.380649e-23 J/K by definition.
 #[test]
 fn thermal_energies_have_a_temperature() {
     let bending = "bending = { method = \"B\", modulus = \"20 kT\" }";
@@ -71,7 +71,7 @@ fn thermal_energies_have_a_temperature() {
         let bending = file.scene.surfaces[0].effects.bending.as_ref();
         let modulus = bending.unwrap().modulus.largest();
         let expected = 20.0 * 1.380649e-5 * kelvin;
-        // Two products in another order.
+        // The product is rounded in another order.
         assert!(
             (modulus / expected - 1.0).abs() < 4.0 * f64::EPSILON,
             "{modulus}"

@@ -1,4 +1,4 @@
-//! Membranes in Stokes flow: the driver boundary-integral.
+//! Membranes in Stokes flow by the driver boundary-integral.
 
 mod numbers;
 mod refused;
@@ -14,7 +14,7 @@ fn capsule(replacements: &[(&str, &str)]) -> String {
     capsule_in("boundary-integral", "", replacements)
 }
 
-/// The same in another flow.
+/// The capsule's scene in another flow.
 fn with_flow(flow: &str) -> String {
     capsule(&[("kind = \"shear\", rate = 0.15", flow)])
 }
@@ -27,7 +27,7 @@ fn driver(scene: &Scene) -> BoundaryIntegral {
     }
 }
 
-/// The messages of the warnings, those of the mesh included.
+/// Messages of all warnings, including those about the mesh.
 fn warnings(file: &SceneFile) -> Vec<String> {
     let mesh = generated(file, 0);
     let all = file.warnings.iter().cloned();
@@ -194,7 +194,7 @@ fn what_is_left_out_has_its_default() {
     assert_eq!(often, Every::Time(0.3 / 0.15));
 }
 
-/// Whatever a flow is called, its velocities are those of the formula in its documentation.
+/// Each named flow has the velocities of the formula in its documentation.
 #[test]
 fn flows_are_what_they_are_called() {
     let flow = |text: &str| driver(&valid(&with_flow(text)).scene).flow;
@@ -209,7 +209,7 @@ fn flows_are_what_they_are_called() {
             [2.0 * x, -2.0 * y, 0.0],
             2.0,
         ),
-        // A shear in the plane of z and x, and the same rate of pure strain.
+        // A shear in the plane of z and x, and a pure strain of the same rate.
         (
             "kind = \"linear\", gradient = [[0, 0, 0], [0, 0, 0], [3, 0, 0]]",
             [0.0, 0.0, 3.0 * x],
@@ -236,7 +236,7 @@ fn flows_are_what_they_are_called() {
     }
     assert_eq!(Flow::Quiescent.ambient(), None);
     assert_eq!(Flow::Quiescent.rate(), None);
-    // Turning as a whole strains nothing.
+    // A rigid rotation has no rate of strain.
     let gradient = [[0.0, 0.7, 0.0], [-0.7, 0.0, 0.0], [0.0; 3]];
     assert_eq!(Flow::Linear { gradient }.rate(), None);
 }
@@ -254,13 +254,13 @@ fn shears_have_a_plane_however_they_are_written() {
     ];
     let gradient = along.map(|t| normal.map(|n| 0.15 * t * n));
     let [t, n] = Flow::Linear { gradient }.plane().unwrap();
-    // Both may be turned over together.
+    // Both directions may be reversed together.
     let sign = n[0].signum();
     for axis in 0..3 {
         tolerance::SCENE_NUMBER.assert(sign * t[axis], along[axis], 1.0, "velocity");
         tolerance::SCENE_NUMBER.assert(sign * n[axis], normal[axis], 1.0, "gradient");
     }
-    // A strain has none, nor has a matrix of rank one that is no shear.
+    // Neither a pure strain nor a matrix of rank one that is no shear has a shear plane.
     let strain = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]];
     assert_eq!(Flow::Linear { gradient: strain }.plane(), None);
     let skew = [[1.0, 1.0, 0.0], [0.0; 3], [0.0; 3]];

@@ -1,4 +1,4 @@
-//! Scenes that nobody means.
+//! Randomly generated and malicious scenes.
 
 use super::schema::{conforms, json};
 use super::{parse, parse_with, shipped, with};
@@ -7,7 +7,7 @@ use helfrich_tests::meshes::cases;
 use proptest::prelude::*;
 use std::path::Path;
 
-/// Words out of which wrong scenes are made.
+/// Words from which invalid scenes are composed.
 const WORDS: &[&str] = &[
     "[surface.bending]",
     "[[surface]]",
@@ -95,7 +95,7 @@ proptest! {
         }
         let text = String::from_iter(text);
         match parse(&text) {
-            // Whatever is read, the schema allows.
+            // Any scene that is read conforms to the schema.
             Ok(_) => prop_assert!(conforms(&json_schema(), &json(&text)), "{}", text),
             Err(errors) => prop_assert!(!errors.to_string().is_empty()),
         }

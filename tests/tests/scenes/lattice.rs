@@ -1,4 +1,4 @@
-//! Membranes in a box of fluid: the driver lattice-boltzmann.
+//! Membranes in a box of fluid by the driver lattice-boltzmann.
 
 mod contact;
 mod limits;
@@ -16,10 +16,10 @@ use helfrich_std::scene::{
 use helfrich_std::simulation::{BuildError, build};
 use helfrich_tests::tolerance::{self, Tolerance};
 
-/// Velocities in the middle of ducts, relative.
+/// Velocities in the centre of ducts, relative.
 const DUCT: Tolerance = Tolerance::new(
     5e-4,
-    "differences over a thirtieth of the half width; a book's four digits",
+    "finite differences over a thirtieth of the half width; a book's four digits",
 );
 
 #[track_caller]
@@ -27,7 +27,7 @@ fn capsule(replacements: &[(&str, &str)]) -> String {
     capsule_in("lattice-boltzmann", "resolution = 6\n", replacements)
 }
 
-/// Message for a scene that cannot be built.
+/// Message about a scene that cannot be built.
 #[track_caller]
 fn unbuildable(text: &str) -> String {
     match build(&valid(text)) {
@@ -37,7 +37,7 @@ fn unbuildable(text: &str) -> String {
     }
 }
 
-/// The messages of all warnings, those of the meshes included.
+/// Messages of all warnings, including those about the meshes.
 fn warnings(text: &str) -> Vec<String> {
     let (simulation, _) = build(&valid(text)).unwrap_or_else(|error| panic!("{error}"));
     simulation
@@ -47,7 +47,8 @@ fn warnings(text: &str) -> Vec<String> {
         .collect()
 }
 
-/// Lines in place of others give no warning, and with another value one at `line` with `parts`.
+/// Checks that the value `inside` in place of `?` gives no warning, and `outside` one warning at `line` with
+/// `parts`.
 #[track_caller]
 fn warned_beyond(
     replacements: &[(&str, &str)],
@@ -67,7 +68,7 @@ fn warned_beyond(
     }
 }
 
-/// Facts about the scene's one surface where it is.
+/// Facts about the scene's only surface at its position.
 fn placed(text: &str) -> MeshInfo {
     let (simulation, positions) = build(&valid(text)).unwrap();
     MeshInfo::new(simulation.bodies()[0].surface(&positions).unwrap())
@@ -148,7 +149,7 @@ fn every_key_is_read() {
         redistribution: false,
     };
     assert_eq!(driver(scene), expected);
-    // μ step/(ρ spacing²), 1.2e6 µm²/s of kinematic viscosity.
+    // μ step/(ρ spacing²), with a kinematic viscosity of 1.2e6 µm²/s.
     let viscosity = driver(scene).lattice_viscosity;
     tolerance::SCENE_NUMBER.assert(viscosity, 0.096, 0.096, "lattice viscosity");
     assert_eq!(driver(scene).walls(), [false, true, true]);
@@ -218,27 +219,27 @@ fn what_is_left_out_has_its_default() {
         redistribution: false,
     };
     assert_eq!(found, expected);
-    // a = 1 whatever the polyhedron encloses.
+    // The nominal radius a = 1 counts, whatever volume the polyhedron encloses.
     tolerance::SCENE_NUMBER.assert(found.spacing, 1.0 / 6.0, 1.0, "spacing");
     assert_eq!(found.walls(), [false, true, false]);
-    // What resists by its total area alone has a step as well.
+    // A surface that resists only by its total area has a default step, too.
     let effects = "bending = { method = \"B\", modulus = 0.1125 }\nelasticity = { law = \"neo-hookean\", shear_modulus = 1 }";
     let held = valid(&capsule(&[
         (effects, "area.modulus = 4"),
         ("kind = \"shear\", rate = 0.15", "kind = \"quiescent\""),
         ("strain = 4", "duration = 100"),
     ]));
-    // (K_s + G) step/(μ spacing) ≤ 0.5, less a tenth and a little.
+    // (K_s + G) step/(μ spacing) is at most 0.5, minus a tenth and the rounding to whole steps.
     let step = driver(&held.scene).step * 6.0 * 4.0;
     assert!((0.4..=0.45).contains(&step), "{step}");
-    // Outputs come after whole steps.
+    // Outputs are written after whole steps.
     let Every::Time(interval) = scene.output.every else {
         panic!("{:?}", scene.output.every);
     };
     let steps = interval / found.step;
     tolerance::SCENE_NUMBER.assert(steps, steps.round(), steps, "steps an interval");
     assert_eq!(scene.obstacles, []);
-    // Fluid inside has a good viscosity as well, from 0.02 to 1, if that can be.
+    // The lattice viscosity of the fluid inside is also between 0.02 and 1, if possible.
     for (ratio, expected) in [
         (2.0, 1.0 / 3.0),
         (5.0, 0.2),
@@ -253,12 +254,12 @@ fn what_is_left_out_has_its_default() {
     }
 }
 
-/// μU/(G H²) in the middle of a duct H wide and `ratio` H deep: ∇²u = −1 by differences of second
-/// order on a quarter of it, relaxed with the factor that is best for a square.
+/// μU/(G H²) in the centre of a duct of width H and depth `ratio` H: solves ∇²u = −1 by second-order
+/// differences on a quarter of it, by over-relaxation with the factor that is best for a square.
 fn velocity_in_the_middle(ratio: usize) -> f64 {
     const HALF: usize = 30;
     let [rows, columns] = [HALF, HALF * ratio];
-    // From the middle to the walls; what lies beyond the middle is mirrored.
+    // The grid reaches from the centre to the walls; values beyond the centre are mirrored.
     let mut u = vec![vec![0.0; columns + 1]; rows + 1];
     let spacing = 0.5 / HALF as f64;
     let factor = 2.0 / (1.0 + std::f64::consts::PI / (2 * columns) as f64);
@@ -275,7 +276,7 @@ fn velocity_in_the_middle(ratio: usize) -> f64 {
     u[0][0]
 }
 
-/// Books give 0.07367 for a square duct; plates have 1/8.
+/// The literature gives 0.07367 for a square duct; between plates it is 1/8.
 #[test]
 fn channels_are_driven_by_the_force_that_their_velocity_takes() {
     let force = |centre_velocity: f64, width: f64, depth: Option<f64>, viscosity: f64| {
@@ -298,7 +299,7 @@ fn channels_are_driven_by_the_force_that_their_velocity_takes() {
         let found = viscosity * velocity / (force * width * width);
         DUCT.assert(found, share, share, &format!("{depth:?}"));
     }
-    // It does not matter which side is which.
+    // Width and depth may be exchanged.
     let [high, wide] = [(1.0, 2.0), (2.0, 1.0)].map(|(h, d)| force(1.0, h, Some(d), 1.0));
     tolerance::SCENE_NUMBER.assert(high, wide, wide, "turned");
     assert_eq!(Flow::Shear { rate: 1.0 }.driving_force(1.0), None);

@@ -1,4 +1,4 @@
-//! Scene files: what is right is read, what is wrong is said.
+//! Scene files: valid scenes are read, and errors are reported.
 
 mod columns;
 mod edges;
@@ -17,7 +17,7 @@ mod schema;
 mod shipped;
 
 use helfrich::Surface;
-// Private modules name these as parts of their own crate.
+// Private modules that are compiled here refer to these as items of their own crate.
 use helfrich_std::generate::{self, generate};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::provenance;
@@ -26,12 +26,12 @@ use helfrich_std::scene::{
 };
 use std::path::{Path, PathBuf};
 
-/// Where the shipped scenes are.
+/// Folder of the shipped scenes.
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../std-ext/scenes")
 }
 
-/// The shipped scenes' names and texts.
+/// Names and texts of the shipped scenes.
 fn shipped() -> Vec<(String, String)> {
     let files = std::fs::read_dir(folder()).unwrap();
     let paths = files.map(|entry| entry.unwrap().path());
@@ -60,8 +60,8 @@ fn valid(text: &str) -> SceneFile {
     parse(text).unwrap_or_else(|errors| panic!("{errors}\n\n{text}"))
 }
 
-/// The capsule of Guckenberger et al. 2016 on a coarse mesh, with other lines in places: effects from
-/// line 8 on, the driver from line 11 on, which ends with `more`.
+/// Scene of the capsule of Guckenberger et al. 2016 on a coarse mesh, with replaced lines: effects from line
+/// 8 on, the driver from line 11 on, which ends with `more`.
 #[track_caller]
 fn capsule_in(driver: &str, more: &str, replacements: &[(&str, &str)]) -> String {
     let mut text = format!(
@@ -88,7 +88,7 @@ strain = 4
     text
 }
 
-/// A mesh file of which nothing else is said.
+/// A mesh file without further keys.
 fn mesh_file(path: &str) -> MeshFileSource {
     MeshFileSource {
         path: path.into(),
@@ -104,7 +104,7 @@ fn with(effects: &str) -> String {
     )
 }
 
-/// The one error of a text.
+/// The only error of a text.
 #[track_caller]
 fn the_error(text: &str) -> (Place, String) {
     let errors = parse(text).expect_err(text);
@@ -112,7 +112,7 @@ fn the_error(text: &str) -> (Place, String) {
     (errors.errors()[0].place.clone(), errors.to_string())
 }
 
-/// A text has one error, at `line` and `column`, whose message has `parts`.
+/// Checks that a text has one error, at `line` and `column`, whose message contains `parts`.
 #[track_caller]
 fn refused(text: &str, at: [usize; 2], parts: &[&str]) {
     let (place, message) = the_error(text);
@@ -139,13 +139,13 @@ fn refused(text: &str, at: [usize; 2], parts: &[&str]) {
     }
 }
 
-/// The same for an effect that the scene of [`with`] is given.
+/// Checks the error of an effect that is added to the scene of [`with`].
 #[track_caller]
 fn refused_effect(effects: &str, at: [usize; 2], parts: &[&str]) {
     refused(&with(effects), at, parts);
 }
 
-/// Facts about the mesh of a surface, generated or from a file, scaled.
+/// Facts about the mesh of a surface, generated or from a file, after scaling.
 fn generated(file: &SceneFile, surface: usize) -> MeshInfo {
     let surface = &file.scene.surfaces[surface];
     let (mesh, positions, matched) = match &surface.source {

@@ -58,7 +58,7 @@ fn meshes_are_checked_when_they_are_known() {
         message.contains("cell.toml:9:14: triangle 7 of the mesh has no area"),
         "{message}"
     );
-    // More than a sphere of that area encloses.
+    // The target volume exceeds that of a sphere of this area.
     let text =
         with("volume = { constraint = \"exact\", target = 200 }\narea.constraint = \"exact\"");
     let file = valid(&text);
@@ -93,7 +93,7 @@ fn families_have_the_same_triangles_on_every_shape() {
     }
 }
 
-/// Edges of a mesh lose e²/4a of the distance at which its vertices are held.
+/// A repulsion keeps vertices at a distance; edges in between come closer by e²/4a.
 #[test]
 fn repulsion_needs_short_edges() {
     let scene = |cutoff: f64| {
@@ -144,7 +144,7 @@ fn references_have_the_triangles_of_their_surface() {
     assert!(message.contains("triangle 3 of the reference"), "{message}");
 }
 
-/// A coarse mesh cuts the tips of a long shape off; a finer one, and the family that is advised, do not.
+/// A coarse mesh cuts off the tips of a long shape; a finer mesh or the recommended family does not.
 #[test]
 fn generated_meshes_off_their_shape_are_said() {
     let scene = |family: &str, vertices: usize| {
@@ -174,7 +174,7 @@ fn generated_meshes_off_their_shape_are_said() {
         assert!(warnings.is_empty(), "{}", warnings[0]);
     }
 
-    // 1 % less area than the exact one, as a mesh of 162 vertices may have.
+    // 1 % less area than the exact shape is within the limit for 162 vertices.
     let exact = "ellipsoid:2,2,20".parse::<AnyShape>().unwrap();
     let mesh = MeshInfo {
         area: 0.99 * exact.area(),
@@ -194,7 +194,7 @@ fn generated_meshes_off_their_shape_are_said() {
     }
 }
 
-/// A sphere of which each face has corners of its own, as renderers export it, as OBJ.
+/// OBJ text of a sphere with separate vertices for each face, as renderers export it.
 fn split_sphere() -> String {
     use helfrich_std::generate::Family;
     let sphere = generate(&"sphere".parse().unwrap(), Family::Regular, 162, 1).unwrap();
@@ -209,8 +209,8 @@ fn split_sphere() -> String {
     text
 }
 
-/// A mesh that is cut along all its edges is refused, as a surface, as a reference and where a lattice
-/// follows from its size, unless the scene says what is to become of it.
+/// A mesh with split vertices is refused unless the scene says what to do about them: as a surface, as a
+/// reference, and if the lattice follows from its size.
 #[test]
 fn split_vertices_are_refused_unless_the_scene_speaks_of_them() {
     let folder = tempfile::tempdir().unwrap();
@@ -241,7 +241,7 @@ fn split_vertices_are_refused_unless_the_scene_speaks_of_them() {
     let (simulation, positions) = ready(&format!("weld = true\n{bending}"), relax).unwrap();
     assert_eq!(positions.len(), 162);
     assert_eq!(simulation.bodies()[0].mesh().components().1, 1);
-    // As they are: 320 pieces, on which a method measures nothing.
+    // Unwelded, the mesh has 320 pieces.
     let (simulation, _) = ready("weld = false\ntension = { value = 1 }", relax).unwrap();
     assert_eq!(simulation.bodies()[0].mesh().components().1, 320);
 
@@ -259,8 +259,8 @@ fn split_vertices_are_refused_unless_the_scene_speaks_of_them() {
     ready(&format!("weld = true\n{bending}"), lattice).unwrap();
 }
 
-/// A file whose size the lattice follows from, twice in the scene and once as a reference: what is read
-/// while the scene is is not read again.
+/// A file is read once, although it determines the lattice's size and occurs twice in the scene and once as a
+/// reference.
 #[test]
 fn each_mesh_file_is_read_once() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Method `jet` takes the noise of a mesh file out once, at the start.
+//! Method `jet` removes the noise of a mesh file once, at the start.
 
 use helfrich::Surface;
 use helfrich::shapes::Shape;
@@ -12,7 +12,7 @@ use tempfile::TempDir;
 
 type Points = Vec<[f64; 3]>;
 
-/// A mesh with errors of 1e-3 in every coordinate, a hundredth of an edge, and the exact mesh.
+/// A mesh with errors of 1e-3 in every coordinate, a hundredth of an edge length, and the exact mesh.
 struct Files {
     folder: TempDir,
     made: GeneratedMesh,
@@ -24,7 +24,7 @@ impl Files {
         let shape = "ellipsoid:1,0.8,0.6".parse().unwrap();
         let made = generate(&shape, Family::Smooth, 1280, 1).unwrap();
         let mut random = Random::new(5);
-        // The sum of twelve uniform numbers is normal enough.
+        // The sum of twelve uniform numbers is sufficiently normal.
         let mut error = || 1e-3 * ((0..12).map(|_| random.unit()).sum::<f64>() - 6.0);
         let noisy = Vec::from_iter(made.positions.iter().map(|x| x.map(|x| x + error())));
         let folder = TempDir::new().unwrap();
@@ -45,7 +45,7 @@ impl Files {
         build(&file).unwrap()
     }
 
-    /// Root mean squares of the errors of H and f on these positions by jets of degree 6, over those of the
+    /// Root mean square errors of H and f by jets of degree 6 at these positions, relative to those of the
     /// exact fields.
     fn errors(&self, positions: &[[f64; 3]]) -> [f64; 2] {
         let surface = Surface::new(&self.made.mesh, positions).unwrap();
@@ -75,9 +75,9 @@ fn surface(mesh: &str, method: &str, more: &str) -> String {
     )
 }
 
-/// Independent noise of σ makes an error of some σ/A in H and 10 σ/A² in f, A the area of a vertex. What
-/// wide fits leave of it is a fifth in H, and a twentieth in f, which falls with a higher power of the
-/// width: the adaptive jet, which needs no positions, leaves as much.
+/// Independent noise of standard deviation σ changes H by a few σ/A and f by 10 σ/A², where A is the area of
+/// a vertex. Wide fits leave a fifth of the error of H and a twentieth of that of f, which falls with a
+/// higher power of the width. The adaptive jet, which does not move positions, leaves as much.
 #[test]
 fn noise_is_taken_out_at_the_start() {
     let files = Files::new();
@@ -101,20 +101,20 @@ fn noise_is_taken_out_at_the_start() {
     }
 }
 
-/// The same motion of all positions as without noise: size, place and orientation come after.
+/// Noise is removed before scaling, rotation and translation.
 #[test]
 fn it_is_taken_out_of_the_file() {
     let files = Files::new();
     let (_, plain) = files.built(&surface("noisy.vtp", "jet", ""));
     let placed = "scale = 2\nposition = [1, 2, 3]\norientation = { axis = [0, 0, 1], angle = 90 }";
-    // A second surface of the same file is measured with the first, and named beside it.
+    // A second surface from the same file is measured with the first, and the warning names it, too.
     let both = surface("noisy.vtp", "jet", placed) + &surface("noisy.vtp", "jet", "");
     let (simulation, positions) = files.built(&both);
     let (first, second) = positions.split_at(plain.len());
     assert_eq!(second, plain);
     for (&[x, y, z], here) in plain.iter().zip(first) {
         let there = [1.0 - 2.0 * y, 2.0 + 2.0 * x, 3.0 + 2.0 * z];
-        // A few roundings of numbers up to 5.
+        // The bound is a few roundings of numbers up to 5.
         assert!((0..3).all(|axis| (here[axis] - there[axis]).abs() < 1e-14));
     }
     let noisy = |warning: &&String| warning.contains("is noisy");
@@ -126,7 +126,7 @@ fn it_is_taken_out_of_the_file() {
     assert!(warning.contains("(and so for \"surface-2\")"), "{warning}");
 }
 
-/// Elastic membranes are free of stress without the noise, not with it.
+/// Elastic membranes are stress-free at the positions without noise.
 #[test]
 fn references_have_none_either() {
     let files = Files::new();
@@ -137,11 +137,11 @@ fn references_have_none_either() {
         .iter()
         .find(|acting| acting.effect == "elasticity")
         .unwrap();
-    // Rounding of strains, squared.
+    // The bound is the squared rounding of strains.
     assert!(of_elasticity.energy.abs() < 1e-20);
 }
 
-/// Exact meshes, other methods and generated meshes start where they are, to the last bit.
+/// Exact meshes, other methods and generated meshes keep their positions to the last bit.
 #[test]
 fn everything_else_starts_as_it_is() {
     let files = Files::new();
@@ -154,7 +154,7 @@ fn everything_else_starts_as_it_is() {
         assert_eq!(&built, positions, "{mesh}, {method}");
         assert!(simulation.warnings().is_empty(), "{mesh}, {method}");
     }
-    // Here the mesh leaves what looks like noise.
+    // The errors of this generated mesh resemble noise.
     let coarse = "[[surface]]\nshape = \"discocyte\"\nfamily = \"irregular\"\nvertices = 642\n\
                   bending = { method = \"jet\", modulus = 1 }\n";
     let (_, built) = files.built(coarse);

@@ -1,4 +1,4 @@
-//! Meshes that are large enough to be evaluated in an order of their own.
+//! Meshes that are large enough to be evaluated in an internal order of vertices.
 
 use helfrich::{GompperKroll, Prepared, Quality};
 use helfrich_std::dynamics::Problem;
@@ -11,7 +11,7 @@ use helfrich_tests::meshes::{Mesh, SplitMix64, bent, icosphere, norm};
 use helfrich_tests::tolerance;
 use tempfile::TempDir;
 
-/// Two components, the smaller one with the higher numbers.
+/// Two components, of which the smaller has the higher vertex numbers.
 fn two() -> Mesh {
     let (large, small) = (icosphere(5).map(bent), icosphere(3).map(bent));
     let count = large.positions.len() as u32;
@@ -31,7 +31,7 @@ fn two() -> Mesh {
     Mesh::new(positions, all.collect())
 }
 
-/// The simulation of a mesh with columns, by a scene with this driver and these effects.
+/// Simulation of a mesh with columns, in a scene with this driver and these effects.
 fn simulation(mesh: &Mesh, driver: &str, effects: &str) -> (Simulation, Vec<[f64; 3]>) {
     let folder = TempDir::new().unwrap();
     let of = |value: fn([f64; 3]) -> f64| Vec::from_iter(mesh.positions.iter().map(|&x| value(x)));
@@ -54,7 +54,7 @@ fn simulation(mesh: &Mesh, driver: &str, effects: &str) -> (Simulation, Vec<[f64
     build(&file).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Asserts that a field on a relabelled mesh is this one.
+/// Checks that a field on the relabelled mesh has the same values.
 fn assert_follows(what: &str, field: &[[f64; 3]], relabelled: &[[f64; 3]], new: &[usize]) {
     let largest = field.iter().map(|&x| norm(x)).fold(0.0, f64::max);
     for (vertex, (&value, &place)) in field.iter().zip(new).enumerate() {
@@ -67,7 +67,7 @@ fn assert_follows(what: &str, field: &[[f64; 3]], relabelled: &[[f64; 3]], new: 
     }
 }
 
-/// The mesh, the same with other numbers, and these.
+/// The mesh, the same mesh relabelled, and the new number of each vertex.
 fn both() -> ([Mesh; 2], Vec<usize>) {
     let mesh = two();
     let (relabelled, new) = mesh.relabelled(3);
@@ -77,7 +77,7 @@ fn both() -> ([Mesh; 2], Vec<usize>) {
     ([mesh, relabelled], new)
 }
 
-/// The numbers of vertices, triangles and components do not matter to any effect or constraint.
+/// The numbering of vertices, triangles and components has no influence on effects and constraints.
 #[test]
 fn effects_follow_the_numbers_of_the_scene() {
     let effects = "
@@ -119,7 +119,7 @@ stretching = { axis = [1, 0.1, 0.2], force = 1 }
     assert_follows("restored positions", &here, &there, &new);
 }
 
-/// The same in a flow, of a method in strong form and of viscous membranes.
+/// Numbering has no influence on a method in strong form and viscous membranes in a flow either.
 #[test]
 fn viscous_forces_follow_the_numbers_of_the_scene() {
     let effects = "
@@ -149,7 +149,7 @@ membrane_viscosity.shear = 1
     assert_follows("viscous forces", &forces[0], &forces[1], &new);
 }
 
-/// Messages name the vertices of the scene's mesh.
+/// Messages name the vertex numbers of the scene's mesh.
 #[test]
 fn messages_have_the_numbers_of_the_scene() {
     let mesh = two();
@@ -174,7 +174,7 @@ fn messages_have_the_numbers_of_the_scene() {
     assert!(message.contains(&format!("vertex {below} ")), "{message}");
 }
 
-/// So do findings: a vertex that is nearly at its neighbour spoils triangles around both.
+/// Findings name them, too: a vertex that almost touches its neighbour degrades the triangles around both.
 #[test]
 fn findings_have_the_numbers_of_the_scene() {
     const MOVED: usize = 4000;

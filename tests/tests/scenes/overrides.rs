@@ -1,10 +1,10 @@
-//! Values set from outside the file.
+//! Values that override those of the file.
 
 use super::{parse_with, with};
 use helfrich_std::method::BendingMethod;
 use helfrich_std::scene::{Every, Material, Overrides};
 
-/// Without a value a key is taken away; what is not there is no mistake, unless it is needed.
+/// An empty value removes a key; removing a missing key is no error, unless the scene needs it.
 #[test]
 fn overrides_take_away() {
     let text = with("bending = { method = \"B\", modulus = 1 }\ntension = { value = 2 }");
@@ -90,7 +90,7 @@ fn overrides_replace_and_add() {
     );
     let later = parse_with(&text, &["output.every=3", "output.every=4"]).unwrap();
     assert_eq!(later.scene.output.every, Every::Iterations(4));
-    // The default name of a surface without one.
+    // A surface without a name has a default name.
     let unnamed = text.replace("name = \"cell\"\n", "");
     let found = parse_with(&unnamed, &["surface.surface-1.tension.value=2"]).unwrap();
     assert_eq!(found.scene.surfaces[0].effects.tension.unwrap().value, 2.0);

@@ -1,5 +1,5 @@
-//! Private modules of helfrich-std with their own tests: compiled here, so that the library need not be
-//! compiled a second time for them.
+//! Private modules of helfrich-std that contain tests. They are compiled here, so that the library need not
+//! be compiled a second time for its tests.
 
 use helfrich_std::scene::UnitSystem;
 
@@ -31,7 +31,7 @@ mod timing;
 #[path = "../../../std-ext/src/study/measured.rs"]
 mod measured;
 
-/// The cache that measurements name.
+/// The cache to which the module of measurements refers.
 mod cache {
     pub(super) use helfrich_std::study::Cache;
 }

@@ -1,4 +1,4 @@
-//! Right scenes.
+//! Valid scenes.
 
 use super::{folder, generated, mesh_file, shipped, valid, with};
 use helfrich::DualArea;
@@ -83,7 +83,7 @@ fn every_key_of_a_mesh_is_read() {
         Place::Text { line, .. } => line,
         _ => 0,
     }));
-    // Pressure on a volume that is held, and weight.
+    // The warnings are about the pressure, because the volume is held exactly, and about gravity.
     assert_eq!(lines, [20, 21], "{:?}", file.warnings);
     let scene = &file.scene;
     assert_eq!(

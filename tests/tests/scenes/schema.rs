@@ -21,7 +21,8 @@ fn schema_is_up_to_date() {
     );
 }
 
-/// Whether a value conforms to a schema, by the keywords of JSON Schema 2020-12 that are used.
+/// Whether a value conforms to a schema; implements the keywords of JSON Schema 2020-12 that the scene schema
+/// uses.
 pub(super) fn conforms(schema: &Value, value: &Value) -> bool {
     let holds = |(keyword, rule): (&String, &Value)| {
         let list = || rule.as_array().unwrap().iter();
@@ -89,7 +90,7 @@ pub(super) fn conforms(schema: &Value, value: &Value) -> bool {
             "minimum" => value.as_f64().is_none_or(|value| value >= number()),
             "maximum" => value.as_f64().is_none_or(|value| value <= number()),
             "exclusiveMinimum" => value.as_f64().is_none_or(|value| value > number()),
-            // Found anywhere in the text, unless the pattern itself says where it begins and ends.
+            // A pattern matches anywhere in the text, unless it is anchored.
             "pattern" => value
                 .as_str()
                 .is_none_or(|text| Regex::new(rule.as_str().unwrap()).unwrap().is_match(text)),
@@ -114,8 +115,8 @@ fn holds_for(cases: impl IntoIterator<Item = (Value, Vec<Value>, Vec<Value>)>) {
     }
 }
 
-/// Values of each keyword that conform and that do not, by the text of JSON Schema 2020-12 (Validation
-/// and Core): a keyword for numbers or texts says nothing of other values.
+/// Conforming and other values for each keyword, by the text of JSON Schema 2020-12 (Validation and Core): a
+/// keyword for numbers or texts ignores values of other types.
 #[test]
 fn keywords_for_any_value_are_those_of_the_standard() {
     let least = json!({ "minimum": 2 });
@@ -283,7 +284,7 @@ fn shipped_scenes_conform_to_the_schema() {
         "position = [1, 2]",
         "mesh = \"a.ply\"",
         "scale = 0",
-        // By patterns alone.
+        // These are refused by patterns alone.
         "tension.value = \"a lot\"",
         "tension.value = \"1\"",
         "tension.value = \"12\"",

@@ -1,4 +1,4 @@
-//! Scenes that come with the library: all of the folder, by name.
+//! Scenes that are shipped with the library: all scenes of the folder, by name.
 
 use helfrich_std::plots::read_curves;
 use helfrich_std::scene::{Overrides, SHIPPED, SceneFile, shipped_files};

@@ -10,17 +10,18 @@ use helfrich_std::simulation::Explanation;
 use helfrich_std::simulation::build;
 use helfrich_tests::tolerance::{self, Tolerance};
 
-/// The volume of smooth meshes of 10000 vertices.
+/// Volumes of smooth meshes of 10000 vertices against exact ones, relative.
 const FINE_MESH_VOLUME: Tolerance = Tolerance::new(
     3e-3,
-    "second order in edges of 0.04 of the size, and of 0.12 of a torus's tube",
+    "second order in edges of 0.04 of the size, and of 0.12 of a torus's tube radius",
 );
 
-/// The spectral radius by the edge of the mean triangle, for that by the mean edge of an icosphere.
+/// Spectral radius estimated from the edge of the mean triangle, against that from the mean edge of an
+/// icosphere, relative.
 const MEAN_EDGE: Tolerance = Tolerance::new(
     4e-2,
-    "edges differ by up to 16 %: their mean square exceeds the square of their mean by a hundredth, \
-     and the cube of the edge is wanted",
+    "edges differ by up to 16 %: their mean square exceeds the square of their mean by a hundredth, and \
+     the cube of the edge enters",
 );
 
 #[test]
@@ -46,7 +47,7 @@ fn what_is_doubtful_in_flow_is_warned_of() {
         10,
         &["`pressure` does nothing to \"capsule\""],
     );
-    // A weight is carried by the fluid.
+    // Gravity gives no warning, because the fluid carries the weight.
     let heavy = capsule(&[(
         "[driver]",
         "gravity = { density_difference = 1, acceleration = [0, 0, -1] }\n[driver]",
@@ -104,7 +105,8 @@ fn what_is_doubtful_in_flow_is_warned_of() {
     warned(&tube(1.1, 0.5), 13, &["reaches 1.500 from the axis"]);
 }
 
-/// Drops are less accurate on uneven meshes: said before the run. Capsules are judged by their bending.
+/// A warning before the run says that drops are less accurate on uneven meshes. For capsules, the warning
+/// comes from their bending method.
 #[test]
 fn uneven_meshes_of_drops_are_warned_of() {
     let elasticity = "elasticity = { law = \"neo-hookean\", shear_modulus = 1 }\n";
@@ -206,7 +208,7 @@ fn units_of_flows_are_checked() {
     }
 }
 
-/// A shape's volume is that of fine meshes on it, which differ from it in second order.
+/// The volume of a shape agrees with that of fine meshes, within their error of second order.
 #[test]
 fn shapes_have_the_volume_of_fine_meshes() {
     for shape in [
@@ -249,14 +251,14 @@ fn meshes_enclose_the_volume_of_their_shape() {
         let expected = shape.parse::<AnyShape>().unwrap().volume() * f64::powi(scale, 3);
         let (found, mut simulation, positions) = volume(&text);
         tolerance::SCENE_NUMBER.assert(found, expected, expected, shape);
-        // The scaled mesh is the one without stress.
+        // The scaled mesh is the stress-free reference.
         let acting = simulation.resolve(&positions);
         let elastic = acting.iter().find(|acting| acting.effect == "elasticity");
         let elastic = elastic.unwrap().energy;
         tolerance::SCENE_NUMBER.assert(elastic, 0.0, expected, shape);
         let (inscribed, ..) = volume(&text.replace("match_volume = true\n", ""));
         assert!(inscribed < expected * (1.0 - 1e-3), "{shape}: {inscribed}");
-        // A reference on another shape is treated as the surface is.
+        // A reference on a named shape is scaled like the surface.
         let named = text.replace(
             "shear_modulus = 1",
             &format!("shear_modulus = 1, reference = {{ shape = \"{shape}\", scale = {scale} }}"),
@@ -279,7 +281,7 @@ fn group(explanation: &Explanation, name: &str, formula: &str) -> Option<f64> {
     groups.iter().find(found).map(|group| group.value)
 }
 
-/// The membrane's viscosities over the fluid's, on a sphere of two units.
+/// Boussinesq numbers are the membrane's viscosities over μa, on a sphere of radius 2.
 #[test]
 fn boussinesq_numbers_are_those_of_the_membrane() {
     let explanation = explained(&capsule(&[
@@ -298,7 +300,7 @@ fn boussinesq_numbers_are_those_of_the_membrane() {
     }
 }
 
-/// The numbers of the paper's case by both conventions, and those of the theory.
+/// Dimensionless groups of the paper's case in both conventions, and the results of theory.
 #[test]
 fn groups_are_named_by_both_conventions() {
     let explanation = explained(&capsule(&[]));
@@ -334,7 +336,7 @@ fn groups_are_named_by_both_conventions() {
     ] {
         assert!(text.contains(part), "`{part}` is not in:\n{text}");
     }
-    // Skalak's law with C = 2, without bending and with another size.
+    // Skalak's law with C = 2, without bending, and with another size.
     let text = capsule(&[
         ("bending = { method = \"B\", modulus = 0.1125 }\n", ""),
         (
@@ -352,7 +354,7 @@ fn groups_are_named_by_both_conventions() {
     let expected = 1.25 * 8.0 * 0.1 / 5.0;
     tolerance::SCENE_NUMBER.assert(found.unwrap(), expected, expected, "Skalak");
     assert!(explanation.to_string().contains("bs23: nothing bends"));
-    // No sphere, no shear, not alone: no theory.
+    // Without a sphere, shear flow, or elasticity as the only effect with bending, there is no theory.
     for text in [
         capsule(&[("sphere:1", "ellipsoid:1,1,0.9")]),
         with_flow("kind = \"extension\", rate = 0.15"),
@@ -368,8 +370,8 @@ fn groups_are_named_by_both_conventions() {
     }
 }
 
-/// `ρ/γ̇ = (1/Ca) max{0.355 (K_s/G + 1)(a/h), 2.65 b (a/h)³}` of method B on icospheres, whose mean
-/// edge is h but for a little.
+/// `ρ/γ̇ = (1/Ca) max{0.355 (K_s/G + 1)(a/h), 2.65 b (a/h)³}` for method B on icospheres, whose mean edge is
+/// nearly h.
 #[test]
 fn the_step_limit_is_estimated() {
     for (rate, b, law, ratio) in [
@@ -414,7 +416,7 @@ fn the_step_limit_is_estimated() {
             explanation.step_limit
         );
     }
-    // p(0.9 r_c) = 10 G/a, and −p' d = 18.816 p there, times 0.14921 at the wave that gives way fastest.
+    // p(0.9 r_c) = 10 G/a, and −p' d = 18.816 p there, times 0.14921 for the fastest relaxing wave.
     let second = "\n[[surface]]\nname = \"other\"\nshape = \"sphere:1\"\nfamily = \"regular\"\n\
                   vertices = 642\nmatch_volume = true\nposition = [3, 0, 0]\nelasticity = { law = \"neo-hookean\", \
                   shear_modulus = 1 }\n[[interaction]]\nkind = \"repulsion\"\ncutoff = 0.5\n";

@@ -78,7 +78,7 @@ fn wrong_flows_say_what_is_needed() {
         [13, 38],
         &["the trace of this gradient is 0.01", "add up to 0"],
     );
-    // Relative to its size, and but for rounding.
+    // The trace is judged relative to the size of the gradient, and up to rounding.
     valid(&linear(
         "[[1e9, 0, 0], [0, -333333333.3333333, 0], [0, 0, -666666666.6666667]]",
     ));
@@ -233,7 +233,8 @@ fn membranes_resist_the_flow() {
     );
 }
 
-/// Only forces move membranes in a flow; volumes, which the flow itself keeps, are the exception.
+/// In a flow, membranes move only by forces; constraints are refused except for volumes, which the flow
+/// itself preserves.
 #[test]
 fn areas_are_not_held_exactly_in_a_flow() {
     for key in ["area", "area_difference"] {

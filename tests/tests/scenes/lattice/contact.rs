@@ -4,7 +4,7 @@ use super::super::{refused, valid};
 use super::{capsule, unbuildable};
 use helfrich_std::scene::InteractionScene;
 
-/// A box, and a repulsion at its end: from line 16 on.
+/// Scene with a box of these lengths, and a repulsion at its end from line 16 on.
 fn repelled(lengths: &str, between: &str) -> String {
     let lengths = format!("resolution = 6\nbox = {lengths}\n");
     capsule(&[("resolution = 6\n", &lengths)])
@@ -23,14 +23,14 @@ fn one_surface_and_its_images_interact() {
             panic!("{:?}", scene.interactions);
         };
         assert_eq!(between, expected);
-        // In free space it is alone.
+        // In free space, the only surface has nothing to repel.
         let free = text
             .replace("lattice-boltzmann", "boundary-integral")
             .replace("resolution = 6\nbox = [7, 7, 7]\n", "");
         let message = super::parse(&free).expect_err("alone").to_string();
         assert!(message.contains("one would meet its images"), "{message}");
     }
-    // Between walls along y nothing repeats.
+    // Between walls along y, there are no images along y.
     let explanation = |text: &str| {
         let file = valid(text);
         let meshes = [super::placed(text)];
@@ -56,11 +56,11 @@ fn a_repulsion_reaches_less_far_than_the_box_is_long() {
         [20, 10],
         &["periodic along x, is 7 long", "choose a shorter `cutoff`"],
     );
-    // Between walls along y nothing is repeated.
+    // Along y, which has walls, the range may exceed the box.
     valid(&repelled("[7, 3, 7]", "").replace("cutoff = 1.5", "cutoff = 6.9"));
 }
 
-/// An obstacle at one end of the box reaches through it.
+/// An obstacle at one end of the box reaches through the periodic boundary to the other end.
 #[test]
 fn obstacles_are_met_through_the_ends() {
     let obstacle = |x: f64| {

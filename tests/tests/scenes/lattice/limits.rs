@@ -1,4 +1,4 @@
-//! Warnings, steps that are chosen, and their explanations.
+//! Warnings about lattices, default steps, and their explanations.
 
 use super::super::valid;
 use super::{capsule, driver, placed, warned_beyond, warnings};
@@ -7,7 +7,7 @@ use helfrich_std::simulation::Explanation;
 use helfrich_tests::tolerance;
 
 /// A membrane that resists shear alone is too stiff on a lattice, and somewhat too stiff on a coarse mesh:
-/// the figures of docs/FLOW.md, from η_s/(μa) of about 2 and 5 on. The radius is that of the mesh's volume.
+/// the limits of docs/FLOW.md, from η_s/(μa) of about 2 and 5 on. The radius is that of the mesh's volume.
 #[test]
 fn membranes_that_lock_are_warned_of() {
     let with = |viscosity: &str| {
@@ -34,15 +34,15 @@ fn membranes_that_lock_are_warned_of() {
     }
 }
 
-/// Each limit of the valid range, with a value on either side of it; by hand, with a = μ = G = 1, edges of
-/// 0.151, and nodes 1/6 apart where nothing else is said.
+/// Each limit of the valid range, with a value on either side of it. Limits are computed by hand with a = μ =
+/// G = 1, edges of 0.151, and a spacing of 1/6 unless another is set.
 #[test]
 fn steps_beyond_what_the_fluid_allows_are_warned_of() {
     assert_eq!(warnings(&capsule(&[])), [""; 0]);
     let soft = ("modulus = 0.1125", "modulus = 1e-4");
     let slow = ("rate = 0.15", "rate = 1e-3");
     let with = |lines: &str| format!("resolution = 6\n{lines}");
-    // 3 G ν step/(μ a), which is 0.01 at 1/60.
+    // 3 G ν step/(μ a), which is 0.01 at a step of 1/60.
     warned_beyond(
         &[
             soft,
@@ -70,7 +70,7 @@ fn steps_beyond_what_the_fluid_allows_are_warned_of() {
             "a `step` of 0.00962, which is a viscosity of 0.346",
         ],
     );
-    // √3 γ̇ L/2 step/spacing, which is 0.1 at 0.01833.
+    // √3 γ̇ L/2 step/spacing, which is 0.1 at a step of 0.01833.
     warned_beyond(
         &[
             soft,
@@ -84,7 +84,7 @@ fn steps_beyond_what_the_fluid_allows_are_warned_of() {
             "a `step` of 0.0183",
         ],
     );
-    // γ̇ a² step/(ν spacing²), which is 0.2 at 0.003704.
+    // γ̇ a² step/(ν spacing²), which is 0.2 at a step of 0.003704.
     warned_beyond(
         &[
             soft,
@@ -104,7 +104,7 @@ fn steps_beyond_what_membranes_allow_are_warned_of() {
     let soft = ("modulus = 0.1125", "modulus = 1e-4");
     let slow = ("rate = 0.15", "rate = 1e-3");
     let with = |lines: &str| format!("resolution = 6\n{lines}");
-    // (K_s + G) step/(μ spacing), of which 0.5 is allowed and twice that, at a step of 1/24, too much.
+    // (K_s + G) step/(μ spacing) may be 0.5; twice that, at a step of 1/24, is too much.
     warned_beyond(
         &[
             soft,
@@ -121,7 +121,7 @@ fn steps_beyond_what_membranes_allow_are_warned_of() {
             "choose a `step` of 0.0208, or fewer `vertices`",
         ],
     );
-    // κ step/(μ spacing edge²), of which 0.09/ν is allowed.
+    // κ step/(μ spacing edge²) may be 0.09/ν; twice that is too much.
     let edge = mean_edge(&placed(&capsule(&[])));
     let most = 2.0 * 0.45 * edge * edge / 6.0;
     warned_beyond(
@@ -174,14 +174,14 @@ fn edges_and_boxes_out_of_range_are_warned_of() {
             ],
         );
     }
-    // Walls of a channel are there to be felt.
+    // The walls of a channel are meant to influence the flow.
     let channel = "kind = \"channel\", centre_velocity = 0.1";
     let channel = capsule(&[
         ("kind = \"shear\", rate = 0.15", channel),
         ("resolution = 6", "resolution = 6\nbox = [7, 3, 7]"),
     ]);
     assert_eq!(warnings(&channel), [""; 0]);
-    // More than any machine has: of the scene itself, for the mesh is too coarse for it as well.
+    // Only warnings of the scene itself: the mesh would be too coarse for this resolution, too.
     let large = valid(&capsule(&[("resolution = 6", "resolution = 250")]));
     let [message] = large.warnings.as_slice() else {
         panic!("{:?}", large.warnings);
@@ -257,8 +257,8 @@ fn viscosities_and_inertia_out_of_range_are_warned_of() {
     );
 }
 
-/// A repulsion by which p(r_c/2) = 27/8 k r_c is ten times P = G/a: there −p' is 11/3 p/(r_c/2), and a vertex
-/// on nodes 1/6 apart is held by √3/2 (1/6)² of it.
+/// The repulsion has p(r_c/2) = 27/8 k r_c = 10 P, with P = G/a. There −p' is 11/3 p/(r_c/2), and acts on
+/// √3/2 (1/6)² per vertex on nodes 1/6 apart.
 #[test]
 fn the_repulsion_limits_the_step() {
     let cutoff = 0.03;
@@ -298,8 +298,8 @@ fn the_repulsion_limits_the_step() {
     }
 }
 
-/// Adhesion that a pressure of 10 P = 10 G/a compresses to q = 2, where V″ = 12 W/λ²; a vertex on nodes 1/6
-/// apart is held by √3/2 (1/6)² of it.
+/// A pressure of 10 P = 10 G/a compresses the adhesion to q = 2, where V″ = 12 W/λ². It acts on √3/2 (1/6)²
+/// per vertex on nodes 1/6 apart.
 #[test]
 fn adhesion_limits_the_step() {
     let range = 0.03;
@@ -323,7 +323,7 @@ fn adhesion_limits_the_step() {
     tolerance::SCENE_NUMBER.assert(found, expected, expected, "step");
     let step = driver(&valid(&text).scene).step;
     assert!((0.8..=0.9).contains(&(step / expected)), "{step}");
-    // That it has no bending is doubtful, too.
+    // Only warnings about adhesion are counted; there is also one about missing bending.
     for (step, count) in [
         (String::new(), 0),
         (format!("step = {}", 1.9 * expected), 0),
@@ -336,13 +336,13 @@ fn adhesion_limits_the_step() {
     }
 }
 
-/// The edge of an equilateral triangle of the mean area.
+/// Edge length of an equilateral triangle of the mean area.
 fn mean_edge(mesh: &MeshInfo) -> f64 {
     (4.0 * mesh.area / (3_f64.sqrt() * mesh.triangles as f64)).sqrt()
 }
 
-/// The step is the longest that all limits allow, less a tenth, and less what makes it divide the time
-/// between outputs.
+/// The default step is the longest that all limits allow, less a tenth, and shortened to divide the output
+/// interval.
 #[test]
 fn the_default_step_obeys_all_limits() {
     let soft = ("modulus = 0.1125", "modulus = 1e-4");
@@ -401,7 +401,7 @@ fn the_default_step_obeys_all_limits() {
                 "{name}: {step} of {limit}"
             );
         } else {
-            // Here it is ν = 1/3 that asks for more.
+            // The step is limited by the lattice viscosity of 1/3.
             tolerance::SCENE_NUMBER.assert(
                 driver(&scene).lattice_viscosity,
                 step * 36.0 / 0.5,
@@ -439,22 +439,22 @@ fn explanations_have_the_numbers_of_the_lattice() {
         ("τ = 3 ν + 1/2", 1.1),
         ("γ̇ step", 3e-4),
         ("√3 U step/spacing", 3_f64.sqrt() * 0.525 * 0.012),
-        // ρ is 0.002·5·36 without a density.
+        // Without a density, ρ is 0.002·5·36.
         ("3 P step²/(ρ spacing²)", 3.0 * 0.012_f64.powi(2) / 0.36),
         ("γ̇ a² step/(ν spacing²)", 3e-4 * 36.0 * 5.0),
         ("D(L_y) − D(∞) = 2.4 (a/L_y)³", 2.4 / 343.0),
     ] {
         tolerance::SCENE_NUMBER.assert(number(formula), expected, expected, formula);
     }
-    // 80/3 of time.
+    // The run lasts 80/3 units of time.
     assert_eq!(lattice.steps, 13_334);
     let nodes = 42_f64.powi(3);
     assert!(lattice.throughput > 0.0 && lattice.coupling > 0.0);
-    // What it measures, and two ten millionths of a second a vertex.
+    // Measured costs of nodes and coupling, and 2e-7 seconds per vertex.
     let step = nodes / lattice.throughput + lattice.coupling + 642.0 * 2e-7;
     let minutes = step * 13_334.0 / 60.0;
     tolerance::SCENE_NUMBER.assert(lattice.minutes, minutes, minutes, "minutes");
-    // Nineteen populations, a force and a velocity a node; rows and planes are padded.
+    // Nineteen populations, a force and a velocity per node; rows and planes are padded.
     let least = nodes * 25.0 * 8.0;
     let found = explanation.memory as f64;
     assert!((1.0..1.2).contains(&(found / least)), "{found} for {least}");
@@ -473,12 +473,12 @@ fn explanations_have_the_numbers_of_the_lattice() {
     ] {
         assert!(shown.contains(part), "`{part}` is not in:\n{shown}");
     }
-    // With a density the Reynolds number is the fluid's.
+    // With a density, the Reynolds number is that of the fluid.
     let heavy = capsule(&[("resolution = 6", "resolution = 6\ndensity = 0.5")]);
     let heavy = explained(&heavy).lattice.unwrap().groups;
     let found = heavy.iter().find(|group| group.formula == "Re = ρ γ̇ a²/μ");
     tolerance::SCENE_NUMBER.assert(found.unwrap().value, 0.075, 0.075, "Re");
-    // Other drivers have none.
+    // Other drivers have no such explanation.
     let integral = capsule(&[
         ("lattice-boltzmann", "boundary-integral"),
         ("resolution = 6\n", ""),

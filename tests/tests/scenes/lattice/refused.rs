@@ -102,7 +102,7 @@ fn wrong_lattices_say_what_is_needed() {
             "give the driver `spacing`, `box` and `step`",
         ],
     );
-    // All that would follow from the file is given.
+    // Everything that would follow from the file's size is given explicitly.
     valid(&capsule(&[
         (
             "shape = \"sphere:1\"\nfamily = \"regular\"\nvertices = 642\nmatch_volume = true\n",
@@ -144,7 +144,7 @@ fn wrong_lattices_say_what_is_needed() {
 fn outputs_lie_between_the_walls() {
     let with = |lines: &str| capsule(&[("resolution = 6", &format!("resolution = 6\n{lines}"))]);
     let probe = |point: &str| with(&format!("[[output.probe]]\npoint = {point}"));
-    // Walls are at ±3.5 along y; along x and z the box is periodic.
+    // Walls are at ±3.5 along y; the box is periodic along x and z.
     valid(&probe("[9, 3.5, -20]"));
     refused(
         &probe("[0, 3.6, 0]"),
@@ -183,7 +183,7 @@ fn outputs_lie_between_the_walls() {
 fn surfaces_fit_between_the_walls() {
     let reach = placed(&capsule(&[])).corners[1][1];
     for (kernel, distance) in [("two", 0.5), ("three", 1.0), ("four", 1.5)] {
-        // Walls are at ±3.5, nodes 1/6 apart.
+        // Walls are at ±3.5, and nodes are 1/6 apart.
         let farthest = 3.5 - distance / 6.0 - reach;
         let at = |y: f64| {
             capsule(&[
@@ -266,7 +266,7 @@ fn obstacles_are_closed_and_stand_in_the_fluid() {
         );
         assert!(message.contains(part), "`{part}` is not in: {message}");
     }
-    // Periodic axes have no outside.
+    // Positions on periodic axes may lie anywhere.
     build(&valid(&with(
         "shape = \"sphere:1\"\nposition = [40, 3, 40]",
     )))
