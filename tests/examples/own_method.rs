@@ -23,7 +23,7 @@ impl<T: Real> ElementEnergy<T, 4> for HalfAngles<T> {
     }
 }
 
-/// The method as the program knows it.
+/// Entry of the method for the program's list.
 #[derive(Clone, Copy)]
 struct Mine;
 

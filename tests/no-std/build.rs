@@ -1,4 +1,4 @@
-//! Links the binary, and nothing else that is built here, without a C library.
+//! Links the binary of this package without a C library; other targets are linked as usual.
 
 fn main() {
     for argument in ["-nostartfiles", "-nostdlib", "-static", "-no-pie"] {

@@ -1,5 +1,5 @@
-//! Evaluates one method some times and does nothing else: for counting instructions, see
-//! `.ci/instructions`.
+//! Evaluates one method a given number of times and does nothing else, so that `.ci/instructions` can count
+//! its instructions.
 //!
 //! ```console
 //! cargo run --release -p helfrich-instructions -- B f64 3
@@ -15,7 +15,7 @@ use helfrich::{
 use std::error::Error;
 use std::hint::black_box;
 
-/// How often the icosahedron is refined.
+/// Number of refinements of the icosahedron.
 const LEVELS: u32 = 3;
 
 /// A mesh with positions.
@@ -35,14 +35,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// A discocyte, by Loop's rules from an icosahedron.
+/// A discocyte by Loop subdivision of an icosahedron.
 fn discocyte() -> Result<Discus, Box<dyn Error>> {
     let long = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut controls = Vec::new();
     for (a, b) in [(1.0, long), (-1.0, long), (1.0, -long), (-1.0, -long)] {
         controls.extend([[0.0, a, b], [a, b, 0.0], [b, 0.0, a]]);
     }
-    // Every three vertices at the least distance, 2, from each other.
+    // The faces are the triples of vertices at the least mutual distance, 2.
     let near = |a: usize, b: usize| {
         let squared = |k: usize| (controls[a][k] - controls[b][k]).powi(2);
         squared(0) + squared(1) + squared(2) < 5.0
@@ -88,7 +88,7 @@ fn evaluate<T: Real>(
     match method {
         "A" => conservative(KantorNelson::new(one), surface, times),
         "B" => {
-            // As published, so that counts compare over the years.
+            // Voronoi areas, as published, so that counts remain comparable over the years.
             let method = GompperKroll::with_areas(one, DualArea::Voronoi);
             conservative(method, surface, times);
         }

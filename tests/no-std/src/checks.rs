@@ -1,4 +1,4 @@
-//! Meshes inscribed in a sphere, and what is known of them exactly.
+//! Meshes inscribed in a sphere, with exact results.
 
 mod effects;
 
@@ -18,7 +18,7 @@ const MODULUS: f64 = 1.5;
 /// R.
 const RADIUS: f64 = 2.5;
 
-/// Everything, through every kind of points.
+/// Runs all checks through every kind of points.
 ///
 /// # Panics
 /// If a result is wrong.
@@ -27,7 +27,7 @@ pub fn run() {
         in_f64(&solid);
         in_f32(&solid);
     }
-    // Inscribed too, and without any symmetry.
+    // An inscribed solid without symmetry.
     let mut uneven = icosahedron();
     for [x, y, z] in &mut uneven.directions {
         [*x, *y, *z] = [*x + 0.1, 1.3 * *y, 0.7 * *z + 0.2 * *x];
@@ -43,7 +43,7 @@ pub fn run() {
 struct Solid {
     directions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// For a regular solid.
+    /// Exact values, if the solid is regular.
     expected: Option<Expected>,
 }
 
@@ -107,7 +107,7 @@ fn icosahedron() -> Solid {
     ] {
         directions.extend([[0.0, a, b], [a, b, 0.0], [b, 0.0, a]]);
     }
-    // The faces are the triples in which all are neighbours, at distance 2, seen from outside.
+    // The faces are the triples of mutual neighbours, at distance 2, counterclockwise from outside.
     let neighbours = |i: usize, j: usize| (dot(directions[i], directions[j]) - golden).abs() < 0.1;
     let mut triangles = Vec::new();
     for i in 0..12 {
@@ -131,7 +131,7 @@ fn icosahedron() -> Solid {
     }
 }
 
-/// The corners on a sphere of this radius.
+/// Corners of the solid on a sphere of this radius.
 fn positions<T: Real>(solid: &Solid, radius: f64) -> Vec<[T; 3]> {
     let radius = T::constant(radius);
     let position = |direction: &[f64; 3]| {
@@ -184,7 +184,7 @@ fn through_nalgebra<T: Real + Display + nalgebra::Scalar>(
     );
 }
 
-/// Results that have to be the same, bit for bit, through every kind of points.
+/// Results that must be the same to the last bit through every kind of points.
 #[derive(PartialEq)]
 struct Results<T> {
     energies: [T; 2],
@@ -222,12 +222,12 @@ where
     let gompper_kroll = GompperKroll::new(modulus);
     let (energy_b, force_b) = conservative(gompper_kroll.clone(), solid, surface);
     if solid.expected.is_some() {
-        // L points along x here: E = 2κ/R² Σ A.
+        // Here L points along x: E = 2κ/R² Σ A.
         let exact = 2.0 * MODULUS * area / (radius * radius);
         near(energy_b, exact, "the energy of B");
         vanishes(&force_b, "the force of B on a regular solid");
     }
-    // L·x/R = 2A/R at every vertex of every mesh in a sphere: H along x/R is 1/R.
+    // L·x/R = 2A/R at every vertex of an inscribed mesh, so that H along x/R is 1/R.
     let normals: Vec<[T; 3]> = surface
         .positions()
         .iter()
@@ -248,7 +248,7 @@ where
     }
 }
 
-/// The laws of a bending energy with its gradient.
+/// Checks the laws of a bending energy with its gradient; returns energy and forces.
 fn conservative<T, M>(method: M, solid: &Solid, surface: Surface<'_, T>) -> (T, Vec<[T; 3]>)
 where
     T: Real + Display,
@@ -288,7 +288,7 @@ where
     (energy, force)
 }
 
-/// Method C: Gauss–Bonnet, and on regular solids H, K and f.
+/// Checks method C: Gauss–Bonnet, and H, K and f on regular solids.
 fn strong_form<T: Real + Display>(solid: &Solid, surface: Surface<'_, T>) -> Vec<[T; 3]> {
     let mesh = surface.mesh();
     let mut prepared = Prepared::new(StrongForm::meyer(T::constant(MODULUS)), mesh);
@@ -313,7 +313,7 @@ fn strong_form<T: Real + Display>(solid: &Solid, surface: Surface<'_, T>) -> Vec
     density
 }
 
-/// The cotangent operator with Voronoi areas: `Δ_S x = −2 H n`, with H = 1/R along x/R.
+/// Checks the cotangent operator with Voronoi areas: `Δ_S x = −2 H n`, with H = 1/R along x/R.
 fn cotangent<T: Real + Display>(surface: Surface<'_, T>) -> Vec<[T; 3]> {
     let mesh = surface.mesh();
     let operator = Cotangent::new(DualArea::Voronoi);
@@ -336,7 +336,7 @@ fn cotangent<T: Real + Display>(surface: Surface<'_, T>) -> Vec<[T; 3]> {
     laplacian
 }
 
-/// Relative to what is expected: a few hundred roundings at most.
+/// Checks a value to a few hundred roundings, relative to the expected one.
 fn near<T: Real + Display>(found: T, expected: f64, what: &str) {
     let found_f64 = found.to_f64().unwrap_or(0.0);
     let error = (found_f64 - expected).abs() / expected.abs();
@@ -344,7 +344,7 @@ fn near<T: Real + Display>(found: T, expected: f64, what: &str) {
     assert!(error <= limit, "{what} is {found}, not {expected}");
 }
 
-/// Relative to κ, which every force here would reach if it did not cancel.
+/// Checks that vectors vanish to a few hundred roundings of κ, the size of forces that do not cancel.
 fn vanishes<T: Real + Display>(vectors: &[[T; 3]], what: &str) {
     let limit = T::constant(200.0 * MODULUS) * T::epsilon();
     for component in vectors.iter().flatten() {

@@ -1,12 +1,12 @@
-//! Parts of a C library: memory that is handed out and never taken back, and the functions
-//! on bytes that compiled code calls.
+//! Parts of a C library: a memory allocator that never frees, and the functions on bytes that compiled code
+//! calls.
 
 use core::alloc::{GlobalAlloc, Layout};
 use core::cell::UnsafeCell;
 use core::ptr::null_mut;
 use core::sync::atomic::{AtomicUsize, Ordering};
 
-/// All memory that there is: the checks need about a tenth of it.
+/// Size of all memory; the checks need about a tenth of it.
 const SIZE: usize = 16 << 20;
 
 struct Bump {
@@ -14,7 +14,7 @@ struct Bump {
     used: AtomicUsize,
 }
 
-// SAFETY: the atomic counter gives each byte away once.
+// SAFETY: the atomic counter hands out each byte once.
 unsafe impl Sync for Bump {}
 
 #[global_allocator]
@@ -23,11 +23,11 @@ static BUMP: Bump = Bump {
     used: AtomicUsize::new(0),
 };
 
-// SAFETY: every block lies in `memory`, is aligned as asked for, and overlaps no other.
+// SAFETY: every block lies in `memory`, is aligned as requested, and overlaps no other.
 unsafe impl GlobalAlloc for Bump {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         let start = self.memory.get().cast::<u8>();
-        // Enough for the block wherever its alignment puts it.
+        // This size suffices for the block at any alignment of its start.
         let size = layout.size() + layout.align() - 1;
         let offset = self.used.fetch_add(size, Ordering::Relaxed);
         if offset + size > SIZE {
@@ -40,7 +40,7 @@ unsafe impl GlobalAlloc for Bump {
     unsafe fn dealloc(&self, _block: *mut u8, _layout: Layout) {}
 }
 
-/// As in C.
+/// C's `memcpy`.
 ///
 /// # Safety
 /// Both have `count` bytes, and do not overlap.
@@ -53,7 +53,7 @@ unsafe extern "C" fn memcpy(target: *mut u8, source: *const u8, count: usize) ->
     target
 }
 
-/// As in C.
+/// C's `memmove`.
 ///
 /// # Safety
 /// Both have `count` bytes.
@@ -70,7 +70,7 @@ unsafe extern "C" fn memmove(target: *mut u8, source: *const u8, count: usize) -
     target
 }
 
-/// As in C.
+/// C's `memset`.
 ///
 /// # Safety
 /// `target` has `count` bytes.
@@ -83,7 +83,7 @@ unsafe extern "C" fn memset(target: *mut u8, byte: i32, count: usize) -> *mut u8
     target
 }
 
-/// As in C.
+/// C's `memcmp`.
 ///
 /// # Safety
 /// Both have `count` bytes.
@@ -99,7 +99,7 @@ unsafe extern "C" fn memcmp(left: *const u8, right: *const u8, count: usize) -> 
     0
 }
 
-/// As in C, where any difference counts as any other.
+/// C's `bcmp`, whose result only tells whether there is a difference.
 ///
 /// # Safety
 /// Both have `count` bytes.

@@ -1,4 +1,4 @@
-//! The entry point and the two system calls that are used.
+//! Entry point and the two system calls of the program.
 
 use core::arch::{asm, global_asm};
 use core::fmt;
@@ -39,7 +39,7 @@ impl fmt::Write for StandardError {
 /// A system call with three arguments.
 ///
 /// # Safety
-/// As the system call needs.
+/// The conditions of the system call itself.
 #[cfg(target_arch = "x86_64")]
 unsafe fn call(number: usize, first: usize, second: usize, third: usize) -> usize {
     let result;
@@ -62,7 +62,7 @@ unsafe fn call(number: usize, first: usize, second: usize, third: usize) -> usiz
 /// A system call with three arguments.
 ///
 /// # Safety
-/// As the system call needs.
+/// The conditions of the system call itself.
 #[cfg(target_arch = "aarch64")]
 unsafe fn call(number: usize, first: usize, second: usize, third: usize) -> usize {
     let result;
@@ -80,13 +80,13 @@ unsafe fn call(number: usize, first: usize, second: usize, third: usize) -> usiz
     result
 }
 
-/// Never called, for a panic ends the program at once; but the `alloc` crate comes compiled with
-/// tables that name it.
+/// Personality function of unwinding. It is never called, because a panic ends the program at once, but
+/// tables in the compiled `alloc` crate name it.
 #[unsafe(no_mangle)]
 extern "C" fn rust_eh_personality() {}
 
-// The kernel starts a program with no return address and, on x86-64, an alignment of the stack
-// that no function expects.
+// The kernel starts a program without a return address and, on x86-64, with a stack alignment that no
+// function expects.
 #[cfg(target_arch = "x86_64")]
 global_asm!(
     ".globl _start",

@@ -12,14 +12,14 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::Path;
 
-/// The costs of the effects of the scene.
+/// Costs of the effects of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffectCosts {
     /// Time of one evaluation of the velocities with all effects, seconds.
     pub seconds: f64,
     /// Number of evaluations of the velocities.
     pub evaluations: u64,
-    /// Each effect.
+    /// Cost of each effect.
     pub effects: Vec<EffectCost>,
 }
 
@@ -31,13 +31,13 @@ pub struct EffectCost {
     /// Its own time in an evaluation of the velocities with all effects, in seconds; `None` for parts
     /// of the fluid's equations.
     pub own: Option<f64>,
-    /// Time of an evaluation in the scene without it.
+    /// Time of an evaluation of the scene without the effect, in seconds.
     pub without: f64,
-    /// Evaluations that the same time of flow takes without it.
+    /// Number of evaluations for the same strain without the effect.
     pub evaluations_without: u64,
 }
 
-/// Effects, and the overrides that add and remove them.
+/// Effects, with the overrides that add and remove them.
 const EFFECTS: [(&str, &str, &str); 5] = [
     (
         "bending",
@@ -66,7 +66,7 @@ const EFFECTS: [(&str, &str, &str); 5] = [
     ),
 ];
 
-/// γ̇t at the end of each run: some dozens of evaluations.
+/// γ̇t at the end of each run, which takes some dozens of evaluations.
 const STRAIN: f64 = 0.1;
 
 /// Measures the scene; `progress` receives the fraction that is done and the current run. `None` if

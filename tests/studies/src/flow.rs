@@ -27,12 +27,12 @@ pub const CAPILLARY_NUMBER: f64 = 0.15;
 /// The paper's bending modulus, in units of a²G.
 pub const BENDING: f64 = 0.1125;
 
-/// A modulus that prevents wrinkles and has little other effect.
+/// Bending modulus that prevents wrinkles with little other effect, in units of a²G.
 pub const LITTLE_BENDING: f64 = 0.0025;
 
-/// Finest lattice, in nodes per radius, for the coarse mesh, whose edges are 1.5 nodes long there:
-/// finer lattices leak between its vertices. Bending limits the step of a finer mesh by its squared
-/// edges, so that with much bending the coarse mesh has to be used.
+/// Finest lattice for the coarse mesh, in nodes per radius. There its edges are 1.5 nodes long; finer
+/// lattices would leak between its vertices. With much bending, the coarse mesh is necessary, because bending
+/// limits the step by the squared edge length.
 const FINE: f64 = 8.0;
 
 /// The solver that moves the capsule.
@@ -41,7 +41,7 @@ const FINE: f64 = 8.0;
 pub enum Solver {
     /// Boundary integrals in unbounded fluid.
     BoundaryIntegral,
-    /// A lattice in a cube, with two walls that move.
+    /// A lattice in a cube with two moving walls.
     LatticeBoltzmann {
         /// Number of nodes along the capsule's radius.
         resolution: f64,
@@ -68,7 +68,7 @@ impl fmt::Display for Solver {
     }
 }
 
-/// One run.
+/// Case of one run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlowCase {
     /// The solver.
@@ -88,7 +88,7 @@ pub struct FlowRow {
     /// The case that was run.
     #[serde(flatten)]
     pub case: FlowCase,
-    /// The way in which it ended.
+    /// Kind of end of the run.
     pub end: End,
     /// A description of the end.
     pub message: String,
@@ -100,13 +100,13 @@ pub struct FlowRow {
     pub volume_change: f64,
     /// Deformation over γ̇t.
     pub transient: Vec<[f64; 2]>,
-    /// Steps in time.
+    /// Number of time steps.
     pub steps: u64,
-    /// Time that the run took.
+    /// Duration of the run in seconds.
     pub seconds: f64,
 }
 
-/// A row without its case.
+/// Results of a row, without its case, as they are cached.
 #[derive(Serialize, Deserialize)]
 struct Found {
     end: End,
@@ -148,17 +148,17 @@ impl Found {
 /// A study of flow.
 #[derive(Clone, Debug)]
 pub struct FlowStudy {
-    /// The bending methods, by boundary integrals.
+    /// Bending methods with boundary integrals.
     pub methods: Vec<BendingMethod>,
-    /// The methods that run on a lattice, too.
+    /// Bending methods on a lattice.
     pub lattice_methods: Vec<BendingMethod>,
-    /// κ/(a²G) of the runs that are about the lattice.
+    /// Values of κ/(a²G) of the runs that compare lattices.
     pub bendings: Vec<f64>,
     /// Resolutions of the lattice for the first method: number of nodes along the radius.
     pub resolutions: Vec<f64>,
-    /// Lengths of the cubes' edges for this method, in radii. The first is that of all other runs.
+    /// Lengths of the cubes' edges for this method, in radii. All other runs use the first.
     pub sizes: Vec<f64>,
-    /// γ̇t at the end.
+    /// γ̇t at the end of the runs.
     pub strain: f64,
 }
 
@@ -176,10 +176,10 @@ impl Default for FlowStudy {
     }
 }
 
-/// The progress of a study of flow.
+/// Progress of a study of flow.
 #[derive(Clone, Debug)]
 pub struct FlowProgress<'a> {
-    /// The fraction that is done, from 0 to 1, by the expected times of the runs.
+    /// Fraction done, from 0 to 1, by the expected times of the runs.
     pub fraction: f64,
     /// The running case.
     pub case: &'a FlowCase,
@@ -218,7 +218,7 @@ impl fmt::Display for FlowCase {
 }
 
 impl FlowStudy {
-    /// Every method by boundary integrals and on one lattice: some minutes.
+    /// Every method with boundary integrals and on one lattice: some minutes.
     pub fn brief() -> Self {
         Self {
             bendings: vec![BENDING],
@@ -255,7 +255,7 @@ impl FlowStudy {
                 cases.push(case);
             }
         };
-        // First every method by both solvers, then the cases that compare lattices.
+        // First every method with both solvers, then the cases that compare lattices.
         let first = self.resolutions.first().zip(self.sizes.first());
         for &method in &self.methods {
             add(of(Solver::BoundaryIntegral, method, BENDING));
@@ -271,7 +271,7 @@ impl FlowStudy {
             for &resolution in &self.resolutions {
                 for &size in &self.sizes {
                     let case = of(lattice(resolution, size), method, bending);
-                    // The same mesh without the lattice.
+                    // The same mesh with boundary integrals.
                     add(FlowCase {
                         solver: Solver::BoundaryIntegral,
                         ..case
@@ -303,7 +303,7 @@ impl FlowStudy {
         self.run_with(None, interrupted, progress)
     }
 
-    /// Performs the runs that have not completed before, and records those that complete now.
+    /// Performs the runs that are not in the cache, and stores them.
     ///
     /// # Errors
     /// If a run cannot begin, or there is no space on the disk.
@@ -352,7 +352,7 @@ impl FlowStudy {
 }
 
 impl FlowCase {
-    /// The approximate time of a run, in some unit.
+    /// Approximate duration of a run, in arbitrary units.
     fn weight(&self) -> f64 {
         match self.solver {
             Solver::BoundaryIntegral => 3e7 * (self.vertices as f64 / 642.0).powi(2),

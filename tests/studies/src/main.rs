@@ -189,8 +189,7 @@ fn flow_rows(
     rows.map_err(of_flow)
 }
 
-/// Vertices of the capsule whose effects are taken away: enough that they, and not what surrounds
-/// them, take the time.
+/// Number of vertices of the capsule in the study of effects: enough that effects dominate the time.
 const EFFECTS_AT: usize = 642;
 
 fn measured_effects(

@@ -1,5 +1,4 @@
-//! Presentation of results: tables, Markdown, and parts of the page of a study. Nothing is computed
-//! here.
+//! Presentation of results without computation: tables, Markdown, and parts of the page of a study.
 
 mod effects;
 mod flow;

@@ -1,7 +1,7 @@
 //! Methods and formulas on hard cases. This file has the data; [`crate::report`] presents them.
 //!
-//! The table has rows, each with a result and the bound that it has to satisfy. Every row is a test:
-//! the tests call [`Stability::run`] and check whether each row has passed.
+//! Each row has a result and the bound that it must satisfy. Every row is a test: the tests call
+//! [`Stability::run`] and check whether each row has passed.
 
 mod cancellation;
 mod double_double;
@@ -34,7 +34,7 @@ pub enum Group {
     Cancellation,
     /// A run of a hard scene.
     Dynamics,
-    /// Results on one thread and on two.
+    /// A comparison of results on one thread and on two.
     Threads,
 }
 
@@ -85,7 +85,7 @@ impl Group {
     }
 }
 
-/// A name that no group has.
+/// Error for a name that is not a group.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no group `{name}`: the groups are {}", Group::ALL.map(|group| group.describe().0).join(", "))]
 pub struct UnknownGroup {
@@ -148,20 +148,19 @@ pub struct Evaluation {
     /// Largest error of f over the vertices, relative to the largest |f|; `None` where f is not
     /// known exactly.
     pub error: Option<f64>,
-    /// The error over that on the clean mesh; `None` if there is no such mesh.
+    /// The error relative to that on the clean mesh; `None` if there is no such mesh.
     pub growth: Option<f64>,
-    /// The same over the vertices that the quality report does not flag; `None` if it flags all.
+    /// This ratio over the vertices that the quality report does not flag; `None` if it flags all.
     pub unflagged_growth: Option<f64>,
-    /// Largest change of f, relative to the largest |f|, by a translation that rounds nothing.
+    /// Largest change of f under an exact translation, relative to the largest |f|.
     pub moved: Option<f64>,
-    /// The same by a scaling that rounds nothing.
+    /// Largest change of f under an exact scaling, relative to the largest |f|.
     pub scaled: Option<f64>,
     /// Number of findings.
     pub findings: usize,
     /// Number of flagged vertices.
     pub flagged: usize,
-    /// A checksum of all bits of f: it agrees for builds and numbers of threads that do not change a
-    /// bit.
+    /// Checksum of all bits of f, which shows whether builds or numbers of threads change a bit.
     pub checksum: u64,
 }
 
@@ -171,30 +170,30 @@ pub struct Evaluation {
 pub enum Bound {
     /// Everything is finite and invariant, and the error grows by this factor at most.
     Stable(f64),
-    /// The same over the vertices that are not flagged. If f is not known exactly, something must be
-    /// reported.
+    /// Everything is finite and invariant, and the error over the vertices that are not flagged grows by this
+    /// factor at most. If f is not known exactly, there must be a finding.
     Reported(f64),
     /// Everything is finite and invariant, and the error exceeds that on the clean mesh by at most
     /// this.
     Adds(f64),
-    /// The case is refused, with a message that contains this.
+    /// The case is refused, with a message that contains this text.
     Refused(&'static str),
-    /// The case is refused, with a message that contains both.
+    /// The case is refused, with a message that contains both texts.
     RefusedForBoth(&'static str, &'static str),
-    /// The number is this at most.
+    /// The number is at most this.
     AtMost(f64),
     /// A run completes with finite numbers, and changes no volume by more than this fraction.
     Runs {
         /// The fraction.
         volume: f64,
     },
-    /// The same, and there are no warnings.
+    /// A run completes as for [`Self::Runs`], without warnings.
     RunsInSilence {
         /// The fraction.
         volume: f64,
     },
-    /// The same without a condition on volumes, and the deformation in the second half differs by at
-    /// most this fraction from that at the end.
+    /// A run completes with finite numbers, and the deformation in the second half differs by at most this
+    /// fraction from that at the end.
     Steady {
         /// The fraction.
         most: f64,
@@ -205,17 +204,17 @@ pub enum Bound {
         /// The fraction.
         most: f64,
     },
-    /// The same; or all its numbers are finite, and a warning or its last message contains the reason
-    /// for the difference.
+    /// A run completes as for [`Self::RunsNear`]; or all its numbers are finite, and a warning or its last
+    /// message contains the reason for the difference.
     RunsNearOrSays {
         /// The fraction.
         most: f64,
         /// A part of the message.
         why: &'static str,
     },
-    /// All numbers of a run are finite, and a warning or its last message contains this.
+    /// All numbers of a run are finite, and a warning or its last message contains this text.
     Says(&'static str),
-    /// All numbers of a run are finite, and it stopped with a message that contains this.
+    /// All numbers of a run are finite, and it stopped with a message that contains this text.
     Stops(&'static str),
 }
 
@@ -252,7 +251,7 @@ impl Bound {
 }
 
 impl Evaluation {
-    /// Finite, and the same after a translation and a scaling that round nothing.
+    /// Whether all is finite, and unchanged by an exact translation and an exact scaling.
     fn is_sound(&self) -> bool {
         let unchanged = |defect: Option<f64>| defect.is_none_or(|defect| defect == 0.0);
         self.finite && unchanged(self.moved) && unchanged(self.scaled)
@@ -260,7 +259,7 @@ impl Evaluation {
 }
 
 impl Row {
-    /// A row, which passed if the bound allows the outcome.
+    /// Makes a row, which passes if the bound allows the outcome.
     pub fn new(
         group: Group,
         (case, meaning): (&'static str, &'static str),
@@ -299,10 +298,10 @@ impl fmt::Display for Row {
     }
 }
 
-/// The approximate cost of a run, in evaluations of a method on a hard surface.
+/// Approximate cost of a run, in evaluations of a method on a hard surface.
 const RUN: usize = 20;
 
-/// The extent of the table.
+/// Extent of the table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stability {
     /// Whether the mesh of a million vertices is among the cases; it takes minutes.

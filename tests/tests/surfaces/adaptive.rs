@@ -1,4 +1,5 @@
-//! Adaptive jets: as good as the best fixed fit at any noise, jets themselves without, and bars that hold.
+//! Adaptive jets: as accurate as the best fixed fit at any noise, equal to jets without noise, and with error
+//! bars that hold.
 
 use crate::expected_errors::{Case, disc, torus};
 use helfrich::shapes::ExactPoint;
@@ -37,7 +38,7 @@ fn shape(name: &str) -> AnyShape {
     name.parse().expect("a shape")
 }
 
-/// The least error of each quantity among all fixed degrees and numbers of neighbours.
+/// Smallest error of each quantity among all fixed degrees and numbers of neighbours.
 fn best_fixed(case: &Case, positions: &[[f64; 3]]) -> [f64; QUANTITIES] {
     let surface = Surface::new(&case.mesh, positions).expect("positions");
     let none = vec![[0.0; 1]; positions.len()];
@@ -56,9 +57,9 @@ fn best_fixed(case: &Case, positions: &[[f64; 3]]) -> [f64; QUANTITIES] {
     best
 }
 
-/// The limit is 1.3 times the error of the best fixed fit, because the choice at single vertices
-/// scatters. Error bars are meant to hold at 99 of 100 vertices; the worst case of the design was 92.
-/// They have to be at most 10 times the error, in order to be of use.
+/// The limit is 1.3 times the error of the best fixed fit, because the choice at single vertices scatters.
+/// Error bars should hold at 99 of 100 vertices; the worst case of the design was 92. To be useful, they must
+/// be at most 10 times the error.
 #[test]
 fn with_noise_it_is_as_good_as_the_best_fixed_fit() {
     for case in [
@@ -126,8 +127,8 @@ fn expected_over_true(found: &[Measured<f64>], case: &Case, quantity: usize) -> 
     expected / errors
 }
 
-/// Fits of degrees 4 and 6 over 500 neighbours lose the same waves of this star. 92 % is the worst case of
-/// the design.
+/// Fits of degrees 4 and 6 over 500 neighbours miss the same waves of this star, and bars must cover the
+/// common bias. 92 % is the worst case of the design.
 #[test]
 fn bars_contain_the_bias_that_degrees_share() {
     let case = Case::of_star(3, Family::Irregular, 2562);
@@ -137,8 +138,8 @@ fn bars_contain_the_bias_that_degrees_share() {
     assert!(within > 0.92, "{within}");
 }
 
-/// On a narrow tube, f of degree 4 is compared with f of degree 6, whose noise is several times larger.
-/// At half of the vertices the squared distance exceeds its variance by chance.
+/// On a narrow tube, f of degree 4 is compared with f of degree 6, whose noise is several times larger. At
+/// half of the vertices, the squared difference exceeds its variance by chance, which must not count as bias.
 #[test]
 fn noise_is_not_expected_as_bias() {
     let case = Case::of_shape(&torus(0.4), Family::Irregular, 2562);
@@ -148,8 +149,8 @@ fn noise_is_not_expected_as_bias() {
     assert!((1.0 / 1.5..1.5).contains(&ratio), "{ratio}");
 }
 
-/// On regular and relaxed meshes errors of regression jets are much larger than those of jets. The goal
-/// of the design is bars of at most 25 times the error.
+/// Without noise, on regular and relaxed meshes, errors of regression jets are much larger than those of
+/// jets. The goal of the design is bars of at most 25 times the error.
 #[test]
 fn bars_without_noise_are_of_use() {
     for case in [
@@ -199,11 +200,12 @@ fn amiss(case: &Case, part: f64) -> (Vec<String>, Vec<f64>) {
 }
 
 /// The goals are bars that hold at 92 % of the vertices in the worst case and at 99 % in the median, and that
-/// are at most 10 times the error with noise and 25 without. Known to be amiss: bars of f of up to 14 times
-/// the error on ellipsoids, tori, the discocyte, and stars 1 and 6 (17 times on the regular torus of aspect
-/// 0.6 at 1e-4), and of 36 times without noise on the relaxed torus of aspect 0.4; estimated errors of f,
-/// 1.5 to 2.2 times the true ones on tori at 1e-4 and 1e-3, on stars 1, 5 and 6 at 3e-2, and on the irregular
-/// discocyte, and 0.6 times on star 7 at 1e-2; and that of K of the relaxed discocyte at 1e-4 (0.5).
+/// are at most 10 times the error with noise and 25 times without. Known exceptions: bars of f of up to 14
+/// times the error on ellipsoids, tori, the discocyte, and stars 1 and 6 (17 times on the regular torus of
+/// aspect 0.6 at 1e-4), and of 36 times without noise on the relaxed torus of aspect 0.4; estimated errors of
+/// f, 1.5 to 2.2 times the true ones on tori at 1e-4 and 1e-3, on stars 1, 5 and 6 at 3e-2, and on the
+/// irregular discocyte, and 0.6 times on star 7 at 1e-2; and the estimated error of K on the relaxed
+/// discocyte at 1e-4 (0.5 times).
 #[test]
 #[ignore = "ten minutes: by hand, see CONTRIBUTING"]
 fn bars_of_many_shapes() {
@@ -237,7 +239,7 @@ fn bars_of_many_shapes() {
     );
 }
 
-/// Values equal those of the jet to the last bit, and bars cover the error of the mesh.
+/// Without noise, values equal those of the jet to the last bit, and bars cover the error of the mesh.
 #[test]
 fn without_noise_it_is_the_jet() {
     for case in [
@@ -300,7 +302,7 @@ fn known_noise_need_not_be_seen() {
     assert!(known < 1.3 * best, "{known} {best}");
 }
 
-/// A given number of neighbours is used wherever the surface does not turn away.
+/// A given number of neighbours is used at every vertex.
 #[test]
 fn a_fixed_scale_is_kept() {
     let case = Case::of_star(3, Family::Irregular, 2562);
@@ -320,8 +322,8 @@ fn angle([a, b, c]: [f64; 3], other: [f64; 3]) -> f64 {
     x.hypot(y).hypot(z).min(1.0).asin().to_degrees()
 }
 
-/// The angle between a direction and the nearest circle around the axis or line across it, which are the
-/// lines of curvature of surfaces of revolution.
+/// Angle between the circle around the axis, which is a line of curvature of surfaces of revolution, and the
+/// nearer of two principal directions.
 fn angle_of_revolution([first, second]: [[f64; 3]; 2], point: [f64; 3]) -> f64 {
     let around = meshes::unit([-point[1], point[0], 0.0]);
     angle(first, around).min(angle(second, around))
@@ -342,8 +344,8 @@ fn angle_on_ellipsoid(axes: [f64; 3], directions: [[f64; 3]; 2], point: [f64; 3]
     turn.min(90.0 - turn)
 }
 
-/// The median and the 95th percentile of the angles are limited according to the noise. Nearly all
-/// vertices have directions; on the ellipsoid fewer have, because it has four umbilics.
+/// The median and the 95th percentile of the angles are limited according to the noise. Nearly all vertices
+/// have directions; on the ellipsoid there are fewer, because of its four umbilics.
 #[test]
 fn directions_follow_the_surface() {
     let axes = [1.0, 0.7, 0.45];
@@ -377,7 +379,7 @@ fn directions_follow_the_surface() {
     }
 }
 
-/// Every point of a sphere is an umbilic.
+/// Every point of a sphere is an umbilic, so that principal directions are undefined.
 #[test]
 fn umbilics_have_no_direction() {
     let case = Case::of_shape(&shape("sphere"), Family::Irregular, 2562);
@@ -389,8 +391,8 @@ fn umbilics_have_no_direction() {
     }
 }
 
-/// On a torus H depends on the angle of the tube alone: dH/ds = −sin v/(2 (R + r cos v)²) · R, and lines
-/// of extreme curvature are v = 0 and π.
+/// On a torus, H depends only on the angle v around the tube: dH/ds = −sin v/(2 (R + r cos v)²) · R; its
+/// extrema are at v = 0 and π.
 #[test]
 fn gradients_are_those_of_the_surface() {
     let (large, small) = (1.0, 0.4);
@@ -431,7 +433,7 @@ fn borders_have_one_sided_fits() {
     }
 }
 
-/// Checks the errors beside a cut relative to those of the interior, ring by ring, and that bars hold.
+/// Checks the errors near a cut, ring by ring, relative to those of the interior, and that bars hold.
 fn check_borders_of_a_cut(
     case: &Case,
     normal: [f64; 3],
@@ -496,8 +498,8 @@ fn check_borders_of_a_cut(
     }
 }
 
-/// The number of threads and the order of the vertices change nothing but the rounding; with names, this
-/// also applies to error bars.
+/// The number of threads changes no bit, and the order of the vertices only the rounding; with names of the
+/// vertices, this also applies to error bars.
 #[test]
 fn results_follow_the_vertices() {
     let case = Case::of_star(4, Family::Irregular, 642);
@@ -528,7 +530,7 @@ fn results_follow_the_vertices() {
     for (at, &new) in serial.iter().zip(&order) {
         for quantity in 0..QUANTITIES {
             let [here, there] = [at, &relabelled[new]].map(|at| estimate(at, quantity));
-            // Rounding is amplified by two or four derivatives.
+            // Two or four derivatives amplify the rounding.
             assert!(
                 (here.value - there.value).abs() <= 1e-6 * here.error,
                 "{here:?} {there:?}"
@@ -541,7 +543,7 @@ fn results_follow_the_vertices() {
     }
 }
 
-/// Any mesh gives results or none, and never a panic.
+/// Any mesh gives results or none, but never a panic.
 #[test]
 fn small_and_degenerate_meshes_are_measured() {
     for (name, mesh) in meshes::small() {

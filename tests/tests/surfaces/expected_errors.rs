@@ -1,5 +1,5 @@
-//! Errors that `recommend` expects on positions with noise, against the true ones on shapes and meshes that
-//! nothing was adjusted to.
+//! Errors that `recommend` expects at noisy positions, against true errors on shapes and meshes that were not
+//! used to adjust the estimates.
 
 use helfrich::shapes::{Discocyte, ExactPoint, Shape, Torus};
 use helfrich::{AdaptiveJet, Noise, Surface, TriangleMesh};
@@ -14,7 +14,7 @@ use helfrich_std::scalar::Scalar;
 use helfrich_std::study::Quantity;
 use helfrich_tests::star::Star;
 
-/// A mesh, and what is exactly known at its vertices.
+/// A mesh with the exact surface at its vertices.
 pub(crate) struct Case {
     pub(crate) name: String,
     pub(crate) mesh: TriangleMesh,
@@ -70,8 +70,8 @@ impl Case {
         lengths.sum::<f64>() / self.mesh.edges().len() as f64
     }
 
-    /// Normal errors of this standard deviation in every coordinate: the method of Box and Muller, in
-    /// Marsaglia's form.
+    /// Positions with normally distributed errors of this standard deviation in every coordinate, by
+    /// Marsaglia's polar form of the Box–Muller method.
     pub(crate) fn disturbed(&self, deviation: f64) -> Vec<[f64; 3]> {
         let mut random = Random::new(777);
         let mut error = || {
@@ -83,7 +83,7 @@ impl Case {
         positions.map(|x| x.map(|x| x + error())).collect()
     }
 
-    /// The mean error of a method on other positions, relative to the largest value of the shape.
+    /// Mean error of a method at these positions, relative to the largest value on the shape.
     fn truth(&self, positions: &[[f64; 3]], method: BendingMethod, quantity: Quantity) -> f64 {
         let surface = Surface::new(&self.mesh, positions).expect("positions");
         let fields = match method {
@@ -131,7 +131,8 @@ impl Case {
         found.expect("a reference").expect("an answer")
     }
 
-    /// Expected over true mean errors of J4 and J6, for noise of this part of a mean edge.
+    /// Ratios of expected to true mean errors of J4 and J6, for noise of this fraction of the mean edge
+    /// length.
     fn ratios(&self, part: f64, quantity: Quantity) -> ([f64; 2], Recommendation) {
         let positions = self.disturbed(part * self.mean_edge());
         let jets = [BendingMethod::J4, BendingMethod::J6];
@@ -150,7 +151,7 @@ pub(crate) fn torus(aspect: f64) -> AnyShape {
     AnyShape::Torus(Torus::new(1.0, aspect).expect("radii"))
 }
 
-/// A disc with other coefficients than a red blood cell's: its rim is twice as narrow.
+/// Disc with other coefficients than a red blood cell's: its rim is half as wide.
 pub(crate) fn disc() -> AnyShape {
     let disc = Discocyte::with_coefficients(1.0, [0.4, 1.0, -0.4]);
     AnyShape::Discocyte(disc.expect("coefficients"))
@@ -167,7 +168,7 @@ fn assert_expected(case: &Case, part: f64, quantity: Quantity) {
             quantity.symbol()
         );
     }
-    // Noise rules f here: more vertices would be worse.
+    // Where noise dominates f, more vertices would be worse.
     if quantity == Quantity::ForceDensity && found.noise_error > 0.5 {
         let needed = found.vertices_needed;
         let vertices = case.mesh.vertex_count() as f64;
@@ -175,14 +176,14 @@ fn assert_expected(case: &Case, part: f64, quantity: Quantity) {
     }
 }
 
-/// Whatever error is asked for, the answer has at most twice the true error of any cheaper method; the
-/// dearest of all, `jet`, knows its own error as well as J4 and J6 do.
+/// For any requested error, the answer has at most twice the true error of any cheaper method. The most
+/// expensive method, `jet`, estimates its error as well as J4 and J6 do.
 #[test]
 fn no_cheaper_method_has_half_the_error_of_an_answer() {
     let shape = "ellipsoid:1,0.7,0.4".parse().expect("a shape");
     let case = Case::of_shape(&shape, Family::Relaxed, 2562);
     let positions = case.disturbed(1e-3 * case.mean_edge());
-    // The heat kernel takes minutes.
+    // The heat kernel is left out, because it takes minutes.
     let mut methods = BendingMethod::ALL.to_vec();
     methods.retain(|&method| method != BendingMethod::Belkin);
     methods.push(BendingMethod::Jet);
@@ -190,7 +191,7 @@ fn no_cheaper_method_has_half_the_error_of_an_answer() {
     let mut candidates = case
         .recommendation(&positions, quantity, &methods)
         .candidates;
-    // What methods cost as documented: times that are measured here are those of a busy machine.
+    // The documented costs of methods are used, because measured times depend on the load of the machine.
     let listed = |candidate: &Candidate| match candidate.method {
         AnyMethod::Listed(method) => method,
         AnyMethod::Own(method) => panic!("{method:?} is not of the list"),
@@ -220,15 +221,15 @@ fn no_cheaper_method_has_half_the_error_of_an_answer() {
     assert!((1.0 / 1.5..1.5).contains(&ratio), "{jet:?} {truth}");
 }
 
-/// The largest f is found though f itself is lost in noise.
+/// The error of f is expected correctly, although f itself is lost in noise.
 #[test]
 fn the_force_of_a_star_with_noise() {
     let case = Case::of_star(1, Family::Irregular, 2562);
     assert_expected(&case, 1e-2, Quantity::ForceDensity);
 }
 
-/// Fits on a narrow tube are as narrow, and what they say of f is mostly noise; that of a disc is off by
-/// more at its rim than anywhere else.
+/// On a narrow tube, fits are narrow as well, and their f is mostly noise; on a disc, f has larger errors at
+/// the rim than elsewhere.
 #[test]
 fn the_force_of_tubes_and_rims_with_noise() {
     for shape in [torus(0.3), disc()] {
@@ -237,7 +238,7 @@ fn the_force_of_tubes_and_rims_with_noise() {
     }
 }
 
-/// Half of a flat ellipsoid is hardly resolved, and its noise is found all the same.
+/// Half of a flat ellipsoid is hardly resolved, but its noise is found nevertheless.
 #[test]
 fn errors_of_a_flat_ellipsoid_with_noise() {
     let shape = "ellipsoid:1,1,0.4".parse().expect("a shape");
@@ -247,7 +248,7 @@ fn errors_of_a_flat_ellipsoid_with_noise() {
     }
 }
 
-/// At the tips of a spindle jets of degree 8 are several times worse than those of degrees 4 and 6.
+/// At the tips of a spindle, jets of degree 8 are several times worse than those of degrees 4 and 6.
 #[test]
 fn errors_of_a_spindle_with_noise() {
     let shape = "ellipsoid:0.4,0.4,2".parse().expect("a shape");
@@ -257,7 +258,7 @@ fn errors_of_a_spindle_with_noise() {
     }
 }
 
-/// No noise of exact vertices, on shapes of many waves.
+/// No noise is found in exact vertices, on shapes with many waves.
 #[test]
 fn exact_stars_have_no_noise() {
     for seed in 1..=4 {
@@ -273,7 +274,7 @@ fn exact_stars_have_no_noise() {
     }
 }
 
-/// Everything outside the factor of 1.5, as lines.
+/// Descriptions of all cases whose ratio is outside the factor of 1.5.
 fn outside(cases: &[Case]) -> Vec<String> {
     let mut outside = Vec::new();
     for case in cases {
@@ -290,8 +291,8 @@ fn outside(cases: &[Case]) -> Vec<String> {
     outside
 }
 
-/// Known to be outside: narrow shapes with 642 vertices, which hardly resolve them, so that noise is not seen,
-/// and f of an ellipsoid 1, 0.7, 0.4 at 1e-2 on the family `relaxed` (1.6).
+/// Known exceptions: narrow shapes with 642 vertices, which hardly resolve them, so that noise is not
+/// detected, and f of the ellipsoid 1, 0.7, 0.4 at 1e-2 in the family `relaxed` (1.6).
 #[test]
 #[ignore = "half an hour: by hand, see CONTRIBUTING"]
 fn everything_held_out() {

@@ -1,4 +1,4 @@
-//! Mesh families: what is promised of every mesh, and of each family.
+//! Mesh families: properties of every mesh, and of each family.
 
 use helfrich::Surface;
 use helfrich::shapes::Shape;
@@ -9,10 +9,10 @@ use helfrich_std::info::MeshInfo;
 use helfrich_tests::tolerance::Tolerance;
 use std::array::from_fn;
 
-/// A point of a mesh on its shape, relative to the shape's size.
+/// Distance of a mesh vertex from its shape, relative to the shape's size.
 const ON_SURFACE: Tolerance = Tolerance::new(
     1e-13,
-    "positions are the image of their pre-images, and the way back rounds a few times",
+    "positions are images of their pre-images, and the inverse map rounds a few times",
 );
 
 const SHAPES: [&str; 8] = [
@@ -78,7 +78,7 @@ fn valences(made: &GeneratedMesh) -> Vec<usize> {
     vertices.map(|vertex| made.mesh.valence(vertex)).collect()
 }
 
-/// The standard deviation of the edges' lengths, in mean lengths.
+/// Standard deviation of the edge lengths, relative to their mean.
 fn unevenness(made: &GeneratedMesh) -> f64 {
     let lengths = Vec::from_iter(made.mesh.edges().iter().map(|edge| {
         let [a, b] = edge.map(|vertex| made.positions[vertex as usize]);
@@ -90,7 +90,7 @@ fn unevenness(made: &GeneratedMesh) -> f64 {
     (square.sum::<f64>() / count).sqrt()
 }
 
-/// The least cosine between a triangle's normal and the exact one under its centre.
+/// Smallest cosine of the angle between a triangle's normal and the exact one at its centre.
 fn alignment(made: &GeneratedMesh) -> f64 {
     let of_triangle = |x: [[f64; 3]; 3]| {
         let centre = from_fn(|i| (x[0][i] + x[1][i] + x[2][i]) / 3.0);
@@ -152,8 +152,8 @@ fn the_seed_decides() {
     }
 }
 
-/// Digest of the result on every machine, which any change of a bit would change. It is new
-/// only where a family is changed on purpose.
+/// The digest of a mesh is the same on every machine, and changes with any bit. It changes only if a family
+/// is changed on purpose.
 #[test]
 fn meshes_are_the_same_everywhere() {
     let digest = |name, family| {
@@ -209,7 +209,7 @@ fn regular_and_relaxed_meshes_are_even() {
                 let range = if is_torus(name) { 6..=6 } else { 5..=6 };
                 assert!(valences(made).iter().all(|valence| range.contains(valence)));
             }
-            // These two stretch their pre-image more than the others.
+            // These two shapes stretch their pre-images more than the others.
             let least = match name {
                 "ellipsoid:1,1,0.25" | "torus:1,0.8" => 10.0,
                 _ => 30.0,
@@ -219,10 +219,10 @@ fn regular_and_relaxed_meshes_are_even() {
     }
 }
 
-/// Area and volume against the exact ones, of prolates and oblates, in every family.
+/// Area and volume of meshes on prolates and oblates agree with the exact ones in every family.
 ///
-/// Inscribed meshes have less of both; even ones of the sphere lack 3h²/8 = √3 π/N = 0.2 % of volume, and
-/// the limits are two and four times that, rounded.
+/// Inscribed meshes have less of both; even meshes of the sphere lack 3h²/8 = √3 π/N = 0.2 % of the volume,
+/// and the limits are two and four times that, rounded.
 #[test]
 fn meshes_carry_the_area_and_volume_of_long_and_flat_shapes() {
     for aspect in [1.5, 2.5, 3.5, 5.0, 7.0, 10.0] {
@@ -250,8 +250,8 @@ fn meshes_carry_the_area_and_volume_of_long_and_flat_shapes() {
     }
 }
 
-/// Against closed forms for two equal semi-axes, and against areas of inscribed meshes, freed of their
-/// error of second order, for the other shapes.
+/// Areas agree with closed forms for two equal semi-axes, and for the other shapes with areas of inscribed
+/// meshes, extrapolated to remove their second-order error.
 #[test]
 fn areas_of_shapes() {
     let pi = std::f64::consts::PI;
@@ -281,8 +281,8 @@ fn areas_of_shapes() {
     }
 }
 
-/// The largest distance of a vertex on the unit sphere from the mean of its six neighbours, which a
-/// smooth parametrisation leaves of second order along the surface, in mean edges squared.
+/// Largest distance of a vertex on the unit sphere from the mean of its six neighbours, in mean edges
+/// squared; a smooth parametrisation leaves a distance of second order along the surface.
 fn largest_kink(made: &GeneratedMesh) -> f64 {
     let count = made.positions.len() as f64;
     let edge_squared = 4.0 * std::f64::consts::PI / count * 2.0 / 3f64.sqrt();
@@ -302,8 +302,8 @@ fn largest_kink(made: &GeneratedMesh) -> f64 {
     regular.map(kink).fold(0.0, f64::max)
 }
 
-/// Along the icosahedron's edges midpoints leave kinks that grow like 1/h, relative to what a smooth
-/// parametrisation has; Loop's rules leave smaller ones, next to the extraordinary vertices only.
+/// Midpoint refinement leaves kinks along the icosahedron's edges, which grow like 1/h relative to a smooth
+/// parametrisation. Loop subdivision leaves smaller ones, only next to extraordinary vertices.
 #[test]
 fn smooth_meshes_have_no_kinks() {
     for vertices in [642, 2562, 10242] {
@@ -365,7 +365,8 @@ fn hard_meshes_have_needles_and_caps() {
             let what = format!("{name}, {vertices}: {smallest}° to {largest}°");
             assert!((0.69..0.8).contains(&smallest), "{what}");
             assert!((174.0..176.01).contains(&largest), "{what}");
-            // A needle has two triangles with one tiny angle each, a cap one with a huge one.
+            // A needle has two triangles with one tiny angle each, a cap has one triangle with an angle near
+            // 180°.
             let needles = angles.iter().filter(|&&angle| angle < 1.7).count() / 2;
             let caps = angles.iter().filter(|&&angle| angle > 165.0).count();
             assert!(100 * needles > vertices / 2, "{what}: {needles} needles");
@@ -374,9 +375,9 @@ fn hard_meshes_have_needles_and_caps() {
     }
 }
 
-/// Numbers that no icosahedron refines to. Besides a dozen vertices of valence 5 there are pairs of valences
-/// 5 and 7 that up to three cut edges leave in each refinement: near them, angles may be 0.4 of the
-/// smallest of an icosphere, and edges vary three times as much.
+/// Numbers of vertices to which no icosahedron can be refined. Besides a dozen vertices of valence 5 there
+/// are pairs of valences 5 and 7, which up to three cut edges leave in each refinement: near them, angles may
+/// be 0.4 of the smallest of an icosphere, and edge lengths vary three times as much.
 #[test]
 fn any_number_of_vertices() {
     for name in SHAPES.into_iter().filter(|name| !is_torus(name)) {

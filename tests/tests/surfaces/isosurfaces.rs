@@ -1,4 +1,4 @@
-//! Surfaces from grids: noise, thin triangles, holes, several components.
+//! Isosurfaces of grids: noise, thin triangles, holes, several components.
 
 use helfrich::{AdaptiveJet, MeshError, Surface, TriangleMesh, Verdict};
 use helfrich_std::execute::Parallel;
@@ -6,7 +6,7 @@ use helfrich_std::method::{BendingMethod, Evaluator};
 use helfrich_tests::isosurface::{marching_cubes, segmentation};
 use std::time::Instant;
 
-/// Every edge of a closed surface has two triangles, whichever corners of the cubes are inside.
+/// Every edge of a closed isosurface has two triangles, for any set of inner grid nodes.
 #[test]
 fn surfaces_in_noise_are_closed() {
     for seed in 0..4 {
@@ -30,8 +30,8 @@ fn surfaces_in_noise_are_closed() {
     assert!((volume / exact - 1.0).abs() < 0.02, "{volume}");
 }
 
-/// The mesh without the triangles that holes have left at a vertex where they are not neighbours; `None`
-/// if nothing is left.
+/// Mesh without the triangles at vertices at which holes have left separate fans; `None` if no triangle
+/// remains.
 fn connected(vertices: usize, mut triangles: Vec<[u32; 3]>) -> Option<TriangleMesh> {
     loop {
         match TriangleMesh::new(vertices, triangles.clone()) {
@@ -45,7 +45,7 @@ fn connected(vertices: usize, mut triangles: Vec<[u32; 3]>) -> Option<TriangleMe
     }
 }
 
-/// Measures surfaces of some seeds; prints the longest times for 10⁴ vertices.
+/// Measures the surfaces of some seeds; prints the longest times per 10⁴ vertices.
 fn measure_all(cells: usize, seeds: std::ops::Range<u64>) {
     let mut longest = [0.0_f64; 2];
     let mut measured = 0;
@@ -82,13 +82,13 @@ fn measure_all(cells: usize, seeds: std::ops::Range<u64>) {
     assert!(measured > 0);
 }
 
-/// Neither a panic nor a value without a bar.
+/// No segmentation causes a panic or a value without an error bar.
 #[test]
 fn segmentations_are_measured() {
     measure_all(18, 0..12);
 }
 
-/// Prints times: they were to be at most 1 s for J6 and 10 s for the adaptive jet, on an idle machine.
+/// Prints times; the goals on an idle machine are 1 s for J6 and 10 s for the adaptive jet.
 #[test]
 #[ignore = "half an hour: by hand, see CONTRIBUTING"]
 fn thousand_segmentations_are_measured() {

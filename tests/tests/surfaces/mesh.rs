@@ -1,12 +1,11 @@
-//! Connectivity: what is accepted, what is refused and why, and what the accepted promise.
+//! Connectivity: accepted meshes and their invariants, and refused ones with their reasons.
 
 use helfrich::{MeshError, TriangleMesh, VertexKind};
 use helfrich_tests::invariants::check_invariants;
 
 const TETRAHEDRON: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 
-/// A grid of `columns` × `rows` cells, two triangles each, whose opposite sides are one where it
-/// `wraps`.
+/// Grid of `columns` × `rows` cells of two triangles each, periodic if it `wraps`.
 fn grid(columns: u32, rows: u32, wraps: bool) -> (usize, Vec<[u32; 3]>) {
     let (width, height) = if wraps {
         (columns, rows)
@@ -24,13 +23,13 @@ fn grid(columns: u32, rows: u32, wraps: bool) -> (usize, Vec<[u32; 3]>) {
     ((width * height) as usize, triangles)
 }
 
-/// Triangles around vertex 0, over `neighbours` vertices; they close to a disc with 0 inside.
+/// Triangles around vertex 0 over `neighbours` vertices, which form a disc with vertex 0 inside.
 fn wheel(neighbours: u32) -> (usize, Vec<[u32; 3]>) {
     let triangles = (0..neighbours).map(|k| [0, 1 + k, 1 + (k + 1) % neighbours]);
     (neighbours as usize + 1, triangles.collect())
 }
 
-/// Numbers below `limit` that look drawn at random (SplitMix64).
+/// Pseudorandom numbers below `limit` (SplitMix64).
 fn random(seed: u64, limit: u32) -> impl FnMut() -> u32 {
     let mut state = seed;
     move || {
@@ -182,8 +181,8 @@ fn fans_are_counted_whether_open_or_closed() {
     assert_eq!((open, closed), (8, 1));
 }
 
-/// Every set of up to five triangles that random draws find over few vertices: refused exactly when
-/// a count of sides and fans by brute force says so.
+/// Random sets of up to five triangles over a few vertices are refused exactly if counting sides and fans by
+/// brute force says so.
 #[test]
 fn random_triangles_are_judged_as_by_brute_force() {
     let mut accepted = 0;
@@ -201,7 +200,7 @@ fn random_triangles_are_judged_as_by_brute_force() {
     assert!(accepted > 10_000, "{accepted}");
 }
 
-/// The definition of [`TriangleMesh`], word for word.
+/// Literal transcription of the definition of [`TriangleMesh`].
 fn is_mesh(triangles: &[[u32; 3]]) -> bool {
     let sides = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
     let sorted = |t: &[u32; 3]| {
@@ -221,7 +220,7 @@ fn is_mesh(triangles: &[[u32; 3]]) -> bool {
         }
     }
     (0..6).all(|vertex| {
-        // From the first triangle, all others must be reached through edges at the vertex.
+        // From the first triangle at a vertex, all others must be reachable through edges at it.
         let mut around = Vec::from_iter(triangles.iter().filter(|t| t.contains(&vertex)));
         let Some(first) = around.pop() else {
             return true;
@@ -239,13 +238,13 @@ fn is_mesh(triangles: &[[u32; 3]]) -> bool {
     })
 }
 
-/// 10⁵ neighbours: anything quadratic would take minutes.
+/// With 10⁵ neighbours, a quadratic algorithm would take minutes.
 #[test]
 fn a_vertex_of_high_valence_takes_no_quadratic_time() {
     let (vertices, mut triangles) = wheel(100_000);
     let hub = TriangleMesh::new(vertices, triangles.clone()).unwrap();
     assert_eq!(hub.valence(0), 100_000);
-    // In an order that has nothing to do with the ring's, and in two fans.
+    // The triangles in random order, and in two fans.
     let mut draw = random(1, 100_000);
     let mut order = Vec::from_iter(1..vertices as u32);
     for at in 0..order.len() {
@@ -290,7 +289,7 @@ fn a_large_mesh() {
     assert_eq!(torus.components().1, 1);
 }
 
-/// Triangles are the same in every form that renderers and solvers give them.
+/// All index formats of renderers and solvers give the same triangles.
 #[test]
 fn indices_come_in_every_form() {
     let mesh = TriangleMesh::new(4, TETRAHEDRON.to_vec()).expect("a mesh");

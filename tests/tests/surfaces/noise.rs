@@ -1,4 +1,4 @@
-//! Noise of positions is seen where there is some, and only there.
+//! Noise of positions is detected where there is any, and only there.
 
 use helfrich::shapes::Shape;
 use helfrich::{
@@ -32,7 +32,7 @@ fn mean_edge(made: &GeneratedMesh) -> f64 {
     lengths.sum::<f64>() / made.mesh.edges().len() as f64
 }
 
-/// Each coordinate with an error of this standard deviation: the sum of twelve uniform ones.
+/// Positions with an error of this standard deviation in each coordinate: the sum of twelve uniform numbers.
 fn disturbed(positions: &[[f64; 3]], deviation: f64) -> Vec<[f64; 3]> {
     let mut random = Random::new(5);
     let mut error = || (0..12).map(|_| random.unit()).sum::<f64>() - 6.0;
@@ -40,7 +40,7 @@ fn disturbed(positions: &[[f64; 3]], deviation: f64) -> Vec<[f64; 3]> {
     moved.collect()
 }
 
-/// The shape itself is no noise, however coarse and uneven its mesh.
+/// The shape itself does not count as noise, however coarse and uneven its mesh is.
 #[test]
 fn exact_meshes_have_none() {
     let shapes = [
@@ -67,8 +67,8 @@ fn exact_meshes_have_none() {
     assert!(meshes > 100, "{meshes}");
 }
 
-/// From 2562 independent errors the fits leave some 1500 degrees of freedom, so that chance is a
-/// few per cent; at 1e-4 edges S₆ and R of the shape itself are no smaller than the noise.
+/// The fits to 2562 independent errors leave about 1500 degrees of freedom, so that the estimate scatters by
+/// a few per cent; at 1e-4 edges, S₆ and R of the shape itself are as large as the noise.
 #[test]
 fn noise_is_found() {
     for shape in ["discocyte", "ellipsoid:1,0.8,0.5", "torus"] {
@@ -85,8 +85,8 @@ fn noise_is_found() {
     }
 }
 
-/// The rim of a flat ellipsoid and the inside of a narrow torus leave as much to the fits as noise does. A
-/// quarter of the mesh decides, whose pools have 10 % of chance: down to 0.8 of the noise.
+/// On the rim of a flat ellipsoid and the inside of a narrow torus, the fits' residuals are as large as those
+/// of noise. A quarter of the mesh decides, whose pools scatter by 10 %: down to 0.8 of the noise.
 #[test]
 fn noise_is_found_where_half_of_the_shape_is_hardly_resolved() {
     for shape in ["ellipsoid:1,1,0.4", "torus:1,0.3"] {
@@ -113,7 +113,8 @@ fn noise_is_found_where_half_of_the_shape_is_hardly_resolved() {
     }
 }
 
-/// Waves of six edges all over a sphere leave as much everywhere, but wider fits see more of them.
+/// Waves with a length of six edges leave equal residuals everywhere, but wider fits see more of them, so
+/// that they do not count as noise.
 #[test]
 fn waves_that_a_mesh_does_not_resolve_are_no_noise() {
     for degree in [8, 10] {
@@ -129,7 +130,7 @@ fn waves_that_a_mesh_does_not_resolve_are_no_noise() {
     }
 }
 
-/// Coordinates as files have them; rounding to a multiple of q is an error of q/√12.
+/// Coordinates rounded as in files: rounding to a multiple of q has a standard deviation of q/√12.
 #[test]
 fn rounded_coordinates_are_noise() {
     let made = mesh("discocyte", Family::Irregular, 2562).expect("a mesh");
@@ -151,11 +152,11 @@ fn rounded_coordinates_are_noise() {
         .iter()
         .map(|x| x.map(|x| f64::from(x as f32)));
     let found = noise(&made.mesh, &Vec::from_iter(single));
-    // Coordinates between 1/8 and 1 have last digits of 2⁻²⁷ to 2⁻²⁴.
+    // Last digits of coordinates between 1/8 and 1 are 2⁻²⁷ to 2⁻²⁴.
     let digits = [-27, -24].map(|exponent| 2.0_f64.powi(exponent) / 12.0_f64.sqrt());
     assert!((digits[0]..digits[1]).contains(&found.length), "{found:?}");
 
-    // A sheet whose heights are exact, and whose coordinates have three decimals all the same.
+    // The heights of this sheet are exact, although its other coordinates have only a few decimals.
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for row in 0..30_u32 {
         for column in 0..30_u32 {
@@ -170,12 +171,12 @@ fn rounded_coordinates_are_noise() {
     }
     let sheet = TriangleMesh::new(positions.len(), triangles).expect("a sheet");
     assert_eq!(noise(&sheet, &positions), Noise::default());
-    // At its boundary fits are one-sided; away from it noise is what it is.
+    // Fits at its boundary are one-sided; the estimate of the noise stays right.
     let found = noise(&sheet, &disturbed(&positions, 1e-3));
     assert!((found.length / 1e-3 - 1.0).abs() < 0.15, "{found:?}");
 }
 
-/// The same for one thread and several; scales with the surface, to the last bit by powers of two.
+/// One thread and several give the same; the noise scales with the surface, exactly by powers of two.
 #[test]
 fn noise_follows_the_surface() {
     let made = mesh("ellipsoid:1,0.8,0.5", Family::Irregular, 1280).expect("a mesh");
@@ -192,8 +193,8 @@ fn noise_follows_the_surface() {
     }
 }
 
-/// 1e-3 edges leave nothing of f on 2562 vertices, rounding to f32 nearly everything: but at a few
-/// vertices whose triangles are a fifth of the others.
+/// Noise of 1e-3 edges destroys f on 2562 vertices, and all are flagged; rounding to f32 leaves nearly
+/// everything, except at a few vertices whose triangles are a fifth of the others.
 #[test]
 fn quality_flags_what_noise_takes_away() {
     let made = mesh("discocyte", Family::Irregular, 2562).expect("a mesh");
@@ -217,9 +218,9 @@ fn quality_flags_what_noise_takes_away() {
     assert!(flagged(&Vec::from_iter(single)) < 2562 / 100);
 }
 
-/// A row of norm r leaves r of independent noise; that of the constant of a fit of degree 4 to 49 heights
-/// with these weights is some 0.6 on a lattice. Twice leaves less than once. Of the shape a fit takes less
-/// than a tenth of that noise.
+/// A row of norm r leaves the fraction r of independent noise; that of the constant of a fit of degree 4 to
+/// 49 heights with these weights is about 0.6 on a lattice. Smoothing twice leaves less than once. It changes
+/// the shape by less than a tenth of that noise.
 #[test]
 fn smoothing_takes_noise_and_leaves_the_shape() {
     let made = mesh("ellipsoid:1,0.8,0.5", Family::Irregular, 2562).expect("a mesh");
@@ -234,7 +235,7 @@ fn smoothing_takes_noise_and_leaves_the_shape() {
         smoothing.apply(&Parallel::new(), surface, &mut smooth);
         smooth
     };
-    // Along the exact normal, in edges.
+    // Root mean square distance along the exact normal, in edges.
     let off = |positions: &[[f64; 3]]| {
         let squares = positions.iter().zip(&made.preimages).map(|(x, &preimage)| {
             let exact = made.shape.at(preimage);
@@ -250,7 +251,7 @@ fn smoothing_takes_noise_and_leaves_the_shape() {
     assert!(off(&smooth(&once)) < 0.9 * off(&once));
 }
 
-/// The root mean square of the distances by which vertices of a sphere move along the normal.
+/// Root mean square of the displacements of a sphere's vertices along the normal.
 fn shift_on_sphere(vertices: usize, degree: usize) -> f64 {
     let made = mesh("sphere", Family::Smooth, vertices).expect("a mesh");
     let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
@@ -264,20 +265,21 @@ fn shift_on_sphere(vertices: usize, degree: usize) -> f64 {
     (smooth.iter().map(off).sum::<f64>() / smooth.len() as f64).sqrt()
 }
 
-/// A polynomial of degree d misses terms from d + 1 on, and those of odd degree average out around a vertex:
-/// with the edges halved, a fit to as many neighbours moves a vertex by 2⁻⁶ and 2⁻⁸ of that.
+/// A polynomial of degree d lacks terms from degree d + 1 on, and terms of odd degree average out around a
+/// vertex: with halved edges, a fit to the same number of neighbours moves a vertex by 2⁻⁶ and 2⁻⁸ of the
+/// distance.
 #[test]
 fn smoothing_changes_shapes_with_a_high_order() {
     for (degree, order) in [(4, 6.0), (6, 8.0)] {
         let [coarse, fine] = [2562, 10242].map(|vertices| shift_on_sphere(vertices, degree));
         let found = (coarse / fine).log2();
-        // Neighbourhoods are 0.4 wide on the coarse mesh: its square is the size of the
-        // next term, a sixth on the coarse mesh and a quarter of that on the fine one.
+        // Neighbourhoods on the coarse mesh are 0.4 wide. The next term is of the size of this width squared:
+        // a sixth on the coarse mesh, and a quarter of that on the fine one.
         assert!((found - order).abs() < 0.1, "{degree}: {found}");
     }
 }
 
-/// Numbers of vertices mean nothing, up to rounding of sums in another order.
+/// The numbering of vertices does not matter, up to rounding of sums in another order.
 #[test]
 fn smoothing_does_not_depend_on_the_order_of_vertices() {
     let made = mesh("ellipsoid:1,0.8,0.6", Family::Irregular, 642).expect("a mesh");
@@ -300,7 +302,7 @@ fn smoothing_does_not_depend_on_the_order_of_vertices() {
     let here = smooth(&made.mesh, &noisy);
     let there = smooth(&turned, &turned_positions);
     for (a, b) in here.iter().zip(there.iter().rev()) {
-        // The rounding of a fit: of 1 by its condition, which is below 10⁴.
+        // Rounding of a fit: that of 1 times its condition number, which is below 10⁴.
         assert!(
             (0..3).all(|axis| (a[axis] - b[axis]).abs() < 1e-12),
             "{a:?} {b:?}"
@@ -308,8 +310,8 @@ fn smoothing_does_not_depend_on_the_order_of_vertices() {
     }
 }
 
-/// One scale for the mesh leaves no more of the error of H than fits whose scale is chosen at every vertex,
-/// because it is applied repeatedly. The more noise, the wider are the fits.
+/// Smoothing at one scale for the whole mesh leaves a smaller error of H than fits with a scale per vertex,
+/// because it is applied repeatedly. Fits are wider if there is more noise.
 #[test]
 fn noise_is_taken_out_at_one_scale() {
     let made = mesh("discocyte", Family::Irregular, 2562).expect("a mesh");
@@ -334,14 +336,14 @@ fn noise_is_taken_out_at_one_scale() {
             off(&|vertex| measured[vertex].mean.value),
         ];
         assert!(by_jets < by_scales, "{deviation}: {by_jets} {by_scales}");
-        // Vertices move by what their noise along the normal was, and by less than a third of it more.
+        // Vertices move by their noise along the normal, or up to a third more.
         let moved = quieted.moved / (deviation * mean_edge(&made));
         assert!((0.9..1.3).contains(&moved), "{deviation}: {moved}");
     }
     assert!(neighbours[0] < neighbours[1], "{neighbours:?}");
 }
 
-/// Neither where there is none, nor where the shape itself is rough on the mesh.
+/// Meshes without noise, and meshes that do not resolve their shape, are not smoothed.
 #[test]
 fn exact_and_unresolved_meshes_are_left_as_they_are() {
     for (shape, family, vertices) in [
@@ -358,7 +360,7 @@ fn exact_and_unresolved_meshes_are_left_as_they_are() {
         let smoothing = Smoothing::of_measured(&measured);
         assert_eq!(smoothing, None, "{shape}, {family}, {vertices}");
     }
-    // A quarter of the mesh has noise: one scale would change the rest for nothing.
+    // Only a quarter of the mesh has noise, so that smoothing at one scale would change the rest in vain.
     let made = mesh("ellipsoid:1,0.8,0.6", Family::Irregular, 2562).expect("a mesh");
     let noisy = disturbed(&made.positions, 1e-2 * mean_edge(&made));
     let parts = made.positions.iter().zip(&noisy);
@@ -370,8 +372,8 @@ fn exact_and_unresolved_meshes_are_left_as_they_are() {
     assert_eq!(Smoothing::of_measured(&measured), None);
 }
 
-/// Root mean squares of the errors of f by degrees 4 and 6 on noisy positions, relative to that of f, and
-/// of what the same noise changes once more.
+/// Root mean squares, relative to f, of the errors of f by degrees 4 and 6 at noisy positions, and of the
+/// changes that additional noise of the same size causes.
 fn regression_errors(made: &GeneratedMesh, deviation: f64, neighbours: usize) -> [[f64; 2]; 2] {
     let positions = disturbed(&made.positions, deviation);
     let surface = Surface::new(&made.mesh, &positions).expect("positions");
@@ -390,9 +392,9 @@ fn regression_errors(made: &GeneratedMesh, deviation: f64, neighbours: usize) ->
     })
 }
 
-/// The error of f of jets through the vertices is 200 % here, at 1e-3 edges; exact vertices lose little.
-/// Added noise changes results as much as the noise that is there: of some 2562/64 independent
-/// errors, to a tenth.
+/// Regression jets tolerate noise: at 1e-3 edges, the error of f of jets through the vertices is 200 % here.
+/// On exact vertices they lose little. Additional noise changes results as much as the present noise: for
+/// about 2562/64 independent errors, to a tenth.
 #[test]
 fn regression_jets_stand_noise() {
     let made = mesh("discocyte", Family::Irregular, 2562).expect("a mesh");
@@ -404,7 +406,7 @@ fn regression_jets_stand_noise() {
     assert!(off < 0.2, "{off}");
     let [[fourth, _], [sixth, _]] = regression_errors(&made, 0.0, 64);
     assert!(sixth < 0.05 && fourth < 0.2, "{sixth} {fourth}");
-    // One thread or several.
+    // One thread and several give the same bits.
     let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
     let errors = vec![[0.0; 1]; made.positions.len()];
     let few = Regression { neighbours: 45 };

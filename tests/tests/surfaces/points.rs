@@ -1,4 +1,4 @@
-//! One surface through arrays, glam and nalgebra: the same memory, the same bits.
+//! One surface through arrays, glam and nalgebra: without copies, and with the same bits.
 
 use helfrich::Prepared;
 use helfrich::{Points, PointsMut, Real, Surface};
@@ -15,7 +15,7 @@ fn mesh() -> Mesh {
     rough.mesh()
 }
 
-/// Energy and forces through one kind of points, both ways.
+/// Energy and forces, with positions and forces in one kind of points.
 fn evaluate<P>(candidate: impl Candidate, mesh: &Mesh, points: &P, force: &mut P) -> P::Scalar
 where
     P: PointsMut + ?Sized,
@@ -76,7 +76,7 @@ fn bits_do_not_depend_on_the_kind_of_points() {
     for_each(&mut SameBits(mesh()));
 }
 
-/// A view is the memory itself.
+/// Checks that a view refers to the same memory.
 fn assert_view<P, T: Real>(mut points: Vec<P>)
 where
     [P]: PointsMut<Scalar = T>,

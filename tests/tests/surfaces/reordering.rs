@@ -1,4 +1,5 @@
-//! Orders of vertices: permutations, undone, and neighbours get numbers near each other.
+//! Orders of vertices are permutations that can be undone and that give neighbours numbers close to each
+//! other.
 
 use helfrich::{Finding, GompperKroll, Prepared, Reordering, Surface, TriangleMesh};
 use helfrich_std::method::{BendingMethod, Evaluator};
@@ -17,7 +18,7 @@ fn is_permutation(numbers: &[u32]) -> bool {
     sorted.iter().copied().eq(0..numbers.len() as u32)
 }
 
-/// Two spheres and a vertex that is in no triangle.
+/// Two spheres and an isolated vertex.
 fn apart() -> Mesh {
     let sphere = icosphere(2);
     let count = sphere.positions.len() as u32;
@@ -48,7 +49,7 @@ fn orders_are_permutations_and_undone() {
         assert!(is_permutation(order.vertices()) && is_permutation(order.triangles()));
         assert_eq!(order.undo(&order.apply(&mesh.positions)), mesh.positions);
         let ordered = order.of_mesh(connectivity).expect("the same surface");
-        // Each triangle keeps its corners, and their direction around.
+        // Each triangle keeps its corners and their orientation.
         for (place, corners) in ordered.triangles().iter().enumerate() {
             let old = connectivity.triangles()[order.triangles()[place] as usize];
             assert_eq!(corners.map(|vertex| order.vertices()[vertex as usize]), old);
@@ -63,8 +64,8 @@ fn neighbours_get_numbers_near_each_other() {
         let order = Reordering::reverse_cuthill_mckee(&mesh);
         let ordered = order.of_mesh(&mesh).expect("the same surface");
         let (before, after) = (bandwidth(&mesh), bandwidth(&ordered));
-        // Less than two fronts of the search: one around a sphere of N vertices has about √(πN) of
-        // them, one that goes both ways along a tube two times 12.
+        // The bandwidth is below two fronts of the search: one around a sphere of N vertices has about √(πN)
+        // vertices, one that runs both ways along a tube twice 12.
         assert!(after <= widest && 5 * after < before, "{before} {after}");
     }
 }
@@ -105,11 +106,11 @@ fn surfaces_in_pairs_are_ordered_with_their_remainders() {
     }
 }
 
-/// A mesh so large that the companion orders it.
+/// A mesh so large that [`Evaluator`] evaluates it in another order returns results in the mesh's own order.
 #[test]
 fn large_meshes_are_answered_in_their_own_order() {
     let mut mesh = icosphere(7).map(bent).relabelled(11).0;
-    // One vertex close to its neighbour, for findings.
+    // One vertex is close to its neighbour, to cause findings.
     let neighbour = mesh.connectivity.one_ring(77)[0] as usize;
     let [near, far] = [mesh.positions[neighbour], mesh.positions[77]];
     mesh.positions[77] = [0, 1, 2].map(|k| near[k] + 1e-3 * (far[k] - near[k]));

@@ -1,4 +1,4 @@
-//! Exact shapes: the tabulated discocyte, derivatives by dual numbers, scaling, integrals.
+//! Exact shapes: the tabulated discocyte, derivatives by dual numbers, scaling, and integrals.
 
 use autodiff::FT;
 use helfrich::Real;
@@ -17,7 +17,7 @@ const SHAPE_REFERENCE: Tolerance = Tolerance::new(
 /// Exact shapes against derivatives by dual numbers, relative to a power of the curvature.
 const SHAPE_DERIVATIVE: Tolerance = Tolerance::new(
     1e-11,
-    "dual numbers add no truncation; near the rim the extension off the surface has large terms",
+    "dual numbers have no truncation error; near the rim the extension off the surface has large terms",
 );
 
 /// Exact shapes at different scales, relative to a power of the curvature.
@@ -45,18 +45,18 @@ const NORMAL_DIFFERENCE: Tolerance = Tolerance::new(
 /// Integrals over exact shapes by quadrature, relative.
 const SHAPE_INTEGRAL: Tolerance = Tolerance::new(
     1e-12,
-    "Gauss and trapezoidal rules on analytic integrands; what is left is summed rounding",
+    "Gauss and trapezoidal rules on analytic integrands; only summed rounding remains",
 );
 
 /// A shape that can be built in every scalar and at every scale.
 trait Case {
     const NAME: &'static str;
     fn shape<T: Real>(scale: f64) -> impl Shape<T>;
-    /// Pre-images all over the shape of scale 1.
+    /// Pre-images that cover the shape of scale 1.
     fn samples() -> Vec<[f64; 3]> {
         spiral()
     }
-    /// The pre-image of the scaled shape that stands for `preimage` at scale 1.
+    /// Pre-image on the scaled shape that corresponds to `preimage` at scale 1.
     fn scaled_preimage(preimage: [f64; 3], _scale: f64) -> [f64; 3] {
         preimage
     }
@@ -121,7 +121,7 @@ impl Case for RedBloodCell {
     }
 }
 
-/// Runs a law, generic over the case, on every shape.
+/// Runs a law, generic over the case, for every shape.
 macro_rules! on_every_shape {
     ($law:ident) => {
         $law::<RoundSphere>();
@@ -167,13 +167,13 @@ fn at<C: Case>(preimage: [f64; 3]) -> ExactPoint<f64> {
     C::shape::<f64>(1.0).at(preimage)
 }
 
-/// H, K, Δ_S H, to be compared one by one.
+/// H, K and Δ_S H, for separate comparison.
 fn curvatures<T: Real>(point: &ExactPoint<T>) -> [f64; 3] {
     [point.mean, point.gaussian, point.laplacian_of_mean].map(|value| value.to_f64().unwrap())
 }
 
-/// The largest |H|, |K| and |Δ_S H| on the shape of scale 1, and no less than powers of H, for what
-/// vanishes identically.
+/// Largest |H|, |K| and |Δ_S H| on the shape of scale 1, but at least powers of the largest |H|, for
+/// quantities that vanish identically.
 fn largest<C: Case>() -> [f64; 3] {
     let mut largest = [0.0f64; 3];
     for preimage in C::samples() {
@@ -246,7 +246,7 @@ fn preimage_undoes_position() {
     on_every_shape!(law);
 }
 
-/// A point near the surface must have its pre-image nearby: meshes are smoothed in space.
+/// The pre-image of a point near the surface is near, because smoothing of meshes moves points in space.
 #[test]
 fn preimage_of_a_nearby_point_is_near() {
     fn law<C: Case>() {
@@ -288,9 +288,9 @@ fn normal_agrees_with_differences_of_positions() {
     on_every_shape!(law);
 }
 
-/// Fields of the surface are extended into space through the pre-image; then, for any extension g,
-/// Δ_S g = Σ over two tangents of their second derivatives − 2H ∂ₙg, and the first tangential
-/// derivatives of the normal are the second fundamental form.
+/// Fields of the surface are extended into space through the pre-image. For any extension g, Δ_S g is the sum
+/// of its second derivatives along two tangents − 2H ∂ₙg, and the tangential derivatives of the normal are
+/// the second fundamental form.
 #[test]
 fn curvatures_are_derivatives_of_the_normal() {
     type Dual = FT<f64>;
@@ -301,7 +301,7 @@ fn curvatures_are_derivatives_of_the_normal() {
         let scale = largest::<C>();
         for preimage in C::samples() {
             let point = shape.at(preimage);
-            // Along position + t direction: the exact point with its first and second t-derivative.
+            // The exact point along position + t direction, with its first and second t-derivative.
             let line = |direction: [f64; 3]| {
                 let moving: [Dual2; 3] = from_fn(|i| {
                     let (x, slope) = (point.position[i], direction[i]);
@@ -349,7 +349,7 @@ fn a_round_ellipsoid_is_a_sphere() {
     }
 }
 
-/// x → s x: H/s, K/s², Δ_S H/s³, in f64 and within the narrower range of f32.
+/// Under x → s x, H, K and Δ_S H scale as 1/s, 1/s² and 1/s³, in f64 and within the narrower range of f32.
 #[test]
 fn curvatures_scale() {
     fn law<C: Case>() {
@@ -384,7 +384,7 @@ fn curvatures_scale() {
     on_every_shape!(law);
 }
 
-/// ∫K dS = 2πχ, and ∫Δ_S H dS = 0.
+/// ∫K dS = 2πχ and ∫Δ_S H dS = 0.
 #[test]
 fn integral_theorems_hold() {
     fn sphere_like(shape: &impl Shape<f64>) {

@@ -1,4 +1,4 @@
-//! Loop subdivision: its rules, its limit, and the exact bases of its patches.
+//! Loop subdivision: its rules, its limit surface, and the exact bases of its patches.
 
 use helfrich::subdivision::{
     Basis, NoPatch, Patch, Subdivision, basis, limit_normals, limit_positions, limit_weight,
@@ -36,7 +36,7 @@ const LATTICE: [[i32; 2]; 12] = [
     [-1, 2],
 ];
 
-/// Points of a triangle: inside, on its edges, close to v0.
+/// Points of a triangle: inside, on its edges, and close to v0.
 const POINTS: [[f64; 2]; 9] = [
     [1.0 / 3.0, 1.0 / 3.0],
     [1.0 / 6.0, 1.0 / 6.0],
@@ -49,7 +49,7 @@ const POINTS: [[f64; 2]; 9] = [
     [0.1, 0.37],
 ];
 
-/// Two apexes of valence n over a polygon of n vertices.
+/// Bipyramid: two vertices of valence n over a polygon of n vertices.
 fn bipyramid(n: u32) -> TriangleMesh {
     let sides = (0..n).flat_map(|k| {
         let next = (k + 1) % n;
@@ -70,7 +70,7 @@ fn wheel(n: u32) -> TriangleMesh {
     TriangleMesh::new(n as usize + 1, slices.collect()).unwrap()
 }
 
-/// Points without any symmetry, of size 1.
+/// Deterministic points without symmetry, of size 1.
 fn scattered(count: usize) -> Vec<[f64; 3]> {
     let number = |k: usize| (((k + 1) as f64 * 12.9898).sin() * 43758.5453).fract();
     (0..count)
@@ -133,7 +133,7 @@ fn bases_sum_to_one_and_their_derivatives_to_zero() {
         for [v, w] in POINTS {
             let basis = basis(valence, v, w).unwrap();
             assert_eq!(basis.len(), valence + 6);
-            // Derivatives grow with each refinement that leads to the point.
+            // Derivatives grow with each refinement up to the point.
             let scale = (v + w).powi(-2);
             let sum = |of: fn(&Basis) -> f64| basis.iter().map(of).sum::<f64>();
             let what = format!("valence {valence} at ({v}, {w})");
@@ -181,7 +181,7 @@ fn regular_patches_reproduce_linear_functions() {
     }
 }
 
-/// In every part of a refined patch, the middle one, which stands upside down, included.
+/// Derivatives agree with differences in every part of a refined patch, including the inverted middle one.
 #[test]
 fn derivatives_match_differences() {
     let step = 1e-5;
@@ -246,7 +246,7 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
     a.map(|x| x / dot(a, a).sqrt())
 }
 
-/// The unit normal, and the mean and Gaussian curvature times |x_v × x_w|.
+/// Unit normal, mean and Gaussian curvature.
 fn geometry([_, dv, dw, vv, vw, ww]: [[f64; 3]; 6]) -> ([f64; 3], [f64; 2]) {
     let [e, f, g] = [dot(dv, dv), dot(dv, dw), dot(dw, dw)];
     let area = cross(dv, dw);
@@ -257,13 +257,14 @@ fn geometry([_, dv, dw, vv, vw, ww]: [[f64; 3]; 6]) -> ([f64; 3], [f64; 2]) {
     (normal, [mean, (l * n - m * m) / squared])
 }
 
-/// The corner in which a fine triangle of four differs from its parent, or the middle.
+/// Coordinates in the parent of a point in one of four child triangles, numbered by their corner of the
+/// parent, or 3 for the middle one.
 fn child_point(child: usize, [v, w]: [f64; 2]) -> [f64; 2] {
     match child {
         0 => [v / 2.0, w / 2.0],
         1 => [(1.0 + v) / 2.0, w / 2.0],
         2 => [v / 2.0, (1.0 + w) / 2.0],
-        // [ab, bc, ca]: from the middle of the edge opposite to corner 2.
+        // The middle child is [ab, bc, ca].
         _ => [(1.0 - w) / 2.0, (v + w) / 2.0],
     }
 }
@@ -282,7 +283,7 @@ fn in_patch(patch: &Patch, [v, w]: [f64; 2]) -> [f64; 2] {
     [weights[1], weights[2]]
 }
 
-/// The surface over a triangle is the same before and after a refinement of its control points.
+/// Refinement of the control points does not change the surface over a triangle.
 #[test]
 fn patches_are_refinable() {
     for n in 3..=12 {
@@ -387,7 +388,7 @@ fn normals_of(mesh: &TriangleMesh, controls: &[[f64; 3]]) -> Vec<[f64; 3]> {
     normals
 }
 
-/// A vertex ends up where it ends up, however often it was refined before that was asked.
+/// Refinement does not move the limit positions of the vertices.
 #[test]
 fn refinement_does_not_move_the_limit() {
     for mesh in meshes() {
@@ -472,7 +473,7 @@ fn refined_meshes_have_the_expected_connectivity() {
     }
 }
 
-/// The neighbours that refinement derives are those that a search finds: every list is the same.
+/// Refinement derives the same lists of neighbours as a search over the refined triangles.
 #[test]
 fn refined_meshes_are_those_of_their_triangles() {
     let (disc, _) = helfrich_tests::meshes::disc(3).relabelled(4);
@@ -525,7 +526,7 @@ fn maps_compose_and_transpose() {
     }
 }
 
-/// The boundary is the cubic B-spline of its polygon, corners included.
+/// The boundary is the cubic B-spline of its polygon, including corners.
 #[test]
 fn boundaries_follow_their_own_polygon() {
     let square = TriangleMesh::new(4, vec![[0, 1, 2], [0, 2, 3]]).unwrap();

@@ -1,4 +1,4 @@
-//! Areas, volumes, centroids, normals and angles of known surfaces, and what is refused.
+//! Areas, volumes, centroids, normals and angles of known surfaces, and invalid positions.
 
 use helfrich::{Surface, SurfaceError};
 use helfrich_tests::meshes::{
@@ -9,7 +9,7 @@ use helfrich_tests::tolerance::{AREA_SUM, POLYHEDRON};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, FRAC_PI_4, PI};
 
-/// Area, volume and angles of the Platonic solids of triangles in the unit sphere.
+/// Area, volume and angles of the Platonic solids with triangular faces in the unit sphere.
 #[test]
 fn platonic_solids() {
     let third = 1.0_f64 / 3.0;
@@ -67,7 +67,7 @@ fn corner_of_a_cube() {
     assert_eq!(surface.triangle_area(0), 4.5);
     let [right, half, other] = surface.triangle_angles(0);
     assert_eq!((right, half, other), (FRAC_PI_2, FRAC_PI_4, FRAC_PI_4));
-    // ∫ x dS / ∫ dS by hand: the slanted face has area ½ |(6, 6, 9)|.
+    // ∫ x dS / ∫ dS by hand; the slanted face has the area ½ |(6, 6, 9)|.
     let slanted = 0.5 * 153.0_f64.sqrt();
     let area = 4.5 + 3.0 + 3.0 + slanted;
     POLYHEDRON.assert(surface.area(), area, area, "area");

@@ -1,4 +1,4 @@
-//! Effects besides bending, each on an octahedron, where its result is known exactly.
+//! Effects besides bending, each on an octahedron with an exact result.
 
 use super::{MODULUS, RADIUS, SQRT_3, dot, near, octahedron, positions, vanishes};
 use alloc::vec;
@@ -12,7 +12,7 @@ use helfrich::{
 /// Area of the octahedron around each of its six vertices, a third of four triangles.
 const VERTEX_AREA: f64 = 4.0 * SQRT_3 * RADIUS * RADIUS / 6.0;
 
-/// Every effect.
+/// Checks every effect.
 ///
 /// # Panics
 /// If a result is wrong.
@@ -41,7 +41,7 @@ fn surface<'a, T: Real>(mesh: &'a TriangleMesh, points: &'a [[T; 3]]) -> Surface
     }
 }
 
-/// By symmetry each force is along the radius; outward it is `expected`.
+/// Checks that each force is radial, by symmetry, with this outward component.
 fn radial<T: Real + Display>(surface: Surface<'_, T>, force: &[[T; 3]], expected: f64, what: &str) {
     for (&force, &position) in force.iter().zip(surface.positions()) {
         let along = dot(force, position) / T::constant(RADIUS);
@@ -50,7 +50,7 @@ fn radial<T: Real + Display>(surface: Surface<'_, T>, force: &[[T; 3]], expected
     }
 }
 
-/// Stretched by λ everywhere: E = A0 W, and the tension G (1 − λ⁻⁶) against every change of area.
+/// Checks a uniform stretch λ: E = A0 W, with the tension G (1 − λ⁻⁶) against every change of area.
 fn in_plane<T: Real + Display>(surface: Surface<'_, T>) {
     let stretch = 1.25_f64;
     let squared = stretch * stretch;
@@ -77,8 +77,8 @@ fn in_plane<T: Real + Display>(surface: Surface<'_, T>) {
     radial(surface, &force, inward, "the neo-Hookean force");
 }
 
-/// Growing at the rate r: only the dilational viscosity resists, with the power 4 η_d r² A.
-/// Turning: nothing resists.
+/// Checks growth at the rate r, which only the dilational viscosity resists, with the power 4 η_d r² A; and
+/// rotation, which nothing resists.
 fn dissipation<T: Real + Display>(surface: Surface<'_, T>) {
     let viscosity = MembraneViscosity {
         shear: T::constant(0.75),
@@ -103,7 +103,7 @@ fn dissipation<T: Real + Display>(surface: Surface<'_, T>) {
     vanishes(&force, "the dissipative force on a body that turns");
 }
 
-/// Two octahedra side by side, with one vertex of each in the range of the other.
+/// Checks two octahedra side by side, of which one vertex each is within the range of the other.
 fn repulsion<T: Real + Display>(left: Surface<'_, T>) {
     let (range, gap) = (1.0, 0.5);
     let repulsion = Repulsion {
@@ -122,7 +122,7 @@ fn repulsion<T: Real + Display>(left: Surface<'_, T>) {
         &mut Default::default(),
         &mut [on_left, on_right],
     );
-    // The nearest point of each is that vertex, for four triangles.
+    // The nearest point of each is the vertex itself, which belongs to four triangles.
     let (squared, inside) = (gap * gap, 1.0 - gap * gap);
     let expected = MODULUS * VERTEX_AREA * 0.25 * inside * inside * inside / squared;
     near(energy, expected, "the energy of repulsion");
@@ -132,7 +132,7 @@ fn repulsion<T: Real + Display>(left: Surface<'_, T>) {
     near(net[0], -push, "the push on the left");
     near(net[1], push, "the push on the right");
 
-    // Growing about the vertex that is in the range, a body changes the area there and no distance.
+    // Growth about the vertex within the range changes the area there, but no distance.
     let near_vertex = right.positions()[3];
     let grow = |(&force, &[x, y, z]): (&[T; 3], &[T; 3])| {
         let [a, b, c] = near_vertex;
@@ -142,8 +142,8 @@ fn repulsion<T: Real + Display>(left: Surface<'_, T>) {
     near(work, -expected, "the work against growth");
 }
 
-/// Two octahedra in one mesh, brought to twice and three times their volume 4/3 R³: each grows by
-/// itself, and stays an octahedron.
+/// Checks two octahedra in one mesh, which are brought to twice and three times their volume 4/3 R³: each
+/// grows independently and stays an octahedron.
 fn correction<T: Real + Display>(one: &TriangleMesh, points: &[[T; 3]]) {
     let second = one.triangles().iter().map(|corners| corners.map(|v| v + 6));
     let mesh = mesh(12, one.triangles().iter().copied().chain(second).collect());

@@ -6,7 +6,7 @@ use helfrich_std::plots::{PublishedCurve, parsed};
 use helfrich_std::scalar::Scalar;
 use serde::Serialize;
 
-/// Published results for the case of the article: D over γ̇t, the curve of the article first.
+/// Published results for the case of the article: curves of D over γ̇t, the article's first.
 pub fn published() -> Vec<PublishedCurve> {
     // A test checks that it can be read.
     parsed(include_bytes!(
@@ -15,8 +15,8 @@ pub fn published() -> Vec<PublishedCurve> {
     .unwrap_or_default()
 }
 
-/// The largest difference of a run's D(t) from that of a curve at its points, as far as the run goes;
-/// none if no point is that early.
+/// Largest difference of a run's D(t) from a curve at its points, as far as the run goes; `None` if no point
+/// is that early.
 pub fn largest_deviation(row: &FlowRow, curve: &PublishedCurve) -> Option<f64> {
     let deviation = |&[strain, value]: &[f64; 2]| {
         let after = row.transient.iter().position(|point| point[0] >= strain)?;
@@ -63,12 +63,12 @@ pub struct Resolved {
     pub vertices: usize,
     /// D(∞) on each.
     pub deformations: [f64; 2],
-    /// D of `D(h) = D + c h/a`, with h the distance of nodes: linear, as kernels make a membrane
-    /// thicker by some share of h.
+    /// D of `D(h) = D + c h/a` with the node spacing h. The error is linear, because kernels thicken a
+    /// membrane by a fraction of h.
     pub resolved: f64,
 }
 
-/// Every pair of boxes that runs of the same capsule in f64 have, next to each other in size.
+/// Pairs of boxes, neighbouring in size, of runs of the same capsule in f64.
 pub fn boxes(rows: &[FlowRow]) -> Vec<Boxes> {
     let mut found = Vec::new();
     for row in rows {
@@ -100,7 +100,7 @@ pub fn boxes(rows: &[FlowRow]) -> Vec<Boxes> {
     found
 }
 
-/// Every pair of resolutions with the same bending, next to each other.
+/// Pairs of neighbouring resolutions with the same bending.
 pub fn resolved(boxes: &[Boxes]) -> Vec<Resolved> {
     let mut found = Vec::new();
     for coarse in boxes {

@@ -1,4 +1,4 @@
-//! The cost of effects, for the terminal.
+//! Costs of effects, for the terminal.
 
 use crate::effects::EffectCosts;
 use std::io::{self, Write};

@@ -7,8 +7,8 @@ use helfrich_std::run::End;
 use helfrich_std::scalar::Scalar;
 use std::io::{self, Write};
 
-/// Writes a study of flow as tables: every method by both solvers beside what was published, then
-/// boxes, resolutions and number types of the lattice.
+/// Writes a study of flow as tables: every method with both solvers and the published results, then boxes,
+/// resolutions and number types of the lattice.
 ///
 /// # Errors
 /// If `out` cannot be written to.
@@ -35,7 +35,7 @@ fn methods(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
         "method", "vertices", "solver", "D", "θ", "from the paper", "volume", "s"
     )?;
     writeln!(out, "{}", "─".repeat(106))?;
-    // Of each method what comes first: the other lattices have tables of their own.
+    // Only the first lattice of each method; the other lattices have tables of their own.
     let mut shown: Vec<(BendingMethod, bool)> = Vec::new();
     for row in rows.iter().filter(|row| row.case.bending == BENDING) {
         let key = (row.case.method, row.case.solver == Solver::BoundaryIntegral);
@@ -135,7 +135,7 @@ fn lattices(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Runs in f32 beside the same in f64.
+/// Writes the runs in f32 beside the same runs in f64.
 fn precisions(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
     let single = rows.iter().filter(|row| precision(row) == Scalar::F32);
     let pairs = single.filter_map(|row| {
@@ -176,7 +176,7 @@ fn precisions(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// D by boundary integrals on the same mesh.
+/// D with boundary integrals on the same mesh.
 fn exact(rows: &[FlowRow], bending: f64, vertices: usize) -> Option<f64> {
     let same = |row: &&FlowRow| {
         row.case.solver == Solver::BoundaryIntegral

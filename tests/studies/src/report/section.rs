@@ -1,4 +1,4 @@
-//! The flow half: a capsule in shear by every method, and what effects cost.
+//! Section of the page about flow: a capsule in shear with every method, and the costs of effects.
 
 use crate::effects::{EffectCost, EffectCosts};
 use crate::flow::{BENDING, CAPILLARY_NUMBER, FlowRow, Solver, largest_deviation, published};
@@ -8,13 +8,13 @@ use helfrich_std::report::page::{Section, style_of, svg};
 use helfrich_std::run::End;
 use std::io::{self, Write};
 
-/// The style of what others have published.
+/// Style of published results.
 const PUBLISHED: usize = 9;
 
-/// The parts of a page for a capsule in flow, and for what its effects cost.
+/// Section of a page about a capsule in flow and the costs of its effects.
 ///
 /// # Errors
-/// None: memory can be written to.
+/// Never: writing to memory does not fail.
 pub fn page_section(rows: &[FlowRow], effects: &EffectCosts) -> io::Result<Section> {
     let charts = charts(rows);
     let mut html = Vec::new();
@@ -46,7 +46,7 @@ fn write_flow(rows: &[FlowRow], charts: &[(String, Chart)], out: &mut dyn Write)
     writeln!(out, "</section>")
 }
 
-/// The case in words.
+/// Description of the solver.
 fn solver(row: &FlowRow) -> String {
     match row.case.solver {
         Solver::BoundaryIntegral => "boundary integral".to_owned(),
@@ -90,7 +90,7 @@ fn charts(rows: &[FlowRow]) -> Vec<(String, Chart)> {
             points: points.collect(),
         });
     }
-    // Over the lines.
+    // Published points are drawn over the lines.
     for curve in published() {
         let points = curve.points.iter().map(|&at| Point {
             at,
@@ -237,9 +237,9 @@ fn steady(rows: &[FlowRow]) -> Table {
     }
 }
 
-/// Results of other authors, and theory.
+/// Results of theory and of other authors.
 fn others() -> Table {
-    // Barthès-Biesel's theory of small deformations, with bending.
+    // Barthès-Biesel's small-deformation theory, with bending.
     let theory = 25.0 / 12.0 * CAPILLARY_NUMBER / (1.0 + 11.0 * BENDING);
     let mut lines = vec![vec![
         "theory of small deformations, (25/12) Ca/(1 + 11 κ/(a²G))".to_owned(),

@@ -34,7 +34,7 @@ pub fn stability_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     )
 }
 
-/// Writes the rows as Markdown, the same way.
+/// Writes the rows as Markdown with the same structure.
 ///
 /// # Errors
 /// If `out` cannot be written to.
@@ -74,7 +74,7 @@ pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "{} of {} rows pass.", rows.len() - failed, rows.len())
 }
 
-/// The comparison of builds, outside the table.
+/// Text about the comparison of builds, which is not part of the table.
 const BUILDS: &str = "## Builds
 
 `.ci/builds` makes this table with a build without optimisation, a release build, and one for the \
@@ -83,7 +83,7 @@ compares them: the distance allowed is 0 units in the last place. Runs of whole 
 between the latter two. It takes half an hour, and is no part of `.ci/run`.
 ";
 
-/// The legend of the cells of a group.
+/// Writes the legend of the cells of a group.
 fn legend(group: Group, mut line: impl FnMut(&str) -> io::Result<()>) -> io::Result<()> {
     match group {
         Group::Geometry => {
@@ -114,7 +114,7 @@ fn legend(group: Group, mut line: impl FnMut(&str) -> io::Result<()>) -> io::Res
     }
 }
 
-/// The number types of a case; runs are in f64.
+/// Number types of a case; runs have only those that occur.
 fn columns(case: &[Row]) -> Vec<Scalar> {
     let mut scalars = Scalar::ALL.to_vec();
     if case.iter().all(|row| row.group == Group::Dynamics) {
@@ -123,7 +123,7 @@ fn columns(case: &[Row]) -> Vec<Scalar> {
     scalars
 }
 
-/// The rows of each method or formula, in the order of their first.
+/// Rows of each method or formula, in the order of their first row.
 fn lines(case: &[Row]) -> Vec<Vec<&Row>> {
     let mut lines: Vec<Vec<&Row>> = Vec::new();
     for row in case {
@@ -155,7 +155,7 @@ fn cell(subject: &[&Row], scalar: Scalar) -> String {
     }
 }
 
-/// A run in a line.
+/// A run in one line.
 fn course_of(course: &Course) -> String {
     let mut text = course.end.name().to_owned();
     if !course.is_complete() {
@@ -177,7 +177,7 @@ fn course_of(course: &Course) -> String {
     text
 }
 
-/// The first line of a message, without its place in a scene that nobody sees.
+/// First line of a message without its position in a scene, which readers of the table do not see.
 fn first_line(message: &str) -> String {
     let line = message.lines().next().unwrap_or_default();
     let place = |start: &str| line.starts_with(start).then(|| line.split_once(": "));
@@ -215,7 +215,7 @@ fn evaluation(found: &Evaluation) -> String {
     text
 }
 
-/// Two digits.
+/// A number with two digits.
 fn short(value: f64) -> String {
     if (0.1..100.0).contains(&value) {
         format!("{value:.1}")

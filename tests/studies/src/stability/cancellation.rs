@@ -1,9 +1,9 @@
-//! Formulas against themselves in twice the precision.
+//! Formulas compared with themselves in twice the precision.
 //!
-//! The very same generic code runs once in the number type and once in [`DoubleDouble`], on the
-//! same positions. An error is compared with what one rounding of the longest edge in each
-//! coordinate, and one of the result, would change: a formula that cancels more than its own
-//! condition demands has a large multiple of that.
+//! The same generic code runs once in the number type and once in [`DoubleDouble`], on the same positions.
+//! The unit of errors is the sum of the changes by one rounding of the result and by a rounding of each
+//! coordinate, relative to the longest edge. A formula that cancels more than its condition number demands
+//! has an error of many units.
 
 use super::double_double::DoubleDouble;
 use super::{Bound, Group, Outcome, Row};
@@ -17,18 +17,17 @@ use helfrich_std::generate::random::Random;
 use helfrich_std::scalar::Scalar;
 use num_traits::{Float, ToPrimitive};
 
-/// Triangles, hinges and closed surfaces with something extreme about them, and what is evaluated
-/// on them.
+/// Extreme triangles, hinges and closed surfaces, with the formulas that are evaluated on them.
 struct Case {
     name: &'static str,
     meaning: &'static str,
-    /// Positions, and after them what else the formulas read: a reference or velocities.
+    /// Positions, followed by further input of the formulas: a reference or velocities.
     input: fn(&mut Random, Scalar) -> Vec<[f64; 3]>,
     triangles: &'static [[u32; 3]],
     formulas: &'static [Formula],
 }
 
-/// Something that is computed from a few vertices.
+/// Formula that is evaluated on a few vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Formula {
     Area,
@@ -81,12 +80,12 @@ impl Formula {
         }
     }
 
-    /// The largest multiple that is allowed. What is measured is a tenth of one in most rows, since a
-    /// unit is the sum over all coordinates.
+    /// Largest multiple of the unit that is allowed. In most rows the measured multiple is a tenth, because
+    /// the unit is a sum over all coordinates.
     fn most(self) -> f64 {
         match self {
-            // They take all three edges of a triangle, whose differences are rounded one by one: that
-            // they no longer sum to zero counts as often as the triangle is long.
+            // These formulas use all three edges of a triangle, whose differences are rounded separately. The
+            // edges then no longer sum to zero, an error that grows with the aspect ratio.
             Self::NeoHookeanEnergy
             | Self::NeoHookeanForce
             | Self::SkalakForce
@@ -276,7 +275,7 @@ const CASES: &[Case] = &[
     },
 ];
 
-/// How many of each kind are tried; the worst counts.
+/// Number of trials of each kind; the worst counts.
 const TRIALS: usize = 40;
 
 /// Every formula on every case in f32 and f64.
@@ -303,7 +302,7 @@ pub(super) fn rows() -> Vec<Row> {
 }
 
 impl Case {
-    /// The largest multiple over all trials; not a number if one is none.
+    /// Largest multiple over all trials; NaN if any is NaN.
     fn worst<T: Real>(&self, formula: Formula, scalar: Scalar) -> f64 {
         let mut random = Random::new(11);
         let mut worst = 0.0_f64;
@@ -322,7 +321,7 @@ impl Case {
             let found = Vec::from_iter(found.into_iter().map(exact));
             let rounding = T::epsilon().to_f64().unwrap_or(f64::NAN);
             let mut unit = rounding * size(&reference);
-            // What moving one coordinate by one rounding changes, for all of them.
+            // Sum of the changes by one rounding of each coordinate.
             for group in [0..vertices, vertices..fine.len()] {
                 let step = DoubleDouble::of(rounding * extent(&fine[group.clone()]));
                 for (at, axis) in group.flat_map(|at| [(at, 0), (at, 1), (at, 2)]) {
@@ -340,7 +339,7 @@ impl Case {
     }
 }
 
-/// The largest absolute number.
+/// Largest absolute value.
 pub(super) fn size(values: &[DoubleDouble]) -> f64 {
     let sizes = values.iter().map(|value| value.abs());
     sizes.fold(0.0, |most, value| {
@@ -348,7 +347,7 @@ pub(super) fn size(values: &[DoubleDouble]) -> f64 {
     })
 }
 
-/// The largest absolute difference; not a number if one is none.
+/// Largest absolute difference; NaN if any is not finite.
 pub(super) fn difference(a: &[DoubleDouble], b: &[DoubleDouble]) -> f64 {
     let differences = Vec::from_iter(a.iter().zip(b).map(|(&a, &b)| a - b));
     if differences.iter().all(|difference| difference.is_finite()) {
@@ -358,7 +357,7 @@ pub(super) fn difference(a: &[DoubleDouble], b: &[DoubleDouble]) -> f64 {
     }
 }
 
-/// The largest distance along an axis.
+/// Largest distance along an axis.
 pub(super) fn extent(points: &[[DoubleDouble; 3]]) -> f64 {
     let mut most = 0.0_f64;
     for (a, b) in points
@@ -371,7 +370,7 @@ pub(super) fn extent(points: &[[DoubleDouble; 3]]) -> f64 {
 }
 
 impl Formula {
-    /// The result, number after number. `more` is the reference of a strain, or velocities.
+    /// All numbers of the result. `more` is the reference of a strain, or velocities.
     fn evaluate<T: Real>(
         self,
         triangles: &[[u32; 3]],
@@ -439,7 +438,7 @@ impl Formula {
             }
             Self::HingeEnergy => vec![energy(&KantorNelson::new(one), surface)],
             Self::HingeForce => force(&KantorNelson::new(one), surface),
-            // Signed areas: their sums cancel.
+            // Voronoi areas have signs, and their sums cancel.
             Self::SquaredLaplacianEnergy => {
                 vec![energy(
                     &GompperKroll::with_areas(one, DualArea::Voronoi),
@@ -477,7 +476,7 @@ fn force<T: Real>(method: &(impl Force<T> + Clone), surface: Surface<'_, T>) -> 
     force.into_iter().flatten().collect()
 }
 
-/// Force and energy of an in-plane law.
+/// Forces and energy of an in-plane law.
 fn elastic<T: Real, W: StrainEnergy<T> + Clone>(
     law: W,
     surface: Surface<'_, T>,
@@ -493,7 +492,7 @@ fn elastic<T: Real, W: StrainEnergy<T> + Clone>(
     }
 }
 
-/// Points in a random rotation, each in a random place and size.
+/// The points in a random rotation, with a common random size and translation.
 fn turned(random: &mut Random, points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let right = random.on_sphere();
     let up = right.cross(random.on_sphere()).normalize();
@@ -506,8 +505,8 @@ fn turned(random: &mut Random, points: &[[f64; 3]]) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// An edge of length 1 and a triangle on either side with these heights; the second is lifted by an
-/// angle.
+/// An edge of length 1 with a triangle of one of these heights on either side; the second triangle is rotated
+/// by an angle.
 fn hinge(random: &mut Random, heights: [f64; 2], angle: f64) -> Vec<[f64; 3]> {
     let [left, right] = heights;
     let (sine, cosine) = libm::sincos(angle);
@@ -520,7 +519,7 @@ fn hinge(random: &mut Random, heights: [f64; 2], angle: f64) -> Vec<[f64; 3]> {
     turned(random, &points)
 }
 
-/// A triangle with this height, and after it one that is strained a little, as its reference and as
+/// A triangle with this height, followed by a slightly strained copy, which serves as reference and as
 /// velocities.
 fn strained(random: &mut Random, scalar: Scalar, height: f64) -> Vec<[f64; 3]> {
     let strain = if scalar == Scalar::F64 { 1e-6 } else { 1e-3 };
@@ -529,15 +528,15 @@ fn strained(random: &mut Random, scalar: Scalar, height: f64) -> Vec<[f64; 3]> {
     turned(random, &[points, there].concat())
 }
 
-/// A triangle, and after it what it was before it was stretched by these factors along two axes, as
-/// its reference and as velocities.
+/// A triangle that is stretched by these factors along two axes, followed by its unstretched shape, which
+/// serves as reference and as velocities.
 fn deformed(random: &mut Random, [along, across]: [f64; 2]) -> Vec<[f64; 3]> {
     let reference = [[0.0; 3], [1.0, 0.0, 0.0], [0.3, 0.8, 0.0]];
     let points = reference.map(|[x, y, z]| [along * x, across * y, z]);
     turned(random, &[points, reference].concat())
 }
 
-/// An octahedron with these semi-axes, its vertices displaced at random by this part of them.
+/// An octahedron with these semi-axes; each vertex is displaced at random by this fraction of them.
 fn octahedron(random: &mut Random, axes: [f64; 3], jitter: f64) -> Vec<[f64; 3]> {
     let corners = [
         DVec3::X,

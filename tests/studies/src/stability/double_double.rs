@@ -1,4 +1,4 @@
-//! Numbers of twice the precision of f64, for formulas to be checked against themselves.
+//! Numbers with twice the precision of f64, with which formulas are checked.
 //!
 //! T. J. Dekker, Numer. Math. 18 (1971) 224; Y. Hida, X. S. Li, D. H. Bailey, Proc. 15th IEEE Symp.
 //! Computer Arithmetic (2001) 155.
@@ -11,10 +11,10 @@ use std::ops::{
     Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign,
 };
 
-/// The unevaluated sum of two f64, about 32 decimal digits; the range is that of f64.
+/// Unevaluated sum of two f64, with about 32 decimal digits and the range of f64.
 ///
-/// Sums, products, quotients, square roots, exponentials, logarithms, sines, cosines and angles have
-/// all of these digits; functions that no formula of the library calls have those of f64.
+/// Sums, products, quotients, square roots, exponentials, logarithms, sines, cosines and angles have full
+/// precision; functions that no formula of the library calls have that of f64.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct DoubleDouble {
     high: f64,
@@ -27,22 +27,22 @@ const LN_2: DoubleDouble = DoubleDouble::new(std::f64::consts::LN_2, 2.319_046_8
 impl Evaluated for DoubleDouble {}
 
 impl DoubleDouble {
-    /// The sum of two f64, the second at most half a unit in the last place of the first.
+    /// Sum of two f64, the second at most half a unit in the last place of the first.
     pub const fn new(high: f64, low: f64) -> Self {
         Self { high, low }
     }
 
-    /// The nearest f64, and what it leaves.
+    /// The nearest f64, and the remainder.
     pub const fn parts(self) -> [f64; 2] {
         [self.high, self.low]
     }
 
-    /// A number that an f64 holds.
+    /// The value of an f64.
     pub const fn of(value: f64) -> Self {
         Self::new(value, 0.0)
     }
 
-    /// `a + b`, exactly, for |a| ≥ |b|.
+    /// `a + b` without error, for |a| ≥ |b|.
     fn of_ordered(a: f64, b: f64) -> Self {
         let high = a + b;
         if high.is_finite() {
@@ -52,7 +52,7 @@ impl DoubleDouble {
         }
     }
 
-    /// `a + b`, exactly.
+    /// `a + b` without error.
     fn of_sum(a: f64, b: f64) -> Self {
         let high = a + b;
         if !high.is_finite() {
@@ -62,7 +62,7 @@ impl DoubleDouble {
         Self::new(high, (a - (high - part)) + (b - part))
     }
 
-    /// `a b`, exactly.
+    /// `a b` without error.
     fn of_product(a: f64, b: f64) -> Self {
         let high = a * b;
         if high.is_finite() {
@@ -72,12 +72,12 @@ impl DoubleDouble {
         }
     }
 
-    /// A function to the precision of f64.
+    /// Evaluates a function in f64.
     fn roughly(self, function: impl Fn(f64) -> f64) -> Self {
         function(self.high).into()
     }
 
-    /// Rounded by `function`, which gives whole numbers.
+    /// Rounds to a whole number by `function`.
     fn whole(self, function: impl Fn(f64) -> f64) -> Self {
         let high = function(self.high);
         if high == self.high {
@@ -91,7 +91,7 @@ impl DoubleDouble {
         Self::new(self.high * power_of_two, self.low * power_of_two)
     }
 
-    /// Σ xᵏ/k! over every second k from `first` on with alternating signs: sine or cosine.
+    /// Series Σ ± xᵏ/k! over every second k from `first` on, with alternating signs: cosine or sine.
     fn alternating_series(self, first: u32) -> Self {
         let square = self * self;
         let mut term = if first == 0 { Self::one() } else { self };
@@ -110,7 +110,7 @@ impl From<f64> for DoubleDouble {
     }
 }
 
-// Operations are calls: they are long, and formulas made of them inline would be huge.
+// Operations are not inlined, because they are long and formulas made of them would become huge.
 impl Add for DoubleDouble {
     type Output = Self;
     #[inline(never)]
@@ -319,7 +319,7 @@ impl Float for DoubleDouble {
     fn max_value() -> Self {
         f64::MAX.into()
     }
-    /// 2⁻¹⁰⁴: of the 106 digits the last may be lost.
+    /// 2⁻¹⁰⁴: the last of the 106 binary digits may be wrong.
     fn epsilon() -> Self {
         2.0_f64.powi(-104).into()
     }
@@ -399,7 +399,7 @@ impl Float for DoubleDouble {
             return self.roughly(f64::exp);
         }
         let twos = (self.high / LN_2.high).round();
-        // e^x − 1 of a 256th, and then eight times (1 + y)² − 1 = 2y + y².
+        // e^x − 1 by its series at x/256, then eight times (1 + y)² − 1 = 2y + y².
         let small = (self - LN_2 * twos.into()).scaled(1.0 / 256.0);
         let mut term = small;
         let mut less_one = small;
@@ -420,7 +420,7 @@ impl Float for DoubleDouble {
         if !first.is_finite() {
             return first.into();
         }
-        // Newton's step for e^y = x.
+        // One step of Newton's iteration for e^y = x.
         let guess = Self::of(first);
         guess + (self * (-guess).exp() - Self::one())
     }
@@ -496,7 +496,7 @@ impl Float for DoubleDouble {
         if (self.high == 0.0 && x.high >= 0.0) || !first.is_finite() {
             return first.into();
         }
-        // Turned back by a first guess, what is left is so small that it is its own sine.
+        // After rotation by the first estimate, the remaining angle is so small that it equals its sine.
         let (sine, cosine) = Self::of(first).sin_cos();
         Self::of(first) + (self * cosine - x * sine) / (x * cosine + self * sine)
     }

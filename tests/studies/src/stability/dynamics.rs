@@ -1,4 +1,4 @@
-//! Complete runs of hard scenes, as users write them: each completes properly, or reports the problem.
+//! Runs of hard scenes as users write them: each completes properly, or reports the problem.
 
 mod cases;
 mod laws;
@@ -18,10 +18,10 @@ use std::collections::{BTreeMap, HashMap};
 use std::error::Error;
 use std::path::Path;
 
-/// The outcome of a run.
+/// Outcome of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Course {
-    /// The way in which it ended.
+    /// Kind of end of the run.
     pub end: End,
     /// A description of the end.
     pub message: String,
@@ -33,7 +33,7 @@ pub struct Course {
     pub volume_change: f64,
     /// Taylor deformation at the end, in flows.
     pub deformation: Option<f64>,
-    /// Largest difference of the deformation in the second half from that at the end, relative.
+    /// Largest difference of the deformation in the second half of the run from that at the end, relative.
     pub unsteadiness: Option<f64>,
     /// Difference of the deformation from that of the run with which it is compared, relative.
     pub error: Option<f64>,
@@ -45,19 +45,19 @@ impl Course {
         matches!(self.end, End::Completed | End::Converged)
     }
 
-    /// Whether a message contains this.
+    /// Whether a warning or the last message contains this text.
     pub fn says(&self, part: &str) -> bool {
         let mut all = self.warnings.iter().chain([&self.message]);
         all.any(|message| message.contains(part))
     }
 }
 
-/// The number of runs, for the progress.
+/// Number of runs, for the progress.
 pub(super) fn count() -> usize {
     CASES.iter().map(|case| case.trials.count()).sum::<usize>() + laws::count()
 }
 
-/// All runs; `tell` is called before each.
+/// Performs all runs; `tell` is called before each.
 pub(super) fn rows(tell: &mut dyn FnMut(&str)) -> Result<Vec<Row>, StabilityError> {
     let mut rows = Vec::new();
     let mut courses = Courses::default();
@@ -112,7 +112,8 @@ type Made<T> = Result<T, Box<dyn Error + Send + Sync>>;
 struct Courses(HashMap<(&'static str, Vec<String>), Result<Course, String>>);
 
 impl Courses {
-    /// [`course`], made once. The last of two changes of one key counts, and their order does not.
+    /// Returns the result of [`course`], which is computed once for equivalent changes: the last of two
+    /// changes of one key counts, and the order of keys does not.
     fn of(&mut self, scene: &'static str, changes: &[&str]) -> Made<Result<Course, String>> {
         let key_of = |change: &&str| change.split('=').next().unwrap_or_default().to_owned();
         let last = changes
@@ -149,10 +150,10 @@ impl Case {
     }
 }
 
-/// A scene, its surfaces and where they start.
+/// A scene, its simulation and initial positions.
 type Ready = (SceneFile, Simulation, Vec<[f64; 3]>);
 
-/// A scene with changes, ready to run; the message if it is refused.
+/// Makes a scene with changes ready to run; returns the message if it is refused.
 fn ready(scene: &str, changes: &[&str]) -> Made<Result<Ready, String>> {
     let overrides = Overrides::new(changes.iter().copied())?;
     let file = match SceneFile::parse(scene, Path::new("scene.toml"), &overrides) {
@@ -165,7 +166,7 @@ fn ready(scene: &str, changes: &[&str]) -> Made<Result<Ready, String>> {
     })
 }
 
-/// Runs a scene with changes; the message if it is refused.
+/// Runs a scene with changes; returns the message if it is refused.
 fn course(scene: &str, changes: &[&str]) -> Made<Result<Course, String>> {
     let folder = tempfile::tempdir()?;
     let folder = folder.path().join("run");
@@ -205,7 +206,7 @@ fn course(scene: &str, changes: &[&str]) -> Made<Result<Course, String>> {
 
 fn quiet(_: &Progress) {}
 
-/// Columns whose numbers are defined for every surface in these scenes, which all are closed.
+/// Columns that are defined for every surface in these scenes, because all surfaces are closed.
 const DEFINED: [&str; 7] = [
     "energy",
     "area",

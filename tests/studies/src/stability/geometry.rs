@@ -13,12 +13,12 @@ struct Case {
     name: &'static str,
     meaning: &'static str,
     specimen: fn(Scalar) -> Result<Specimen, SpecimenError>,
-    /// The clean mesh with which its error is compared.
+    /// Clean mesh with which the error is compared.
     clean: Option<Clean>,
     bound: fn(BendingMethod, Scalar) -> Bound,
 }
 
-/// A surface without anything hard about it.
+/// A surface without difficulties.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Clean {
     Ellipsoid,
@@ -36,8 +36,8 @@ impl Clean {
     }
 }
 
-/// The factor by which the error of a stable method may grow, and that of other methods where nothing
-/// is flagged.
+/// Factor by which the error of a stable method may grow, and the error of other methods at vertices that are
+/// not flagged.
 const GROWTH: f64 = 10.0;
 
 fn is_jet(method: BendingMethod) -> bool {
@@ -61,13 +61,13 @@ fn reported(_method: BendingMethod, _scalar: Scalar) -> Bound {
     Bound::Reported(GROWTH)
 }
 
-/// No theory bounds the largest error of methods that do not converge on irregular meshes: it depends
-/// on the worst vertex of the mesh. These numbers are two to three times the errors on this mesh. They
-/// record what is known, and show how large errors are on a mesh that nobody would call bad. Jets lose
-/// at most one order of the edge length, which is an eighth.
+/// No theory bounds the largest error of methods that do not converge on irregular meshes, because it depends
+/// on the worst vertex. These bounds are two to three times the errors on this mesh. They record the errors,
+/// and show how large they are on a mesh that looks good. Jets lose at most one order of the edge length,
+/// which is an eighth.
 fn irregular(method: BendingMethod, _scalar: Scalar) -> Bound {
     Bound::Stable(match method {
-        // The gradient of mixed areas jumps where an angle is right.
+        // The gradient of mixed areas jumps at right angles.
         BendingMethod::Meyer | BendingMethod::GompperKroll => 3e3,
         BendingMethod::Loop => 3e4,
         BendingMethod::Belkin => 60.0,
@@ -76,14 +76,14 @@ fn irregular(method: BendingMethod, _scalar: Scalar) -> Bound {
     })
 }
 
-/// Noise of some mean edges in every coordinate adds this to the largest error of f at most, relative to
-/// the largest |f|, whatever the method.
+/// Noise of `edges` mean edge lengths in every coordinate adds at most this to the largest error of f, relative
+/// to the largest |f|, for any method.
 ///
-/// A normal displacement w of a plane makes f = κ Δ²w. On an even lattice of edges h the Laplacian of the
-/// six neighbours has weights of 2/(3h²), and Δ² 42 in the middle, −10, 1 and 2 six times each, times
-/// their square. Independent displacements with the deviation δ give f the deviation √(42² + 6 · 105)
-/// (2/3)² κ δ/h⁴ = 21.7 κ δ/h⁴, and the largest of 642 is 3.2 deviations. Of the mesh edges are 0.12 on
-/// average, and the shortest, where f is largest, 0.08; the largest |f| is 52 κ.
+/// A normal displacement w of a plane makes f = κ Δ²w. On an even lattice with edges h, the Laplacian of the
+/// six neighbours has weights of 2/(3h²), and Δ² has the square of 2/(3h²) times 42 in the middle, and −10, 1
+/// and 2 six times each. Independent displacements with the standard deviation δ give f the deviation
+/// √(42² + 6 · 105) (2/3)² κ δ/h⁴ = 21.7 κ δ/h⁴, and the largest of 642 is 3.2 deviations. Edges of the mesh
+/// are 0.12 long on average, the shortest, where f is largest, 0.08; the largest |f| is 52 κ.
 fn noisy(_method: BendingMethod, edges: f64) -> Bound {
     const DEVIATIONS: f64 = 3.2;
     let [mean, shortest]: [f64; 2] = [0.12, 0.08];
@@ -315,7 +315,7 @@ pub(super) fn count(large: bool) -> usize {
     (CASES.len() + usize::from(large)) * BendingMethod::ALL.len() * Scalar::ALL.len()
 }
 
-/// Every case with every method and number type; `tell` receives the number of earlier ones.
+/// Evaluates every case with every method and number type; `tell` receives the number of earlier rows.
 pub(super) fn rows(
     large: bool,
     tell: &mut dyn FnMut(usize, &str),
@@ -358,7 +358,7 @@ pub(super) fn rows(
     Ok(rows)
 }
 
-/// The errors on clean surfaces, each computed once.
+/// Errors on clean surfaces, each computed once.
 #[derive(Default)]
 struct CleanErrors {
     specimens: HashMap<Clean, Specimen>,
@@ -402,7 +402,7 @@ struct Trial<'a> {
     specimen: &'a Specimen,
     method: BendingMethod,
     scalar: Scalar,
-    /// Whether the surface is evaluated after a translation and a scaling, too.
+    /// Whether the surface is also evaluated after a translation and a scaling.
     invariance: bool,
 }
 
@@ -459,19 +459,19 @@ impl Trial<'_> {
         })
     }
 
-    /// The positions, each coordinate after `map`.
+    /// Positions with `map` applied to each coordinate, in the number type.
     fn held<T: Real>(self, map: impl Fn(f64) -> f64) -> HeldPositions<T> {
         let positions = self.specimen.positions.iter().map(|x| x.map(&map));
         HeldPositions::new(self.scalar, &Vec::from_iter(positions))
     }
 
-    /// |f − exact f| at each vertex, relative to the largest |exact f|; the whole exact f where the
-    /// method leaves the vertex out. Empty if f is not known.
+    /// |f − exact f| at each vertex, relative to the largest |exact f|. A vertex without a value has the whole
+    /// exact f as its error. Empty if f is not known exactly.
     fn errors<T: Real>(self, fields: &Fields<T>) -> Vec<f64> {
         let exact = &self.specimen.exact;
         let scale = exact.iter().map(|point| point.force_density(1.0).abs());
         let scale = scale.fold(0.0, f64::max);
-        // κ/L³ of the surface at its own size.
+        // κ/L³ at the size L of the surface.
         let unit = self.specimen.scale.powi(3);
         let error = |(found, point): (&Option<[T; 3]>, &helfrich::shapes::ExactPoint<f64>)| {
             let value = point.force_density(1.0);
@@ -483,7 +483,7 @@ impl Trial<'_> {
         fields.force_density.iter().zip(exact).map(error).collect()
     }
 
-    /// Positions times a power of two: f follows to the last bit.
+    /// Change of f if positions are multiplied by a power of two, relative to exact scaling.
     fn scaled<T: Evaluated>(
         self,
         evaluator: &mut Evaluator<T>,
@@ -499,7 +499,7 @@ impl Trial<'_> {
         Ok(defect(fields, &there, factor.powi(3)))
     }
 
-    /// Positions on a grid, and moved by a multiple of its pitch: no bit of f changes.
+    /// Change of f if positions on a grid are moved by a multiple of its pitch.
     fn moved<T: Evaluated>(
         self,
         evaluator: &mut Evaluator<T>,
@@ -518,7 +518,7 @@ fn double<T: Real>(value: T) -> f64 {
     value.to_f64().unwrap_or(f64::NAN)
 }
 
-/// The largest of numbers above 0, and infinity if one is not a number.
+/// Largest of non-negative numbers; infinity if any is NaN.
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |most, value| {
         if value.is_nan() {
@@ -529,7 +529,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     })
 }
 
-/// The largest difference of f from `factor` times the other f, relative to the largest f.
+/// Largest deviation of f from `factor` times the other f, relative to the largest |f|.
 fn defect<T: Real>(fields: &Fields<T>, other: &Fields<T>, factor: f64) -> f64 {
     let vectors = |fields: &Fields<T>| {
         let vector = |f: &Option<[T; 3]>| f.map(|f| f.map(double)).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Meshes and surfaces that have to be refused.
+//! Meshes and surfaces that must be refused.
 
 use super::{Bound, Group, Outcome, Row};
 use helfrich::{Real, Surface, TriangleMesh};
@@ -50,8 +50,7 @@ const MESHES: &[(&str, &str, &[[u32; 3]], &str)] = &[
     ),
 ];
 
-/// A coordinate with which nothing can be computed: name, meaning, the coordinate in a number type, and
-/// a part of the message.
+/// An invalid coordinate: name, meaning, the coordinate in a number type, and a part of the message.
 type Coordinate = (&'static str, &'static str, fn(Scalar) -> f64, &'static str);
 
 const COORDINATES: &[Coordinate] = &[
@@ -106,7 +105,7 @@ pub(super) fn rows() -> Vec<Row> {
     rows
 }
 
-/// The reason why a triangle with this coordinate is refused.
+/// Reason why a triangle with this coordinate is refused.
 fn refusal<T: Real>(coordinate: f64) -> Option<String> {
     let mesh = TriangleMesh::new(3, vec![[0, 1, 2]]).ok()?;
     let (zero, one) = (T::zero(), T::one());

@@ -1,6 +1,7 @@
-//! Kernels of Stokes flow and integrals over triangles against themselves in twice the precision.
+//! Kernels of Stokes flow and integrals over triangles, compared with the same formulas in twice the
+//! precision.
 //!
-//! The library has these formulas for f64 and vectors of f64 only, so they are repeated here.
+//! The library has these formulas only for f64 and vectors of f64, so they are repeated here.
 
 use super::cancellation::{difference, extent, size};
 use super::double_double::DoubleDouble;
@@ -14,26 +15,26 @@ use std::ops::Range;
 
 type Vector = [DoubleDouble; 3];
 
-/// Random positions for each row.
+/// Number of random trials for each row.
 const TRIALS: usize = 20;
 
-/// The error allowed: a few times the change by one rounding of each coordinate.
+/// Allowed error: a few times the change by one rounding of each coordinate.
 const MOST: f64 = 4.0;
 
-/// The same of a corner that sees a short edge: moments along that edge are differences between its
-/// ends, and lose as many roundings as it is farther than long.
+/// Allowed error at a corner opposite a short edge: moments along that edge are differences between its ends,
+/// and lose digits by the ratio of its distance to its length.
 const MOST_OF_A_TIP: f64 = 1.0 / 1.75e-4;
 
 /// A formula, with the points and vectors that it takes.
 struct Formula {
     name: &'static str,
-    /// How many of the vectors are positions: the others are forces, normals and velocities.
+    /// Number of vectors that are positions; the others are forces, normals and velocities.
     positions: usize,
     found: fn(&[[f64; 3]]) -> Vec<f64>,
     exact: fn(&[Vector]) -> Vec<DoubleDouble>,
 }
 
-/// Formulas of a point source and a point.
+/// Formulas of a point source at a point.
 const KERNELS: [Formula; 4] = [
     Formula {
         name: "Stokeslet",
@@ -75,7 +76,7 @@ const KERNELS: [Formula; 4] = [
     },
 ];
 
-/// The formula of a triangle and a point.
+/// Formula of a triangle and a point.
 const SOLID_ANGLE: Formula = Formula {
     name: "solid angle",
     positions: 4,
@@ -88,7 +89,7 @@ const SOLID_ANGLE: Formula = Formula {
     },
 };
 
-/// The formula of a triangle with tractions, at its first corner.
+/// Integral over a triangle with tractions, at its first corner.
 const CORNER: Formula = Formula {
     name: "Stokeslets about a corner",
     positions: 3,
@@ -96,14 +97,14 @@ const CORNER: Formula = Formula {
     exact: |v| corner([v[0], v[1], v[2]], [v[3], v[4], v[5]]).to_vec(),
 };
 
-/// Points with something extreme about them.
+/// Points in an extreme configuration.
 struct Case {
     name: &'static str,
     meaning: &'static str,
-    /// Positions, before they are turned and moved.
+    /// Positions before rotation and translation.
     positions: &'static [[f64; 3]],
     formulas: &'static [Formula],
-    /// How far from the origin, in units of the size.
+    /// Distance from the origin, in units of the size.
     away: f64,
     most: f64,
 }
@@ -224,7 +225,7 @@ pub(super) fn rows() -> Vec<Row> {
 }
 
 impl Case {
-    /// The largest multiple over all trials; not a number if one is none.
+    /// Largest multiple over all trials; NaN if any is NaN.
     fn worst(&self, formula: &Formula) -> f64 {
         let mut random = Random::new(11);
         let mut worst = 0.0_f64;
@@ -236,7 +237,7 @@ impl Case {
                 (x * right + y * up + z * right.cross(up) + centre).to_array()
             };
             let mut input = Vec::from_iter(self.positions.iter().map(place));
-            // As many as any formula takes.
+            // As many vectors as any formula takes.
             input.extend((0..3).map(|_| random.on_sphere().to_array()));
             let multiple = multiple(formula, &input);
             if multiple.is_nan() || multiple > worst {
@@ -247,8 +248,8 @@ impl Case {
     }
 }
 
-/// The error in units of rounding: of the result, and of what a rounding in each coordinate changes,
-/// relative to distances for positions and to lengths for vectors.
+/// Error in units of rounding: the sum of the changes by one rounding of the result and by a rounding of each
+/// coordinate, relative to distances for positions and to lengths for vectors.
 fn multiple(formula: &Formula, input: &[[f64; 3]]) -> f64 {
     let fine = Vec::from_iter(input.iter().map(|x| x.map(DoubleDouble::of)));
     let reference = (formula.exact)(&fine);
@@ -295,8 +296,9 @@ fn stokeslet(r: Vector, f: Vector) -> Vector {
     scale(squared.sqrt().recip(), add(f, scale(along, r)))
 }
 
-/// `A ∫₀¹ (I/|v| + v v/|v|³)·[q₀ + (1 − s) q₁ + s q₂] ds`, v from v₁ to v₂: by the moments of 1/r and
-/// 1/r³ along the edge from the foot of the corner, with the logarithm in its textbook form.
+/// `A ∫₀¹ (I/|v| + v v/|v|³)·[q₀ + (1 − s) q₁ + s q₂] ds` with v from v₁ to v₂, by the moments of 1/r and
+/// 1/r³ along the edge, measured from the foot of the perpendicular through the corner, with the logarithm in
+/// its textbook form.
 fn corner([x, a, b]: [Vector; 3], [own, first, second]: [Vector; 3]) -> Vector {
     let (v1, v2) = (sub(a, x), sub(b, x));
     let edge = sub(v2, v1);
@@ -307,14 +309,14 @@ fn corner([x, a, b]: [Vector; 3], [own, first, second]: [Vector; 3]) -> Vector {
     let normal = cross(v1, v2);
     let doubled = dot(normal, normal).sqrt();
     let height = doubled / length;
-    // Perpendicular to the edge in the plane: without the cancellation of v₁ − t₁ t.
+    // Perpendicular to the edge in the plane, without the cancellation of v₁ − t₁ t.
     let up = scale((doubled * length).recip(), cross(edge, normal));
     let up = if dot(up, v1) < DoubleDouble::of(0.0) {
         scale(DoubleDouble::of(-1.0), up)
     } else {
         up
     };
-    // ∫ dt/r = asinh(t₂/h) − asinh(t₁/h), by the larger root where t is negative.
+    // ∫ dt/r = asinh(t₂/h) − asinh(t₁/h); for negative t, from the form without cancellation.
     let logarithm = |t: DoubleDouble, r: DoubleDouble| {
         if t < DoubleDouble::of(0.0) {
             -((r - t) / height).ln()

@@ -1,4 +1,4 @@
-//! The surfaces of the hard cases.
+//! Surfaces of the hard cases.
 
 use glam::DVec3;
 use helfrich::TriangleMesh;
@@ -10,22 +10,22 @@ use helfrich_std::subdivide::{Target, subdivide};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// Vertices of a specimen, unless its case is about their number.
+/// Number of vertices of a specimen, unless its case is about this number.
 const VERTICES: usize = 642;
 
-/// Distance from one disturbed vertex or triangle to the next, in the order of their numbers.
+/// Distance between disturbed vertices or triangles, in their numbering.
 const STRIDE: usize = 50;
 
-/// A surface with a size of about 1, and its exact values.
+/// A surface of size about 1, and its exact values.
 #[derive(Clone, Debug)]
 pub(super) struct Specimen {
     pub(super) mesh: TriangleMesh,
     pub(super) positions: Vec<[f64; 3]>,
-    /// The exact surface at each vertex; empty if nothing is known.
+    /// Exact surface at each vertex; empty if it is not known.
     pub(super) exact: Vec<ExactPoint<f64>>,
-    /// The factor of positions before the evaluation.
+    /// Factor applied to positions before the evaluation.
     pub(super) scale: f64,
-    /// The offset of each coordinate after that, in units of the scale.
+    /// Offset added to each coordinate before scaling, in units of the scale.
     pub(super) offset: f64,
 }
 
@@ -45,7 +45,7 @@ pub(super) enum SpecimenError {
 type Made = Result<Specimen, SpecimenError>;
 
 impl Specimen {
-    /// With vertices on an exact shape.
+    /// A specimen with vertices on an exact shape.
     fn on(shape: &AnyShape, mesh: TriangleMesh, preimages: &[DVec3]) -> Self {
         let exact = preimages.iter().map(|p| shape.at(p.to_array()));
         let exact = Vec::from_iter(exact);
@@ -76,8 +76,7 @@ impl Specimen {
     }
 }
 
-/// The surface that most cases disturb: smooth, without symmetry in the mesh, with three different
-/// axes.
+/// The surface that most cases disturb: smooth, with three different axes and a mesh without symmetry.
 fn base() -> Result<(AnyShape, TriangleMesh, Vec<DVec3>), SpecimenError> {
     let shape = AnyShape::Ellipsoid(helfrich::shapes::Ellipsoid::new([1.0, 0.8, 0.6])?);
     let GeneratedMesh {
@@ -100,27 +99,27 @@ pub(super) fn irregular() -> Made {
     Ok(Specimen::on(&shape, mesh, &preimages))
 }
 
-/// The base as it is.
+/// The undisturbed base.
 pub(super) fn clean() -> Made {
     let (shape, mesh, preimages) = base()?;
     Ok(Specimen::on(&shape, mesh, &preimages))
 }
 
-/// One vertex in fifty is moved along an edge, until its distance from the neighbour is this fraction
-/// of the edge: this gives two needles each.
+/// The base with about one vertex in fifty moved along an edge, until its distance from the neighbour is this
+/// fraction of the edge. Each moved vertex makes two needles.
 pub(super) fn needles(part: f64) -> Made {
     let (shape, mesh, mut preimages) = base()?;
     for vertex in apart(&mesh) {
         let onto = preimages[mesh.one_ring(vertex)[0] as usize];
         let moved = onto + part * (preimages[vertex] - onto);
-        // Exactly onto the neighbour, not only to rounding.
+        // Exactly at the neighbour, not only up to rounding.
         preimages[vertex] = if part == 0.0 { onto } else { moved.normalize() };
     }
     Ok(Specimen::on(&shape, mesh, &preimages))
 }
 
-/// In one triangle in fifty three vertices are placed so close together that the surface is flat there:
-/// a cap of 179.98°, and needles around it.
+/// The base with three vertices in one triangle of fifty, so close together that the surface is flat there: a
+/// cap of 179.98°, and needles around it.
 pub(super) fn caps() -> Made {
     let (shape, mesh, mut preimages) = base()?;
     let mut triangles = mesh.triangles().to_vec();
@@ -128,7 +127,7 @@ pub(super) fn caps() -> Made {
         let [a, b, c] = mesh.triangles()[triangle];
         let [from, to, top] = [a, b, c].map(|v| preimages[v as usize]);
         let centre = (from + to + top) / 3.0;
-        // Half of the cap's base, so short that the arc over it rises less than the height of the cap.
+        // Half of the cap's base, so short that the arc over it rises by less than the height of the cap.
         let along = (to - from).normalize() * 1e-4;
         let up = (top - centre).reject_from(along).normalize() * 1.75e-8;
         let first = preimages.len() as u32;
@@ -150,8 +149,8 @@ pub(super) fn caps() -> Made {
     Ok(Specimen::on(&shape, mesh, &preimages))
 }
 
-/// Every second neighbour of one vertex in fifty is pulled close to it, so that all triangles around
-/// it are obtuse at a neighbour: its Voronoi area is negative.
+/// The base with every second neighbour of about one vertex in fifty pulled close to it, so that all
+/// triangles around the vertex are obtuse at a neighbour and its Voronoi area is negative.
 pub(super) fn obtuse_fans() -> Made {
     let (shape, mesh, mut preimages) = base()?;
     for vertex in apart(&mesh) {
@@ -164,7 +163,7 @@ pub(super) fn obtuse_fans() -> Made {
     Ok(Specimen::on(&shape, mesh, &preimages))
 }
 
-/// Vertices of valence 6, each fiftieth or so of those, that share no neighbour.
+/// About every fiftieth vertex, with valence 6 and without common neighbours.
 fn apart(mesh: &TriangleMesh) -> Vec<usize> {
     let mut taken = vec![false; mesh.vertex_count()];
     let mut chosen = Vec::new();
@@ -183,8 +182,7 @@ fn apart(mesh: &TriangleMesh) -> Vec<usize> {
     chosen
 }
 
-/// Circles of latitude between two poles of valence 20, with a vertex of valence 3 in one triangle in
-/// seven.
+/// Circles of latitude between two poles of valence 20, with a vertex of valence 3 in one triangle of seven.
 pub(super) fn valences() -> Made {
     const AROUND: u32 = 20;
     const CIRCLES: u32 = 19;
@@ -193,7 +191,7 @@ pub(super) fn valences() -> Made {
     for circle in 1..=CIRCLES {
         let (sine, cosine) = libm::sincos(PI * f64::from(circle) / f64::from(CIRCLES + 1));
         for step in 0..AROUND {
-            // Half a step further on each circle.
+            // Each circle is rotated by half a step against the previous one.
             let turn = 2.0 * (f64::from(step) + 0.5 * f64::from(circle)) / f64::from(AROUND);
             let (v, u) = libm::sincos(PI * turn);
             preimages.push(DVec3::new(sine * u, sine * v, cosine));
@@ -239,7 +237,7 @@ pub(super) fn four_vertices() -> Made {
     ))
 }
 
-/// A torus with this many vertices, or nearly so.
+/// A torus with approximately this number of vertices.
 pub(super) fn torus(vertices: usize) -> Made {
     let shape = AnyShape::Torus(helfrich::shapes::Torus::new(2.0, 1.0)?);
     let GeneratedMesh {
@@ -249,7 +247,7 @@ pub(super) fn torus(vertices: usize) -> Made {
     Ok(Specimen::on(&shape, mesh, &preimages))
 }
 
-/// The disc of Evans and Fung, as thin at its centre as C0 says, in radii.
+/// The disc of Evans and Fung with the thickness C0 at its centre, in radii.
 pub(super) fn disc(thickness: f64) -> Made {
     let coefficients = [thickness, 2.002558, -1.122762];
     let shape = AnyShape::Discocyte(Discocyte::with_coefficients(1.0, coefficients)?);
@@ -260,7 +258,7 @@ pub(super) fn disc(thickness: f64) -> Made {
     Ok(Specimen::on(&shape, mesh, &preimages))
 }
 
-/// A drop whose tip is a cusp: toward it the radius falls as the distance to the power of 3/2.
+/// A drop with a cusp at its tip: the radius falls as the distance to the power of 3/2.
 pub(super) fn cusp() -> Made {
     let (_, mesh, preimages) = base()?;
     let axis = preimages[0];
@@ -322,7 +320,7 @@ pub(super) fn plate(holes: usize) -> Made {
     Ok(Specimen::unknown(mesh, positions))
 }
 
-/// The base with every vertex displaced at random by up to this many edges.
+/// The base with every vertex displaced at random by up to this many edge lengths.
 pub(super) fn crumpled(amplitude: f64) -> Made {
     let specimen = clean()?;
     let edge = (4.0 * PI / VERTICES as f64).sqrt();
@@ -332,8 +330,8 @@ pub(super) fn crumpled(amplitude: f64) -> Made {
     Ok(Specimen::unknown(specimen.mesh, positions))
 }
 
-/// The base with a random error in every coordinate, of this standard deviation in mean edges: a sum of
-/// twelve uniform ones.
+/// The base with a random error in every coordinate, whose standard deviation is this many mean edge lengths:
+/// the sum of twelve uniform numbers.
 pub(super) fn noisy(deviation: f64) -> Made {
     let specimen = clean()?;
     let edges = specimen.mesh.edges();

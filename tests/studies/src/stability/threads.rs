@@ -1,4 +1,4 @@
-//! The same bits from one thread and from two.
+//! One thread and two give the same bits.
 
 use super::{Bound, Group, Outcome, Row, StabilityError};
 use helfrich::Surface;
@@ -17,12 +17,12 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The numbers of threads that are compared.
+/// Numbers of threads that are compared.
 const THREADS: [NonZeroUsize; 2] = [NonZeroUsize::MIN, NonZeroUsize::MIN.saturating_add(1)];
 
 type Made = Result<Vec<u64>, Box<dyn Error + Send + Sync>>;
 
-/// A computation: name, meaning, subject, number type, and the bits of the result.
+/// A computation: name, meaning, subject, number type, and a function that returns the bits of the result.
 type Case = (
     &'static str,
     &'static str,
@@ -93,7 +93,7 @@ pub(super) fn rows() -> Result<Vec<Row>, StabilityError> {
     Ok(rows)
 }
 
-/// How many numbers of two results differ.
+/// Makes a row with the number of entries in which two results differ.
 fn row(
     case: &'static str,
     meaning: &'static str,
@@ -139,7 +139,7 @@ fn sphere() -> Result<GeneratedMesh, Box<dyn Error + Send + Sync>> {
     Ok(generate(&shape, Family::Irregular, 642, 3)?)
 }
 
-/// Some field on a surface.
+/// A field of vectors on a surface.
 fn field(positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let vector = |&[x, y, z]: &[f64; 3]| [x * y + 0.3, z - x * x, y * z * z + x];
     positions.iter().map(vector).collect()

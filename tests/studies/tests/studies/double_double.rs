@@ -1,4 +1,4 @@
-//! Double-double arithmetic against numbers that are known to more digits.
+//! Double-double arithmetic compared with numbers that are known to more digits.
 
 use helfrich_studies::stability::DoubleDouble;
 use num_traits::{Float, FloatConst};
@@ -12,7 +12,7 @@ fn assert_near(found: DoubleDouble, high: f64, low: f64) {
     );
 }
 
-/// Known to more digits than two f64 hold, each split into its nearest f64 and the rest.
+/// Constants that are known to more digits than two f64 hold, each split into its nearest f64 and the rest.
 #[test]
 fn known_numbers() {
     assert_near(
@@ -35,7 +35,7 @@ fn known_numbers() {
         1.0 / 3.0,
         1.850_371_707_708_594e-17,
     );
-    // π from the angle whose tangent is 1, and e from its logarithm.
+    // π is the angle whose tangent is 1, times four, and the logarithm of e is 1.
     let eighth = DoubleDouble::of(1.0).atan2(1.0.into());
     assert_near(
         eighth * 4.0.into(),
@@ -53,7 +53,7 @@ fn functions_undo_each_other() {
         let (sine, cosine) = x.sin_cos();
         assert_near(sine * sine + cosine * cosine, 1.0, 0.0);
         assert_near(sine.atan2(cosine), high, low);
-        // Of a small number the exponential keeps digits after the point alone.
+        // The exponential of a number near 0 keeps only digits after the point.
         assert_near(x.exp().ln() + 1.0.into(), above[0], above[1]);
         assert_near(x.sqrt() * x.sqrt(), high, low);
         assert_near((x / 3.0.into()) * 3.0.into(), high, low);

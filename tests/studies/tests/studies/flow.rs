@@ -1,4 +1,4 @@
-//! The study of a capsule in flow: its cases, and what is computed of its rows.
+//! The study of a capsule in flow: its cases, and evaluations of its rows.
 
 use helfrich_std::method::BendingMethod;
 use helfrich_std::run::End;
@@ -8,7 +8,7 @@ use helfrich_studies::flow::{
 };
 use helfrich_tests::tolerance::Tolerance;
 
-/// Extrapolations of numbers that obey their law, relative.
+/// Extrapolations of exact laws, relative.
 const SERIES_EXTRAPOLATION: Tolerance = Tolerance::new(
     1e-10,
     "differences of numbers that differ in the third digit",
@@ -37,7 +37,7 @@ pub(crate) fn row(resolution: f64, size: f64, deformation: f64) -> FlowRow {
     }
 }
 
-/// Numbers that obey the laws by which boxes and resolutions are taken out are taken apart exactly.
+/// If D obeys the assumed laws of box size and resolution, extrapolation is exact.
 #[test]
 fn boxes_and_lattices_are_taken_out() {
     let law = |resolution: f64, size: f64| {
@@ -67,7 +67,7 @@ fn boxes_and_lattices_are_taken_out() {
     SERIES_EXTRAPOLATION.assert(resolved[0].resolved, 0.13, 0.13, "D");
 }
 
-/// The paper's curve comes first, and runs are judged at its points as far as they go.
+/// The paper's curve comes first, and runs are compared at its points as far as they go.
 #[test]
 fn runs_are_compared_with_what_was_published() {
     let curves = published();
@@ -78,15 +78,15 @@ fn runs_are_compared_with_what_was_published() {
     );
     assert_eq!(curves.len(), 6);
     let deviation = largest_deviation(&row(6.0, 7.0, 0.1334), &curves[0]).expect("points");
-    // At γ̇t = 0.302 the straight line from 0 to 1 is at 0.0397 instead of 0.0926.
+    // At γ̇t = 0.302, linear interpolation of the run gives 0.0397, and the curve has 0.0926.
     SERIES_EXTRAPOLATION.assert(deviation, 0.0926 - 0.302 * 0.1316, 0.05, "deviation");
     let mut early = row(6.0, 7.0, 0.1);
     early.transient.clear();
     assert_eq!(largest_deviation(&early, &curves[0]), None);
 }
 
-/// Every method by both solvers, two resolutions and two boxes with much and little bending, both
-/// number types: and none twice.
+/// The cases comprise every method with both solvers, two resolutions and two boxes with much and little
+/// bending, and both number types, without repetition.
 #[test]
 fn a_study_of_flow_has_all_cases() {
     let study = FlowStudy::default();

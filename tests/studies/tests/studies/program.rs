@@ -1,4 +1,4 @@
-//! The program `helfrich-studies` as one meets it on the command line.
+//! The program `helfrich-studies` on the command line.
 
 use crate::flow::row;
 use helfrich_studies::effects::{EffectCost, EffectCosts};
@@ -11,7 +11,7 @@ fn run(arguments: &[&str]) -> Output {
     output.expect("the program starts")
 }
 
-/// Before minutes of work, and not after them.
+/// Outputs are checked before minutes of work, not after.
 #[test]
 fn outputs_are_checked_before_the_work() {
     for (code, arguments) in [
@@ -30,7 +30,7 @@ fn outputs_are_checked_before_the_work() {
     }
 }
 
-/// Rows of the whole table, as `.ci/builds` compares them.
+/// The rows are printed as JSON, which `.ci/builds` compares, and as a table.
 #[test]
 fn hard_cases_are_printed_as_json_and_as_a_table() {
     let json = run(&["stability", "--group", "input", "--json", "-"]);

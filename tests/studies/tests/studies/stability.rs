@@ -1,5 +1,5 @@
-//! The stability table: every row passes, and no row is missing. What is not in the table: that
-//! whatever is accepted gives finite numbers, and that each kind of finding is found.
+//! The stability table: every row passes, and no row is missing. Besides the table: accepted surfaces give
+//! finite numbers, and each kind of finding is reported.
 
 use helfrich::{
     DualArea, Finding, GompperKroll, Jet, KantorNelson, Prepared, Quality, StrongForm, Surface,
@@ -20,7 +20,7 @@ use num_traits::ToPrimitive;
 use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 
-/// The table without its largest mesh, made once for all tests.
+/// The table without its largest mesh, computed once for all tests.
 static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
     let table = Stability::default().run(&mut |_| ());
     table.expect("every mesh of the table can be made")
@@ -42,8 +42,9 @@ fn every_row_passes() {
     );
 }
 
-/// It takes minutes and 4 GB: `cargo test --release --package helfrich-studies -- --ignored`, or
-/// `helfrich-studies stability --group geometry --large`. Not part of `.ci/run`: CONTRIBUTING says when to run it.
+/// The mesh of a million vertices takes minutes and 4 GB: `cargo test --release --package helfrich-studies --
+/// --ignored`, or `helfrich-studies stability --group geometry --large`. It is not part of `.ci/run`;
+/// CONTRIBUTING says when to run it.
 #[test]
 #[ignore = "minutes and 4 GB: by hand, see CONTRIBUTING"]
 fn a_million_nodes() {
@@ -79,9 +80,9 @@ fn every_case_has_every_method_in_every_number_type() {
     }
 }
 
-/// Errors by noise are in proportion to it, for it is small against edges, and all methods are linear in
-/// small displacements: ten times the noise, ten times the error, as far as what is there without noise is
-/// small beside it.
+/// Errors due to noise are proportional to it, because noise is small against edges and all methods are
+/// linear in small displacements: ten times the noise gives ten times the error, where the error without
+/// noise is negligible.
 #[test]
 fn errors_grow_in_proportion_to_noise() {
     let mut compared = 0;
@@ -105,7 +106,7 @@ fn errors_grow_in_proportion_to_noise() {
     assert!(compared >= 15, "{compared}");
 }
 
-/// The cases that there have to be, whatever else there is.
+/// These cases must be in the table, whatever else it contains.
 #[test]
 fn every_hard_run_is_there() {
     let rows = TABLE.iter().filter(|row| row.group == Group::Dynamics);
@@ -138,7 +139,7 @@ fn every_hard_run_is_there() {
     ] {
         let of_case = TABLE.iter().filter(|row| row.case == case);
         let subjects = Vec::from_iter(of_case.map(|row| row.subject));
-        // Its steps come to nothing there.
+        // Hamann's steps become tiny there.
         let stiff = (case == "methods on an irregular mesh in flow").then_some("hamann");
         let expected = BendingMethod::ALL.into_iter().map(BendingMethod::name);
         let expected = Vec::from_iter(expected.filter(|&name| Some(name) != stiff));
@@ -148,7 +149,7 @@ fn every_hard_run_is_there() {
     assert!(threads.count() >= 5);
 }
 
-/// Bodies that are stiffer, or more viscous inside, are deformed less.
+/// Capsules that are stiffer or more viscous inside deform less.
 #[test]
 fn deformations_fall_as_capsules_resist_more() {
     for case in ["bending from 1e-4 to 1", "viscosity ratio from 0.05 to 50"] {
@@ -235,7 +236,7 @@ fn bounds_refuse_runs_that_break_them() {
             message: String::new(),
             ..good.clone()
         },
-        // Something is said, but not what explains the difference.
+        // There is a warning, but not the one that explains the difference.
         Course {
             end: End::Failed,
             message: "the step became too short".to_owned(),
@@ -264,7 +265,7 @@ fn bounds_refuse_runs_that_break_them() {
     assert!(!Bound::RefusedForBoth("a", "b").allows(&Outcome::Refused("a".into())));
 }
 
-/// A bound that everything keeps would be none.
+/// Bounds refuse outcomes that violate them.
 #[test]
 fn bounds_refuse_what_breaks_them() {
     let good = Evaluation {
@@ -329,10 +330,10 @@ fn bounds_refuse_what_breaks_them() {
     assert!(!Bound::AtMost(1.0).allows(&Outcome::Measured(f64::NAN)));
 }
 
-/// Numbers of every size that the type has, with some coordinates alike.
+/// Coordinates of every size in the range of the type, some of them equal.
 fn wild(random: &mut SplitMix64, count: usize, exponents: [i32; 2]) -> Vec<[f64; 3]> {
     let [low, high] = exponents;
-    // A few sizes a surface: that some edges are far smaller than others is the point.
+    // A few sizes per surface, so that some edges are far shorter than others.
     let sizes = [0; 3].map(|_| low + random.below((high - low) as usize) as i32);
     let mut coordinate = || {
         let size = sizes[random.below(3)];
@@ -381,7 +382,7 @@ fn assert_finite<T: Evaluated>(mesh: &TriangleMesh, positions: &[[T; 3]], what: 
     }
 }
 
-/// No infinity and no NaN leaves the library on a surface that it accepted.
+/// Accepted surfaces give no infinity and no NaN.
 #[test]
 fn what_is_accepted_gives_finite_numbers() {
     let mut random = SplitMix64::new(2026);
@@ -413,7 +414,7 @@ fn quality_of(mesh: &Mesh, method: impl helfrich::Force<f64>) -> Quality {
 /// A kind of finding.
 type Kind = fn(&Finding) -> bool;
 
-/// Each kind of finding on a surface that has it, and on none that has not.
+/// Each kind of bad triangle is found on a surface that has it, and not on others.
 #[test]
 fn bad_triangles_are_found() {
     let sphere = icosphere(3);
@@ -473,7 +474,7 @@ fn bad_triangles_are_found() {
     }
 }
 
-/// Positions far from the origin, which f32 rounds.
+/// Positions far from the origin, which f32 rounds, are reported.
 #[test]
 fn rounded_positions_are_found() {
     let sphere = icosphere(3);
@@ -495,7 +496,7 @@ fn rounded_positions_are_found() {
     assert_eq!(rounded(&at(1e4)), sphere.positions.len());
 }
 
-/// Findings of areas and fits on surfaces that have them.
+/// Bad areas and fits are reported on surfaces that have them.
 #[test]
 fn bad_areas_and_fits_are_found() {
     let count =
@@ -506,7 +507,7 @@ fn bad_areas_and_fits_are_found() {
         4
     );
 
-    // Of areas and fits: on points that are spread at random over a sphere, with obtuse fans.
+    // Random points on a sphere, with obtuse fans.
     let obtuse = Inscribed {
         seed: 11,
         amplitude: 0.9,
@@ -539,8 +540,8 @@ fn bad_areas_and_fits_are_found() {
     );
 }
 
-/// The double-double arithmetic that formulas are checked with passes through every operation of
-/// a method: a force in it agrees with f64 to the digits of f64, and is not the same.
+/// A method computed in double-double arithmetic agrees with f64 to the digits of f64 without being equal, so
+/// that every operation uses the higher precision.
 #[test]
 fn double_double_is_more_than_double() {
     let mesh = icosphere(1).map(|[x, y, z]| [x + 0.2 * y * z, 0.8 * y, 0.7 * z]);

@@ -1,10 +1,10 @@
-//! Which runs there are, and what is asked of them.
+//! Cases of runs, and their bounds.
 
 use super::scenes::{CAPSULE, CHANNEL, DEFLATED, ON_LATTICE, PRESSED, RELAXED};
 use crate::stability::Bound;
 use helfrich_std::method::BendingMethod;
 
-/// A scene, and how it is varied.
+/// A scene and its variations.
 pub(super) struct Case {
     pub(super) name: &'static str,
     pub(super) meaning: &'static str,
@@ -14,13 +14,13 @@ pub(super) struct Case {
 
 /// The runs of a case.
 pub(super) enum Trials {
-    /// These.
+    /// A list of runs.
     These(&'static [Trial]),
-    /// One of each bending method that has a bound.
+    /// One run with each bending method that has a bound.
     EveryMethod {
-        /// Keys with other values.
+        /// Overrides of keys.
         changes: &'static [&'static str],
-        /// Further ones, which make the run whose deformation it is compared with.
+        /// Further overrides, which make the run with which the deformation is compared.
         against: &'static [&'static str],
         bound: fn(BendingMethod) -> Option<Bound>,
     },
@@ -41,7 +41,7 @@ impl Trials {
 /// One run.
 pub(super) struct Trial {
     pub(super) subject: &'static str,
-    /// Keys with other values.
+    /// Overrides of keys.
     pub(super) changes: &'static [&'static str],
     pub(super) bound: Bound,
 }
@@ -56,37 +56,38 @@ impl Trial {
     }
 }
 
-/// Volumes that are held: rounding of a sum over the triangles, and the tolerance of its correction.
+/// Relative change of a preserved volume: rounding of a sum over the triangles, and the tolerance of its
+/// correction.
 const KEPT: f64 = 1e-11;
 
-/// Runs to its end with its volume kept.
+/// The run ends with its volume preserved.
 const RUNS: Bound = Bound::Runs { volume: KEPT };
 
-/// The same, and nothing is worth a word.
+/// The run ends with its volume preserved, without warnings.
 const SILENT: Bound = Bound::RunsInSilence { volume: KEPT };
 
-/// On bad meshes: within a tenth of the deformation on an even one, which is what 162 vertices are
-/// good for.
+/// On bad meshes, D is within a tenth of that on an even mesh, the accuracy of 162 vertices.
 const NEAR: Bound = Bound::RunsNear { most: 0.1 };
 
-/// The same, of methods with modes of the size of an edge that may grow on such meshes: farther off
-/// only where the run says that one does.
+/// Bound for methods with modes at the scale of an edge that may grow on such meshes: as [`NEAR`], or the run
+/// says that a mode grows.
 const NEAR_OR_UNSTABLE: Bound = Bound::RunsNearOrSays {
     most: 0.1,
     why: "grows instead of decaying",
 };
 
-/// The same, of methods whose stiffest mode may decay so fast that steps come to nothing.
+/// Bound for methods whose stiffest mode may decay so fast that steps become tiny: as [`NEAR`], or the run
+/// says so.
 const NEAR_OR_STIFF: Bound = Bound::RunsNearOrSays {
     most: 0.1,
     why: "steps have come down to",
 };
 
-/// The mesh that others are compared with.
+/// The even mesh with which other meshes are compared.
 const EVEN: &[&str] = &["surface.0.family=regular"];
 
-/// Random points: most methods are as good as on an even mesh. Hamann's is not run: its paraboloids
-/// without a slope are so stiff there that 4000 evaluations do not reach γ̇t = 0.25.
+/// On random points, most methods are as accurate as on an even mesh. Hamann's method is left out: its
+/// paraboloids without a slope are so stiff there that 4000 evaluations do not reach γ̇t = 0.25.
 fn on_random_points(method: BendingMethod) -> Option<Bound> {
     match method {
         BendingMethod::Farutin => Some(NEAR_OR_UNSTABLE),
@@ -96,7 +97,7 @@ fn on_random_points(method: BendingMethod) -> Option<Bound> {
     }
 }
 
-/// Needles and caps.
+/// Bounds on needles and caps.
 fn on_slivers(method: BendingMethod) -> Option<Bound> {
     match method {
         BendingMethod::Farutin | BendingMethod::Loop => Some(NEAR_OR_UNSTABLE),
@@ -315,7 +316,7 @@ pub(super) const CASES: &[Case] = &[
         trials: Trials::These(&[Trial::new(
             "relaxed",
             &[],
-            // It begins where its volume is not yet the one that is held.
+            // The initial volume is not yet the constrained one.
             Bound::Runs { volume: 0.2 },
         )]),
     },

@@ -1,4 +1,4 @@
-//! Laws of every run: energies fall, forces balance, a restart changes no bit, and explicit steps have a
+//! Laws of all runs: energies fall, forces balance, a restart changes no bit, and explicit steps have a
 //! limit.
 
 use super::scenes::{CAPSULE, ON_LATTICE, RELAXED};
@@ -12,7 +12,7 @@ use std::cell::Cell;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How often it is told what is being done.
+/// Number of messages about the progress.
 pub(super) fn count() -> usize {
     conservative().count() + BendingMethod::ALL.len() + RESTARTED.len() + 2
 }
@@ -130,7 +130,7 @@ const COARSE: [&str; 3] = [
     "surface.0.shape=ellipsoid:0.6,0.6,2.1",
 ];
 
-/// The largest rise of the energy between two iterations, in units of rounding.
+/// Largest increase of the energy between two iterations, in units of rounding.
 fn rise(method: BendingMethod) -> Made<f64> {
     let method = format!("surface.0.bending.method={method}");
     let mut changes = COARSE.to_vec();
@@ -145,7 +145,7 @@ fn rise(method: BendingMethod) -> Made<f64> {
     if energies.len() < 10 {
         return Ok(f64::NAN);
     }
-    // The first step goes to where area and volume are what is held.
+    // The first step moves to the constrained area and volume.
     let pairs = energies[1..].windows(2);
     let rises = pairs.map(|pair| (pair[1] - pair[0]) / (f64::EPSILON * pair[0].abs()));
     Ok(rises.fold(0.0, |most, rise| {
@@ -157,7 +157,7 @@ fn rise(method: BendingMethod) -> Made<f64> {
     }))
 }
 
-/// Runs that are interrupted.
+/// Runs that are interrupted and resumed.
 const RESTARTED: [(&str, &str, &[&str]); 3] = [
     (
         "relax",
@@ -190,7 +190,7 @@ const RESTARTED: [(&str, &str, &[&str]); 3] = [
     ),
 ];
 
-/// How many files of an interrupted run are not those of one that was not.
+/// Number of files of an interrupted and resumed run that differ from those of an uninterrupted one.
 fn differences(scene: &str, changes: &[&str]) -> Made<usize> {
     let folder = tempfile::tempdir()?;
     let drive = |name: &str, resume: bool, stop: &dyn Fn() -> bool| -> Made<End> {
@@ -218,7 +218,7 @@ fn differences(scene: &str, changes: &[&str]) -> Made<usize> {
     Ok(whole.iter().zip(&parts).filter(|(a, b)| a != b).count())
 }
 
-/// Series and surfaces that a run has left, in the order of their names.
+/// Series and surface files of a run, in the order of their names.
 fn files(folder: &Path) -> Made<Vec<(PathBuf, Vec<u8>)>> {
     let mut files = Vec::new();
     let mut paths = vec![PathBuf::from("series.csv")];
@@ -232,7 +232,7 @@ fn files(folder: &Path) -> Made<Vec<(PathBuf, Vec<u8>)>> {
     Ok(files)
 }
 
-/// The outcomes of fixed steps of 0.95 and 1.05 of the limit.
+/// Outcomes of runs with fixed steps of 0.95 and 1.05 times the limit.
 fn at_the_limit() -> Made<[Outcome; 2]> {
     const STIFF: [&str; 3] = [
         "surface.0.vertices=42",
@@ -244,7 +244,7 @@ fn at_the_limit() -> Made<[Outcome; 2]> {
         let changes = [STIFF.as_slice(), &["driver.integrator=rk4", &step]].concat();
         course(CAPSULE, &changes)
     };
-    // What is refused names the limit.
+    // A refusal of a much longer step names the limit.
     let refusal = with_step(1e3)?.err().unwrap_or_default();
     let limit = refusal.split(" times ").nth(1);
     let limit = limit.and_then(|rest| rest.split(',').next()?.parse::<f64>().ok());

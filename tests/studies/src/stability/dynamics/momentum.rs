@@ -1,4 +1,4 @@
-//! Whether momentum is kept: by forces that are nobody's, and by a fluid that is pushed.
+//! Conservation of momentum: by internal forces, and by a fluid under given forces.
 
 use super::{Made, ready};
 use glam::DVec3;
@@ -46,7 +46,7 @@ surfaces = false
 pictures = false
 "#;
 
-/// The largest net force and torque of an effect, in units of rounding of the sum of its parts.
+/// Largest net force and torque of an effect, in units of rounding of the sum of its parts.
 pub(super) fn of_effects(method: BendingMethod) -> Made<f64> {
     let methods = [0, 1].map(|surface| format!("surface.{surface}.bending.method={method}"));
     let changes = [methods[0].as_str(), methods[1].as_str()];
@@ -80,15 +80,14 @@ pub(super) fn of_effects(method: BendingMethod) -> Made<f64> {
     Ok(worst / f64::EPSILON)
 }
 
-/// The kernels that spread forces, by the number of nodes along an axis.
+/// Kernels that spread forces, by their number of nodes along an axis.
 pub(super) const KERNELS: [(&str, Kernel); 3] = [
     ("kernel of two points", Kernel::Two),
     ("kernel of three points", Kernel::Three),
     ("kernel of four points", Kernel::Four),
 ];
 
-/// Momentum that nobody gave, after 100 steps, in units of rounding of the mass at the speed of
-/// sound.
+/// Unexplained momentum after 100 steps, in units of the rounding of the mass times the speed of sound.
 pub(super) fn of_fluid<T: Precision>(kernel: Kernel) -> Made<f64> {
     const CELLS: [usize; 3] = [12, 10, 14];
     let lid = Sides::Walls {
@@ -124,7 +123,7 @@ pub(super) fn of_fluid<T: Precision>(kernel: Kernel) -> Made<f64> {
             .into_iter()
             .sum::<DVec3>();
     }
-    // What is read has half of the forces that are set.
+    // The momentum of the lattice includes half of the current forces, so they are cleared.
     lattice.clear_forces();
     let missing = DVec3::from(lattice.momentum()) - momentum;
     let rounding = T::epsilon().to_f64().unwrap_or(f64::NAN);

@@ -1,6 +1,6 @@
-//! The scenes that runs vary: whole, as a user would write them.
+//! Complete scenes as users write them, which runs vary.
 
-/// A capsule in shear flow: lengths are radii, moduli G, the rate is Ca.
+/// A capsule in shear flow. Lengths are in radii, moduli in units of G, and the rate is Ca.
 pub(super) const CAPSULE: &str = r#"
 units = "none"
 [[surface]]
@@ -23,7 +23,7 @@ surfaces = false
 pictures = false
 "#;
 
-/// Two capsules above each other, in a flow that presses them together.
+/// Two capsules one above the other, in a flow that presses them together.
 pub(super) const PRESSED: &str = r#"
 units = "none"
 [[surface]]
@@ -59,7 +59,7 @@ surfaces = false
 pictures = false
 "#;
 
-/// A vesicle of reduced volume 0.6 in shear flow: fluid, and all but inextensible at every point.
+/// A vesicle of reduced volume 0.6 in shear flow: fluid, and nearly inextensible at every point.
 pub(super) const DEFLATED: &str = r#"
 units = "none"
 [[surface]]
@@ -80,7 +80,7 @@ surfaces = false
 pictures = false
 "#;
 
-/// The same coming to rest with area and volume held.
+/// A vesicle of this reduced volume that relaxes with area and volume held.
 pub(super) const RELAXED: &str = r#"
 units = "none"
 [[surface]]
