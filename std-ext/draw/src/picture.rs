@@ -1,7 +1,7 @@
 //! Pictures: surfaces coloured by a field, flow on a plane, and charts of curves.
 //!
-//! Everything is drawn here, in a fixed order, without a graphics card, a font file or a thread:
-//! the same input gives the same bytes. The feature `png` writes them as PNG files.
+//! Everything is drawn in a fixed order, without a graphics card, font files or threads: the same input gives
+//! the same bytes. The feature `png` writes PNG files.
 
 mod canvas;
 mod chart;
@@ -51,7 +51,7 @@ pub enum PictureError {
         /// The expected number.
         vertices: usize,
     },
-    /// A grid that is not a rectangle of points.
+    /// A grid is not a rectangle of points.
     #[error(
         "a slice of {} × {} × {} points: two or more, two or more and one are needed, at finite \
          places with spacings above 0", counts[0], counts[1], counts[2]
@@ -79,7 +79,7 @@ pub enum PictureError {
         /// The upward direction.
         up: [f64; 3],
     },
-    /// A range whose low end is not below its high end, on a logarithmic axis above 0.
+    /// A range is empty, reversed, or not above 0 on a logarithmic axis.
     #[error("the range from {} to {} of {of} is empty, or cannot be shown on its scale", range[0], range[1])]
     Range {
         /// The field or the axis.
@@ -160,8 +160,7 @@ pub struct View {
     pub direction: [f64; 3],
     /// The direction that points upwards in the picture.
     pub up: [f64; 3],
-    /// The region that has to fit; by default that of the surfaces. Pictures that are to be compared
-    /// share one frame.
+    /// The region that has to fit; by default that of the surfaces. Comparable pictures need a common frame.
     pub frame: Option<Frame>,
 }
 
@@ -303,7 +302,7 @@ fn colour_bar(
         .fold(0.0, f64::max);
     let thick = 1.6 * letters;
     let beside = thick + 1.2 * letters + numbers;
-    // A long name may reach to the left over a part of the picture's head, no further.
+    // A long name may extend to the left over part of the picture's head.
     let size = fitted(&label, letters, 0.6 * area.width());
     let name = text_width(&label, size);
     let bar_right = area.right - beside + thick;
@@ -335,7 +334,8 @@ fn colour_bar(
     let [bottom, top] = [(0, bar.bottom, 1.0), (1, bar.top, -1.0)].map(|(end, y, outwards)| {
         let tip = [middle, y + outwards * thick];
         if ends[end] {
-            // Clockwise: from the left at the top, from the right at the bottom.
+            // The corners run clockwise: the upper end from its left corner, the lower one from its right
+            // corner.
             let corners = match end {
                 0 => [[bar.right, y], tip, [bar.left, y]],
                 _ => [[bar.left, y], tip, [bar.right, y]],
@@ -368,7 +368,7 @@ fn colour_bar(
 /// Height of the capitals of ordinary text in a picture of this size.
 fn capitals(size: [u32; 2]) -> f64 {
     let share = (f64::from(size[0]) / 900.0).min(f64::from(size[1]) / 700.0);
-    // Small pictures need letters that are large for them.
+    // Small pictures need relatively large letters.
     12.0 * share.max(share.sqrt()).clamp(0.6, 8.0)
 }
 
@@ -429,8 +429,8 @@ fn extent(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
         })
 }
 
-/// Smallest and largest value. If the middle 99 % of the values span less than a third of that range,
-/// their span: one bad vertex must not give all others the same colour.
+/// Smallest and largest value. If the middle 99 % of the values span less than a third of that range, the
+/// range of these: a single bad vertex must not give all others the same colour.
 fn without_outliers(mut values: Vec<f64>) -> [f64; 2] {
     values.sort_by(f64::total_cmp);
     let whole = extent(values.iter().copied());
@@ -442,7 +442,7 @@ fn without_outliers(mut values: Vec<f64>) -> [f64; 2] {
     if high - low >= (whole[1] - whole[0]) / 3.0 || !is_shown([low, high]) {
         return whole;
     }
-    // An end that has no outliers stays: fields that are not negative start where they do.
+    // An end without outliers is kept, so that the range of non-negative fields starts at their minimum.
     let near = 0.2 * (high - low);
     [
         if low - whole[0] < near { whole[0] } else { low },

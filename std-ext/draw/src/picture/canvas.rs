@@ -1,4 +1,4 @@
-//! A canvas of pixels on which lines, areas and texts are drawn without jagged edges.
+//! Canvas of pixels on which lines, areas and texts are drawn with antialiasing.
 
 use super::colour::{Colour, WHITE};
 use super::font;
@@ -10,7 +10,7 @@ pub struct Canvas {
     height: usize,
     /// Row after row, encoded as sRGB.
     pixels: Vec<Colour>,
-    /// The share of each pixel that the current shape covers; 0 between shapes.
+    /// Fraction of each pixel that the current shape covers; 0 between shapes.
     coverage: Vec<f32>,
 }
 
@@ -44,7 +44,7 @@ impl Area {
         (self.left..=self.right).contains(&x) && (self.top..=self.bottom).contains(&y)
     }
 
-    /// The part of a line that is inside, if there is one (Liang and Barsky 1984).
+    /// The part of a line inside the area, if there is one (Liang and Barsky 1984).
     pub(super) fn clip(&self, [a, b]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
         for (axis, low, high) in [(0, self.left, self.right), (1, self.top, self.bottom)] {
@@ -59,7 +59,7 @@ impl Area {
             from = from.max(first.min(second));
             to = to.min(first.max(second));
         }
-        // Rounding of far ends must not lead outside again; no end is infinitely far.
+        // Rounding at far ends must not lead outside again; the ends are finite.
         let at = |t: f64| {
             let [x, y] = [0, 1].map(|axis| a[axis] + t * (b[axis] - a[axis]));
             [
@@ -100,7 +100,7 @@ impl Canvas {
         &mut self.pixels[y * self.width..(y + 1) * self.width]
     }
 
-    /// The pixels that touch an interval of x or y.
+    /// Pixels that touch an interval of x or y.
     fn span(low: f64, high: f64, count: usize) -> std::ops::Range<usize> {
         let pixel = |x: f64| x.clamp(0.0, count as f64) as usize;
         pixel(low.floor())..pixel(high.ceil())

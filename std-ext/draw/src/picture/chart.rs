@@ -7,7 +7,8 @@ use super::{
     PictureError, capitals, check_size, extent, fitted, is_shown, outline_of, title, widened,
 };
 
-/// Curves over a pair of axes: one description for pixels ([`Chart::draw`]) and for other painters.
+/// Curves over a pair of axes, as one description for pictures in pixels ([`Chart::draw`]) and for other
+/// renderers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
     /// One line that describes the chart; none if empty.
@@ -16,7 +17,7 @@ pub struct Chart {
     pub axes: [Axis; 2],
     /// The curves, in the order in which they are drawn.
     pub curves: Vec<Curve>,
-    /// Values at which a horizontal line with a label is drawn; not in pixels.
+    /// Values at which a horizontal line with a label is drawn; ignored by [`Chart::draw`].
     pub guides: Vec<(f64, String)>,
 }
 
@@ -25,11 +26,11 @@ pub struct Chart {
 pub struct Axis {
     /// Name and unit.
     pub label: String,
-    /// Its ends; by default slightly more than the range of the curves.
+    /// Ends of the axis; by default slightly beyond the range of the curves.
     pub range: Option<[f64; 2]>,
     /// Linear or logarithmic scale.
     pub scale: AxisScale,
-    /// The numbers at a logarithmic axis; powers of ten in pixels.
+    /// Form of the numbers at a logarithmic axis; [`Chart::draw`] always shows powers of ten.
     pub numbers: Numbers,
 }
 
@@ -60,26 +61,26 @@ pub enum Numbers {
 /// A curve of a [`Chart`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
-    /// Its name in the legend; an empty name leaves it out.
+    /// Name in the legend; a curve without a name has no entry.
     pub name: String,
-    /// The points, joined in this order; one that is not finite interrupts the line.
+    /// Points, joined in this order; a point that is not finite interrupts the line.
     pub points: Vec<Point>,
     /// Lines or marks.
     pub marks: Marks,
-    /// Curves with the same number have the same colour and marks; without it, each has its own.
+    /// Curves with the same number have the same colour and marks; by default each curve has its own.
     pub style: Option<usize>,
-    /// The label at its last point, none if empty; not in pixels.
+    /// Label at the last point, none if empty; ignored by [`Chart::draw`].
     pub label: String,
 }
 
 /// A point of a [`Curve`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
-    /// Its numbers on both axes.
+    /// Coordinates on both axes.
     pub at: [f64; 2],
     /// Lower and upper bound of y, drawn as a bar.
     pub bounds: Option<[f64; 2]>,
-    /// The text of its tooltip; not in pixels.
+    /// Text of the tooltip; ignored by [`Chart::draw`].
     pub note: String,
 }
 
@@ -114,7 +115,7 @@ impl Marks {
         self != Self::Points
     }
 
-    /// Whether the line is broken.
+    /// Whether the line is dashed.
     pub fn is_dashed(self) -> bool {
         matches!(self, Self::Dashes | Self::DashesAndPoints)
     }
@@ -158,7 +159,7 @@ impl Projection {
         self.area.bottom - self.share(1, number) * self.area.height()
     }
 
-    /// The pixel of a point; none if it is outside the axes.
+    /// Pixel of a point; `None` if a coordinate cannot be shown on its scale.
     fn point(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let at = [self.x(x), self.y(y)];
         at.iter().all(|x| x.is_finite()).then_some(at)
@@ -265,7 +266,7 @@ impl Chart {
         }
     }
 
-    /// The legend, in the corner where it covers least of the curves.
+    /// Draws the legend in the corner where it hides least of the curves.
     fn legend(&self, canvas: &mut Canvas, projection: &Projection, letters: f64) {
         let named: Vec<_> = self
             .curves
@@ -313,7 +314,7 @@ impl Chart {
                 .map(|curve| curve.hidden(projection, *area))
                 .sum::<usize>()
         };
-        // The first of equally good places is taken.
+        // The first of equally good corners is chosen.
         let Some(place) = boxes.into_iter().min_by_key(hidden) else {
             return;
         };
@@ -344,7 +345,7 @@ impl Chart {
 }
 
 impl Axis {
-    /// The ends of an axis: as given, or around all numbers that can be shown.
+    /// Ends of an axis: the given range, or one that contains all numbers that the scale can show.
     fn fitting(&self, numbers: impl Iterator<Item = f64>) -> Result<[f64; 2], PictureError> {
         if let Some(range) = self.range {
             let places = range.map(|end| on_scale(self.scale, end));
@@ -363,7 +364,7 @@ impl Axis {
         let margin = MARGIN * (high - low);
         let ends = [low - margin, high + margin];
         Ok(match self.scale {
-            // At the ends of what f64 holds there is no room for a margin.
+            // At the limits of f64 a margin would overflow.
             AxisScale::Linear if !(ends[1] - ends[0]).is_finite() => [low, high],
             AxisScale::Linear => ends,
             AxisScale::Logarithmic => ends.map(|end| libm::exp10(end.clamp(LEAST, MOST))),
@@ -376,13 +377,13 @@ impl Curve {
         of_curve(self.style.unwrap_or(index))
     }
 
-    /// The points with bounds: x, and the bounds.
+    /// x and bounds of the points that have bounds.
     fn bars(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
         let bounds = |point: &Point| Some((point.at[0], point.bounds?));
         self.points.iter().filter_map(bounds)
     }
 
-    /// The parts of lines inside the axes.
+    /// Parts of the curve's lines inside the axes.
     fn lines(&self, projection: &Projection) -> Vec<Vec<[f64; 2]>> {
         let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
         for pair in self.points.windows(2) {
@@ -413,7 +414,7 @@ impl Curve {
                 continue;
             };
             let cap = 0.4 * letters;
-            // No cap where the bar goes on outside.
+            // There is no cap where the bar continues outside.
             let caps = bar
                 .iter()
                 .filter(|end| **end == a || **end == b)
@@ -448,7 +449,7 @@ impl Curve {
         }
     }
 
-    /// An estimate of the part of the curve that an area would cover.
+    /// Estimated number of points and bars of the curve that an area would hide.
     fn hidden(&self, projection: &Projection, area: Area) -> usize {
         let bars = self.bars().filter(|&(x, [low, high])| {
             let ends = [projection.point([x, low]), projection.point([x, high])];
@@ -498,7 +499,7 @@ fn dashed(line: &[[f64; 2]], dash: f64, gap: f64) -> Vec<Vec<[f64; 2]>> {
     dashes
 }
 
-/// A mark with a white rim, so that marks and lines that touch stay apart.
+/// Draws a mark with a white rim, so that touching marks and lines remain distinguishable.
 fn mark(canvas: &mut Canvas, centre: [f64; 2], letters: f64, index: usize, colour: Colour) {
     let rim = 0.12 * letters;
     for (radius, colour) in [(0.4 * letters + rim, WHITE), (0.4 * letters, colour)] {

@@ -1,4 +1,4 @@
-//! Colours: OKLab, colour maps of even steps, and a palette for curves.
+//! Colours: OKLab, perceptually uniform colour maps, and a palette for curves.
 //!
 //! OKLab and its matrices: B. Ottosson, *A perceptual color space for image processing* (2020,
 //! public domain). The sRGB curve: IEC 61966-2-1.
@@ -14,17 +14,17 @@ pub(super) const NO_VALUE: Colour = [0.55; 3];
 /// The colour of a surface without a field.
 pub(super) const PLAIN: Colour = [0.78, 0.8, 0.83];
 
-/// A colour map. Equal differences of numbers are equal distances in OKLab.
+/// A colour map. Equal differences of values are equal distances in OKLab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ColourMap {
     /// Colours from dark to light, for fields whose low end is the natural origin.
     #[default]
     Sequential,
-    /// Two hues that meet in a light neutral, which stands for 0: for fields with a sign.
+    /// Two hues that meet in a light neutral colour for 0, for fields with a sign.
     Diverging,
 }
 
-/// sRGB's curve: from light to its encoding.
+/// Encodes linear light by the sRGB curve.
 pub(super) fn encoded(light: f32) -> f32 {
     if light <= 0.003_130_8 {
         12.92 * light.max(0.0)
@@ -33,7 +33,7 @@ pub(super) fn encoded(light: f32) -> f32 {
     }
 }
 
-/// sRGB's curve backwards.
+/// Inverse of [`encoded`].
 pub(super) fn light(encoded: f32) -> f32 {
     if encoded <= 0.040_45 {
         encoded / 12.92
@@ -42,8 +42,7 @@ pub(super) fn light(encoded: f32) -> f32 {
     }
 }
 
-/// The light (linear red, green and blue) of an OKLab colour; outside \[0, 1\] if screens cannot
-/// show it.
+/// Linear red, green and blue of an OKLab colour; outside \[0, 1\] for colours that screens cannot show.
 fn from_oklab([lightness, a, b]: [f64; 3]) -> [f64; 3] {
     let cube = |x: f64| x * x * x;
     let long = cube(lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b);
@@ -56,13 +55,13 @@ fn from_oklab([lightness, a, b]: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// Lightness, chroma and hue in degrees, as OKLab.
+/// OKLab coordinates from lightness, chroma, and hue in degrees.
 fn polar([lightness, chroma, hue]: [f64; 3]) -> [f64; 3] {
     let hue = hue.to_radians();
     [lightness, chroma * libm::cos(hue), chroma * libm::sin(hue)]
 }
 
-/// The nearest colour of the same lightness and hue that screens can show, as light.
+/// The nearest colour of the same lightness and hue that screens can show, in OKLab and as linear light.
 fn shown(lightness: f64, chroma: f64, hue: f64) -> ([f64; 3], [f64; 3]) {
     let of = |chroma| {
         let lab = polar([lightness, chroma, hue]);
@@ -74,7 +73,8 @@ fn shown(lightness: f64, chroma: f64, hue: f64) -> ([f64; 3], [f64; 3]) {
     if is_shown(&wanted) {
         return wanted;
     }
-    // The interval is halved down to the resolution of f64: coarser steps would be visible in the map.
+    // The interval is halved down to the resolution of f64, because coarser steps would be visible in the
+    // map.
     let (mut low, mut high) = (0.0, chroma);
     for _ in 0..52 {
         let middle = 0.5 * (low + high);
@@ -87,23 +87,24 @@ fn shown(lightness: f64, chroma: f64, hue: f64) -> ([f64; 3], [f64; 3]) {
     of(low)
 }
 
-/// The path of the sequential map for t from 0 to 1: violet, blue, green, yellow, ever lighter.
+/// Path of the sequential map for t from 0 to 1: violet, blue, green, yellow, with increasing lightness.
 fn sequential(t: f64) -> ([f64; 3], [f64; 3]) {
     let lightness = 0.33 + 0.6 * t;
     let hue = 295.0 - 190.0 * t;
-    // Green holds the least chroma where blue still has much: a smooth bound below them all.
+    // Screens show the least chroma in green, much in blue; this smooth function is below the limits of all
+    // hues.
     let chroma = 0.125 + 0.035 * libm::cos(2.0 * std::f64::consts::PI * t);
     shown(lightness, chroma, hue)
 }
 
-/// The path of the diverging map for t from −1 to 1: blue, a light neutral, red.
+/// Path of the diverging map for t from −1 to 1: blue, a light neutral colour, red.
 fn diverging(t: f64) -> ([f64; 3], [f64; 3]) {
     let far = t.abs();
     let hue = if t < 0.0 { 258.0 } else { 28.0 };
     shown(0.965 - 0.5 * far, 0.17 * far, hue)
 }
 
-/// A colour map as a table of light.
+/// A colour map as a table of linear light.
 #[derive(Debug)]
 pub(super) struct Table {
     entries: Vec<[f32; 3]>,
@@ -129,7 +130,7 @@ impl Table {
         }
     }
 
-    /// The light at a place from 0 to 1, or that of a missing value.
+    /// Linear light at a position from 0 to 1; that of a missing value for NaN.
     pub(super) fn at(&self, place: f32) -> [f32; 3] {
         if place.is_nan() {
             return NO_VALUE.map(light);
@@ -172,7 +173,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     squares.iter().sum::<f64>().sqrt()
 }
 
-/// Colours of curves, alike in lightness, far apart in hue; they repeat after six.
+/// Colours of curves, with equal lightness and well-separated hues; they repeat after six.
 pub(super) fn of_curve(index: usize) -> Colour {
     const HUES: [f64; 6] = [255.0, 35.0, 150.0, 315.0, 75.0, 200.0];
     let (_, shown) = shown(0.56, 0.16, HUES[index % HUES.len()]);
@@ -211,7 +212,7 @@ mod tests {
         }
     }
 
-    /// White is L = 1 without chroma, as the article has it; the sRGB curve goes there and back.
+    /// White is L = 1 without chroma, as in the article, and the sRGB curve is the inverse of its inverse.
     #[test]
     fn the_spaces_fit_each_other() {
         for x in from_oklab([1.0, 0.0, 0.0]) {

@@ -1,4 +1,4 @@
-//! A font of strokes, drawn for this program: geometric letters of one weight.
+//! A stroke font made for this program, with geometric letters of one weight.
 //!
 //! Each glyph is a path on a grid: the baseline is at y = 0, capitals are 14 high, small letters
 //! 9.5, descenders end at −4.2. `M x y` lifts the pen, `L x y` draws a line, `C` a cubic Bézier
@@ -15,12 +15,12 @@ const SCRIPT: f64 = 0.64;
 /// A glyph: its width, and its path.
 type Glyph = (f64, &'static str);
 
-/// A dot above the character before it, as in γ̇: a rate.
+/// Combining dot above the preceding character, as in γ̇.
 const DOT_ABOVE: char = '\u{307}';
-/// Distance from the top of that character to the dot.
+/// Distance of the dot from the top of that character.
 const DOT_RISE: f64 = 3.0;
 
-/// The replacement for a character that the font lacks: a box.
+/// Box that replaces a character that the font lacks.
 const MISSING: Glyph = (8.0, "M 0 0 L 8 0 L 8 14 L 0 14 L 0 0");
 
 /// The glyph of each character; several characters may share one.
@@ -169,7 +169,7 @@ fn glyph(character: char) -> Option<Glyph> {
     found.map(|&(_, glyph)| glyph)
 }
 
-/// The character that a superscript or subscript shows, and how far it is raised.
+/// Base character of a superscript or subscript, and its height above the baseline.
 fn script(character: char) -> Option<(char, f64)> {
     const RAISED: f64 = 6.2;
     const LOWERED: f64 = -3.4;
@@ -190,7 +190,7 @@ fn script(character: char) -> Option<(char, f64)> {
     Some((plain, RAISED))
 }
 
-/// A glyph with its size and its height above the baseline.
+/// Glyph with its size and its height above the baseline.
 fn placed(character: char) -> (Glyph, f64, f64) {
     let (character, size, raised) = match script(character) {
         Some((plain, raised)) => (plain, SCRIPT, raised),
@@ -211,11 +211,11 @@ pub(super) fn width(text: &str) -> f64 {
     (text.chars().map(advance).sum::<f64>() - SPACING).max(0.0)
 }
 
-/// The strokes of a text on the grid, its left end at x = 0.
+/// Strokes of a text on the grid, with the left end at x = 0.
 pub(super) fn strokes(text: &str) -> Vec<Vec<[f64; 2]>> {
     let mut strokes: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut left = 0.0;
-    // The strokes of the character before, and where its middle is.
+    // Index of the first stroke of the previous character, and x of its middle.
     let mut before = (0, 0.0);
     for character in text.chars() {
         if character == DOT_ABOVE {
@@ -238,7 +238,7 @@ pub(super) fn strokes(text: &str) -> Vec<Vec<[f64; 2]>> {
     strokes
 }
 
-/// A glyph's path as strokes of short lines.
+/// Converts the path of a glyph to strokes of short lines.
 fn outline(path: &str) -> Vec<Vec<[f64; 2]>> {
     let mut strokes: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut pen_is_down = false;
@@ -258,7 +258,7 @@ fn outline(path: &str) -> Vec<Vec<[f64; 2]>> {
         if !pen_is_down || matches!(command, "M" | "O") {
             strokes.push(Vec::new());
         }
-        // There is one: it was pushed now, or the pen is down on it.
+        // A stroke exists: it was started now, or the pen was already down.
         let Some(stroke) = strokes.last_mut() else {
             break;
         };
@@ -340,7 +340,7 @@ mod tests {
         let middle = width("aγ") - 0.5 * width("γ");
         assert!((x - middle).abs() < 1e-9, "{x} and not {middle}");
         assert!(y > top + 1.0 && y < CAPITALS);
-        // All the rest is where it was; with nothing before it, it is a dot.
+        // All other strokes are unchanged. A dot without a preceding character is drawn alone.
         assert_eq!([&dotted[..dot], &dotted[dot + 1..]].concat(), plain);
         assert_eq!(strokes("\u{307}").len(), 1);
     }

@@ -1,4 +1,4 @@
-//! Canvases as PNG files.
+//! Canvases written as PNG files.
 
 use super::Canvas;
 use helfrich_mesh::io::replace_file;
@@ -9,7 +9,7 @@ impl Canvas {
     /// Writes a PNG file, completely or not at all. Needs the feature `png`.
     ///
     /// # Errors
-    /// Any error of the operating system for the folder, the file or the disk.
+    /// Any error of the operating system from the folder, the file or the disk.
     pub fn write_png(&self, path: &Path) -> io::Result<()> {
         replace_file(path, |out| self.encode_png(out))
     }

@@ -1,4 +1,4 @@
-//! Triangles to pixels: parallel projection, depth buffer, three by three samples per pixel.
+//! Rasterisation of triangles: parallel projection, depth buffer, three by three samples per pixel.
 
 use super::canvas::{Area, Canvas};
 use super::colour::{self, PLAIN, Table};
@@ -9,11 +9,11 @@ use helfrich::Surface;
 const SAMPLES: usize = 3;
 /// Rows of pixels that are sampled at a time.
 const BAND: usize = 24;
-/// The share of ambient light.
+/// Fraction of ambient light.
 const AMBIENT: f64 = 0.47;
 /// Half of the width of an edge line, in pixels.
 const EDGE: f64 = 0.45;
-/// The share of the light that an edge absorbs.
+/// Fraction of the light that an edge absorbs.
 const EDGE_DARKNESS: f32 = 0.6;
 
 /// The map from space to a picture.
@@ -21,9 +21,9 @@ const EDGE_DARKNESS: f32 = 0.6;
 pub(super) struct Camera {
     /// Orthonormal directions to the right, upwards and to the viewer.
     axes: [[f64; 3]; 3],
-    /// The point in the middle of the picture.
+    /// Point in the middle of the picture.
     centre: [f64; 3],
-    /// The middle in pixels.
+    /// Middle of the picture in pixels.
     middle: [f64; 2],
     /// Pixels per unit of length.
     pub(super) scale: f64,
@@ -45,9 +45,9 @@ fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-/// A unit vector; NaN if there is no direction.
+/// Unit vector; NaN if the vector has no direction.
 fn unit(a: [f64; 3]) -> [f64; 3] {
-    // Through the largest component: squares of lengths in metres must not vanish.
+    // Division by the largest component first, because squares of lengths in metres might underflow.
     let largest = a.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let a = a.map(|x| x / largest);
     let length = dot(a, a).sqrt();
@@ -90,31 +90,31 @@ impl Camera {
         })
     }
 
-    /// Pixels to the right and down, and the nearness to the viewer.
+    /// Projects a point: pixels to the right and down, and nearness to the viewer.
     pub(super) fn project(&self, x: [f64; 3]) -> [f64; 3] {
         let [right, down, near] = self.turn(sub(x, self.centre)).map(|x| self.scale * x);
         [self.middle[0] + right, self.middle[1] + down, near]
     }
 
-    /// A direction's parts to the right, down and to the viewer.
+    /// Components of a direction to the right, down and towards the viewer.
     pub(super) fn turn(&self, direction: [f64; 3]) -> [f64; 3] {
         let [right, up, near] = self.axes.map(|axis| dot(axis, direction));
         [right, -up, near]
     }
 
-    /// The cosine between a direction, either way, and the direction to the viewer.
+    /// |cos| of the angle between a direction and the direction to the viewer.
     pub(super) fn tilt(&self, direction: [f64; 3]) -> f64 {
         dot(direction, self.axes[2]).abs()
     }
 
-    /// The direction to the light: beside the viewer, so that a sphere is shaded.
+    /// Direction to the light, which is beside the viewer, so that a sphere looks shaded.
     fn light(&self) -> [f64; 3] {
         let [right, up, towards] = self.axes;
         unit([0, 1, 2].map(|axis| towards[axis] + 0.45 * up[axis] - 0.3 * right[axis]))
     }
 }
 
-/// Centre and extent across and up of all vertices in use.
+/// Centre, and extent to the right and up, of all vertices that belong to triangles.
 fn framed(axes: &[[f64; 3]; 3], surfaces: &[PaintedSurface<'_>]) -> ([f64; 3], [f64; 2]) {
     let points = || {
         surfaces.iter().flat_map(|painted| {
@@ -143,7 +143,7 @@ struct Corner {
 /// A surface that is ready to be drawn.
 pub(super) struct Painted {
     corners: Vec<[Corner; 3]>,
-    /// Whether there is no field, so that the surface has one colour.
+    /// Whether there is no field, so that the surface has a single colour.
     plain: bool,
     edges: bool,
 }
@@ -177,7 +177,7 @@ impl Painted {
             .enumerate()
             .map(|(triangle, corners)| corners.map(|vertex| corner(triangle, vertex)))
             .collect();
-        // The nearest first: what they hide is not coloured in vain.
+        // Triangles are sorted from near to far, so that hidden ones need not be coloured.
         let nearness =
             |corners: &[Corner; 3]| corners.iter().map(|corner| corner.at[2]).sum::<f64>();
         corners.sort_by(|a, b| nearness(b).total_cmp(&nearness(a)));
@@ -216,7 +216,7 @@ const NOTHING: Sample = Sample {
     light: [1.0; 3],
 };
 
-/// The nearness of the nearest surface in the middle of every pixel of an area.
+/// Nearness of the nearest surface at the centre of every pixel of an area.
 pub(super) struct Depths {
     left: usize,
     top: usize,
@@ -225,7 +225,7 @@ pub(super) struct Depths {
 }
 
 impl Depths {
-    /// The nearness at a point of the picture; −∞ where there is no surface.
+    /// Nearness at a point of the picture; −∞ where there is no surface.
     pub(super) fn at(&self, [x, y]: [f64; 2]) -> f64 {
         let column = (x as usize).checked_sub(self.left);
         let row = (y as usize).checked_sub(self.top);
@@ -297,9 +297,9 @@ pub(super) fn draw(
     }
 }
 
-/// Some rows of samples.
+/// A few rows of samples.
 struct Band<'a> {
-    /// The upper left corner in pixels.
+    /// Upper left corner in pixels.
     origin: [f64; 2],
     /// Samples across and down.
     size: [usize; 2],
@@ -323,25 +323,25 @@ impl Band<'_> {
         };
         let ((left, right), (top, bottom)) = (range(0), range(1));
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        // Seen from the edge, there is nothing to see.
+        // A triangle that is seen from its edge is invisible.
         if !(left <= right && top <= bottom) || area == 0.0 {
             return;
         }
-        // A corner's weight is the area between a sample and the opposite side, over that of the
-        // whole: how it changes to the right and down, and what it is at the origin.
+        // The weight of a corner is the area between a sample and the opposite side, relative to the
+        // triangle's area: its change to the right, its change downwards, and its value at the origin.
         let weight = |p: [f64; 2], q: [f64; 2]| {
             let [x, y] = [(q[0] - p[0]) / area, (q[1] - p[1]) / area];
             [-y, x, y * p[0] - x * p[1]]
         };
         let weights = [weight(b, c), weight(c, a), weight(a, b)];
-        // Pixels from a side for a weight of 1.
+        // Distance from a side, in pixels, per unit of the weight.
         let heights = weights.map(|[x, y, _]| 1.0 / (x * x + y * y).sqrt() / density);
         for y in top as usize..=bottom as usize {
             let row = weights.map(|[_, down, start]| start + down * y as f64);
             for x in left as usize..=right as usize {
                 let along = x as f64;
                 let at = [0, 1, 2].map(|corner| row[corner] + weights[corner][0] * along);
-                // Two triangles never leave a gap between them.
+                // The tolerance prevents gaps between adjacent triangles.
                 if at[0].min(at[1]).min(at[2]) < -1e-9 {
                     continue;
                 }
@@ -379,7 +379,7 @@ impl Band<'_> {
     }
 }
 
-/// The share of the light that a surface reflects, on both of its sides.
+/// Fraction of the light that a surface reflects, on either side.
 fn lit(normal: [f64; 3], light: [f64; 3], towards: [f64; 3]) -> f32 {
     let length = dot(normal, normal).sqrt();
     let side = if dot(normal, towards) < 0.0 {

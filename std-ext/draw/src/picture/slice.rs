@@ -1,4 +1,4 @@
-//! Flow on a plane: colours, streamlines, and sections of surfaces.
+//! Flow on a plane: colours, streamlines, and sections with surfaces.
 
 use super::canvas::{Anchor, Area, Canvas};
 use super::colour::{INK, Table, WHITE, encoded};
@@ -12,20 +12,19 @@ use helfrich::Surface;
 use helfrich_mesh::io::Grid;
 use helfrich_mesh::section::section;
 
-/// Flow on a rectangle of a plane, seen against its normal.
+/// Flow on a rectangle of a plane, viewed along the negative normal.
 #[derive(Clone, Debug)]
 pub struct FlowSlice<'a> {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// The title; none if empty.
     pub title: &'a str,
-    /// The points: two or more along the first axis, to the right, and the second, upwards; one along
-    /// the third, the normal.
+    /// Grid of points: two or more along the first axis, to the right, two or more along the second, upwards,
+    /// and one along the third, the normal.
     pub grid: Grid,
     /// The velocity at each point; streamlines follow its component in the plane.
     pub velocity: &'a [[f64; 3]],
-    /// The field shown as colours, for example the pressure; by default |u|. Grey where it is not
-    /// finite.
+    /// Field shown in colours, for example the pressure; by default |u|. Grey where it is not finite.
     pub field: Option<&'a [f64]>,
     /// The map from this field to colours.
     pub colours: Colouring<'a>,
@@ -69,7 +68,7 @@ impl FlowSlice<'_> {
             &mut area,
         );
         area.left += 6.5 * letters;
-        // Below the name of the colours, which may be wider than their bar.
+        // The picture begins below the name at the colour bar, which may be wider than the bar.
         area.top += 2.4 * letters;
         area.bottom -= 5.0 * letters;
         let map = Map::new(self.grid, area);
@@ -101,7 +100,7 @@ impl FlowSlice<'_> {
         }
     }
 
-    /// Colours of a scalar, pixel by pixel.
+    /// Paints a scalar field, pixel by pixel.
     fn paint(
         &self,
         canvas: &mut Canvas,
@@ -133,7 +132,7 @@ impl FlowSlice<'_> {
             x.hypot(y)
         };
         let speeds = (0..self.velocity.len()).map(speed);
-        // Slower than this the plane has no direction that means anything.
+        // At smaller speeds, the in-plane direction is meaningless.
         let least = 1e-5 * speeds.filter(|speed| speed.is_finite()).fold(0.0, f64::max);
         let direction = |at: [f64; 2]| {
             if !map.area.contains(at) {
@@ -174,7 +173,7 @@ impl FlowSlice<'_> {
         canvas.stroke(&lines, width, INK);
     }
 
-    /// Draws the frame with the coordinates along its axes.
+    /// Draws the frame with coordinates along its axes.
     fn frame(&self, canvas: &mut Canvas, map: &Map, letters: f64) {
         let area = map.area;
         let line = (0.1 * letters).max(1.0);
@@ -209,7 +208,7 @@ impl FlowSlice<'_> {
         canvas.text(&label, at, size, Anchor::Centre, false);
     }
 
-    /// The name x, y or z of an axis in that direction.
+    /// Label of an axis: x, y or z, if it has that direction.
     fn axis_label(&self, axis: usize) -> String {
         let along = self.grid.axes[axis];
         let largest = (0..3).find(|&part| along[part].abs() > 1.0 - 1e-9);
@@ -225,7 +224,7 @@ impl FlowSlice<'_> {
     }
 }
 
-/// The map from points of the plane to pixels and grid points.
+/// Map from points of the plane to pixels and grid points.
 struct Map {
     grid: Grid,
     /// Lowest and highest coordinate along each axis.
@@ -234,7 +233,7 @@ struct Map {
 }
 
 impl Map {
-    /// The largest rectangle of the proportions of the grid that fits into an area.
+    /// Fits the largest rectangle with the proportions of the grid into an area.
     fn new(grid: Grid, room: Area) -> Self {
         let ranges = [0, 1].map(|axis| {
             let start = DVec3::from(grid.origin).dot(grid.axes[axis].into());
@@ -290,7 +289,8 @@ impl Map {
     }
 }
 
-/// The points of a line with arrows: its middle, and others at this distance from it and each other.
+/// Indices of the points of a line at which arrows are drawn: its middle, and others at this distance from it
+/// and from each other.
 fn arrow_places(line: &[[f64; 2]], apart: f64) -> Vec<usize> {
     let mut lengths = vec![0.0];
     for pair in line.windows(2) {
@@ -304,7 +304,7 @@ fn arrow_places(line: &[[f64; 2]], apart: f64) -> Vec<usize> {
     places.map(at).collect()
 }
 
-/// An arrow head on a line; with a `rim` it is wider by that, and white.
+/// Draws an arrow head on a line; with a `rim`, it is wider by the rim, and white.
 fn arrow(canvas: &mut Canvas, line: &[[f64; 2]], place: usize, size: f64, rim: f64) {
     let [a, b] = [place.saturating_sub(1), place].map(|at| line[at.min(line.len() - 1)]);
     let length = between(a, b);

@@ -1,15 +1,15 @@
-//! Streamlines at even distances: B. Jobard and W. Lefer, in: Visualization in Scientific Computing
-//! '97, Springer 1997, p. 43. The code is our own.
+//! Evenly spaced streamlines: B. Jobard and W. Lefer, in: Visualization in Scientific Computing '97, Springer
+//! 1997, p. 43. The code is our own.
 
 use super::canvas::Area;
 use std::collections::VecDeque;
 
-/// Lines along a field of unit vectors, about equally far from each other.
+/// Evenly spaced lines along a field of unit vectors.
 pub(super) struct Streamlines {
     area: Area,
-    /// The distance between lines where a line begins.
+    /// Distance of the start of a line from other lines.
     apart: f64,
-    /// The points of the lines so far, in squares of that size.
+    /// Points of all lines so far, in square cells of this size.
     cells: Vec<Vec<[f64; 2]>>,
     columns: usize,
 }
@@ -39,7 +39,8 @@ impl Streamlines {
             0.5 * (self.area.top + self.area.bottom),
         ];
         let mut lines: Vec<Polyline> = Vec::new();
-        // Beside lines first, so that neighbours are parallel; then wherever there is room.
+        // Seeds next to lines come first, so that neighbouring lines are parallel; then seeds on a lattice
+        // fill the gaps.
         let mut seeds = VecDeque::from([middle]);
         let mut lattice = self.lattice().into_iter();
         while let Some(seed) = seeds.pop_front().or_else(|| lattice.next()) {
@@ -51,7 +52,7 @@ impl Streamlines {
             };
             for &[x, y] in line.iter().step_by(4) {
                 if let Some([u, v]) = direction([x, y]) {
-                    // Not quite as far, lest rounding put a line out of reach of its own seeds.
+                    // Slightly farther away, so that rounding does not reject the line's own seeds.
                     let aside = 1.001 * self.apart;
                     seeds.push_back([x - aside * v, y + aside * u]);
                     seeds.push_back([x + aside * v, y - aside * u]);
@@ -66,7 +67,7 @@ impl Streamlines {
         lines
     }
 
-    /// Places at equal distances over the whole area.
+    /// Seeds at equal distances over the whole area.
     fn lattice(&self) -> Vec<[f64; 2]> {
         let rows = self.cells.len() / self.columns;
         let place = |cell: usize| {
@@ -85,7 +86,7 @@ impl Streamlines {
         row * self.columns + column
     }
 
-    /// Whether a line is nearer than `distance`, which is at most that between lines.
+    /// Whether a point is closer than `distance` to a line; `distance` may be at most that between lines.
     fn is_near(&self, at: [f64; 2], distance: f64) -> bool {
         let rows = self.cells.len() / self.columns;
         let cell = self.cell(at);
@@ -99,7 +100,8 @@ impl Streamlines {
         })
     }
 
-    /// The line through a point in both directions, until it leaves the area or meets a line or itself.
+    /// Line through a point in both directions, until it leaves the area or approaches another line or
+    /// itself.
     fn line(
         &self,
         seed: [f64; 2],
@@ -107,7 +109,7 @@ impl Streamlines {
     ) -> Option<Polyline> {
         let forth = self.half(seed, 1.0, direction);
         let mut line = if between(*forth.last()?, seed) == 0.0 && forth.len() > 1 {
-            // It has come back to where it began.
+            // The line is closed.
             Vec::new()
         } else {
             self.half(seed, -1.0, direction)
@@ -126,9 +128,9 @@ impl Streamlines {
         direction: &dyn Fn([f64; 2]) -> Option<[f64; 2]>,
     ) -> Polyline {
         let step = 0.1 * self.apart;
-        // Own points so far back that the line has turned since.
+        // Points of the line itself count from this many steps back, where it has turned.
         let back = (3.0 * self.apart / step) as usize;
-        // No line needs more to fill the area.
+        // A limit on the number of steps: no line needs more to fill the area.
         let most = (40.0 * (self.area.width() + self.area.height()) / step) as usize;
         let near = Self::NEAREST * self.apart;
         let mut line = vec![seed];
@@ -161,7 +163,8 @@ impl Streamlines {
     }
 }
 
-/// A classical Runge–Kutta step of fourth order along unit vectors; none without a direction.
+/// Step of the classical fourth-order Runge–Kutta method along unit vectors; `None` if a direction is
+/// missing.
 fn runge_kutta(
     at: [f64; 2],
     step: f64,
@@ -208,7 +211,7 @@ mod tests {
         points.collect()
     }
 
-    /// Nowhere nearer to each other than half the distance.
+    /// Checks that lines are at least half of the spacing apart.
     fn assert_apart(lines: &[Polyline]) {
         let points = points(lines);
         for &(line, point) in &points {
@@ -219,7 +222,7 @@ mod tests {
         }
     }
 
-    /// And, where lines can begin, without gaps of more than one and a half of it.
+    /// Checks this and, where lines can start, that gaps are at most one and a half spacings wide.
     fn assert_even(lines: &[Polyline]) {
         assert_apart(lines);
         let points = points(lines);
@@ -246,12 +249,12 @@ mod tests {
                 assert!((between(point, CENTRE) / radius - 1.0).abs() < 1e-3);
             }
             for pair in line.windows(2) {
-                // A step, and where it closes less than two.
+                // A pair is one step apart, or less than two where the line closes.
                 assert!(between(pair[0], pair[1]) < 0.2 * APART);
             }
             closed += usize::from(line.len() > 1 && line.first() == line.last());
         }
-        // Of those that fit, up to a radius of 150.
+        // Circles up to a radius of 150 fit.
         assert!((5..=9).contains(&closed), "{closed}");
     }
 
@@ -273,7 +276,7 @@ mod tests {
                 .all(|point| point[0] <= CENTRE[0])
         );
         assert!(lines(|_| [0.0, 0.0]).is_empty());
-        // In towards a point: all lines but a few meet others before.
+        // In a flow towards a point, all but a few lines end near others.
         let inward = lines(|[x, y]| [CENTRE[0] - x, CENTRE[1] - y]);
         assert_apart(&inward);
         assert!(inward.len() > 10);

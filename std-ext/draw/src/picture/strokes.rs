@@ -1,4 +1,4 @@
-//! Short lines on surfaces, evenly spread over the picture.
+//! Short lines on surfaces, spread evenly over the picture.
 
 use super::PaintedSurface;
 use super::canvas::{Area, Canvas};
@@ -7,35 +7,35 @@ use super::render::{Camera, Depths, vertex_normals};
 use helfrich::Surface;
 use std::collections::BTreeMap;
 
-/// The least distance of neighbouring lines, in heights of capitals and in edges of the mesh: with fewer
-/// edges there is not a vertex in every cell of a lattice.
+/// Smallest distance of neighbouring lines, in heights of capitals and in edges of the mesh: at smaller
+/// distances, some lattice cells would contain no vertex.
 const LEAST_SPACING: [f64; 2] = [2.0, 1.3];
 
-/// Lengths of the lines of the first and the second direction, over their distance: they do not touch.
+/// Lengths of the lines of the first and the second direction, relative to their distance, so that they do
+/// not touch.
 const LENGTHS: [f64; 2] = [0.8, 0.45];
 
-/// Widths of these lines, and of the light rims on both sides, by which they stand out from dark colours, in
-/// heights of capitals.
+/// Widths of these lines, in heights of capitals, and of the light rims that set them off from dark colours.
 const WIDTHS: [f64; 2] = [0.14, 0.09];
 const RIM: f64 = 0.08;
 
-/// The least cosine between a surface's normal and the view: beyond, lines are too foreshortened to be read.
+/// Smallest cosine between a surface's normal and the view; beyond it, lines would be too foreshortened.
 const LEAST_TILT: f64 = 0.25;
 
-/// A place for a line, and the visible vertex nearest to it.
+/// Position of a line, and the visible vertex nearest to it.
 struct Place {
     vertex: usize,
-    /// Pixels from the place to the vertex.
+    /// Distance from the position to the vertex, in pixels.
     off: f64,
     /// Pixels to the right and down, and nearness.
     at: [f64; 3],
-    /// The nearness by which the surface may differ from a line that touches it.
+    /// Tolerance of the nearness for a line to count as on the surface.
     slack: f64,
 }
 
-/// The middles of the cells of a lattice over the picture, its odd rows shifted by half a cell, wherever
-/// there is a visible vertex with directions in the cell: with the one nearest to the middle. Lines at the
-/// vertices themselves would be spread as unevenly as the vertices.
+/// Centres of lattice cells in which there is a visible vertex with directions, each with the nearest such
+/// vertex. Odd rows of the lattice are shifted by half a cell. Lines at the vertices themselves would be
+/// spread as unevenly as the vertices.
 fn places(
     painted: &PaintedSurface<'_>,
     directions: &[Option<[[f64; 3]; 2]>],
@@ -49,7 +49,7 @@ fn places(
     for (vertex, (&position, normal)) in positions.zip(normals).enumerate() {
         let [x, y, near] = camera.project(position);
         let tilt = camera.tilt(normal);
-        // The surface around a vertex is nearer by as much as it rises there, and on coarse meshes bent.
+        // Around a vertex, the nearness changes with the tilt of the surface, and coarse meshes are bent.
         let slack = 0.1 * spacing * (1.0 + 1.0 / tilt);
         let is_seen = tilt >= LEAST_TILT && near >= depths.at([x, y]) - slack;
         if !is_seen || directions[vertex].is_none() {
@@ -61,8 +61,8 @@ fn places(
         let middle = [column + 0.5 - shift, row + 0.5].map(|at| spacing * at);
         let off = ((x - middle[0]).powi(2) + (y - middle[1]).powi(2)).sqrt();
         let surface = depths.at(middle);
-        // The middle is on the same part of the surface if the depth changes by no more than the tilt
-        // allows.
+        // The centre is on the same part of the surface if the depth changes by no more than the tilt
+        // explains.
         let is_there = (surface - near).abs() <= slack + off / tilt;
         let cell = [row as i64, column as i64];
         if is_there && places.get(&cell).is_none_or(|other| off < other.off) {
@@ -81,7 +81,7 @@ fn places(
     places
 }
 
-/// The edge of a mesh of equal triangles with the same area.
+/// Edge length of a mesh of equal equilateral triangles with the same area.
 fn edge(surface: Surface<'_, f64>) -> f64 {
     let triangles = surface.mesh().triangles().len();
     let area: f64 = (0..triangles)
@@ -90,7 +90,7 @@ fn edge(surface: Surface<'_, f64>) -> f64 {
     (4.0 / 3.0_f64.sqrt() * area / triangles as f64).sqrt()
 }
 
-/// Draws the lines of a surface, as far as the surface reaches and nothing hides it.
+/// Draws the lines of a surface where the surface is visible.
 pub(super) fn draw(
     canvas: &mut Canvas,
     area: Area,
@@ -106,7 +106,7 @@ pub(super) fn draw(
     let [least, of_mesh] = [0, 1].map(|unit| LEAST_SPACING[unit] * units[unit]);
     let spacing = least.max(of_mesh);
     let places = places(painted, directions, camera, depths, spacing);
-    // Follows a line from a place, pixel by pixel, as long as it stays on the surface.
+    // Follows a line from its position, pixel by pixel, while it stays on the surface.
     let reach = |place: &Place, [right, down, nearer]: [f64; 3], length: f64| {
         let [x, y, near] = place.at;
         let half = 0.5 * length * spacing;

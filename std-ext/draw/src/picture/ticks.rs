@@ -7,16 +7,16 @@ pub(super) struct Ticks {
     pub(super) marks: Vec<(f64, String)>,
     /// Marks without labels in between.
     pub(super) minor: Vec<f64>,
-    /// The power of ten that the labels are to be multiplied by.
+    /// Power of ten by which the labels are to be multiplied.
     pub(super) exponent: i32,
 }
 
-/// 10^exponent, rounded once within the range where powers of ten are exact.
+/// 10^exponent.
 fn power_of_ten(exponent: i32) -> f64 {
     libm::exp10(f64::from(exponent))
 }
 
-/// The largest power of ten that is not above a number.
+/// Exponent of the largest power of ten that is not above a number.
 fn magnitude(number: f64) -> i32 {
     libm::log10(number).floor() as i32
 }
@@ -27,14 +27,14 @@ impl Ticks {
         let (digit, step_exponent) = nice_step((high - low) / count);
         let multiple = |number: i64| scaled(number * digit, step_exponent);
         let unit = multiple(1);
-        // A mark at the very end of the range is not lost to rounding.
+        // The slack keeps marks at the very ends of the range despite rounding.
         let slack = 1e-9 * (high - low) / unit;
         let first = (low / unit - slack).ceil();
         let last = (high / unit + slack).floor();
         let largest = low.abs().max(high.abs());
         let top = if largest > 0.0 { magnitude(largest) } else { 0 };
         let exponent = if (-3..=4).contains(&top) { 0 } else { top };
-        // At the ends of what f64 holds, a step may be 0: then there are no marks.
+        // At the limits of f64 a step may be 0; then there are no marks.
         let count = if unit > 0.0 && last - first < 100.0 {
             (last - first) as i64 + 1
         } else {
@@ -53,8 +53,8 @@ impl Ticks {
         }
     }
 
-    /// Marks at powers of ten from `low` to `high`, both above 0; linear ones where there is not a
-    /// decade between them.
+    /// Marks at powers of ten from `low` to `high`, both above 0; linear ones if the range contains less than
+    /// a decade.
     pub(super) fn logarithmic(low: f64, high: f64, count: f64) -> Self {
         let [first, last] = [libm::log10(low), libm::log10(high)];
         let (first, last) = ((first - 1e-9).ceil() as i32, (last + 1e-9).floor() as i32);
@@ -93,11 +93,11 @@ impl Ticks {
     }
 }
 
-/// The 1, 2 or 5 times a power of ten that is nearest to a number, by ratio.
+/// Number of the form 1, 2 or 5 times a power of ten that is nearest to a number by ratio.
 fn nice_step(number: f64) -> (i64, i32) {
     let exponent = magnitude(number);
     let fraction = number / power_of_ten(exponent);
-    // Halfway, by ratio, are the square roots of 1 · 2, 2 · 5 and 5 · 10.
+    // The limits are the geometric means √(1 · 2), √(2 · 5) and √(5 · 10).
     match fraction * fraction {
         ..2.0 => (1, exponent),
         ..10.0 => (2, exponent),
@@ -115,7 +115,7 @@ fn scaled(number: i64, exponent: i32) -> f64 {
     }
 }
 
-/// number · 10^exponent in digits, without rounding.
+/// Decimal digits of number · 10^exponent, without rounding.
 fn label(number: i64, exponent: i32) -> String {
     let sign = if number < 0 { "−" } else { "" };
     let digits = number.unsigned_abs().to_string();
@@ -148,7 +148,7 @@ fn superscript(number: i32) -> String {
     number.to_string().chars().map(raised).collect()
 }
 
-/// The next 1, 2 or 5 times a power of ten that is not above a number, and its label.
+/// Largest number of the form 1, 2 or 5 times a power of ten that is not above a number, and its label.
 pub(super) fn nice_length(most: f64) -> (f64, String) {
     let exponent = magnitude(most);
     let fraction = most / power_of_ten(exponent);
