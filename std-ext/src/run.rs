@@ -32,7 +32,6 @@ mod folder;
 mod identity;
 mod immersing;
 mod measure;
-mod multipliers;
 mod quality;
 mod relaxing;
 mod remedy;

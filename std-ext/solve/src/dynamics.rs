@@ -21,6 +21,8 @@ pub(crate) mod cotangents;
 mod frame;
 mod held;
 pub mod integrate;
+mod lobpcg;
+pub mod multipliers;
 mod place;
 mod preconditioner;
 pub(crate) mod quadric;
@@ -30,7 +32,9 @@ mod secants;
 pub(crate) mod vector;
 
 pub use held::Held;
-pub use relaxation::{Failure, Outcome, Relaxation, SetupError, State, StepReport};
+pub use relaxation::{
+    Failure, Mode, ModesError, Outcome, Relaxation, SetupError, State, StepReport, modes,
+};
 
 use helfrich::TriangleMesh;
 use serde::{Deserialize, Serialize};

@@ -8,7 +8,7 @@
 //! does not resolve the shape, both estimates are wrong, but in different ways.
 
 use super::curved::{Curved, Integrals};
-use super::multipliers::multipliers;
+use crate::dynamics::multipliers::multipliers;
 use crate::method::{BendingMethod, Evaluator};
 use crate::scene::{Bending, Material, Named, Scene, SurfaceEffect, SurfaceScene};
 use crate::simulation::{Acting, Body, Simulation};

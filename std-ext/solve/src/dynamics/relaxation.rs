@@ -10,6 +10,7 @@ use super::{Evaluation, Membrane, Problem, Settings};
 use serde::{Deserialize, Serialize};
 
 mod direction;
+mod modes;
 mod newton;
 mod outcome;
 mod point;
@@ -17,6 +18,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+pub use modes::{Mode, ModesError, modes};
 pub use outcome::{Failure, Outcome, SetupError};
 use point::Point;
 use search::Trial;

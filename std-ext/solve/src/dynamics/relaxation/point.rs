@@ -104,7 +104,7 @@ impl Relaxation {
         })
     }
 
-    fn not_finite(&self, field: &[Vector]) -> Option<Failure> {
+    pub(super) fn not_finite(&self, field: &[Vector]) -> Option<Failure> {
         let bad = |entry: &Vector| entry.iter().any(|number| !number.is_finite());
         let index = field.iter().position(bad)?;
         let holds = |place: &Place| place.vertices().contains(&index);

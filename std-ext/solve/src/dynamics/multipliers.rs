@@ -6,7 +6,7 @@ const OWN: f64 = 0.01;
 
 /// The λ for which `Σ λ_i g_i` is nearest to a field, by Gram–Schmidt; 0 for a gradient that nearly
 /// depends on the others.
-pub(super) fn multipliers(
+pub fn multipliers(
     gradients: &[Vec<f64>],
     field: &[f64],
     dot: impl Fn(&[f64], &[f64]) -> f64,
