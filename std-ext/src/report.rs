@@ -11,7 +11,7 @@ pub use noisy::{noise_section, noise_table};
 pub use recommendation::recommendation;
 
 use crate::info::MeshInfo;
-use crate::run::{End, EnergyEstimate, Summary};
+use crate::run::{End, EnergyEstimate, Summary, stability};
 use crate::series::{ITERATION, TIME};
 use crate::six::Six;
 use crate::study::{MOST_SCATTER, Quantity, Row};
@@ -258,6 +258,7 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
         last,
         effects,
         energy_estimates,
+        modes,
         ..
     } = summary;
     if !title.is_empty() {
@@ -284,6 +285,22 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
             false => format!("is known to {:.2} %", 100.0 * error),
         };
         writeln!(out, "the energy of \"{surface}\" {known}")?;
+    }
+    if !modes.is_empty() {
+        writeln!(out, "\nthe shape is {}", stability(modes))?;
+        writeln!(
+            out,
+            "{:>4}  {:>14}  {:>9}  {:>5}",
+            "mode", "stiffness", "residual", "rigid"
+        )?;
+        for (mode, number) in modes.iter().zip(1..) {
+            let stiffness = Six(mode.stiffness).to_string();
+            let (residual, rigid) = (mode.residual, 100.0 * mode.rigid);
+            writeln!(
+                out,
+                "{number:>4}  {stiffness:>14}  {residual:>9.0e}  {rigid:>3.0} %"
+            )?;
+        }
     }
     let width = effects.iter().map(|cost| cost.effect.len()).max();
     let width = width.unwrap_or(0).max(6);

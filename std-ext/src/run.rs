@@ -9,6 +9,7 @@
 //! * `slices/NAME-TIME.vti` and `.png` with `slices.pvd`: the fluid on the scene's slices;
 //! * `volumes/NAME-TIME.vti` with `volumes.pvd`: all fluid of a box;
 //! * `plots/COLUMN.png`: columns of the series, drawn when the run ends;
+//! * `modes.csv`: the normal modes of an equilibrium, if the driver asks for them;
 //! * `checkpoint`: the state from which the run continues bit for bit;
 //! * `summary.json`: the end of the run, the last row, the cost of each effect, and the scene as
 //!   run.
@@ -32,6 +33,7 @@ mod folder;
 mod identity;
 mod immersing;
 mod measure;
+mod modes;
 mod quality;
 mod relaxing;
 mod remedy;
@@ -52,6 +54,7 @@ pub use error::RunError;
 pub use estimate::EnergyEstimate;
 use files::PlannedPlot;
 use measure::Measures;
+pub(crate) use modes::stability;
 pub use quality::Flagged;
 use serde::{Deserialize, Serialize};
 use start::drive;
@@ -408,7 +411,7 @@ impl Run<'_> {
         let acting = self.simulation.resolve(positions);
         let flagged = quality::flagged(&self.simulation, positions);
         let flagged = Vec::from_iter(flagged.into_iter().flatten());
-        let mut energy_estimates = Vec::new();
+        let (mut energy_estimates, mut modes) = (Vec::new(), (Vec::new(), None));
         let (mut end, mut message) = (end, message);
         if let (Driver::Relax(relax), true) = (self.scene.driver, end.is_reached()) {
             energy_estimates =
@@ -416,9 +419,13 @@ impl Run<'_> {
             let reached = (end, message);
             (end, message) =
                 summary::judge(reached, self.scene, relax, &flagged, &energy_estimates);
+            modes = modes::found(relax, end, &mut self.simulation, positions);
         }
         let warnings = self.simulation.warnings().iter();
         let mut warnings = Vec::from_iter(warnings.map(ToString::to_string));
+        let (modes, warning) = modes;
+        warnings.extend(warning);
+        modes::write(&modes, self.folder)?;
         let notes = self.drive.notes().iter();
         let notes = notes.chain(self.outputs.doubts.iter().map(|(_, note)| note));
         let names = Vec::from_iter(self.simulation.bodies().iter().map(Body::name));
@@ -436,6 +443,7 @@ impl Run<'_> {
             effects: self.costs(),
             flagged,
             energy_estimates,
+            modes,
             warnings,
             version: env!("CARGO_PKG_VERSION"),
             fingerprint: self.fingerprint.to_hex(),

@@ -69,9 +69,10 @@ pub(crate) fn fingerprint(
 fn endless(driver: Driver, loads: usize) -> Driver {
     match driver {
         Driver::Relax(relax) => {
-            // Criteria for an equilibrium do not change the path to it.
+            // Criteria for an equilibrium, and its modes, do not change the path to it.
             let judged = Relax {
                 energy_error: 0.0,
+                modes: 0,
                 ..relax
             };
             Driver::Relax(match loads {

@@ -2,6 +2,7 @@
 
 use super::remedy::remedy;
 use super::{EnergyEstimate, Flagged};
+use crate::dynamics::Mode;
 use crate::scene::{Relax, Scene};
 use crate::simulation::{EffectCost, messages_once};
 use serde::{Deserialize, Serialize};
@@ -75,6 +76,9 @@ pub struct Summary {
     pub flagged: Vec<Flagged>,
     /// The estimated errors of the energies of closed surfaces at the end of a relaxation.
     pub energy_estimates: Vec<EnergyEstimate>,
+    /// The normal modes of least stiffness at the end of a relaxation, if the driver asks for them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub modes: Vec<Mode>,
     /// Remarks on the results.
     pub warnings: Vec<String>,
     /// The version of the program.

@@ -11,3 +11,4 @@ mod material;
 mod relaxation;
 mod scenes;
 mod strong_form;
+mod vesicles;

@@ -17,9 +17,6 @@ mod vary;
 #[path = "../../../std-ext/src/run/curved.rs"]
 mod curved;
 
-#[path = "../../../std-ext/src/run/multipliers.rs"]
-mod multipliers;
-
 #[expect(dead_code, reason = "the library uses what the tests do not")]
 #[path = "../../../std-ext/src/simulation/once.rs"]
 mod once;

@@ -53,11 +53,28 @@ impl Builder<'_> {
         }
         Relax {
             scheme,
+            modes: self.modes(driver, scheme),
             residual: driver.number("residual").unwrap_or(1e-5),
             iterations: driver.count("iterations").unwrap_or(10_000),
             redistribution: self.redistribution(driver, surfaces, SurfaceScene::is_fluid),
             energy_error: driver.number("energy_error").unwrap_or(0.01),
         }
+    }
+
+    /// Number of normal modes, which need an energy.
+    fn modes(&mut self, driver: Reader<'_>, scheme: Scheme) -> u64 {
+        let modes = driver.count("modes").unwrap_or(0);
+        let problem = if modes > 0 && scheme != Scheme::Minimise {
+            "`modes` are those of an energy, and the scheme \"overdamped\" has none: leave `modes` out, or \
+             choose a bending method with an energy and the scheme \"minimise\""
+                .to_owned()
+        } else if modes > MOST_MODES {
+            format!("{modes} modes: the limit is {MOST_MODES}; choose fewer")
+        } else {
+            return modes;
+        };
+        self.contradiction(&driver.origin_of("modes"), problem);
+        0
     }
 
     /// Whether vertices are moved along the surfaces; `may` states whether any surface allows it.
@@ -299,6 +316,9 @@ impl Builder<'_> {
     }
 }
 
+/// The largest number of normal modes: the time grows with its square.
+const MOST_MODES: u64 = 100;
+
 /// The largest number of steps of a run: at a millisecond per step they take four months.
 const MOST_STEPS: f64 = 1e10;
 
@@ -317,6 +337,7 @@ pub(super) const PLACEHOLDER: Driver = Driver::Relax(Relax {
     iterations: 0,
     redistribution: false,
     energy_error: f64::NAN,
+    modes: 0,
 });
 
 fn conservative_methods() -> String {

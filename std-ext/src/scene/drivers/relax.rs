@@ -21,6 +21,8 @@ pub struct Relax {
     /// Largest relative error of the energy of a closed surface with bending at which a run counts
     /// as converged.
     pub energy_error: f64,
+    /// Number of normal modes to find at the end.
+    pub modes: u64,
 }
 
 /// The minimisation scheme.
@@ -63,6 +65,12 @@ impl Described for Relax {
                  estimated by jets of degree 6 on the same vertices; by default 0.01. If it is \
                  larger, the run ends as unresolved instead of converged.",
             ),
+            optional(
+                "modes",
+                Form::Count(0),
+                "Number of normal modes to find at the end, by rising stiffness, up to 100; by \
+                 default 0. They tell whether the equilibrium is stable: see `modes.csv`.",
+            ),
         ],
         exactly_one: &[],
     };
@@ -74,11 +82,14 @@ impl Described for Relax {
                 "overdamped: forces without an energy, until they are below the residual"
             }
         };
-        let parameters = vec![
+        let mut parameters = vec![
             number.plain("residual", self.residual),
             number.plain("iterations", self.iterations as f64),
             number.plain("energy_error", self.energy_error),
         ];
+        if self.modes > 0 {
+            parameters.push(number.plain("modes", self.modes as f64));
+        }
         (scheme.to_owned(), parameters)
     }
 }
