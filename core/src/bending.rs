@@ -7,6 +7,7 @@
 //! strong form have no forces at a boundary.
 
 mod area_vectors;
+mod galerkin;
 mod gompper_kroll;
 mod hamann;
 mod hinge;
@@ -15,8 +16,10 @@ mod kantor_nelson;
 mod loop_subdivision;
 mod material_parameter;
 mod strong_form;
+mod surface_point;
 
 pub(crate) use area_vectors::AreaVectors;
+pub use galerkin::{Galerkin, GalerkinMemory};
 pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
 pub use hamann::{Hamann, HamannMemory};
 pub use hinge::{Hinge, HingeMemory, Hinges, OverHinges};

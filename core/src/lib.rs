@@ -103,7 +103,7 @@ mod vec3;
 
 pub use adhesion::{WallAdhesion, WallAdhesionMemory};
 pub use bending::{
-    ControlPoints, GompperKroll, Hamann, Juelicher, KantorNelson, LoopSubdivision,
+    ControlPoints, Galerkin, GompperKroll, Hamann, Juelicher, KantorNelson, LoopSubdivision,
     MaterialParameter, StrongForm,
 };
 pub use components::Components;

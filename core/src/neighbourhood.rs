@@ -161,11 +161,16 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// Searches breadth-first around each vertex until at least `most · 8/5` vertices and two whole
-    /// rings are reached, or all vertices of the component. The first rings have half of that.
+    /// At least `most · 8/5` vertices around each: enough to find the `most` nearest. The first rings
+    /// have half of that.
     pub(crate) fn new(mesh: &TriangleMesh, most: usize) -> Self {
+        Self::rings(mesh, most + most * 3 / 5)
+    }
+
+    /// Searches breadth-first around each vertex until at least `enough` vertices and two whole rings
+    /// are reached, or all vertices of the component.
+    pub(crate) fn rings(mesh: &TriangleMesh, enough: usize) -> Self {
         let count = mesh.vertex_count();
-        let enough = most + most * 3 / 5;
         let mut offsets = Vec::with_capacity(count + 1);
         let mut first_rings = Vec::with_capacity(count);
         let mut vertices: Vec<u32> = Vec::new();
@@ -236,6 +241,13 @@ pub(crate) struct Nearby<'a> {
     vertices: &'a [u32],
     /// The number of vertices within the first rings, without and with the last of these.
     first_rings: [usize; 2],
+}
+
+impl<'a> Nearby<'a> {
+    /// The vertices, ring after ring; the first ring is the one-ring.
+    pub(crate) fn vertices(&self) -> &'a [u32] {
+        self.vertices
+    }
 }
 
 impl Nearby<'_> {

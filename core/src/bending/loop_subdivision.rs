@@ -8,7 +8,6 @@ mod consistent;
 mod controls;
 mod evaluation;
 mod patches;
-mod point;
 
 pub use consistent::ConsistentMemory;
 pub use controls::ControlPoints;

@@ -4,7 +4,7 @@
 //! a vector with one entry per patch, while the weights of the table are common to all.
 
 use super::patches::{BLOCK, Block, Field, NodeBasis, Patches, WEIGHT};
-use super::point::Point;
+use crate::bending::surface_point::Point;
 use crate::element::{Execution, SlotKernel};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::{Real, finite_or_zero};

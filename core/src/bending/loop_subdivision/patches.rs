@@ -4,7 +4,7 @@
 //! table that depends only on the valence of its first corner. The same table maps derivatives of
 //! the energy back to forces at its nodes. Patches of all valences run through one loop.
 
-use super::point::Point;
+use crate::bending::surface_point::Point;
 use crate::element::Execution;
 use crate::lane::WIDTH;
 use crate::mesh::TriangleMesh;

@@ -542,7 +542,7 @@ impl<T: Real> Polynomial<T> {
 /// `e^x` for −16 < x ≤ 0, to rounding: the 64th power of the series of `e^(x/64)`. There is no
 /// function call, which would prevent vectorisation.
 #[inline(always)]
-fn exponential<L: Lane>(x: L) -> L {
+pub(crate) fn exponential<L: Lane>(x: L) -> L {
     let y = x * L::literal(1.0 / 64.0);
     let mut factorial = 362_880.0;
     let mut sum = L::literal(1.0 / factorial);

@@ -23,7 +23,7 @@ const SUMS: usize = 4;
 pub(super) const TOGETHER: usize = 4;
 
 /// The place of `x^(degree − power) y^power` among monomials in order of their degrees, 1 first.
-const fn place_of(degree: usize, power: usize) -> usize {
+pub(crate) const fn place_of(degree: usize, power: usize) -> usize {
     degree * (degree + 1) / 2 + power
 }
 
@@ -44,10 +44,10 @@ const MONOMIALS: [(usize, usize); coefficient_count(HIGHEST_DEGREE)] = {
 
 /// Points with weights: coordinates along two axes.
 #[derive(Clone, Copy)]
-pub(super) struct Points<'a, T> {
-    pub(super) x: &'a [Several<T>],
-    pub(super) y: &'a [Several<T>],
-    pub(super) weights: &'a [Several<T>],
+pub(crate) struct Points<'a, T> {
+    pub(crate) x: &'a [Several<T>],
+    pub(crate) y: &'a [Several<T>],
+    pub(crate) weights: &'a [Several<T>],
 }
 
 /// The equations `Aᵀ W A c = g` of polynomials of a degree without constant term.
@@ -353,7 +353,7 @@ impl<T: Real> NormalEquations<T> {
 /// Sets `moments` to `Σ c x^a y^b` up to a degree, in order of the monomials. The column c is
 /// overwritten; `powers` is scratch memory.
 #[inline(always)]
-fn set_moments<T: Real>(
+pub(crate) fn set_moments<T: Real>(
     moments: &mut [Several<T>],
     degree: usize,
     points: Points<'_, T>,

@@ -1,4 +1,4 @@
-//! The surface at one quadrature point: curvature, bending energy and its derivatives.
+//! A surface at one quadrature point: curvature, bending energy and their derivatives.
 
 use crate::lane::Lane;
 use crate::vec3::{Vec3, add, cross, dot, scale, sub};
@@ -54,8 +54,7 @@ impl<L: Lane> Point<L> {
     #[inline(always)]
     pub(super) fn curvatures(&self) -> [L; 2] {
         let [l, m, n] = self.bent(self.over);
-        let mean = -L::literal(0.5) * self.bend * self.over;
-        [mean, l * n - m * m]
+        [self.mean(), l * n - m * m]
     }
 
     /// The second derivatives along n, times a factor.
@@ -64,6 +63,35 @@ impl<L: Lane> Point<L> {
         let [vv, vw, ww] = self.second;
         let along = |second| factor * dot(second, self.normal);
         [along(vv), along(vw), along(ww)]
+    }
+
+    /// H, positive on a sphere.
+    #[inline(always)]
+    pub(super) fn mean(&self) -> L {
+        -L::literal(0.5) * self.bend * self.over
+    }
+
+    /// The derivatives of a function of H and n with respect to x_v, x_w, x_vv, x_vw and x_ww, from its
+    /// derivatives with respect to H and n.
+    ///
+    /// With `h = −½ ∂H/J²`, B the vector whose part along n is −2HJ, and `p` the derivative with
+    /// respect to `x_v × x_w`: `J p = −2H ∂H n + (1 − n nᵀ)(∂n − ½ ∂H B/J)`.
+    #[inline(always)]
+    pub(super) fn pull(&self, by_mean: L, by_normal: Vec3<L>) -> [Vec3<L>; 5] {
+        let [v, w] = self.tangents;
+        let [e, f, g] = self.metric;
+        let half = L::literal(0.5) * by_mean * self.over;
+        let turned = sub(by_normal, scale(half, self.bending));
+        let level = dot(self.normal, turned) + (by_mean + by_mean) * self.mean();
+        let p = scale(self.over, sub(turned, scale(level, self.normal)));
+        let [l, m, n] = self.bent(-by_mean * self.over * self.over);
+        [
+            add(sub(scale(n, v), scale(m, w)), cross(w, p)),
+            add(sub(scale(l, w), scale(m, v)), cross(p, v)),
+            scale(-half * g, self.normal),
+            scale((half + half) * f, self.normal),
+            scale(-half * e, self.normal),
+        ]
     }
 
     /// c = −2(H − H0)J.

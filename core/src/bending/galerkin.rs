@@ -1,0 +1,336 @@
+//! Method G: the bending energy of blended osculating jets, whose exact gradient converges pointwise.
+//!
+//! The idea of an energy of second derivatives on surfaces that are only continuous is that of C0 interior
+//! penalty methods: S. C. Brenner and L.-Y. Sung, J. Sci. Comput. 22 (2005) 83. Jets, their blend, and
+//! the gradient of the whole are our own.
+
+mod basis;
+mod edges;
+mod fit;
+mod patch;
+mod plan;
+mod points;
+mod vertices;
+
+use self::basis::Basis;
+use self::edges::Edges;
+use self::fit::Fit;
+use self::patch::{Back, Bars, HEM, Inside, RETURNED, RIM};
+use self::plan::Plan;
+use self::vertices::{Backward, Forward, Work};
+use crate::bending::MaterialParameter;
+use crate::bending::area_vectors::{AreaVectorForce, AreaVectors};
+use crate::diagnostic::Finding;
+use crate::element::{Execution, Ragged, Strided, of_vertices};
+use crate::lane::{Lane, Several, WIDTH};
+use crate::mesh::TriangleMesh;
+use crate::method::{Method, ParameterError, TwoPass, Workspace};
+use crate::real::{Real, finite_or_zero};
+use crate::surface::Surface;
+use crate::vec3::{Vec3, add, dot, normalise, scale, sub};
+use alloc::vec::Vec;
+
+/// `E = 2 ∫ κ (H − H0)² dS + 2 Σ_e ∫_e κ {H − H0} θ ds` over patches of degree 5, and the exact gradient
+/// of this energy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Galerkin<T> {
+    /// Bending modulus κ, in units of energy.
+    pub modulus: MaterialParameter<T>,
+    /// Spontaneous curvature H0.
+    pub spontaneous_curvature: MaterialParameter<T>,
+}
+
+impl<T: Real> Galerkin<T> {
+    /// The method without spontaneous curvature.
+    pub fn new(modulus: T) -> Self {
+        Self {
+            modulus: modulus.into(),
+            spontaneous_curvature: MaterialParameter::default(),
+        }
+    }
+}
+
+/// Memory of [`Galerkin`].
+#[derive(Clone, Debug)]
+pub struct GalerkinMemory<T> {
+    plan: Plan,
+    basis: Basis<T>,
+    /// Sums of area vectors, and unit normals.
+    sums: Vec<[T; 4]>,
+    normals: Vec<[T; 3]>,
+    fits: Vec<Fit<T>>,
+    displacements: Vec<Several<T>>,
+    energies: Vec<Several<T>>,
+    edge_energies: Vec<Several<T>>,
+    rims: Vec<Several<T>>,
+    hems: Vec<Several<T>>,
+    bars: Vec<Bars<T>>,
+    returned: Vec<Several<T>>,
+    pulls: Vec<Vec3<Several<T>>>,
+    turns: Vec<Vec3<Several<T>>>,
+    own_turns: Vec<Vec3<Several<T>>>,
+    /// −∂E/∂(2N).
+    normal_forces: Vec<[T; 4]>,
+    work: Vec<Work<T>>,
+    idle: Vec<()>,
+}
+
+impl<T: Real> Method<T> for Galerkin<T> {
+    type Memory = GalerkinMemory<T>;
+
+    fn memory(&self, mesh: &TriangleMesh) -> GalerkinMemory<T> {
+        GalerkinMemory {
+            plan: Plan::new(mesh),
+            basis: Basis::new(),
+            sums: Vec::new(),
+            normals: Vec::new(),
+            fits: Vec::new(),
+            displacements: Vec::new(),
+            energies: Vec::new(),
+            edge_energies: Vec::new(),
+            rims: Vec::new(),
+            hems: Vec::new(),
+            bars: Vec::new(),
+            returned: Vec::new(),
+            pulls: Vec::new(),
+            turns: Vec::new(),
+            own_turns: Vec::new(),
+            normal_forces: Vec::new(),
+            work: Vec::new(),
+            idle: Vec::new(),
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        MaterialParameter::check(&self.modulus, &self.spontaneous_curvature)
+    }
+
+    fn inspect(
+        &self,
+        surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
+        report: &mut dyn FnMut(Finding),
+    ) {
+        let memory = workspace.for_mesh(surface.mesh());
+        surface.report_rough_vertices(report);
+        let _ = memory;
+    }
+}
+
+impl<T: Real> Galerkin<T> {
+    /// Energies of patches and edges, and with `GRADIENT` the derivatives inside patches.
+    fn evaluate<const GRADIENT: bool>(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GalerkinMemory<T>,
+    ) {
+        let zero = Several::zero();
+        let plan = &memory.plan;
+        AreaVectors.sum(execution, surface, &mut memory.sums);
+        let sums = &memory.sums;
+        memory.normals.resize(sums.len(), [T::zero(); 3]);
+        execution.map(&mut memory.normals[..], |vertex, normal| {
+            let [x, y, z, _] = sums[vertex];
+            *normal = normalise([x, y, z]);
+        });
+        memory.fits.resize_with(plan.blocks.len(), Fit::default);
+        let stars = plan.star_offsets[plan.blocks.len()];
+        memory.displacements.resize(stars, zero);
+        let forward = Forward {
+            plan,
+            surface,
+            normals: &memory.normals,
+        };
+        let ragged = Ragged::new(&mut memory.displacements, &plan.star_offsets);
+        execution.run(&mut memory.work, (&mut memory.fits[..], ragged), &forward);
+
+        let blocks = plan.patches.len().div_ceil(WIDTH);
+        memory.energies.resize(blocks, zero);
+        memory.rims.resize(blocks * RIM, zero);
+        memory.bars.resize_with(blocks, Bars::default);
+        let (modulus, spontaneous) = (self.modulus.at(0), self.spontaneous_curvature.at(0));
+        let inside = Inside::<T, GRADIENT> {
+            plan,
+            basis: &memory.basis,
+            surface,
+            normals: &memory.normals,
+            displacements: &memory.displacements,
+            modulus,
+            spontaneous,
+        };
+        let slots = (
+            (
+                &mut memory.energies[..],
+                Strided::new(&mut memory.rims, RIM),
+            ),
+            &mut memory.bars[..],
+        );
+        execution.run(&mut memory.idle, slots, &inside);
+
+        let blocks = plan.hems.len().div_ceil(WIDTH);
+        memory.edge_energies.resize(blocks, zero);
+        memory.hems.resize(blocks * HEM, zero);
+        let edges = Edges {
+            plan,
+            basis: &memory.basis,
+            rims: &memory.rims,
+            modulus,
+            spontaneous,
+        };
+        let slots = (
+            &mut memory.edge_energies[..],
+            Strided::new(&mut memory.hems, HEM),
+        );
+        execution.run(&mut memory.idle, slots, &edges);
+    }
+}
+
+impl<T: Real> TwoPass for Galerkin<T> {
+    type Scalar = T;
+
+    fn measure(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GalerkinMemory<T>,
+    ) {
+        let Self {
+            modulus,
+            spontaneous_curvature,
+        } = self;
+        MaterialParameter::expect(self, modulus, spontaneous_curvature, surface.mesh());
+        self.evaluate::<true>(execution, surface, memory);
+    }
+
+    fn measured_energy(
+        &self,
+        execution: &impl Execution,
+        _: Surface<'_, T>,
+        memory: &mut GalerkinMemory<T>,
+    ) -> T {
+        let entry = |energies: &[Several<T>], k: usize| energies[k / WIDTH].0[k % WIDTH];
+        let [inside, between] = [&memory.energies, &memory.edge_energies]
+            .map(|energies| execution.sum(energies.len() * WIDTH, |k| entry(energies, k)));
+        inside + between
+    }
+
+    fn add_measured_force(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GalerkinMemory<T>,
+        force: &mut [[T; 3]],
+    ) {
+        let zero = Several::zero();
+        let plan = &memory.plan;
+        memory.returned.resize(memory.bars.len() * RETURNED, zero);
+        let back = Back {
+            plan,
+            basis: &memory.basis,
+            surface,
+            normals: &memory.normals,
+            displacements: &memory.displacements,
+            inside: &memory.bars,
+            hems: &memory.hems,
+        };
+        let slots = Strided::new(&mut memory.returned, RETURNED);
+        execution.run(&mut memory.idle, slots, &back);
+
+        let count = plan.blocks.len();
+        let resize = |rows: &mut Vec<Vec3<Several<T>>>, count: usize| rows.resize(count, [zero; 3]);
+        resize(&mut memory.pulls, plan.neighbour_offsets[count]);
+        resize(&mut memory.turns, plan.ring_offsets[count]);
+        resize(&mut memory.own_turns, count);
+        let backward = Backward {
+            plan,
+            surface,
+            normals: &memory.normals,
+            fits: &memory.fits,
+            displacements: &memory.displacements,
+            returned: &memory.returned,
+        };
+        let slots = (
+            (
+                Ragged::new(&mut memory.pulls, &plan.neighbour_offsets),
+                Ragged::new(&mut memory.turns, &plan.ring_offsets),
+            ),
+            &mut memory.own_turns[..],
+        );
+        execution.run(&mut memory.work, slots, &backward);
+        let GalerkinMemory {
+            normals,
+            sums,
+            pulls,
+            turns,
+            own_turns,
+            returned,
+            normal_forces,
+            ..
+        } = memory;
+        let corner_bars = |vertex: usize, part: usize| plan.corner_bars(returned, vertex, part);
+        normal_forces.resize(sums.len(), [T::zero(); 4]);
+        execution.map(&mut normal_forces[..], |vertex, normal_force| {
+            let mut sum = corner_bars(vertex, 1);
+            for place in &plan.ringed[plan.ringed_offsets[vertex]..plan.ringed_offsets[vertex + 1]]
+            {
+                sum = add(sum, place.vector(turns));
+            }
+            if let Some((block, lane)) = plan.members[vertex] {
+                let own = own_turns[block as usize].map(|row| row.0[usize::from(lane)]);
+                sum = add(sum, own);
+            }
+            let normal = normals[vertex];
+            let across = sub(sum, scale(dot(sum, normal), normal));
+            let [x, y, z, _] = sums[vertex];
+            let over = crate::vec3::norm([x, y, z]).reciprocal_or_zero();
+            let [x, y, z] = finite_or_zero(scale(-over, across));
+            *normal_force = [x, y, z, T::zero()];
+        });
+        execution.scatter(
+            &AreaVectorForce,
+            surface,
+            surface.mesh().triangles(),
+            normal_forces,
+            force,
+        );
+        execution.map(of_vertices(surface, force), |vertex, force| {
+            let mut sum = corner_bars(vertex, 0);
+            for place in &plan.listed[plan.listed_offsets[vertex]..plan.listed_offsets[vertex + 1]]
+            {
+                sum = add(sum, place.vector(pulls));
+            }
+            if let Some((block, lane)) = plan.members[vertex] {
+                let (block, lane) = (block as usize, usize::from(lane));
+                let rows = plan.neighbour_offsets[block]..;
+                let count = plan.blocks[block].counts[lane] as usize;
+                for row in pulls[rows].iter().take(count) {
+                    sum = sub(sum, row.map(|row| row.0[lane]));
+                }
+            }
+            *force = sub(*force, finite_or_zero(sum));
+        });
+    }
+}
+
+impl Plan {
+    /// The sum of what the patches around a vertex return for it: with respect to its position (part 0) or
+    /// normal (part 1).
+    fn corner_bars<T: Real>(&self, returned: &[Several<T>], vertex: usize, part: usize) -> [T; 3] {
+        let mut sum = [T::zero(); 3];
+        if let Some((block, lane)) = self.members[vertex] {
+            let (block, lane) = (block as usize, usize::from(lane));
+            let rows = &self.around[self.ring_offsets[block]..self.ring_offsets[block + 1]];
+            for triangles in rows {
+                let triangle = triangles[lane];
+                if triangle != plan::NONE {
+                    let (patch, corner) = (triangle as usize / 3, triangle as usize % 3);
+                    let row = patch / WIDTH * RETURNED + basis::FREE + 6 * corner + 3 * part;
+                    let bars = [0, 1, 2].map(|axis| returned[row + axis].0[patch % WIDTH]);
+                    sum = add(sum, bars);
+                }
+            }
+        }
+        sum
+    }
+}

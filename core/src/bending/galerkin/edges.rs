@@ -1,0 +1,82 @@
+//! The angle between the patches at an edge, times the mean of their curvatures.
+//!
+//! Patches meet without a gap but with a small angle θ between their normals, in which a part of the
+//! curvature is concentrated: `2κ ∫ {H − H0} θ ds`, {·} the mean of both sides, is what the energy of a
+//! smooth surface has there. With it the gradient is consistent: S. C. Brenner and L.-Y. Sung, J. Sci.
+//! Comput. 22 (2005) 83; M. Neunteufel, J. Schöberl, K. Sturm, J. Sci. Comput. 96 (2023).
+
+use super::basis::{Basis, GAUSS};
+use super::patch::{HEM, HEM_POINT, RIM, RIM_POINT};
+use super::plan::Plan;
+use crate::element::{SlotKernel, Slots, Strided};
+use crate::lane::{Lane, Several, WIDTH};
+use crate::real::Real;
+use crate::vec3::{cross, dot, norm, scale};
+
+/// Energies of edges and their derivatives.
+pub(super) struct Edges<'a, T> {
+    pub(super) plan: &'a Plan,
+    pub(super) basis: &'a Basis<T>,
+    pub(super) rims: &'a [Several<T>],
+    pub(super) modulus: T,
+    pub(super) spontaneous: T,
+}
+
+impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)> for Edges<'_, T> {
+    #[inline(always)]
+    fn set(
+        &self,
+        (): &mut (),
+        start: usize,
+        (energies, hems): (&'a mut [Several<T>], Strided<'a, Several<T>>),
+    ) {
+        let half = Several::literal(0.5);
+        for (index, (energy, hem)) in energies.iter_mut().zip(hems.into_slots()).enumerate() {
+            let first = (start + index) * WIDTH;
+            *energy = Several::zero();
+            for (gauss, rows) in hem.chunks_exact_mut(HEM_POINT).take(GAUSS).enumerate() {
+                let [near, far] = self.sides(first, gauss);
+                let along = [near[0], near[1], near[2]];
+                let [one, other] = [near, far].map(|side| [side[3], side[4], side[5]]);
+                let length = norm(along);
+                let unit = scale(length.reciprocal_or_zero(), along);
+                let angle = dot(cross(one, other), unit).atan2(dot(one, other));
+                let excess = half * (near[6] + far[6]) - Several::splat(self.spontaneous);
+                let two = T::constant(2.0);
+                let weight = Several::splat(two * self.modulus * self.basis.edges[gauss].weight);
+                *energy = *energy + weight * (length * (excess * angle));
+                rows[0] = weight * (length * excess);
+                rows[1] = half * (weight * (length * angle));
+                rows[2] = half * (weight * (excess * angle));
+            }
+            for lane in 0..WIDTH {
+                if first + lane >= self.plan.hems.len() {
+                    energy.0[lane] = T::zero();
+                }
+            }
+        }
+    }
+}
+
+impl<T: Real> Edges<'_, T> {
+    /// x_t, n and H on both sides at a quadrature point; x_t of the second side runs backward.
+    #[inline(always)]
+    fn sides(&self, first: usize, gauss: usize) -> [[Several<T>; RIM_POINT]; 2] {
+        let mut sides = [[Several::zero(); RIM_POINT]; 2];
+        for lane in 0..WIDTH {
+            let hem = &self.plan.hems[(first + lane).min(self.plan.hems.len() - 1)];
+            for (side, values) in sides.iter_mut().enumerate() {
+                let (patch, edge) = hem.sides[side];
+                let gauss = if side == 0 { gauss } else { GAUSS - 1 - gauss };
+                let (block, entry) = (patch as usize / WIDTH, patch as usize % WIDTH);
+                let point = usize::from(edge) * GAUSS + gauss;
+                let rows = &self.rims[block * RIM + point * RIM_POINT..][..RIM_POINT];
+                for (value, row) in values.iter_mut().zip(rows) {
+                    value.0[lane] = row.0[entry];
+                }
+            }
+        }
+        debug_assert!(HEM == GAUSS * HEM_POINT);
+        sides
+    }
+}

@@ -1,0 +1,354 @@
+//! Patches: surfaces of degree 5 over eight triangles at once, their energy, and its derivatives.
+
+use super::basis::{
+    AROUND, Basis, FREE, GAUSS, INNER, INSIDE, Node, ON_EDGE, POINTS, blend, inner_from,
+};
+use super::plan::{NONE, Plan};
+use crate::bending::surface_point::Point;
+use crate::element::{SlotKernel, Strided};
+use crate::lane::{Lane, Several, WIDTH};
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::vec3::{Vec3, add, dot, norm, scale, sub};
+
+/// Rows of the geometry along the edges of a patch: x_t, n and H at each quadrature point.
+pub(super) const RIM: usize = 3 * GAUSS * RIM_POINT;
+pub(super) const RIM_POINT: usize = 7;
+/// Rows of what a patch returns: derivatives with respect to the displacements of free points, and to
+/// the position and the normal of each corner.
+pub(super) const RETURNED: usize = FREE + 3 * 6;
+/// Rows of what an edge returns for each quadrature point: the derivatives with respect to the angle, to
+/// H and to the length, those of H and the length on each side.
+pub(super) const HEM_POINT: usize = 3;
+pub(super) const HEM: usize = GAUSS * HEM_POINT;
+
+/// The points of patches, and the derivatives of the energy with respect to them.
+#[derive(Clone, Debug)]
+pub(super) struct Bars<T> {
+    pub(super) points: [Vec3<Several<T>>; FREE],
+    pub(super) edges: [Vec3<Several<T>>; 2],
+}
+
+impl<T: Real> Default for Bars<T> {
+    fn default() -> Self {
+        let zero = [Several::zero(); 3];
+        Self {
+            points: [zero; FREE],
+            edges: [zero; 2],
+        }
+    }
+}
+
+/// Eight patches.
+pub(super) struct Patches<T> {
+    /// From the first corner to the second and third.
+    edges: [Vec3<Several<T>>; 2],
+    /// The direction of each free point, 1 over the length of `Σ λ_k n_k`, and the displacement.
+    directions: [Vec3<Several<T>>; FREE],
+    over_lengths: [Several<T>; FREE],
+    displacements: [Several<T>; FREE],
+    points: [Vec3<Several<T>>; FREE],
+}
+
+impl<T: Real> Patches<T> {
+    /// The patches from number `first` on; the last one repeats.
+    #[inline(always)]
+    pub(super) fn gather(
+        plan: &Plan,
+        surface: Surface<'_, T>,
+        normals: &[[T; 3]],
+        displacements: &[Several<T>],
+        first: usize,
+    ) -> Self {
+        let zero = [Several::zero(); 3];
+        let mut edges = [zero; 2];
+        let mut corners = [zero; 3];
+        let mut ways = [Several::zero(); FREE];
+        let mut inside = [[Several::zero(); INSIDE]; 3];
+        let mut back = [[Several::zero(); ON_EDGE]; 3];
+        for lane in 0..WIDTH {
+            let patch = &plan.patches[(first + lane).min(plan.patches.len() - 1)];
+            let [origin, second, third] = patch.corners;
+            for (edge, corner) in edges.iter_mut().zip([second, third]) {
+                let difference = surface.difference(origin, corner);
+                for axis in 0..3 {
+                    edge[axis].0[lane] = difference[axis];
+                }
+            }
+            for corner in 0..3 {
+                let normal = normals[patch.corners[corner] as usize];
+                for axis in 0..3 {
+                    corners[corner][axis].0[lane] = normal[axis];
+                }
+                let [star, other] = patch.stars[corner];
+                for k in 0..ON_EDGE {
+                    ways[corner * ON_EDGE + k].0[lane] = star.read(displacements, k);
+                    // The edge that ends here, from its other end.
+                    let edge = (corner + 2) % 3;
+                    back[edge][ON_EDGE - 1 - k].0[lane] = other.read(displacements, k);
+                }
+                for k in 0..INSIDE {
+                    inside[corner][k].0[lane] = star.read(displacements, ON_EDGE + k);
+                }
+            }
+        }
+        let mut patches = Self {
+            edges,
+            directions: [zero; FREE],
+            over_lengths: [Several::zero(); FREE],
+            displacements: blended(ways, back, inside),
+            points: [zero; FREE],
+        };
+        for k in 0..FREE {
+            let mut sum = zero;
+            for (corner, &normal) in corners.iter().enumerate() {
+                if POINTS[k][corner] > 0.0 {
+                    sum = add(sum, scale(Several::literal(POINTS[k][corner]), normal));
+                }
+            }
+            let over = norm(sum).reciprocal_or_zero();
+            patches.over_lengths[k] = over;
+            patches.directions[k] = scale(over, sum);
+            patches.points[k] = scale(patches.displacements[k], patches.directions[k]);
+        }
+        patches
+    }
+
+    /// The surface at a quadrature point: first and second derivatives.
+    #[inline(always)]
+    fn derivatives(&self, node: &Node<T>) -> [Vec3<Several<T>>; 5] {
+        let zero = [Several::zero(); 3];
+        let mut derivatives = [self.edges[0], self.edges[1], zero, zero, zero];
+        for (point, weights) in self.points.iter().zip(&node.derivatives) {
+            for k in 0..5 {
+                let weight = Several::splat(weights[k]);
+                for axis in 0..3 {
+                    derivatives[k][axis] = derivatives[k][axis] + weight * point[axis];
+                }
+            }
+        }
+        derivatives
+    }
+
+    /// From derivatives with respect to the points: those with respect to displacements, and to position
+    /// and normal of each corner.
+    #[inline(always)]
+    fn give_back(&self, bars: &Bars<T>, returned: &mut [Several<T>]) {
+        let zero = [Several::zero(); 3];
+        let mut normals = [zero; 3];
+        for k in 0..FREE {
+            let bar = bars.points[k];
+            let along = dot(bar, self.directions[k]);
+            returned[k] = along;
+            let across = sub(bar, scale(along, self.directions[k]));
+            let turn = scale(self.displacements[k] * self.over_lengths[k], across);
+            for (corner, normal) in normals.iter_mut().enumerate() {
+                if POINTS[k][corner] > 0.0 {
+                    *normal = add(*normal, scale(Several::literal(POINTS[k][corner]), turn));
+                }
+            }
+        }
+        let [second, third] = bars.edges;
+        let first = scale(Several::literal(-1.0), add(second, third));
+        for (corner, place) in [first, second, third].into_iter().enumerate() {
+            let rows = &mut returned[FREE + 6 * corner..][..6];
+            rows[..3].copy_from_slice(&place);
+            rows[3..].copy_from_slice(&normals[corner]);
+        }
+    }
+}
+
+/// Displacements of the free points: `ways` of the first corner of each edge, `back` of the second,
+/// `inside` of each corner as it counts the points.
+#[inline(always)]
+pub(super) fn blended<T: Real>(
+    ways: [Several<T>; FREE],
+    back: [[Several<T>; ON_EDGE]; 3],
+    inside: [[Several<T>; INSIDE]; 3],
+) -> [Several<T>; FREE] {
+    let mut sums = [Several::zero(); FREE];
+    for edge in 0..3 {
+        for k in 0..ON_EDGE {
+            let [own, next, _] = AROUND[k];
+            let [near, far] = [[own, next, 0.0], [next, own, 0.0]].map(blend);
+            sums[edge * ON_EDGE + k] = Several::literal(near) * ways[edge * ON_EDGE + k]
+                + Several::literal(far) * back[edge][k];
+        }
+    }
+    for corner in 0..3 {
+        for k in 0..INSIDE {
+            let point = 3 * ON_EDGE + inner_from(corner, k);
+            let weight = Several::literal(blend(AROUND[ON_EDGE + k]));
+            sums[point] = sums[point] + weight * inside[corner][k];
+        }
+    }
+    debug_assert!(INNER.len() == INSIDE);
+    sums
+}
+
+/// Adds the derivatives at a quadrature point to those with respect to the points.
+#[inline(always)]
+fn spread<T: Real>(bars: &mut Bars<T>, node: &Node<T>, given: &[Vec3<Several<T>>; 5]) {
+    for (bar, weights) in bars.points.iter_mut().zip(&node.derivatives) {
+        for axis in 0..3 {
+            let mut sum = bar[axis];
+            for k in 0..5 {
+                sum = sum + Several::splat(weights[k]) * given[k][axis];
+            }
+            bar[axis] = sum;
+        }
+    }
+    bars.edges[0] = add(bars.edges[0], given[0]);
+    bars.edges[1] = add(bars.edges[1], given[1]);
+}
+
+/// The tangent along a local edge, from x_v and x_w.
+#[inline(always)]
+fn tangent<L: Lane>(edge: usize, v: Vec3<L>, w: Vec3<L>) -> Vec3<L> {
+    match edge {
+        0 => v,
+        1 => sub(w, v),
+        _ => sub([L::zero(); 3], w),
+    }
+}
+
+/// First pass: energies inside patches, the geometry along their edges, and with `GRADIENT` the
+/// derivatives of these energies.
+pub(super) struct Inside<'a, T, const GRADIENT: bool> {
+    pub(super) plan: &'a Plan,
+    pub(super) basis: &'a Basis<T>,
+    pub(super) surface: Surface<'a, T>,
+    pub(super) normals: &'a [[T; 3]],
+    pub(super) displacements: &'a [Several<T>],
+    pub(super) modulus: T,
+    pub(super) spontaneous: T,
+}
+
+/// Energies, geometry along edges, and derivatives, for each block of patches.
+type InsideSlots<'a, T> = (
+    (&'a mut [Several<T>], Strided<'a, Several<T>>),
+    &'a mut [Bars<T>],
+);
+
+impl<'a, T: Real, const GRADIENT: bool> SlotKernel<(), InsideSlots<'a, T>>
+    for Inside<'_, T, GRADIENT>
+{
+    #[inline(always)]
+    fn set(&self, (): &mut (), start: usize, ((energies, rims), bars): InsideSlots<'a, T>) {
+        use crate::element::Slots;
+        let slots = energies.iter_mut().zip(rims.into_slots()).zip(bars);
+        for (index, ((energy, rim), bars)) in slots.enumerate() {
+            let first = (start + index) * WIDTH;
+            let patches = Patches::gather(
+                self.plan,
+                self.surface,
+                self.normals,
+                self.displacements,
+                first,
+            );
+            *energy = Several::zero();
+            if GRADIENT {
+                *bars = Bars::default();
+            }
+            let spontaneous = Several::splat(self.spontaneous);
+            for node in &self.basis.bulk {
+                let point = Point::new(patches.derivatives(node));
+                let strength = Several::splat(node.weight * self.modulus);
+                *energy = *energy + point.energy(strength, spontaneous);
+                if GRADIENT {
+                    spread(bars, node, &point.gradient(strength, spontaneous));
+                }
+            }
+            for (number, (node, rim)) in (self.basis.edges.iter())
+                .zip(rim.chunks_exact_mut(RIM_POINT))
+                .enumerate()
+            {
+                let derivatives = patches.derivatives(node);
+                let point = Point::new(derivatives);
+                let along = tangent(number / GAUSS, derivatives[0], derivatives[1]);
+                rim[..3].copy_from_slice(&along);
+                rim[3..6].copy_from_slice(&point.normal);
+                rim[6] = point.mean();
+            }
+            // Entries that no patch is left for count nothing.
+            for lane in 0..WIDTH {
+                if first + lane >= self.plan.patches.len() {
+                    energy.0[lane] = T::zero();
+                }
+            }
+        }
+    }
+}
+
+/// Last pass: all derivatives with respect to what patches are made of.
+pub(super) struct Back<'a, T> {
+    pub(super) plan: &'a Plan,
+    pub(super) basis: &'a Basis<T>,
+    pub(super) surface: Surface<'a, T>,
+    pub(super) normals: &'a [[T; 3]],
+    pub(super) displacements: &'a [Several<T>],
+    pub(super) inside: &'a [Bars<T>],
+    pub(super) hems: &'a [Several<T>],
+}
+
+impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Back<'_, T> {
+    #[inline(always)]
+    fn set(&self, (): &mut (), start: usize, slots: Strided<'a, Several<T>>) {
+        use crate::element::Slots;
+        for (index, returned) in slots.into_slots().enumerate() {
+            let first = (start + index) * WIDTH;
+            let patches = Patches::gather(
+                self.plan,
+                self.surface,
+                self.normals,
+                self.displacements,
+                first,
+            );
+            let mut bars = self.inside[start + index].clone();
+            for (number, node) in self.basis.edges.iter().enumerate() {
+                let (edge, gauss) = (number / GAUSS, number % GAUSS);
+                let given = self.from_hem(first, edge, gauss);
+                let derivatives = patches.derivatives(node);
+                let point = Point::new(derivatives);
+                let along = tangent(edge, derivatives[0], derivatives[1]);
+                let unit = scale(norm(along).reciprocal_or_zero(), along);
+                // θ grows as n turns about the tangent of the other side, which runs backward.
+                let turn = crate::vec3::cross(point.normal, unit);
+                let mut by = point.pull(given[1], scale(given[0], turn));
+                let stretch = scale(given[2], unit);
+                match edge {
+                    0 => by[0] = add(by[0], stretch),
+                    1 => {
+                        by[0] = sub(by[0], stretch);
+                        by[1] = add(by[1], stretch);
+                    }
+                    _ => by[1] = sub(by[1], stretch),
+                }
+                spread(&mut bars, node, &by);
+            }
+            patches.give_back(&bars, returned);
+        }
+    }
+}
+
+impl<T: Real> Back<'_, T> {
+    /// The derivatives that edges return for a quadrature point.
+    #[inline(always)]
+    fn from_hem(&self, first: usize, edge: usize, gauss: usize) -> [Several<T>; HEM_POINT] {
+        let mut given = [Several::zero(); HEM_POINT];
+        for lane in 0..WIDTH {
+            let patch = &self.plan.patches[(first + lane).min(self.plan.patches.len() - 1)];
+            let (hem, reversed) = patch.edges[edge];
+            if hem == NONE {
+                continue;
+            }
+            let (block, entry) = (hem as usize / WIDTH, hem as usize % WIDTH);
+            let gauss = if reversed { GAUSS - 1 - gauss } else { gauss };
+            let rows = &self.hems[block * HEM + gauss * HEM_POINT..][..HEM_POINT];
+            for (given, row) in given.iter_mut().zip(rows) {
+                given.0[lane] = row.0[entry];
+            }
+        }
+        given
+    }
+}

@@ -1,0 +1,316 @@
+//! What follows from the connectivity: neighbours, and the places of results in blocks.
+//!
+//! Vertices, triangles and edges are processed in blocks of one lane each. Results of a block are rows
+//! of [`Several`], with an entry for each member of the block.
+
+use super::basis::{INSIDE, ON_EDGE};
+use crate::lane::{Several, WIDTH};
+use crate::mesh::TriangleMesh;
+use crate::neighbourhood::Surroundings;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Fewest neighbours of a fit of degree 6: whole rings are taken until there are so many. Twice the number
+/// of coefficients; the four rings of a vertex of valence 6 have 60.
+const ENOUGH: usize = 54;
+
+/// Number of vertices whose order may change, so that blocks have members of the same valence.
+const WINDOW: usize = 512;
+
+/// Rows of a jet's displacements for each neighbour in the one-ring.
+pub(super) const STAR: usize = ON_EDGE + INSIDE;
+
+/// No triangle, or no edge.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Entry `lane` of row `row`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    row: usize,
+    lane: u8,
+}
+
+impl Place {
+    fn new(row: usize, lane: usize) -> Self {
+        let lane = lane as u8;
+        Self { row, lane }
+    }
+
+    /// The entry `rows` rows further.
+    #[inline(always)]
+    pub(super) fn read<T: Copy>(self, all: &[Several<T>], rows: usize) -> T {
+        all[self.row + rows].0[usize::from(self.lane)]
+    }
+
+    /// The vector at this place.
+    #[inline(always)]
+    pub(super) fn vector<T: Copy>(self, all: &[[Several<T>; 3]]) -> [T; 3] {
+        let lane = usize::from(self.lane);
+        all[self.row].map(|row| row.0[lane])
+    }
+}
+
+/// Vertices with fits that are computed together.
+#[derive(Clone, Debug)]
+pub(super) struct Block {
+    /// Entries that no vertex is left for repeat the first.
+    pub(super) vertices: [u32; WIDTH],
+    pub(super) valences: [u32; WIDTH],
+    /// Numbers of neighbours.
+    pub(super) counts: [u32; WIDTH],
+    /// Degree of the fits.
+    pub(super) degree: usize,
+}
+
+/// A triangle that counts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Patch {
+    pub(super) corners: [u32; 3],
+    /// The displacements of each corner's jet: towards the next corner and inside, and towards the
+    /// other corner.
+    pub(super) stars: [[Place; 2]; 3],
+    /// The edges in the list of those between two of these triangles, and whether they run the other
+    /// way.
+    pub(super) edges: [(u32, bool); 3],
+}
+
+/// An edge between two triangles that count: where these have the edge.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hem {
+    pub(super) ends: [u32; 2],
+    /// Number of the triangle among those that count, and its local edge.
+    pub(super) sides: [(u32, u8); 2],
+}
+
+/// The plan of all evaluations on a mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub(super) blocks: Vec<Block>,
+    /// Rows of neighbours of each block, the one-ring first; padded with the vertex itself.
+    pub(super) neighbours: Vec<[u32; WIDTH]>,
+    pub(super) neighbour_offsets: Vec<usize>,
+    /// Start of each block among the neighbours of one-rings.
+    pub(super) ring_offsets: Vec<usize>,
+    /// Start of each block among displacements: [`STAR`] rows for each neighbour in the one-ring.
+    pub(super) star_offsets: Vec<usize>,
+    /// For each of these rows, by lanes, the triangle that follows the neighbour, times 3 plus the number
+    /// of the vertex among its corners; [`NONE`] if it does not count.
+    pub(super) around: Vec<[u32; WIDTH]>,
+    /// The place of each vertex that has a fit: its block and lane.
+    pub(super) members: Vec<Option<(u32, u8)>>,
+    pub(super) patches: Vec<Patch>,
+    /// The triangle of the mesh that each is.
+    pub(super) triangles: Vec<u32>,
+    pub(super) hems: Vec<Hem>,
+    /// For each vertex, the places among neighbours at which it is listed.
+    pub(super) listed_offsets: Vec<usize>,
+    pub(super) listed: Vec<Place>,
+    /// For each vertex, the places among neighbours of one-rings at which it is listed.
+    pub(super) ringed_offsets: Vec<usize>,
+    pub(super) ringed: Vec<Place>,
+}
+
+/// The degree of fits that this number of neighbours determines, 0 if they determine none.
+pub(super) fn degree_for(neighbours: usize) -> usize {
+    match neighbours {
+        ENOUGH.. => 6,
+        40.. => 5,
+        28.. => 4,
+        18.. => 3,
+        10.. => 2,
+        _ => 0,
+    }
+}
+
+/// Number of coefficients of a polynomial without constant term.
+pub(super) const fn coefficient_count(degree: usize) -> usize {
+    (degree + 1) * (degree + 2) / 2 - 1
+}
+
+impl Plan {
+    pub(super) fn new(mesh: &TriangleMesh) -> Self {
+        let surroundings = Surroundings::rings(mesh, ENOUGH);
+        let counts = |corners: &[u32; 3]| corners.iter().all(|&v| mesh.is_interior(v as usize));
+        let mut numbers = vec![NONE; mesh.triangles().len()];
+        let mut triangles = Vec::new();
+        let mut used = vec![false; mesh.vertex_count()];
+        for (triangle, corners) in mesh.triangles().iter().enumerate() {
+            if counts(corners) {
+                numbers[triangle] = triangles.len() as u32;
+                triangles.push(triangle as u32);
+                for &corner in corners {
+                    used[corner as usize] = true;
+                }
+            }
+        }
+        let mut plan = Self {
+            blocks: Vec::new(),
+            neighbours: Vec::new(),
+            neighbour_offsets: vec![0],
+            ring_offsets: vec![0],
+            star_offsets: vec![0],
+            around: Vec::new(),
+            members: vec![None; mesh.vertex_count()],
+            patches: Vec::new(),
+            triangles,
+            hems: Vec::new(),
+            listed_offsets: Vec::new(),
+            listed: Vec::new(),
+            ringed_offsets: Vec::new(),
+            ringed: Vec::new(),
+        };
+        plan.set_blocks(mesh, &surroundings, &used);
+        plan.set_patches(mesh, &numbers);
+        plan.set_hems(mesh, &numbers);
+        let rows = plan.neighbour_offsets.clone();
+        let whole = |block: &Block, lane: usize| block.counts[lane] as usize;
+        (plan.listed_offsets, plan.listed) = plan.lists(&rows, whole);
+        let rows = plan.ring_offsets.clone();
+        let ring = |block: &Block, lane: usize| block.valences[lane] as usize;
+        (plan.ringed_offsets, plan.ringed) = plan.lists(&rows, ring);
+        plan
+    }
+
+    /// The valence of each vertex must fit its type.
+    fn set_blocks(&mut self, mesh: &TriangleMesh, surroundings: &Surroundings, used: &[bool]) {
+        let mut order: Vec<u32> = (0..used.len() as u32)
+            .filter(|&v| used[v as usize])
+            .collect();
+        let count = |vertex: u32| surroundings.of(vertex as usize).count();
+        let degree = |vertex: u32| degree_for(count(vertex));
+        order.sort_by_key(|&vertex| degree(vertex));
+        for window in order.chunks_mut(WINDOW) {
+            window.sort_by_key(|&v| (degree(v), mesh.valence(v as usize), count(v), v));
+        }
+        let alike = |a: &u32, b: &u32| degree(*a) == degree(*b);
+        for members in order.chunk_by(alike).flat_map(|run| run.chunks(WIDTH)) {
+            self.add_block(mesh, surroundings, members, degree(members[0]));
+        }
+    }
+
+    fn add_block(
+        &mut self,
+        mesh: &TriangleMesh,
+        surroundings: &Surroundings,
+        members: &[u32],
+        degree: usize,
+    ) {
+        let number = self.blocks.len() as u32;
+        for (lane, &vertex) in members.iter().enumerate() {
+            self.members[vertex as usize] = Some((number, lane as u8));
+        }
+        let vertices: [u32; WIDTH] =
+            core::array::from_fn(|lane| members.get(lane).copied().unwrap_or(members[0]));
+        let near = vertices.map(|vertex| surroundings.of(vertex as usize).vertices());
+        let valences = vertices.map(|vertex| mesh.valence(vertex as usize));
+        let rows = near.iter().map(|near| near.len()).max().unwrap_or(0);
+        for row in 0..rows {
+            let neighbour = |lane: usize| near[lane].get(row).copied().unwrap_or(vertices[lane]);
+            self.neighbours.push(core::array::from_fn(neighbour));
+        }
+        let ring = valences.iter().copied().max().unwrap_or(0);
+        let next = |offsets: &[usize], rows: usize| offsets[offsets.len() - 1] + rows;
+        self.neighbour_offsets
+            .push(next(&self.neighbour_offsets, rows));
+        self.ring_offsets.push(next(&self.ring_offsets, ring));
+        self.star_offsets
+            .push(next(&self.star_offsets, ring * STAR));
+        self.around.resize(self.around.len() + ring, [NONE; WIDTH]);
+        self.blocks.push(Block {
+            vertices,
+            valences: valences.map(|valence| valence as u32),
+            counts: near.map(|near| near.len() as u32),
+            degree,
+        });
+    }
+
+    /// The block and lane of a vertex that has a fit.
+    fn member(&self, vertex: u32) -> (usize, usize) {
+        let (block, lane) = self.members[vertex as usize].unwrap_or_default();
+        (block as usize, usize::from(lane))
+    }
+
+    fn set_patches(&mut self, mesh: &TriangleMesh, numbers: &[u32]) {
+        for number in 0..self.triangles.len() {
+            let corners = mesh.triangles()[self.triangles[number] as usize];
+            let mut stars = [[Place::default(); 2]; 3];
+            for (corner, stars) in stars.iter_mut().enumerate() {
+                let ring = mesh.one_ring(corners[corner] as usize);
+                let next = corners[(corner + 1) % 3];
+                let at = ring.iter().position(|&v| v == next).unwrap_or(0);
+                let (block, lane) = self.member(corners[corner]);
+                let star = |at: usize| Place::new(self.star_offsets[block] + at * STAR, lane);
+                *stars = [star(at), star((at + 1) % ring.len())];
+                self.around[self.ring_offsets[block] + at][lane] = (3 * number + corner) as u32;
+            }
+            self.patches.push(Patch {
+                corners,
+                stars,
+                edges: [(NONE, false); 3],
+            });
+        }
+        debug_assert!(numbers.len() >= self.patches.len());
+    }
+
+    fn set_hems(&mut self, mesh: &TriangleMesh, numbers: &[u32]) {
+        for (edge, &ends) in mesh.edges().iter().enumerate() {
+            let (left, right) = mesh.edge_triangles(edge);
+            let (left, right) = (
+                numbers[left as usize],
+                right.map_or(NONE, |right| numbers[right as usize]),
+            );
+            if left == NONE || right == NONE {
+                continue;
+            }
+            let hem = self.hems.len() as u32;
+            let [first, second] = ends;
+            let side = |plan: &mut Self, triangle: u32, from: u32, reversed: bool| {
+                let patch = &mut plan.patches[triangle as usize];
+                let local = patch.corners.iter().position(|&v| v == from).unwrap_or(0);
+                patch.edges[local] = (hem, reversed);
+                (triangle, local as u8)
+            };
+            let sides = [
+                side(self, left, first, false),
+                side(self, right, second, true),
+            ];
+            self.hems.push(Hem { ends, sides });
+        }
+    }
+
+    /// For each vertex, where it is listed among the first neighbours of blocks that start at these rows;
+    /// `count` is how many rows of a lane are used.
+    fn lists(
+        &self,
+        rows: &[usize],
+        count: impl Fn(&Block, usize) -> usize,
+    ) -> (Vec<usize>, Vec<Place>) {
+        let mut starts = vec![0_usize; self.members.len() + 1];
+        let each = |visit: &mut dyn FnMut(u32, Place)| {
+            for (number, block) in self.blocks.iter().enumerate() {
+                for lane in 0..WIDTH {
+                    let vertex = block.vertices[lane] as usize;
+                    if self.members[vertex] != Some((number as u32, lane as u8)) {
+                        continue;
+                    }
+                    for row in 0..count(block, lane) {
+                        let neighbour = self.neighbours[self.neighbour_offsets[number] + row][lane];
+                        visit(neighbour, Place::new(rows[number] + row, lane));
+                    }
+                }
+            }
+        };
+        each(&mut |vertex, _| starts[vertex as usize + 1] += 1);
+        for vertex in 1..starts.len() {
+            starts[vertex] += starts[vertex - 1];
+        }
+        let mut next = starts.clone();
+        let mut places = vec![Place::default(); starts[self.members.len()]];
+        each(&mut |vertex, place| {
+            let at = &mut next[vertex as usize];
+            places[*at] = place;
+            *at += 1;
+        });
+        (starts, places)
+    }
+}
