@@ -6,7 +6,9 @@
 
 mod basis;
 mod edges;
+mod density;
 mod fit;
+mod mass;
 mod patch;
 mod plan;
 mod points;
@@ -15,6 +17,8 @@ mod vertices;
 use self::basis::Basis;
 use self::edges::Edges;
 use self::fit::Fit;
+use self::density::Solver;
+use self::mass::Mass;
 use self::patch::{Back, Bars, HEM, Inside, RETURNED, RIM};
 use self::plan::Plan;
 use self::vertices::{Backward, Forward, Work};
@@ -38,6 +42,8 @@ pub struct Galerkin<T> {
     pub modulus: MaterialParameter<T>,
     /// Spontaneous curvature H0.
     pub spontaneous_curvature: MaterialParameter<T>,
+    /// Relative residual to which the equations of the force density are solved.
+    pub tolerance: T,
 }
 
 impl<T: Real> Galerkin<T> {
@@ -46,7 +52,15 @@ impl<T: Real> Galerkin<T> {
         Self {
             modulus: modulus.into(),
             spontaneous_curvature: MaterialParameter::default(),
+            tolerance: T::constant(1e-6),
         }
+    }
+}
+
+impl<T> GalerkinMemory<T> {
+    /// Number of iterations of the last force density.
+    pub fn iterations(&self) -> usize {
+        self.solver.iterations
     }
 }
 
@@ -71,6 +85,8 @@ pub struct GalerkinMemory<T> {
     own_turns: Vec<Vec3<Several<T>>>,
     /// −∂E/∂(2N).
     normal_forces: Vec<[T; 4]>,
+    mass: Mass<T>,
+    solver: Solver<T>,
     work: Vec<Work<T>>,
     idle: Vec<()>,
 }
@@ -96,6 +112,8 @@ impl<T: Real> Method<T> for Galerkin<T> {
             turns: Vec::new(),
             own_turns: Vec::new(),
             normal_forces: Vec::new(),
+            mass: Mass::default(),
+            solver: Solver::default(),
             work: Vec::new(),
             idle: Vec::new(),
         }
@@ -198,6 +216,7 @@ impl<T: Real> TwoPass for Galerkin<T> {
         let Self {
             modulus,
             spontaneous_curvature,
+            ..
         } = self;
         MaterialParameter::expect(self, modulus, spontaneous_curvature, surface.mesh());
         self.evaluate::<true>(execution, surface, memory);
@@ -268,11 +287,19 @@ impl<T: Real> TwoPass for Galerkin<T> {
             normal_forces,
             ..
         } = memory;
-        let corner_bars = |vertex: usize, part: usize| plan.corner_bars(returned, vertex, part);
+        // What patches return for a vertex, with respect to its position (part 0) or normal (part 1).
+        let corner_bars = |vertex: usize, part: usize| {
+            let mut sum = [T::zero(); 3];
+            for (patch, corner) in plan.patches_at(vertex) {
+                let row = patch / WIDTH * RETURNED + basis::FREE + 6 * corner + 3 * part;
+                sum = add(sum, [0, 1, 2].map(|axis| returned[row + axis].0[patch % WIDTH]));
+            }
+            sum
+        };
         normal_forces.resize(sums.len(), [T::zero(); 4]);
         execution.map(&mut normal_forces[..], |vertex, normal_force| {
             let mut sum = corner_bars(vertex, 1);
-            for place in &plan.ringed[plan.ringed_offsets[vertex]..plan.ringed_offsets[vertex + 1]]
+            for place in plan.ringed_at(vertex)
             {
                 sum = add(sum, place.vector(turns));
             }
@@ -296,7 +323,7 @@ impl<T: Real> TwoPass for Galerkin<T> {
         );
         execution.map(of_vertices(surface, force), |vertex, force| {
             let mut sum = corner_bars(vertex, 0);
-            for place in &plan.listed[plan.listed_offsets[vertex]..plan.listed_offsets[vertex + 1]]
+            for place in plan.listed_at(vertex)
             {
                 sum = add(sum, place.vector(pulls));
             }
@@ -313,24 +340,3 @@ impl<T: Real> TwoPass for Galerkin<T> {
     }
 }
 
-impl Plan {
-    /// The sum of what the patches around a vertex return for it: with respect to its position (part 0) or
-    /// normal (part 1).
-    fn corner_bars<T: Real>(&self, returned: &[Several<T>], vertex: usize, part: usize) -> [T; 3] {
-        let mut sum = [T::zero(); 3];
-        if let Some((block, lane)) = self.members[vertex] {
-            let (block, lane) = (block as usize, usize::from(lane));
-            let rows = &self.around[self.ring_offsets[block]..self.ring_offsets[block + 1]];
-            for triangles in rows {
-                let triangle = triangles[lane];
-                if triangle != plan::NONE {
-                    let (patch, corner) = (triangle as usize / 3, triangle as usize % 3);
-                    let row = patch / WIDTH * RETURNED + basis::FREE + 6 * corner + 3 * part;
-                    let bars = [0, 1, 2].map(|axis| returned[row + axis].0[patch % WIDTH]);
-                    sum = add(sum, bars);
-                }
-            }
-        }
-        sum
-    }
-}

@@ -107,7 +107,7 @@ impl<T: Real> Default for Fit<T> {
 pub(super) struct Scratch<T> {
     /// Coordinates u, v, h of each neighbour, and its weight.
     pub(super) places: [Vec<Several<T>>; 3],
-    weights: Vec<Several<T>>,
+    pub(super) weights: Vec<Several<T>>,
     /// Normals at the neighbours in the one-ring.
     pub(super) normals: Vec<Vec3<Several<T>>>,
     /// Derivatives of the energy with respect to u, v and h of each neighbour.
@@ -122,6 +122,16 @@ pub(super) struct Scratch<T> {
 }
 
 impl<T: Real> Scratch<T> {
+    /// Makes room for this number of neighbours.
+    #[inline(always)]
+    pub(super) fn resize(&mut self, rows: usize) {
+        for values in &mut self.places {
+            values.resize(rows, Several::zero());
+        }
+        self.values.resize(rows, Several::zero());
+        self.weights.resize(rows, Several::zero());
+    }
+
     /// Number of neighbours in the longest list.
     #[inline(always)]
     pub(super) fn rows(&self) -> usize {
@@ -478,6 +488,24 @@ pub(super) fn polynomial<L: Lane>(coefficients: &[L; COUNT], u: L, v: L) -> [L; 
         by_v = by_v * u + slope;
     }
     [value, by_u, by_v]
+}
+
+/// Value of a polynomial.
+#[inline(always)]
+pub(super) fn value_of<L: Lane>(coefficients: &[L; COUNT], u: L, v: L) -> L {
+    let mut value = L::zero();
+    for a in (0..=DEGREE).rev() {
+        let mut part = L::zero();
+        for b in (0..=DEGREE - a).rev() {
+            part = part * v;
+            let place = place_of(a + b, b);
+            if place > 0 {
+                part = part + coefficients[place - 1];
+            }
+        }
+        value = value * u + part;
+    }
+    value
 }
 
 /// Adds `factor` times the monomials at (u, v).

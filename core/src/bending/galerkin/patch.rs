@@ -116,7 +116,7 @@ impl<T: Real> Patches<T> {
 
     /// The surface at a quadrature point: first and second derivatives.
     #[inline(always)]
-    fn derivatives(&self, node: &Node<T>) -> [Vec3<Several<T>>; 5] {
+    pub(super) fn derivatives(&self, node: &Node<T>) -> [Vec3<Several<T>>; 5] {
         let zero = [Several::zero(); 3];
         let mut derivatives = [self.edges[0], self.edges[1], zero, zero, zero];
         for (point, weights) in self.points.iter().zip(&node.derivatives) {

@@ -224,6 +224,31 @@ impl Plan {
         });
     }
 
+    /// Where a vertex is listed among neighbours.
+    pub(super) fn listed_at(&self, vertex: usize) -> &[Place] {
+        &self.listed[self.listed_offsets[vertex]..self.listed_offsets[vertex + 1]]
+    }
+
+    /// Where a vertex is listed among neighbours of one-rings.
+    pub(super) fn ringed_at(&self, vertex: usize) -> &[Place] {
+        &self.ringed[self.ringed_offsets[vertex]..self.ringed_offsets[vertex + 1]]
+    }
+
+    /// The triangles that count around a vertex, and the number of the vertex among their corners.
+    pub(super) fn patches_at(&self, vertex: usize) -> impl Iterator<Item = (usize, usize)> {
+        let (rows, lane) = match self.members[vertex] {
+            Some((block, lane)) => {
+                let block = block as usize;
+                let ends = self.ring_offsets[block]..self.ring_offsets[block + 1];
+                (&self.around[ends], usize::from(lane))
+            }
+            None => (&self.around[..0], 0),
+        };
+        let triangles = rows.iter().map(move |row| row[lane]);
+        let counted = triangles.filter(|&triangle| triangle != NONE);
+        counted.map(|triangle| (triangle as usize / 3, triangle as usize % 3))
+    }
+
     /// The block and lane of a vertex that has a fit.
     fn member(&self, vertex: u32) -> (usize, usize) {
         let (block, lane) = self.members[vertex as usize].unwrap_or_default();

@@ -57,13 +57,14 @@ impl Plan {
     }
 
     /// Sets the derivatives of the energy with respect to the displacements around the vertices of a
-    /// block, without the weights of the blend: what the patches on both sides of an edge return, and
-    /// those around each point inside.
+    /// block, without the weights of the blend: what the `returned` rows of patches, `stride` to a block,
+    /// give to them. A point on an edge gets what the patches on both sides return.
     #[inline(always)]
     pub(super) fn gather_returned<T: Real>(
         &self,
         number: usize,
         returned: &[Several<T>],
+        stride: usize,
         given: &mut Vec<Several<T>>,
     ) {
         let rows = &self.around[self.ring_offsets[number]..self.ring_offsets[number + 1]];
@@ -78,7 +79,7 @@ impl Plan {
                 }
                 let (patch, corner) = (triangle as usize / 3, triangle as usize % 3);
                 let read =
-                    |point: usize| returned[patch / WIDTH * RETURNED + point].0[patch % WIDTH];
+                    |point: usize| returned[patch / WIDTH * stride + point].0[patch % WIDTH];
                 for k in 0..STAR {
                     let point = if k < ON_EDGE {
                         corner * ON_EDGE + k
@@ -131,7 +132,7 @@ impl<'a, T: Real> SlotKernel<Work<T>, BackwardSlots<'a, T>> for Backward<'_, T> 
                 ring,
             } = work;
             scratch.place_again(fit, self.surface, block, neighbours, self.normals);
-            plan.gather_returned(number, self.returned, given);
+            plan.gather_returned(number, self.returned, RETURNED, given);
             let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
             let displacements = &self.displacements[stars];
             let (by_coefficient, by_radius) = scratch.pull_points(fit, block, displacements, given);

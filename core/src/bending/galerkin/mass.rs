@@ -1,0 +1,438 @@
+//! The force density by the consistent mass matrix.
+//!
+//! Let a be normal displacements of the vertices. A jet whose neighbours move changes its height over a
+//! point by `δ = g_k a_k + V c′`, where c′ is fitted to `g_j a_j − g_k a_k` with the same weights, and
+//! `g_j = ν_j·(n − p_u t₁ − p_v t₂)` at neighbour j; in normal direction by `δ/√(1 + p_u² + p_v²)`. These
+//! are blended as the jets are, and interpolated by polynomials of degree 5: `φ = Z a`. The force density
+//! solves `M f = F·ν` with `M = Zᵀ ∫ φ φᵀ dS Z`, by conjugate gradients without a matrix.
+
+use super::basis::{Basis, FREE, INSIDE, ON_EDGE, QUADRATURE, inner_from};
+use super::fit::{COUNT, Fit, Scratch, add_monomials, polynomial, value_of};
+use super::patch::Patches;
+use super::plan::{Block, Plan, coefficient_count};
+use super::vertices::Work;
+use crate::bending::surface_point::Point;
+use crate::element::{Execution, Ragged, SlotKernel, Slots, Strided};
+use crate::lane::{Lane, Several, WIDTH};
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::vec3::{Vec3, normalise, scale, sub};
+use alloc::vec::Vec;
+
+/// Numbers for each neighbour: u, v, the weight, and g.
+type Neighbour<T> = [Several<T>; 4];
+
+/// Numbers for each point around a vertex: u, v, and the weight of the blend over the root.
+type Spot<T> = [Several<T>; 3];
+
+/// What stays the same while the equations are solved.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Mass<T> {
+    /// The unit normal ν of the jet of each vertex; 0 where there is none.
+    pub(super) normals: Vec<[T; 3]>,
+    own: Vec<Several<T>>,
+    neighbours: Vec<Neighbour<T>>,
+    spots: Vec<Spot<T>>,
+    /// Weighted areas of quadrature points.
+    areas: Vec<[Several<T>; QUADRATURE]>,
+    /// Displacements by jets, and what patches and jets return.
+    shares: Vec<Several<T>>,
+    returned: Vec<Several<T>>,
+    pulls: Vec<Several<T>>,
+    own_pulls: Vec<Several<T>>,
+}
+
+/// The normals of jets.
+struct Normals<'a, T> {
+    plan: &'a Plan,
+    fits: &'a [Fit<T>],
+}
+
+impl<T: Real> Normals<'_, T> {
+    /// The normal of the jet of a vertex.
+    fn of(&self, vertex: usize) -> [T; 3] {
+        let Some((block, lane)) = self.plan.members[vertex] else {
+            return [T::zero(); 3];
+        };
+        let (fit, lane) = (&self.fits[block as usize], usize::from(lane));
+        let at = |vector: Vec3<Several<T>>| vector.map(|axis| axis.0[lane]);
+        let [p, q] = [0, 1].map(|k| fit.coefficients[k].0[lane]);
+        let along = sub(at(fit.normal), scale(p, at(fit.frame[0])));
+        normalise(sub(along, scale(q, at(fit.frame[1]))))
+    }
+}
+
+/// Sets what stays the same for a block.
+struct Setup<'a, T> {
+    plan: &'a Plan,
+    surface: Surface<'a, T>,
+    /// Normals of vertices, and of jets.
+    normals: &'a [[T; 3]],
+    jet_normals: &'a [[T; 3]],
+    fits: &'a [Fit<T>],
+    displacements: &'a [Several<T>],
+}
+
+type SetupSlots<'a, T> = (
+    (
+        Ragged<'a, Neighbour<T>>,
+        Ragged<'a, Spot<T>>,
+    ),
+    &'a mut [Several<T>],
+);
+
+impl<'a, T: Real> SlotKernel<Work<T>, SetupSlots<'a, T>> for Setup<'_, T> {
+    #[inline(always)]
+    fn set(&self, work: &mut Work<T>, start: usize, ((rows, spots), own): SetupSlots<'a, T>) {
+        let plan = self.plan;
+        let slots = rows.into_slots().zip(spots.into_slots()).zip(own);
+        for (number, ((rows, spots), own)) in (start..).zip(slots) {
+            let (block, fit) = (&plan.blocks[number], &self.fits[number]);
+            let neighbours = plan.neighbours_of(number);
+            let scratch: &mut Scratch<T> = &mut work.scratch;
+            scratch.place_again(fit, self.surface, block, neighbours, self.normals);
+            let facing = |[by_u, by_v]: [Several<T>; 2], normal: Vec3<Several<T>>| {
+                let [u, v, h] = fit.into_frame(normal);
+                h - by_u * u - by_v * v
+            };
+            let [p, q, ..] = fit.coefficients;
+            *own = facing([p, q], self.gather(&block.vertices));
+            for (row, numbers) in rows.iter_mut().enumerate() {
+                let [u, v] = [0, 1].map(|axis| scratch.places[axis][row]);
+                let [_, by_u, by_v] = polynomial(&fit.coefficients, u, v);
+                let g = facing([by_u, by_v], self.gather(&neighbours[row]));
+                *numbers = [u, v, scratch.weights[row], g];
+            }
+            let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
+            let displacements = &self.displacements[stars];
+            scratch.set_spots(fit, block, displacements, spots);
+        }
+    }
+}
+
+impl<T: Real> Setup<'_, T> {
+    #[inline(always)]
+    fn gather(&self, vertices: &[u32; WIDTH]) -> Vec3<Several<T>> {
+        let mut normal = [Several::zero(); 3];
+        for (lane, &vertex) in vertices.iter().enumerate() {
+            for (axis, &entry) in self.jet_normals[vertex as usize].iter().enumerate() {
+                normal[axis].0[lane] = entry;
+            }
+        }
+        normal
+    }
+}
+
+/// Weighted areas of the quadrature points of patches.
+struct Areas<'a, T> {
+    plan: &'a Plan,
+    basis: &'a Basis<T>,
+    surface: Surface<'a, T>,
+    normals: &'a [[T; 3]],
+    displacements: &'a [Several<T>],
+}
+
+impl<'a, T: Real> SlotKernel<(), &'a mut [[Several<T>; QUADRATURE]]> for Areas<'_, T> {
+    #[inline(always)]
+    fn set(&self, (): &mut (), start: usize, slots: &'a mut [[Several<T>; QUADRATURE]]) {
+        for (index, areas) in slots.iter_mut().enumerate() {
+            let first = (start + index) * WIDTH;
+            let patches = Patches::gather(
+                self.plan,
+                self.surface,
+                self.normals,
+                self.displacements,
+                first,
+            );
+            for (area, node) in areas.iter_mut().zip(&self.basis.bulk) {
+                let point = Point::new(patches.derivatives(node));
+                *area = Several::splat(node.weight) * point.area;
+            }
+        }
+    }
+}
+
+/// Z as far as jets go: displacements at the points around each vertex.
+struct Move<'a, T> {
+    plan: &'a Plan,
+    neighbours: &'a [Neighbour<T>],
+    spots: &'a [Spot<T>],
+    own: &'a [Several<T>],
+    fits: &'a [Fit<T>],
+    field: &'a [T],
+}
+
+impl<'a, T: Real> SlotKernel<Work<T>, Ragged<'a, Several<T>>> for Move<'_, T> {
+    #[inline(always)]
+    fn set(&self, work: &mut Work<T>, start: usize, slots: Ragged<'a, Several<T>>) {
+        let plan = self.plan;
+        for (number, shares) in (start..).zip(slots.into_slots()) {
+            let block: &Block = &plan.blocks[number];
+            let rows = plan.neighbour_offsets[number]..plan.neighbour_offsets[number + 1];
+            let lists = &plan.neighbours[rows.clone()];
+            let centre = Several::from_fn(|lane| self.field[block.vertices[lane] as usize]);
+            let centre = self.own[number] * centre;
+            let scratch = &mut work.scratch;
+            scratch.take_places(&self.neighbours[rows.clone()]);
+            for ((value, numbers), list) in
+                scratch.values.iter_mut().zip(&self.neighbours[rows]).zip(lists)
+            {
+                let moved = Several::from_fn(|lane| self.field[list[lane] as usize]);
+                *value = numbers[3] * moved - centre;
+            }
+            let coefficients = scratch.fitted(&self.fits[number], block.degree);
+            let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
+            for (share, &[u, v, weight]) in shares.iter_mut().zip(&self.spots[stars]) {
+                *share = weight * (centre + value_of(&coefficients, u, v));
+            }
+        }
+    }
+}
+
+/// The mass matrix of patches: from displacements by jets and at corners to what the patch returns.
+struct Weigh<'a, T> {
+    plan: &'a Plan,
+    basis: &'a Basis<T>,
+    areas: &'a [[Several<T>; QUADRATURE]],
+    shares: &'a [Several<T>],
+    field: &'a [T],
+}
+
+impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Weigh<'_, T> {
+    #[inline(always)]
+    fn set(&self, (): &mut (), start: usize, slots: Strided<'a, Several<T>>) {
+        for (index, returned) in slots.into_slots().enumerate() {
+            let first = (start + index) * WIDTH;
+            let mut points = [Several::zero(); FREE];
+            let mut corners = [Several::zero(); 3];
+            for lane in 0..WIDTH {
+                let patch = &self.plan.patches[(first + lane).min(self.plan.patches.len() - 1)];
+                for corner in 0..3 {
+                    corners[corner].0[lane] = self.field[patch.corners[corner] as usize];
+                    let [star, other] = patch.stars[corner];
+                    for k in 0..ON_EDGE {
+                        let point = corner * ON_EDGE + k;
+                        points[point].0[lane] += star.read(self.shares, k);
+                        let point = (corner + 2) % 3 * ON_EDGE + ON_EDGE - 1 - k;
+                        points[point].0[lane] += other.read(self.shares, k);
+                    }
+                    for k in 0..INSIDE {
+                        let point = 3 * ON_EDGE + inner_from(corner, k);
+                        points[point].0[lane] += star.read(self.shares, ON_EDGE + k);
+                    }
+                }
+            }
+            let mut sums = [Several::zero(); FREE + 3];
+            for (node, &area) in self.basis.bulk.iter().zip(&self.areas[start + index]) {
+                let mut value = Several::zero();
+                for (&weight, &point) in node.values.iter().zip(&points) {
+                    value = value + Several::splat(weight) * point;
+                }
+                for (&weight, &corner) in node.corners.iter().zip(&corners) {
+                    value = value + Several::splat(weight) * corner;
+                }
+                let value = area * value;
+                for (sum, &weight) in sums.iter_mut().zip(node.values.iter().chain(&node.corners)) {
+                    *sum = *sum + Several::splat(weight) * value;
+                }
+            }
+            returned[..FREE + 3].copy_from_slice(&sums);
+        }
+    }
+}
+
+/// The transpose of [`Move`].
+struct Return<'a, T> {
+    plan: &'a Plan,
+    neighbours: &'a [Neighbour<T>],
+    spots: &'a [Spot<T>],
+    own: &'a [Several<T>],
+    fits: &'a [Fit<T>],
+    returned: &'a [Several<T>],
+}
+
+impl<'a, T: Real> SlotKernel<Work<T>, (Ragged<'a, Several<T>>, &'a mut [Several<T>])>
+    for Return<'_, T>
+{
+    #[inline(always)]
+    fn set(
+        &self,
+        work: &mut Work<T>,
+        start: usize,
+        (pulls, own): (Ragged<'a, Several<T>>, &'a mut [Several<T>]),
+    ) {
+        let plan = self.plan;
+        for (number, (pulls, own)) in (start..).zip(pulls.into_slots().zip(own)) {
+            plan.gather_returned(number, self.returned, FREE + 3, &mut work.given);
+            let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
+            let mut by_coefficient = [Several::zero(); COUNT];
+            let mut centre = Several::zero();
+            for (&given, &[u, v, weight]) in work.given.iter().zip(&self.spots[stars]) {
+                let given = weight * given;
+                centre = centre + given;
+                add_monomials(&mut by_coefficient, given, u, v);
+            }
+            let count = coefficient_count(plan.blocks[number].degree);
+            by_coefficient[count..].fill(Several::zero());
+            self.fits[number].solve(&mut by_coefficient);
+            let rows = plan.neighbour_offsets[number]..plan.neighbour_offsets[number + 1];
+            for (pull, &[u, v, weight, g]) in pulls.iter_mut().zip(&self.neighbours[rows]) {
+                let share = weight * value_of(&by_coefficient, u, v);
+                centre = centre - share;
+                *pull = g * share;
+            }
+            *own = self.own[number] * centre;
+        }
+    }
+}
+
+impl<T: Real> Mass<T> {
+    /// Sets what stays the same for the surface that was measured.
+    pub(super) fn set(
+        &mut self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        measured: Measured<'_, T>,
+        work: &mut Vec<Work<T>>,
+    ) {
+        let Measured {
+            plan,
+            basis,
+            normals,
+            fits,
+            displacements,
+        } = measured;
+        let count = plan.blocks.len();
+        let zero = Several::zero();
+        self.normals.resize(normals.len(), [T::zero(); 3]);
+        let of_jets = Normals { plan, fits };
+        execution.map(&mut self.normals[..], |vertex, normal| {
+            *normal = of_jets.of(vertex);
+        });
+        let rows = plan.neighbour_offsets[count];
+        self.neighbours.resize(rows, [zero; 4]);
+        self.pulls.resize(rows, zero);
+        let stars = plan.star_offsets[count];
+        self.spots.resize(stars, [zero; 3]);
+        self.shares.resize(stars, zero);
+        self.own.resize(count, zero);
+        self.own_pulls.resize(count, zero);
+        let blocks = plan.patches.len().div_ceil(WIDTH);
+        self.areas.resize(blocks, [zero; QUADRATURE]);
+        self.returned.resize(blocks * (FREE + 3), zero);
+        let setup = Setup {
+            plan,
+            surface,
+            normals,
+            jet_normals: &self.normals,
+            fits,
+            displacements,
+        };
+        let slots = (
+            (
+                Ragged::new(&mut self.neighbours, &plan.neighbour_offsets),
+                Ragged::new(&mut self.spots, &plan.star_offsets),
+            ),
+            &mut self.own[..],
+        );
+        execution.run(work, slots, &setup);
+        let areas = Areas {
+            plan,
+            basis,
+            surface,
+            normals,
+            displacements,
+        };
+        execution.run(&mut Vec::new(), &mut self.areas[..], &areas);
+    }
+
+    /// Sets `image` to M times `field`.
+    pub(super) fn apply(
+        &mut self,
+        execution: &impl Execution,
+        measured: Measured<'_, T>,
+        work: &mut Vec<Work<T>>,
+        field: &[T],
+        image: &mut [T],
+    ) {
+        let Measured {
+            plan, basis, fits, ..
+        } = measured;
+        let (neighbours, spots, own) = (&self.neighbours[..], &self.spots[..], &self.own[..]);
+        let move_out = Move {
+            plan,
+            neighbours,
+            spots,
+            own,
+            fits,
+            field,
+        };
+        let slots = Ragged::new(&mut self.shares, &plan.star_offsets);
+        execution.run(work, slots, &move_out);
+        let weigh = Weigh {
+            plan,
+            basis,
+            areas: &self.areas,
+            shares: &self.shares,
+            field,
+        };
+        let slots = Strided::new(&mut self.returned, FREE + 3);
+        execution.run(&mut Vec::new(), slots, &weigh);
+        let bring_back = Return {
+            plan,
+            neighbours,
+            spots,
+            own,
+            fits,
+            returned: &self.returned,
+        };
+        let slots = (
+            Ragged::new(&mut self.pulls, &plan.neighbour_offsets),
+            &mut self.own_pulls[..],
+        );
+        execution.run(work, slots, &bring_back);
+        let Self {
+            pulls,
+            own_pulls,
+            returned,
+            ..
+        } = self;
+        execution.map(image, |vertex, image| {
+            let Some((block, lane)) = plan.members[vertex] else {
+                *image = T::zero();
+                return;
+            };
+            let mut sum = own_pulls[block as usize].0[usize::from(lane)];
+            for place in plan.listed_at(vertex) {
+                sum += place.read(pulls, 0);
+            }
+            for (patch, corner) in plan.patches_at(vertex) {
+                sum += returned[patch / WIDTH * (FREE + 3) + FREE + corner].0[patch % WIDTH];
+            }
+            *image = sum;
+        });
+    }
+}
+
+/// The results of a measurement on which the mass matrix depends.
+#[derive(Clone, Copy)]
+pub(super) struct Measured<'a, T> {
+    pub(super) plan: &'a Plan,
+    pub(super) basis: &'a Basis<T>,
+    pub(super) normals: &'a [[T; 3]],
+    pub(super) fits: &'a [Fit<T>],
+    pub(super) displacements: &'a [Several<T>],
+}
+
+impl<T: Real> Scratch<T> {
+    /// Sets coordinates and weights of neighbours, and makes room for their values.
+    #[inline(always)]
+    fn take_places(&mut self, neighbours: &[Neighbour<T>]) {
+        self.resize(neighbours.len());
+        for (row, &[u, v, weight, _]) in neighbours.iter().enumerate() {
+            self.places[0][row] = u;
+            self.places[1][row] = v;
+            self.weights[row] = weight;
+        }
+    }
+}
