@@ -5,8 +5,9 @@
 //! the gradient of the whole are our own.
 
 mod basis;
-mod edges;
 mod density;
+mod edges;
+mod fields;
 mod fit;
 mod mass;
 mod patch;
@@ -15,9 +16,10 @@ mod points;
 mod vertices;
 
 use self::basis::Basis;
-use self::edges::Edges;
-use self::fit::Fit;
 use self::density::Solver;
+use self::edges::Edges;
+use self::fields::FieldMemory;
+use self::fit::Fit;
 use self::mass::Mass;
 use self::patch::{Back, Bars, HEM, Inside, RETURNED, RIM};
 use self::plan::Plan;
@@ -74,6 +76,8 @@ pub struct GalerkinMemory<T> {
     normals: Vec<[T; 3]>,
     fits: Vec<Fit<T>>,
     displacements: Vec<Several<T>>,
+    /// Bending modulus and spontaneous curvature.
+    fields: [FieldMemory<T>; 2],
     energies: Vec<Several<T>>,
     edge_energies: Vec<Several<T>>,
     rims: Vec<Several<T>>,
@@ -102,6 +106,7 @@ impl<T: Real> Method<T> for Galerkin<T> {
             normals: Vec::new(),
             fits: Vec::new(),
             displacements: Vec::new(),
+            fields: Default::default(),
             energies: Vec::new(),
             edge_energies: Vec::new(),
             rims: Vec::new(),
@@ -167,15 +172,20 @@ impl<T: Real> Galerkin<T> {
         memory.energies.resize(blocks, zero);
         memory.rims.resize(blocks * RIM, zero);
         memory.bars.resize_with(blocks, Bars::default);
-        let (modulus, spontaneous) = (self.modulus.at(0), self.spontaneous_curvature.at(0));
+        let parameters = [&self.modulus, &self.spontaneous_curvature];
+        for (field, parameter) in memory.fields.iter_mut().zip(parameters) {
+            let mesh = (plan, &memory.normals[..]);
+            let fits = (&memory.fits[..], &memory.displacements[..]);
+            field.set(execution, surface, parameter, mesh, fits, &mut memory.work);
+        }
+        let material = [0, 1].map(|k| memory.fields[k].field(parameters[k]));
         let inside = Inside::<T, GRADIENT> {
             plan,
             basis: &memory.basis,
             surface,
             normals: &memory.normals,
             displacements: &memory.displacements,
-            modulus,
-            spontaneous,
+            material,
         };
         let slots = (
             (
@@ -193,8 +203,6 @@ impl<T: Real> Galerkin<T> {
             plan,
             basis: &memory.basis,
             rims: &memory.rims,
-            modulus,
-            spontaneous,
         };
         let slots = (
             &mut memory.edge_energies[..],
@@ -243,7 +251,11 @@ impl<T: Real> TwoPass for Galerkin<T> {
     ) {
         let zero = Several::zero();
         let plan = &memory.plan;
-        memory.returned.resize(memory.bars.len() * RETURNED, zero);
+        let parameters = [&self.modulus, &self.spontaneous_curvature];
+        let varying = parameters.iter().filter(|parameter| parameter.varies());
+        let stride = RETURNED + basis::FREE * varying.count();
+        memory.returned.resize(memory.bars.len() * stride, zero);
+        let material = [0, 1].map(|k| memory.fields[k].field(parameters[k]));
         let back = Back {
             plan,
             basis: &memory.basis,
@@ -252,8 +264,9 @@ impl<T: Real> TwoPass for Galerkin<T> {
             displacements: &memory.displacements,
             inside: &memory.bars,
             hems: &memory.hems,
+            material,
         };
-        let slots = Strided::new(&mut memory.returned, RETURNED);
+        let slots = Strided::new(&mut memory.returned, stride);
         execution.run(&mut memory.idle, slots, &back);
 
         let count = plan.blocks.len();
@@ -268,6 +281,7 @@ impl<T: Real> TwoPass for Galerkin<T> {
             fits: &memory.fits,
             displacements: &memory.displacements,
             returned: &memory.returned,
+            material,
         };
         let slots = (
             (
@@ -291,16 +305,18 @@ impl<T: Real> TwoPass for Galerkin<T> {
         let corner_bars = |vertex: usize, part: usize| {
             let mut sum = [T::zero(); 3];
             for (patch, corner) in plan.patches_at(vertex) {
-                let row = patch / WIDTH * RETURNED + basis::FREE + 6 * corner + 3 * part;
-                sum = add(sum, [0, 1, 2].map(|axis| returned[row + axis].0[patch % WIDTH]));
+                let row = patch / WIDTH * stride + basis::FREE + 6 * corner + 3 * part;
+                sum = add(
+                    sum,
+                    [0, 1, 2].map(|axis| returned[row + axis].0[patch % WIDTH]),
+                );
             }
             sum
         };
         normal_forces.resize(sums.len(), [T::zero(); 4]);
         execution.map(&mut normal_forces[..], |vertex, normal_force| {
             let mut sum = corner_bars(vertex, 1);
-            for place in plan.ringed_at(vertex)
-            {
+            for place in plan.ringed_at(vertex) {
                 sum = add(sum, place.vector(turns));
             }
             if let Some((block, lane)) = plan.members[vertex] {
@@ -323,8 +339,7 @@ impl<T: Real> TwoPass for Galerkin<T> {
         );
         execution.map(of_vertices(surface, force), |vertex, force| {
             let mut sum = corner_bars(vertex, 0);
-            for place in plan.listed_at(vertex)
-            {
+            for place in plan.listed_at(vertex) {
                 sum = add(sum, place.vector(pulls));
             }
             if let Some((block, lane)) = plan.members[vertex] {
@@ -339,4 +354,3 @@ impl<T: Real> TwoPass for Galerkin<T> {
         });
     }
 }
-

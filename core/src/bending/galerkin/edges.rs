@@ -18,8 +18,6 @@ pub(super) struct Edges<'a, T> {
     pub(super) plan: &'a Plan,
     pub(super) basis: &'a Basis<T>,
     pub(super) rims: &'a [Several<T>],
-    pub(super) modulus: T,
-    pub(super) spontaneous: T,
 }
 
 impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)> for Edges<'_, T> {
@@ -41,13 +39,17 @@ impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)
                 let length = norm(along);
                 let unit = scale(length.reciprocal_or_zero(), along);
                 let angle = dot(cross(one, other), unit).atan2(dot(one, other));
-                let excess = half * (near[6] + far[6]) - Several::splat(self.spontaneous);
+                let [modulus, spontaneous] = [near[7], near[8]];
+                let excess = half * (near[6] + far[6]) - spontaneous;
                 let two = T::constant(2.0);
-                let weight = Several::splat(two * self.modulus * self.basis.edges[gauss].weight);
+                let part = Several::splat(two * self.basis.edges[gauss].weight);
+                let weight = part * modulus;
                 *energy = *energy + weight * (length * (excess * angle));
                 rows[0] = weight * (length * excess);
                 rows[1] = half * (weight * (length * angle));
                 rows[2] = half * (weight * (excess * angle));
+                rows[3] = half * (part * (length * (excess * angle)));
+                rows[4] = -(half * (weight * (length * angle)));
             }
             for lane in 0..WIDTH {
                 if first + lane >= self.plan.hems.len() {

@@ -1,9 +1,11 @@
 //! Jets: polynomials of degree 6 fitted to the neighbours of eight vertices at once, and the derivatives
 //! of their coefficients.
 //!
-//! With differences `d_j = x_j − x_i` and the radius `ρ² = 2·56/K² Σ |d_j|²`, which holds about 56
-//! neighbours, the heights `h_j = d_j·n/ρ` over `(u, v) = (d·t₁, d·t₂)/ρ` are fitted with weights
-//! `w = exp(−14 |d_j|²/ρ²)`: `A c = Vᵀ W h`, `A = Vᵀ W V + R`, V the monomials. R is diagonal and constant,
+//! With differences `d_j = x_j − x_i` and the radius `ρ² = 2·64/K² Σ |d_j|²`, which holds about 64
+//! neighbours on an even mesh, the heights `h_j = d_j·n/ρ` over `(u, v) = (d·t₁, d·t₂)/ρ` are fitted with
+//! weights `w = exp(−14 r²)/(r² + 10⁻³)`, `r = |d_j|/ρ`. The second factor nearly interpolates the nearest
+//! neighbours: where two vertices are close, their jets agree, and the blend does not divide a difference
+//! by a high power of the distance. `A c = Vᵀ W h`, `A = Vᵀ W V + R`, V the monomials. R is diagonal and constant,
 //! of the size of rounding: where neighbours determine a coefficient, it changes nothing, and where they
 //! do not, the coefficient is 0 instead of undefined.
 
@@ -25,8 +27,10 @@ const BELOW: usize = COUNT * (COUNT - 1) / 2;
 const TOGETHER: usize = 4;
 /// Exponent of the weights at the radius.
 const SHARPNESS: f64 = 14.0;
+/// Square of the distance, in radii, within which weights do not grow further.
+const CORE: f64 = 1e-3;
 /// Number of neighbours within the radius of an even mesh.
-const WITHIN: f64 = 56.0;
+const WITHIN: f64 = 64.0;
 
 /// Degree, and power of v, of each monomial.
 const MONOMIALS: [(usize, usize); COUNT] = {
@@ -100,6 +104,16 @@ impl<T: Real> Default for Fit<T> {
             unsettled: zero,
         }
     }
+}
+
+/// A field that is fitted to the same neighbours: its polynomials, its values at neighbours less those at
+/// the vertices, and the derivatives of the energy with respect to its values at points, without the
+/// weights of the blend, and to its coefficients.
+pub(super) struct FieldPull<'a, T> {
+    pub(super) coefficients: &'a [Several<T>; COUNT],
+    pub(super) values: &'a [Several<T>],
+    pub(super) given: &'a [Several<T>],
+    pub(super) by_coefficient: [Several<T>; COUNT],
 }
 
 /// Memory of a block.
@@ -217,7 +231,9 @@ impl<T: Real> Scratch<T> {
             let exponent = Several::literal(-SHARPNESS) * dot(local, local);
             let near = Several::literal(LEAST_EXPONENT).less(exponent);
             let bounded = Several::select(near, exponent, Several::zero());
-            self.weights[row] = Several::select(near, exponential(bounded), Several::zero());
+            let fading = Several::select(near, exponential(bounded), Several::zero());
+            let closeness = (dot(local, local) + Several::literal(CORE)).reciprocal_or_zero();
+            self.weights[row] = fading * closeness;
         }
         let ring = block.valences.iter().copied().max().unwrap_or(0) as usize;
         self.normals.clear();
@@ -289,10 +305,15 @@ impl<T: Real> Scratch<T> {
         mut by_coefficient: [Several<T>; COUNT],
         mut by_radius: Several<T>,
         ring: &[Vec3<Several<T>>],
+        fields: &mut [Option<FieldPull<'_, T>>; 2],
     ) -> Vec3<Several<T>> {
         let count = coefficient_count(block.degree);
         by_coefficient[count..].fill(Several::zero());
         fit.solve(&mut by_coefficient);
+        for field in fields.iter_mut().flatten() {
+            field.by_coefficient[count..].fill(Several::zero());
+            fit.solve(&mut field.by_coefficient);
+        }
         let [across, along] = fit.frame;
         let mut turned = [[Several::zero(); 3]; 3];
         let over = fit.over_radius;
@@ -303,14 +324,25 @@ impl<T: Real> Scratch<T> {
             let [dual, dual_u, dual_v] = polynomial(&by_coefficient, u, v);
             let residual = h - value;
             let bars = self.bars[row];
-            let bars = [
+            let mut bars = [
                 bars[0] + weight * (residual * dual_u - dual * by_u),
                 bars[1] + weight * (residual * dual_v - dual * by_v),
                 bars[2] + weight * dual,
             ];
+            let mut by_weight = dual * residual;
+            for field in fields.iter().flatten() {
+                let [value, by_u, by_v] = polynomial(field.coefficients, u, v);
+                let [dual, dual_u, dual_v] = polynomial(&field.by_coefficient, u, v);
+                let residual = field.values[row] - value;
+                bars[0] = bars[0] + weight * (residual * dual_u - dual * by_u);
+                bars[1] = bars[1] + weight * (residual * dual_v - dual * by_v);
+                by_weight = by_weight + dual * residual;
+            }
             // The scaled difference, which the weight depends on, too.
             let local = add(add(scale(u, across), scale(v, along)), scale(h, fit.normal));
-            let fade = Several::literal(-2.0 * SHARPNESS) * weight * dual * residual;
+            let closeness = (dot(local, local) + Several::literal(CORE)).reciprocal_or_zero();
+            let slope = Several::literal(SHARPNESS) + closeness;
+            let fade = Several::literal(-2.0) * slope * weight * by_weight;
             for axis in 0..3 {
                 turned[axis] = add(turned[axis], scale(bars[axis], local));
             }

@@ -74,10 +74,7 @@ struct Setup<'a, T> {
 }
 
 type SetupSlots<'a, T> = (
-    (
-        Ragged<'a, Neighbour<T>>,
-        Ragged<'a, Spot<T>>,
-    ),
+    (Ragged<'a, Neighbour<T>>, Ragged<'a, Spot<T>>),
     &'a mut [Several<T>],
 );
 
@@ -174,8 +171,11 @@ impl<'a, T: Real> SlotKernel<Work<T>, Ragged<'a, Several<T>>> for Move<'_, T> {
             let centre = self.own[number] * centre;
             let scratch = &mut work.scratch;
             scratch.take_places(&self.neighbours[rows.clone()]);
-            for ((value, numbers), list) in
-                scratch.values.iter_mut().zip(&self.neighbours[rows]).zip(lists)
+            for ((value, numbers), list) in scratch
+                .values
+                .iter_mut()
+                .zip(&self.neighbours[rows])
+                .zip(lists)
             {
                 let moved = Several::from_fn(|lane| self.field[list[lane] as usize]);
                 *value = numbers[3] * moved - centre;
@@ -206,7 +206,7 @@ impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Weigh<'_, T> {
             let mut points = [Several::zero(); FREE];
             let mut corners = [Several::zero(); 3];
             for lane in 0..WIDTH {
-                let patch = &self.plan.patches[(first + lane).min(self.plan.patches.len() - 1)];
+                let patch = self.plan.patch_in(first, lane);
                 for corner in 0..3 {
                     corners[corner].0[lane] = self.field[patch.corners[corner] as usize];
                     let [star, other] = patch.stars[corner];
@@ -263,7 +263,7 @@ impl<'a, T: Real> SlotKernel<Work<T>, (Ragged<'a, Several<T>>, &'a mut [Several<
     ) {
         let plan = self.plan;
         for (number, (pulls, own)) in (start..).zip(pulls.into_slots().zip(own)) {
-            plan.gather_returned(number, self.returned, FREE + 3, &mut work.given);
+            plan.gather_returned(number, (self.returned, FREE + 3, 0), &mut work.given);
             let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
             let mut by_coefficient = [Several::zero(); COUNT];
             let mut centre = Several::zero();

@@ -1,26 +1,28 @@
 //! Patches: surfaces of degree 5 over eight triangles at once, their energy, and its derivatives.
 
-use super::basis::{
-    AROUND, Basis, FREE, GAUSS, INNER, INSIDE, Node, ON_EDGE, POINTS, blend, inner_from,
-};
+use super::basis::{AROUND, Basis, FREE, GAUSS, INSIDE, Node, ON_EDGE, POINTS, blend, inner_from};
+use super::fields::Field;
 use super::plan::{NONE, Plan};
 use crate::bending::surface_point::Point;
 use crate::element::{SlotKernel, Strided};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, add, dot, norm, scale, sub};
+use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub};
 
-/// Rows of the geometry along the edges of a patch: x_t, n and H at each quadrature point.
+/// Numbers at each quadrature point of an edge: x_t, n, H, κ and H0.
+pub(super) const RIM_POINT: usize = 9;
+/// Rows of these of a patch.
 pub(super) const RIM: usize = 3 * GAUSS * RIM_POINT;
-pub(super) const RIM_POINT: usize = 7;
-/// Rows of what a patch returns: derivatives with respect to the displacements of free points, and to
-/// the position and the normal of each corner.
-pub(super) const RETURNED: usize = FREE + 3 * 6;
-/// Rows of what an edge returns for each quadrature point: the derivatives with respect to the angle, to
-/// H and to the length, those of H and the length on each side.
-pub(super) const HEM_POINT: usize = 3;
+/// Numbers that an edge returns for each quadrature point: the derivatives with respect to the angle, and
+/// to H, to the length, to κ and to H0 on one side.
+pub(super) const HEM_POINT: usize = 5;
+/// Rows of these of an edge.
 pub(super) const HEM: usize = GAUSS * HEM_POINT;
+/// Rows of what a patch returns: derivatives with respect to the displacements of free points, and to
+/// the position and the normal of each corner. Derivatives with respect to parameters that vary follow, at
+/// free points.
+pub(super) const RETURNED: usize = FREE + 3 * 6;
 
 /// The points of patches, and the derivatives of the energy with respect to them.
 #[derive(Clone, Debug)]
@@ -63,11 +65,8 @@ impl<T: Real> Patches<T> {
         let zero = [Several::zero(); 3];
         let mut edges = [zero; 2];
         let mut corners = [zero; 3];
-        let mut ways = [Several::zero(); FREE];
-        let mut inside = [[Several::zero(); INSIDE]; 3];
-        let mut back = [[Several::zero(); ON_EDGE]; 3];
         for lane in 0..WIDTH {
-            let patch = &plan.patches[(first + lane).min(plan.patches.len() - 1)];
+            let patch = plan.patch_in(first, lane);
             let [origin, second, third] = patch.corners;
             for (edge, corner) in edges.iter_mut().zip([second, third]) {
                 let difference = surface.difference(origin, corner);
@@ -80,23 +79,13 @@ impl<T: Real> Patches<T> {
                 for axis in 0..3 {
                     corners[corner][axis].0[lane] = normal[axis];
                 }
-                let [star, other] = patch.stars[corner];
-                for k in 0..ON_EDGE {
-                    ways[corner * ON_EDGE + k].0[lane] = star.read(displacements, k);
-                    // The edge that ends here, from its other end.
-                    let edge = (corner + 2) % 3;
-                    back[edge][ON_EDGE - 1 - k].0[lane] = other.read(displacements, k);
-                }
-                for k in 0..INSIDE {
-                    inside[corner][k].0[lane] = star.read(displacements, ON_EDGE + k);
-                }
             }
         }
         let mut patches = Self {
             edges,
             directions: [zero; FREE],
             over_lengths: [Several::zero(); FREE],
-            displacements: blended(ways, back, inside),
+            displacements: gather_blended(plan, displacements, first),
             points: [zero; FREE],
         };
         for k in 0..FREE {
@@ -158,21 +147,38 @@ impl<T: Real> Patches<T> {
     }
 }
 
-/// Displacements of the free points: `ways` of the first corner of each edge, `back` of the second,
-/// `inside` of each corner as it counts the points.
+/// The blend of what jets give to the free points of patches.
 #[inline(always)]
-pub(super) fn blended<T: Real>(
-    ways: [Several<T>; FREE],
-    back: [[Several<T>; ON_EDGE]; 3],
-    inside: [[Several<T>; INSIDE]; 3],
+pub(super) fn gather_blended<T: Real>(
+    plan: &Plan,
+    shares: &[Several<T>],
+    first: usize,
 ) -> [Several<T>; FREE] {
-    let mut sums = [Several::zero(); FREE];
+    let zero = Several::zero();
+    let (mut near, mut far) = ([[zero; ON_EDGE]; 3], [[zero; ON_EDGE]; 3]);
+    let mut inside = [[zero; INSIDE]; 3];
+    for lane in 0..WIDTH {
+        let patch = plan.patch_in(first, lane);
+        for corner in 0..3 {
+            let [star, other] = patch.stars[corner];
+            // The edge that ends here, from its other end.
+            let ending = (corner + 2) % 3;
+            for k in 0..ON_EDGE {
+                near[corner][k].0[lane] = star.read(shares, k);
+                far[ending][ON_EDGE - 1 - k].0[lane] = other.read(shares, k);
+            }
+            for k in 0..INSIDE {
+                inside[corner][k].0[lane] = star.read(shares, ON_EDGE + k);
+            }
+        }
+    }
+    let mut sums = [zero; FREE];
     for edge in 0..3 {
         for k in 0..ON_EDGE {
             let [own, next, _] = AROUND[k];
-            let [near, far] = [[own, next, 0.0], [next, own, 0.0]].map(blend);
-            sums[edge * ON_EDGE + k] = Several::literal(near) * ways[edge * ON_EDGE + k]
-                + Several::literal(far) * back[edge][k];
+            let weights = [[own, next, 0.0], [next, own, 0.0]].map(|place| blend(place));
+            sums[edge * ON_EDGE + k] = Several::literal(weights[0]) * near[edge][k]
+                + Several::literal(weights[1]) * far[edge][k];
         }
     }
     for corner in 0..3 {
@@ -182,7 +188,6 @@ pub(super) fn blended<T: Real>(
             sums[point] = sums[point] + weight * inside[corner][k];
         }
     }
-    debug_assert!(INNER.len() == INSIDE);
     sums
 }
 
@@ -220,8 +225,8 @@ pub(super) struct Inside<'a, T, const GRADIENT: bool> {
     pub(super) surface: Surface<'a, T>,
     pub(super) normals: &'a [[T; 3]],
     pub(super) displacements: &'a [Several<T>],
-    pub(super) modulus: T,
-    pub(super) spontaneous: T,
+    /// Bending modulus and spontaneous curvature.
+    pub(super) material: [Field<'a, T>; 2],
 }
 
 /// Energies, geometry along edges, and derivatives, for each block of patches.
@@ -250,10 +255,14 @@ impl<'a, T: Real, const GRADIENT: bool> SlotKernel<(), InsideSlots<'a, T>>
             if GRADIENT {
                 *bars = Bars::default();
             }
-            let spontaneous = Several::splat(self.spontaneous);
+            let [modulus, spontaneous] = [
+                self.material[0].on_patches(self.plan, first),
+                self.material[1].on_patches(self.plan, first),
+            ];
             for node in &self.basis.bulk {
                 let point = Point::new(patches.derivatives(node));
-                let strength = Several::splat(node.weight * self.modulus);
+                let strength = Several::splat(node.weight) * modulus.at(node);
+                let spontaneous = spontaneous.at(node);
                 *energy = *energy + point.energy(strength, spontaneous);
                 if GRADIENT {
                     spread(bars, node, &point.gradient(strength, spontaneous));
@@ -269,6 +278,8 @@ impl<'a, T: Real, const GRADIENT: bool> SlotKernel<(), InsideSlots<'a, T>>
                 rim[..3].copy_from_slice(&along);
                 rim[3..6].copy_from_slice(&point.normal);
                 rim[6] = point.mean();
+                rim[7] = modulus.at(node);
+                rim[8] = spontaneous.at(node);
             }
             // Entries that no patch is left for count nothing.
             for lane in 0..WIDTH {
@@ -289,6 +300,7 @@ pub(super) struct Back<'a, T> {
     pub(super) displacements: &'a [Several<T>],
     pub(super) inside: &'a [Bars<T>],
     pub(super) hems: &'a [Several<T>],
+    pub(super) material: [Field<'a, T>; 2],
 }
 
 impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Back<'_, T> {
@@ -305,6 +317,7 @@ impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Back<'_, T> {
                 first,
             );
             let mut bars = self.inside[start + index].clone();
+            self.set_fields(&patches, first, returned);
             for (number, node) in self.basis.edges.iter().enumerate() {
                 let (edge, gauss) = (number / GAUSS, number % GAUSS);
                 let given = self.from_hem(first, edge, gauss);
@@ -313,7 +326,7 @@ impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Back<'_, T> {
                 let along = tangent(edge, derivatives[0], derivatives[1]);
                 let unit = scale(norm(along).reciprocal_or_zero(), along);
                 // θ grows as n turns about the tangent of the other side, which runs backward.
-                let turn = crate::vec3::cross(point.normal, unit);
+                let turn = cross(point.normal, unit);
                 let mut by = point.pull(given[1], scale(given[0], turn));
                 let stretch = scale(given[2], unit);
                 match edge {
@@ -325,6 +338,7 @@ impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Back<'_, T> {
                     _ => by[1] = sub(by[1], stretch),
                 }
                 spread(&mut bars, node, &by);
+                self.add_to_fields(returned, node, [given[3], given[4]]);
             }
             patches.give_back(&bars, returned);
         }
@@ -332,12 +346,49 @@ impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Back<'_, T> {
 }
 
 impl<T: Real> Back<'_, T> {
+    /// Sets the derivatives of the energies inside patches with respect to parameters that vary.
+    #[inline(always)]
+    fn set_fields(&self, patches: &Patches<T>, first: usize, returned: &mut [Several<T>]) {
+        let [modulus, spontaneous] = self.material;
+        returned[RETURNED..].fill(Several::zero());
+        if !(modulus.varies() || spontaneous.varies()) {
+            return;
+        }
+        let modulus = modulus.on_patches(self.plan, first);
+        let spontaneous = spontaneous.on_patches(self.plan, first);
+        for node in &self.basis.bulk {
+            let point = Point::new(patches.derivatives(node));
+            let weight = Several::splat(node.weight);
+            let wanted = spontaneous.at(node);
+            let by_modulus = point.energy(weight, wanted);
+            let excess = point.mean() - wanted;
+            let by_spontaneous =
+                Several::literal(-4.0) * weight * modulus.at(node) * excess * point.area;
+            self.add_to_fields(returned, node, [by_modulus, by_spontaneous]);
+        }
+    }
+
+    /// Adds derivatives at a quadrature point to those with respect to values at free points.
+    #[inline(always)]
+    fn add_to_fields(&self, returned: &mut [Several<T>], node: &Node<T>, by: [Several<T>; 2]) {
+        let mut rest = &mut returned[RETURNED..];
+        for (field, by) in self.material.iter().zip(by) {
+            if field.varies() {
+                let (own, others) = rest.split_at_mut(FREE);
+                for (sum, &weight) in own.iter_mut().zip(&node.values) {
+                    *sum = *sum + Several::splat(weight) * by;
+                }
+                rest = others;
+            }
+        }
+    }
+
     /// The derivatives that edges return for a quadrature point.
     #[inline(always)]
     fn from_hem(&self, first: usize, edge: usize, gauss: usize) -> [Several<T>; HEM_POINT] {
         let mut given = [Several::zero(); HEM_POINT];
         for lane in 0..WIDTH {
-            let patch = &self.plan.patches[(first + lane).min(self.plan.patches.len() - 1)];
+            let patch = self.plan.patch_in(first, lane);
             let (hem, reversed) = patch.edges[edge];
             if hem == NONE {
                 continue;

@@ -77,7 +77,6 @@ pub(super) struct Patch {
 /// An edge between two triangles that count: where these have the edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hem {
-    pub(super) ends: [u32; 2],
     /// Number of the triangle among those that count, and its local edge.
     pub(super) sides: [(u32, u8); 2],
 }
@@ -224,6 +223,12 @@ impl Plan {
         });
     }
 
+    /// The patch in a lane of the block from number `first` on; the last one repeats.
+    #[inline(always)]
+    pub(super) fn patch_in(&self, first: usize, lane: usize) -> &Patch {
+        &self.patches[(first + lane).min(self.patches.len() - 1)]
+    }
+
     /// Where a vertex is listed among neighbours.
     pub(super) fn listed_at(&self, vertex: usize) -> &[Place] {
         &self.listed[self.listed_offsets[vertex]..self.listed_offsets[vertex + 1]]
@@ -299,7 +304,7 @@ impl Plan {
                 side(self, left, first, false),
                 side(self, right, second, true),
             ];
-            self.hems.push(Hem { ends, sides });
+            self.hems.push(Hem { sides });
         }
     }
 

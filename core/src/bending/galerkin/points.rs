@@ -7,7 +7,7 @@
 //! With `G = (p_u, p_v, −1)`: `ds = −(dp + G·(d(y − x)/ρ + s dm))/(G·m)`.
 
 use super::basis::{AROUND, ON_EDGE, blend};
-use super::fit::{COUNT, Fit, Scratch, add_monomials, polynomial};
+use super::fit::{COUNT, FieldPull, Fit, Scratch, add_monomials, polynomial, value_of};
 use super::plan::{Block, STAR};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
@@ -191,6 +191,7 @@ impl<T: Real> Scratch<T> {
         block: &Block,
         displacements: &[Several<T>],
         by_displacement: &[Several<T>],
+        fields: &mut [Option<FieldPull<'_, T>>; 2],
     ) -> ([Several<T>; COUNT], Several<T>) {
         let zero = [Several::zero(); 3];
         self.bars.clear();
@@ -215,11 +216,21 @@ impl<T: Real> Scratch<T> {
                 let by_s = weight * given[point];
                 by_radius = by_radius + by_s * s;
                 let good = absolute(step.step).less(enough);
-                let a = by_s * fit.radius * step.over;
+                let [u, v, _] = step.at;
+                // Fields depend on the place along the line, too.
+                let mut by_place = zero;
+                for field in fields.iter_mut().flatten() {
+                    let by_value = weight * field.given[row * STAR + point];
+                    let [_, by_u, by_v] = polynomial(field.coefficients, u, v);
+                    by_place[0] = by_place[0] + by_value * by_u;
+                    by_place[1] = by_place[1] + by_value * by_v;
+                    add_monomials(&mut field.by_coefficient, by_value, u, v);
+                }
+                let a = (by_s * fit.radius + dot(by_place, line.direction)) * step.over;
                 let a = Several::select(good, a, Several::zero());
-                add_monomials(&mut by_coefficient, a, step.at[0], step.at[1]);
+                add_monomials(&mut by_coefficient, a, u, v);
                 let [by_u, by_v] = step.slopes;
-                let by_offset = [a * by_u, a * by_v, -a];
+                let by_offset = add([a * by_u, a * by_v, -a], by_place);
                 let by_direction = scale(s, by_offset);
                 let level = dot(by_direction, line.direction);
                 let by_sum = scale(
@@ -246,6 +257,29 @@ impl<T: Real> Scratch<T> {
             }
         }
         (by_coefficient, by_radius)
+    }
+
+    /// Sets the values of a field at the points around the vertices, from its polynomials and its values
+    /// at the vertices.
+    #[inline(always)]
+    pub(super) fn set_field(
+        &self,
+        fit: &Fit<T>,
+        block: &Block,
+        displacements: &[Several<T>],
+        (coefficients, own): (&[Several<T>; COUNT], Several<T>),
+        values: &mut [Several<T>],
+    ) {
+        let stars = displacements.chunks_exact(STAR);
+        for (row, (displacements, values)) in stars.zip(values.chunks_exact_mut(STAR)).enumerate() {
+            let [places, normals] = self.corners(block, row);
+            for point in 0..STAR {
+                let line = Line::new(AROUND[point], places, normals);
+                let s = displacements[point] * fit.over_radius;
+                let [u, v, _] = add(line.offset, scale(s, line.direction));
+                values[point] = own + value_of(coefficients, u, v);
+            }
+        }
     }
 
     /// Sets, for each point around the vertices, u, v, and the weight of the blend over

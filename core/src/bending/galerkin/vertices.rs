@@ -1,7 +1,8 @@
 //! The loops over vertices: fits and displacements, and their derivatives.
 
 use super::basis::{FREE, ON_EDGE, inner_from};
-use super::fit::{Fit, Scratch};
+use super::fields::Field;
+use super::fit::{COUNT, FieldPull, Fit, Scratch};
 use super::patch::RETURNED;
 use super::plan::{Block, NONE, Plan, STAR};
 use crate::element::{Ragged, SlotKernel, Slots};
@@ -17,6 +18,8 @@ pub(super) struct Work<T> {
     pub(super) scratch: Scratch<T>,
     /// Derivatives with respect to displacements.
     pub(super) given: Vec<Several<T>>,
+    /// The same with respect to parameters that vary, and their values at neighbours.
+    fields: [[Vec<Several<T>>; 2]; 2],
     /// Normals at the one-ring.
     ring: Vec<Vec3<Several<T>>>,
 }
@@ -57,14 +60,13 @@ impl Plan {
     }
 
     /// Sets the derivatives of the energy with respect to the displacements around the vertices of a
-    /// block, without the weights of the blend: what the `returned` rows of patches, `stride` to a block,
-    /// give to them. A point on an edge gets what the patches on both sides return.
+    /// block, without the weights of the blend: what the `returned` rows of patches, `stride` to a block of
+    /// which the first are `skipped`, give to them. A point on an edge gets what the patches on both sides return.
     #[inline(always)]
     pub(super) fn gather_returned<T: Real>(
         &self,
         number: usize,
-        returned: &[Several<T>],
-        stride: usize,
+        (returned, stride, skipped): (&[Several<T>], usize, usize),
         given: &mut Vec<Several<T>>,
     ) {
         let rows = &self.around[self.ring_offsets[number]..self.ring_offsets[number + 1]];
@@ -78,8 +80,9 @@ impl Plan {
                     continue;
                 }
                 let (patch, corner) = (triangle as usize / 3, triangle as usize % 3);
-                let read =
-                    |point: usize| returned[patch / WIDTH * stride + point].0[patch % WIDTH];
+                let read = |point: usize| {
+                    returned[patch / WIDTH * stride + skipped + point].0[patch % WIDTH]
+                };
                 for k in 0..STAR {
                     let point = if k < ON_EDGE {
                         corner * ON_EDGE + k
@@ -109,6 +112,7 @@ pub(super) struct Backward<'a, T> {
     pub(super) fits: &'a [Fit<T>],
     pub(super) displacements: &'a [Several<T>],
     pub(super) returned: &'a [Several<T>],
+    pub(super) material: [Field<'a, T>; 2],
 }
 
 type BackwardSlots<'a, T> = (
@@ -129,13 +133,27 @@ impl<'a, T: Real> SlotKernel<Work<T>, BackwardSlots<'a, T>> for Backward<'_, T> 
             let Work {
                 scratch,
                 given,
+                fields,
                 ring,
             } = work;
             scratch.place_again(fit, self.surface, block, neighbours, self.normals);
-            plan.gather_returned(number, self.returned, RETURNED, given);
+            let stride = self.stride();
+            plan.gather_returned(number, (self.returned, stride, 0), given);
             let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
             let displacements = &self.displacements[stars];
-            let (by_coefficient, by_radius) = scratch.pull_points(fit, block, displacements, given);
+            let [first, second] = fields;
+            let [modulus, spontaneous] = self.material;
+            let mut pulls_of_fields = [
+                self.field(modulus, number, RETURNED, first),
+                self.field(
+                    spontaneous,
+                    number,
+                    RETURNED + if modulus.varies() { FREE } else { 0 },
+                    second,
+                ),
+            ];
+            let (by_coefficient, by_radius) =
+                scratch.pull_points(fit, block, displacements, given, &mut pulls_of_fields);
             ring.clear();
             for neighbours in neighbours.iter().take(turns.len()) {
                 let mut normal = [Several::zero(); 3];
@@ -146,9 +164,43 @@ impl<'a, T: Real> SlotKernel<Work<T>, BackwardSlots<'a, T>> for Backward<'_, T> 
                 }
                 ring.push(normal);
             }
-            *own = scratch.pull(fit, block, by_coefficient, by_radius, ring);
+            *own = scratch.pull(
+                fit,
+                block,
+                by_coefficient,
+                by_radius,
+                ring,
+                &mut pulls_of_fields,
+            );
             pulls.copy_from_slice(&scratch.bars);
             turns.copy_from_slice(&scratch.normal_bars);
         }
+    }
+}
+
+impl<T: Real> Backward<'_, T> {
+    /// A parameter that varies, with what patches return for it after `skipped` rows.
+    #[inline(always)]
+    fn field<'b>(
+        &'b self,
+        field: Field<'b, T>,
+        number: usize,
+        skipped: usize,
+        [given, values]: &'b mut [Vec<Several<T>>; 2],
+    ) -> Option<FieldPull<'b, T>> {
+        let coefficients = field.of_block(self.plan, number, values)?;
+        let returned = (self.returned, self.stride(), skipped);
+        self.plan.gather_returned(number, returned, given);
+        Some(FieldPull {
+            coefficients,
+            values,
+            given,
+            by_coefficient: [Several::zero(); COUNT],
+        })
+    }
+
+    /// Rows of what patches return.
+    fn stride(&self) -> usize {
+        RETURNED + FREE * self.material.iter().filter(|field| field.varies()).count()
     }
 }
