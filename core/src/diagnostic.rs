@@ -41,9 +41,22 @@ pub enum Finding {
         /// The vertex.
         vertex: u32,
     },
-    /// The neighbours of this vertex lie near a conic section through it and determine the fit
-    /// badly: deviations of the neighbours from a paraboloid are amplified.
+    /// The neighbours of this vertex determine the fit badly, as those near a conic section through it
+    /// determine a paraboloid: deviations of the neighbours from the fit are amplified.
     Amplified {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The polynomial fitted around this vertex is no graph over the triangles at the vertex, as where the
+    /// surface is folded or a neck is thin. Points that it does not define lie on the flat triangles
+    /// instead.
+    NoGraph {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The patches at this vertex meet at an angle of more than 10⁻³, which vanishes on a mesh that
+    /// resolves the surface: forces have large errors. Choose a finer mesh.
+    Unresolved {
         /// The vertex.
         vertex: u32,
     },
@@ -243,6 +256,8 @@ impl Finding {
             | Self::ReducedDegree { vertex, .. }
             | Self::TooFewNeighbours { vertex }
             | Self::Amplified { vertex }
+            | Self::NoGraph { vertex }
+            | Self::Unresolved { vertex }
             | Self::Uneven { vertex }
             | Self::UnusualValence { vertex }
             | Self::Folded { vertex }

@@ -169,6 +169,8 @@ impl Reordering {
             | Finding::ReducedDegree { vertex, .. }
             | Finding::TooFewNeighbours { vertex }
             | Finding::Amplified { vertex }
+            | Finding::NoGraph { vertex }
+            | Finding::Unresolved { vertex }
             | Finding::Uneven { vertex }
             | Finding::UnusualValence { vertex }
             | Finding::Folded { vertex }

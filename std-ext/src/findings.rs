@@ -32,6 +32,14 @@ pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
                 "a vertex whose neighbours hardly determine a fit (the first is vertex {vertex})"
             )
         }
+        Finding::NoGraph { vertex } => format!(
+            "a vertex around which no graph over the triangles fits, which are taken as flat instead \
+             (the first is vertex {vertex})"
+        ),
+        Finding::Unresolved { vertex } => format!(
+            "a vertex where the mesh does not resolve the surface: choose a finer one (the first is \
+             vertex {vertex})"
+        ),
         Finding::Uneven { vertex } => {
             format!("a vertex with edges of very different lengths (the first is vertex {vertex})")
         }

@@ -8,6 +8,7 @@ mod basis;
 mod density;
 mod edges;
 mod fields;
+mod findings;
 mod fit;
 mod mass;
 mod patch;
@@ -26,6 +27,7 @@ use self::plan::Plan;
 use self::vertices::{Backward, Forward, Work};
 use crate::bending::MaterialParameter;
 use crate::bending::area_vectors::{AreaVectorForce, AreaVectors};
+use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
 use crate::element::{Execution, Ragged, Strided, of_vertices};
 use crate::lane::{Lane, Several, WIDTH};
@@ -135,8 +137,10 @@ impl<T: Real> Method<T> for Galerkin<T> {
         report: &mut dyn FnMut(Finding),
     ) {
         let memory = workspace.for_mesh(surface.mesh());
+        surface.report_uneven_mesh(report);
         surface.report_rough_vertices(report);
-        let _ = memory;
+        memory.report_fits(report);
+        memory.report_angles(report);
     }
 }
 
@@ -209,6 +213,38 @@ impl<T: Real> Galerkin<T> {
             Strided::new(&mut memory.hems, HEM),
         );
         execution.run(&mut memory.idle, slots, &edges);
+    }
+}
+
+/// n, H and K of the polynomial at each vertex where it has a fit, 0 elsewhere; areas are a third of the
+/// triangles around it.
+impl<T: Real> Curvatures<T> for Galerkin<T> {
+    fn curvatures(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        curvature: &mut [Curvature<T>],
+    ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        self.measure(execution, surface, memory);
+        let memory = &*memory;
+        execution.map(of_vertices(surface, curvature), |vertex, curvature| {
+            *curvature = Curvature {
+                normal: memory.normals[vertex],
+                area: memory.sums[vertex][3] / T::constant(3.0),
+                kind: surface.mesh().vertex_kind(vertex),
+                ..Curvature::default()
+            };
+            if let Some((block, lane)) = memory.plan.members[vertex] {
+                let fit = &memory.fits[block as usize];
+                let (normal, [mean, gaussian]) = fit.curvatures(usize::from(lane));
+                if mean.is_finite() && gaussian.is_finite() {
+                    curvature.normal = normal;
+                    (curvature.mean, curvature.gaussian) = (mean, gaussian);
+                }
+            }
+        });
     }
 }
 

@@ -8,10 +8,10 @@ use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
     AnyFunctional, AreaDifference, BorderTension, Components, Conservative, Cotangent, Curvatures,
-    DualArea, Finding, GaussianBending, GaussianDomains, Gravity, InPlane, LaplaceBeltrami,
-    LineTension, LocalArea, MaterialParameter, MembraneViscosity, Method, NeoHookean,
-    OsmoticPressure, Penalty, PointLoads, Prepared, Projected, RigidBody, Skalak, StrongForm,
-    Surface, SurfaceTension, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
+    DualArea, Finding, ForceDensity, GaussianBending, GaussianDomains, Gravity, InPlane,
+    LaplaceBeltrami, LineTension, LocalArea, MaterialParameter, MembraneViscosity, Method,
+    NeoHookean, OsmoticPressure, Penalty, PointLoads, Prepared, Projected, RigidBody, Skalak,
+    StrongForm, Surface, SurfaceTension, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
 };
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -236,6 +236,13 @@ impl Visitor<f64> for Acting<'_> {
     fn energy_and_curvatures<M>(self, method: M) -> Self::Output
     where
         M: Conservative<f64> + Curvatures<f64> + fmt::Debug + Send + 'static,
+    {
+        self.energy(method)
+    }
+
+    fn energy_and_density<M>(self, method: M) -> Self::Output
+    where
+        M: Conservative<f64> + Curvatures<f64> + ForceDensity<f64> + fmt::Debug + 'static,
     {
         self.energy(method)
     }

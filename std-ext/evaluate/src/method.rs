@@ -21,8 +21,8 @@ pub use options::{InvalidBandwidth, MethodOptions, UnknownAreas, UnusedOption};
 pub use own::{AnyMethod, OwnMethod, RepeatedName};
 
 use helfrich::{
-    ControlPoints, CorrectedCurvature, Cotangent, GompperKroll, Hamann, HeatKernel, Jet, Juelicher,
-    KantorNelson, LoopSubdivision, Paraboloid, Real, StrongForm, VertexNormals,
+    ControlPoints, CorrectedCurvature, Cotangent, Galerkin, GompperKroll, Hamann, HeatKernel, Jet,
+    Juelicher, KantorNelson, LoopSubdivision, Paraboloid, Real, StrongForm, VertexNormals,
 };
 use std::fmt;
 use std::str::FromStr;
@@ -73,6 +73,7 @@ pub enum Bytes {
 macro_rules! methods {
     (@is_conservative energy) => { true };
     (@is_conservative energy_and_curvatures) => { true };
+    (@is_conservative energy_and_density) => { true };
     (@is_conservative $form:ident) => { false };
     (@has_force curvatures) => { false };
     (@has_force $form:ident) => { true };
@@ -353,6 +354,24 @@ methods! {
         Cost {
             relative: 5.0,
             bytes: Bytes::Fixed(180),
+        };
+        /// G: blended osculating jets.
+        Galerkin: energy_and_density(Galerkin<T>, |settings: Settings<'_, T>| Galerkin {
+            modulus: settings.modulus,
+            spontaneous_curvature: settings.spontaneous_curvature,
+            ..Galerkin::new(T::one())
+        }),
+        Description {
+            name: "galerkin",
+            letter: Some("G"),
+            label: "G",
+            title: "Galerkin",
+            idea: "energy of blended polynomials",
+            defines: [true, true, false],
+        },
+        Cost {
+            relative: 300.0,
+            bytes: Bytes::Fixed(12000),
         };
         /// J of degree 4: strong form over osculating jets.
         J4: strong_form(Jet<T>, |settings: Settings<'_, T>| settings.strong_form(Jet::j4())),

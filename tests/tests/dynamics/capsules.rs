@@ -24,7 +24,8 @@ const CAPSULE_IMPLICIT: Tolerance = Tolerance::new(
 );
 
 /// Inclination against the independent computation, relative.
-const CAPSULE_INCLINATION: Tolerance = Tolerance::new(1e-2, "the reference is given to 0.1 degrees");
+const CAPSULE_INCLINATION: Tolerance =
+    Tolerance::new(1e-2, "the reference is given to 0.1 degrees");
 
 /// D with Loop subdivision on 320 triangles against the paper's, absolute.
 const CAPSULE_SUBDIVISION: Tolerance =
@@ -242,7 +243,10 @@ fn a_pair_stays_symmetric_and_apart() {
     }
     let heights = column(&series, "centroid_y_left");
     let highest = heights.iter().fold(0.0, |a: f64, &b| a.max(b));
-    assert!(highest > 0.6, "the distance while they pass each other: {highest}");
+    assert!(
+        highest > 0.6,
+        "the distance while they pass each other: {highest}"
+    );
 }
 
 /// The shipped cell, on a coarse mesh, tilts past the direction of the flow and on against the gradient

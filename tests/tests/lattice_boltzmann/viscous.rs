@@ -145,7 +145,10 @@ fn stiff_membranes_move_as_rigid_bodies() {
                 .abs()
         });
         let moved = (positions[0][0] - mesh.positions[0][0]).abs();
-        assert!(moved > 0.1, "{boussinesq}: the fluid carries it along by {moved}");
+        assert!(
+            moved > 0.1,
+            "{boussinesq}: the fluid carries it along by {moved}"
+        );
         changes.fold(0.0, f64::max)
     };
     let [soft, stiff, stiffer] = [0.0, 100.0, 1000.0].map(change);

@@ -6,8 +6,8 @@
 //! Comput. 22 (2005) 83; M. Neunteufel, J. Schöberl, K. Sturm, J. Sci. Comput. 96 (2023).
 
 use super::basis::{Basis, GAUSS};
-use super::patch::{HEM, HEM_POINT, RIM, RIM_POINT};
-use super::plan::Plan;
+use super::patch::{HEM_POINT, RIM, RIM_POINT};
+use super::plan::{Hem, Plan};
 use crate::element::{SlotKernel, Slots, Strided};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
@@ -33,12 +33,10 @@ impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)
             let first = (start + index) * WIDTH;
             *energy = Several::zero();
             for (gauss, rows) in hem.chunks_exact_mut(HEM_POINT).take(GAUSS).enumerate() {
-                let [near, far] = self.sides(first, gauss);
-                let along = [near[0], near[1], near[2]];
-                let [one, other] = [near, far].map(|side| [side[3], side[4], side[5]]);
-                let length = norm(along);
-                let unit = scale(length.reciprocal_or_zero(), along);
-                let angle = dot(cross(one, other), unit).atan2(dot(one, other));
+                let sides = self.sides(first, gauss);
+                let angle = angle(&sides);
+                let [near, far] = sides;
+                let length = norm([near[0], near[1], near[2]]);
                 let [modulus, spontaneous] = [near[7], near[8]];
                 let excess = half * (near[6] + far[6]) - spontaneous;
                 let two = T::constant(2.0);
@@ -60,25 +58,55 @@ impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)
     }
 }
 
+/// The numbers of an edge on both sides, at a quadrature point as the first side counts; x_t of the second
+/// side runs backward.
+#[inline(always)]
+fn read_sides<T: Real>(
+    rims: &[Several<T>],
+    hem: &Hem,
+    gauss: usize,
+    mut set: impl FnMut(usize, usize, T),
+) {
+    for (side, &(patch, edge)) in hem.sides.iter().enumerate() {
+        let gauss = if side == 0 { gauss } else { GAUSS - 1 - gauss };
+        let (block, entry) = (patch as usize / WIDTH, patch as usize % WIDTH);
+        let point = usize::from(edge) * GAUSS + gauss;
+        let rows = &rims[block * RIM + point * RIM_POINT..][..RIM_POINT];
+        for (number, row) in rows.iter().enumerate() {
+            set(side, number, row.0[entry]);
+        }
+    }
+}
+
+/// θ, positive where the surface is convex.
+#[inline(always)]
+fn angle<L: Lane>([near, far]: &[[L; RIM_POINT]; 2]) -> L {
+    let along = [near[0], near[1], near[2]];
+    let [one, other] = [near, far].map(|side| [side[3], side[4], side[5]]);
+    let unit = scale(norm(along).reciprocal_or_zero(), along);
+    dot(cross(one, other), unit).atan2(dot(one, other))
+}
+
+/// θ at one quadrature point.
+pub(super) fn angle_of<T: Real>(rims: &[Several<T>], hem: &Hem, gauss: usize) -> T {
+    let mut sides = [[T::zero(); RIM_POINT]; 2];
+    read_sides(rims, hem, gauss, |side, number, value| {
+        sides[side][number] = value;
+    });
+    angle(&sides)
+}
+
 impl<T: Real> Edges<'_, T> {
-    /// x_t, n and H on both sides at a quadrature point; x_t of the second side runs backward.
+    /// The numbers of edges on both sides at a quadrature point.
     #[inline(always)]
     fn sides(&self, first: usize, gauss: usize) -> [[Several<T>; RIM_POINT]; 2] {
         let mut sides = [[Several::zero(); RIM_POINT]; 2];
         for lane in 0..WIDTH {
             let hem = &self.plan.hems[(first + lane).min(self.plan.hems.len() - 1)];
-            for (side, values) in sides.iter_mut().enumerate() {
-                let (patch, edge) = hem.sides[side];
-                let gauss = if side == 0 { gauss } else { GAUSS - 1 - gauss };
-                let (block, entry) = (patch as usize / WIDTH, patch as usize % WIDTH);
-                let point = usize::from(edge) * GAUSS + gauss;
-                let rows = &self.rims[block * RIM + point * RIM_POINT..][..RIM_POINT];
-                for (value, row) in values.iter_mut().zip(rows) {
-                    value.0[lane] = row.0[entry];
-                }
-            }
+            read_sides(self.rims, hem, gauss, |side, number, value| {
+                sides[side][number].0[lane] = value;
+            });
         }
-        debug_assert!(HEM == GAUSS * HEM_POINT);
         sides
     }
 }

@@ -14,7 +14,7 @@ use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::{MomentPoints, exponential, place_of, set_moments};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, add, dot, scale, tangent_frame};
+use crate::vec3::{Vec3, add, dot, normalise, scale, sub, tangent_frame};
 use alloc::vec::Vec;
 
 /// Degree of the polynomials.
@@ -409,6 +409,22 @@ impl<T: Real> Fit<T> {
             add(scale(u, across), scale(v, along)),
             scale(h, self.normal),
         )
+    }
+
+    /// The normal, and H and K, of the polynomial of one vertex at the vertex.
+    pub(super) fn curvatures(&self, lane: usize) -> (Vec3<T>, [T; 2]) {
+        let at = |vector: Vec3<Several<T>>| vector.map(|axis| axis.0[lane]);
+        let two = T::constant(2.0);
+        let [p, q, uu, uv, vv] = core::array::from_fn(|k| self.coefficients[k].0[lane]);
+        let (uu, vv) = (two * uu, two * vv);
+        let w = T::one() + p * p + q * q;
+        let over = self.over_radius.0[lane];
+        let bend = (T::one() + q * q) * uu - two * p * q * uv + (T::one() + p * p) * vv;
+        let mean = -bend / (two * w * num_traits::Float::sqrt(w)) * over;
+        let gaussian = (over * uu) * (over * vv) - (over * uv) * (over * uv);
+        let along = sub(at(self.normal), scale(p, at(self.frame[0])));
+        let normal = normalise(sub(along, scale(q, at(self.frame[1]))));
+        (normal, [mean, gaussian / (w * w)])
     }
 
     /// Factorises the matrix of these moments; of the coefficients from `count` on it is the identity.

@@ -16,7 +16,7 @@ use crate::element::{Execution, Ragged, SlotKernel, Slots, Strided};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, normalise, scale, sub};
+use crate::vec3::Vec3;
 use alloc::vec::Vec;
 
 /// Numbers for each neighbour: u, v, the weight, and g.
@@ -54,11 +54,8 @@ impl<T: Real> Normals<'_, T> {
         let Some((block, lane)) = self.plan.members[vertex] else {
             return [T::zero(); 3];
         };
-        let (fit, lane) = (&self.fits[block as usize], usize::from(lane));
-        let at = |vector: Vec3<Several<T>>| vector.map(|axis| axis.0[lane]);
-        let [p, q] = [0, 1].map(|k| fit.coefficients[k].0[lane]);
-        let along = sub(at(fit.normal), scale(p, at(fit.frame[0])));
-        normalise(sub(along, scale(q, at(fit.frame[1]))))
+        let (normal, _) = self.fits[block as usize].curvatures(usize::from(lane));
+        normal
     }
 }
 

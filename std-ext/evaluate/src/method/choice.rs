@@ -2,7 +2,8 @@
 
 use super::MethodOptions;
 use helfrich::{
-    Conservative, Curvatures, LaplaceBeltrami, MaterialParameter, Real, StrongForm, TriangleMesh,
+    Conservative, Curvatures, ForceDensity, LaplaceBeltrami, MaterialParameter, Real, StrongForm,
+    TriangleMesh,
 };
 use std::fmt;
 
@@ -19,6 +20,11 @@ pub(crate) trait Visitor<T: Real> {
     fn energy_and_curvatures<M>(self, method: M) -> Self::Output
     where
         M: Conservative<T> + Curvatures<T> + fmt::Debug + Send + 'static;
+
+    /// Takes a method with an energy that defines curvatures and a force density.
+    fn energy_and_density<M>(self, method: M) -> Self::Output
+    where
+        M: Conservative<T> + Curvatures<T> + ForceDensity<T> + fmt::Debug + 'static;
 
     /// Takes a method in strong form.
     fn strong_form<L>(self, method: StrongForm<T, L>) -> Self::Output

@@ -6,8 +6,8 @@ use crate::effect::CannotBend;
 use crate::execute::Parallel;
 use crate::ordered::Ordered;
 use helfrich::{
-    Conservative, Cotangent, Curvature, Curvatures, DualArea, Execution, Finding, Jet,
-    LaplaceBeltrami, MaterialParameter, Noise, Prepared, Quality, Real, Serial, StrongForm,
+    Conservative, Cotangent, Curvature, Curvatures, DualArea, Execution, Finding, ForceDensity,
+    Jet, LaplaceBeltrami, MaterialParameter, Noise, Prepared, Quality, Real, Serial, StrongForm,
     Surface, TriangleMesh, VertexKind,
 };
 use std::fmt;
@@ -385,6 +385,20 @@ where
             |prepared, surface, fields| fields.set_curvature(prepared.curvatures(surface))
         } else {
             |prepared, surface, fields| fields.set_mean(prepared.curvatures(surface))
+        };
+        Box::new(WithEnergy { prepared, describe })
+    }
+
+    fn energy_and_density<M>(self, method: M) -> Self::Output
+    where
+        M: Conservative<T> + Curvatures<T> + ForceDensity<T> + fmt::Debug + 'static,
+    {
+        let prepared = Prepared::with_execution(method, self.mesh, self.execution);
+        let describe: DescribeFn<T, M, X> = |prepared, surface, fields| {
+            fields.set_curvature(prepared.curvatures(surface));
+            let mut density = vec![[T::zero(); 3]; surface.mesh().vertex_count()];
+            prepared.force_density(surface, &mut density);
+            fields.set_surrounded_density(surface.mesh(), &density);
         };
         Box::new(WithEnergy { prepared, describe })
     }

@@ -16,7 +16,7 @@ pub struct Fields<T> {
     pub gaussian: Vec<Option<T>>,
     /// Δ_S H.
     pub laplacian_of_mean: Vec<Option<T>>,
-    /// Force density f; for methods with nodal forces, F over the mixed area.
+    /// Force density f; for methods with nodal forces only, F over the mixed area.
     pub force_density: Vec<Option<[T; 3]>>,
 }
 
@@ -93,6 +93,11 @@ impl<T: Real> Fields<T> {
         let surrounded = |vertex| mesh.is_surrounded(vertex);
         self.set_curvature(memory.curvature());
         self.laplacian_of_mean = where_defined(memory.laplacian_of_mean(), surrounded);
-        self.force_density = where_defined(density, surrounded);
+        self.set_surrounded_density(mesh, density);
+    }
+
+    /// Sets force densities, which are defined where a vertex and all its neighbours are interior.
+    pub(super) fn set_surrounded_density(&mut self, mesh: &TriangleMesh, density: &[[T; 3]]) {
+        self.force_density = where_defined(density, |vertex| mesh.is_surrounded(vertex));
     }
 }

@@ -13,8 +13,7 @@ const PLATEAU: Tolerance = Tolerance::new(
 );
 
 /// Time at which a slope is least, relative.
-const PLATEAU_TIME: Tolerance =
-    Tolerance::new(5e-2, "one sample of twenty up to the least slope");
+const PLATEAU_TIME: Tolerance = Tolerance::new(5e-2, "one sample of twenty up to the least slope");
 
 fn sampled(step: f64, end: f64, curve: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
     let count = (end / step).round() as usize;

@@ -1,0 +1,73 @@
+//! Findings about fits and patches.
+
+use super::GalerkinMemory;
+use super::basis::GAUSS;
+use super::edges::angle_of;
+use super::fit;
+use super::points::settled;
+use crate::diagnostic::Finding;
+use crate::lane::WIDTH;
+use crate::real::Real;
+use alloc::vec;
+
+/// Least pivot, over the diagonal entry, of a fit that neighbours determine well.
+const WEAKEST: f64 = 1e-6;
+
+/// Largest angle between patches that are resolved.
+const LARGEST_ANGLE: f64 = 1e-3;
+
+impl<T: Real> GalerkinMemory<T> {
+    /// Reports fits of lower degree, fits that are hardly determined, and jets that are no graph over the
+    /// triangles around their vertex.
+    pub(super) fn report_fits(&self, report: &mut dyn FnMut(Finding)) {
+        for (vertex, member) in (0..).zip(&self.plan.members) {
+            let Some((block, lane)) = *member else {
+                continue;
+            };
+            let (block, lane) = (block as usize, usize::from(lane));
+            let degree = self.plan.blocks[block].degree;
+            match degree {
+                0 => report(Finding::TooFewNeighbours { vertex }),
+                fit::DEGREE => {}
+                _ => report(Finding::ReducedDegree {
+                    vertex,
+                    degree: degree as u8,
+                }),
+            }
+            let Some(fit) = self.fits.get(block) else {
+                continue;
+            };
+            if !(fit.weakest.0[lane] >= T::constant(WEAKEST)) {
+                report(Finding::Amplified { vertex });
+            }
+            if !(fit.unsettled.0[lane] < settled()) {
+                report(Finding::NoGraph { vertex });
+            }
+        }
+    }
+
+    /// Reports the vertices at edges where patches meet at an angle.
+    pub(super) fn report_angles(&self, report: &mut dyn FnMut(Finding)) {
+        let mut bent = vec![false; self.plan.members.len()];
+        if self.rims.is_empty() {
+            return;
+        }
+        for hem in &self.plan.hems {
+            let angles = (0..GAUSS).map(|gauss| angle_of(&self.rims, hem, gauss));
+            if angles
+                .into_iter()
+                .any(|angle| angle.abs() > T::constant(LARGEST_ANGLE))
+            {
+                let (patch, edge) = hem.sides[0];
+                let corners = self.plan.patches[patch as usize].corners;
+                for end in [edge, edge + 1] {
+                    bent[corners[usize::from(end) % 3] as usize] = true;
+                }
+            }
+        }
+        debug_assert!(WIDTH > 0);
+        for (vertex, _) in (0..).zip(&bent).filter(|(_, bent)| **bent) {
+            report(Finding::Unresolved { vertex });
+        }
+    }
+}
