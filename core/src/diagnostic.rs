@@ -205,7 +205,7 @@ enum Place {
 
 impl Finding {
     /// The names of the kinds of findings, in the order of their bits.
-    pub const KINDS: [&'static str; 16] = [
+    pub const KINDS: [&'static str; 18] = [
         "zero_area",
         "negative_area",
         "reduced_degree",
@@ -222,6 +222,8 @@ impl Finding {
         "overstretched",
         "degenerate_triangle",
         "thin_triangle",
+        "no_graph",
+        "unresolved",
     ];
 
     /// The bit of the kind of finding, 1 for the first of [`Self::KINDS`].
@@ -243,6 +245,8 @@ impl Finding {
             Self::Overstretched { .. } => 13,
             Self::DegenerateTriangle { .. } => 14,
             Self::ThinTriangle { .. } => 15,
+            Self::NoGraph { .. } => 16,
+            Self::Unresolved { .. } => 17,
         };
         1 << kind
     }

@@ -242,7 +242,7 @@ impl Visitor<f64> for Acting<'_> {
 
     fn energy_and_density<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<f64> + Curvatures<f64> + ForceDensity<f64> + fmt::Debug + 'static,
+        M: Conservative<f64> + Curvatures<f64> + ForceDensity<f64> + fmt::Debug + Send + 'static,
     {
         self.energy(method)
     }

@@ -24,7 +24,7 @@ pub(crate) trait Visitor<T: Real> {
     /// Takes a method with an energy that defines curvatures and a force density.
     fn energy_and_density<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<T> + Curvatures<T> + ForceDensity<T> + fmt::Debug + 'static;
+        M: Conservative<T> + Curvatures<T> + ForceDensity<T> + fmt::Debug + Send + 'static;
 
     /// Takes a method in strong form.
     fn strong_form<L>(self, method: StrongForm<T, L>) -> Self::Output

@@ -391,7 +391,7 @@ where
 
     fn energy_and_density<M>(self, method: M) -> Self::Output
     where
-        M: Conservative<T> + Curvatures<T> + ForceDensity<T> + fmt::Debug + 'static,
+        M: Conservative<T> + Curvatures<T> + ForceDensity<T> + fmt::Debug + Send + 'static,
     {
         let prepared = Prepared::with_execution(method, self.mesh, self.execution);
         let describe: DescribeFn<T, M, X> = |prepared, surface, fields| {

@@ -4,8 +4,8 @@ use super::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use crate::execute::Parallel;
 use helfrich::laplacian::Rows;
 use helfrich::{
-    Conservative, Curvatures, LaplaceBeltrami, MaterialParameter, Prepared, SparseMatrix,
-    StrongForm, Surface,
+    Conservative, Curvatures, ForceDensity, LaplaceBeltrami, MaterialParameter, Prepared,
+    SparseMatrix, StrongForm, Surface,
 };
 use std::fmt;
 
@@ -66,6 +66,13 @@ impl Visitor<f64> for Assembling<'_> {
     fn energy_and_curvatures<M>(self, _method: M) -> Self::Output
     where
         M: Conservative<f64> + Curvatures<f64> + fmt::Debug + Send + 'static,
+    {
+        Err(NoOperator(self.method))
+    }
+
+    fn energy_and_density<M>(self, _method: M) -> Self::Output
+    where
+        M: Conservative<f64> + Curvatures<f64> + ForceDensity<f64> + fmt::Debug + Send + 'static,
     {
         Err(NoOperator(self.method))
     }
