@@ -4,9 +4,9 @@ use glam::DVec3;
 use helfrich::{Images, Surface};
 use std::f64::consts::PI;
 
-/// Whether a closed surface winds around a point, by its solid angle from there: A. Van Oosterom and J.
-/// Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125. Correct to rounding at any distance. Open surfaces
-/// enclose nothing.
+/// Whether a closed surface winds around a point, by the solid angle of the surface at the point: A. Van
+/// Oosterom and J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125. Correct to rounding at any distance.
+/// Open surfaces enclose nothing.
 pub fn encloses(surface: Surface<'_, f64>, point: [f64; 3]) -> bool {
     if !surface.mesh().is_closed() {
         return false;
@@ -16,8 +16,7 @@ pub fn encloses(surface: Surface<'_, f64>, point: [f64; 3]) -> bool {
     let angle = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(place);
         let [x, y, z] = [a, b, c].map(DVec3::length);
-        // a·(b × c), computed from edges, because from far away the three vectors are nearly
-        // parallel.
+        // a·(b × c) is computed from edges, because from far away the three vectors are nearly parallel.
         let doubled = a.dot((b - a).cross(c - a));
         2.0 * doubled.atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
     };
@@ -44,8 +43,8 @@ impl Inside {
     }
 }
 
-/// The first vertex of one surface that is inside another, and the number of such vertices; none if
-/// there is none.
+/// The first vertex of one surface that is inside another, and the number of such vertices; `None` if there
+/// is none.
 pub fn vertices_inside(inner: Surface<'_, f64>, outer: Surface<'_, f64>) -> Option<(usize, usize)> {
     let found = shifted_inside(inner, outer, corners(outer), [0.0; 3])?;
     Some((found.first, found.count))
@@ -86,8 +85,8 @@ pub fn inside_of_own_images(surface: Surface<'_, f64>, images: &Images<f64>) -> 
     found
 }
 
-/// Vertices of a surface that are inside another one after a translation by `shift`; `low` and
-/// `high` are the corners of the box around the other.
+/// Vertices of a surface that are inside another one after a translation by `shift`; `low` and `high` are the
+/// corners of the other's bounding box.
 fn shifted_inside(
     inner: Surface<'_, f64>,
     outer: Surface<'_, f64>,
@@ -114,7 +113,7 @@ fn corners(surface: Surface<'_, f64>) -> [DVec3; 2] {
     [low, points().fold(DVec3::NEG_INFINITY, DVec3::max)]
 }
 
-/// For each surface, the innermost surface that contains all of it, or has an image that does.
+/// For each surface, the innermost surface that contains all of it, directly or through an image.
 pub fn surroundings(surfaces: &[Surface<'_, f64>], images: &Images<f64>) -> Vec<Option<usize>> {
     let lies_in = |inner: usize, outer: usize| {
         let all = surfaces[inner].positions().len();
@@ -127,7 +126,7 @@ pub fn surroundings(surfaces: &[Surface<'_, f64>], images: &Images<f64>) -> Vec<
     let count = surfaces.len();
     let around = |inner| (0..count).filter(move |&outer| lies_in(inner, outer));
     let around = Vec::from_iter((0..count).map(|inner| Vec::from_iter(around(inner))));
-    // The innermost lies in all the others.
+    // The innermost surface lies in all other surrounding ones.
     let innermost = |outer: &Vec<usize>| {
         outer
             .iter()

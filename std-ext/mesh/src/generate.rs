@@ -42,7 +42,7 @@ pub enum Family {
     Smooth,
     /// The regular mesh with its edges as springs, relaxed along the surface: edges become even and, on
     /// the torus, where each row keeps its number of vertices, triangles more equilateral. Springs are
-    /// stiffer where the surface turns strongly under an edge, so that tips and rims keep their
+    /// stiffer where the normals at the ends of an edge differ strongly, so that tips and rims keep their
     /// vertices. Independent of the seed.
     Relaxed,
     /// Well-spaced random points and their Delaunay triangulation: from 2562 vertices on, valences
@@ -99,7 +99,7 @@ impl FromStr for Family {
     }
 }
 
-/// A closed mesh, oriented outward, inscribed in an exact shape.
+/// Closed mesh, oriented outward, inscribed in an exact shape.
 #[derive(Clone, Debug)]
 pub struct GeneratedMesh {
     /// The connectivity.
@@ -151,12 +151,11 @@ pub enum GenerateError {
 /// The largest number of vertices of a mesh: a closed mesh has about twice as many triangles.
 const MOST_VERTICES: usize = TriangleMesh::LIMIT / 2 - 4;
 
-/// The mesh of a family on a shape.
+/// Generates the mesh of a family on a shape.
 ///
 /// Sphere-like meshes have exactly this number of vertices, 12 or more; if it is 10·4^k + 2, they are
-/// refined icosahedra. Meshes of the torus, except for [`Family::Irregular`], are lattices, whose
-/// number of vertices is within 1 % of the requested one from 200 vertices on: see
-/// [`GeneratedMesh::mesh`] for the number.
+/// refined icosahedra. Meshes of the torus, except for [`Family::Irregular`], are lattices, whose number of
+/// vertices is within 1 % of the requested one from 200 vertices on; [`GeneratedMesh::mesh`] has the number.
 ///
 /// # Errors
 /// If there is no mesh of that many vertices; see [`GenerateError`].
@@ -217,10 +216,10 @@ pub fn check(shape: &AnyShape, vertices: usize) -> Result<(), GenerateError> {
     Ok(())
 }
 
-/// The sphere of the pre-images of sphere-like shapes.
+/// Unit sphere, the pre-images of sphere-like shapes.
 const UNIT_SPHERE: AnyShape = AnyShape::Sphere(Sphere { radius: 1.0 });
 
-/// A mesh in the making: pre-images, and triangles that are not checked yet.
+/// A mesh under construction: pre-images, and unchecked triangles.
 struct Draft {
     preimages: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,

@@ -32,7 +32,7 @@ pub struct MeshInfo {
     pub edge_lengths: [f64; 2],
     /// The lowest and the highest coordinates.
     pub corners: [[f64; 3]; 2],
-    /// Triangles without area to the rounding of f64, lowest first.
+    /// Triangles without area up to the rounding of f64, in ascending order.
     pub degenerate_triangles: Vec<usize>,
 }
 
@@ -103,7 +103,7 @@ fn corners(positions: &[[f64; 3]]) -> [[f64; 3]; 2] {
     [0, 1].map(|end| ranges.map(|range| range[end]))
 }
 
-/// Whether an area is no larger than the rounding error of its cross product.
+/// Whether the area of a triangle is no larger than the rounding error of its cross product.
 fn is_degenerate(surface: Surface<'_, f64>, triangle: usize) -> bool {
     let [a, b, c] = surface.mesh().triangles()[triangle];
     let squared = |from, to| {

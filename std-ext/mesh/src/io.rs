@@ -2,9 +2,8 @@
 //!
 //! Coordinates keep the unit of the file and all digits of `f64`. Polygons are split into the fan
 //! of triangles around their first corner: (a, b, c, d, …) becomes (a, b, c), (a, c, d), …, which
-//! is correct for convex polygons. Everything other than positions and faces, such as normals,
-//! colours and textures, is skipped, unless the numbers at the vertices are asked for:
-//! [`read_with_columns`].
+//! is correct for convex polygons. Everything other than positions and faces, such as normals, colours and
+//! textures, is skipped; [`read_with_columns`] also reads numbers at vertices and triangles.
 //!
 //! Surfaces with fields on them, and fields on grids, are also written for VTK and ParaView: [`write_vtp`],
 //! [`write_vti`], [`Collection`].
@@ -59,12 +58,12 @@ pub struct MeshFile {
 /// with one component, or a property of PLY's vertices or faces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Its name.
+    /// Name of the array or property.
     pub name: String,
-    /// The parts of the mesh to which its numbers belong.
+    /// The parts of the mesh that have its numbers.
     pub place: ColumnPlace,
-    /// One number for each vertex or triangle, which need not be finite. The triangles of a polygon have
-    /// the same one.
+    /// One number for each vertex or triangle, which need not be finite. All triangles of a polygon have the
+    /// polygon's number.
     pub values: Vec<f64>,
 }
 
@@ -179,7 +178,7 @@ pub struct ParseError {
     pub problem: Problem,
 }
 
-/// A place in a file, such as `line 1042 (face 17)` or `byte 934 (vertex 71)`.
+/// A place in a file, which a message shows as `line 1042 (face 17)` or `byte 934 (vertex 71)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     /// The position in the file.
@@ -297,8 +296,7 @@ pub enum Problem {
     },
 }
 
-/// [`MeshError`] counts from 0 and after polygons were split, which messages with numbers have to
-/// state.
+/// Text for messages with numbers: [`MeshError`] counts from 0, after polygons are split.
 fn numbering(error: &MeshError) -> &'static str {
     match error {
         MeshError::Empty | MeshError::TooLarge { .. } | MeshError::IncompleteTriangle { .. } => "",
@@ -413,7 +411,7 @@ pub fn read_welded(path: &Path) -> Result<MeshFile, ReadError> {
     })
 }
 
-/// The mesh in a file's bytes.
+/// Parses the bytes of a mesh file.
 ///
 /// # Errors
 /// If the bytes are not a mesh in this format, or not an oriented manifold with finite coordinates; see
@@ -423,7 +421,7 @@ pub fn parse(bytes: &[u8], format: Format) -> Result<MeshFile, ParseError> {
     Ok(file)
 }
 
-/// The mesh in a file's bytes, and the numbers at its vertices and triangles: [`read_with_columns`].
+/// Parses the bytes of a mesh file, and the numbers at its vertices and triangles as [`read_with_columns`].
 ///
 /// # Errors
 /// As [`parse`]; also if a column cannot be read.
@@ -459,7 +457,7 @@ fn parse_and(
     }
 }
 
-/// A coordinate, if it is finite; `found` is the content of the file, for the message.
+/// Returns a coordinate if it is finite; otherwise an error with `found`, the content of the file.
 fn finite(value: f64, axis: usize, found: impl FnOnce() -> String) -> Result<f64, Problem> {
     if value.is_finite() {
         Ok(value)

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use helfrich::Surface;
 
-/// The line segments in which a plane cuts the triangles. The plane goes through a point and is
-/// perpendicular to `normal`, which may have any length.
+/// Line segments in which a plane cuts the triangles. The plane passes through a point and is perpendicular
+/// to `normal`, which may have any length.
 ///
 /// Each triangle has at most one segment, in the order of triangles; triangles in the plane have none.
 /// Segments of adjacent triangles share their ends bit for bit, so that a closed surface gives closed
@@ -12,7 +12,7 @@ use helfrich::Surface;
 pub fn section(surface: Surface<'_, f64>, point: [f64; 3], normal: [f64; 3]) -> Vec<[[f64; 3]; 2]> {
     let (point, normal) = (DVec3::from(point), DVec3::from(normal));
     let place = |vertex: u32| DVec3::from(surface.positions()[vertex as usize]);
-    // A vertex in the plane counts as above it: every triangle is cut twice or not at all.
+    // A vertex in the plane counts as above it, so that every triangle is cut in two sides or not at all.
     let height = |vertex: u32| (place(vertex) - point).dot(normal);
     let crossing = |below: u32, above: u32| {
         let [low, high] = [height(below), height(above)];

@@ -1,4 +1,4 @@
-//! Mesh files refined by Loop's rules.
+//! Refinement of mesh files by Loop's rules.
 
 use crate::io::MeshFile;
 use helfrich::subdivision::{Subdivision, limit_positions};
@@ -40,8 +40,8 @@ pub enum SubdivideError {
     },
 }
 
-/// Memory that the last refinement needs for each triangle of its result, in bytes: the mesh twice
-/// over while it is built, the map and the positions.
+/// Memory in bytes that the last refinement needs for each triangle of its result: the mesh twice while it is
+/// built, the map, and the positions.
 const BYTES_A_TRIANGLE: usize = 200;
 
 /// Refines a mesh `levels` times; 0 returns it unchanged.
@@ -55,8 +55,8 @@ pub fn subdivide(file: MeshFile, levels: u32, target: Target) -> Result<MeshFile
     let [_, triangles] = Subdivision::sizes(&file.mesh, levels).map_err(too_large)?;
     if levels > 0 {
         let bytes = triangles.saturating_mul(BYTES_A_TRIANGLE);
-        // The memory is reserved and released unused, because a failure here gives a message, but a
-        // later one aborts.
+        // The memory is reserved and released unused, because a failure here gives a message, whereas a later
+        // one aborts the program.
         if Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
             return Err(SubdivideError::OutOfMemory {
                 levels,

@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 /// One of the exact shapes.
 ///
-/// Read from and written as a name, alone or with parameters: `sphere`, `sphere:R`,
+/// It is parsed from and formatted as a name, alone or with parameters: `sphere`, `sphere:R`,
 /// `ellipsoid:a,b,c`, `torus:R,r`, `discocyte:R`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AnyShape {
@@ -55,8 +55,8 @@ impl AnyShape {
         }
     }
 
-    /// A length by which the shape's curvatures are made dimensionless: R of sphere, torus and
-    /// discocyte, the longest semi-axis of an ellipsoid.
+    /// Length that makes the shape's curvatures dimensionless: R of sphere, torus and discocyte, the longest
+    /// semi-axis of an ellipsoid.
     pub fn size(&self) -> f64 {
         match self {
             Self::Sphere(sphere) => sphere.radius,
@@ -72,7 +72,7 @@ impl AnyShape {
         match self {
             Self::Sphere(sphere) => 4.0 * PI * sphere.radius.powi(2),
             Self::Ellipsoid(ellipsoid) => {
-                // In units of the longest semi-axis, so that no product leaves the range of numbers.
+                // Lengths are in units of the longest semi-axis, so that no product overflows or underflows.
                 let unit = self.size();
                 let [a, b, c] = ellipsoid.semi_axes.map(|axis| (axis / unit).powi(2));
                 4.0 * PI * unit * unit * carlson::second_kind([a * b, b * c, c * a])

@@ -3,12 +3,12 @@
 //! Source: B. C. Carlson, Numerical computation of real or complex elliptic integrals, Numerical
 //! Algorithms 10 (1995) 13–26.
 
-/// Duplications, each of which quarters the differences between the arguments.
+/// Number of duplications, each of which quarters the differences between the arguments.
 const DUPLICATIONS: usize = 40;
 
-/// R_G(x, y, z) = ¼ ∫₀^∞ [(t+x)(t+y)(t+z)]^{-1/2} (x/(t+x) + y/(t+y) + z/(t+z)) t dt of arguments
-/// above 0: `½ [z R_F − ⅓ (x − z)(y − z) R_D + √(xy/z)]`, whose terms are all positive for z between
-/// the others.
+/// R_G(x, y, z) = ¼ ∫₀^∞ [(t+x)(t+y)(t+z)]^{-1/2} (x/(t+x) + y/(t+y) + z/(t+z)) t dt for arguments above 0:
+/// `½ [z R_F − ⅓ (x − z)(y − z) R_D + √(xy/z)]`, whose terms are all positive if z lies between the other
+/// arguments.
 pub(super) fn second_kind(arguments: [f64; 3]) -> f64 {
     let mut sorted = arguments;
     sorted.sort_by(f64::total_cmp);

@@ -5,10 +5,11 @@ use helfrich::shapes::Torus;
 use spade::{DelaunayTriangulation, InsertionError, Point2, Triangulation};
 use std::f64::consts::TAU;
 
-/// The convex hull of points of the unit sphere, which is their Delaunay triangulation on it.
+/// Convex hull of points of the unit sphere, which is their Delaunay triangulation on it.
 ///
-/// Seen in a stereographic projection from the last point, circles through that point are straight
-/// lines: the others' planar Delaunay triangulation, with its outer edges joined to the last point.
+/// In the stereographic projection from the last point, circles through that point are straight lines. The
+/// hull is therefore the planar Delaunay triangulation of the other points, with its outer edges joined to
+/// the last point.
 pub(super) fn sphere(points: &[DVec3]) -> Result<Vec<[u32; 3]>, InsertionError> {
     let Some((&pole, others)) = points.split_last() else {
         return Ok(Vec::new());
@@ -33,11 +34,11 @@ pub(super) fn sphere(points: &[DVec3]) -> Result<Vec<[u32; 3]>, InsertionError> 
     Ok(inner.chain(outer).map(|[a, b, c]| [a, c, b]).collect())
 }
 
-/// The Delaunay triangulation of points of a torus in its conformal coordinates φ and
-/// ψ = ∫ r/(R + r cosθ) dθ, in which small circles of the surface are circles.
+/// Delaunay triangulation of points of a torus in its conformal coordinates φ and ψ = ∫ r/(R + r cosθ) dθ, in
+/// which small circles of the surface are circles.
 ///
-/// The periodic plane is the doubly periodic extension of the points, of which as much is
-/// triangulated as can touch one period.
+/// The points are extended periodically in both coordinates, and as many copies are triangulated as can
+/// influence one period.
 pub(super) fn torus(shape: &Torus<f64>, points: &[DVec3]) -> Result<Vec<[u32; 3]>, InsertionError> {
     let (radius, tube) = (shape.radius, shape.tube_radius);
     // R² − r² without cancellation.
@@ -55,8 +56,8 @@ pub(super) fn torus(shape: &Torus<f64>, points: &[DVec3]) -> Result<Vec<[u32; 3]
         [on_grid(libm::atan2(point.y, point.x) / TAU), across]
     }));
 
-    // The sparsest points, on the inner equator, are this much sparser than the mean ones; random
-    // points leave holes of a few spacings.
+    // Points are sparsest on the inner equator, by this factor relative to the mean; random points leave
+    // holes of a few spacings.
     let sparsest = radius * squares.sqrt() / ((radius - tube) * (radius - tube));
     let margin = 8.0 * (sparsest * periods[1] / points.len() as f64).sqrt();
     let reach = periods.map(|period| 0.5 * period + margin.min(period));
@@ -75,7 +76,7 @@ pub(super) fn torus(shape: &Torus<f64>, points: &[DVec3]) -> Result<Vec<[u32; 3]
         }
     }
     let plane = DelaunayTriangulation::<_>::bulk_load_stable(copies)?;
-    // Among the copies of a triangle, the one whose lowest-numbered corner is at home is kept.
+    // One copy of a triangle is kept, the one whose lowest-numbered corner is in the first period.
     let kept = plane.inner_faces().filter_map(|face| {
         let corners = face.vertices().map(|vertex| origins[vertex.index()]);
         let lowest = corners.iter().min_by_key(|(site, _)| site)?;
@@ -84,8 +85,8 @@ pub(super) fn torus(shape: &Torus<f64>, points: &[DVec3]) -> Result<Vec<[u32; 3]
     Ok(kept.collect())
 }
 
-/// The nearest multiple of 2⁻⁴⁰: such numbers are added exactly, so that all copies of a point are
-/// exact translates and the predicates decide alike for all copies of a triangle.
+/// The nearest multiple of 2⁻⁴⁰. Such numbers are added exactly, so that all copies of a point are exact
+/// translates and the predicates decide alike for all copies of a triangle.
 fn on_grid(coordinate: f64) -> f64 {
     let cells = (1u64 << 40) as f64;
     (coordinate * cells).round() / cells

@@ -4,10 +4,10 @@ use super::AnyShape;
 use crate::info::MeshInfo;
 use std::f64::consts::PI;
 
-/// The least deviation that is worth mentioning: 1 %.
+/// Smallest limit of the deviation, 1 %.
 const LEAST: f64 = 0.01;
 
-/// The limit in units of the volume that an even mesh of the sphere lacks.
+/// Factor of the limit, in units of the volume that an even mesh of the sphere lacks.
 const FACTOR: f64 = 4.0;
 
 /// Relative deviation of area and volume of a mesh from those of the exact shape; negative if the
@@ -33,7 +33,7 @@ impl ShapeDeviation {
         }
     }
 
-    /// The larger of both, with its name, "area" or "volume".
+    /// The deviation with the larger absolute value, and its name, "area" or "volume".
     pub fn largest(&self) -> (f64, &'static str) {
         if self.area.abs() > self.volume.abs() {
             (self.area, "area")
@@ -45,14 +45,14 @@ impl ShapeDeviation {
     /// The deviation that a mesh of this many vertices may have: four times the volume that an even
     /// mesh of the sphere lacks, relative, and 1 % in any case.
     ///
-    /// Over equilateral triangles of edge h the unit sphere rises by h²/8 in the mean, with
-    /// h² = 8π/(√3 N): ΔV/V = 3h²/8 = √3 π/N.
+    /// The unit sphere rises over equilateral triangles of edge h by h²/8 on average, with h² = 8π/(√3 N):
+    /// ΔV/V = 3h²/8 = √3 π/N.
     pub fn limit(&self) -> f64 {
         let sphere = 3f64.sqrt() * PI / self.vertices as f64;
         (FACTOR * sphere).max(LEAST)
     }
 
-    /// Whether the larger one exceeds the limit.
+    /// Whether the larger deviation exceeds the limit.
     pub fn is_beyond_limit(&self) -> bool {
         self.largest().0.abs() > self.limit()
     }

@@ -6,14 +6,14 @@ use glam::DVec3;
 use helfrich::TriangleMesh;
 use helfrich::shapes::Shape;
 
-/// The radius of the disc in which a vertex is displaced, in mean lengths of its edges.
+/// Radius of the disc in which a vertex is displaced, in mean lengths of its edges.
 const JITTER: f64 = 0.3;
 
-/// Lengths of a needle's short edge in mean edges, and heights of a cap in its base, that are tried
-/// one after the other: the sharpest that stays within the angles wins.
+/// Lengths of a needle's short edge in mean edges, and heights of a cap in its base. They are tried in this
+/// order, and the first that keeps the angles within their range is used.
 const SHARPNESS: [f64; 4] = [0.013, 0.016, 0.02, 0.026];
 
-/// The least cosine between a triangle and the surface under its centre.
+/// Smallest cosine between the normals of a triangle and of the surface at its centre.
 const LEAST_ALIGNMENT: f64 = 0.1;
 
 /// The angles that the triangles around a moved vertex may have.
@@ -39,7 +39,7 @@ impl AngleRange {
     }
 }
 
-/// The mesh with its vertices displaced at random, and 1 % needles and caps each.
+/// Displaces the vertices of a mesh at random, and makes 1 % of them needles and 1 % caps.
 pub(super) fn disturb(regular: GeneratedMesh, seed: u64) -> Result<GeneratedMesh, GenerateError> {
     let GeneratedMesh {
         mesh,
@@ -87,7 +87,7 @@ impl Vertices<'_> {
             let right = normal.any_orthonormal_vector();
             let up = normal.cross(right);
             let offset = JITTER * edge * random.in_disc();
-            // Where the map has already flattened the triangles, a smaller step may still fit.
+            // Where the map to the shape has already flattened the triangles, a smaller step may still fit.
             for share in [1.0, 0.5, 0.25] {
                 let target = here + share * (offset.x * right + offset.y * up);
                 if self.move_within(vertex, target, range) {
@@ -132,7 +132,7 @@ impl Vertices<'_> {
         })
     }
 
-    /// Moves a vertex almost onto the edge that lies opposite in one of its triangles.
+    /// Moves a vertex almost onto the opposite edge of one of its triangles.
     fn cap(&mut self, vertex: usize, choice: usize) -> bool {
         let range = AngleRange::degrees(0.7, 176.0);
         let ring = self.mesh.one_ring(vertex);
@@ -149,8 +149,8 @@ impl Vertices<'_> {
         })
     }
 
-    /// Moves a vertex to the surface's point near `target` if the triangles around it stay aligned
-    /// with the surface and their angles in the range; says whether it did.
+    /// Moves a vertex to the point of the surface near `target` if the triangles around it then stay aligned
+    /// with the surface and their angles within the range; returns whether it moved.
     fn move_within(&mut self, vertex: usize, target: DVec3, range: AngleRange) -> bool {
         let moved_preimage = preimage(self.shape, target);
         let moved = position(self.shape, moved_preimage);

@@ -6,10 +6,10 @@ use helfrich::subdivision::{Subdivision, limit_positions};
 use helfrich::{MeshError, Serial, TriangleMesh};
 use std::f64::consts::TAU;
 
-/// The icosahedron.
+/// Number of vertices of the icosahedron.
 pub(super) const LEAST_VERTICES: usize = 12;
 
-/// The level with this many vertices, 10·4^level + 2, if there is one.
+/// The refinement level with this many vertices, 10·4^level + 2, if there is one.
 pub(super) fn level(vertices: usize) -> Option<u32> {
     let count = |level: u32| 10 * (1usize << (2 * level)) + 2;
     let mut levels = (0..).take_while(|&level| count(level) <= vertices);
@@ -25,7 +25,7 @@ pub(super) fn icosphere(level: u32) -> Draft {
     draft
 }
 
-/// The icosahedron refined `level` times by Loop's rules: its limit positions, put on the sphere.
+/// The icosahedron refined `level` times by Loop's rules, with limit positions projected onto the sphere.
 pub(super) fn smooth(level: u32) -> Result<Draft, MeshError> {
     let coarse = icosahedron();
     let mut controls = Vec::from_iter(coarse.preimages.iter().map(DVec3::to_array));
@@ -49,9 +49,9 @@ pub(super) fn midpoint(a: DVec3, b: DVec3) -> DVec3 {
     (a + b).normalize()
 }
 
-/// Each triangle of a closed mesh cut into four by the midpoints of its edges.
+/// Divides each triangle of a closed mesh into four by the midpoints of its edges.
 ///
-/// The vertices keep their numbers; the midpoints follow, in the order of their edges' ends.
+/// The vertices keep their numbers; the midpoints follow, sorted by the ends of their edges.
 pub(super) fn refine(draft: &Draft, midpoint: impl Fn(DVec3, DVec3) -> DVec3) -> Draft {
     let mut half_edges = Vec::with_capacity(3 * draft.triangles.len());
     for (t, triangle) in draft.triangles.iter().enumerate() {
@@ -64,7 +64,7 @@ pub(super) fn refine(draft: &Draft, midpoint: impl Fn(DVec3, DVec3) -> DVec3) ->
 
     let mut preimages = draft.preimages.clone();
     let mut midpoints = vec![[0u32; 3]; draft.triangles.len()];
-    // In a closed mesh the two sides of an edge stand next to each other.
+    // After sorting, the two sides of an edge in a closed mesh are adjacent.
     for sides in half_edges.chunks_exact(2) {
         let (a, b, _) = sides[0];
         let added = preimages.len() as u32;
@@ -83,8 +83,7 @@ pub(super) fn refine(draft: &Draft, midpoint: impl Fn(DVec3, DVec3) -> DVec3) ->
     }
 }
 
-/// Points on a spiral, each in the direction of the golden angle from the last: each stands for the
-/// same area.
+/// Points on a spiral with equal areas, each rotated by the golden angle against the previous one.
 pub(super) fn spiral(vertices: usize) -> Vec<DVec3> {
     let rotation = generic_rotation();
     let golden = TAU * (2.0 - (1.0 + 5f64.sqrt()) / 2.0);
@@ -97,12 +96,12 @@ pub(super) fn spiral(vertices: usize) -> Vec<DVec3> {
     Vec::from_iter((0..vertices).map(point))
 }
 
-/// Symmetric meshes make errors vanish that others have.
+/// Rotation without symmetry, because errors vanish on symmetric meshes that do not vanish on others.
 fn generic_rotation() -> DQuat {
     DQuat::from_xyzw(0.35, -0.27, 0.41, 0.8).normalize()
 }
 
-/// The icosahedron in a generic rotation: no vertex on an axis of the coordinates and no axis in a
+/// The icosahedron in a generic rotation, with no vertex on a coordinate axis and no coordinate axis in a
 /// mirror plane.
 fn icosahedron() -> Draft {
     let rotation = generic_rotation();

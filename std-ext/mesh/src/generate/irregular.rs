@@ -8,9 +8,8 @@ use helfrich::shapes::{Shape, Torus};
 /// Number of smoothing steps.
 const STEPS: usize = 4;
 
-/// The share of the way to the mean of its neighbours by which a point moves: so much that no two
-/// points stay close together, so little that valences from 3 to 12 and a few angles below 12°
-/// remain.
+/// Fraction of the distance to the mean of its neighbours by which a point moves: large enough to separate
+/// points that are close together, small enough that valences from 3 to 12 and a few angles below 12° remain.
 const SHARE: f64 = 0.12;
 
 /// Random points, uniform by area, smoothed and triangulated.
@@ -45,12 +44,12 @@ pub(super) fn scatter(
     })
 }
 
-/// Each point moved towards the mean of its neighbours, and back to the surface.
+/// Moves each point towards the mean of its neighbours, and back to the surface.
 fn smooth(shape: &AnyShape, triangles: &[[u32; 3]], preimages: &mut [DVec3]) {
     let positions = Vec::from_iter(preimages.iter().map(|&point| position(shape, point)));
     let mut sums = vec![(DVec3::ZERO, 0.0); positions.len()];
     for &[a, b, c] in triangles {
-        // In a closed mesh every neighbour is met twice.
+        // In a closed mesh, every neighbour is visited twice.
         for [corner, next, last] in [[a, b, c], [b, c, a], [c, a, b]] {
             let (sum, count) = &mut sums[corner as usize];
             *sum += positions[next as usize] + positions[last as usize];
@@ -62,10 +61,10 @@ fn smooth(shape: &AnyShape, triangles: &[[u32; 3]], preimages: &mut [DVec3]) {
     }
 }
 
-/// Points uniform on the unit sphere, kept in proportion to the area they stand for.
+/// Points that are uniform on the unit sphere, accepted in proportion to the area element.
 fn on_sphere_like(shape: &AnyShape, vertices: usize, random: &mut Random) -> Vec<DVec3> {
     let element = |point: DVec3| shape.area_element(point.to_array());
-    // The area element is smooth: between 2562 samples it exceeds their largest by far less.
+    // The area element is smooth: between 2562 samples it exceeds their maximum by much less than 5 %.
     let samples = icosphere::icosphere(4).preimages.into_iter().map(element);
     let largest = 1.05 * samples.fold(0.0, f64::max);
     let mut points = Vec::with_capacity(vertices);
@@ -78,7 +77,7 @@ fn on_sphere_like(shape: &AnyShape, vertices: usize, random: &mut Random) -> Vec
     points
 }
 
-/// Points uniform in both angles, kept in proportion to their distance from the axis.
+/// Points that are uniform in both angles, accepted in proportion to their distance from the axis.
 fn on_torus(torus: &Torus<f64>, vertices: usize, random: &mut Random) -> Vec<DVec3> {
     let (radius, tube) = (torus.radius, torus.tube_radius);
     let mut points = Vec::with_capacity(vertices);
@@ -93,8 +92,8 @@ fn on_torus(torus: &Torus<f64>, vertices: usize, random: &mut Random) -> Vec<DVe
     points
 }
 
-/// The place of a point along a curve that fills the cube −2 … 2 (Morton's order): the bits of the
-/// three coordinates, interleaved.
+/// Index of a point along a curve that fills the cube −2 … 2 (Morton order): the interleaved bits of the
+/// three coordinates.
 fn place_on_curve(point: DVec3) -> u64 {
     let cells = f64::from(1 << 18) * (point + 2.0);
     let spread = |coordinate: f64| {

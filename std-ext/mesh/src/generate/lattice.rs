@@ -1,17 +1,17 @@
-//! A triangular lattice of the torus's two angles.
+//! Triangular lattice in the two angles of the torus.
 
 use super::Draft;
 use glam::DVec3;
 use helfrich::shapes::Torus;
 use std::f64::consts::TAU;
 
-/// Four rows of four.
+/// Number of vertices of four rows of four.
 pub(super) const LEAST_VERTICES: usize = 16;
 
-/// Rows of equal angle around the tube, each shifted by half a column against the last.
+/// Rows of equal angle around the tube, each shifted by half a column against the previous one.
 ///
-/// The triangles are equilateral half-way between the inner and the outer equator; the rows start at
-/// an angle that makes neither equator a mirror of the mesh.
+/// Triangles are equilateral half-way between the inner and the outer equator. The rows start at an angle
+/// that makes neither equator a mirror line of the mesh.
 pub(super) fn lattice(torus: &Torus<f64>, rows: usize, columns: usize) -> Draft {
     let mut preimages = Vec::with_capacity(rows * columns);
     for row in 0..rows {
@@ -36,7 +36,7 @@ pub(super) fn lattice(torus: &Torus<f64>, rows: usize, columns: usize) -> Draft 
         for column in 0..columns {
             let here = index(row, column);
             let next = index(row, column + 1);
-            // The vertex above and between the two, and its successor.
+            // The vertex between the two in the next row, and its successor.
             let above = index(row + 1, column + row % 2);
             let above_next = index(row + 1, column + row % 2 + 1);
             triangles.push([here, next, above]);
@@ -49,8 +49,8 @@ pub(super) fn lattice(torus: &Torus<f64>, rows: usize, columns: usize) -> Draft 
     }
 }
 
-/// The size of a lattice: `rows`, an even number so that the shifts close, by `columns`, both
-/// doubled `level` times.
+/// Size of a lattice: `rows`, an even number so that the shifts match at the seam, by `columns`, both doubled
+/// `level` times.
 pub(super) struct Size {
     pub(super) rows: usize,
     pub(super) columns: usize,
@@ -58,13 +58,13 @@ pub(super) struct Size {
 }
 
 impl Size {
-    /// Most vertices of the coarse lattice, before its rows and columns are doubled.
+    /// Largest number of vertices of the coarse lattice, before its rows and columns are doubled.
     const COARSE: usize = 1280;
 
-    /// A size with about this many vertices, within 1 % of them from 200 on.
+    /// A size with about this many vertices, within 1 % from 200 vertices on.
     ///
-    /// The coarse lattice is the nearest among those whose triangles are equilateral to 15 %. Four
-    /// times the vertices double its rows and columns, so that refining keeps the triangles' shape.
+    /// The coarse lattice is the nearest among those whose triangles are equilateral to 15 %. A fourfold
+    /// number of vertices doubles rows and columns, so that refinement keeps the shape of triangles.
     pub(super) fn nearest(torus: &Torus<f64>, vertices: usize) -> Self {
         let mut coarse = vertices as f64;
         let mut level = 0;

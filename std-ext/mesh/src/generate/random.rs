@@ -11,7 +11,7 @@ pub struct Random {
 }
 
 impl Random {
-    /// The sequence of a seed.
+    /// Starts the sequence of a seed.
     pub fn new(seed: u64) -> Self {
         Self { state: seed }
     }
@@ -34,7 +34,7 @@ impl Random {
         ((u128::from(self.next()) * count as u128) >> 64) as usize
     }
 
-    /// Uniform in the unit disc, by rejection: no sine or cosine.
+    /// Uniform in the unit disc, by rejection, without sine and cosine.
     pub fn in_disc(&mut self) -> DVec2 {
         loop {
             let point = 2.0 * DVec2::new(self.unit(), self.unit()) - DVec2::ONE;

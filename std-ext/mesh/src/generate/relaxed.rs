@@ -1,4 +1,4 @@
-//! Regular meshes whose edges are relaxed as springs.
+//! Regular meshes relaxed with edges as springs.
 
 use super::lattice::Size;
 use super::{
@@ -7,43 +7,42 @@ use super::{
 use glam::DVec3;
 use helfrich::shapes::{Shape, Torus};
 
-/// The level up to which an icosphere is refined before it is relaxed for the first time: coarser
-/// meshes do not follow the dimple of a discocyte.
+/// Level of the icosphere that is relaxed first: coarser meshes do not follow the dimple of a discocyte.
 const FIRST_LEVEL: u32 = 3;
 
-/// Steps on the first mesh: enough to even out its longest waves.
+/// Number of steps on the first mesh: enough to even out its longest waves.
 const FIRST_STEPS: usize = 300;
 
-/// Steps after each refinement, which leaves only short waves.
+/// Number of steps after each refinement, which leaves only short waves.
 const STEPS: usize = 30;
 
-/// The springs' rest length in mean edges: so long that edges become even along the surface, so short
+/// Rest length of springs in mean edges: large enough that edges become even along the surface, small enough
 /// that nearly all springs pull.
 const REST: f64 = 0.6;
 
-/// The share of the springs' mean pull by which a vertex moves in a step.
+/// Fraction of the springs' mean pull by which a vertex moves in a step.
 const SHARE: f64 = 0.5;
 
-/// The angle between the normals of its ends by which an edge may turn before its spring grows
-/// stiffer, in root mean squares over the edges of the mesh as it begins.
+/// Limit of the angle between the normals at the ends of an edge, beyond which its spring becomes stiffer,
+/// relative to the root mean square over the edges of the initial mesh.
 const TURN: f64 = 4.0;
 
-/// The largest such limit as the squared difference of unit normals, an angle of 60°, beyond which an
-/// edge cuts corners; it matters on coarse meshes only.
+/// Largest value of this limit, as the squared difference of unit normals: an angle of 60°, beyond which an
+/// edge cuts corners. It matters only on coarse meshes.
 const LARGEST_TURN: f64 = 1.0;
 
-/// An icosphere that is relaxed on the shape, from a coarse level to the fine one.
+/// Icosphere that is relaxed on the shape, from a coarse level to the fine one.
 pub(super) fn icosphere(shape: &AnyShape, level: u32) -> Draft {
     let first = level.min(FIRST_LEVEL);
     let coarse = icosphere::icosphere(first);
     relax_and_refine(shape, coarse, level - first, icosphere::midpoint)
 }
 
-/// A mesh of as many vertices that is relaxed on a sphere-like shape.
+/// Mesh with this number of vertices that is relaxed on a sphere-like shape.
 ///
-/// It is refined from a coarse mesh, whose points are on a spiral. Where refinement gives fewer vertices
-/// than are wanted, by three at most, the longest edges are cut. As coarse as an icosphere below
-/// [`FIRST_LEVEL`] it is relaxed on the sphere.
+/// It is refined from a coarse mesh of points on a spiral. If refinement gives up to three vertices too few,
+/// the longest edges are cut. While it is as coarse as an icosphere below [`FIRST_LEVEL`], it is relaxed on
+/// the sphere.
 pub(super) fn of_count(shape: &AnyShape, vertices: usize) -> Result<Draft, GenerateError> {
     let mut counts = vec![vertices];
     let mut coarsest = vertices;
@@ -76,13 +75,13 @@ pub(super) fn of_count(shape: &AnyShape, vertices: usize) -> Result<Draft, Gener
     Ok(draft)
 }
 
-/// The number of vertices of the mesh that is refined to as many or up to three fewer: of a closed mesh
-/// without holes, N vertices become 4N − 6.
+/// Number of vertices of the mesh whose refinement has this number or up to three fewer: refinement of a
+/// closed mesh without holes makes 4N − 6 vertices of N.
 fn refined_from(vertices: usize) -> usize {
     (vertices + 6) / 4
 }
 
-/// Cuts the longest edges until there are as many vertices, away from each other if possible.
+/// Cuts the longest edges, if possible apart from each other, until the mesh has this number of vertices.
 fn cut_longest(shape: &AnyShape, draft: &mut Draft, vertices: usize) {
     let mut touched = vec![false; vertices];
     while draft.preimages.len() < vertices {
@@ -115,8 +114,8 @@ fn cut_longest(shape: &AnyShape, draft: &mut Draft, vertices: usize) {
     }
 }
 
-/// Joins each vertex of four neighbours to a fifth beyond its ring, by the flip of that side of the ring
-/// which is best for valences and leaves none of four: on four springs a vertex slips onto an edge.
+/// Joins each vertex of valence four to a fifth one beyond its ring. It flips the side of the ring that is
+/// best for the valences and leaves no valence of four: with four springs, a vertex would slip onto an edge.
 fn join_fifths(draft: &mut Draft) {
     let triangles = &mut draft.triangles;
     let mut valences = vec![0_i32; draft.preimages.len()];
@@ -147,7 +146,7 @@ fn join_fifths(draft: &mut Draft) {
     }
 }
 
-/// A lattice of the torus that is relaxed from a coarse size to the fine one.
+/// Lattice of the torus that is relaxed from a coarse size to the fine one.
 pub(super) fn lattice(torus: &Torus<f64>, vertices: usize) -> Draft {
     let Size {
         rows,
@@ -173,16 +172,16 @@ fn relax_and_refine(
     draft
 }
 
-/// Every edge pulls with (length − rest)/length of itself; every vertex follows its springs' mean
-/// within the tangent plane, and is put back on the surface.
+/// Relaxes a mesh: every edge pulls with the fraction (length − rest)/length of itself; every vertex follows
+/// the mean pull of its springs within the tangent plane, and is projected onto the surface.
 ///
-/// Springs shorter than their rest length are slack: rows that are pushed together, as on the inner
-/// equator of a torus, would buckle and fold.
+/// Springs shorter than their rest length are slack: rows that are compressed, as on the inner equator of a
+/// torus, would buckle and fold.
 ///
-/// Springs alone settle near the conformal map, which leaves the tips of long shapes and the rims of
-/// flat ones without vertices: the mesh slides off. An edge whose normals turn by an angle φ beyond the limit φ₀ is
-/// (φ/φ₀)⁶ times as stiff: vertices stay where the surface is curved, and where no edge turns that
-/// far nothing changes.
+/// Uniform springs settle near the conformal map, which leaves the tips of long shapes and the rims of flat
+/// ones without vertices. An edge whose normals differ by an angle φ beyond the limit φ₀ is therefore (φ/φ₀)⁶
+/// times as stiff, which keeps vertices where the surface is curved, and changes nothing where no edge
+/// exceeds the limit.
 fn relax(shape: &AnyShape, draft: &mut Draft, steps: usize) {
     let Draft {
         preimages,
@@ -197,7 +196,7 @@ fn relax(shape: &AnyShape, draft: &mut Draft, steps: usize) {
         pulls.fill((DVec3::ZERO, 0.0));
         for &[a, b, c] in triangles.iter() {
             for (tail, head) in [(a, b), (b, c), (c, a)] {
-                // In a closed mesh every edge is met from both its ends.
+                // In a closed mesh, every edge is visited from both ends.
                 let [tail, head] = [tail as usize, head as usize];
                 let edge = positions[head] - positions[tail];
                 let turn = normals[head].distance_squared(normals[tail]) / most;
@@ -221,7 +220,7 @@ fn normal(shape: &AnyShape, preimage: DVec3) -> DVec3 {
     shape.at(preimage.to_array()).normal.into()
 }
 
-/// The mean squared difference of the normals at the ends of an edge.
+/// Mean squared difference of the normals at the ends of edges.
 fn mean_turn(triangles: &[[u32; 3]], normals: &[DVec3]) -> f64 {
     let turn = |a: u32, b: u32| normals[a as usize].distance_squared(normals[b as usize]);
     mean_of_edges(triangles, turn)

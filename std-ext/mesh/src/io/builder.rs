@@ -4,11 +4,11 @@ use helfrich::{MeshError, TriangleMesh};
 
 use super::{Element, MeshFile, ParseError, Place, Position, Problem};
 
-/// Vertices and faces that have been read, before they become a mesh.
+/// Vertices and faces read so far, before they become a mesh.
 pub(super) struct Builder {
     pub(super) positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// The places of faces in the file, with that of their first triangle.
+    /// Places of faces in the file, with the first triangle of each.
     origins: Vec<Origin>,
     /// The number of faces so far.
     faces: usize,
@@ -16,14 +16,14 @@ pub(super) struct Builder {
     first: usize,
 }
 
-/// The [`Place`] of one face, of one triangle or more, or of many triangles at equal distances.
+/// [`Place`] of a single face, or of many triangles at equal distances in the file.
 #[derive(Clone, Copy)]
 struct Origin {
-    /// The first triangle, of those up to the next origin.
+    /// First triangle of this origin; its triangles extend to the next origin.
     triangle: usize,
     position: Position,
     face: usize,
-    /// Lines or bytes from each triangle to the next; 0 for one face.
+    /// Lines or bytes from each triangle to the next; 0 for a single face.
     step: usize,
 }
 
@@ -41,24 +41,23 @@ impl Builder {
     /// Reserves memory for the numbers that a header announces, limited by the remaining bytes of
     /// the file.
     pub(super) fn reserve(&mut self, vertices: usize, faces: usize, bytes: usize) {
-        // Few vertices or faces take less than six bytes; if they do, the lists grow as they are
-        // filled.
+        // Few vertices or faces take less than six bytes; if they do, the lists grow on demand.
         let most = bytes / 6;
         self.positions.reserve(vertices.min(most));
         self.triangles.reserve(faces.min(most));
     }
 
-    /// The vertex that would be added next.
+    /// Number of the next vertex, for messages.
     pub(super) fn next_vertex(&self) -> Element {
         Element::Vertex(self.positions.len() + self.first)
     }
 
-    /// The face that would be added next.
+    /// Number of the next face, for messages.
     pub(super) fn next_face(&self) -> Element {
         Element::Face(self.faces + self.first)
     }
 
-    /// Adds a face whose corners count vertices from 0; whether these exist is checked at the end.
+    /// Adds a face whose corners count vertices from 0; [`Self::finish`] checks that they exist.
     pub(super) fn add_face(
         &mut self,
         corners: &[u32],
@@ -97,7 +96,7 @@ impl Builder {
         added
     }
 
-    /// Keeps the place of the next face. Triangles at equal distances need no more memory than two.
+    /// Stores the place of the next face. Triangles at equal distances share one origin.
     fn add_origin(&mut self, position: Position, is_triangle: bool) {
         let triangle = self.triangles.len();
         if let Some(last) = self.origins.last_mut()
@@ -172,7 +171,7 @@ impl Builder {
     }
 }
 
-/// Three corners or more, all different.
+/// Checks that a face has three corners or more, all different.
 fn check_corners(corners: &[u32]) -> Result<(), Problem> {
     let repeated = match *corners {
         [] | [_] | [_, _] => {
@@ -204,7 +203,7 @@ fn check_corners(corners: &[u32]) -> Result<(), Problem> {
     }
 }
 
-/// The triangles that an error names.
+/// Triangles that an error names.
 fn concerned_triangles(error: &MeshError) -> Vec<u32> {
     match *error {
         MeshError::VertexOutOfRange { triangle, .. }

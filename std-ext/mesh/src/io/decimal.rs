@@ -2,11 +2,10 @@
 
 use std::fmt::Write as _;
 
-/// Appends a number with the fewest digits that identify it, in the form of `{:?}`, not that of `{}`, which
-/// writes 1e-18 with 18 zeros. Where two shortest texts are equally near to a number, `zmij` may choose
-/// another one than `{:?}`.
+/// Appends a number with the fewest digits that identify it, in the form of `{:?}` (`{}` writes 1e-18 with 18
+/// zeros). If two shortest texts are equally close to the number, `zmij` may choose another one than `{:?}`.
 pub fn push_number(text: &mut String, number: f64) {
-    // Elsewhere `zmij` writes zeros where `{:?}` has an exponent, or `e+16` for its `e16`.
+    // Outside these ranges, `zmij` writes zeros where `{:?}` has an exponent, or `e+16` for its `e16`.
     let size = number.abs();
     if size < 1e-5 || (1e-4..1e16).contains(&size) {
         text.push_str(zmij::Buffer::new().format(number));
@@ -15,7 +14,7 @@ pub fn push_number(text: &mut String, number: f64) {
     }
 }
 
-/// Appends a comma and a number for each field of a line; nothing behind the comma if it is not known.
+/// Appends a comma and a number for each field of a line; an unknown number leaves the field empty.
 pub fn push_fields(text: &mut String, fields: &[Option<f64>]) {
     for field in fields {
         text.push(',');

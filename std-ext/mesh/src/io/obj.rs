@@ -52,8 +52,8 @@ pub(super) fn write(
     Ok(())
 }
 
-/// The vertex, from 0, of a corner `i`, `i/t`, `i//n` or `i/t/n`, where i counts from 1, or from
-/// −1 back from the last vertex so far.
+/// Vertex, from 0, of a corner `i`, `i/t`, `i//n` or `i/t/n`; i counts from 1, or backwards from −1 for the
+/// last vertex so far.
 #[inline]
 fn corner(word: &[u8], text: &Text<'_>, builder: &Builder) -> Result<u32, ParseError> {
     let end = word.iter().position(|&byte| byte == b'/');

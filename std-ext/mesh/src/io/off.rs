@@ -7,8 +7,8 @@ use super::text::{Text, parsed};
 use super::{Builder, CORNER, MeshFile, ParseError, Problem};
 use std::io::{self, Write};
 
-/// Whether a word is the header of an OFF text with three coordinates: `OFF` after any of `ST`
-/// (texture), `C` (colour) and `N` (normal), whose columns follow the position.
+/// Whether a word is the header of an OFF text with three coordinates: `OFF` after any of `ST` (texture), `C`
+/// (colour) and `N` (normal), whose columns follow those of the position.
 pub(super) fn is_header(word: &[u8]) -> bool {
     let rest = word.strip_prefix(b"ST").unwrap_or(word);
     let rest = rest.strip_prefix(b"C").unwrap_or(rest);

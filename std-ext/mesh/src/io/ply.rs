@@ -1,10 +1,10 @@
 //! Polygon File Format (Stanford), ASCII and binary.
 //!
 //! Source: G. Turk, The PLY Polygon File Format (1994). A text header declares elements, each with
-//! a number and a list of properties; the body holds them one after the other. This reader uses the
-//! properties `x`, `y`, `z` of the element `vertex` and the list `vertex_indices` (or
-//! `vertex_index`) of the element `face`, and skips all others; those of one number for each vertex or
-//! face only if columns are not asked for.
+//! a number and a list of properties; the body contains their records in this order. This reader uses the
+//! properties `x`, `y`, `z` of the element `vertex` and the list `vertex_indices` (or `vertex_index`) of the
+//! element `face`. If columns are requested, it also reads all properties of one number per vertex or face;
+//! it skips everything else.
 
 mod body;
 
@@ -92,7 +92,7 @@ enum ByteOrder {
 }
 
 impl ByteOrder {
-    /// The bytes of a number in this order, the least significant first.
+    /// Reverses the bytes of a number if necessary, so that the least significant is first.
     #[inline]
     fn little<const N: usize>(self, mut bytes: [u8; N]) -> [u8; N] {
         if matches!(self, Self::Big) {
@@ -102,7 +102,7 @@ impl ByteOrder {
     }
 }
 
-/// An element in the sense of the header: a number of records with the same properties.
+/// An element of the header: a number of records with the same properties.
 struct Group {
     role: Role,
     count: usize,
@@ -117,7 +117,7 @@ enum Role {
 }
 
 impl Group {
-    /// The columns of its properties, still empty.
+    /// Empty columns for its properties.
     fn columns(&self) -> impl Iterator<Item = Column> {
         let place = match self.role {
             Role::Face => ColumnPlace::Triangles,
@@ -326,7 +326,8 @@ fn undeclared(groups: &[Group]) -> Option<&'static str> {
     None
 }
 
-/// Reads all groups; `length` is the body's, in bytes. `columns` are those of all groups, or none.
+/// Reads all groups of a body of this length in bytes. `columns` are those of all groups, or none if they are
+/// not requested.
 fn elements(
     body: &mut impl Body,
     groups: &[Group],

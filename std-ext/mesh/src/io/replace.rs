@@ -32,7 +32,7 @@ pub fn replace_file(
         unfinished.file.set_permissions(old.permissions())?;
     }
     unfinished.file.sync_all()?;
-    // From here on the file has its final name, so nothing is left to remove.
+    // The file has its final name from here on, so that there is nothing to remove.
     fs::rename(&unfinished.path, &target)
 }
 
@@ -53,8 +53,8 @@ pub fn remove_unfinished(folder: &Path) {
     }
 }
 
-/// Checks that [`replace_file`] could write, so that an error comes before the work and not after it.
-/// The file is not changed; unfinished files of killed processes are removed from the folder.
+/// Checks that [`replace_file`] could write, so that an error comes before the work and not after it. The
+/// file is not changed; unfinished files of killed processes are removed from its folder.
 ///
 /// # Errors
 /// The error that [`replace_file`] would return.
@@ -114,7 +114,7 @@ fn unfinished(path: &Path) -> io::Result<Unfinished> {
         let path = folder.join(format!("{UNFINISHED}{}-{number}", process::id()));
         let file = match OpenOptions::new().write(true).create_new(true).open(&path) {
             Ok(file) => file,
-            // The name is taken by a killed process with the same number, or by one on another
+            // The name belongs to a file of a killed process with the same number, or of a process on another
             // machine.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
@@ -126,7 +126,7 @@ fn unfinished(path: &Path) -> io::Result<Unfinished> {
         // Another process that cleans up the folder may have removed the file before it was locked.
         match unfinished.file.try_lock() {
             Err(TryLockError::WouldBlock) => {}
-            // Without locks on this platform nothing is removed.
+            // On a platform without locks, no process removes unfinished files.
             Err(TryLockError::Error(_)) => return Ok(unfinished),
             Ok(()) if unfinished.path.exists() => return Ok(unfinished),
             Ok(()) => {}

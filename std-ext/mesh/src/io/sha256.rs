@@ -20,7 +20,7 @@ const START: [u32; 8] = [
 /// Fractional parts of the cube roots of the first 64 primes.
 static ROUNDS: [u32; 64] = rounds();
 
-/// The 64 constants: ⌊2³² ∛p⌋ without its whole part, in integers.
+/// The 64 constants, the first 32 bits of the fractional part of ∛p, in integer arithmetic.
 const fn rounds() -> [u32; 64] {
     let mut constants = [0; 64];
     let (mut found, mut candidate) = (0, 2_u128);
@@ -48,7 +48,7 @@ const fn rounds() -> [u32; 64] {
     constants
 }
 
-/// The SHA-256 of bytes in several parts, as if they were one.
+/// SHA-256 of the concatenation of several parts.
 pub fn sha256(parts: &[&[u8]]) -> [u8; 32] {
     let mut state = START;
     let mut rest = [0; BLOCK];
@@ -72,7 +72,7 @@ pub fn sha256(parts: &[&[u8]]) -> [u8; 32] {
         rest[..tail.len()].copy_from_slice(tail);
         filled = tail.len();
     }
-    // A bit, zeros, and the number of bits.
+    // Padding: a one bit, zeros, and the length in bits.
     rest[filled] = 0x80;
     rest[filled + 1..].fill(0);
     if filled + 1 > BLOCK - 8 {

@@ -1,8 +1,8 @@
 //! Stereolithography files, ASCII and binary.
 //!
-//! Source: 3D Systems, Stereolithography Interface Specification (1989). A binary file has a
-//! header of 80 bytes, the number n of faces (u32), and 50 bytes a face, little endian: its
-//! normal and three corners (f32), and 2 bytes of attributes. Normals are skipped.
+//! Source: 3D Systems, Stereolithography Interface Specification (1989). A binary file has a header of 80
+//! bytes, the number n of faces (u32), and 50 bytes per face, little endian: a normal and three corners
+//! (f32), and 2 bytes of attributes. Normals are skipped.
 
 use std::io::{self, Write};
 
@@ -16,7 +16,7 @@ use super::{Builder, MeshFile, ParseError, Position, Problem, finite, without_ma
 const HEADER: usize = 84;
 const FACE: usize = 50;
 
-/// The number of faces that a binary file's header announces, if it is as long as a header.
+/// Number of faces in the header of a binary file, if the file is long enough for a header.
 fn announced_faces(bytes: &[u8]) -> Option<u64> {
     let count = bytes.get(80..HEADER)?.first_chunk()?;
     Some(u64::from(u32::from_le_bytes(*count)))
@@ -116,7 +116,7 @@ fn ascii(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     }
 }
 
-/// The next statement has to start with this keyword.
+/// Checks that the next statement starts with this keyword.
 fn keyword(text: &mut Text<'_>, keyword: &str, expected: &'static str) -> Result<(), ParseError> {
     match text.statement() {
         word if is(word, keyword) => Ok(()),

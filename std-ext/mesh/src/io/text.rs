@@ -1,18 +1,18 @@
-//! Lines and words of a text, straight from its bytes.
+//! Lines and words of a text, read directly from its bytes.
 
 use super::{Element, ParseError, Position, Problem, finite};
 
 /// The expected coordinate, for error messages.
 const COORDINATES: [&str; 3] = ["coordinate x", "coordinate y", "coordinate z"];
 
-/// Walks through a text: from one statement (a line that has a word) to the next, and through the
-/// words of each. A word that starts with `#` opens a comment that ends with the line.
+/// Reader of a text, from one statement (a line with a word) to the next, and through the words of each. A
+/// word that starts with `#` opens a comment to the end of the line.
 pub(super) struct Text<'a> {
     bytes: &'a [u8],
     at: usize,
     line: usize,
     started: bool,
-    /// Whether there was no further statement.
+    /// Whether the end of the text was reached in search of a statement.
     ended: bool,
     /// Whether a `\` at the end of a line joins the next one to it.
     joins_lines: bool,
@@ -42,7 +42,7 @@ impl<'a> Text<'a> {
         Position::Line(self.line)
     }
 
-    /// Whether there was no further statement.
+    /// Whether the end of the text was reached in search of a statement.
     pub(super) fn has_ended(&self) -> bool {
         self.ended
     }
@@ -112,7 +112,7 @@ impl<'a> Text<'a> {
         Some(&self.bytes[start..self.at])
     }
 
-    /// The length of the `\` here and the end of line behind it; 0 if that is not what is here.
+    /// Length of a `\` at the current position with the following end of line; 0 if there is no such pair.
     fn join_length(&self) -> usize {
         match self.bytes[self.at..] {
             _ if !self.joins_lines => 0,
@@ -178,7 +178,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// The length of the line that starts here, without its end.
+/// Length of the line that starts here, without its line break.
 fn line_length(bytes: &[u8]) -> usize {
     bytes
         .iter()
@@ -186,7 +186,7 @@ fn line_length(bytes: &[u8]) -> usize {
         .unwrap_or(bytes.len())
 }
 
-/// A word as a number of whatever type; `None` if there is no word or it is no such number.
+/// Parses a word as a number; `None` if there is no word or it is not such a number.
 #[inline]
 pub(super) fn parsed<T: core::str::FromStr>(word: Option<&[u8]>) -> Option<T> {
     core::str::from_utf8(word?).ok()?.parse().ok()

@@ -76,7 +76,7 @@ pub fn write_vti(
     };
     let [x, y, z] = grid.counts.map(|count| count - 1);
     let extent = format!("0 {x} 0 {y} 0 {z}");
-    // VTK wants the matrix row by row, whose columns are the axes.
+    // VTK expects the matrix row by row; its columns are the axes.
     let [a, b, c] = grid.axes;
     let direction = [0, 1, 2].map(|row| [a[row], b[row], c[row]]);
     let attributes = format!(

@@ -151,7 +151,7 @@ pub(super) fn write_data(
     })
 }
 
-/// The text of such a file.
+/// Writes the text of such a file.
 pub(super) fn write_document(
     out: &mut dyn Write,
     kind: &str,
@@ -175,7 +175,7 @@ pub(super) fn write_document(
     writeln!(out, "</{kind}>\n</VTKFile>")
 }
 
-/// The fields of one piece of a data set at its points, `PointData`, or its triangles, `CellData`.
+/// Writes the fields of a piece at its points (`PointData`) or triangles (`CellData`).
 pub(super) fn named_fields(
     out: &mut dyn Write,
     section: &str,
@@ -194,7 +194,7 @@ fn is_printable(name: &str) -> bool {
 }
 
 impl PointValues<'_> {
-    /// The number of points with values.
+    /// Number of entries.
     fn len(&self) -> usize {
         match self {
             Self::Scalars(values) => values.len(),
@@ -239,7 +239,7 @@ stored!(f64, "Float64");
 stored!(f32, "Float32");
 stored!(i64, "Int64");
 
-/// A `DataArray`: the number of bytes as 64 bits and the bytes, in one run of base64.
+/// Writes a `DataArray`: the number of bytes as 64 bits, followed by the bytes, in one run of base64.
 pub(super) fn array<N: Stored>(
     out: &mut dyn Write,
     attributes: &str,
@@ -259,7 +259,7 @@ pub(super) fn array<N: Stored>(
     writeln!(out, "</DataArray>")
 }
 
-/// A text inside a quoted attribute.
+/// A text to be escaped inside a quoted attribute.
 pub(super) struct Escaped<'a>(pub(super) &'a str);
 
 impl fmt::Display for Escaped<'_> {

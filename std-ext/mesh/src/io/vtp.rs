@@ -57,7 +57,7 @@ pub fn write_vtp_with_cells(
     })
 }
 
-/// The surface without fields, as one of the mesh formats.
+/// Writes a surface without fields, as one of the mesh formats.
 pub(super) fn write(
     out: &mut dyn Write,
     positions: &[[f64; 3]],
@@ -95,10 +95,9 @@ fn piece(
     writeln!(out, "</Polys>\n</Piece>")
 }
 
-/// The files of a run with their times, as the index (`.pvd`) that ParaView opens.
+/// Files of a run with their times: the index (`.pvd`) that ParaView opens.
 ///
-/// It is plain data, so that a checkpoint can hold it: a resumed run continues its
-/// list.
+/// It is plain data, so that a checkpoint can contain it and a resumed run continues the list.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Collection {
     /// The entries in the order of writing.

@@ -11,7 +11,7 @@ pub(super) struct Weld {
 }
 
 impl Weld {
-    /// The vertex at this point, added to the positions if it is a new one.
+    /// Returns the vertex at this point, which is added to the positions if it is new.
     pub(super) fn vertex(&mut self, point: [f64; 3], positions: &mut Vec<[f64; 3]>) -> u32 {
         // Adding 0 turns −0 into 0 and changes nothing else.
         let point = point.map(|coordinate| coordinate + 0.0);
@@ -41,9 +41,8 @@ impl MeshFile {
         split.count()
     }
 
-    /// The mesh with one vertex for all vertices at the same point, bit for bit (−0 counts as 0),
-    /// in the order in which they first appear. Triangles of which two corners are merged are left
-    /// out.
+    /// The mesh with one vertex for all vertices at the same point, bit for bit (−0 counts as 0), numbered in
+    /// the order of their first appearance. Triangles with two merged corners are left out.
     ///
     /// # Errors
     /// If the resulting triangles are not a manifold: more than two at an edge, or surfaces that

@@ -1,20 +1,20 @@
-//! Files that are read completely, as far as memory allows.
+//! Files that are read completely, within the limits of memory.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// The largest number of bytes read from a pipe or device: these do not state their length, and some
-/// have no end.
+/// Largest number of bytes read from a pipe or device, because these do not state their length and may be
+/// endless.
 const LONGEST_STREAM: u64 = 1 << 30;
 
-/// The share of the free memory that a file may take: the mesh needs memory, too.
+/// Divisor of the free memory that a file may take, because the mesh needs memory, too.
 const SHARE: u64 = 2;
 
-/// The mark that spreadsheets and some editors put before the first line of a text.
+/// The mark that spreadsheets and some editors write before the first line of a text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// All bytes of a file with at most this length; `None` allows any length that fits the memory.
+/// Reads a file of at most this length; `None` allows any length that fits into memory.
 ///
 /// # Errors
 /// Any error of the operating system, or a file that exceeds the limit, which the message names.

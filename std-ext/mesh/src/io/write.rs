@@ -71,8 +71,8 @@ pub fn write(path: &Path, positions: &[[f64; 3]], mesh: &TriangleMesh) -> Result
     })
 }
 
-/// Writes a mesh in a format, as [`write()`] does; STL has infinity for numbers
-/// outside the range of 32 bits.
+/// Writes a mesh in a format, as [`write()`] does; in STL, numbers outside the range of 32 bits become
+/// infinite.
 ///
 /// # Errors
 /// Any error of `out`.
@@ -102,7 +102,7 @@ fn beyond_single_precision(positions: &[[f64; 3]]) -> Option<(usize, usize)> {
     rows.find_map(|(vertex, row)| Some((vertex, row.iter().position(infinite)?)))
 }
 
-/// Writes values in blocks, because encoders and files take longer for a call than for a number.
+/// Writes values in blocks, because a call of an encoder or file costs more than a number.
 pub(super) fn write_blocks<B: AsRef<[u8]>>(
     out: &mut (impl Write + ?Sized),
     values: impl Iterator<Item = B>,

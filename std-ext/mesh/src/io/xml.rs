@@ -8,11 +8,11 @@ use super::{ParseError, Position, Problem};
 #[derive(Clone, Debug)]
 pub(super) struct Tag<'a> {
     pub(super) name: &'a [u8],
-    /// Whether it is `</NAME>`.
+    /// Whether the tag has the form `</NAME>`.
     pub(super) closes: bool,
-    /// The text behind the name.
+    /// The text after the name.
     attributes: &'a [u8],
-    /// Its start, and the start of the following text.
+    /// Start of the tag, and start of the following text.
     pub(super) start: usize,
     pub(super) end: usize,
 }
@@ -78,7 +78,7 @@ impl<'a> Tags<'a> {
 }
 
 impl Tag<'_> {
-    /// The value of an attribute, without the entities that no number or name of VTK has.
+    /// Value of an attribute. Entities are not decoded, because numbers and names of VTK have none.
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         let mut rest = self.attributes;
         loop {
@@ -96,13 +96,13 @@ impl Tag<'_> {
     }
 }
 
-/// The line of a byte.
+/// Line of a byte.
 pub(super) fn line_of(bytes: &[u8], at: usize) -> Position {
     let before = &bytes[..at.min(bytes.len())];
     Position::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
 }
 
-/// The next position of some bytes.
+/// Next position of a sequence of bytes.
 fn find(bytes: &[u8], from: usize, what: &[u8]) -> Option<usize> {
     let rest = bytes.get(from..)?;
     Some(from + rest.windows(what.len()).position(|here| here == what)?)

@@ -4,11 +4,10 @@ use super::super::text::{Text, parsed};
 use super::super::{CORNER, Element, ParseError, Position, Problem, finite};
 use super::{Builder, ByteOrder, Group, Property, Role, Scalar};
 
-/// The part of a file behind its header, value by value. `element` is the one that is being read,
-/// for error messages.
+/// The part of a file after its header, read value by value. `element` is the current one, for messages.
 pub(super) trait Body {
-    /// Reads the first elements of a group of `count` all at once, and returns their number: as many as are
-    /// as nearly all files have them. The others, and those with an error, are read value by value.
+    /// Reads the first elements of a group of `count` at once, as long as they have the usual form, and
+    /// returns their number. The remaining elements, and those with an error, are read value by value.
     fn plain_elements(&mut self, group: &Group, count: usize, builder: &mut Builder) -> usize;
     /// Starts a record.
     fn begin(&mut self, element: Option<Element>) -> Result<(), ParseError>;
@@ -31,7 +30,7 @@ pub(super) trait Body {
     ) -> Result<(), ParseError>;
     /// Finishes a record.
     fn end(&mut self, element: Option<Element>) -> Result<(), ParseError>;
-    /// Whether the last error was that there is nothing left.
+    /// Whether the last error was the end of the file.
     fn has_ended(&self) -> bool;
 }
 
@@ -40,7 +39,7 @@ const LIST_LENGTH: &str = "a list's length";
 /// A body with one element per line.
 pub(super) struct Ascii<'a> {
     pub(super) text: Text<'a>,
-    /// The line's first word, until it is used.
+    /// The first word of the line, until it is consumed.
     pub(super) first: Option<&'a [u8]>,
 }
 
@@ -113,10 +112,10 @@ impl Body for Ascii<'_> {
     }
 }
 
-/// The bytes of a triangle: a length of one byte and three numbers of four.
+/// Bytes of a triangle: a length of one byte, and three numbers of four bytes.
 const TRIANGLE: usize = 13;
 
-/// The places of the coordinates in a record of fixed length.
+/// Offsets of the coordinates in a record of fixed length.
 struct Coordinates {
     places: [usize; 3],
     is_double: bool,
@@ -125,7 +124,7 @@ struct Coordinates {
 }
 
 impl Coordinates {
-    /// None if the records have a list, or coordinates that are not all `float` or all `double`.
+    /// `None` if the records have a list, or coordinates that are not all `float` or all `double`.
     fn of(properties: &[Property]) -> Option<Self> {
         let mut found = [None; 3];
         let mut length = 0;
@@ -211,7 +210,7 @@ impl Binary<'_> {
             Scalar::U16 => u16::from_le_bytes(self.take()?).into(),
             Scalar::I32 => i32::from_le_bytes(self.take()?).into(),
             Scalar::U32 => u32::from_le_bytes(self.take()?).into(),
-            // Not reached: headers in which a list length or a corner has such a type are refused.
+            // Unreachable: headers in which a list length or a corner has such a type are refused.
             Scalar::F32 | Scalar::F64 => return None,
         })
     }
@@ -221,7 +220,7 @@ impl Binary<'_> {
         match kind {
             Scalar::F32 => self.take().map(|bytes| f32::from_le_bytes(bytes).into()),
             Scalar::F64 => self.take().map(f64::from_le_bytes),
-            // At most 32 bits: exact.
+            // Integers of at most 32 bits are exact.
             _ => self.integer(kind).map(|number| number as f64),
         }
     }
@@ -240,7 +239,7 @@ impl Binary<'_> {
         Problem::Expected { expected, found }.at(self.position(), element)
     }
 
-    /// Nothing more than white space, which some programs append.
+    /// Checks that only white space follows, which some programs append.
     pub(super) fn end_of_file(&self) -> Result<(), ParseError> {
         let rest = &self.bytes[self.at..];
         if rest.iter().all(u8::is_ascii_whitespace) {
@@ -264,7 +263,7 @@ impl Body for Binary<'_> {
                 if length.size() == 1 && item.size() == 4 =>
             {
                 let (records, _) = rest.as_chunks::<TRIANGLE>();
-                // A negative number is none of a vertex.
+                // Negative numbers are no vertices.
                 let most = match item {
                     Scalar::I32 => i32::MAX as u32,
                     _ => u32::MAX,

@@ -1,9 +1,9 @@
 //! Arrays of numbers in VTK files: as text, in base64, or appended at the end of the file; raw or
 //! compressed.
 //!
-//! Source: *VTK file formats* (docs.vtk.org, XML formats). Compressed data begin with the number of
-//! blocks, the length of a block, that of the last one (0 for a whole one), and the lengths of all of
-//! them compressed.
+//! Source: *VTK file formats* (docs.vtk.org, XML formats). Compressed data begin with the number of blocks,
+//! the length of a block, the length of the last block if it is shorter (else 0), and the compressed length
+//! of each block.
 
 use super::super::xml::{Tag, line_of};
 use super::super::{ParseError, Position, Problem};
@@ -17,14 +17,14 @@ use std::borrow::Cow;
 pub(super) struct Storage<'a> {
     pub(super) file: &'a [u8],
     pub(super) big_endian: bool,
-    /// Bytes of a length: 4 or 8.
+    /// Bytes of a stored length: 4 or 8.
     pub(super) header: usize,
     pub(super) compressed: bool,
-    /// The data behind the `_` at the end of the file, and whether it is base64.
+    /// The data after the `_` at the end of the file, and whether they are in base64.
     pub(super) appended: Option<(&'a [u8], bool)>,
 }
 
-/// An array as its tag describes it.
+/// An array as described by its tag.
 #[derive(Clone, Debug)]
 pub(super) struct Array<'a> {
     /// The position of its tag.
@@ -75,7 +75,7 @@ impl<T> Numbers<T> {
     }
 }
 
-/// The words of a text up to the next tag, with where they begin.
+/// Words of a text up to the next tag, with their positions.
 fn words(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     let end = text.iter().position(|&byte| byte == b'<');
     let text = &text[..end.unwrap_or(text.len())];
@@ -200,7 +200,7 @@ impl<'a> Array<'a> {
 }
 
 impl Storage<'_> {
-    /// The bytes that follow a header, whole ones of it.
+    /// Bytes of the data after the header at the start of `bytes`, decompressed if necessary.
     fn payload(&self, bytes: &[u8], here: Position) -> Result<Vec<u8>, ParseError> {
         let truncated = || {
             let problem = Problem::Expected {
@@ -245,7 +245,7 @@ impl Storage<'_> {
         Ok(payload)
     }
 
-    /// The next length of a header.
+    /// Reads the next length in a header.
     fn length(&self, rest: &mut &[u8]) -> Option<usize> {
         let (stored, after) = rest.split_at_checked(self.header)?;
         *rest = after;
@@ -258,8 +258,8 @@ impl Storage<'_> {
     }
 }
 
-/// Base64 as VTK writes it: headers and data may be encoded one after the other, each with its own
-/// padding. What is none, and what follows it, is left out.
+/// Decodes base64 as VTK writes it: headers and data may be encoded separately, each with its own padding.
+/// Decoding stops at the first invalid character.
 fn decoded(text: &[u8]) -> Vec<u8> {
     let end = text.iter().position(|&byte| byte == b'<');
     let text = &text[..end.unwrap_or(text.len())];
@@ -322,7 +322,7 @@ impl Number {
         }
     }
 
-    /// The same of whole numbers; those beyond `i64` are negative, which no index is.
+    /// The whole number with these bytes; numbers beyond `i64` become negative, and are refused as indices.
     fn integer(self, bytes: [u8; 8]) -> i64 {
         let shift = 64 - 8 * self.size() as u32;
         match self {

@@ -9,12 +9,12 @@ use super::array::{Array, Storage};
 struct Piece<'a> {
     at: usize,
     vertices: usize,
-    /// The number of single vertices and lines, which precede the polygons in arrays of cells.
+    /// Number of single vertices and lines, which precede the polygons in arrays of cells.
     skipped: usize,
     points: Option<Array<'a>>,
     connectivity: Option<Array<'a>>,
     ends: Option<Array<'a>>,
-    /// Arrays of one component at the points and cells, if they are read.
+    /// Arrays of one component at the points and cells, if columns are read.
     columns: Vec<(ColumnPlace, String, Array<'a>)>,
 }
 
@@ -36,7 +36,7 @@ pub(in crate::io) fn parse(
     Ok((builder.finish()?, joined(&pieces, &storage)?))
 }
 
-/// The columns that every piece with points has, one piece after the other.
+/// Columns that every piece with points has, concatenated in the order of pieces.
 fn joined(pieces: &[Piece<'_>], storage: &Storage<'_>) -> Result<Vec<Column>, ParseError> {
     let pieces = Vec::from_iter(pieces.iter().filter(|piece| piece.vertices > 0));
     let names = pieces.first().map_or(&[][..], |piece| &piece.columns);
@@ -100,7 +100,7 @@ fn outline(bytes: &[u8], columns: Columns) -> Result<Outline<'_>, ParseError> {
                 };
                 if let (Some(of), Some(name), Columns::Read) = (of, name, columns) {
                     let components = tag.attribute("NumberOfComponents");
-                    // Texts, which are no numbers, are skipped.
+                    // Arrays of texts are skipped.
                     if let (None | Some("1"), Ok(array)) = (components, Array::new(bytes, &tag)) {
                         piece.columns.push((of, name.to_owned(), array));
                     }
@@ -187,7 +187,7 @@ fn piece<'a>(file: &[u8], tag: &Tag<'_>) -> Result<Piece<'a>, ParseError> {
 }
 
 impl Piece<'_> {
-    /// The numbers of an array at the vertices or triangles.
+    /// Numbers of an array at the vertices or triangles.
     fn numbers(
         &self,
         place: ColumnPlace,
@@ -222,7 +222,7 @@ impl Piece<'_> {
         let faces = own.values[self.skipped..]
             .iter()
             .zip(ends.iter().zip(starts));
-        // The mesh has been built: every face has three corners or more.
+        // Every face has three corners or more, because the mesh has been built.
         let repeated = faces.map(|(&value, (end, start))| {
             std::iter::repeat_n(value, usize::try_from(end - start - 2).unwrap_or(0))
         });
@@ -259,7 +259,7 @@ impl Piece<'_> {
             return Ok(());
         };
         let (corners, ends) = (connectivity.indices(storage)?, ends.indices(storage)?);
-        // Of all faces: to count lines for each would take too long.
+        // All faces get the line of the first, because counting lines for each would take too long.
         let here = corners.first_position(file);
         let mut start = 0;
         let mut face = Vec::new();
