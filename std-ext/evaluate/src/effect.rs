@@ -16,17 +16,17 @@ use helfrich::{
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// The areas by which the force densities of a method become nodal forces.
+/// Areas by which the force densities of a method are multiplied to give nodal forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Lumping {
-    /// The areas of the method, over which its energy is a sum.
+    /// The method's own areas, over which its energy is a sum.
     Own,
     /// A third of the area of the triangles around each vertex, for flows, which divide F_i by the
     /// same area.
     Thirds,
 }
 
-/// One effect, ready for one mesh.
+/// One effect, prepared for one mesh.
 #[derive(Debug)]
 pub struct Effect {
     name: &'static str,
@@ -37,7 +37,7 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// A method whose force is the gradient of its energy.
+    /// Prepares a method whose force is the gradient of its energy.
     pub fn conservative(
         name: &'static str,
         method: impl CompiledPotential,
@@ -46,11 +46,12 @@ impl Effect {
         Self::new(name, true, method.prepared(mesh).0)
     }
 
-    /// A bending method with this modulus κ and spontaneous curvature H0. Net force and torque are
-    /// removed from forces without an energy, because nothing in a scene would balance them.
+    /// Prepares a bending method with this modulus κ and spontaneous curvature H0. Net force and torque are
+    /// removed from forces without an energy, because nothing else in a scene would balance them.
     ///
     /// # Errors
-    /// If the method is an operator for curvatures only, or kantor-nelson (A) and one of these varies.
+    /// If the method is an operator for curvatures only, or if it is kantor-nelson (A) and one of the
+    /// parameters varies.
     pub fn bending(
         name: &'static str,
         method: BendingMethod,
@@ -120,7 +121,7 @@ impl Effect {
         energy
     }
 
-    /// Adds the forces for a picture or a file, without counting the cost.
+    /// Adds the forces for a picture or a file, without counting the evaluation and its time.
     ///
     /// # Panics
     /// As [`Self::add_force`].
@@ -128,7 +129,7 @@ impl Effect {
         self.prepared.add_force(surface, force)
     }
 
-    /// Replaces the method, and keeps the cost so far.
+    /// Replaces the method, and keeps the count of evaluations and their time.
     pub fn replace(&mut self, method: impl CompiledPotential, mesh: &TriangleMesh) {
         self.prepared = method.prepared(mesh).0;
         self.conservative = true;
@@ -145,20 +146,20 @@ impl Effect {
     }
 }
 
-/// A method whose force is the gradient of its energy, with loops that are compiled in this crate: they
-/// are as fast however a crate that calls them is optimised.
+/// A method whose force is the gradient of its energy, with loops that are compiled in this crate, so that
+/// they are fast however the calling crate is optimised.
 ///
-/// A new effect is one more line in the list below.
+/// A new effect needs one more line in the list below.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not in the list of potentials",
     note = "add it to `potentials!` in std-ext/evaluate/src/effect.rs, where its loops are compiled"
 )]
 pub trait CompiledPotential: Conservative<f64> + Send {
-    /// The method, prepared for a mesh.
+    /// Prepares the method for a mesh.
     fn prepared(self, mesh: &TriangleMesh) -> PreparedPotential;
 }
 
-/// A [`CompiledPotential`] that is prepared for a mesh.
+/// A [`CompiledPotential`] prepared for a mesh.
 #[derive(Debug)]
 pub struct PreparedPotential(Box<dyn Act>);
 
@@ -189,14 +190,14 @@ potentials! {
     WallAdhesion<f64>,
 }
 
-/// The reason why a method cannot act.
+/// Reason why a method cannot act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CannotBend {
-    /// It has no forces.
+    /// The method has no forces.
     #[error("{0} measures curvatures only and has no force: choose a bending method, such as j4")]
     NoForce(BendingMethod),
-    /// It has no parameters for each vertex.
+    /// The method has no parameters per vertex.
     #[error("{0} has one modulus for all edges: choose another method for one that varies")]
     Uniform(BendingMethod),
 }
@@ -214,7 +215,7 @@ impl CannotBend {
     }
 }
 
-/// A bending method as an effect.
+/// Visitor that prepares a bending method as an effect.
 struct Acting<'a> {
     name: &'static str,
     bending: BendingMethod,
@@ -266,7 +267,7 @@ impl Visitor<f64> for Acting<'_> {
     }
 }
 
-/// Runs on all threads; no bit depends on their number.
+/// Prepares a method on all threads; no bit of the results depends on their number.
 fn prepared<M: Method<f64>>(method: M, mesh: &TriangleMesh) -> Prepared<f64, M, Parallel> {
     Prepared::with_execution(method, mesh, Parallel::new())
 }
@@ -297,7 +298,7 @@ where
     }
 }
 
-/// A method in strong form, whose force is not the gradient of an energy.
+/// A prepared method in strong form, whose force is not the gradient of an energy.
 #[derive(Debug)]
 struct InStrongForm<L>(Prepared<f64, Projected<StrongForm<f64, L>>, Parallel>)
 where
@@ -323,7 +324,7 @@ where
     }
 }
 
-/// A method in strong form by [`Lumping::Thirds`].
+/// A prepared method in strong form with [`Lumping::Thirds`].
 #[derive(Debug)]
 struct Lumped<L>
 where
@@ -385,7 +386,7 @@ where
     }
 }
 
-/// The viscosity of a membrane, ready for one mesh: the one effect that depends on velocities.
+/// The viscosity of a membrane, prepared for one mesh; the only effect that depends on velocities.
 #[derive(Debug)]
 pub struct Viscosity {
     prepared: Prepared<f64, MembraneViscosity<f64>, Parallel>,
@@ -394,10 +395,10 @@ pub struct Viscosity {
 }
 
 impl Viscosity {
-    /// Its name in a scene, which ends the names of its columns.
+    /// Name of the effect in a scene, which ends the names of its columns.
     pub const NAME: &'static str = "membrane_viscosity";
 
-    /// Prepares it.
+    /// Prepares the viscosity for a mesh.
     pub fn new(viscosity: MembraneViscosity<f64>, mesh: &TriangleMesh) -> Self {
         Self {
             prepared: prepared(viscosity, mesh),
@@ -406,7 +407,7 @@ impl Viscosity {
         }
     }
 
-    /// Adds the nodal forces that go with these velocities of the vertices.
+    /// Adds the nodal forces at these velocities of the vertices.
     ///
     /// # Panics
     /// If there are fewer velocities or forces than the surface has vertices.

@@ -12,14 +12,14 @@ use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Loops on several threads, in vectors of AVX2 where the processor has them.
+/// Execution of loops on several threads, in AVX2 vectors where the processor has them.
 ///
 /// Threads are started only for loops that are long enough; no result depends on this.
 ///
-/// * Sums over elements: each thread has a range of vertices, and computes the elements around
-///   these. Elements with vertices of several threads are computed by each of them. These are few
-///   if nearby vertices have nearby numbers.
-/// * Loops over vertices are cut into ranges.
+/// * Sums over elements: each thread has a range of vertices and computes the elements around these. Elements
+///   with vertices of several threads are computed by each of them; there are few if nearby vertices have
+///   nearby numbers.
+/// * Loops over vertices are divided into ranges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parallel {
     /// Number of threads.
@@ -31,19 +31,19 @@ thread_local! {
     static ALLOWED: Cell<Option<NonZeroUsize>> = const { Cell::new(None) };
 }
 
-/// The number of threads that [`with_threads`] allows here; without it, the number that the process may
-/// run at once.
+/// Number of threads that [`with_threads`] allows here; outside of it, the number that the process may run at
+/// once.
 pub fn available_threads() -> NonZeroUsize {
     let all = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     ALLOWED.get().unwrap_or_else(all)
 }
 
-/// Runs `work` so that every [`Parallel::new`] and every run of a scene in it uses that many threads.
+/// Runs `work` so that every [`Parallel::new`] and every run of a scene in it uses this number of threads.
 ///
 /// The number applies to `work` on the calling thread only, so that several threads can share a machine.
 /// No result depends on it.
 pub fn with_threads<R>(threads: NonZeroUsize, work: impl FnOnce() -> R) -> R {
-    /// Restores the former number, also when `work` panics.
+    /// Restores the previous number, also when `work` panics.
     struct Restored(Option<NonZeroUsize>);
     impl Drop for Restored {
         fn drop(&mut self) {
@@ -55,14 +55,14 @@ pub fn with_threads<R>(threads: NonZeroUsize, work: impl FnOnce() -> R) -> R {
 }
 
 impl Parallel {
-    /// The executor with as many threads as are available: see [`available_threads`].
+    /// Execution on all available threads: see [`available_threads`].
     pub fn new() -> Self {
         Self {
             threads: available_threads(),
         }
     }
 
-    /// One thread.
+    /// Execution on one thread.
     pub fn single() -> Self {
         Self {
             threads: NonZeroUsize::MIN,
@@ -76,7 +76,7 @@ impl Default for Parallel {
     }
 }
 
-/// The least number of elements that is worth starting a thread.
+/// Smallest number of elements per thread for which a thread is worth starting.
 const FEWEST_ELEMENTS: usize = 6000;
 
 /// Largest fraction of all elements per thread with which threads are worth starting.
@@ -105,8 +105,8 @@ const FIRST_SLOTS: usize = 64;
 /// Duration of work that is worth starting a thread.
 const WORTH_A_THREAD: Duration = Duration::from_micros(150);
 
-/// Runs `work(k)` for k in 0 … `count` − 1, each on its own thread, the first on this one. Not
-/// generic over the work, so that it is compiled once.
+/// Runs `work(k)` for k in 0 … `count` − 1, each on a thread of its own, the first on this one. The function
+/// is not generic over `work`, so that it is compiled once.
 fn on_threads(count: usize, work: &(dyn Fn(usize) + Sync)) {
     std::thread::scope(|scope| {
         for k in 1..count {
@@ -127,7 +127,7 @@ fn share<P: Send>(parts: Vec<P>, work: &(dyn Fn(P) + Sync)) {
     });
 }
 
-/// Runs a task, compiled for AVX2 where the processor has it, as [`Parallel`] runs its loops.
+/// Runs a task compiled for AVX2 where the processor has it, as [`Parallel`] runs its loops.
 ///
 /// Processors with AVX-512 also use AVX2, because AVX-512 code from compilers is slower for jets
 /// and patches and hardly faster elsewhere.
@@ -148,7 +148,7 @@ pub fn dispatch(task: impl NullaryFnOnce<Output = ()>) {
     pulp::Arch::new().dispatch(task);
 }
 
-/// [`scatter_onto`] as a task, because a closure might not be inlined.
+/// [`scatter_onto`] as a task; a closure might not be inlined.
 struct Scatter<'a, T, K, const CORNERS: usize, const IN: usize, const OUT: usize> {
     kernel: &'a K,
     surface: Surface<'a, T>,
@@ -179,7 +179,7 @@ where
     }
 }
 
-/// Consecutive slots, as a task.
+/// Loop over consecutive slots, as a task.
 struct Run<'a, S, O, K> {
     kernel: &'a K,
     scratch: &'a mut S,
@@ -285,8 +285,7 @@ impl Execution for Parallel {
     }
 
     fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T {
-        // The terms of the sum are known at each vertex: adding them takes less time than starting a
-        // thread.
+        // The terms are already known at each vertex: adding them takes less time than starting a thread.
         Serial.sum(count, term)
     }
 }

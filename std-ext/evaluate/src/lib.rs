@@ -4,8 +4,8 @@
 //! * [`method`] and [`scalar`]: the bending methods and number types by name.
 //! * [`noise`]: noise of positions, and its smoothing.
 //! * [`contact`]: repulsion between surfaces.
-//! * [`ordered`]: large meshes in an order that is kind to caches.
-//! * [`effect`]: anything that acts on one surface, behind one dispatch.
+//! * [`ordered`]: large meshes in a cache-friendly order.
+//! * [`effect`]: the effects that act on one surface, behind one dynamic call.
 //!
 //! This is a separate crate with one codegen unit, because its loops are compiled twice, for
 //! baseline vectors and for AVX2, and need no recompilation when other code changes.

@@ -1,4 +1,4 @@
-//! Bending methods, chosen at run time: the closed set of the list, and any other as an [`OwnMethod`].
+//! Bending methods, chosen at run time: the methods of the list, and others as [`OwnMethod`].
 //!
 //! A method is chosen once per surface, in one place; everything below is resolved at compile time.
 //! Methods run on all threads, and large meshes are reordered.
@@ -27,7 +27,7 @@ use helfrich::{
 use std::fmt;
 use std::str::FromStr;
 
-/// Description of a method beside its formula.
+/// Description of a method, apart from its formula.
 #[derive(Clone, Copy, Debug)]
 pub struct Description {
     /// The long name, as on the command line.
@@ -47,29 +47,29 @@ pub struct Description {
 /// Cost of a method of the list.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost {
-    /// Time of an evaluation over that of method B: docs/CHOOSING.md.
+    /// Time of an evaluation relative to that of method B: docs/CHOOSING.md.
     pub relative: f64,
-    /// Memory of the prepared method after its first evaluation in bytes, for each vertex, as measured on
-    /// meshes of 2562 vertices.
+    /// Memory of the prepared method after its first evaluation in bytes per vertex, as measured on meshes of
+    /// 2562 vertices.
     pub bytes: Bytes,
 }
 
-/// Memory of a prepared method in bytes, for each vertex.
+/// Memory of a prepared method in bytes per vertex.
 #[derive(Clone, Copy, Debug)]
 pub enum Bytes {
-    /// Bytes on any mesh.
+    /// The same number of bytes on any mesh.
     Fixed(u64),
-    /// Bytes on meshes whose vertices have five or six neighbours, and on other meshes.
+    /// Bytes on meshes whose vertices have five or six neighbours, and bytes on other meshes.
     ByValence([u64; 2]),
     /// A fixed part, and a part proportional to the bandwidth in mean areas of a vertex.
     ByBandwidth([f64; 2]),
 }
 
-/// Defines [`BendingMethod`] and everything that follows from the list of methods: names,
-/// descriptions, the methods as types, and the only place where a name becomes a method of the core.
+/// Defines [`BendingMethod`] and everything that follows from the list of methods: names, descriptions, the
+/// methods as types, and the only place where a name selects a method of the core.
 ///
-/// An entry is the kind of the method, its type for the scalar T (of a method in strong form, that of its
-/// operator), how it is made, its description and its cost. The kinds are those of [`Visitor`].
+/// An entry consists of the kind of the method, its type for the scalar T (in strong form, the type of its
+/// operator), its constructor, its description and its cost. The kinds are those of [`Visitor`].
 macro_rules! methods {
     (@is_conservative energy) => { true };
     (@is_conservative energy_and_curvatures) => { true };
@@ -318,7 +318,7 @@ methods! {
         },
         Cost {
             relative: 7.0,
-            // Patches of one kind only, or of many.
+            // Meshes with patches of few kinds, and meshes with patches of many.
             bytes: Bytes::ByValence([1700, 6000]),
         };
         /// Jülicher's: squared mean curvature from dihedral angles.
@@ -487,8 +487,8 @@ impl BendingMethod {
         self.description().idea
     }
 
-    /// Memory of the prepared method in bytes per vertex, for a mesh of `vertices` vertices with
-    /// these fewest and most neighbours of a vertex.
+    /// Memory of the prepared method in bytes per vertex, for a mesh of `vertices` vertices with these
+    /// smallest and largest valences.
     pub fn bytes(self, options: &MethodOptions, vertices: usize, valences: [usize; 2]) -> u64 {
         match self.cost().bytes {
             Bytes::Fixed(bytes) => bytes,

@@ -19,16 +19,16 @@ pub fn smoothed(surface: Surface<'_, f64>, smoothing: Smoothing) -> Vec<[f64; 3]
     smooth
 }
 
-/// A surface without the noise that it had.
+/// Result of removing the noise of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quieted {
-    /// The noise.
+    /// The noise of the original surface.
     pub noise: Noise<f64>,
     /// The scale of the fits onto which vertices were moved, [`Quieted::TIMES`] times.
     pub smoothing: Smoothing,
-    /// The positions then.
+    /// The smoothed positions.
     pub positions: Vec<[f64; 3]>,
-    /// The root mean square of the distances by which they moved.
+    /// Root mean square of the displacements.
     pub moved: f64,
 }
 
@@ -39,11 +39,12 @@ impl Quieted {
     /// 3e-2 edges. Eight moves gained little more.
     pub const TIMES: usize = 4;
 
-    /// Takes the noise out of a surface, at one scale that adaptive jets choose: see
-    /// [`Smoothing::of_measured`]. `None` where there is none, or the mesh does not resolve the shape.
+    /// Removes the noise of a surface, at one scale that adaptive jets choose: see
+    /// [`Smoothing::of_measured`]. `None` if there is no noise, or if the mesh does not resolve the shape.
     pub fn new(surface: Surface<'_, f64>) -> Option<Self> {
         let noise = noise_of(surface);
-        // This costs little; the choice takes as long as two dozen evaluations of jets.
+        // Detecting noise costs little; the choice of the scale takes as long as two dozen evaluations of
+        // jets.
         if !noise.is_seen() {
             return None;
         }
@@ -66,11 +67,12 @@ impl Quieted {
     }
 }
 
-/// Copies of a surface that [`regression`] fits together: the surface as it is, and some with more noise.
+/// Number of copies of a surface that [`regression`] fits together: the surface itself, and copies with
+/// additional noise.
 pub const COPIES: usize = 4;
 
-/// Regression jets of as many neighbours around every vertex of copies of a surface, on all threads: see
-/// [`Regression::fit`].
+/// Regression jets with this number of neighbours around every vertex of copies of a surface, on all threads:
+/// see [`Regression::fit`].
 pub fn regression(
     surface: Surface<'_, f64>,
     neighbours: usize,

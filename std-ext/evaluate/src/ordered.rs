@@ -3,10 +3,10 @@
 use helfrich::{Finding, Real, Reordering, Surface, TriangleMesh};
 use std::sync::Arc;
 
-/// The least number of vertices for reordering; smaller meshes fit the caches in any order.
+/// Smallest number of vertices for reordering; smaller meshes fit into caches in any order.
 const WORTH_ORDERING: usize = 10_000;
 
-/// A mesh in another order, and the surface and forces of the last evaluation.
+/// A mesh in another order, with the surface and forces of the last evaluation.
 #[derive(Debug)]
 pub struct Ordered<T> {
     order: Reordering,
@@ -17,7 +17,7 @@ pub struct Ordered<T> {
 }
 
 impl<T: Real> Ordered<T> {
-    /// An order for a mesh, if reordering is worthwhile.
+    /// Reorders a mesh, if this is worthwhile.
     pub fn of(mesh: &TriangleMesh) -> Option<Self> {
         if mesh.vertex_count() < WORTH_ORDERING {
             return None;
@@ -43,7 +43,7 @@ impl<T: Real> Ordered<T> {
         &self.order
     }
 
-    /// A surface in this order, and the forces on it, which stay as they were left.
+    /// Returns a surface in this order, and the forces of the previous evaluation on it.
     ///
     /// # Panics
     /// If the surface has another number of vertices than the mesh.
@@ -59,7 +59,8 @@ impl<T: Real> Ordered<T> {
         (surface, force)
     }
 
-    /// Reports what `inspect` finds about a surface in this order, with the numbers of the user's mesh.
+    /// Reports the findings of `inspect` about a surface in this order, with the vertex numbers of the user's
+    /// mesh.
     ///
     /// # Panics
     /// If the surface has another number of vertices than the mesh.
@@ -75,10 +76,10 @@ impl<T: Real> Ordered<T> {
         inspect(surface, &mut |finding| report(order.undo_finding(finding)));
     }
 
-    /// Changes positions in this order by `change`, whose result it returns.
+    /// Applies `change` to positions in this order, and returns its result.
     ///
     /// # Panics
-    /// If there is not one for each vertex.
+    /// If there is not one position per vertex.
     pub fn change<R>(
         &mut self,
         positions: &mut [[T; 3]],
@@ -92,10 +93,10 @@ impl<T: Real> Ordered<T> {
         result
     }
 
-    /// Adds the forces to those at the vertices of the user's mesh.
+    /// Adds the forces in this order to those at the vertices of the user's mesh.
     ///
     /// # Panics
-    /// If there are fewer than vertices.
+    /// If `sum` has fewer entries than the mesh has vertices.
     pub fn add_forces_to(&self, sum: &mut [[T; 3]]) {
         for (&vertex, own) in self.order.vertices().iter().zip(&self.force) {
             let sum = &mut sum[vertex as usize];

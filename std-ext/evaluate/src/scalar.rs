@@ -1,17 +1,17 @@
-//! The number types, chosen at run time, and positions held in them.
+//! Number types, chosen at run time, and positions stored in them.
 
 use helfrich::{Real, Surface, SurfaceError, TriangleMesh};
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
 
-/// The number type that a method computes with.
+/// Number type in which a method computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub enum Scalar {
     /// 32 bits, also for positions.
     #[serde(rename = "f32")]
     F32,
-    /// 32 bits in all computations, with positions as pairs of these.
+    /// 32 bits in all computations, with positions as pairs of 32-bit numbers.
     #[serde(rename = "f32-pair")]
     F32Pair,
     /// 64 bits.
@@ -23,7 +23,7 @@ impl Scalar {
     /// All number types, from the least to the most precise.
     pub const ALL: [Self; 3] = [Self::F32, Self::F32Pair, Self::F64];
 
-    /// Whether a number above 0 neither overflows nor loses digits in this type.
+    /// Whether a positive number neither overflows nor loses digits in this type.
     pub fn holds(self, value: f64) -> bool {
         let range = match self {
             Self::F32 | Self::F32Pair => f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX),
@@ -32,7 +32,7 @@ impl Scalar {
         range.contains(&value)
     }
 
-    /// Whether bending methods compute with this modulus in this type, see
+    /// Whether bending methods accept this modulus in this type, see
     /// [`Method::check`](helfrich::Method::check).
     pub fn holds_modulus(self, modulus: f64) -> bool {
         let largest = match self {
@@ -76,7 +76,7 @@ pub struct UnknownScalar {
     name: String,
 }
 
-/// Positions rounded to a scalar, with or without remainders.
+/// Positions rounded to a scalar, with or without their remainders.
 #[derive(Clone, Debug)]
 pub struct HeldPositions<T> {
     positions: Vec<[T; 3]>,

@@ -1,4 +1,4 @@
-//! Macros that make the run-time method set from its list.
+//! Visitor of methods, and the settings from which methods are made.
 
 use super::MethodOptions;
 use helfrich::{
@@ -44,9 +44,9 @@ pub struct Settings<'a, T> {
     pub modulus: MaterialParameter<T>,
     /// Spontaneous curvature H0; kantor-nelson (A) does not support it.
     pub spontaneous_curvature: MaterialParameter<T>,
-    /// Options; a method takes those that it has.
+    /// Options; a method uses those that it has.
     pub options: &'a MethodOptions,
-    /// The mesh, for methods that are chosen by it.
+    /// The mesh, on which the choice of some methods depends.
     pub mesh: &'a TriangleMesh,
 }
 

@@ -1,4 +1,4 @@
-//! Evaluation of a method that was chosen at run time.
+//! Evaluation of methods chosen at run time.
 
 use super::fields::Fields;
 use super::{AnyMethod, BendingMethod, MethodOptions, OwnMethod, Settings, Visitor, choose};
@@ -31,8 +31,8 @@ impl<T: Real> Evaluator<T> {
         Self::with_options(method, &options, modulus, mesh, Parallel::new())
     }
 
-    /// Prepares `method` with the options that apply to it, on the given threads, on which no bit
-    /// depends.
+    /// Prepares `method` with the options that apply to it, on these threads; no bit of the results depends
+    /// on their number.
     pub fn with_options(
         method: BendingMethod,
         options: &MethodOptions,
@@ -46,7 +46,7 @@ impl<T: Real> Evaluator<T> {
         T::evaluator(method, options, modulus, mesh, threads)
     }
 
-    /// Prepares `method` with an execution of the caller's choice.
+    /// Prepares `method` with any execution.
     fn with_execution<X>(
         method: BendingMethod,
         options: &MethodOptions,
@@ -67,7 +67,7 @@ impl<T: Real> Evaluator<T> {
         )
     }
 
-    /// Prepares the method that `make` makes.
+    /// Prepares a method with the function `make`.
     fn made<X>(
         method: AnyMethod,
         options: &MethodOptions,
@@ -107,9 +107,9 @@ impl<T: Real> Evaluator<T> {
         }
     }
 
-    /// One evaluation as a simulation makes it: nodal forces with the energy for conservative
-    /// methods, force densities with the curvatures for those in strong form, and curvatures for those
-    /// that have no force.
+    /// Performs one evaluation as in a simulation: nodal forces with the energy for conservative methods,
+    /// force densities with the curvatures for methods in strong form, and curvatures for methods without a
+    /// force.
     pub fn evaluate(&mut self, surface: Surface<'_, T>) {
         self.force.fill([T::zero(); 3]);
         match &mut self.ordered {
@@ -123,13 +123,13 @@ impl<T: Real> Evaluator<T> {
         }
     }
 
-    /// Nodal forces of the last evaluation, or force densities for methods in strong form; 0 for those
+    /// Nodal forces of the last evaluation, or force densities for methods in strong form; 0 for methods
     /// without forces.
     pub fn force(&self) -> &[[T; 3]] {
         &self.force
     }
 
-    /// The energy of a surface: for methods without their own, `2κ Σ H² A` over interior vertices.
+    /// Energy of a surface; for methods without an energy, `2κ Σ H² A` over interior vertices.
     pub fn energy(&mut self, surface: Surface<'_, T>) -> T {
         match &mut self.ordered {
             None => self.prepared.energy(surface),
@@ -145,7 +145,7 @@ impl<T: Real> Evaluator<T> {
         self.fields_and_findings(surface).0
     }
 
-    /// Evaluates, and collects all results of the method with what [`Self::findings`] finds.
+    /// Evaluates, and collects all results of the method and the findings of [`Self::findings`].
     pub fn fields_and_findings(&mut self, surface: Surface<'_, T>) -> (Fields<T>, Vec<Finding>)
     where
         T: Evaluated,
@@ -154,8 +154,8 @@ impl<T: Real> Evaluator<T> {
         T::last_results(self, surface)
     }
 
-    /// [`Self::fields`] from the last evaluation, which must have been for this surface; nothing is
-    /// evaluated.
+    /// Collects [`Self::fields`] from the last evaluation, which must have been for this surface, without
+    /// another one.
     pub fn last_fields(&mut self, surface: Surface<'_, T>) -> Fields<T>
     where
         T: Evaluated,
@@ -193,8 +193,8 @@ impl<T: Real> Evaluator<T> {
         })
     }
 
-    /// Findings about the last evaluation, which must have been for this surface, without noise,
-    /// which makes it fast.
+    /// Findings about the last evaluation, which must have been for this surface. They do not include noise,
+    /// so that they are fast.
     pub fn findings(&self, surface: Surface<'_, T>) -> Vec<Finding> {
         let mut findings = Vec::new();
         self.inspect(surface, &mut |finding| findings.push(finding));
@@ -214,9 +214,9 @@ impl<T: Real> Evaluator<T> {
     }
 }
 
-/// A number type that methods are evaluated in.
+/// A number type in which methods are evaluated.
 pub trait Evaluated: Real {
-    /// The equivalent of [`Evaluator::with_options`] for any number type, on one thread.
+    /// Equivalent of [`Evaluator::with_options`] for any number type, on one thread.
     fn evaluator(
         method: BendingMethod,
         options: &MethodOptions,
@@ -241,7 +241,7 @@ pub trait Evaluated: Real {
     }
 }
 
-/// A number type that methods of your own are compiled in: f32 or f64.
+/// A number type for which methods of your own are compiled: f32 or f64.
 pub trait Compiled: Evaluated {
     /// Prepares a method of your own, with its default options, on the given threads.
     fn own_evaluator(
@@ -252,7 +252,7 @@ pub trait Compiled: Evaluated {
     ) -> Evaluator<Self>;
 }
 
-// Functions without type parameters, so that methods are compiled here and not again in every crate
+// These functions have no type parameters, so that methods are compiled here and not again in every crate
 // that evaluates them.
 macro_rules! evaluated {
     ($($number:ty: $made:ident),*) => {$(
@@ -324,7 +324,7 @@ impl Evaluator<f64> {
         Ok(Self::made(method, options, material, mesh, threads, make))
     }
 
-    /// Jets of degree 8, the highest: slow and not available in scenes, but the reference for other
+    /// Prepares jets of degree 8, the highest: slow and not available in scenes, but the reference for other
     /// methods where exact values are unknown.
     pub fn reference(modulus: f64, mesh: &TriangleMesh) -> Self {
         let jet = Jet {
@@ -349,7 +349,7 @@ impl Evaluator<f64> {
     }
 }
 
-/// A method prepared for a mesh, behind one dispatch.
+/// Visitor that prepares a method for a mesh as an [`Evaluate`] object.
 pub(super) struct Preparing<'a, T, X> {
     mesh: &'a TriangleMesh,
     execution: X,
@@ -423,7 +423,7 @@ where
     }
 }
 
-/// All results of a method on the surface of its last evaluation, with this force, and its findings.
+/// Collects all results of a method on the surface of its last evaluation, with this force, and its findings.
 fn collect<T: Real>(
     prepared: &mut dyn Evaluate<T>,
     surface: Surface<'_, T>,
@@ -441,7 +441,7 @@ fn collect<T: Real>(
         force_density: vec![None; vertices],
     };
     prepared.collect(surface, force, &mut fields);
-    // The vertex was left out, so the 0 of the method is not a curvature.
+    // The method left out the vertices of these findings; the 0 there is not a curvature.
     let mut findings = Vec::new();
     prepared.inspect(surface, &mut |finding| findings.push(finding));
     for finding in &findings {
@@ -471,7 +471,7 @@ pub(super) trait Evaluate<T: Real>: fmt::Debug + Send {
     fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding));
 }
 
-/// Sets the fields beside force and area; the normals that are there are those of the cotangent
+/// Function that sets the fields besides force and area. The normals are initially those of the cotangent
 /// operator.
 type DescribeFn<T, M, X> = fn(&mut Prepared<T, M, X>, Surface<'_, T>, &mut Fields<T>);
 

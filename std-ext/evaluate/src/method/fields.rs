@@ -16,7 +16,7 @@ pub struct Fields<T> {
     pub gaussian: Vec<Option<T>>,
     /// Δ_S H.
     pub laplacian_of_mean: Vec<Option<T>>,
-    /// Force density f; for methods with nodal forces only, F over the mixed area.
+    /// Force density f; for methods with nodal forces only, F divided by the mixed area.
     pub force_density: Vec<Option<[T; 3]>>,
 }
 
@@ -29,7 +29,7 @@ fn where_defined<V: Copy>(values: &[V], defined: impl Fn(usize) -> bool) -> Vec<
 }
 
 impl<T: Real> Fields<T> {
-    /// Leaves a vertex undefined, unless it has a nodal force and a mixed area other than 0.
+    /// Leaves the curvatures of a vertex undefined, and its force density unless the mixed area is above 0.
     pub(super) fn clear(&mut self, vertex: usize) {
         self.mean[vertex] = None;
         self.gaussian[vertex] = None;
@@ -39,13 +39,13 @@ impl<T: Real> Fields<T> {
         }
     }
 
-    /// Leaves quantities with a fourth derivative undefined at a vertex.
+    /// Leaves quantities with fourth derivatives undefined at a vertex.
     pub(super) fn clear_fourth_derivative(&mut self, vertex: usize) {
         self.laplacian_of_mean[vertex] = None;
         self.force_density[vertex] = None;
     }
 
-    /// Results on a mesh in this order, in that of the user's mesh.
+    /// Converts results on a reordered mesh to the order of the user's mesh.
     pub(super) fn undone(&self, order: &Reordering) -> Self {
         Self {
             area: order.undo(&self.area),

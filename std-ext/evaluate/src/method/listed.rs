@@ -1,11 +1,11 @@
-//! Methods as types, to be made for any scalar: those of the list, so that what holds for every method can
-//! be tested for every method, and any other.
+//! Methods as types that can be made for any scalar: the methods of the list, so that tests can cover every
+//! method, and others.
 
 use super::{BendingMethod, Description, Settings};
 use helfrich::{Conservative, Curvatures, LaplaceBeltrami, Real, StrongForm};
 use std::fmt;
 
-/// The type of a method of the list, by its place in [`BendingMethod::NAMED`].
+/// Type of a method of the list, by its index in [`BendingMethod::NAMED`].
 #[derive(Clone, Copy, Debug)]
 pub struct Of<const PLACE: usize>;
 
@@ -51,7 +51,7 @@ pub trait ListedCurvatures: Described {
     fn method<T: Real>(settings: Settings<'_, T>) -> Self::Method<T>;
 }
 
-/// A use of the types of methods; a kind that is of no use is passed over.
+/// A use of the types of methods; a kind without an implementation is ignored.
 pub trait ListVisitor {
     /// Takes a method with an energy.
     fn energy<const PLACE: usize>(&mut self, _method: Of<PLACE>)

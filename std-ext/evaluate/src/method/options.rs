@@ -1,21 +1,20 @@
-//! Options of methods, the same on the command line and in scenes.
+//! Options of methods, common to the command line and scenes.
 
 use super::{AnyMethod, BendingMethod};
 use helfrich::{Bandwidth, DualArea, Real};
 use serde::{Serialize, Serializer};
 use std::fmt;
 
-/// Options of a bending method; with none of them each method has its default.
+/// Options of a bending method; a method uses its default for an option that is not given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MethodOptions {
-    /// The areas of vertices, of gompper-kroll (B) and meyer (C); by default mixed.
+    /// Areas of vertices for gompper-kroll (B) and meyer (C); by default mixed.
     #[serde(
         serialize_with = "areas_by_name",
         skip_serializing_if = "Option::is_none"
     )]
     pub areas: Option<DualArea>,
-    /// The bandwidth of the heat kernel of belkin (D); by default
-    /// [`Bandwidth::Converging`].
+    /// Bandwidth of the heat kernel of belkin (D); by default [`Bandwidth::Converging`].
     #[serde(
         serialize_with = "bandwidth_by_name",
         skip_serializing_if = "Option::is_none"
@@ -112,10 +111,10 @@ impl MethodOptions {
         }
     }
 
-    /// Checks that a method has every option that is given.
+    /// Checks that a method has all given options.
     ///
     /// # Errors
-    /// The first option that it does not have.
+    /// The first given option that the method does not have.
     pub fn check(&self, method: impl Into<AnyMethod>) -> Result<(), UnusedOption> {
         let method = method.into();
         let own = self.of(method);
@@ -132,7 +131,7 @@ impl MethodOptions {
     /// Checks that each given option belongs to at least one of several methods.
     ///
     /// # Errors
-    /// The first option that none has, with the first method.
+    /// The first option that none of the methods has, with the first method.
     pub fn check_any(&self, methods: &[AnyMethod]) -> Result<(), UnusedOption> {
         let with = |options: Self| {
             let mut results = methods.iter().map(|&method| options.check(method));
@@ -167,8 +166,8 @@ impl MethodOptions {
         *self == Self::default()
     }
 
-    /// The bandwidth for a mesh of N vertices in mean areas of a vertex; if it follows the mixed
-    /// areas, its average.
+    /// Bandwidth for a mesh of N vertices in mean areas of a vertex; the average if it follows the mixed
+    /// areas.
     pub fn bandwidth_in_mean_areas(&self, vertices: usize) -> f64 {
         match self.bandwidth.unwrap_or_default() {
             Bandwidth::Converging => (0.01 * (vertices as f64).sqrt()).max(0.25),
@@ -191,7 +190,7 @@ impl MethodOptions {
     }
 }
 
-/// `voronoi areas`, `bandwidth 0.5`, separated by commas; nothing for defaults.
+/// Formats the options as `voronoi areas`, `bandwidth 0.5`, separated by commas; defaults give nothing.
 impl fmt::Display for MethodOptions {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let areas = self.areas.map(|areas| format!("{} areas", name(areas)));

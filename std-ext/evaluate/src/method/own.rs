@@ -1,4 +1,4 @@
-//! Methods that are not of the list, beside those that are.
+//! Methods that are not in the list, together with listed ones.
 
 use super::evaluator::{Evaluate, Preparing};
 use super::{
@@ -10,14 +10,14 @@ use helfrich::{Curvatures, TriangleMesh};
 use serde::{Serialize, Serializer};
 use std::fmt;
 
-/// A method of the list, or one of your own.
+/// A method of the list or one of your own.
 ///
 /// Two methods are equal if their names are equal.
 #[derive(Clone, Copy, Debug)]
 pub enum AnyMethod {
     /// A method of the list.
     Listed(BendingMethod),
-    /// Any other.
+    /// Any other method.
     Own(OwnMethod),
 }
 
@@ -82,10 +82,10 @@ impl AnyMethod {
         }
     }
 
-    /// Checks that no two methods of your own have one name.
+    /// Checks that no two methods of your own have the same name.
     ///
     /// # Errors
-    /// The first name that is given twice.
+    /// The first name that occurs twice.
     pub fn check_names(methods: &[Self]) -> Result<(), RepeatedName> {
         for (index, method) in methods.iter().enumerate() {
             if matches!(method, Self::Own(_)) && methods[..index].contains(method) {
@@ -97,7 +97,7 @@ impl AnyMethod {
     }
 }
 
-/// The name of a method of your own that occurs twice.
+/// Error for two methods of your own with the same name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "there are two methods of your own with the name `{name}`: results are identified by names; choose \
@@ -146,7 +146,7 @@ impl Serialize for AnyMethod {
     }
 }
 
-/// Makes a method evaluable in one number type.
+/// Function that makes a method evaluable in one number type.
 pub(super) type Make<T> = fn(Settings<'_, T>, Preparing<'_, T, Parallel>) -> Box<dyn Evaluate<T>>;
 
 #[derive(Clone, Copy, Debug)]
@@ -156,11 +156,11 @@ enum Form {
     Curvatures,
 }
 
-/// A method that is not of the list, compiled in f32 and f64 where it is named: for `study`, `recommend`
-/// and the page.
+/// A method that is not in the list, for `study`, `recommend` and the page. It is compiled in f32 and f64
+/// where it is named.
 ///
-/// Its [`Description`] is checked by the compiler: the name must be one that can be typed in a shell and
-/// is not taken, and what is defined must be what a method of its kind can define.
+/// The compiler checks its [`Description`]: the name must be new and easy to type in a shell, and the
+/// quantities that it claims to define must be possible for a method of its kind.
 ///
 /// ```
 /// use helfrich::{CorrectedCurvature, Real, VertexNormals};
@@ -190,7 +190,7 @@ enum Form {
 /// const MINE: OwnMethod = OwnMethod::curvatures::<Mine>();
 /// ```
 ///
-/// A name that is taken is refused:
+/// A name that is already taken is a compile error:
 ///
 /// ```compile_fail
 /// # use helfrich::{CorrectedCurvature, Real, VertexNormals};
@@ -242,7 +242,7 @@ impl OwnMethod {
         }
     }
 
-    /// A method in strong form: it defines H, K and Δ_S H.
+    /// A method in strong form, which defines H, K and Δ_S H.
     pub const fn strong_form<M: ListedOperator>() -> Self {
         Self {
             description: const { checked(M::DESCRIPTION, [true; 3], [true; 3]) },
@@ -252,7 +252,7 @@ impl OwnMethod {
         }
     }
 
-    /// An operator without a force: it defines H and K.
+    /// An operator without a force, which defines H and K.
     pub const fn curvatures<M: ListedCurvatures>() -> Self {
         Self {
             description: const { checked(M::DESCRIPTION, [true, true, false], [true, true, false]) },
@@ -263,7 +263,7 @@ impl OwnMethod {
     }
 }
 
-/// The description, if it can be that of a method that defines at least and at most so much.
+/// Checks a description of a method that must define at least `least` and at most `most` of H, K and Δ_S H.
 const fn checked(
     description: &'static Description,
     least: [bool; 3],
@@ -311,7 +311,7 @@ const fn checked(
     description
 }
 
-/// Whether a method of the list has this name or letter, or all of them have.
+/// Whether a method of the list has this name or letter, or whether it is the name for all methods.
 const fn is_taken(name: &str) -> bool {
     let mut place = 0;
     while place < BendingMethod::NAMED.len() {
