@@ -243,10 +243,7 @@ fn a_pair_stays_symmetric_and_apart() {
     }
     let heights = column(&series, "centroid_y_left");
     let highest = heights.iter().fold(0.0, |a: f64, &b| a.max(b));
-    assert!(
-        highest > 0.6,
-        "the distance while they pass each other: {highest}"
-    );
+    assert!(highest > 0.6, "the left capsule rises only to {highest}");
 }
 
 /// The shipped cell, on a coarse mesh, tilts past the direction of the flow and on against the gradient
