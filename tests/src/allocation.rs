@@ -1,4 +1,4 @@
-//! A global allocator that counts, in binaries that name it as their `#[global_allocator]`.
+//! A global allocator that counts allocations, in binaries that use it as their `#[global_allocator]`.
 #![expect(
     unsafe_code,
     reason = "a global allocator that counts cannot be written without"

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 /// Positions and triangles.
 pub type Soup = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
-/// The faces of a cube, counterclockwise from outside, as its corners: bit k of a corner is its coordinate
+/// Faces of a cube, counterclockwise from outside, as lists of corners: bit k of a corner is its coordinate
 /// along axis k.
 const FACES: [[usize; 4]; 6] = [
     [0, 4, 6, 2],
@@ -23,7 +23,7 @@ struct Grid {
     /// Number of nodes along each axis.
     nodes: usize,
     values: Vec<f64>,
-    /// The vertices, by the first node of an edge and its axis.
+    /// The vertices, keyed by the first node of an edge and the axis of the edge.
     vertices: HashMap<(usize, usize), u32>,
     positions: Vec<[f64; 3]>,
 }

@@ -31,7 +31,7 @@ pub use operators::{
     check_operator, findings_on_small_meshes,
 };
 
-/// Number of vertices above which methods that choose by thresholds take their first choice at nearly
+/// Number of vertices above which methods that choose by thresholds make their preferred choice at nearly
 /// every vertex.
 const ROOM: usize = 600;
 
@@ -53,7 +53,7 @@ pub trait OperatorLaw {
     fn check<L: LaplaceBeltrami<f64> + Copy>(&mut self, name: &str, operator: L);
 }
 
-/// A law of everything that measures curvatures at vertices, operators and others.
+/// A law of every method that computes curvatures at vertices, operators included.
 pub trait CurvatureLaw {
     /// Fails if the method breaks the law.
     fn check<M: Curvatures<f64> + Copy>(&mut self, name: &str, method: M);

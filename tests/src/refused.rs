@@ -1,4 +1,4 @@
-//! Code that the compiler must refuse, with code that it must accept beside it.
+//! Code that the compiler must refuse, each next to code that it must accept.
 //!
 //! ```
 //! let mesh = helfrich_tests::meshes::tetrahedron();

@@ -1,11 +1,11 @@
-//! Star-shaped surfaces known exactly: all derivatives that a bending force needs, by truncated Taylor
-//! series.
+//! Star-shaped surfaces with exact curvatures: all derivatives that a bending force needs, by truncated
+//! Taylor series.
 
 use core::array::from_fn;
 use core::ops::{Add, Mul, Sub};
 use helfrich::shapes::ExactPoint;
 
-/// Degree up to which series are kept: f takes four derivatives of the positions.
+/// Degree up to which series are kept, because f needs fourth derivatives of the positions.
 const DEGREE: usize = 4;
 
 /// Coefficients of a series in two variables.

@@ -128,13 +128,13 @@ pub const VESICLE_ENERGY: Tolerance = Tolerance::new(
     "second order: the area and volume that are held are those of the polyhedron",
 );
 
-/// Places and lengths in pictures, relative to a length of about a hundred pixels.
+/// Positions and lengths in pictures, relative to a length of about a hundred pixels.
 pub const PICTURE_RADIUS: Tolerance = Tolerance::new(
     1e-2,
     "pixels that an outline merely touches count as covered, an excess of half a pixel in a hundred",
 );
 
-/// Velocities from the same forces in other units, relative to the largest.
+/// Velocities that the same forces cause in other units, relative to the largest.
 pub const FLOW_ROUNDING: Tolerance =
     Tolerance::new(1e-13, "thousands of terms summed in one order");
 

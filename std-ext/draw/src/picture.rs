@@ -110,7 +110,7 @@ pub struct Picture<'a> {
     pub colours: Colouring<'a>,
     /// The direction of view.
     pub view: View,
-    /// The unit of the positions, for a scale bar; without it there is none.
+    /// Unit of the positions for the scale bar; `None` for no scale bar.
     pub length_unit: Option<&'a str>,
 }
 
@@ -119,14 +119,15 @@ pub struct Picture<'a> {
 pub struct PaintedSurface<'a> {
     /// Mesh and positions.
     pub surface: Surface<'a, f64>,
-    /// One value per vertex; grey where it is not finite, or without a field.
+    /// One value per vertex; surfaces without a field, and vertices whose value is not finite, are grey.
     pub field: Option<&'a [f64]>,
     /// Smooth or flat shading.
     pub shading: Shading,
     /// Whether the edges of the triangles are drawn.
     pub edges: bool,
-    /// Two directions per vertex where they are known, as unit vectors, such as those of k₁ and k₂: drawn
-    /// as short lines at vertices that are spread evenly over the picture, the second ones shorter.
+    /// Two directions per vertex as unit vectors, such as those of k₁ and k₂, where they are known. They are
+    /// drawn as short lines at vertices that are spread evenly over the picture; the lines of the second
+    /// direction are shorter.
     pub strokes: Option<&'a [Option<[[f64; 3]; 2]>]>,
 }
 
@@ -420,7 +421,7 @@ fn outline_of(area: Area) -> Vec<[f64; 2]> {
     ]
 }
 
-/// Smallest and largest finite number; reversed infinities if there is none.
+/// Smallest and largest finite number; `[∞, −∞]` if there is none.
 fn extent(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     numbers
         .filter(|number| number.is_finite())

@@ -367,8 +367,8 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
     read_and(path, parse)
 }
 
-/// Reads a mesh file, and the numbers at its vertices and triangles in the order of the file. Formats other than VTP
-/// and PLY have none. Arrays of several components, as those of vectors, are skipped.
+/// Reads a mesh file, and the numbers at its vertices and triangles in the order of the file. Formats other
+/// than VTP and PLY have no such numbers. Arrays of several components, such as vectors, are skipped.
 ///
 /// # Errors
 /// As [`read`]; also if a column cannot be read.

@@ -21,7 +21,7 @@ pub fn section(surface: Surface<'_, f64>, point: [f64; 3], normal: [f64; 3]) -> 
     let mut lines = Vec::new();
     for &triangle in surface.mesh().triangles() {
         let above = triangle.map(|vertex| height(vertex) >= 0.0);
-        // The only corner on its side of the plane.
+        // The corner that is alone on its side of the plane.
         let Some(alone) = (0..3).find(|&corner| {
             above[corner] != above[(corner + 1) % 3] && above[corner] != above[(corner + 2) % 3]
         }) else {

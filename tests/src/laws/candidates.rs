@@ -149,7 +149,7 @@ impl ConservativeCandidate for Hinged {
 #[derive(Clone, Copy, Debug)]
 pub struct HingeFormula;
 
-/// `k̃ (1 − cos θ)`, half of it for each end of the edge.
+/// Energy `k̃ (1 − cos θ)`, of which each end of the edge has half.
 #[derive(Clone, Copy, Debug)]
 pub struct CosineOfHinge<T>(pub T);
 

@@ -1,11 +1,11 @@
-//! Laws for surfaces that may be degenerate.
+//! Laws that also hold on degenerate surfaces.
 
 use super::{Candidate, CurvatureLaw, Law, Measured, OperatorLaw, energy, forces};
 use crate::meshes::Mesh;
 use helfrich::{Curvature, Curvatures, LaplaceBeltrami, VertexKind};
 
-/// Energies, forces and findings of a method on a surface that may be degenerate are finite, and no
-/// force acts on vertices in no triangle.
+/// Energies, forces and findings of a method are finite on any surface, degenerate ones included, and no
+/// force acts on isolated vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Finite<'a>(pub &'a Mesh);
 

@@ -28,7 +28,7 @@ pub struct EffectCosts {
 pub struct EffectCost {
     /// The effect's key in scenes.
     pub effect: String,
-    /// Its own time in an evaluation of the velocities with all effects, in seconds; `None` for parts
+    /// Time of the effect in an evaluation of the velocities with all effects, in seconds; `None` for parts
     /// of the fluid's equations.
     pub own: Option<f64>,
     /// Time of an evaluation of the scene without the effect, in seconds.

@@ -5,8 +5,8 @@ use helfrich_std::flow::{DoubleLayer, SingleLayer};
 use helfrich_tests::meshes::{Mesh, bent, difference, disc, icosphere, norm, torus};
 use std::num::NonZeroUsize;
 
-/// The degree of the polynomials rises in steps with the tolerance, so that some tolerances are met with less
-/// to spare than others.
+/// The degree of the polynomials rises in steps as the tolerance falls, so that some tolerances are met with
+/// less to spare than others.
 const TOLERANCES: [f64; 3] = [1e-3, 3e-6, 1e-8];
 
 /// Elongated, round, bent and open bodies, and two close to each other. The order of the vertices does not

@@ -10,7 +10,7 @@ use helfrich_tests::quadrature::gauss_legendre;
 use helfrich_tests::tolerance::{self, Tolerance};
 use std::f64::consts::PI;
 
-/// Integrals over a triangle about its corner against graded subdivision, relative.
+/// Integrals over a triangle with the singularity at a corner, against graded subdivision, relative.
 const PANEL: Tolerance = Tolerance::new(
     1e-10,
     "forty halvings leave 1e-12; Gauss rules of 96 points on triangles of aspect up to ten the rest",

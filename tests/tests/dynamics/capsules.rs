@@ -8,7 +8,7 @@ use helfrich_tests::tolerance::CAPSULE_VOLUME;
 use helfrich_tests::tolerance::Tolerance;
 use std::path::Path;
 
-/// D of the paper's capsule against its digitised curve: absolute, or 2 % where that is more.
+/// D of the paper's capsule against the digitised curve: absolute, or 2 % if that is more.
 const CAPSULE_TRANSIENT: Tolerance = Tolerance::new(
     3e-3,
     "the curve was digitised to 0.002, and 1280 triangles are off by 0.002 with method B",

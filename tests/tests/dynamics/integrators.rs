@@ -15,19 +15,20 @@ const TIME_ORDER: Tolerance = Tolerance::new(
     "at steps of 1/40, the next term of the error is a fiftieth of the leading one",
 );
 
-/// Remainder of a mode that decays a billion times within a linearly implicit step.
+/// Remainder of a mode after a linearly implicit step a billion times as long as its lifetime.
 const STABLE_LIMIT: Tolerance = Tolerance::new(
     1e-6,
     "the reciprocal of the rate, times the square of coefficients of order 10",
 );
 
-/// A stabilised step of a linear problem against its closed polynomial, relative to the start.
+/// Result of a stabilised step of a linear problem against the closed form of its polynomial, relative to the
+/// start.
 const STABILITY_POLYNOMIAL: Tolerance = Tolerance::new(
     1e-10,
     "rounding grows with the square of the number of stages, 1e4 at most",
 );
 
-/// Error of a step in units of the one allowed.
+/// Error of a step, relative to the allowed error.
 const STEP_ERROR: Tolerance = Tolerance::new(
     3.0,
     "estimates are right to leading order, and the longest steps turn vectors by a third of a radian",

@@ -70,8 +70,8 @@ fn a_sphere_above_a_wall_has_its_energy() {
     assert!(fine < 0.01 * exact.abs(), "error {fine} of {exact}");
 }
 
-/// At the height of the minimum a flat membrane has the energy −W A and feels no force along the normal;
-/// nearer to the wall it is repelled, and farther away attracted.
+/// At the height of the minimum, a flat membrane has the energy −W A and feels no force along the normal;
+/// closer to the wall it is repelled, farther away attracted.
 #[test]
 fn a_flat_membrane_rests_at_the_minimum() {
     let flat = disc(3);

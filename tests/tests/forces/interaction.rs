@@ -450,8 +450,8 @@ fn repulsion_sets_in_smoothly() {
     assert!((ratio - 4.0).abs() < 0.05, "{ratio}");
 }
 
-/// No pairs are examined if bounding boxes do not intersect, and no force entry is touched if no vertex is
-/// near: NaN would make a written entry visible in the energy.
+/// Surfaces that are far apart cost nothing: no pairs are examined if bounding boxes do not intersect, and
+/// the energy is 0 if no vertex is near.
 #[test]
 fn what_is_far_costs_nothing() {
     let repulsion = free(1.0, 0.25);

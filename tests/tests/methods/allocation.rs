@@ -1,4 +1,4 @@
-//! Nothing is allocated after the first evaluation.
+//! Evaluations allocate no memory after the first one.
 
 use helfrich::{
     AnyFunctional, Constraint, Constraints, Cotangent, Curvature, Curvatures, DualArea, Images,

@@ -41,8 +41,7 @@ fn tiny_and_open_meshes_give_finite_values() {
     findings_on_small_meshes(published());
 }
 
-/// With the published bandwidth nothing converges: f hardly falls on regular meshes, and grows on irregular
-/// ones.
+/// With the published bandwidth nothing converges: f stalls on regular meshes, and grows on irregular ones.
 #[test]
 fn force_density_stalls_on_regular_and_diverges_on_irregular_meshes() {
     let found = [642, 2562, 10242].map(|n| on_discocyte(Family::Regular, n));

@@ -130,7 +130,7 @@ fn wrong_forms_say_what_is_needed() {
 
 #[test]
 fn places_count_characters_and_lines() {
-    // Three of the characters before the error take two bytes, so that columns must count characters.
+    // Three characters of this line take two bytes each, so that columns must count characters.
     refused_effect(
         "area = { target = \"3 µm²\", constraint = \"exäct\" }",
         [8, 41],

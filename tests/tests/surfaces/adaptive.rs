@@ -302,7 +302,8 @@ fn known_noise_need_not_be_seen() {
     assert!(known < 1.3 * best, "{known} {best}");
 }
 
-/// A given number of neighbours is used at every vertex.
+/// A given number of neighbours is used wherever the surface does not turn away, which is everywhere on this
+/// star.
 #[test]
 fn a_fixed_scale_is_kept() {
     let case = Case::of_star(3, Family::Irregular, 2562);

@@ -1,4 +1,4 @@
-//! Meshes and surfaces: connectivity, geometry, subdivision, exact shapes and what is made on them.
+//! Meshes and surfaces: connectivity, geometry, subdivision, exact shapes, and meshes on them.
 
 mod adaptive;
 mod expected_errors;

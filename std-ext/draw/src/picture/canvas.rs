@@ -14,7 +14,7 @@ pub struct Canvas {
     coverage: Vec<f32>,
 }
 
-/// The point of a text that is placed at a given position.
+/// Point of a text that is aligned with the given position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Left,
@@ -141,7 +141,7 @@ impl Canvas {
         self.paint(area, colour);
     }
 
-    /// Draws strokes with round ends as a single shape: where they cross, nothing is drawn twice.
+    /// Draws strokes with round ends as a single shape, so that crossings are not painted twice.
     pub(super) fn stroke(&mut self, strokes: &[Vec<[f64; 2]>], width: f64, colour: Colour) {
         let reach = 0.5 * width + 1.0;
         let around = |a: [f64; 2], b: [f64; 2]| Area {

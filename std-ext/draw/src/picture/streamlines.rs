@@ -17,9 +17,9 @@ pub(super) struct Streamlines {
 pub(super) type Polyline = Vec<[f64; 2]>;
 
 impl Streamlines {
-    /// The smallest distance of lines, relative to the distance at which they begin.
+    /// Smallest distance between lines, relative to the distance at their start.
     const NEAREST: f64 = 0.5;
-    /// The shortest extent of a line, in units of the distance; shorter lines are left out.
+    /// Smallest extent of a line, relative to that distance; shorter lines are left out.
     const SMALLEST: f64 = 0.8;
 
     pub(super) fn new(area: Area, apart: f64) -> Self {

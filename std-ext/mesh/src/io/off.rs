@@ -1,7 +1,7 @@
 //! Object File Format.
 //!
-//! Source: Geomview manual, "OFF Files". One vertex or face per line, as all known programs write
-//! them.
+//! Source: Geomview manual, "OFF Files". This reader expects one vertex or face per line, as all known
+//! programs write them.
 
 use super::text::{Text, parsed};
 use super::{Builder, CORNER, MeshFile, ParseError, Problem};

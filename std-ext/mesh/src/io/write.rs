@@ -1,4 +1,4 @@
-//! Writes mesh files; the encoder of each format is beside its parser.
+//! Writers of mesh files; the encoder of each format is in the file of its parser.
 
 use super::{Format, obj, off, ply, replace_file, stl, vtp};
 use helfrich::TriangleMesh;

@@ -354,7 +354,8 @@ fn groups_are_named_by_both_conventions() {
     let expected = 1.25 * 8.0 * 0.1 / 5.0;
     tolerance::SCENE_NUMBER.assert(found.unwrap(), expected, expected, "Skalak");
     assert!(explanation.to_string().contains("bs23: nothing bends"));
-    // Without a sphere, shear flow, or elasticity as the only effect with bending, there is no theory.
+    // There is no theory for other shapes and flows, further effects, or a reference that is not the sphere
+    // itself.
     for text in [
         capsule(&[("sphere:1", "ellipsoid:1,1,0.9")]),
         with_flow("kind = \"extension\", rate = 0.15"),
