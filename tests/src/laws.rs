@@ -33,7 +33,7 @@ pub use operators::{
 
 /// Number of vertices above which methods that choose by thresholds make their preferred choice at nearly
 /// every vertex.
-const ROOM: usize = 600;
+const FEWEST_VERTICES: usize = 600;
 
 /// A law of methods.
 pub trait Law {

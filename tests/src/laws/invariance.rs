@@ -1,6 +1,6 @@
 //! Energies and forces of a surface that is translated, rotated, relabelled or scaled.
 
-use super::{Candidate, Law, ROOM, energy, forces, largest};
+use super::{Candidate, FEWEST_VERTICES, Law, energy, forces, largest};
 use crate::meshes::{Mesh, SplitMix64, difference, norm, rotation, turned};
 use crate::tolerance::{self, Tolerance};
 use helfrich::Real;
@@ -28,7 +28,7 @@ pub struct Invariant<'a> {
 impl Law for Invariant<'_> {
     fn check<C: Candidate>(&mut self, candidate: C) {
         let chooses = candidate.chooses_by_threshold();
-        let turns = !chooses || self.mesh.positions.len() >= ROOM;
+        let turns = !chooses || self.mesh.positions.len() >= FEWEST_VERTICES;
         self.check_within(candidate, turns.then_some(tolerance::INVARIANCE));
     }
 }
@@ -133,7 +133,7 @@ impl ScaleFree<'_> {
             for (found, &unscaled) in force_pair[0].iter().zip(&force_pair[1]) {
                 assert_eq!(*found, unscaled.map(expected), "force, {what}");
             }
-        } else if !candidate.chooses_by_threshold() || positions.len() >= ROOM {
+        } else if !candidate.chooses_by_threshold() || positions.len() >= FEWEST_VERTICES {
             let double = |x: T| x.to_f64().unwrap_or(f64::NAN);
             // The comparison is in double precision and divides by κ/s, so that it cannot underflow itself.
             let unscaled = Vec::from_iter(force_pair[1].iter().map(|f| f.map(double)));

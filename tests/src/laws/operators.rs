@@ -1,7 +1,7 @@
 //! Laplace–Beltrami operators: results for constants, rows, and surfaces that are translated, rotated
 //! or scaled.
 
-use super::{CurvatureLaw, Finite, OperatorLaw, ROOM};
+use super::{CurvatureLaw, FEWEST_VERTICES, Finite, OperatorLaw};
 use crate::meshes::{GENERIC, Mesh, SplitMix64, difference, norm, rotation, small, turned};
 use crate::tolerance::{self, Tolerance};
 use helfrich::{
@@ -247,7 +247,7 @@ impl CurvatureLaw for CurvatureFollows<'_> {
             assert_eq!(Vec::from_iter(back), here, "{name}: scale 2^{exponent}");
         }
 
-        if mesh.positions.len() < ROOM {
+        if mesh.positions.len() < FEWEST_VERTICES {
             return;
         }
         let turn = rotation(GENERIC);

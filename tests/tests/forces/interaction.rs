@@ -466,16 +466,15 @@ fn what_is_far_costs_nothing() {
         (&apart[..1], false),
     ] {
         let surfaces = Vec::from_iter(meshes.iter().map(Mesh::surface));
-        let mut forces = Vec::from_iter(
-            meshes
-                .iter()
-                .map(|m| vec![[f64::NAN; 3]; m.positions.len()]),
-        );
+        let mut forces = Vec::from_iter(meshes.iter().map(|m| vec![[-0.0; 3]; m.positions.len()]));
         let mut slices = Vec::from_iter(forces.iter_mut().map(Vec::as_mut_slice));
         let mut memory = Default::default();
         let energy = repulsion.add_force_and_energy(&Serial, &surfaces, &mut memory, &mut slices);
         assert_eq!(energy, 0.0);
         assert_eq!(memory.candidates() > 0, near);
+        // Adding 0.0 would make these positive.
+        let components = forces.concat().into_flattened();
+        assert!(components.iter().all(|x| *x == 0.0 && x.is_sign_negative()));
     }
     for range in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let meshes = crowd(3, 2);
