@@ -10,7 +10,8 @@
 // Each molecule of the group is a membrane. Its atoms, sorted by their IDs, are the vertices of the mesh, whose
 // positions in the file are the stress-free reference. A membrane is evaluated as a whole by one rank, to which
 // positions are sent and from which forces come back. Each position and each force is moved and never summed
-// on the way, so that the bits do not depend on the number of ranks.
+// on the way, so that the bits do not depend on the number of ranks. Their positions and velocities are the whole state
+// of membranes, so that restart files need nothing of this fix.
 
 #include "helfrich.h"
 
@@ -61,8 +62,6 @@ class FixHelfrich : public Fix {
   double compute_scalar() override;
   double compute_vector(int) override;
   double compute_array(int, int) override;
-  void write_restart(FILE *) override;
-  void restart(char *) override;
   double memory_usage() override;
 
  private:
@@ -141,7 +140,6 @@ FixHelfrich::FixHelfrich(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   global_freq = 1;
   energy_global_flag = thermo_energy = 1;
   virial_global_flag = virial_peratom_flag = thermo_virial = 1;
-  restart_global = 1;
   assign();
   make_membranes();
 }
@@ -398,25 +396,6 @@ double FixHelfrich::compute_array(int membrane, int column)
 {
   fill_table();
   return table[membrane * size_array_cols + column];
-}
-
-// Positions and velocities are the state of a membrane, and belong to its atoms. The restart file has the size
-// of the mesh, so that another mesh is noticed.
-void FixHelfrich::write_restart(FILE *file)
-{
-  if (comm->me != 0) return;
-  const double state[2] = {static_cast<double>(vertices), static_cast<double>(membranes)};
-  const int size = sizeof(state);
-  fwrite(&size, sizeof(int), 1, file);
-  fwrite(state, sizeof(double), 2, file);
-}
-
-void FixHelfrich::restart(char *buffer)
-{
-  const double *state = reinterpret_cast<double *>(buffer);
-  if (state[0] != vertices || state[1] != membranes)
-    error->all(FLERR, "Fix helfrich has {} membranes of {} vertices, and in the restart file {} of {}",
-               membranes, vertices, state[1], state[0]);
 }
 
 double FixHelfrich::memory_usage()
