@@ -19,6 +19,7 @@ pub use error::BuildError;
 pub use explain::{Active, Explanation, LatticeExplanation, SurfaceExplanation};
 pub(crate) use once::messages_once;
 
+use crate::checked;
 use crate::contact::repel;
 use crate::dynamics::{Evaluation, Held, Membrane, Motion, Problem};
 use crate::effect::{Effect, Viscosity};
@@ -187,7 +188,7 @@ impl Body {
 
     /// The surface at these positions of all surfaces; none if one of them is not finite.
     pub fn surface<'a>(&'a self, positions: &'a [[f64; 3]]) -> Option<Surface<'a, f64>> {
-        Surface::new(&self.mesh, &positions[self.vertices.clone()]).ok()
+        checked::surface(&self.mesh, &positions[self.vertices.clone()]).ok()
     }
 }
 
@@ -201,13 +202,13 @@ impl Body {
         force: &mut [[f64; 3]],
         add: impl FnOnce(&mut Acts, Surface<'_, f64>, &mut [[f64; 3]]) -> R,
     ) -> Option<R> {
-        let surface = Surface::new(&self.mesh, &positions[self.vertices.clone()]).ok()?;
+        let surface = checked::surface(&self.mesh, &positions[self.vertices.clone()]).ok()?;
         let acts = &mut self.acts;
         Some(match &mut self.ordered {
             None => add(acts, surface, force),
             Some(ordered) => {
                 let (surface, own) = ordered.parts(surface);
-                own.fill([0.0; 3]);
+                checked::clear(own);
                 let result = add(acts, surface, own);
                 ordered.add_forces_to(force);
                 result
@@ -369,7 +370,7 @@ impl Problem for Simulation {
     }
 
     fn evaluate(&mut self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) -> Evaluation {
-        force.fill([0.0; 3]);
+        checked::clear(force);
         let mut evaluation = Evaluation::default();
         let mut add = |energy: f64| {
             evaluation.energy += energy;

@@ -5,11 +5,13 @@
 //! * [`noise`]: noise of positions, and its smoothing.
 //! * [`contact`]: repulsion between surfaces.
 //! * [`ordered`]: large meshes in a cache-friendly order.
+//! * [`checked`]: surfaces whose positions have been checked.
 //! * [`effect`]: the effects that act on one surface, behind one dynamic call.
 //!
 //! This is a separate crate with one codegen unit, because its loops are compiled twice, for
 //! baseline vectors and for AVX2, and need no recompilation when other code changes.
 
+pub mod checked;
 pub mod contact;
 pub mod effect;
 pub mod execute;
