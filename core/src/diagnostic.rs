@@ -128,7 +128,7 @@ pub enum Finding {
 /// neighbours, because its force depends on the curvatures of the neighbours.
 ///
 /// ```
-/// use helfrich::{GompperKroll, Prepared, Surface, TriangleMesh};
+/// use helfrich::{Finding, GompperKroll, Prepared, Surface, TriangleMesh};
 ///
 /// let mesh = TriangleMesh::new(4, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])?;
 /// // Two vertices almost in one place.
@@ -138,7 +138,9 @@ pub enum Finding {
 /// bending.add_force_and_energy(surface, &mut [[0.0; 3]; 4]);
 ///
 /// let quality = bending.quality(surface);
-/// assert!(!quality.findings().is_empty());
+/// let first = quality.findings()[0];
+/// assert_eq!(Finding::KINDS[first.bit().ilog2() as usize], "thin_triangle");
+/// assert_eq!(quality.flags()[0] & first.bit(), first.bit());
 /// assert!(quality.flagged()[0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

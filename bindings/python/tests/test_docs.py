@@ -144,6 +144,21 @@ def test_flags_are_those_of_the_library():
     assert dict(_helfrich.FLAGS) == {name: int(flag) for name, flag in helfrich.Flag.__members__.items()}
 
 
+NUMBER = re.compile(r"[+-]?\d+\.?(\d*)(?:e[+-]?\d+)?")
+
+
+def compare(printed, shown):
+    """The words are the same, and numbers to two units of their last digit, or 2 %: other versions of
+    SciPy minimise in other steps."""
+    assert NUMBER.sub("#", printed) == NUMBER.sub("#", shown), (printed, shown)
+    for found, expected in zip(NUMBER.finditer(printed), NUMBER.finditer(shown)):
+        value, wanted = float(found[0]), float(expected[0])
+        if "." in expected[0]:
+            assert abs(value - wanted) <= 2 * 10.0 ** -len(expected[1]) + 0.02 * abs(wanted), printed
+        else:
+            assert value == wanted, printed
+
+
 @pytest.mark.skipif("HELFRICH_NO_GUIDE" in os.environ, reason="the guide: HELFRICH_NO_GUIDE is set")
 def test_the_guide(tmp_path, monkeypatch):
     """Every block of Python runs, in order, and prints what the next block shows."""
@@ -164,6 +179,6 @@ def test_the_guide(tmp_path, monkeypatch):
             exec(compile(block, f"PYTHON.md, block {place}", "exec"), names)
         count += 1
         if place + 1 < len(blocks) and blocks[place + 1][0] == "text":
-            assert printed.getvalue() == blocks[place + 1][1]
+            compare(printed.getvalue(), blocks[place + 1][1])
     assert count >= 10
     assert isinstance(names["np"], type(np))

@@ -75,7 +75,11 @@ def calls(rng, V, F):
         lambda: helfrich.Membrane(F, effects.Loads(mangled(rng, np.arange(3)), reference[:3])).energy(V),
         lambda: helfrich.Membrane(F, effects.Area(1, number), effects.GaussianBending(number)).force(V),
         lambda: helfrich.laplacian(V, F, mass=rng.choice(["mixed", "consistent", "voronoi", "x"])),
+        lambda: helfrich.laplacian(V, F, method=method),
         lambda: helfrich.gradient(V, F),
+        lambda: helfrich.Membrane(
+            F, effects.Area(target=number, exact=True), effects.Volume(target=number, exact=True)
+        ).restore(V),
         lambda: helfrich.weld(V, F, distance=float(rng.choice([0, 0.1, 1e-300, 1e300]))),
         lambda: helfrich.subdivide(V, F, levels=int(rng.integers(0, 3)), limit=bool(rng.integers(2))),
         lambda: helfrich.write("/nonexistent/x.vtp", V, F, field=number),

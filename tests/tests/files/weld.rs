@@ -1,7 +1,8 @@
 //! Split vertices and their welding.
 
-use helfrich_std::io::MeshFile;
-use helfrich_tests::meshes::{Mesh, disc, icosphere};
+use helfrich::MeshError;
+use helfrich_std::io::{MeshFile, weld};
+use helfrich_tests::meshes::{Mesh, Random, difference, disc, icosphere, norm};
 
 /// The mesh with separate vertices for each face, as renderers export it.
 fn split(mesh: &Mesh) -> MeshFile {
@@ -80,4 +81,54 @@ fn what_only_touches_is_refused() {
         mesh: mesh.connectivity,
     };
     assert!(file.welded().is_err());
+}
+
+/// Corners that were moved a little are one vertex again within the distance, in cells of a grid of any
+/// size; the kept vertices are the first of each group.
+#[test]
+fn vertices_near_each_other_are_merged() {
+    let mesh = icosphere(2);
+    let mut random = Random::new(7);
+    for scale in [1.0, 1e-150, 1e150] {
+        let MeshFile {
+            mut positions,
+            mesh: apart,
+        } = split(&mesh);
+        let shift = 1e-6 * scale;
+        for position in &mut positions {
+            *position = position.map(|x| scale * x + 0.5 * shift * random.symmetric());
+        }
+        let none = weld(&positions, apart.triangles(), 0.0).expect("a mesh");
+        assert_eq!(none.file.positions.len(), positions.len(), "{scale:e}");
+        let welded = weld(&positions, apart.triangles(), 2.0 * shift).expect("a mesh");
+        assert_eq!(welded.file.positions.len(), mesh.positions.len());
+        assert_eq!(welded.file.mesh.components().1, 1);
+        for (corner, &vertex) in welded.vertices.iter().enumerate() {
+            let [kept, given] = [welded.file.positions[vertex as usize], positions[corner]];
+            let apart = norm(difference(kept, given).map(|x| x / shift));
+            assert!(apart <= 2.0, "{corner}: {apart}");
+        }
+        let first = |vertex: u32| welded.vertices.iter().position(|&it| it == vertex);
+        let kept = (0..welded.file.positions.len() as u32).map(|vertex| first(vertex).unwrap());
+        let kept = kept.map(|corner| positions[corner]);
+        assert_eq!(Vec::from_iter(kept), welded.file.positions);
+    }
+    // So short a distance that cells are beyond all numbers: only equal points are merged.
+    let file = split(&mesh);
+    let welded = weld(&file.positions, file.mesh.triangles(), f64::MIN_POSITIVE).expect("a mesh");
+    assert_eq!(welded.file, file.welded().expect("a mesh"));
+}
+
+/// A face that names no vertex is refused before anything is merged.
+#[test]
+fn faces_without_a_vertex_are_refused() {
+    let error = weld(&[[0.0; 3]; 3], &[[0, 1, 2], [0, 1, 3]], 1.0).expect_err("no vertex 3");
+    assert_eq!(
+        error,
+        MeshError::VertexOutOfRange {
+            triangle: 1,
+            vertex: 3,
+            vertices: 3
+        }
+    );
 }

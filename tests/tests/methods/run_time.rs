@@ -1,8 +1,8 @@
 //! Methods selected by name agree with the core's methods, with the same defaults everywhere.
 
 use helfrich::{
-    Bandwidth, Conservative, DualArea, ForceDensity, GompperKroll, HeatKernel, MaterialParameter,
-    Prepared, StrongForm, Surface,
+    Bandwidth, Conservative, DualArea, ForceDensity, GompperKroll, HeatKernel, Jet,
+    MaterialParameter, Prepared, StrongForm, Surface,
 };
 use helfrich_std::effect::{Effect, Lumping};
 use helfrich_std::execute::Parallel;
@@ -165,5 +165,122 @@ fn the_default_bandwidth_shrinks_more_slowly_than_the_triangles() {
             // The expected factor has six digits.
             assert!((found - explicit).abs() < 1e-4 * largest, "{vertices}");
         }
+    }
+}
+
+/// The energy alone is that which comes with the forces.
+#[test]
+fn an_energy_alone_is_that_beside_forces() {
+    let mesh = irregular();
+    let surface = Surface::new(&mesh.mesh, &mesh.positions).expect("positions");
+    let options = MethodOptions::default();
+    let material = [1.3, 0.2].map(MaterialParameter::Constant);
+    for method in BendingMethod::ALL {
+        for lumping in [Lumping::Own, Lumping::Thirds] {
+            let mut material = material.clone();
+            if method == BendingMethod::KantorNelson {
+                material[1] = MaterialParameter::default();
+            }
+            let mesh = &mesh.mesh;
+            let effect = Effect::bending("bending", method, &options, material, lumping, mesh);
+            let mut effect = effect.expect("a bending method");
+            let mut force = vec![[0.0; 3]; surface.positions().len()];
+            let energy = effect.add_force(surface, &mut force);
+            assert_eq!(effect.energy(surface), energy, "{method}");
+        }
+    }
+}
+
+/// A material at the vertices is that of the mesh of the user, also where that is evaluated in another
+/// order.
+#[test]
+fn evaluators_have_a_material() {
+    let shape: AnyShape = "discocyte".parse().expect("a shape");
+    let options = MethodOptions::default();
+    for vertices in [400, 10_242] {
+        let mesh = generate(&shape, Family::Regular, vertices, 3).expect("a mesh");
+        let surface = Surface::new(&mesh.mesh, &mesh.positions).expect("positions");
+        let of = |value: fn(&[f64; 3]) -> f64| {
+            MaterialParameter::PerVertex(mesh.positions.iter().map(value).collect())
+        };
+        let material = [of(|x| 2.0 + x[0]), of(|x| 0.3 * x[1])];
+        for method in [BendingMethod::GompperKroll, BendingMethod::Meyer] {
+            let evaluator = Evaluator::with_material(
+                method,
+                &options,
+                material.clone(),
+                &mesh.mesh,
+                Parallel::new(),
+            );
+            let mut evaluator = evaluator.expect("a bending method");
+            evaluator.evaluate(surface);
+            let [modulus, spontaneous_curvature] = material.clone();
+            let expected = match method {
+                BendingMethod::GompperKroll => conservative(
+                    GompperKroll {
+                        modulus,
+                        spontaneous_curvature,
+                        ..GompperKroll::new(1.0)
+                    },
+                    surface,
+                ),
+                _ => density(
+                    StrongForm {
+                        modulus,
+                        spontaneous_curvature,
+                        ..StrongForm::meyer(1.0)
+                    },
+                    surface,
+                ),
+            };
+            let largest = expected
+                .as_flattened()
+                .iter()
+                .fold(0.0, |most: f64, x| most.max(x.abs()));
+            let pairs = evaluator.force().as_flattened().iter();
+            for (found, expected) in pairs.zip(expected.as_flattened()) {
+                // Sums around a vertex have another order.
+                assert!((found - expected).abs() <= 1e-11 * largest, "{method}");
+            }
+        }
+        let [modulus, _] = material;
+        let uniform = MaterialParameter::default();
+        for method in [BendingMethod::KantorNelson, BendingMethod::Corrected] {
+            let material = [modulus.clone(), uniform.clone()];
+            let threads = Parallel::new();
+            let refused = Evaluator::with_material(method, &options, material, &mesh.mesh, threads);
+            assert!(refused.is_err(), "{method}");
+        }
+    }
+}
+
+/// The matrix of an operator applies it; methods with an energy have none.
+#[test]
+fn operators_are_matrices() {
+    let mesh = irregular();
+    let surface = Surface::new(&mesh.mesh, &mesh.positions).expect("positions");
+    let options = MethodOptions::default();
+    for method in BendingMethod::NAMED {
+        let operator = method.operator(&options, surface);
+        let has_one = method.has_force() && !method.is_conservative();
+        assert_eq!(operator.is_ok(), has_one, "{method}");
+    }
+    let found = BendingMethod::J6
+        .operator(&options, surface)
+        .expect("an operator");
+    let mut jet = Prepared::new(Jet::j6(), &mesh.mesh);
+    let areas = jet.curvatures(surface).iter().map(|vertex| vertex.area);
+    assert_eq!(found.areas, Vec::from_iter(areas));
+    let field = Vec::from_iter(mesh.positions.iter().map(|x| x[0] * x[1] + x[2]));
+    let mut expected = vec![0.0; field.len()];
+    jet.apply_to_scalar(surface, &field, &mut expected);
+    let mut applied = vec![0.0; field.len()];
+    found
+        .matrix
+        .apply_to_scalar(&Parallel::single(), &field, &mut applied);
+    let largest = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    for (applied, expected) in applied.iter().zip(&expected) {
+        // The matrix has the diagonal, with which constants are 0 only to rounding.
+        assert!((applied - expected).abs() <= 1e-9 * largest);
     }
 }
