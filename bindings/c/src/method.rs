@@ -27,6 +27,9 @@ pub const NO_LAPLACIAN: u32 = 1 << 26;
 /// As HF_NO_MEAN, for the force density.
 pub const NO_DENSITY: u32 = 1 << 27;
 
+/// Kinds of findings have the bits below.
+const _: () = assert!(Finding::KINDS.len() <= NO_MEAN.trailing_zeros() as usize);
+
 /// Arrays of the caller for results at vertices: `count` entries each, or NULL where a result is not wanted.
 /// Values that are not defined are 0, and flagged.
 #[derive(Debug)]
