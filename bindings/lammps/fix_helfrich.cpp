@@ -82,6 +82,8 @@ class FixHelfrich : public Fix {
 
   // The vertex of each atom: its place among those of all membranes, by the atom's ID, ascending.
   std::vector<std::pair<tagint, int>> places;
+  // The same for the atom that each local index had last: atoms rarely move in memory.
+  std::vector<std::pair<tagint, int>> known;
 
   // Buffers of the exchange, one part for each rank.
   std::vector<Parcel> sent, received;
@@ -192,6 +194,7 @@ void FixHelfrich::assign()
 
   membranes = 0;
   places.clear();
+  known.clear();
   for (size_t start = 0; start < all.size(); membranes++) {
     size_t end = start;
     while (end < all.size() && all[end][0] == all[start][0]) end++;
@@ -259,14 +262,16 @@ void FixHelfrich::send_positions()
 {
   const int ranks = comm->nprocs;
   std::vector<std::vector<int>> of_rank(ranks);
-  std::vector<int> place_of(atom->nlocal);
+  known.resize(atom->nlocal, {0, 0});
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->mask[i] & groupbit)) continue;
-    auto found = std::lower_bound(places.begin(), places.end(), std::make_pair(atom->tag[i], -1));
-    if (found == places.end() || found->first != atom->tag[i])
-      error->one(FLERR, "Fix helfrich: atom {} came into the group during a run", atom->tag[i]);
-    place_of[i] = found->second;
-    of_rank[(found->second / vertices) % ranks].push_back(i);
+    if (known[i].first != atom->tag[i]) {
+      auto found = std::lower_bound(places.begin(), places.end(), std::make_pair(atom->tag[i], -1));
+      if (found == places.end() || found->first != atom->tag[i])
+        error->one(FLERR, "Fix helfrich: atom {} came into the group during a run", atom->tag[i]);
+      known[i] = *found;
+    }
+    of_rank[(known[i].second / vertices) % ranks].push_back(i);
   }
   sent.clear();
   atoms.clear();
@@ -275,7 +280,7 @@ void FixHelfrich::send_positions()
   for (int rank = 0; rank < ranks; rank++) {
     for (int i : of_rank[rank]) {
       Parcel parcel;
-      parcel.place = place_of[i];
+      parcel.place = known[i].second;
       domain->unmap(atom->x[i], atom->image[i], parcel.position.data());
       sent.push_back(parcel);
       atoms.push_back(i);
@@ -400,7 +405,7 @@ double FixHelfrich::compute_array(int membrane, int column)
 
 double FixHelfrich::memory_usage()
 {
-  return static_cast<double>(places.size() * sizeof(places[0]) +
+  return static_cast<double>((places.size() + known.size()) * sizeof(places[0]) +
                              2 * positions.size() * sizeof(Point));
 }
 
