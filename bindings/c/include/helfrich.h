@@ -529,6 +529,32 @@ hf_status hf_membrane_effect_forces_f32(hf_membrane *membrane,
                                         hf_error *error);
 
 /*
+ Number of quantities of a membrane that are held exactly, or 0 if it is NULL.
+ */
+size_t hf_membrane_constraint_count(const hf_membrane *membrane);
+
+/*
+ Sets `gradients`, `constraint_count` times `count` rows of three, to the gradients of the quantities that are
+ held exactly, one quantity after the other. Forces without their components along these keep the quantities.
+ */
+hf_status hf_membrane_constraint_gradients(hf_membrane *membrane,
+                                           const double (*positions)[3],
+                                           size_t count,
+                                           double (*gradients)[3],
+                                           size_t constraint_count,
+                                           hf_error *error);
+
+/*
+ Moves `positions` so that each quantity that is held exactly has its target value, and sets `*residual` to
+ the largest relative error that remains; it is infinite if the targets cannot be reached from there.
+ */
+hf_status hf_membrane_restore(hf_membrane *membrane,
+                              double (*positions)[3],
+                              size_t count,
+                              double *residual,
+                              hf_error *error);
+
+/*
  Adds the nodal forces of a membrane whose vertices are scattered in larger arrays of an engine.
 
  The position of vertex i is row `places[i]` of `positions`, which has `total` rows; `places` has `count`
@@ -559,32 +585,6 @@ hf_status hf_membrane_add_force_at_f32(hf_membrane *membrane,
                                        float (*force)[3],
                                        float *energy,
                                        hf_error *error);
-
-/*
- Number of quantities of a membrane that are held exactly, or 0 if it is NULL.
- */
-size_t hf_membrane_constraint_count(const hf_membrane *membrane);
-
-/*
- Sets `gradients`, `constraint_count` times `count` rows of three, to the gradients of the quantities that are
- held exactly, one quantity after the other. Forces without their components along these keep the quantities.
- */
-hf_status hf_membrane_constraint_gradients(hf_membrane *membrane,
-                                           const double (*positions)[3],
-                                           size_t count,
-                                           double (*gradients)[3],
-                                           size_t constraint_count,
-                                           hf_error *error);
-
-/*
- Moves `positions` so that each quantity that is held exactly has its target value, and sets `*residual` to
- the largest relative error that remains; it is infinite if the targets cannot be reached from there.
- */
-hf_status hf_membrane_restore(hf_membrane *membrane,
-                              double (*positions)[3],
-                              size_t count,
-                              double *residual,
-                              hf_error *error);
 
 /*
  Makes a mesh of triangles whose corners run counter-clockwise seen from outside.
@@ -691,12 +691,16 @@ hf_status hf_volume_f32(const hf_mesh *mesh,
 /*
  Prepares a method for a mesh.
 
- `name` is one of those that hf_method_name lists. `modulus` is the bending modulus κ, an energy above 0, and
+ `name` is one of those that hf_method_name lists. `areas` are "mixed", "voronoi" or "barycentric", for
+ gompper-kroll and meyer; `bandwidth` is a number of mean vertex areas, "converging" or "published", for
+ belkin; NULL is the default of either. `modulus` is the bending modulus κ, an energy above 0, and
  `spontaneous_curvature` H0, 1/length, positive on a sphere. Evaluations run on up to `threads` threads, 0 for
  all; no result depends on their number. On success `*method` is a new method, which hf_method_free frees.
  */
 hf_status hf_method_new(const hf_mesh *mesh,
                         const char *name,
+                        const char *areas,
+                        const char *bandwidth,
                         double modulus,
                         double spontaneous_curvature,
                         size_t threads,

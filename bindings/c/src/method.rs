@@ -55,10 +55,12 @@ impl Method {
     fn new(
         mesh: &Arc<TriangleMesh>,
         name: &str,
+        options: MethodOptions,
         [modulus, curvature]: [f64; 2],
         threads: Parallel,
     ) -> Result<Self, Failure> {
         let method: BendingMethod = name.parse().map_err(Failure::argument)?;
+        options.check(method).map_err(Failure::argument)?;
         if modulus <= 0.0 || modulus.is_nan() {
             let text = format!("`modulus` is {modulus}: a number above 0 is needed");
             return Err(Failure::argument(text));
@@ -76,7 +78,6 @@ impl Method {
                 format!("{method} has no spontaneous curvature: 0 is needed, or another method");
             return Err(Failure::argument(text));
         }
-        let options = MethodOptions::default();
         let evaluator = if method.has_force() {
             let material = [modulus.into(), curvature.into()];
             Evaluator::with_material(method, &options, material, mesh, threads)
@@ -91,15 +92,36 @@ impl Method {
     }
 }
 
+fn options(
+    call: &mut Call,
+    areas: *const c_char,
+    bandwidth: *const c_char,
+) -> Result<MethodOptions, Failure> {
+    let mut options = MethodOptions::default();
+    if !areas.is_null() {
+        let parsed = MethodOptions::parse_areas(call.text("areas", areas)?);
+        options.areas = Some(parsed.map_err(Failure::argument)?);
+    }
+    if !bandwidth.is_null() {
+        let parsed = MethodOptions::parse_bandwidth(call.text("bandwidth", bandwidth)?);
+        options.bandwidth = Some(parsed.map_err(Failure::argument)?);
+    }
+    Ok(options)
+}
+
 /// Prepares a method for a mesh.
 ///
-/// `name` is one of those that hf_method_name lists. `modulus` is the bending modulus κ, an energy above 0, and
+/// `name` is one of those that hf_method_name lists. `areas` are "mixed", "voronoi" or "barycentric", for
+/// gompper-kroll and meyer; `bandwidth` is a number of mean vertex areas, "converging" or "published", for
+/// belkin; NULL is the default of either. `modulus` is the bending modulus κ, an energy above 0, and
 /// `spontaneous_curvature` H0, 1/length, positive on a sphere. Evaluations run on up to `threads` threads, 0 for
 /// all; no result depends on their number. On success `*method` is a new method, which hf_method_free frees.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hf_method_new(
     mesh: *const Mesh,
     name: *const c_char,
+    areas: *const c_char,
+    bandwidth: *const c_char,
     modulus: f64,
     spontaneous_curvature: f64,
     threads: usize,
@@ -111,10 +133,17 @@ pub unsafe extern "C" fn hf_method_new(
         guarded(error, |call| {
             let mesh = &call.object("mesh", mesh)?.triangles;
             let name = call.text("name", name)?;
+            let options = options(call, areas, bandwidth)?;
             let threads = Parallel {
                 threads: self::threads(threads),
             };
-            let made = Method::new(mesh, name, [modulus, spontaneous_curvature], threads)?;
+            let made = Method::new(
+                mesh,
+                name,
+                options,
+                [modulus, spontaneous_curvature],
+                threads,
+            )?;
             call.give("method", method, made)
         })
     }

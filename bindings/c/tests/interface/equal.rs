@@ -7,10 +7,13 @@ use helfrich::{
 };
 use helfrich_capi::many::hf_membranes_force;
 use helfrich_capi::measure::{Measured, hf_measure};
+use helfrich_capi::membrane::constraint::{
+    hf_membrane_constraint_count, hf_membrane_constraint_gradients, hf_membrane_restore,
+};
+use helfrich_capi::membrane::engine::hf_membrane_add_force_at;
 use helfrich_capi::membrane::{
-    hf_membrane_add_force_at, hf_membrane_constraint_count, hf_membrane_constraint_gradients,
     hf_membrane_effect_count, hf_membrane_effect_forces, hf_membrane_effect_name,
-    hf_membrane_energy, hf_membrane_force, hf_membrane_force_f32, hf_membrane_restore,
+    hf_membrane_energy, hf_membrane_force, hf_membrane_force_f32,
 };
 use helfrich_capi::mesh::{hf_area, hf_volume};
 use helfrich_capi::method::{
@@ -24,7 +27,7 @@ use helfrich_std::execute::Parallel;
 use helfrich_std::method::{BendingMethod, Evaluator, MethodOptions};
 use helfrich_std::scene::Effects;
 use std::ffi::CString;
-use std::ptr::null_mut;
+use std::ptr::{null, null_mut};
 
 /// Adds the forces of one effect of the core.
 fn add(
@@ -253,7 +256,17 @@ fn every_method_has_the_fields_of_the_library() {
         let name = CString::new(name).unwrap();
         let mut made = null_mut();
         succeed(|error| unsafe {
-            hf_method_new(handle.0, name.as_ptr(), 0.3, 0.0, 2, &raw mut made, error)
+            hf_method_new(
+                handle.0,
+                name.as_ptr(),
+                null(),
+                null(),
+                0.3,
+                0.0,
+                2,
+                &raw mut made,
+                error,
+            )
         });
         let made = Handle(made, hf_method_free);
         let (mut mean, mut gaussian) = (vec![9.0; count], vec![9.0; count]);
@@ -298,6 +311,65 @@ fn every_method_has_the_fields_of_the_library() {
                 assert_eq!(flag & bit == 0, defined, "{method}");
             }
         }
+    }
+}
+
+#[test]
+fn options_are_those_of_the_method() {
+    let (mesh, positions) = ellipsoid(162);
+    let handle = mesh_of(&mesh);
+    let surface = Surface::new(&mesh, &positions).unwrap();
+    let (at, count) = (positions.as_ptr(), positions.len());
+    for (name, areas, bandwidth) in [("meyer", Some("voronoi"), None), ("D", None, Some("0.7"))] {
+        let [name, first, second] =
+            [Some(name), areas, bandwidth].map(|text| text.map(|text| CString::new(text).unwrap()));
+        let pointer = |text: &Option<CString>| text.as_ref().map_or(null(), |text| text.as_ptr());
+        let mut made = null_mut();
+        let (name, first, second) = (pointer(&name), pointer(&first), pointer(&second));
+        succeed(|error| unsafe {
+            hf_method_new(
+                handle.0,
+                name,
+                first,
+                second,
+                1.0,
+                0.0,
+                1,
+                &raw mut made,
+                error,
+            )
+        });
+        let made = Handle(made, hf_method_free);
+        let mut mean = vec![9.0; count];
+        let mut wanted = Fields {
+            area: null_mut(),
+            normal: null_mut(),
+            mean: mean.as_mut_ptr(),
+            gaussian: null_mut(),
+            laplacian_of_mean: null_mut(),
+            force_density: null_mut(),
+            flags: null_mut(),
+        };
+        succeed(|error| unsafe { hf_method_fields(made.0, at, count, &raw const wanted, error) });
+        let options = MethodOptions {
+            areas: areas.map(|areas| MethodOptions::parse_areas(areas).unwrap()),
+            bandwidth: bandwidth.map(|text| MethodOptions::parse_bandwidth(text).unwrap()),
+        };
+        let method = if areas.is_some() {
+            BendingMethod::Meyer
+        } else {
+            BendingMethod::Belkin
+        };
+        let of = |options: &MethodOptions| {
+            Evaluator::with_options(method, options, 1.0, &mesh, Parallel::single())
+                .fields(surface)
+                .mean
+        };
+        let expected = Vec::from_iter(of(&options).into_iter().map(Option::unwrap_or_default));
+        assert_eq!(mean, expected);
+        assert_ne!(of(&options), of(&MethodOptions::default()));
+        wanted.mean = null_mut();
+        succeed(|error| unsafe { hf_method_fields(made.0, at, count, &raw const wanted, error) });
     }
 }
 

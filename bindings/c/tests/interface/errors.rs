@@ -159,13 +159,32 @@ fn texts_of_effects_are_checked_as_scenes_are() {
 fn methods_and_names() {
     let (mesh, _) = ellipsoid(162);
     let handle = mesh_of(&mesh);
-    let new = |name: &str, modulus, curvature| {
+    let with = |name: &str, areas, modulus, curvature| {
         let (name, mut made) = (CString::new(name).unwrap(), null_mut());
         let place = &raw mut made;
         outcome(|error| unsafe {
-            hf_method_new(handle.0, name.as_ptr(), modulus, curvature, 1, place, error)
+            hf_method_new(
+                handle.0,
+                name.as_ptr(),
+                areas,
+                null(),
+                modulus,
+                curvature,
+                1,
+                place,
+                error,
+            )
         })
     };
+    let new = |name: &str, modulus, curvature| with(name, null(), modulus, curvature);
+    let voronoi = with("j6", c"voronoi".as_ptr(), 1.0, 0.0);
+    fails(voronoi, Status::InvalidArgument, "has no option `areas`");
+    let unknown = with("meyer", c"barycentre".as_ptr(), 1.0, 0.0);
+    fails(
+        unknown,
+        Status::InvalidArgument,
+        "mixed, voronoi or barycentric",
+    );
     fails(
         new("meier", 1.0, 0.0),
         Status::InvalidArgument,

@@ -225,7 +225,7 @@ int main(int argc, char **argv) {
                                                   any(3), any(3), any(50) ? &membranes[k] : NULL, report()));
         }
         release();
-        count_outcome(hf_method_new(mesh, text(), any(4) ? 1.0 : number(), any(4) ? 0.0 : number(), any(3),
+        count_outcome(hf_method_new(mesh, text(), any(4) ? NULL : text(), any(4) ? NULL : text(), any(4) ? 1.0 : number(), any(4) ? 0.0 : number(), any(3),
                                     any(50) ? &method : NULL, report()));
         for (int k = 0; k < 20; k++) {
             call(mesh, membranes, method);

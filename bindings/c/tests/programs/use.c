@@ -77,7 +77,7 @@ int main(int argc, char **argv) {
     fields.mean = mean;
     fields.flags = flags;
     check(hf_mesh_positions_f32(mesh, x32, n, &error), &error);
-    check(hf_method_new(mesh, "jet", 1.0, 0.0, 1, &method, &error), &error);
+    check(hf_method_new(mesh, "jet", NULL, NULL, 1.0, 0.0, 1, &method, &error), &error);
     check(hf_method_fields_f32(method, (const point_f32 *)x32, n, &fields, &error), &error);
     for (size_t k = 0; k < n; k++) {
         require(fabsf(mean[k] - 1.0f) < 1e-3f, "H of a unit sphere is 1, and positive");
