@@ -144,7 +144,7 @@ def test_flags_are_those_of_the_library():
     assert dict(_helfrich.FLAGS) == {name: int(flag) for name, flag in helfrich.Flag.__members__.items()}
 
 
-NUMBER = re.compile(r"[+-]?\d+\.?(\d*)(?:e[+-]?\d+)?")
+NUMBER = re.compile(r"[+-]?\d+\.?(\d*)(e[+-]?\d+)?")
 
 
 def compare(printed, shown):
@@ -154,7 +154,8 @@ def compare(printed, shown):
     for found, expected in zip(NUMBER.finditer(printed), NUMBER.finditer(shown)):
         value, wanted = float(found[0]), float(expected[0])
         if "." in expected[0]:
-            assert abs(value - wanted) <= 2 * 10.0 ** -len(expected[1]) + 0.02 * abs(wanted), printed
+            unit = float(f"1{expected[2] or ''}") * 10.0 ** -len(expected[1])
+            assert abs(value - wanted) <= 2 * unit + 0.02 * abs(wanted), printed
         else:
             assert value == wanted, printed
 
