@@ -11,7 +11,7 @@ import numpy as np
 
 from ._errors import MeshError
 
-READY = ["C_CONTIGUOUS", "ALIGNED"]
+READY: Any = ["C_CONTIGUOUS", "ALIGNED"]
 
 
 def _array(given: Any, name: str) -> np.ndarray:

@@ -10,20 +10,62 @@ import numpy as np
 from . import _helfrich
 from ._arrays import both
 
-Flag = enum.IntFlag("Flag", dict(_helfrich.FLAGS), module="helfrich")
-Flag.__doc__ = """Reasons why values at a vertex are less trustworthy than usual.
+class Flag(enum.IntFlag):
+    """Reasons why values at a vertex are less trustworthy than usual.
 
-The first are findings of methods, which also concern the neighbours of a vertex: a triangle without
-area, say, or an unusual number of neighbours. The last four are verdicts of jets that choose their
-scale: NOISE and ONE_SIDED (near a boundary) widen error bars, UNRESOLVED says that the mesh is too
-coarse for its shape, and UNKNOWN that there is no value: it is 0.
+    The first are findings of methods, which also concern the neighbours of a vertex. The last four are
+    verdicts of jets that choose their scale.
 
-Examples
---------
->>> import helfrich
->>> helfrich.Flag.UNKNOWN in helfrich.Flag(0)
-False
-"""
+    Examples
+    --------
+    >>> import helfrich
+    >>> V, F, _ = helfrich.shape("sphere", 162)
+    >>> found = helfrich.curvature(V, F[1:])  # A hole, of one face.
+    >>> one_sided = found.flags & helfrich.Flag.ONE_SIDED != 0
+    >>> bool(one_sided[F[0]].all())
+    True
+    """
+
+    ZERO_AREA = 1 << 0
+    """The vertex has no area, and was left out."""
+    NEGATIVE_AREA = 1 << 1
+    """Its area is negative, and was used as it is."""
+    REDUCED_DEGREE = 1 << 2
+    """Its neighbours determine only a fit of lower degree."""
+    TOO_FEW_NEIGHBOURS = 1 << 3
+    """Its neighbours determine no fit: it was left out."""
+    SMALL_AREA = 1 << 4
+    """Its area all but cancels."""
+    CLAMPED_AREA = 1 << 5
+    """Its area was not positive, and was replaced by a mixed one."""
+    AMPLIFIED = 1 << 6
+    """Its neighbours hardly determine the fit."""
+    UNEVEN = 1 << 7
+    """Its edges have very different lengths."""
+    UNUSUAL_VALENCE = 1 << 8
+    """It has fewer than four or more than nine neighbours."""
+    FOLDED = 1 << 9
+    """The surface folds back there."""
+    ROUNDED_POSITION = 1 << 10
+    """Its position has too few digits for a fourth derivative."""
+    NOISY_POSITION = 1 << 11
+    """A fourth derivative is lost in noise there."""
+    OUT_OF_RANGE = 1 << 12
+    """Its triangles are too small for a fourth derivative."""
+    OVERSTRETCHED = 1 << 13
+    """A triangle is stretched beyond what numbers hold."""
+    DEGENERATE_TRIANGLE = 1 << 14
+    """A triangle has no area."""
+    THIN_TRIANGLE = 1 << 15
+    """A triangle is very thin."""
+    NOISE = 1 << 24
+    """There is noise, to which error bars are fitted."""
+    UNRESOLVED = 1 << 25
+    """The mesh is too coarse for its shape there."""
+    ONE_SIDED = 1 << 26
+    """It is at a boundary or next to it: error bars are wider."""
+    UNKNOWN = 1 << 27
+    """There is no value: it is 0."""
 
 
 class Errors(NamedTuple):

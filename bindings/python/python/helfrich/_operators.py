@@ -66,14 +66,15 @@ def laplacian(
     """
     sparse = _sparse()
     V, F = both(V, F)
+    consistent, areas = None, None
     if method == "cotangent":
-        (values, columns, offsets), areas, consistent = _helfrich.stiffness(V, F, mass)
+        matrix, areas, consistent = _helfrich.stiffness(V, F, mass)
     else:
-        (values, columns, offsets), areas, consistent = _helfrich.laplacian(V, F, method)
-        values *= -np.repeat(areas, np.diff(offsets))
-    n = len(offsets) - 1
-    L = sparse.csr_array((values, columns, offsets), shape=(n, n))
-    if areas is None:
+        (values, columns, offsets), areas, _ = _helfrich.laplacian(V, F, method)
+        matrix = values * -np.repeat(areas, np.diff(offsets)), columns, offsets
+    n = len(matrix[2]) - 1
+    L = sparse.csr_array(matrix, shape=(n, n))
+    if consistent is not None:
         return L, sparse.csr_array(consistent, shape=(n, n))
     diagonal = np.arange(n + 1)
     return L, sparse.csr_array((areas, diagonal[:-1], diagonal), shape=(n, n))
