@@ -164,12 +164,12 @@ impl Surroundings {
     /// At least `most · 8/5` vertices around each: enough to find the `most` nearest. The first rings
     /// have half of that.
     pub(crate) fn new(mesh: &TriangleMesh, most: usize) -> Self {
-        Self::rings(mesh, most + most * 3 / 5)
+        Self::rings(mesh, |_| most + most * 3 / 5)
     }
 
-    /// Searches breadth-first around each vertex until at least `enough` vertices and two whole rings
-    /// are reached, or all vertices of the component.
-    pub(crate) fn rings(mesh: &TriangleMesh, enough: usize) -> Self {
+    /// Searches breadth-first around each vertex until at least `enough` vertices, a number for each
+    /// vertex, and two whole rings are reached, or all vertices of the component.
+    pub(crate) fn rings(mesh: &TriangleMesh, enough: impl Fn(usize) -> usize) -> Self {
         let count = mesh.vertex_count();
         let mut offsets = Vec::with_capacity(count + 1);
         let mut first_rings = Vec::with_capacity(count);
@@ -181,6 +181,7 @@ impl Surroundings {
         for centre in 0..count {
             let search = centre as u32 + 1;
             let start = vertices.len();
+            let enough = enough(centre);
             reached[centre] = search;
             let mut reach_around = |vertices: &mut Vec<u32>, vertex: usize| {
                 for &neighbour in mesh.one_ring(vertex) {

@@ -13,6 +13,10 @@ use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::vec3::{cross, dot, norm, scale};
 
+/// σ of the penalty `σ/2 ∫ κ θ² ds/∫ ds` of an edge, without which the energy of a rough surface that is not
+/// resolved may be negative.
+const PENALTY: f64 = 1.0;
+
 /// Energies of edges and their derivatives.
 pub(super) struct Edges<'a, T> {
     pub(super) plan: &'a Plan,
@@ -31,23 +35,49 @@ impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)
         let half = Several::literal(0.5);
         for (index, (energy, hem)) in energies.iter_mut().zip(hems.into_slots()).enumerate() {
             let first = (start + index) * WIDTH;
+            let mut sides = [[[Several::zero(); RIM_POINT]; 2]; GAUSS];
+            let mut angles = [Several::zero(); GAUSS];
+            let mut lengths = [Several::zero(); GAUSS];
+            let mut whole = Several::zero();
+            for gauss in 0..GAUSS {
+                sides[gauss] = self.sides(first, gauss);
+                angles[gauss] = angle(&sides[gauss]);
+                let [x, y, z, ..] = sides[gauss][0];
+                lengths[gauss] = norm([x, y, z]);
+                whole = whole + Several::splat(self.basis.edges[gauss].weight) * lengths[gauss];
+            }
+            let over = whole.reciprocal_or_zero();
+            let quarter = Several::literal(0.25 * PENALTY);
             *energy = Several::zero();
             for (gauss, rows) in hem.chunks_exact_mut(HEM_POINT).take(GAUSS).enumerate() {
-                let sides = self.sides(first, gauss);
-                let angle = angle(&sides);
-                let [near, far] = sides;
-                let length = norm([near[0], near[1], near[2]]);
+                let [near, far] = sides[gauss];
+                let (angle, length) = (angles[gauss], lengths[gauss]);
                 let [modulus, spontaneous] = [near[7], near[8]];
                 let excess = half * (near[6] + far[6]) - spontaneous;
                 let two = T::constant(2.0);
                 let part = Several::splat(two * self.basis.edges[gauss].weight);
                 let weight = part * modulus;
-                *energy = *energy + weight * (length * (excess * angle));
-                rows[0] = weight * (length * excess);
+                let stiff = quarter * over * angle;
+                let density = excess * angle + stiff * angle;
+                *energy = *energy + weight * (length * density);
+                rows[0] = weight * (length * (excess + stiff + stiff));
                 rows[1] = half * (weight * (length * angle));
-                rows[2] = half * (weight * (excess * angle));
-                rows[3] = half * (part * (length * (excess * angle)));
+                rows[2] = half * (weight * density);
+                rows[3] = half * (part * (length * density));
                 rows[4] = -(half * (weight * (length * angle)));
+            }
+            // The length of the whole edge, by which the penalty is divided.
+            let mut penalty = Several::zero();
+            for gauss in 0..GAUSS {
+                let two = T::constant(2.0);
+                let part = Several::splat(two * self.basis.edges[gauss].weight);
+                let strength = part * sides[gauss][0][7] * lengths[gauss];
+                penalty =
+                    penalty + strength * (quarter * over * over * angles[gauss] * angles[gauss]);
+            }
+            for (gauss, rows) in hem.chunks_exact_mut(HEM_POINT).take(GAUSS).enumerate() {
+                let part = Several::splat(self.basis.edges[gauss].weight);
+                rows[2] = rows[2] - half * (part * penalty);
             }
             for lane in 0..WIDTH {
                 if first + lane >= self.plan.hems.len() {

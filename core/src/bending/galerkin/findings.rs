@@ -6,7 +6,6 @@ use super::edges::angle_of;
 use super::fit;
 use super::points::settled;
 use crate::diagnostic::Finding;
-use crate::lane::WIDTH;
 use crate::real::Real;
 use alloc::vec;
 
@@ -17,22 +16,23 @@ const WEAKEST: f64 = 1e-6;
 const LARGEST_ANGLE: f64 = 1e-3;
 
 impl<T: Real> GalerkinMemory<T> {
-    /// Reports fits of lower degree, fits that are hardly determined, and jets that are no graph over the
+    /// Reports vertices without fits, fits of lower degree, fits that are hardly determined, and jets that are no graph over the
     /// triangles around their vertex.
     pub(super) fn report_fits(&self, report: &mut dyn FnMut(Finding)) {
+        for &vertex in &self.plan.without_fit {
+            report(Finding::TooFewNeighbours { vertex });
+        }
         for (vertex, member) in (0..).zip(&self.plan.members) {
             let Some((block, lane)) = *member else {
                 continue;
             };
             let (block, lane) = (block as usize, usize::from(lane));
             let degree = self.plan.blocks[block].degree;
-            match degree {
-                0 => report(Finding::TooFewNeighbours { vertex }),
-                fit::DEGREE => {}
-                _ => report(Finding::ReducedDegree {
+            if degree < fit::DEGREE {
+                report(Finding::ReducedDegree {
                     vertex,
                     degree: degree as u8,
-                }),
+                });
             }
             let Some(fit) = self.fits.get(block) else {
                 continue;
@@ -65,7 +65,6 @@ impl<T: Real> GalerkinMemory<T> {
                 }
             }
         }
-        debug_assert!(WIDTH > 0);
         for (vertex, _) in (0..).zip(&bent).filter(|(_, bent)| **bent) {
             report(Finding::Unresolved { vertex });
         }

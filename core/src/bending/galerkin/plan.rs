@@ -10,10 +10,6 @@ use crate::neighbourhood::Surroundings;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Fewest neighbours of a fit of degree 6: whole rings are taken until there are so many. Twice the number
-/// of coefficients; the four rings of a vertex of valence 6 have 60.
-const ENOUGH: usize = 54;
-
 /// Number of vertices whose order may change, so that blocks have members of the same valence.
 const WINDOW: usize = 512;
 
@@ -97,6 +93,8 @@ pub(super) struct Plan {
     pub(super) around: Vec<[u32; WIDTH]>,
     /// The place of each vertex that has a fit: its block and lane.
     pub(super) members: Vec<Option<(u32, u8)>>,
+    /// Interior vertices of components that are too small for any fit.
+    pub(super) without_fit: Vec<u32>,
     pub(super) patches: Vec<Patch>,
     /// The triangle of the mesh that each is.
     pub(super) triangles: Vec<u32>,
@@ -109,15 +107,26 @@ pub(super) struct Plan {
     pub(super) ringed: Vec<Place>,
 }
 
-/// The degree of fits that this number of neighbours determines, 0 if they determine none.
-pub(super) fn degree_for(neighbours: usize) -> usize {
-    match neighbours {
-        ENOUGH.. => 6,
-        40.. => 5,
-        28.. => 4,
-        18.. => 3,
-        10.. => 2,
-        _ => 0,
+/// Degrees of fits, highest first, and the number of neighbours that each needs: twice the number of
+/// coefficients. Whole rings are taken until there are so many; the four rings of a vertex of valence 6 have
+/// 60.
+const DEGREES: [(usize, usize); 5] = [(6, 54), (5, 40), (4, 28), (3, 18), (2, 10)];
+
+/// The part of a component that neighbours are at most: more would surround it instead of being a graph over
+/// a plane.
+const PART: usize = 10;
+
+/// Degree and number of neighbours for the vertices of a component of this size; degree 0 if they determine no
+/// fit.
+fn degree_and_need(component: usize) -> (usize, usize) {
+    let least = DEGREES[DEGREES.len() - 1];
+    let fits = DEGREES
+        .into_iter()
+        .find(|&(_, need)| PART * need <= component);
+    match fits {
+        Some(found) => found,
+        None if component > least.1 => least,
+        None => (0, 0),
     }
 }
 
@@ -128,8 +137,16 @@ pub(super) const fn coefficient_count(degree: usize) -> usize {
 
 impl Plan {
     pub(super) fn new(mesh: &TriangleMesh) -> Self {
-        let surroundings = Surroundings::rings(mesh, ENOUGH);
-        let counts = |corners: &[u32; 3]| corners.iter().all(|&v| mesh.is_interior(v as usize));
+        let (components, number) = mesh.components();
+        let mut sizes = vec![0; number];
+        for &component in &components {
+            sizes[component as usize] += 1;
+        }
+        let fit = |vertex: usize| degree_and_need(sizes[components[vertex] as usize]);
+        let surroundings = Surroundings::rings(mesh, |vertex| fit(vertex).1);
+        let degree = |vertex: u32| fit(vertex as usize).0;
+        let serves = |&vertex: &u32| mesh.is_interior(vertex as usize) && degree(vertex) > 0;
+        let counts = |corners: &[u32; 3]| corners.iter().all(serves);
         let mut numbers = vec![NONE; mesh.triangles().len()];
         let mut triangles = Vec::new();
         let mut used = vec![false; mesh.vertex_count()];
@@ -150,6 +167,9 @@ impl Plan {
             star_offsets: vec![0],
             around: Vec::new(),
             members: vec![None; mesh.vertex_count()],
+            without_fit: (0..mesh.vertex_count() as u32)
+                .filter(|&v| mesh.is_interior(v as usize) && degree(v) == 0)
+                .collect(),
             patches: Vec::new(),
             triangles,
             hems: Vec::new(),
@@ -158,7 +178,7 @@ impl Plan {
             ringed_offsets: Vec::new(),
             ringed: Vec::new(),
         };
-        plan.set_blocks(mesh, &surroundings, &used);
+        plan.set_blocks(mesh, &surroundings, &used, degree);
         plan.set_patches(mesh, &numbers);
         plan.set_hems(mesh, &numbers);
         let rows = plan.neighbour_offsets.clone();
@@ -170,13 +190,17 @@ impl Plan {
         plan
     }
 
-    /// The valence of each vertex must fit its type.
-    fn set_blocks(&mut self, mesh: &TriangleMesh, surroundings: &Surroundings, used: &[bool]) {
+    fn set_blocks(
+        &mut self,
+        mesh: &TriangleMesh,
+        surroundings: &Surroundings,
+        used: &[bool],
+        degree: impl Fn(u32) -> usize,
+    ) {
         let mut order: Vec<u32> = (0..used.len() as u32)
             .filter(|&v| used[v as usize])
             .collect();
         let count = |vertex: u32| surroundings.of(vertex as usize).count();
-        let degree = |vertex: u32| degree_for(count(vertex));
         order.sort_by_key(|&vertex| degree(vertex));
         for window in order.chunks_mut(WINDOW) {
             window.sort_by_key(|&v| (degree(v), mesh.valence(v as usize), count(v), v));
