@@ -344,7 +344,7 @@ mod tests {
     use super::{Mode, ModesError, modes};
     use crate::dynamics::{Evaluation, Held, Membrane, Motion, Problem};
     use helfrich::{
-        Constraint, Constraints, LoopSubdivision, Prepared, Quantity, Surface, SurfaceTension,
+        AnyFunctional, Constraint, Constraints, LoopSubdivision, Prepared, Surface, SurfaceTension,
         TriangleMesh,
     };
     use helfrich_mesh::generate::{AnyShape, Family, generate};
@@ -400,11 +400,11 @@ mod tests {
         }
     }
 
-    fn sphere(radius: f64, tension: f64, held: &[Quantity]) -> (Sphere, Vec<[f64; 3]>) {
+    fn sphere(radius: f64, tension: f64, held: &[AnyFunctional]) -> (Sphere, Vec<[f64; 3]>) {
         let shape: AnyShape = format!("sphere:{radius}").parse().expect("a shape");
         let sphere = generate(&shape, Family::Regular, 642, 0).expect("a mesh");
         let mesh = Arc::new(sphere.mesh);
-        let hold = |&functional: &Quantity| Constraint {
+        let hold = |&functional: &AnyFunctional| Constraint {
             functional,
             targets: 1.0.into(),
         };
@@ -421,7 +421,7 @@ mod tests {
         (problem, sphere.positions)
     }
 
-    fn of_sphere(radius: f64, tension: f64, held: &[Quantity], count: usize) -> Vec<Mode> {
+    fn of_sphere(radius: f64, tension: f64, held: &[AnyFunctional], count: usize) -> Vec<Mode> {
         let (mut problem, positions) = sphere(radius, tension, held);
         let membranes = vec![problem.membrane()];
         modes(membranes, positions, &mut problem, count).expect("modes")
@@ -440,7 +440,7 @@ mod tests {
     #[test]
     fn spheres_have_the_modes_of_theory() {
         for (radius, tension) in [(1.0, 0.0), (2.0, 5.0), (0.5, 30.0)] {
-            let found = of_sphere(radius, tension, &[Quantity::Volume], 24);
+            let found = of_sphere(radius, tension, &[AnyFunctional::Volume], 24);
             assert_eq!(found.len(), 24);
             let mut rest = found.iter();
             for l in 1..=4_usize {
