@@ -2,7 +2,7 @@
 
 use helfrich::MeshError;
 use helfrich_std::io::{MeshFile, weld};
-use helfrich_tests::meshes::{Mesh, Random, difference, disc, icosphere, norm};
+use helfrich_tests::meshes::{Mesh, SplitMix64, difference, disc, icosphere, norm};
 
 /// The mesh with separate vertices for each face, as renderers export it.
 fn split(mesh: &Mesh) -> MeshFile {
@@ -88,7 +88,7 @@ fn what_only_touches_is_refused() {
 #[test]
 fn vertices_near_each_other_are_merged() {
     let mesh = icosphere(2);
-    let mut random = Random::new(7);
+    let mut random = SplitMix64::new(7);
     for scale in [1.0, 1e-150, 1e150] {
         let MeshFile {
             mut positions,
