@@ -226,6 +226,8 @@ pub struct SeriesPlot<'a> {
     pub labels: [&'a str; 2],
     /// Computed curves, drawn as lines.
     pub curves: &'a [SeriesCurve<'a>],
+    /// Whether their points have marks.
+    pub marked: bool,
     /// Published curves, drawn as marks joined by dashed lines; a single point is a mark.
     pub published: &'a [PublishedCurve],
 }
@@ -280,9 +282,12 @@ impl SeriesPlot<'_> {
             style: Some(style),
             label: String::new(),
         };
+        let line = match self.marked {
+            true => Marks::LineAndPoints,
+            false => Marks::Line,
+        };
         let computed = self.curves.iter().zip(&points).enumerate();
-        let computed =
-            computed.map(|(style, (own, points))| curve(own.name, points, Marks::Line, style));
+        let computed = computed.map(|(style, (own, points))| curve(own.name, points, line, style));
         let published = self.published.iter().zip(self.curves.len()..);
         let published = published
             .map(|(own, style)| curve(&own.name, &own.points, Marks::DashesAndPoints, style));

@@ -15,7 +15,7 @@ use crate::run::{End, EnergyEstimate, Summary, stability};
 use crate::series::{ITERATION, TIME};
 use crate::six::Six;
 use crate::study::{MOST_SCATTER, Quantity, Row};
-use crate::sweep::{Case, Outcome, Swept};
+use crate::sweep::{Case, Crossing, Outcome, Swept};
 use crate::verdict::ConvergenceVerdict;
 use helfrich::{Noise, Surface};
 use std::io::{self, Write};
@@ -385,6 +385,19 @@ pub fn sweep_table(swept: &Swept, folder: &Path, out: &mut dyn Write) -> io::Res
     }
     for (name, reason) in reasons {
         writeln!(out, "{name}: {reason}")?;
+    }
+    for column in &swept.columns {
+        for dependence in swept.dependences(column) {
+            for Crossing { names, at } in dependence.crossings() {
+                let [first, second] = names;
+                let (key, at) = (&dependence.key, at.map(Six));
+                let [x, y] = at;
+                writeln!(
+                    out,
+                    "{column} = {y} of both {first} and {second} at {key} = {x}"
+                )?;
+            }
+        }
     }
     for column in &swept.unknown {
         let known = swept.known.join(", ");

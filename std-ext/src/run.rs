@@ -54,7 +54,7 @@ pub use error::RunError;
 pub use estimate::EnergyEstimate;
 use files::PlannedPlot;
 use measure::Measures;
-pub(crate) use modes::stability;
+pub use modes::stability;
 pub use quality::Flagged;
 use serde::{Deserialize, Serialize};
 use start::drive;

@@ -5,14 +5,18 @@
 //!   [`run`](crate::run);
 //! * `sweep.csv`: a line for each run with its values, last numbers, cost and end;
 //! * `COLUMN.png` for each chosen column: the series of all runs together, with published curves; with
-//!   the feature `pictures` only.
+//!   the feature `pictures` only;
+//! * `COLUMN-over-KEY.png` for each chosen column and each key that varies over numbers: the last numbers of all
+//!   runs that reached their end, and the points where curves cross.
 //!
 //! A failed run is recorded, and the next one starts.
 
 mod board;
+mod dependence;
 mod table;
 mod vary;
 
+pub use dependence::{Crossing, Dependence};
 pub use vary::{Vary, VarySyntaxError};
 
 use crate::lock::{Lock, LockError};

@@ -25,6 +25,7 @@ use std::f64::consts::{PI, SQRT_2};
 use std::fmt;
 
 mod newton;
+mod rings;
 
 /// A family of stationary shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

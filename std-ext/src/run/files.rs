@@ -339,6 +339,7 @@ impl Run<'_> {
                 title: &self.scene.title,
                 labels: [axis_label(&plot.against), axis_label(&plot.column)],
                 curves: &curves,
+                marked: false,
                 published,
             };
             let canvas = picture

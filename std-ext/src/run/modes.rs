@@ -64,7 +64,7 @@ pub(super) fn write(modes: &[Mode], folder: &Path) -> Result<(), RunError> {
 }
 
 /// The stability of an equilibrium with these modes, in words.
-pub(crate) fn stability(modes: &[Mode]) -> String {
+pub fn stability(modes: &[Mode]) -> String {
     let rigid = modes.iter().filter(|mode| mode.is_rigid()).count();
     let shapes = || modes.iter().filter(|mode| !mode.is_rigid());
     let unstable = shapes()
@@ -83,32 +83,4 @@ pub(crate) fn stability(modes: &[Mode]) -> String {
     };
     let count = modes.len();
     format!("{verdict} ({count} modes, of which rigid motions: {rigid})")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::stability;
-    use crate::dynamics::Mode;
-
-    #[test]
-    fn stability_is_that_of_the_modes_that_are_no_rigid_motions() {
-        let mode = |stiffness: f64, rigid: f64| Mode {
-            stiffness,
-            residual: 1e-3,
-            rigid,
-        };
-        let rigid = mode(-0.1, 0.99);
-        for (modes, verdict) in [
-            (
-                vec![rigid.clone(), mode(0.3, 0.0)],
-                "stable (2 modes, of which rigid motions: 1)",
-            ),
-            (vec![rigid.clone(), mode(-0.3, 0.1)], "unstable: 1 of"),
-            (vec![mode(1e-4, 0.0), mode(0.3, 0.0)], "not decided: 1 of"),
-            (vec![rigid], "not decided: all modes"),
-        ] {
-            let told = stability(&modes);
-            assert!(told.starts_with(verdict), "{told}");
-        }
-    }
 }

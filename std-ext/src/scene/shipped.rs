@@ -25,7 +25,7 @@ macro_rules! scenes {
 }
 
 /// All shipped scenes.
-pub const SHIPPED: [ShippedScene; 14] = scenes![
+pub const SHIPPED: [ShippedScene; 15] = scenes![
     "budding"
     "capsule-constriction"
     "capsule-pair"
@@ -35,6 +35,7 @@ pub const SHIPPED: [ShippedScene; 14] = scenes![
     "red-blood-cell-shear"
     "red-blood-cell-stretched"
     "two-domains"
+    "vesicle-branches"
     "vesicle-oblate-0.7"
     "vesicle-oblate-unstable-0.9"
     "vesicle-prolate-0.8"
@@ -43,7 +44,7 @@ pub const SHIPPED: [ShippedScene; 14] = scenes![
 ];
 
 /// Further files that scenes need.
-const FILES: [(&str, &str); 3] = [
+const FILES: [(&str, &str); 6] = [
     (
         "capsule-shear-published.csv",
         include_str!("../../scenes/capsule-shear-published.csv"),
@@ -55,6 +56,18 @@ const FILES: [(&str, &str); 3] = [
     (
         "two-domains.ply",
         include_str!("../../scenes/two-domains.ply"),
+    ),
+    (
+        "vesicle-oblate.ply",
+        include_str!("../../scenes/vesicle-oblate.ply"),
+    ),
+    (
+        "vesicle-prolate.ply",
+        include_str!("../../scenes/vesicle-prolate.ply"),
+    ),
+    (
+        "vesicle-stomatocyte.ply",
+        include_str!("../../scenes/vesicle-stomatocyte.ply"),
     ),
 ];
 

@@ -1,12 +1,12 @@
 //! Comparison of all runs: the choice of columns, the table, the plots.
 
-use super::{Case, Ended, Outcome, Sweep, SweepError, Swept};
+use super::{Case, Dependence, Ended, Outcome, Sweep, SweepError, Swept};
 use crate::io::replace_file;
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of};
 use crate::png;
 use crate::scene::Scene;
 use crate::series::{SeriesTable, TIME, quoted};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Width and height of the plots, in pixels.
 const PLOT_SIZE: [u32; 2] = [900, 700];
@@ -136,17 +136,6 @@ impl Swept {
         })
     }
 
-    /// The values of a run that are not common to all runs.
-    fn legend(&self, case: &Case) -> String {
-        let values = case.values.iter().enumerate();
-        let varies = |&(at, value): &(usize, &String)| {
-            let mut cases = self.cases.iter();
-            self.cases.len() == 1 || cases.any(|(other, _)| other.values[at] != *value)
-        };
-        let told = values.filter(varies).map(|(_, value)| value.as_str());
-        Vec::from_iter(told).join(", ")
-    }
-
     /// The series of all runs, a picture for each chosen column.
     pub(super) fn plot(
         &self,
@@ -176,7 +165,7 @@ impl Swept {
                     .all(|name| names.iter().any(|n| n == name))
             };
             let drawn = Vec::from_iter(self.ended().filter(|(_, ended)| has_both(ended)));
-            let names = Vec::from_iter(drawn.iter().map(|(case, _)| self.legend(case)));
+            let names = Vec::from_iter(drawn.iter().map(|(case, _)| self.legend(case, None)));
             let curves = drawn
                 .iter()
                 .zip(&names)
@@ -191,16 +180,59 @@ impl Swept {
                 title: &scene.title,
                 labels: [axis_label(against), axis_label(column)],
                 curves: &Vec::from_iter(curves),
+                marked: false,
                 published: planned.map_or(&[], |(_, curves)| curves),
             };
-            let path = folder.join(format!("{column}.png"));
-            let canvas = plot.draw().map_err(|error| SweepError::Plot {
-                path: path.clone(),
-                error,
-            })?;
-            let written = png::write(&canvas, &path);
-            written.map_err(|source| SweepError::Unwritable { path, source })?;
+            draw(&plot, folder.join(format!("{column}.png")))?;
+        }
+        for column in &self.columns {
+            for dependence in self.dependences(column) {
+                self.plot_over(folder, scene, &dependence)?;
+            }
         }
         Ok(())
     }
+
+    /// The last numbers of all runs over a key, with the points where curves cross.
+    fn plot_over(
+        &self,
+        folder: &Path,
+        scene: &Scene,
+        dependence: &Dependence,
+    ) -> Result<(), SweepError> {
+        let Dependence {
+            key,
+            column,
+            curves,
+        } = dependence;
+        let tables = curves.iter().map(|(_, points)| dependence.table(points));
+        let tables = Vec::from_iter(tables);
+        let drawn = curves
+            .iter()
+            .zip(&tables)
+            .map(|((name, _), table)| SeriesCurve {
+                name,
+                table,
+                against: key,
+                column,
+            });
+        let plot = SeriesPlot {
+            size: PLOT_SIZE,
+            title: &scene.title,
+            labels: [key, axis_label(column)],
+            curves: &Vec::from_iter(drawn),
+            marked: true,
+            published: &dependence.marks(),
+        };
+        draw(&plot, folder.join(format!("{column}-over-{key}.png")))
+    }
+}
+
+fn draw(plot: &SeriesPlot<'_>, path: PathBuf) -> Result<(), SweepError> {
+    let canvas = plot.draw().map_err(|error| SweepError::Plot {
+        path: path.clone(),
+        error,
+    })?;
+    let written = png::write(&canvas, &path);
+    written.map_err(|source| SweepError::Unwritable { path, source })
 }

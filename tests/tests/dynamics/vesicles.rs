@@ -1,8 +1,9 @@
 //! Vesicles that relax, against the axisymmetric theory, and the stability of what they relax to.
 
 use crate::scenes::scenes;
+use helfrich_std::dynamics::Mode;
 use helfrich_std::report::run_table;
-use helfrich_std::run::{End, Summary, run};
+use helfrich_std::run::{End, Summary, run, stability};
 use helfrich_std::scene::{Overrides, SceneErrors, SceneFile};
 use helfrich_std::simulation::build;
 use helfrich_tests::axisymmetric::{Branch, Vesicle};
@@ -223,4 +224,62 @@ fn modes_need_an_energy_and_an_equilibrium() {
     assert_eq!(summary.end, End::IterationLimit);
     let warning = "the modes are not those of an equilibrium";
     assert!(summary.warnings.iter().any(|told| told.contains(warning)));
+}
+
+#[test]
+fn stability_is_that_of_the_modes_that_are_no_rigid_motions() {
+    let mode = |stiffness: f64, rigid: f64| Mode {
+        stiffness,
+        residual: 1e-3,
+        rigid,
+    };
+    let rigid = mode(-0.1, 0.99);
+    for (modes, verdict) in [
+        (
+            vec![rigid.clone(), mode(0.3, 0.0)],
+            "stable (2 modes, of which rigid motions: 1)",
+        ),
+        (vec![rigid.clone(), mode(-0.3, 0.1)], "unstable: 1 of"),
+        (vec![mode(1e-4, 0.0), mode(0.3, 0.0)], "not decided: 1 of"),
+        (vec![rigid], "not decided: all modes"),
+    ] {
+        let told = stability(&modes);
+        assert!(told.starts_with(verdict), "{told}");
+    }
+}
+
+/// The meshes of the scene `vesicle-branches`; `UPDATE_MESHES=1` writes them.
+#[test]
+fn shipped_meshes_are_axisymmetric_vesicles() {
+    for (branch, name, v, edge) in [
+        (Branch::Prolate, "prolate", 0.65, 0.12),
+        (Branch::Oblate, "oblate", 0.6, 0.12),
+        (Branch::Stomatocyte, "stomatocyte", 0.6, 0.115),
+    ] {
+        let vesicle = Vesicle::new(branch, v, 64).unwrap_or_else(|error| panic!("{error}"));
+        let comment = format!("an axisymmetric {name} of reduced volume {v}, of area 4 pi");
+        let expected = vesicle.ply(edge, &comment);
+        let path = scenes().join(format!("vesicle-{name}.ply"));
+        if std::env::var_os("UPDATE_MESHES").is_some() {
+            std::fs::write(&path, &expected).expect("the mesh can be written");
+        }
+        let shipped = std::fs::read_to_string(&path).expect("a mesh");
+        assert_eq!(shipped.lines().count(), expected.lines().count());
+        for (shipped, expected) in shipped.lines().zip(expected.lines()) {
+            let numbers = |line: &str| -> Option<Vec<f64>> {
+                line.split(' ').map(|number| number.parse().ok()).collect()
+            };
+            // The last digit may be rounded otherwise on another machine.
+            match (numbers(shipped), numbers(expected)) {
+                (Some(shipped), Some(expected)) => assert!(
+                    shipped
+                        .iter()
+                        .zip(&expected)
+                        .all(|(a, b)| (a - b).abs() < 2e-6),
+                    "{name}: {shipped:?} {expected:?}"
+                ),
+                _ => assert_eq!(shipped, expected, "{name}"),
+            }
+        }
+    }
 }

@@ -10,6 +10,7 @@ use helfrich_std::plots::{
     PlotError, PublishedCurve, SeriesCurve, SeriesPlot, columns_of, read_curves,
 };
 use helfrich_std::series::SeriesTable;
+use helfrich_std::sweep::Dependence;
 use helfrich_tests::meshes::{Mesh, icosphere};
 use helfrich_tests::tolerance::PICTURE_RADIUS;
 use std::fs;
@@ -120,6 +121,7 @@ fn plot<'a>(curves: &'a [SeriesCurve<'a>], published: &'a [PublishedCurve]) -> S
         title: "",
         labels: ["strain", "D"],
         curves,
+        marked: false,
         published,
     }
 }
@@ -363,4 +365,41 @@ fn impossible_slices_are_refused() {
     ));
     let error = refused(|slice| slice.size = [10, 10]);
     assert!(matches!(error, PictureError::Size { .. }));
+}
+
+/// Curves of a sweep over one of its keys.
+#[test]
+fn crossings_of_cubics_are_exact() {
+    let curve = |name: &str, values: &[f64], f: fn(f64) -> f64| {
+        let points = values.iter().map(|&x| [x, f(x)]);
+        (name.to_owned(), Vec::from_iter(points))
+    };
+    let values = [-1.0, -0.4, 0.1, 0.5, 1.2, 2.0];
+    let dependence = Dependence {
+        key: "x".to_owned(),
+        column: "y".to_owned(),
+        curves: vec![
+            curve("a", &values, |x| 2.0 + x),
+            // Crosses where (x − 0.3) (x + 0.7) (x − 3) = 0, twice in the range.
+            curve("b", &values, |x| {
+                2.0 + x + (x - 0.3) * (x + 0.7) * (x - 3.0)
+            }),
+            // Shares two values only, and touches a at one.
+            curve("c", &[0.1, 0.2, 0.5], |x| 2.0 + x + (x - 0.5)),
+        ],
+    };
+    let found = dependence.crossings();
+    let of = |names: [&str; 2]| {
+        let own = found.iter().filter(move |crossing| crossing.names == names);
+        Vec::from_iter(own.map(|crossing| crossing.at))
+    };
+    for (crossing, x) in of(["a", "b"]).iter().zip([-0.7, 0.3]) {
+        assert!(
+            (crossing[0] - x).abs() < 1e-14 && (crossing[1] - 2.0 - x).abs() < 1e-14,
+            "{found:?}"
+        );
+    }
+    assert_eq!(of(["a", "b"]).len(), 2);
+    assert_eq!(of(["a", "c"]).len(), 1);
+    assert!((of(["a", "c"])[0][0] - 0.5).abs() < 1e-14, "{found:?}");
 }

@@ -137,6 +137,7 @@ fn every_combination_is_run_as_if_alone() {
     // The plot of the scene, and a folder a run.
     let folder = |name: &str| sweep.out.join(name);
     assert!(folder("deformation.png").exists());
+    assert!(folder("deformation-over-modulus.png").exists());
     let own = folder("method=meyer,modulus=0.2");
     let alone = sweep.folder.path().join("alone");
     let arguments = [

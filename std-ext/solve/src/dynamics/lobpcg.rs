@@ -115,16 +115,14 @@ impl Basis {
 
     /// Eigenvalues of H in the subspace, by rising value, and coefficients of their vectors.
     fn ritz(&self) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let entry = |i: usize, j: usize| {
+            let upper = product(&self.vectors[i], &self.images[j]);
+            let lower = product(&self.vectors[j], &self.images[i]);
+            0.5 * (upper + lower)
+        };
         let count = self.vectors.len();
-        let mut matrix = vec![vec![0.0; count]; count];
-        for i in 0..count {
-            for j in 0..=i {
-                let upper = product(&self.vectors[i], &self.images[j]);
-                let lower = product(&self.vectors[j], &self.images[i]);
-                let mean = 0.5 * (upper + lower);
-                (matrix[i][j], matrix[j][i]) = (mean, mean);
-            }
-        }
+        let row = |i: usize| (0..count).map(|j| entry(i, j)).collect();
+        let matrix: Vec<Vec<f64>> = (0..count).map(row).collect();
         symmetric_eigenvalues(matrix)
     }
 }
