@@ -44,7 +44,8 @@ def test_positions_are_read_in_place(kind):
     frozen = V.view()
     frozen.flags.writeable = False
     assert _helfrich.address(frozen) == address(V)
-    assert _helfrich.address(np.asfortranarray(V)) != address(V)
+    fortran = np.asfortranarray(V)
+    assert _helfrich.address(fortran) != address(fortran)
 
 
 MEMORY = """
