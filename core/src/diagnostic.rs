@@ -229,7 +229,7 @@ impl Finding {
     ];
 
     /// The bit of the kind of finding, 1 for the first of [`Self::KINDS`].
-    pub fn bit(self) -> u32 {
+    pub const fn bit(self) -> u32 {
         let kind = match self {
             Self::ZeroArea { .. } => 0,
             Self::NegativeArea { .. } => 1,

@@ -3,7 +3,7 @@
 
 use crate::method::Fields;
 use crate::noise;
-use helfrich::{AdaptiveJet, Estimate, Measured, Real, Surface, Verdict};
+use helfrich::{AdaptiveJet, Estimate, Finding, Measured, Real, Surface, Verdict};
 
 /// Curvatures and force densities at every vertex of a surface, with error bars.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,12 +44,15 @@ pub const fn verdict_name(verdict: Verdict) -> &'static str {
 }
 
 /// The words for verdicts other than clean, each with its bit in flags of vertices. They come after the bits
-/// of findings ([`helfrich::Finding::bit`]), with room for more of these.
+/// of findings ([`Finding::bit`]), with room for more of these, except for the one that is a finding, too.
 pub const VERDICT_BITS: [(&str, u32); 4] = [
     (verdict_name(Verdict::Noise), 1 << 24),
-    (verdict_name(Verdict::Unresolved), 1 << 25),
-    (verdict_name(Verdict::OneSided), 1 << 26),
-    (verdict_name(Verdict::Unknown), 1 << 27),
+    (
+        verdict_name(Verdict::Unresolved),
+        Finding::Unresolved { vertex: 0 }.bit(),
+    ),
+    (verdict_name(Verdict::OneSided), 1 << 25),
+    (verdict_name(Verdict::Unknown), 1 << 26),
 ];
 
 /// The bit of a verdict among [`VERDICT_BITS`]; 0 for clean vertices.

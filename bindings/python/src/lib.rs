@@ -39,13 +39,16 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     described.collect()
 }
 
-/// The names of flags with their bits: kinds of findings, then verdicts.
+/// The names of flags with their bits: kinds of findings, then verdicts that are none.
 fn flags() -> Vec<(String, u32)> {
     let findings = Finding::KINDS.iter().enumerate();
     let findings = findings.map(|(kind, name)| (name.to_uppercase(), 1 << kind));
     let verdicts = VERDICT_BITS.iter();
     let verdicts = verdicts.map(|&(name, bit)| (name.replace('-', "_").to_uppercase(), bit));
-    findings.chain(verdicts).collect()
+    let mut flags = Vec::from_iter(findings.chain(verdicts));
+    flags.sort_by_key(|&(_, bit)| bit);
+    flags.dedup();
+    flags
 }
 
 #[pymodule]

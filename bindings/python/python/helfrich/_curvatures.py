@@ -13,8 +13,8 @@ from ._arrays import both
 class Flag(enum.IntFlag):
     """Reasons why values at a vertex are less trustworthy than usual.
 
-    The first are findings of methods, which also concern the neighbours of a vertex. The last four are
-    verdicts of jets that choose their scale.
+    The first are findings of methods, which also concern the neighbours of a vertex. The last three, and
+    UNRESOLVED, are verdicts of jets that choose their scale.
 
     Examples
     --------
@@ -58,13 +58,15 @@ class Flag(enum.IntFlag):
     """A triangle has no area."""
     THIN_TRIANGLE = 1 << 15
     """A triangle is very thin."""
+    NO_GRAPH = 1 << 16
+    """The fit around it is no graph over its triangles."""
+    UNRESOLVED = 1 << 17
+    """The mesh is too coarse for its shape there."""
     NOISE = 1 << 24
     """There is noise, to which error bars are fitted."""
-    UNRESOLVED = 1 << 25
-    """The mesh is too coarse for its shape there."""
-    ONE_SIDED = 1 << 26
+    ONE_SIDED = 1 << 25
     """It is at a boundary or next to it: error bars are wider."""
-    UNKNOWN = 1 << 27
+    UNKNOWN = 1 << 26
     """There is no value: it is 0."""
 
 
