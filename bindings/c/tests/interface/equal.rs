@@ -13,7 +13,7 @@ use helfrich_capi::membrane::constraint::{
 use helfrich_capi::membrane::engine::hf_membrane_add_force_at;
 use helfrich_capi::membrane::{
     hf_membrane_effect_count, hf_membrane_effect_forces, hf_membrane_effect_name,
-    hf_membrane_energy, hf_membrane_force, hf_membrane_force_f32,
+    hf_membrane_energy, hf_membrane_force, hf_membrane_force_f32, hf_membrane_warnings,
 };
 use helfrich_capi::mesh::{hf_area, hf_volume};
 use helfrich_capi::method::{
@@ -457,6 +457,20 @@ fn matrices_areas_and_gradients() {
     succeed(|error| unsafe { hf_area(handle.0, at, count, &raw mut area, error) });
     succeed(|error| unsafe { hf_volume(handle.0, at, count, &raw mut volume, error) });
     assert_eq!((area, Some(volume)), (surface.area(), surface.volume()));
+}
+
+#[test]
+fn warnings_are_those_of_scenes() {
+    let (mesh, reference) = ellipsoid(162);
+    let of = |effects: &str| {
+        let membrane = membrane_of(&mesh, &reference, effects);
+        text(|place, capacity, error| unsafe {
+            hf_membrane_warnings(membrane.0, place, capacity, error)
+        })
+    };
+    assert_eq!(of(EFFECTS), "");
+    // Nothing acts.
+    assert!(of("").starts_with("nothing acts on"));
 }
 
 #[test]
