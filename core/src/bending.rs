@@ -1,7 +1,7 @@
 //! The bending methods.
 //!
 //! At a boundary, methods with an energy sum over what surrounds interior vertices: hinges (A), interior
-//! vertices (B, Jülicher, Hamann) or triangles with interior corners only (S). About half a row of triangles
+//! vertices (B, Jülicher, Hamann) or triangles with interior corners only (S, G). About half a row of triangles
 //! is left out, so that energies of surfaces that bend there have an error of first order in the edge length.
 //! Forces act on all vertices, and those at the boundary are the natural boundary conditions. Methods in
 //! strong form have no forces at a boundary.

@@ -38,8 +38,26 @@ use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, normalise, scale, sub};
 use alloc::vec::Vec;
 
-/// `E = 2 ∫ κ (H − H0)² dS + 2 Σ_e ∫_e κ {H − H0} θ ds` over patches of degree 5, and the exact gradient
-/// of this energy.
+/// `E = 2 ∫ κ (H − H0)² dS + Σ_e [2 ∫_e κ {H − H0} θ ds + ½ ∫_e κ θ² ds/∫_e ds]` over patches of degree 5,
+/// and the exact gradient of this energy; {·} is the mean of both sides of an edge, θ the angle between
+/// them.
+///
+/// A polynomial of degree 6 is fitted around each vertex, as in [`Jet`](crate::Jet), and interpolates the
+/// vertex. The three polynomials at the corners of a triangle are blended, and the patch over the
+/// triangle interpolates the blend. Neighbours are whole rings around a vertex: they follow from the
+/// connectivity alone, so that the energy is a smooth function of the positions. Energy and nodal forces need
+/// no solution of equations. The force density solves equations with the consistent mass matrix; forces
+/// over areas do not converge.
+///
+/// On smooth meshes that resolve the surface, H, K, the energy and f converge at every vertex, whatever the
+/// valences. Two vertices that are much closer to each other than to the rest amplify the error of f there.
+/// f is normal to the surface: where κ or H0 vary, its tangential part is in the nodal forces only.
+///
+/// Only triangles with interior corners count, see [`crate::bending`]; f is 0 at a boundary, and inaccurate
+/// within a few edges of it. Components of less than 540 vertices have fits of lower degree, those of less
+/// than 11 vertices none and therefore no energy; both are reported.
+///
+/// docs/GALERKIN.md has the theory, measurements and limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Galerkin<T> {
     /// Bending modulus κ, in units of energy.
@@ -56,7 +74,7 @@ impl<T: Real> Galerkin<T> {
         Self {
             modulus: modulus.into(),
             spontaneous_curvature: MaterialParameter::default(),
-            tolerance: T::constant(1e-6),
+            tolerance: T::constant(1e-5),
         }
     }
 }
@@ -127,6 +145,7 @@ impl<T: Real> Method<T> for Galerkin<T> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_finite("tolerance of the force density", self.tolerance)?;
         MaterialParameter::check(&self.modulus, &self.spontaneous_curvature)
     }
 

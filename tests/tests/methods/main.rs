@@ -7,6 +7,7 @@ mod corrected;
 mod coverage;
 mod execution;
 mod finite_elements;
+mod galerkin;
 mod heat_kernel;
 mod juelicher;
 mod laplacian;

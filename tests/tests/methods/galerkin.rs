@@ -1,0 +1,129 @@
+//! The energy of blended jets: parameters that vary, convergence at every vertex, and what is reported.
+
+use autodiff::F1;
+use helfrich::{
+    Energy, Finding, Force, Galerkin, MaterialParameter, Prepared, Real, Surface, TriangleMesh,
+};
+use helfrich_std::generate::{AnyShape, Family, generate};
+use helfrich_tests::accuracy::{density_errors, surface};
+use helfrich_tests::meshes::{Mesh, SplitMix64, bent, dot, icosphere, norm, tetrahedron};
+use helfrich_tests::tolerance::{self, Tolerance};
+
+/// The energy of a sphere of 642 vertices over 8πκ.
+const SPHERE: Tolerance = Tolerance::new(
+    1e-8,
+    "twice the order of the patches' curvature, h⁸ with h = 0.14 and a small constant",
+);
+
+/// E and the largest force where H0 is the curvature of the sphere, over those of H0 = 0 and 1.
+const PREFERRED: Tolerance = Tolerance::new(
+    1e-7,
+    "the curvature of patches has an error of some 1e-5, which enters E squared, and forces multiply by 1/h",
+);
+
+/// Moduli and spontaneous curvatures that vary over the surface.
+fn varying<T: Real>(positions: &[[f64; 3]]) -> Galerkin<T> {
+    let of = |value: &dyn Fn(&[f64; 3]) -> f64| {
+        MaterialParameter::PerVertex(positions.iter().map(|x| T::constant(value(x))).collect())
+    };
+    Galerkin {
+        modulus: of(&|[x, y, z]| 1.0 + 0.3 * x + 0.2 * y * z),
+        spontaneous_curvature: of(&|[x, y, z]| 0.5 + 0.4 * y - 0.3 * x * z),
+        ..Galerkin::new(T::one())
+    }
+}
+
+fn energy<T: Real>(method: impl Energy<T>, mesh: &TriangleMesh, positions: &[[T; 3]]) -> T {
+    let surface = Surface::new(mesh, positions).expect("one finite position a vertex");
+    Prepared::new(method, mesh).energy(surface)
+}
+
+fn forces(method: impl Force<f64>, mesh: &Mesh) -> Vec<[f64; 3]> {
+    let mut force = vec![[0.0; 3]; mesh.positions.len()];
+    Prepared::new(method, &mesh.connectivity).add_force(mesh.surface(), &mut force);
+    force
+}
+
+/// Forces include the change of fitted parameters with the positions.
+#[test]
+fn forces_are_gradients_where_parameters_vary() {
+    let mesh = icosphere(3).map(bent);
+    let force = forces(varying(&mesh.positions), &mesh);
+    let largest = force.iter().map(|&f| norm(f)).fold(0.0, f64::max);
+    let mut random = SplitMix64::new(5);
+    for _ in 0..4 {
+        let direction = random.directions(force.len());
+        let moved = mesh.positions.iter().zip(&direction);
+        let moved = Vec::from_iter(moved.map(|(x, d)| [0, 1, 2].map(|k| F1::new(x[k], d[k]))));
+        let derivative = energy(varying::<F1>(&mesh.positions), &mesh.connectivity, &moved).dx;
+        let work = force.iter().zip(&direction).map(|(&f, &d)| -dot(f, d));
+        let scale = largest * direction.iter().map(|&d| norm(d)).sum::<f64>();
+        tolerance::GRADIENT_DUAL.assert(work.sum(), derivative, scale, "along a random direction");
+    }
+}
+
+/// On spheres: `8πκ`; and nothing where H0 is their curvature.
+#[test]
+fn spheres_are_exact_to_high_order() {
+    let sphere = icosphere(3);
+    let round = energy(Galerkin::new(1.0), &sphere.connectivity, &sphere.positions);
+    let expected = 8.0 * std::f64::consts::PI;
+    SPHERE.assert(round, expected, expected, "energy of a sphere");
+    let preferred = Galerkin {
+        spontaneous_curvature: MaterialParameter::Constant(1.0),
+        ..Galerkin::new(1.0)
+    };
+    let left = energy(preferred, &sphere.connectivity, &sphere.positions);
+    PREFERRED.assert(left, 0.0, expected, "energy of a preferred sphere");
+}
+
+/// f converges at every vertex and in the mean, as for an order of approximation of 6: by h² and more.
+#[test]
+fn force_densities_converge_at_every_vertex() {
+    let shape: AnyShape = "discocyte".parse().expect("a shape");
+    for family in [Family::Regular, Family::Relaxed] {
+        let [coarse, fine] = [642, 2562].map(|vertices| {
+            let made = generate(&shape, family, vertices, 1).expect("a mesh");
+            let mut density = vec![[0.0; 3]; made.positions.len()];
+            let mut prepared = Prepared::new(Galerkin::new(1.0), &made.mesh);
+            prepared.force_density(surface(&made), &mut density);
+            density_errors(&made, &density, |_| 1.0)
+        });
+        assert!(
+            coarse.max > 4.0 * fine.max,
+            "{family}: {coarse:?}, {fine:?}"
+        );
+        assert!(
+            coarse.mean > 6.0 * fine.mean,
+            "{family}: {coarse:?}, {fine:?}"
+        );
+        // The strong form over jets of degree 6 has 0.012 on the regular mesh.
+        assert!(fine.max < 0.02, "{family}: {fine:?}");
+    }
+}
+
+fn findings(mesh: &Mesh) -> Vec<Finding> {
+    let mut prepared = Prepared::new(Galerkin::new(1.0), &mesh.connectivity);
+    prepared.energy(mesh.surface());
+    let mut findings = Vec::new();
+    prepared.inspect(mesh.surface(), &mut |finding| findings.push(finding));
+    findings
+}
+
+#[test]
+fn what_is_not_resolved_is_reported() {
+    let smooth = icosphere(3);
+    assert_eq!(findings(&smooth), []);
+    let is_unresolved = |finding: &Finding| matches!(finding, Finding::Unresolved { .. });
+    let coarse = findings(&icosphere(1).map(bent));
+    assert!(coarse.iter().any(is_unresolved), "{coarse:?}");
+    let reduced = |finding: &Finding| matches!(finding, Finding::ReducedDegree { .. });
+    assert_eq!(coarse.iter().filter(|f| reduced(f)).count(), 42);
+    let none = findings(&tetrahedron());
+    let left_out = |finding: &Finding| matches!(finding, Finding::TooFewNeighbours { .. });
+    assert_eq!(none.iter().filter(|f| left_out(f)).count(), 4);
+    // Pressed flat: the two sides are no graph over each other.
+    let flat = findings(&smooth.map(|[x, y, z]| [x, y, 1e-3 * z]));
+    let no_graph = |finding: &Finding| matches!(finding, Finding::NoGraph { .. });
+    assert!(flat.iter().any(no_graph));
+}
