@@ -3,7 +3,7 @@
 //! Patches meet without a gap but with a small angle θ between their normals, in which a part of the
 //! curvature is concentrated: `2κ ∫ {H − H0} θ ds`, {·} the mean of both sides, is what the energy of a
 //! smooth surface has there. With it the gradient is consistent: S. C. Brenner and L.-Y. Sung, J. Sci.
-//! Comput. 22 (2005) 83; M. Neunteufel, J. Schöberl, K. Sturm, J. Sci. Comput. 96 (2023).
+//! Comput. 22 (2005) 83; M. Neunteufel, J. Schöberl, K. Sturm, J. Comput. Phys. 488 (2023) 112218.
 
 use super::basis::{Basis, GAUSS};
 use super::patch::{HEM_POINT, RIM, RIM_POINT};
