@@ -12,6 +12,8 @@
 //! across the edge, because this motion changes the shape. Fixed vertices do not move by a single bit,
 //! and forces on them do not count, because the support balances them.
 //!
+//! [`modes`] finds the normal modes of least stiffness of what was found, and with them its stability.
+//!
 //! Everything is serial and depends on the positions alone, so that a stored and restored state
 //! continues bit for bit.
 
