@@ -29,7 +29,7 @@ def mangled(rng, array):
                 warnings.simplefilter("ignore")
                 try:
                     array = array.astype(rng.choice(DTYPES))
-                except (TypeError, ValueError, OverflowError):
+                except (TypeError, ValueError, OverflowError, RuntimeError):
                     pass
         elif kind == 4 and array.size and array.dtype.kind == "f":
             array = array.copy()
