@@ -314,7 +314,7 @@ impl Membrane {
             }
             Ok(())
         })?;
-        let held = (!constraints.is_empty()).then(|| Constraints { constraints });
+        let held = (!constraints.is_empty()).then_some(Constraints { constraints });
         let held = held.map(|held| {
             Method::check(&held).map_err(invalid)?;
             Ok::<_, PyErr>(Prepared::new(held, ground.own))
