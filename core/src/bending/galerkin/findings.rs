@@ -37,10 +37,11 @@ impl<T: Real> GalerkinMemory<T> {
             let Some(fit) = self.fits.get(block) else {
                 continue;
             };
-            if !(fit.weakest.0[lane] >= T::constant(WEAKEST)) {
+            let (weakest, unsettled) = (fit.weakest.0[lane], fit.unsettled.0[lane]);
+            if weakest.is_nan() || weakest < T::constant(WEAKEST) {
                 report(Finding::Amplified { vertex });
             }
-            if !(fit.unsettled.0[lane] < settled()) {
+            if unsettled.is_nan() || unsettled >= settled() {
                 report(Finding::NoGraph { vertex });
             }
         }

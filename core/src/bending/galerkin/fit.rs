@@ -244,7 +244,7 @@ impl<T: Real> Scratch<T> {
                     gathered[axis].0[lane] = entry;
                 }
             }
-            self.normals.push(fit.into_frame(gathered));
+            self.normals.push(fit.in_frame(gathered));
         }
     }
 
@@ -360,13 +360,11 @@ impl<T: Real> Scratch<T> {
             let local = add(add(scale(u, across), scale(v, along)), scale(h, fit.normal));
             self.bars[row] = add(self.bars[row], scale(grow, local));
         }
-        for row in 0..self.normal_bars.len() {
-            let bars = self.normal_bars[row];
-            let normal = ring[row];
-            for axis in 0..3 {
-                turned[axis] = add(turned[axis], scale(bars[axis], normal));
+        for (bars, &normal) in self.normal_bars.iter_mut().zip(ring) {
+            for (turned, &bar) in turned.iter_mut().zip(&*bars) {
+                *turned = add(*turned, scale(bar, normal));
             }
-            self.normal_bars[row] = fit.out_of_frame(bars);
+            *bars = fit.out_of_frame(*bars);
         }
         // The frame follows the normal without a rotation about it: dt = −(t·dn) n.
         let [by_across, by_along, by_normal] = turned;
@@ -393,7 +391,7 @@ fn spread<T: Real>(block: &Block) -> Several<T> {
 impl<T: Real> Fit<T> {
     /// A vector in coordinates of the frame.
     #[inline(always)]
-    pub(super) fn into_frame(&self, vector: Vec3<Several<T>>) -> Vec3<Several<T>> {
+    pub(super) fn in_frame(&self, vector: Vec3<Several<T>>) -> Vec3<Several<T>> {
         let [across, along] = self.frame;
         [
             dot(vector, across),
@@ -457,22 +455,23 @@ impl<T: Real> Fit<T> {
                     scaled[c][j] = sums[c];
                 }
             }
-            for c in 0..rows {
+            for (c, scaled) in scaled.iter_mut().enumerate().take(rows) {
                 let i = first + c;
                 for j in first..i {
                     let mut sum = entry(i, j);
                     let known = &self.lower[row_start(j)..][..j];
-                    for (k, &factor) in known.iter().enumerate() {
-                        sum = sum - scaled[c][k] * factor;
+                    for (&known, &own) in known.iter().zip(&*scaled) {
+                        sum = sum - own * known;
                     }
-                    scaled[c][j] = sum;
+                    scaled[j] = sum;
                 }
                 let whole = entry(i, i) + Several::splat(ridge * T::constant(DIAGONAL[i]));
                 let mut pivot = whole;
-                for j in 0..i {
-                    let factor = scaled[c][j] * self.over_pivots[j];
-                    pivot = pivot - scaled[c][j] * factor;
-                    self.lower[row_start(i) + j] = factor;
+                let row = self.lower[row_start(i)..][..i].iter_mut();
+                for ((entry, &own), &over) in row.zip(&*scaled).zip(&self.over_pivots) {
+                    let factor = own * over;
+                    pivot = pivot - own * factor;
+                    *entry = factor;
                 }
                 let part = pivot * whole.reciprocal_or_zero();
                 let weaker = part.less(self.weakest);

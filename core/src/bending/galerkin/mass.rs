@@ -86,7 +86,7 @@ impl<'a, T: Real> SlotKernel<Work<T>, SetupSlots<'a, T>> for Setup<'_, T> {
             let scratch: &mut Scratch<T> = &mut work.scratch;
             scratch.place_again(fit, self.surface, block, neighbours, self.normals);
             let facing = |[by_u, by_v]: [Several<T>; 2], normal: Vec3<Several<T>>| {
-                let [u, v, h] = fit.into_frame(normal);
+                let [u, v, h] = fit.in_frame(normal);
                 h - by_u * u - by_v * v
             };
             let [p, q, ..] = fit.coefficients;
@@ -204,8 +204,8 @@ impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Weigh<'_, T> {
             let mut corners = [Several::zero(); 3];
             for lane in 0..WIDTH {
                 let patch = self.plan.patch_in(first, lane);
-                for corner in 0..3 {
-                    corners[corner].0[lane] = self.field[patch.corners[corner] as usize];
+                for (corner, value) in corners.iter_mut().enumerate() {
+                    value.0[lane] = self.field[patch.corners[corner] as usize];
                     let [star, other] = patch.stars[corner];
                     for k in 0..ON_EDGE {
                         let point = corner * ON_EDGE + k;

@@ -88,11 +88,11 @@ impl<T: Real> Patches<T> {
             displacements: gather_blended(plan, displacements, first),
             points: [zero; FREE],
         };
-        for k in 0..FREE {
+        for (k, place) in POINTS.iter().enumerate() {
             let mut sum = zero;
-            for (corner, &normal) in corners.iter().enumerate() {
-                if POINTS[k][corner] > 0.0 {
-                    sum = add(sum, scale(Several::literal(POINTS[k][corner]), normal));
+            for (&part, &normal) in place.iter().zip(&corners) {
+                if part > 0.0 {
+                    sum = add(sum, scale(Several::literal(part), normal));
                 }
             }
             let over = norm(sum).reciprocal_or_zero();
@@ -167,8 +167,8 @@ pub(super) fn gather_blended<T: Real>(
                 near[corner][k].0[lane] = star.read(shares, k);
                 far[ending][ON_EDGE - 1 - k].0[lane] = other.read(shares, k);
             }
-            for k in 0..INSIDE {
-                inside[corner][k].0[lane] = star.read(shares, ON_EDGE + k);
+            for (k, value) in inside[corner].iter_mut().enumerate() {
+                value.0[lane] = star.read(shares, ON_EDGE + k);
             }
         }
     }
@@ -176,16 +176,16 @@ pub(super) fn gather_blended<T: Real>(
     for edge in 0..3 {
         for k in 0..ON_EDGE {
             let [own, next, _] = AROUND[k];
-            let weights = [[own, next, 0.0], [next, own, 0.0]].map(|place| blend(place));
+            let weights = [[own, next, 0.0], [next, own, 0.0]].map(blend);
             sums[edge * ON_EDGE + k] = Several::literal(weights[0]) * near[edge][k]
                 + Several::literal(weights[1]) * far[edge][k];
         }
     }
-    for corner in 0..3 {
-        for k in 0..INSIDE {
+    for (corner, inside) in inside.iter().enumerate() {
+        for (k, &value) in inside.iter().enumerate() {
             let point = 3 * ON_EDGE + inner_from(corner, k);
             let weight = Several::literal(blend(AROUND[ON_EDGE + k]));
-            sums[point] = sums[point] + weight * inside[corner][k];
+            sums[point] = sums[point] + weight * value;
         }
     }
     sums
@@ -320,7 +320,7 @@ impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Back<'_, T> {
             self.set_fields(&patches, first, returned);
             for (number, node) in self.basis.edges.iter().enumerate() {
                 let (edge, gauss) = (number / GAUSS, number % GAUSS);
-                let given = self.from_hem(first, edge, gauss);
+                let given = self.hem_at(first, edge, gauss);
                 let derivatives = patches.derivatives(node);
                 let point = Point::new(derivatives);
                 let along = tangent(edge, derivatives[0], derivatives[1]);
@@ -385,7 +385,7 @@ impl<T: Real> Back<'_, T> {
 
     /// The derivatives that edges return for a quadrature point.
     #[inline(always)]
-    fn from_hem(&self, first: usize, edge: usize, gauss: usize) -> [Several<T>; HEM_POINT] {
+    fn hem_at(&self, first: usize, edge: usize, gauss: usize) -> [Several<T>; HEM_POINT] {
         let mut given = [Several::zero(); HEM_POINT];
         for lane in 0..WIDTH {
             let patch = self.plan.patch_in(first, lane);

@@ -250,9 +250,12 @@ impl<T: Real> Scratch<T> {
             self.normal_bars[row] = add(self.normal_bars[row], on_next[1]);
             let next = next_in_ring(block, row);
             for (lane, &next) in next.iter().enumerate() {
-                for axis in 0..3 {
-                    self.bars[next][axis].0[lane] += on_other[0][axis].0[lane];
-                    self.normal_bars[next][axis].0[lane] += on_other[1][axis].0[lane];
+                let [places, normals] = &on_other;
+                for (bar, other) in self.bars[next].iter_mut().zip(places) {
+                    bar.0[lane] += other.0[lane];
+                }
+                for (bar, other) in self.normal_bars[next].iter_mut().zip(normals) {
+                    bar.0[lane] += other.0[lane];
                 }
             }
         }
