@@ -235,6 +235,61 @@ impl<T: Real> Galerkin<T> {
     }
 }
 
+impl<T: Real> Galerkin<T> {
+    /// Derivatives of the energy with respect to the positions and normals of which fits and patches are
+    /// made. Returns the number of rows that a block of patches returns.
+    fn pull_back(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut GalerkinMemory<T>,
+    ) -> usize {
+        let zero = Several::zero();
+        let plan = &memory.plan;
+        let parameters = [&self.modulus, &self.spontaneous_curvature];
+        let varying = parameters.iter().filter(|parameter| parameter.varies());
+        let stride = RETURNED + basis::FREE * varying.count();
+        memory.returned.resize(memory.bars.len() * stride, zero);
+        let material = [0, 1].map(|k| memory.fields[k].field(parameters[k]));
+        let back = Back {
+            plan,
+            basis: &memory.basis,
+            surface,
+            normals: &memory.normals,
+            displacements: &memory.displacements,
+            inside: &memory.bars,
+            hems: &memory.hems,
+            material,
+        };
+        let slots = Strided::new(&mut memory.returned, stride);
+        execution.run(&mut memory.idle, slots, &back);
+
+        let count = plan.blocks.len();
+        let resize = |rows: &mut Vec<Vec3<Several<T>>>, count: usize| rows.resize(count, [zero; 3]);
+        resize(&mut memory.pulls, plan.neighbour_offsets[count]);
+        resize(&mut memory.turns, plan.ring_offsets[count]);
+        resize(&mut memory.own_turns, count);
+        let backward = Backward {
+            plan,
+            surface,
+            normals: &memory.normals,
+            fits: &memory.fits,
+            displacements: &memory.displacements,
+            returned: &memory.returned,
+            material,
+        };
+        let slots = (
+            (
+                Ragged::new(&mut memory.pulls, &plan.neighbour_offsets),
+                Ragged::new(&mut memory.turns, &plan.ring_offsets),
+            ),
+            &mut memory.own_turns[..],
+        );
+        execution.run(&mut memory.work, slots, &backward);
+        stride
+    }
+}
+
 /// n, H and K of the polynomial at each vertex where it has a fit, 0 elsewhere; areas are a third of the
 /// triangles around it.
 impl<T: Real> Curvatures<T> for Galerkin<T> {
@@ -304,49 +359,9 @@ impl<T: Real> TwoPass for Galerkin<T> {
         memory: &mut GalerkinMemory<T>,
         force: &mut [[T; 3]],
     ) {
-        let zero = Several::zero();
-        let plan = &memory.plan;
-        let parameters = [&self.modulus, &self.spontaneous_curvature];
-        let varying = parameters.iter().filter(|parameter| parameter.varies());
-        let stride = RETURNED + basis::FREE * varying.count();
-        memory.returned.resize(memory.bars.len() * stride, zero);
-        let material = [0, 1].map(|k| memory.fields[k].field(parameters[k]));
-        let back = Back {
-            plan,
-            basis: &memory.basis,
-            surface,
-            normals: &memory.normals,
-            displacements: &memory.displacements,
-            inside: &memory.bars,
-            hems: &memory.hems,
-            material,
-        };
-        let slots = Strided::new(&mut memory.returned, stride);
-        execution.run(&mut memory.idle, slots, &back);
-
-        let count = plan.blocks.len();
-        let resize = |rows: &mut Vec<Vec3<Several<T>>>, count: usize| rows.resize(count, [zero; 3]);
-        resize(&mut memory.pulls, plan.neighbour_offsets[count]);
-        resize(&mut memory.turns, plan.ring_offsets[count]);
-        resize(&mut memory.own_turns, count);
-        let backward = Backward {
-            plan,
-            surface,
-            normals: &memory.normals,
-            fits: &memory.fits,
-            displacements: &memory.displacements,
-            returned: &memory.returned,
-            material,
-        };
-        let slots = (
-            (
-                Ragged::new(&mut memory.pulls, &plan.neighbour_offsets),
-                Ragged::new(&mut memory.turns, &plan.ring_offsets),
-            ),
-            &mut memory.own_turns[..],
-        );
-        execution.run(&mut memory.work, slots, &backward);
+        let stride = self.pull_back(execution, surface, memory);
         let GalerkinMemory {
+            plan,
             normals,
             sums,
             pulls,
