@@ -8,7 +8,7 @@ use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
     AnyFunctional, AreaDifference, BorderTension, Components, Conservative, Cotangent, Curvatures,
-    DualArea, Finding, ForceDensity, GaussianBending, GaussianDomains, Gravity, InPlane,
+    DualArea, Energy, Finding, ForceDensity, GaussianBending, GaussianDomains, Gravity, InPlane,
     LaplaceBeltrami, LineTension, LocalArea, MaterialParameter, MembraneViscosity, Method,
     NeoHookean, OsmoticPressure, Penalty, PointLoads, Prepared, Projected, RigidBody, Skalak,
     StrongForm, Surface, SurfaceTension, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
@@ -245,7 +245,13 @@ impl Visitor<f64> for Acting<'_> {
     where
         M: Conservative<f64> + Curvatures<f64> + ForceDensity<f64> + fmt::Debug + Send + 'static,
     {
-        self.energy(method)
+        match self.lumping {
+            Lumping::Own => self.energy(method),
+            Lumping::Thirds => {
+                let lumped = Lumped::new(method, Prepared::energy, self.mesh);
+                Ok(Effect::new(self.name, false, Box::new(lumped)))
+            }
+        }
     }
 
     fn strong_form<L>(self, method: StrongForm<f64, L>) -> Self::Output
@@ -254,7 +260,16 @@ impl Visitor<f64> for Acting<'_> {
     {
         let prepared: Box<dyn Act> = match self.lumping {
             Lumping::Own => Box::new(InStrongForm(prepared(Projected(method), self.mesh))),
-            Lumping::Thirds => Box::new(Lumped::new(method, self.mesh)),
+            Lumping::Thirds => {
+                // The force density has left everything that the energy needs.
+                let energy = |prepared: &mut Prepared<f64, StrongForm<f64, L>, Parallel>,
+                              _: Surface<'_, f64>| {
+                    prepared.with(|method, execution, workspace| {
+                        method.energy_of(execution, workspace.memory())
+                    })
+                };
+                Box::new(Lumped::new(method, energy, self.mesh))
+            }
         };
         Ok(Effect::new(self.name, false, prepared))
     }
@@ -324,26 +339,27 @@ where
     }
 }
 
-/// A prepared method in strong form with [`Lumping::Thirds`].
+/// A prepared method whose force density acts, with [`Lumping::Thirds`].
 #[derive(Debug)]
-struct Lumped<L>
-where
-    L: LaplaceBeltrami<f64> + Sync,
-{
-    method: Prepared<f64, StrongForm<f64, L>, Parallel>,
+struct Lumped<M: Method<f64>> {
+    method: Prepared<f64, M, Parallel>,
+    /// The energy of the surface whose force density was computed last.
+    energy: fn(&mut Prepared<f64, M, Parallel>, Surface<'_, f64>) -> f64,
     components: Components,
     areas: Vec<f64>,
     bodies: Vec<RigidBody<f64>>,
     force: Vec<[f64; 3]>,
 }
 
-impl<L> Lumped<L>
-where
-    L: LaplaceBeltrami<f64> + Sync,
-{
-    fn new(method: StrongForm<f64, L>, mesh: &TriangleMesh) -> Self {
+impl<M: Method<f64>> Lumped<M> {
+    fn new(
+        method: M,
+        energy: fn(&mut Prepared<f64, M, Parallel>, Surface<'_, f64>) -> f64,
+        mesh: &TriangleMesh,
+    ) -> Self {
         Self {
             method: prepared(method, mesh),
+            energy,
             components: Components::new(mesh),
             areas: vec![0.0; mesh.vertex_count()],
             bodies: Vec::new(),
@@ -352,9 +368,10 @@ where
     }
 }
 
-impl<L> Act for Lumped<L>
+impl<M> Act for Lumped<M>
 where
-    L: LaplaceBeltrami<f64> + fmt::Debug + Send + Sync,
+    M: Energy<f64> + ForceDensity<f64> + fmt::Debug + Send,
+    M::Memory: Send,
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         let thirds = Cotangent::new(DualArea::Barycentric);
@@ -373,8 +390,7 @@ where
         for (sum, own) in force.iter_mut().zip(&self.force) {
             *sum = std::array::from_fn(|axis| sum[axis] + own[axis]);
         }
-        self.method
-            .with(|method, execution, workspace| method.energy_of(execution, workspace.memory()))
+        (self.energy)(&mut self.method, surface)
     }
 
     fn energy(&mut self, surface: Surface<'_, f64>) -> f64 {
