@@ -55,27 +55,29 @@ fn what_is_expected_holds() {
                 &["--quantity", quantity, "--norm", norm, "--error", target],
             );
             let candidates = found["candidates"].as_array().unwrap();
-            let truth = |candidate: &Value| {
+            let truth = |method: &Value, scalar: &Value| {
                 let same = |row: &&Value| {
                     row["quantity"] == quantity
-                        && ["method", "scalar"]
-                            .iter()
-                            .all(|&key| row[key] == candidate[key])
+                        && row["method"] == *method
+                        && row["scalar"] == *scalar
                 };
                 number(exact.iter().find(same).unwrap(), norm)
             };
+            let of_j6 = truth(&"j6".into(), &"f64".into());
             let defined = exact.iter().filter(|row| row["quantity"] == quantity);
             assert_eq!(candidates.len(), defined.count());
             for candidate in candidates {
-                let (expected, truth) = (number(candidate, "expected"), truth(candidate));
-                // Degree 8 is not exact either, on a mesh as coarse as this hardly better than degree 6:
-                // what is promised is kept, and not many times what is true.
+                let expected = number(candidate, "expected");
+                let truth = truth(&candidate["method"], &candidate["scalar"]);
+                // The reference, jets of degree 8, is not exact either, and on a mesh as coarse as this hardly
+                // better than degree 6. The true error is at most the expected one, which is not many times
+                // larger than it, or than that of degree 6 for methods that are more accurate.
                 assert!(
                     truth <= 1.3 * expected,
                     "{name} {quantity} {norm}: {truth} {candidate}"
                 );
                 assert!(
-                    expected <= 8.0 * truth,
+                    expected <= 8.0 * truth.max(of_j6),
                     "{name} {quantity} {norm}: {truth} {candidate}"
                 );
             }
