@@ -156,10 +156,21 @@ impl<T: Real> Method<T> for Galerkin<T> {
         report: &mut dyn FnMut(Finding),
     ) {
         let memory = workspace.for_mesh(surface.mesh());
-        surface.report_uneven_mesh(report);
-        surface.report_rough_vertices(report);
-        memory.report_fits(report);
-        memory.report_angles(report);
+        let mut concerns_all = false;
+        let mut listening = |finding: Finding| {
+            concerns_all |= findings::concerns_all(finding);
+            report(finding);
+        };
+        surface.report_uneven_mesh(&mut listening);
+        surface.report_rough_vertices(&mut listening);
+        memory.report_fits(&mut listening);
+        if concerns_all {
+            for vertex in 0..surface.mesh().vertex_count() as u32 {
+                report(Finding::Unresolved { vertex });
+            }
+        } else {
+            memory.report_angles(report);
+        }
     }
 }
 

@@ -370,7 +370,7 @@ methods! {
             defines: [true, true, false],
         },
         Cost {
-            relative: 300.0,
+            relative: 60.0,
             bytes: Bytes::Fixed(11000),
         };
         /// J of degree 4: strong form over osculating jets.

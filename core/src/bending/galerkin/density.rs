@@ -73,11 +73,14 @@ impl<T: Real> Galerkin<T> {
             vector.clear();
             vector.resize(count, T::zero());
         }
-        let third = T::constant(1.0 / 3.0);
+        // Relative to the mean: squares of forces over areas leave the range of f32 on small surfaces.
+        let area = |i: usize| {
+            let is_used = plan.members[i].is_some();
+            if is_used { sums[i][3] } else { T::zero() }
+        };
+        let mean = execution.sum(count, area) / T::constant(count as f64);
         execution.map(&mut inverse[..], |i, inverse| {
-            let used = plan.members[i].is_some();
-            let area = if used { third * sums[i][3] } else { T::zero() };
-            *inverse = area.reciprocal_or_zero();
+            *inverse = mean * area(i).reciprocal_or_zero();
         });
         let jets = &mass.normals;
         execution.map(&mut residual[..], |i, residual| {

@@ -7,7 +7,6 @@ use super::fit;
 use super::points::settled;
 use crate::diagnostic::Finding;
 use crate::real::Real;
-use alloc::vec;
 
 /// Least pivot, over the diagonal entry, of a fit that neighbours determine well.
 const WEAKEST: f64 = 1e-6;
@@ -47,27 +46,34 @@ impl<T: Real> GalerkinMemory<T> {
         }
     }
 
-    /// Reports the vertices at edges where patches meet at an angle.
+    /// Reports the first vertices of edges where patches meet at an angle.
     pub(super) fn report_angles(&self, report: &mut dyn FnMut(Finding)) {
-        let mut bent = vec![false; self.plan.members.len()];
         if self.rims.is_empty() {
             return;
         }
         for hem in &self.plan.hems {
-            let angles = (0..GAUSS).map(|gauss| angle_of(&self.rims, hem, gauss));
-            if angles
-                .into_iter()
-                .any(|angle| angle.abs() > T::constant(LARGEST_ANGLE))
-            {
+            let mut angles = (0..GAUSS).map(|gauss| angle_of(&self.rims, hem, gauss));
+            if angles.any(|angle| angle.abs() > T::constant(LARGEST_ANGLE)) {
                 let (patch, edge) = hem.sides[0];
                 let corners = self.plan.patches[patch as usize].corners;
-                for end in [edge, edge + 1] {
-                    bent[corners[usize::from(end) % 3] as usize] = true;
-                }
+                report(Finding::Unresolved {
+                    vertex: corners[usize::from(edge)],
+                });
             }
         }
-        for (vertex, _) in (0..).zip(&bent).filter(|(_, bent)| **bent) {
-            report(Finding::Unresolved { vertex });
-        }
     }
+}
+
+/// Whether a finding at one vertex is about every force density: those of all vertices are the solution
+/// of one system of equations, in which a bad patch has a large part.
+pub(super) fn concerns_all(finding: Finding) -> bool {
+    matches!(
+        finding,
+        Finding::Amplified { .. }
+            | Finding::Folded { .. }
+            | Finding::NoGraph { .. }
+            | Finding::Uneven { .. }
+            | Finding::ThinTriangle { .. }
+            | Finding::DegenerateTriangle { .. }
+    )
 }
