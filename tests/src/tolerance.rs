@@ -61,13 +61,6 @@ pub const GRADIENT_DUAL: Tolerance = Tolerance::new(
     "dual numbers differentiate the same formula: only rounding is left",
 );
 
-/// The same where the energy is that of polynomials fitted by normal equations.
-pub const GRADIENT_DUAL_OF_FITS: Tolerance = Tolerance::new(
-    1e-11,
-    "normal equations of 27 coefficients on meshes of a few dozen vertices lose up to four digits, in other \
-     places of the energy and of the force",
-);
-
 /// Net force and torque of exact gradients, relative to Σ|F| and Σ|F||x|.
 pub const BALANCE: Tolerance = Tolerance::new(1e-14, "a sum of terms that cancel, each rounded");
 
