@@ -370,7 +370,7 @@ methods! {
             defines: [true, true, false],
         },
         Cost {
-            relative: 60.0,
+            relative: 110.0,
             bytes: Bytes::Fixed(11000),
         };
         /// J of degree 4: strong form over osculating jets.
@@ -384,7 +384,7 @@ methods! {
             defines: [true, true, true],
         },
         Cost {
-            relative: 30.0,
+            relative: 15.0,
             bytes: Bytes::Fixed(1450),
         };
         /// J of degree 6.
@@ -398,7 +398,7 @@ methods! {
             defines: [true, true, true],
         },
         Cost {
-            relative: 90.0,
+            relative: 35.0,
             bytes: Bytes::Fixed(2400),
         };
     }
