@@ -138,7 +138,10 @@ def test_scenes_that_come_with_the_package():
     ],
 )
 def test_ctrl_c(tmp_path, call):
-    code = f"import helfrich; folder = {str(tmp_path / 'run')!r}; print('begin', flush=True); {call}"
+    # A shell that starts this in the background has it ignore the signal.
+    heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    folder = str(tmp_path / "run")
+    code = f"{heed}; import helfrich; folder = {folder!r}; print('begin', flush=True); {call}"
     process = subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
