@@ -118,7 +118,7 @@ typedef struct {
    */
   hf_status status;
   /*
-   What is wrong, where, and what would be right: UTF-8, ended by a zero byte, and cut if it is long.
+   The problem, its place, and what would be right: UTF-8, ended by a zero byte, and cut if it is long.
    */
   char text[HF_TEXT_BYTES];
 } hf_error;

@@ -71,7 +71,7 @@ pub const TEXT_BYTES: usize = 1020;
 pub struct Error {
     /// The status that the call returned.
     pub status: Status,
-    /// What is wrong, where, and what would be right: UTF-8, ended by a zero byte, and cut if it is long.
+    /// The problem, its place, and what would be right: UTF-8, ended by a zero byte, and cut if it is long.
     pub text: [c_char; TEXT_BYTES],
 }
 

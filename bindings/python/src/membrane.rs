@@ -407,7 +407,7 @@ impl Membrane {
         Ok(matrix(V.py(), moved)?.into_any())
     }
 
-    /// What makes forces at the positions V (n, 3) less trustworthy: sums of `helfrich.Flag` (n,), uint32.
+    /// Reasons to distrust forces at the positions V (n, 3): sums of `helfrich.Flag` (n,), uint32.
     #[expect(non_snake_case, reason = "the name of the positions in Python")]
     fn flags<'py>(&self, V: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let positions = Positions::new(V)?;

@@ -112,7 +112,7 @@ fn vesicles_have_the_energies_of_the_axisymmetric_theory() {
 }
 
 #[test]
-#[ignore = "half a minute, because method S takes hundreds of steps on long shapes"]
+#[ignore = "half a minute: by hand, see CONTRIBUTING"]
 fn long_and_flat_vesicles_have_the_energies_of_the_axisymmetric_theory() {
     compare(Branch::Prolate, 0.651, "juelicher", [JUELICHER, ESTIMATE]);
     compare(Branch::Prolate, 0.651, "loop", [LOOP, ESTIMATE]);

@@ -203,7 +203,7 @@ impl<T: Real> Node<T> {
 #[derive(Clone, Debug)]
 pub(super) struct Basis<T> {
     pub(super) bulk: Vec<Node<T>>,
-    /// Those of each edge, from its first corner to its second.
+    /// Points of each edge, from its first corner to its second.
     pub(super) edges: Vec<Node<T>>,
 }
 

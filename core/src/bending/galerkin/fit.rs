@@ -126,7 +126,7 @@ pub(super) struct Scratch<T> {
     pub(super) normals: Vec<Vec3<Several<T>>>,
     /// Derivatives of the energy with respect to u, v and h of each neighbour.
     pub(super) bars: Vec<Vec3<Several<T>>>,
-    /// Those with respect to normals in the one-ring, in the frame.
+    /// Derivatives with respect to normals in the one-ring, in the frame.
     pub(super) normal_bars: Vec<Vec3<Several<T>>>,
     pub(super) values: Vec<Several<T>>,
     column: Vec<Several<T>>,

@@ -25,7 +25,7 @@ type Neighbour<T> = [Several<T>; 4];
 /// Numbers for each point around a vertex: u, v, and the weight of the blend over the root.
 type Spot<T> = [Several<T>; 3];
 
-/// What stays the same while the equations are solved.
+/// Data that stay the same while the equations are solved.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mass<T> {
     /// The unit normal ν of the jet of each vertex; 0 where there is none.

@@ -1,4 +1,4 @@
-//! What follows from the connectivity: neighbours, and the places of results in blocks.
+//! Results that follow from the connectivity: neighbours, and the places of results in blocks.
 //!
 //! Vertices, triangles and edges are processed in blocks of one lane each. Results of a block are rows
 //! of [`Several`], with an entry for each member of the block.
