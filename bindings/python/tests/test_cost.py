@@ -1,5 +1,6 @@
 """What calls cost beside the evaluation, and what they do not copy."""
 
+import os
 import subprocess
 import sys
 import time
@@ -22,6 +23,9 @@ def overhead(membrane, V, out, calls=2000):
     return elapsed / evaluating - 1
 
 
+@pytest.mark.skipif(
+    "HELFRICH_UNOPTIMISED" in os.environ, reason="the module is not optimised: .ci/bindings --wheel"
+)
 def test_a_call_costs_little_beside_the_evaluation():
     V, F, _ = helfrich.shape("discocyte", 642)
     membrane = helfrich.Membrane(F, effects.Bending("gompper-kroll"))
