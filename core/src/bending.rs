@@ -19,7 +19,7 @@ mod strong_form;
 mod surface_point;
 
 pub(crate) use area_vectors::AreaVectors;
-pub use galerkin::{Galerkin, GalerkinMemory};
+pub use galerkin::{Galerkin, GalerkinMemory, PatchFunctional, PatchFunctionalMemory};
 pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
 pub use hamann::{Hamann, HamannMemory};
 pub use hinge::{Hinge, HingeMemory, Hinges, OverHinges};

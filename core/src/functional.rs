@@ -18,10 +18,13 @@ mod total_area;
 mod total_gaussian_curvature;
 mod total_mean_curvature;
 
+pub use crate::bending::{PatchFunctional, PatchFunctionalMemory};
 pub use any_functional::{AnyFunctional, AnyFunctionalMemory};
 pub use boundary_length::BoundaryLength;
 pub(crate) use boundary_length::LengthGradient;
 pub use enclosed_volume::EnclosedVolume;
+pub(crate) use enclosed_volume::VolumeGradient;
+pub(crate) use total_area::AreaGradient;
 pub use total_area::TotalArea;
 pub use total_gaussian_curvature::{GaussianCurvatureMemory, TotalGaussianCurvature};
 pub use total_mean_curvature::TotalMeanCurvature;
@@ -129,7 +132,7 @@ impl<const CORNERS: usize> ComponentElements<CORNERS> {
     }
 
     /// Scatters `kernel(weights[c])` over the elements of each component c.
-    fn scatter<T: Real, K: ElementKernel<T, CORNERS, 0, 3>>(
+    pub(crate) fn scatter<T: Real, K: ElementKernel<T, CORNERS, 0, 3>>(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,

@@ -119,8 +119,8 @@ pub use domains::{BorderTension, GaussianDomains, GaussianDomainsMemory};
 pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, StrainEnergy};
 pub use element::{Execution, Serial};
 pub use functional::{
-    AnyFunctional, BoundaryLength, EnclosedVolume, Functional, TotalArea, TotalGaussianCurvature,
-    TotalMeanCurvature,
+    AnyFunctional, BoundaryLength, EnclosedVolume, Functional, PatchFunctional, TotalArea,
+    TotalGaussianCurvature, TotalMeanCurvature,
 };
 pub use gravity::{Gravity, GravityMemory};
 pub use indices::TriangleIndices;

@@ -1,7 +1,9 @@
 //! The energies of whole components, for the laws of conservative methods.
 
 use crate::laws::{ConservativeCandidate, ConservativeLaw, Sum};
-use helfrich::{AnyFunctional, AreaDifference, OsmoticPressure, Penalty, Real, SurfaceTension};
+use helfrich::{
+    AnyFunctional, AreaDifference, OsmoticPressure, PatchFunctional, Penalty, Real, SurfaceTension,
+};
 
 /// Surface tension.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +49,8 @@ impl ConservativeCandidate for Penalised {
             AnyFunctional::Area => "penalty of area",
             AnyFunctional::Volume => "penalty of volume",
             AnyFunctional::MeanCurvature => "penalty of mean curvature",
+            AnyFunctional::OfPatches(PatchFunctional::Area) => "penalty of the area of patches",
+            AnyFunctional::OfPatches(PatchFunctional::Volume) => "penalty of the volume of patches",
         }
     }
     fn method<T: Real>(self, modulus: T) -> Penalty<T> {

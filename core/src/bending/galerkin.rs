@@ -11,31 +11,31 @@ mod fields;
 mod findings;
 mod fit;
 mod mass;
+mod measures;
 mod patch;
 mod plan;
 mod points;
+mod shape;
 mod vertices;
 
-use self::basis::Basis;
+use self::basis::FREE;
 use self::density::Solver;
 use self::edges::Edges;
 use self::fields::FieldMemory;
-use self::fit::Fit;
 use self::mass::Mass;
+pub use self::measures::{PatchFunctional, PatchFunctionalMemory};
 use self::patch::{Back, Bars, HEM, Inside, RETURNED, RIM};
-use self::plan::Plan;
-use self::vertices::{Backward, Forward, Work};
+use self::shape::{Return, Shape};
+use self::vertices::Work;
 use crate::bending::MaterialParameter;
-use crate::bending::area_vectors::{AreaVectorForce, AreaVectors};
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::{Execution, Ragged, Strided, of_vertices};
+use crate::element::{Execution, Strided, of_vertices};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::mesh::TriangleMesh;
 use crate::method::{Method, ParameterError, TwoPass, Workspace};
-use crate::real::{Real, finite_or_zero};
+use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, add, dot, normalise, scale, sub};
 use alloc::vec::Vec;
 
 /// `E = 2 ∫ κ (H − H0)² dS + Σ_e [2 ∫_e κ {H − H0} θ ds + ½ ∫_e κ θ² ds/∫_e ds]` over patches of degree 5,
@@ -89,13 +89,7 @@ impl<T> GalerkinMemory<T> {
 /// Memory of [`Galerkin`].
 #[derive(Clone, Debug)]
 pub struct GalerkinMemory<T> {
-    plan: Plan,
-    basis: Basis<T>,
-    /// Sums of area vectors, and unit normals.
-    sums: Vec<[T; 4]>,
-    normals: Vec<[T; 3]>,
-    fits: Vec<Fit<T>>,
-    displacements: Vec<Several<T>>,
+    shape: Shape<T>,
     /// Bending modulus and spontaneous curvature.
     fields: [FieldMemory<T>; 2],
     energies: Vec<Several<T>>,
@@ -103,12 +97,7 @@ pub struct GalerkinMemory<T> {
     rims: Vec<Several<T>>,
     hems: Vec<Several<T>>,
     bars: Vec<Bars<T>>,
-    returned: Vec<Several<T>>,
-    pulls: Vec<Vec3<Several<T>>>,
-    turns: Vec<Vec3<Several<T>>>,
-    own_turns: Vec<Vec3<Several<T>>>,
-    /// −∂E/∂(2N).
-    normal_forces: Vec<[T; 4]>,
+    back: Return<T>,
     mass: Mass<T>,
     solver: Solver<T>,
     work: Vec<Work<T>>,
@@ -120,23 +109,14 @@ impl<T: Real> Method<T> for Galerkin<T> {
 
     fn memory(&self, mesh: &TriangleMesh) -> GalerkinMemory<T> {
         GalerkinMemory {
-            plan: Plan::new(mesh),
-            basis: Basis::new(),
-            sums: Vec::new(),
-            normals: Vec::new(),
-            fits: Vec::new(),
-            displacements: Vec::new(),
+            shape: Shape::new(mesh),
             fields: Default::default(),
             energies: Vec::new(),
             edge_energies: Vec::new(),
             rims: Vec::new(),
             hems: Vec::new(),
             bars: Vec::new(),
-            returned: Vec::new(),
-            pulls: Vec::new(),
-            turns: Vec::new(),
-            own_turns: Vec::new(),
-            normal_forces: Vec::new(),
+            back: Return::default(),
             mass: Mass::default(),
             solver: Solver::default(),
             work: Vec::new(),
@@ -163,7 +143,7 @@ impl<T: Real> Method<T> for Galerkin<T> {
         };
         surface.report_uneven_mesh(&mut listening);
         surface.report_rough_vertices(&mut listening);
-        memory.report_fits(&mut listening);
+        memory.shape.report_fits(&mut listening);
         if concerns_all {
             for vertex in 0..surface.mesh().vertex_count() as u32 {
                 report(Finding::Unresolved { vertex });
@@ -183,42 +163,20 @@ impl<T: Real> Galerkin<T> {
         memory: &mut GalerkinMemory<T>,
     ) {
         let zero = Several::zero();
-        let plan = &memory.plan;
-        AreaVectors.sum(execution, surface, &mut memory.sums);
-        let sums = &memory.sums;
-        memory.normals.resize(sums.len(), [T::zero(); 3]);
-        execution.map(&mut memory.normals[..], |vertex, normal| {
-            let [x, y, z, _] = sums[vertex];
-            *normal = normalise([x, y, z]);
-        });
-        memory.fits.resize_with(plan.blocks.len(), Fit::default);
-        let stars = plan.star_offsets[plan.blocks.len()];
-        memory.displacements.resize(stars, zero);
-        let forward = Forward {
-            plan,
-            surface,
-            normals: &memory.normals,
-        };
-        let ragged = Ragged::new(&mut memory.displacements, &plan.star_offsets);
-        execution.run(&mut memory.work, (&mut memory.fits[..], ragged), &forward);
-
-        let blocks = plan.patches.len().div_ceil(WIDTH);
+        memory.shape.set(execution, surface, &mut memory.work);
+        let shape = &memory.shape;
+        let blocks = shape.blocks();
         memory.energies.resize(blocks, zero);
         memory.rims.resize(blocks * RIM, zero);
         memory.bars.resize_with(blocks, Bars::default);
         let parameters = [&self.modulus, &self.spontaneous_curvature];
         for (field, parameter) in memory.fields.iter_mut().zip(parameters) {
-            let mesh = (plan, &memory.normals[..]);
-            let fits = (&memory.fits[..], &memory.displacements[..]);
-            field.set(execution, surface, parameter, mesh, fits, &mut memory.work);
+            field.set(execution, surface, parameter, shape, &mut memory.work);
         }
         let material = [0, 1].map(|k| memory.fields[k].field(parameters[k]));
         let inside = Inside::<T, GRADIENT> {
-            plan,
-            basis: &memory.basis,
+            shape,
             surface,
-            normals: &memory.normals,
-            displacements: &memory.displacements,
             material,
         };
         let slots = (
@@ -230,12 +188,12 @@ impl<T: Real> Galerkin<T> {
         );
         execution.run(&mut memory.idle, slots, &inside);
 
-        let blocks = plan.hems.len().div_ceil(WIDTH);
+        let blocks = shape.plan.hems.len().div_ceil(WIDTH);
         memory.edge_energies.resize(blocks, zero);
         memory.hems.resize(blocks * HEM, zero);
         let edges = Edges {
-            plan,
-            basis: &memory.basis,
+            plan: &shape.plan,
+            basis: &shape.basis,
             rims: &memory.rims,
         };
         let slots = (
@@ -243,61 +201,6 @@ impl<T: Real> Galerkin<T> {
             Strided::new(&mut memory.hems, HEM),
         );
         execution.run(&mut memory.idle, slots, &edges);
-    }
-}
-
-impl<T: Real> Galerkin<T> {
-    /// Derivatives of the energy with respect to the positions and normals of which fits and patches are
-    /// made. Returns the number of rows that a block of patches returns.
-    fn pull_back(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        memory: &mut GalerkinMemory<T>,
-    ) -> usize {
-        let zero = Several::zero();
-        let plan = &memory.plan;
-        let parameters = [&self.modulus, &self.spontaneous_curvature];
-        let varying = parameters.iter().filter(|parameter| parameter.varies());
-        let stride = RETURNED + basis::FREE * varying.count();
-        memory.returned.resize(memory.bars.len() * stride, zero);
-        let material = [0, 1].map(|k| memory.fields[k].field(parameters[k]));
-        let back = Back {
-            plan,
-            basis: &memory.basis,
-            surface,
-            normals: &memory.normals,
-            displacements: &memory.displacements,
-            inside: &memory.bars,
-            hems: &memory.hems,
-            material,
-        };
-        let slots = Strided::new(&mut memory.returned, stride);
-        execution.run(&mut memory.idle, slots, &back);
-
-        let count = plan.blocks.len();
-        let resize = |rows: &mut Vec<Vec3<Several<T>>>, count: usize| rows.resize(count, [zero; 3]);
-        resize(&mut memory.pulls, plan.neighbour_offsets[count]);
-        resize(&mut memory.turns, plan.ring_offsets[count]);
-        resize(&mut memory.own_turns, count);
-        let backward = Backward {
-            plan,
-            surface,
-            normals: &memory.normals,
-            fits: &memory.fits,
-            displacements: &memory.displacements,
-            returned: &memory.returned,
-            material,
-        };
-        let slots = (
-            (
-                Ragged::new(&mut memory.pulls, &plan.neighbour_offsets),
-                Ragged::new(&mut memory.turns, &plan.ring_offsets),
-            ),
-            &mut memory.own_turns[..],
-        );
-        execution.run(&mut memory.work, slots, &backward);
-        stride
     }
 }
 
@@ -313,16 +216,16 @@ impl<T: Real> Curvatures<T> for Galerkin<T> {
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure(execution, surface, memory);
-        let memory = &*memory;
+        let shape = &memory.shape;
         execution.map(of_vertices(surface, curvature), |vertex, curvature| {
             *curvature = Curvature {
-                normal: memory.normals[vertex],
-                area: memory.sums[vertex][3] / T::constant(3.0),
+                normal: shape.normals[vertex],
+                area: shape.sums[vertex][3] / T::constant(3.0),
                 kind: surface.mesh().vertex_kind(vertex),
                 ..Curvature::default()
             };
-            if let Some((block, lane)) = memory.plan.members[vertex] {
-                let fit = &memory.fits[block as usize];
+            if let Some((block, lane)) = shape.plan.members[vertex] {
+                let fit = &shape.fits[block as usize];
                 let (normal, [mean, gaussian]) = fit.curvatures(usize::from(lane));
                 if mean.is_finite() && gaussian.is_finite() {
                     curvature.normal = normal;
@@ -370,68 +273,30 @@ impl<T: Real> TwoPass for Galerkin<T> {
         memory: &mut GalerkinMemory<T>,
         force: &mut [[T; 3]],
     ) {
-        let stride = self.pull_back(execution, surface, memory);
         let GalerkinMemory {
-            plan,
-            normals,
-            sums,
-            pulls,
-            turns,
-            own_turns,
-            returned,
-            normal_forces,
+            shape,
+            fields,
+            hems,
+            bars,
+            back,
+            work,
+            idle,
             ..
         } = memory;
-        // What patches return for a vertex, with respect to its position (part 0) or normal (part 1).
-        let corner_bars = |vertex: usize, part: usize| {
-            let mut sum = [T::zero(); 3];
-            for (patch, corner) in plan.patches_at(vertex) {
-                let row = patch / WIDTH * stride + basis::FREE + 6 * corner + 3 * part;
-                sum = add(
-                    sum,
-                    [0, 1, 2].map(|axis| returned[row + axis].0[patch % WIDTH]),
-                );
-            }
-            sum
-        };
-        normal_forces.resize(sums.len(), [T::zero(); 4]);
-        execution.map(&mut normal_forces[..], |vertex, normal_force| {
-            let mut sum = corner_bars(vertex, 1);
-            for place in plan.ringed_at(vertex) {
-                sum = add(sum, place.vector(turns));
-            }
-            if let Some((block, lane)) = plan.members[vertex] {
-                let own = own_turns[block as usize].map(|row| row.0[usize::from(lane)]);
-                sum = add(sum, own);
-            }
-            let normal = normals[vertex];
-            let across = sub(sum, scale(dot(sum, normal), normal));
-            let [x, y, z, _] = sums[vertex];
-            let over = crate::vec3::norm([x, y, z]).reciprocal_or_zero();
-            let [x, y, z] = finite_or_zero(scale(-over, across));
-            *normal_force = [x, y, z, T::zero()];
-        });
-        execution.scatter(
-            &AreaVectorForce,
+        let parameters = [&self.modulus, &self.spontaneous_curvature];
+        let varying = parameters.iter().filter(|parameter| parameter.varies());
+        let stride = RETURNED + FREE * varying.count();
+        let material = [0, 1].map(|k| fields[k].field(parameters[k]));
+        back.returned.resize(bars.len() * stride, Several::zero());
+        let by_patches = Back {
+            shape,
             surface,
-            surface.mesh().triangles(),
-            normal_forces,
-            force,
-        );
-        execution.map(of_vertices(surface, force), |vertex, force| {
-            let mut sum = corner_bars(vertex, 0);
-            for place in plan.listed_at(vertex) {
-                sum = add(sum, place.vector(pulls));
-            }
-            if let Some((block, lane)) = plan.members[vertex] {
-                let (block, lane) = (block as usize, usize::from(lane));
-                let rows = plan.neighbour_offsets[block]..;
-                let count = plan.blocks[block].counts[lane] as usize;
-                for row in pulls[rows].iter().take(count) {
-                    sum = sub(sum, row.map(|row| row.0[lane]));
-                }
-            }
-            *force = sub(*force, finite_or_zero(sum));
-        });
+            inside: bars,
+            hems,
+            material,
+        };
+        let slots = Strided::new(&mut back.returned, stride);
+        execution.run(idle, slots, &by_patches);
+        back.subtract_from(execution, surface, (shape, stride), material, work, force);
     }
 }

@@ -24,17 +24,22 @@ pub(super) struct Point<L> {
     bend: L,
 }
 
+/// `x_v × x_w` and its length, 0 where the directions of the tangents differ only by rounding.
+#[inline(always)]
+pub(super) fn area_vector<L: Lane>(v: Vec3<L>, w: Vec3<L>) -> (Vec3<L>, L) {
+    let vector = cross(v, w);
+    let area = dot(vector, vector).sqrt();
+    let rounding = L::splat(<L::Scalar as Float>::epsilon());
+    let noise = L::literal(16.0) * rounding * (dot(v, v) + dot(w, w));
+    (vector, L::select(noise.less(area), area, L::zero()))
+}
+
 impl<L: Lane> Point<L> {
     #[inline(always)]
     pub(super) fn new([v, w, vv, vw, ww]: [Vec3<L>; 5]) -> Self {
-        let area_vector = cross(v, w);
-        let area = dot(area_vector, area_vector).sqrt();
-        // Below this threshold the directions of the tangents differ only by rounding.
-        let rounding = L::splat(<L::Scalar as Float>::epsilon());
-        let noise = L::literal(16.0) * rounding * (dot(v, v) + dot(w, w));
-        let area = L::select(noise.less(area), area, L::zero());
+        let (vector, area) = area_vector(v, w);
         let over = area.reciprocal_or_zero();
-        let normal = scale(over, area_vector);
+        let normal = scale(over, vector);
         let metric = [dot(v, v) * over, dot(v, w) * over, dot(w, w) * over];
         let [e, f, g] = metric;
         let bending = add(sub(scale(e, ww), scale(f + f, vw)), scale(g, vv));

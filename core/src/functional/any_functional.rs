@@ -1,6 +1,6 @@
 //! A functional chosen at run time.
 
-use super::{EnclosedVolume, Functional, TotalArea, TotalMeanCurvature};
+use super::{EnclosedVolume, Functional, PatchFunctional, TotalArea, TotalMeanCurvature};
 use crate::components::Components;
 use crate::element::Execution;
 use crate::mesh::TriangleMesh;
@@ -17,6 +17,8 @@ pub enum AnyFunctional {
     Volume,
     /// [`TotalMeanCurvature`].
     MeanCurvature,
+    /// [`PatchFunctional`].
+    OfPatches(PatchFunctional),
 }
 
 /// Memory of a [`AnyFunctional`]: the workspace of the functional it stands for.
@@ -28,6 +30,8 @@ pub enum AnyFunctionalMemory<T: Real> {
     Volume(Workspace<T, EnclosedVolume>),
     /// The workspace of [`TotalMeanCurvature`].
     MeanCurvature(Workspace<T, TotalMeanCurvature>),
+    /// The workspace of [`PatchFunctional`].
+    OfPatches(PatchFunctional, Workspace<T, PatchFunctional>),
 }
 
 impl<T: Real> Method<T> for AnyFunctional {
@@ -40,6 +44,9 @@ impl<T: Real> Method<T> for AnyFunctional {
             Self::MeanCurvature => {
                 AnyFunctionalMemory::MeanCurvature(TotalMeanCurvature.workspace(mesh))
             }
+            Self::OfPatches(functional) => {
+                AnyFunctionalMemory::OfPatches(*functional, functional.workspace(mesh))
+            }
         }
     }
 }
@@ -51,6 +58,7 @@ impl AnyFunctional {
             AnyFunctionalMemory::Area(_) => Self::Area,
             AnyFunctionalMemory::Volume(_) => Self::Volume,
             AnyFunctionalMemory::MeanCurvature(_) => Self::MeanCurvature,
+            AnyFunctionalMemory::OfPatches(functional, _) => Self::OfPatches(*functional),
         };
         assert!(
             self == of_memory,
@@ -67,6 +75,9 @@ impl<T: Real> Functional<T> for AnyFunctional {
             AnyFunctionalMemory::Volume(workspace) => EnclosedVolume.components(workspace),
             AnyFunctionalMemory::MeanCurvature(workspace) => {
                 TotalMeanCurvature.components(workspace)
+            }
+            AnyFunctionalMemory::OfPatches(functional, workspace) => {
+                functional.components(workspace)
             }
         }
     }
@@ -90,6 +101,9 @@ impl<T: Real> Functional<T> for AnyFunctional {
             AnyFunctionalMemory::MeanCurvature(workspace) => {
                 TotalMeanCurvature.values(execution, surface, workspace, values);
             }
+            AnyFunctionalMemory::OfPatches(functional, workspace) => {
+                functional.values(execution, surface, workspace, values);
+            }
         }
     }
 
@@ -112,6 +126,9 @@ impl<T: Real> Functional<T> for AnyFunctional {
             }
             AnyFunctionalMemory::MeanCurvature(workspace) => {
                 TotalMeanCurvature.add_gradient(execution, surface, workspace, weights, gradient);
+            }
+            AnyFunctionalMemory::OfPatches(functional, workspace) => {
+                functional.add_gradient(execution, surface, workspace, weights, gradient);
             }
         }
     }

@@ -18,7 +18,7 @@ use crate::vec3::scale;
 pub struct EnclosedVolume;
 
 /// `w ∂V/∂x`: on a closed surface a third of the area times the normal at each corner.
-struct VolumeGradient<T>(T);
+pub(crate) struct VolumeGradient<T>(pub(crate) T);
 
 impl<T: Real> ElementKernel<T, 3, 0, 3> for VolumeGradient<T> {
     #[inline(always)]

@@ -15,7 +15,7 @@ use crate::surface::Surface;
 pub struct TotalArea;
 
 /// `w ∂A/∂x`.
-struct AreaGradient<T>(T);
+pub(crate) struct AreaGradient<T>(pub(crate) T);
 
 impl<T: Real> ElementKernel<T, 3, 0, 3> for AreaGradient<T> {
     #[inline(always)]

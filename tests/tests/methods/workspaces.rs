@@ -5,9 +5,9 @@ use helfrich::{
     ControlPoints, CorrectedCurvature, Curvature, Curvatures, Dissipation, EnclosedVolume, Energy,
     Force, ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher,
     KantorNelson, LaplaceBeltrami, LoopSubdivision, MaterialParameter, MembraneViscosity, Method,
-    NeoHookean, Paraboloid, PointLoads, Prepared, Projected, Rows, Serial, StrongForm, Surface,
-    Targets, TotalArea, TotalGaussianCurvature, TotalMeanCurvature, TriangleMesh, VertexNormals,
-    Workspace,
+    NeoHookean, Paraboloid, PatchFunctional, PointLoads, Prepared, Projected, Rows, Serial,
+    StrongForm, Surface, Targets, TotalArea, TotalGaussianCurvature, TotalMeanCurvature,
+    TriangleMesh, VertexNormals, Workspace,
 };
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
@@ -234,6 +234,8 @@ fn functionals_and_effects_refuse_workspaces_of_other_meshes() {
         AnyFunctional::Area,
         AnyFunctional::Volume,
         AnyFunctional::MeanCurvature,
+        AnyFunctional::OfPatches(PatchFunctional::Area),
+        AnyFunctional::OfPatches(PatchFunctional::Volume),
     ] {
         meshes.check_functional("quantity", &quantity);
     }

@@ -170,6 +170,8 @@ fn polynomial(point: [f64; 3], [v, w]: [f64; 2]) -> [f64; 6] {
 pub(super) struct Node<T> {
     /// Part of the area of the parameter triangle, or of the edge.
     pub(super) weight: T,
+    /// The second and third barycentric coordinate.
+    pub(super) place: [T; 2],
     /// Values, at free points and corners.
     pub(super) values: [T; FREE],
     pub(super) corners: [T; 3],
@@ -181,6 +183,7 @@ impl<T: Real> Node<T> {
     fn new(weight: f64, [v, w]: [f64; 2]) -> Self {
         let mut node = Self {
             weight: T::constant(weight),
+            place: [v, w].map(T::constant),
             values: [T::zero(); FREE],
             corners: [T::zero(); 3],
             derivatives: [[T::zero(); 5]; FREE],

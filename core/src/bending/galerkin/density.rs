@@ -1,6 +1,6 @@
 //! The force density: solution of the equations of the mass matrix.
 
-use super::mass::Measured;
+use super::shape::Shape;
 use super::{Galerkin, GalerkinMemory};
 use crate::element::{Execution, of_vertices};
 use crate::lane::Lane;
@@ -34,25 +34,14 @@ impl<T: Real> Galerkin<T> {
         memory: &mut GalerkinMemory<T>,
     ) {
         let GalerkinMemory {
-            plan,
-            basis,
-            sums,
-            normals,
-            fits,
-            displacements,
+            shape,
             mass,
             solver,
             work,
             ..
         } = memory;
-        let measured = Measured {
-            plan,
-            basis,
-            normals,
-            fits,
-            displacements,
-        };
-        mass.set(execution, surface, measured, work);
+        mass.set(execution, surface, shape, work);
+        let Shape { plan, sums, .. } = &*shape;
         let count = sums.len();
         let Solver {
             force,
@@ -96,7 +85,7 @@ impl<T: Real> Galerkin<T> {
             execution.map(&mut direction[..], |i, direction| {
                 *direction = inverse[i] * residual[i] + keep * *direction;
             });
-            mass.apply(execution, measured, work, direction, image);
+            mass.apply(execution, shape, work, direction, image);
             let work_done = execution.sum(count, |i| direction[i] * image[i]);
             let step = squared / work_done;
             if !step.is_finite() {

@@ -5,6 +5,7 @@ use super::basis::{FREE, Node};
 use super::fit::{COUNT, Fit};
 use super::patch::gather_blended;
 use super::plan::Plan;
+use super::shape::Shape;
 use super::vertices::Work;
 use crate::bending::MaterialParameter;
 use crate::element::{Execution, Ragged, SlotKernel, Slots};
@@ -154,13 +155,19 @@ impl<T: Real> FieldMemory<T> {
         execution: &impl Execution,
         surface: Surface<'_, T>,
         parameter: &MaterialParameter<T>,
-        (plan, normals): (&Plan, &[[T; 3]]),
-        (fits, displacements): (&[Fit<T>], &[Several<T>]),
+        shape: &Shape<T>,
         work: &mut Vec<Work<T>>,
     ) {
         if !parameter.varies() {
             return;
         }
+        let Shape {
+            plan,
+            normals,
+            fits,
+            displacements,
+            ..
+        } = shape;
         self.fits.resize(fits.len(), [Several::zero(); COUNT]);
         self.shares.resize(displacements.len(), Several::zero());
         let forward = Forward {

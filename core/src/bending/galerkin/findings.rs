@@ -5,6 +5,7 @@ use super::basis::GAUSS;
 use super::edges::angle_of;
 use super::fit;
 use super::points::settled;
+use super::shape::Shape;
 use crate::diagnostic::Finding;
 use crate::real::Real;
 
@@ -14,7 +15,7 @@ const WEAKEST: f64 = 1e-6;
 /// Largest angle between patches that are resolved.
 const LARGEST_ANGLE: f64 = 1e-3;
 
-impl<T: Real> GalerkinMemory<T> {
+impl<T: Real> Shape<T> {
     /// Reports vertices without fits, fits of lower degree, fits that are hardly determined, and jets that are no graph over the
     /// triangles around their vertex.
     pub(super) fn report_fits(&self, report: &mut dyn FnMut(Finding)) {
@@ -45,17 +46,19 @@ impl<T: Real> GalerkinMemory<T> {
             }
         }
     }
+}
 
+impl<T: Real> GalerkinMemory<T> {
     /// Reports the first vertices of edges where patches meet at an angle.
     pub(super) fn report_angles(&self, report: &mut dyn FnMut(Finding)) {
         if self.rims.is_empty() {
             return;
         }
-        for hem in &self.plan.hems {
+        for hem in &self.shape.plan.hems {
             let mut angles = (0..GAUSS).map(|gauss| angle_of(&self.rims, hem, gauss));
             if angles.any(|angle| angle.abs() > T::constant(LARGEST_ANGLE)) {
                 let (patch, edge) = hem.sides[0];
-                let corners = self.plan.patches[patch as usize].corners;
+                let corners = self.shape.plan.patches[patch as usize].corners;
                 report(Finding::Unresolved {
                     vertex: corners[usize::from(edge)],
                 });

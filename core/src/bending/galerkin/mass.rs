@@ -8,8 +8,8 @@
 
 use super::basis::{Basis, FREE, INSIDE, ON_EDGE, QUADRATURE, inner_from};
 use super::fit::{COUNT, Fit, Scratch, add_monomials, polynomial, value_of};
-use super::patch::Patches;
 use super::plan::{Block, Plan, coefficient_count};
+use super::shape::Shape;
 use super::vertices::Work;
 use crate::bending::surface_point::Point;
 use crate::element::{Execution, Ragged, SlotKernel, Slots, Strided};
@@ -119,11 +119,8 @@ impl<T: Real> Setup<'_, T> {
 
 /// Weighted areas of the quadrature points of patches.
 struct Areas<'a, T> {
-    plan: &'a Plan,
-    basis: &'a Basis<T>,
+    shape: &'a Shape<T>,
     surface: Surface<'a, T>,
-    normals: &'a [[T; 3]],
-    displacements: &'a [Several<T>],
 }
 
 impl<'a, T: Real> SlotKernel<(), &'a mut [[Several<T>; QUADRATURE]]> for Areas<'_, T> {
@@ -131,14 +128,8 @@ impl<'a, T: Real> SlotKernel<(), &'a mut [[Several<T>; QUADRATURE]]> for Areas<'
     fn set(&self, (): &mut (), start: usize, slots: &'a mut [[Several<T>; QUADRATURE]]) {
         for (index, areas) in slots.iter_mut().enumerate() {
             let first = (start + index) * WIDTH;
-            let patches = Patches::gather(
-                self.plan,
-                self.surface,
-                self.normals,
-                self.displacements,
-                first,
-            );
-            for (area, node) in areas.iter_mut().zip(&self.basis.bulk) {
+            let patches = self.shape.patches(self.surface, first);
+            for (area, node) in areas.iter_mut().zip(&self.shape.basis.bulk) {
                 let point = Point::new(patches.derivatives(node));
                 *area = Several::splat(node.weight) * point.area;
             }
@@ -289,16 +280,16 @@ impl<T: Real> Mass<T> {
         &mut self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
-        measured: Measured<'_, T>,
+        shape: &Shape<T>,
         work: &mut Vec<Work<T>>,
     ) {
-        let Measured {
+        let Shape {
             plan,
-            basis,
             normals,
             fits,
             displacements,
-        } = measured;
+            ..
+        } = shape;
         let count = plan.blocks.len();
         let zero = Several::zero();
         self.normals.resize(normals.len(), [T::zero(); 3]);
@@ -333,13 +324,7 @@ impl<T: Real> Mass<T> {
             &mut self.own[..],
         );
         execution.run(work, slots, &setup);
-        let areas = Areas {
-            plan,
-            basis,
-            surface,
-            normals,
-            displacements,
-        };
+        let areas = Areas { shape, surface };
         execution.run(&mut Vec::new(), &mut self.areas[..], &areas);
     }
 
@@ -347,14 +332,14 @@ impl<T: Real> Mass<T> {
     pub(super) fn apply(
         &mut self,
         execution: &impl Execution,
-        measured: Measured<'_, T>,
+        shape: &Shape<T>,
         work: &mut Vec<Work<T>>,
         field: &[T],
         image: &mut [T],
     ) {
-        let Measured {
+        let Shape {
             plan, basis, fits, ..
-        } = measured;
+        } = shape;
         let (neighbours, spots, own) = (&self.neighbours[..], &self.spots[..], &self.own[..]);
         let move_out = Move {
             plan,
@@ -409,16 +394,6 @@ impl<T: Real> Mass<T> {
             *image = sum;
         });
     }
-}
-
-/// The results of a measurement on which the mass matrix depends.
-#[derive(Clone, Copy)]
-pub(super) struct Measured<'a, T> {
-    pub(super) plan: &'a Plan,
-    pub(super) basis: &'a Basis<T>,
-    pub(super) normals: &'a [[T; 3]],
-    pub(super) fits: &'a [Fit<T>],
-    pub(super) displacements: &'a [Several<T>],
 }
 
 impl<T: Real> Scratch<T> {

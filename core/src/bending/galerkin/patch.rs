@@ -1,8 +1,9 @@
 //! Patches: surfaces of degree 5 over eight triangles at once, their energy, and its derivatives.
 
-use super::basis::{AROUND, Basis, FREE, GAUSS, INSIDE, Node, ON_EDGE, POINTS, blend, inner_from};
+use super::basis::{AROUND, FREE, GAUSS, INSIDE, Node, ON_EDGE, POINTS, blend, inner_from};
 use super::fields::Field;
 use super::plan::{NONE, Plan};
+use super::shape::Shape;
 use crate::bending::surface_point::Point;
 use crate::element::{SlotKernel, Strided};
 use crate::lane::{Lane, Several, WIDTH};
@@ -103,26 +104,37 @@ impl<T: Real> Patches<T> {
         patches
     }
 
-    /// The surface at a quadrature point: first and second derivatives.
+    /// The surface at a quadrature point: the first N of x_v, x_w, x_vv, x_vw and x_ww.
     #[inline(always)]
-    pub(super) fn derivatives(&self, node: &Node<T>) -> [Vec3<Several<T>>; 5] {
-        let zero = [Several::zero(); 3];
-        let mut derivatives = [self.edges[0], self.edges[1], zero, zero, zero];
+    pub(super) fn derivatives<const N: usize>(&self, node: &Node<T>) -> [Vec3<Several<T>>; N] {
+        let mut derivatives = [[Several::zero(); 3]; N];
+        derivatives[..2].copy_from_slice(&self.edges);
         for (point, weights) in self.points.iter().zip(&node.derivatives) {
-            for k in 0..5 {
-                let weight = Several::splat(weights[k]);
+            for (derivative, &weight) in derivatives.iter_mut().zip(weights) {
+                let weight = Several::splat(weight);
                 for axis in 0..3 {
-                    derivatives[k][axis] = derivatives[k][axis] + weight * point[axis];
+                    derivative[axis] = derivative[axis] + weight * point[axis];
                 }
             }
         }
         derivatives
     }
 
+    /// The surface at a quadrature point, relative to the first corner.
+    #[inline(always)]
+    pub(super) fn position(&self, node: &Node<T>) -> Vec3<Several<T>> {
+        let [v, w] = node.place.map(Several::splat);
+        let mut position = add(scale(v, self.edges[0]), scale(w, self.edges[1]));
+        for (point, &weight) in self.points.iter().zip(&node.values) {
+            position = add(position, scale(Several::splat(weight), *point));
+        }
+        position
+    }
+
     /// From derivatives with respect to the points: those with respect to displacements, and to position
     /// and normal of each corner.
     #[inline(always)]
-    fn give_back(&self, bars: &Bars<T>, returned: &mut [Several<T>]) {
+    pub(super) fn give_back(&self, bars: &Bars<T>, returned: &mut [Several<T>]) {
         let zero = [Several::zero(); 3];
         let mut normals = [zero; 3];
         for k in 0..FREE {
@@ -191,14 +203,31 @@ pub(super) fn gather_blended<T: Real>(
     sums
 }
 
-/// Adds the derivatives at a quadrature point to those with respect to the points.
+impl<T: Real> Bars<T> {
+    /// Adds the derivative with respect to [`Patches::position`].
+    #[inline(always)]
+    pub(super) fn add_position(&mut self, node: &Node<T>, given: Vec3<Several<T>>) {
+        for (bar, &weight) in self.points.iter_mut().zip(&node.values) {
+            *bar = add(*bar, scale(Several::splat(weight), given));
+        }
+        for (bar, &part) in self.edges.iter_mut().zip(&node.place) {
+            *bar = add(*bar, scale(Several::splat(part), given));
+        }
+    }
+}
+
+/// Adds the derivatives with respect to [`Patches::derivatives`] to those with respect to the points.
 #[inline(always)]
-fn spread<T: Real>(bars: &mut Bars<T>, node: &Node<T>, given: &[Vec3<Several<T>>; 5]) {
+pub(super) fn spread<T: Real, const N: usize>(
+    bars: &mut Bars<T>,
+    node: &Node<T>,
+    given: &[Vec3<Several<T>>; N],
+) {
     for (bar, weights) in bars.points.iter_mut().zip(&node.derivatives) {
         for axis in 0..3 {
             let mut sum = bar[axis];
-            for k in 0..5 {
-                sum = sum + Several::splat(weights[k]) * given[k][axis];
+            for (given, &weight) in given.iter().zip(weights) {
+                sum = sum + Several::splat(weight) * given[axis];
             }
             bar[axis] = sum;
         }
@@ -220,11 +249,8 @@ fn tangent<L: Lane>(edge: usize, v: Vec3<L>, w: Vec3<L>) -> Vec3<L> {
 /// First pass: energies inside patches, the geometry along their edges, and with `GRADIENT` the
 /// derivatives of these energies.
 pub(super) struct Inside<'a, T, const GRADIENT: bool> {
-    pub(super) plan: &'a Plan,
-    pub(super) basis: &'a Basis<T>,
+    pub(super) shape: &'a Shape<T>,
     pub(super) surface: Surface<'a, T>,
-    pub(super) normals: &'a [[T; 3]],
-    pub(super) displacements: &'a [Several<T>],
     /// Bending modulus and spontaneous curvature.
     pub(super) material: [Field<'a, T>; 2],
 }
@@ -244,22 +270,16 @@ impl<'a, T: Real, const GRADIENT: bool> SlotKernel<(), InsideSlots<'a, T>>
         let slots = energies.iter_mut().zip(rims.into_slots()).zip(bars);
         for (index, ((energy, rim), bars)) in slots.enumerate() {
             let first = (start + index) * WIDTH;
-            let patches = Patches::gather(
-                self.plan,
-                self.surface,
-                self.normals,
-                self.displacements,
-                first,
-            );
+            let patches = self.shape.patches(self.surface, first);
             *energy = Several::zero();
             if GRADIENT {
                 *bars = Bars::default();
             }
             let [modulus, spontaneous] = [
-                self.material[0].on_patches(self.plan, first),
-                self.material[1].on_patches(self.plan, first),
+                self.material[0].on_patches(&self.shape.plan, first),
+                self.material[1].on_patches(&self.shape.plan, first),
             ];
-            for node in &self.basis.bulk {
+            for node in &self.shape.basis.bulk {
                 let point = Point::new(patches.derivatives(node));
                 let strength = Several::splat(node.weight) * modulus.at(node);
                 let spontaneous = spontaneous.at(node);
@@ -268,7 +288,7 @@ impl<'a, T: Real, const GRADIENT: bool> SlotKernel<(), InsideSlots<'a, T>>
                     spread(bars, node, &point.gradient(strength, spontaneous));
                 }
             }
-            for (number, (node, rim)) in (self.basis.edges.iter())
+            for (number, (node, rim)) in (self.shape.basis.edges.iter())
                 .zip(rim.chunks_exact_mut(RIM_POINT))
                 .enumerate()
             {
@@ -283,7 +303,7 @@ impl<'a, T: Real, const GRADIENT: bool> SlotKernel<(), InsideSlots<'a, T>>
             }
             // Entries that no patch is left for count nothing.
             for lane in 0..WIDTH {
-                if first + lane >= self.plan.patches.len() {
+                if first + lane >= self.shape.plan.patches.len() {
                     energy.0[lane] = T::zero();
                 }
             }
@@ -293,11 +313,8 @@ impl<'a, T: Real, const GRADIENT: bool> SlotKernel<(), InsideSlots<'a, T>>
 
 /// Last pass: all derivatives with respect to what patches are made of.
 pub(super) struct Back<'a, T> {
-    pub(super) plan: &'a Plan,
-    pub(super) basis: &'a Basis<T>,
+    pub(super) shape: &'a Shape<T>,
     pub(super) surface: Surface<'a, T>,
-    pub(super) normals: &'a [[T; 3]],
-    pub(super) displacements: &'a [Several<T>],
     pub(super) inside: &'a [Bars<T>],
     pub(super) hems: &'a [Several<T>],
     pub(super) material: [Field<'a, T>; 2],
@@ -309,16 +326,10 @@ impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Back<'_, T> {
         use crate::element::Slots;
         for (index, returned) in slots.into_slots().enumerate() {
             let first = (start + index) * WIDTH;
-            let patches = Patches::gather(
-                self.plan,
-                self.surface,
-                self.normals,
-                self.displacements,
-                first,
-            );
+            let patches = self.shape.patches(self.surface, first);
             let mut bars = self.inside[start + index].clone();
             self.set_fields(&patches, first, returned);
-            for (number, node) in self.basis.edges.iter().enumerate() {
+            for (number, node) in self.shape.basis.edges.iter().enumerate() {
                 let (edge, gauss) = (number / GAUSS, number % GAUSS);
                 let given = self.hem_at(first, edge, gauss);
                 let derivatives = patches.derivatives(node);
@@ -354,9 +365,9 @@ impl<T: Real> Back<'_, T> {
         if !(modulus.varies() || spontaneous.varies()) {
             return;
         }
-        let modulus = modulus.on_patches(self.plan, first);
-        let spontaneous = spontaneous.on_patches(self.plan, first);
-        for node in &self.basis.bulk {
+        let modulus = modulus.on_patches(&self.shape.plan, first);
+        let spontaneous = spontaneous.on_patches(&self.shape.plan, first);
+        for node in &self.shape.basis.bulk {
             let point = Point::new(patches.derivatives(node));
             let weight = Several::splat(node.weight);
             let wanted = spontaneous.at(node);
@@ -388,7 +399,7 @@ impl<T: Real> Back<'_, T> {
     fn hem_at(&self, first: usize, edge: usize, gauss: usize) -> [Several<T>; HEM_POINT] {
         let mut given = [Several::zero(); HEM_POINT];
         for lane in 0..WIDTH {
-            let patch = self.plan.patch_in(first, lane);
+            let patch = self.shape.plan.patch_in(first, lane);
             let (hem, reversed) = patch.edges[edge];
             if hem == NONE {
                 continue;
