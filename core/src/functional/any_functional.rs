@@ -7,6 +7,7 @@ use crate::mesh::TriangleMesh;
 use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
+use alloc::boxed::Box;
 
 /// A functional that is chosen at run time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,7 +32,7 @@ pub enum AnyFunctionalMemory<T: Real> {
     /// The workspace of [`TotalMeanCurvature`].
     MeanCurvature(Workspace<T, TotalMeanCurvature>),
     /// The workspace of [`PatchFunctional`].
-    OfPatches(PatchFunctional, Workspace<T, PatchFunctional>),
+    OfPatches(PatchFunctional, Box<Workspace<T, PatchFunctional>>),
 }
 
 impl<T: Real> Method<T> for AnyFunctional {
@@ -45,7 +46,7 @@ impl<T: Real> Method<T> for AnyFunctional {
                 AnyFunctionalMemory::MeanCurvature(TotalMeanCurvature.workspace(mesh))
             }
             Self::OfPatches(functional) => {
-                AnyFunctionalMemory::OfPatches(*functional, functional.workspace(mesh))
+                AnyFunctionalMemory::OfPatches(*functional, Box::new(functional.workspace(mesh)))
             }
         }
     }
