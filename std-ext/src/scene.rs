@@ -42,7 +42,8 @@ pub use effects::{
     Target, Tension, VolumeTarget,
 };
 pub(crate) use effects::{
-    Groups, MeshCheck, Named, Preparation, Stretch, SurfaceEffect, capillary_number, reduced_volume,
+    Geometry, Groups, MeshCheck, Named, Preparation, Stretch, SurfaceEffect, capillary_number,
+    reduced_volume,
 };
 pub use flow::Flow;
 pub use material::Material;

@@ -10,11 +10,11 @@
 use super::curved::{Curved, Integrals};
 use crate::dynamics::multipliers::multipliers;
 use crate::method::{BendingMethod, Evaluator};
-use crate::scene::{Bending, Material, Named, Scene, SurfaceEffect, SurfaceScene};
+use crate::scene::{Bending, Geometry, Material, Named, Scene, SurfaceEffect, SurfaceScene};
 use crate::simulation::{Acting, Body, Simulation};
 use crate::six::Six;
 use glam::DVec3;
-use helfrich::{AnyFunctional, Functional, Prepared, Surface};
+use helfrich::{AnyFunctional, Functional, PatchFunctional, Prepared, Surface};
 use serde::Serialize;
 
 /// The energy of a closed surface with bending, found in two ways.
@@ -81,6 +81,7 @@ pub(super) fn estimates(
             body,
             surface,
             at,
+            geometry: Geometry::new(&surface.effects, &scene.driver),
             own,
             between: between.collect(),
         };
@@ -94,6 +95,7 @@ struct Estimating<'a> {
     body: &'a Body,
     surface: &'a SurfaceScene,
     at: Surface<'a, f64>,
+    geometry: Geometry,
     /// The effects, in the order of the body.
     own: &'a [Acting],
     between: Vec<&'a Acting>,
@@ -160,7 +162,7 @@ impl Estimating<'_> {
     fn quantities(&self) -> Vec<AnyFunctional> {
         let mut quantities = Vec::new();
         for (_, effect) in self.surface.effects.iter() {
-            if let Some(quantity) = effect.quantity()
+            if let Some(quantity) = effect.quantity(self.geometry)
                 && !quantities.contains(&quantity)
             {
                 quantities.push(quantity);
@@ -212,7 +214,7 @@ impl Estimating<'_> {
     /// difference.
     fn balanced(&self) -> Vec<[f64; 3]> {
         let own = self.effects();
-        let own = own.filter(|(.., effect)| effect.quantity().is_none());
+        let own = own.filter(|(.., effect)| effect.quantity(self.geometry).is_none());
         let acting = own.map(|(acting, ..)| acting);
         let mut sum = vec![[0.0; 3]; self.at.mesh().vertex_count()];
         for acting in acting.chain(self.between.iter().copied()) {
@@ -227,8 +229,10 @@ impl Estimating<'_> {
 impl Integrals {
     fn value(&self, quantity: AnyFunctional) -> f64 {
         match quantity {
-            AnyFunctional::Area => self.area,
-            AnyFunctional::Volume => self.volume,
+            AnyFunctional::Area | AnyFunctional::OfPatches(PatchFunctional::Area) => self.area,
+            AnyFunctional::Volume | AnyFunctional::OfPatches(PatchFunctional::Volume) => {
+                self.volume
+            }
             AnyFunctional::MeanCurvature => self.mean,
         }
     }

@@ -5,9 +5,9 @@ use super::drive::Drive;
 use super::quality::{self, Flagged};
 use crate::effect::Effect;
 use crate::picture::Frame;
-use crate::scene::{Bending, Named, PictureField, Scene, UnitSystem};
+use crate::scene::{Bending, Geometry, Named, PictureField, Scene, UnitSystem};
 use crate::simulation::{Acting, Body, Simulation};
-use helfrich::{Cotangent, Curvature, DualArea, Prepared, Surface};
+use helfrich::{Cotangent, Curvature, DualArea, Prepared};
 use std::f64::consts::PI;
 
 /// The columns of the series that are common to all drivers.
@@ -16,16 +16,20 @@ pub(super) struct Measures {
     columns: Vec<String>,
     /// Directions along and across, for each surface that is stretched.
     directions: Vec<Option<[[f64; 3]; 2]>>,
+    /// The functionals of area and volume, for each surface.
+    geometries: Vec<Geometry>,
     /// A ball around the initial surfaces.
     ball: Frame,
 }
 
 impl Measures {
     pub(super) fn new(scene: &Scene, simulation: &Simulation, positions: &[[f64; 3]]) -> Self {
+        let driver = &scene.driver;
         let mut columns = vec!["energy".to_owned()];
         let effects = simulation.effect_names().into_iter();
         columns.extend(effects.map(|effect| format!("energy_{effect}")));
         let mut directions = Vec::new();
+        let mut geometries = Vec::new();
         for (body, scene) in simulation.bodies().iter().zip(&scene.surfaces) {
             let mut names = vec!["area", "volume", "reduced_volume", "smallest_angle"];
             if quality::has_bending(body) {
@@ -35,12 +39,14 @@ impl Measures {
                 names.extend(["force", "axial_diameter", "transverse_diameter"]);
             }
             columns.extend(names.into_iter().map(|name| simulation.label(name, body)));
+            geometries.push(Geometry::new(&scene.effects, driver));
             let along = body.stretching().map(|(_, axis)| axis);
             directions.push(along.map(|axis| [axis, across(axis, &positions[body.vertices()])]));
         }
         Self {
             columns,
             directions,
+            geometries,
             ball: ball(positions),
         }
     }
@@ -77,9 +83,12 @@ impl Measures {
         let mut row = drive.numbers(simulation);
         row.push(energies.clone().sum());
         row.extend(energies);
-        let bodies = simulation.bodies().iter().zip(&self.directions);
-        for ((body, directions), flagged) in bodies.zip(flagged) {
-            let [area, volume, angle] = body.surface(positions).map_or([f64::NAN; 3], measured);
+        let surfaces = self.directions.iter().zip(&self.geometries);
+        let bodies = simulation.bodies().iter().zip(surfaces);
+        for ((body, (directions, geometry)), flagged) in bodies.zip(flagged) {
+            let surface = body.surface(positions);
+            let [area, volume] = surface.map_or([f64::NAN; 2], |at| geometry.measure(at));
+            let angle = surface.map_or(f64::NAN, smallest_angle);
             row.extend([
                 area,
                 volume,
@@ -118,15 +127,6 @@ fn farthest(centre: [f64; 3], positions: &[[f64; 3]]) -> f64 {
     let centre = glam::DVec3::from_array(centre);
     let distance = |&position: &[f64; 3]| centre.distance(glam::DVec3::from_array(position));
     positions.iter().map(distance).fold(0.0, f64::max)
-}
-
-/// Area, volume and smallest angle.
-fn measured(surface: Surface<'_, f64>) -> [f64; 3] {
-    [
-        surface.area(),
-        surface.volume().unwrap_or(f64::NAN),
-        smallest_angle(surface),
-    ]
 }
 
 /// The direction across an axis in which points extend farthest.

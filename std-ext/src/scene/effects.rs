@@ -34,6 +34,7 @@ pub use gaussian_bending::GaussianBending;
 pub use gravity::Gravity;
 pub use groups::Group;
 pub(crate) use groups::{Groups, capillary_number};
+pub(crate) use held::Geometry;
 pub use held::Hold;
 pub use line_tension::LineTension;
 pub use local_area::LocalArea;
@@ -200,8 +201,9 @@ pub(crate) trait SurfaceEffect: fmt::Debug {
         false
     }
 
-    /// The quantity of each component on which its energy depends, or which it constrains.
-    fn quantity(&self) -> Option<AnyFunctional> {
+    /// The quantity of each component on which its energy depends, or which it constrains. Area and volume
+    /// that are held are those of `geometry`.
+    fn quantity(&self, _geometry: Geometry) -> Option<AnyFunctional> {
         None
     }
 

@@ -10,8 +10,8 @@ use crate::execute::Parallel;
 use crate::info::MeshInfo;
 use crate::ordered::Ordered;
 use crate::scene::{
-    self, Driver, MeshFiles, MeshSource, Preparation, Reference, ReferenceSource, SceneError,
-    SceneFile, SurfaceScene,
+    self, Driver, Geometry, MeshFiles, MeshSource, Preparation, Reference, ReferenceSource,
+    SceneError, SceneFile, SurfaceScene,
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
@@ -232,6 +232,7 @@ impl Placed {
                 Driver::Relax(_) => Lumping::Own,
                 Driver::BoundaryIntegral(_) | Driver::LatticeBoltzmann(_) => Lumping::Thirds,
             },
+            geometry: Geometry::new(&scene.effects, &context.file.scene.driver),
             siblings: &scene.effects,
             unstressed: Vec::new(),
             forces: Vec::new(),

@@ -4,10 +4,10 @@ use super::super::keys::{Form, Keys, optional, positive};
 use super::super::units::Dimension;
 use super::held::{CONSTRAINT, EITHER, LEAST_RATIO, no_constraint_in_flow};
 use super::{
-    Builder, Check, Described, EffectError, Groups, Hold, MeshCheck, MeshSource, Named, Parameter,
-    Parameters, Preparation, Reader, Stiffness, SurfaceEffect,
+    Builder, Check, Described, EffectError, Geometry, Groups, Hold, MeshCheck, MeshSource, Named,
+    Parameter, Parameters, Preparation, Reader, Stiffness, SurfaceEffect,
 };
-use helfrich::{AnyFunctional, Surface, Targets};
+use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
 
 /// Total area of each connected component, held at a target.
@@ -38,11 +38,11 @@ impl HeldArea {
         }
     }
 
-    /// The target areas of the components of a surface, or their areas at the start.
-    pub(super) fn targets(this: Option<Self>, surface: Surface<'_, f64>) -> Targets<f64> {
-        match this.map(|area| area.target) {
+    /// The target areas of the components of the surface, or their areas at the start.
+    pub(super) fn targets(preparation: &Preparation<'_>) -> Targets<f64> {
+        match preparation.siblings.area.map(|area| area.target) {
             Some(Target::Value(area)) => Targets::Same(area),
-            _ => Targets::measured(&AnyFunctional::Area, surface),
+            _ => Targets::measured(&preparation.geometry.area, preparation.surface),
         }
     }
 }
@@ -80,8 +80,8 @@ impl Described for HeldArea {
 }
 
 impl SurfaceEffect for HeldArea {
-    fn quantity(&self) -> Option<AnyFunctional> {
-        Some(AnyFunctional::Area)
+    fn quantity(&self, geometry: Geometry) -> Option<AnyFunctional> {
+        Some(geometry.area)
     }
 
     fn check(&self, check: &mut Check<'_, '_>) {
@@ -122,7 +122,7 @@ impl SurfaceEffect for HeldArea {
     }
 
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
-        let targets = Self::targets(Some(*self), preparation.surface);
-        preparation.hold(Self::NAME, self.hold, AnyFunctional::Area, targets)
+        let targets = Self::targets(preparation);
+        preparation.hold(Self::NAME, self.hold, preparation.geometry.area, targets)
     }
 }

@@ -5,8 +5,8 @@ use super::super::units::Dimension;
 use super::area::HeldArea;
 use super::held::{CONSTRAINT, EITHER, map, no_constraint_in_flow};
 use super::{
-    Builder, Check, Described, EffectError, Groups, Hold, MeshCheck, MeshSource, Named, Parameter,
-    Parameters, Preparation, Reader, SurfaceEffect,
+    Builder, Check, Described, EffectError, Geometry, Groups, Hold, MeshCheck, MeshSource, Named,
+    Parameter, Parameters, Preparation, Reader, SurfaceEffect,
 };
 use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
@@ -78,7 +78,7 @@ impl Described for HeldAreaDifference {
 }
 
 impl SurfaceEffect for HeldAreaDifference {
-    fn quantity(&self) -> Option<AnyFunctional> {
+    fn quantity(&self, _: Geometry) -> Option<AnyFunctional> {
         Some(AnyFunctional::MeanCurvature)
     }
 
@@ -142,7 +142,7 @@ impl SurfaceEffect for HeldAreaDifference {
             }
             AreaDifferenceTarget::Value(integral) => Targets::Same(integral),
             AreaDifferenceTarget::Reduced(reduced) => {
-                let areas = HeldArea::targets(preparation.siblings.area, surface);
+                let areas = HeldArea::targets(preparation);
                 map(&areas, |area| reduced * (4.0 * PI * area).sqrt())
             }
         };

@@ -1,10 +1,12 @@
 //! Quantities of each connected component that are kept at a target.
 
+use super::super::Driver;
 use super::super::keys::{Form, Key, optional};
 use super::super::units::Dimension;
-use super::{EffectError, MeshCheck, Parameter, Parameters, Preparation, Reader};
+use super::{EffectError, Effects, MeshCheck, Parameter, Parameters, Preparation, Reader};
+use crate::method::BendingMethod;
 use crate::six::Six;
-use helfrich::{AnyFunctional, Targets};
+use helfrich::{AnyFunctional, PatchFunctional, Surface, Targets};
 use serde::Serialize;
 
 /// The way in which a quantity is kept at its target.
@@ -64,6 +66,51 @@ impl Hold {
         let modulus = modulus.map(|modulus| number.of("modulus", modulus, dimension));
         let parameters = modulus.into_iter().chain(target);
         (format!("{kind}{initial}"), parameters.collect())
+    }
+}
+
+/// The functionals by which area and enclosed volume of a surface are held and reported.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Geometry {
+    pub(crate) area: AnyFunctional,
+    pub(crate) volume: AnyFunctional,
+}
+
+impl Geometry {
+    /// Those of flat triangles.
+    const FLAT: Self = Self {
+        area: AnyFunctional::Area,
+        volume: AnyFunctional::Volume,
+    };
+
+    /// Those of the patches of which Galerkin's method has the energy, in relaxations: with the area and
+    /// volume of flat triangles, the error of second order in the edge length that these have would be
+    /// that of the equilibrium. In a flow nodal forces over areas act, and those of patches do not converge.
+    pub(crate) fn new(effects: &Effects, driver: &Driver) -> Self {
+        let method = effects.bending.as_ref().map(|bending| bending.method);
+        match (driver, method) {
+            (Driver::Relax(_), Some(BendingMethod::Galerkin)) => Self {
+                area: AnyFunctional::OfPatches(PatchFunctional::Area),
+                volume: AnyFunctional::OfPatches(PatchFunctional::Volume),
+            },
+            _ => Self::FLAT,
+        }
+    }
+
+    /// Area and volume of all components together; the volume is NaN where a surface encloses none.
+    pub(crate) fn measure(self, surface: Surface<'_, f64>) -> [f64; 2] {
+        let volume = surface.volume();
+        let sum = |functional: AnyFunctional| match Targets::measured(&functional, surface) {
+            Targets::Same(value) => value,
+            Targets::PerComponent(values) => values.iter().sum(),
+        };
+        match self.area {
+            AnyFunctional::OfPatches(_) => {
+                let volume = volume.map_or(f64::NAN, |_| sum(self.volume));
+                [sum(self.area), volume]
+            }
+            _ => [surface.area(), volume.unwrap_or(f64::NAN)],
+        }
     }
 }
 

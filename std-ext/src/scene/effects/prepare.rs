@@ -1,7 +1,7 @@
 //! Effects prepared for the mesh of their surface.
 
 use super::super::material::Material;
-use super::{Effects, Stretch};
+use super::{Effects, Geometry, Stretch};
 use crate::effect::{CannotBend, CompiledPotential, Effect, Lumping, Viscosity};
 use crate::io::ColumnPlace;
 use helfrich::{
@@ -43,6 +43,8 @@ pub(crate) struct Preparation<'a> {
     pub(crate) position: [f64; 3],
     /// The areas by which force densities become nodal forces.
     pub(crate) lumping: Lumping,
+    /// The functionals by which area and volume are held.
+    pub(crate) geometry: Geometry,
     /// All effects of the surface.
     pub(crate) siblings: &'a Effects,
     /// The positions of the reference of the effect that is being prepared, in the same order.

@@ -3,8 +3,8 @@
 use super::super::keys::{Keys, any, plain, required};
 use super::super::units::Dimension;
 use super::{
-    Builder, Check, Described, EffectError, Groups, MeshSource, Named, Parameter, Parameters,
-    Preparation, Reader, Stiffness, SurfaceEffect,
+    Builder, Check, Described, EffectError, Geometry, Groups, MeshSource, Named, Parameter,
+    Parameters, Preparation, Reader, Stiffness, SurfaceEffect,
 };
 use helfrich::{AnyFunctional, SurfaceTension};
 use serde::Serialize;
@@ -33,7 +33,7 @@ impl Described for Tension {
 }
 
 impl SurfaceEffect for Tension {
-    fn quantity(&self) -> Option<AnyFunctional> {
+    fn quantity(&self, _: Geometry) -> Option<AnyFunctional> {
         Some(AnyFunctional::Area)
     }
 

@@ -5,8 +5,8 @@ use super::super::units::Dimension;
 use super::area::HeldArea;
 use super::held::{CONSTRAINT, EITHER, LEAST_RATIO, map};
 use super::{
-    Builder, Check, Described, EffectError, Groups, Hold, MeshCheck, MeshSource, Named, Parameter,
-    Parameters, Preparation, Reader, SurfaceEffect, Target,
+    Builder, Check, Described, EffectError, Geometry, Groups, Hold, MeshCheck, MeshSource, Named,
+    Parameter, Parameters, Preparation, Reader, SurfaceEffect, Target,
 };
 use crate::six::Six;
 use helfrich::{AnyFunctional, Targets};
@@ -115,8 +115,8 @@ impl HeldVolume {
 }
 
 impl SurfaceEffect for HeldVolume {
-    fn quantity(&self) -> Option<AnyFunctional> {
-        Some(AnyFunctional::Volume)
+    fn quantity(&self, geometry: Geometry) -> Option<AnyFunctional> {
+        Some(geometry.volume)
     }
 
     fn check(&self, check: &mut Check<'_, '_>) {
@@ -182,15 +182,15 @@ impl SurfaceEffect for HeldVolume {
     }
 
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
-        let surface = preparation.surface;
+        let volume = preparation.geometry.volume;
         let targets = match self.target {
-            VolumeTarget::Initial => Targets::measured(&AnyFunctional::Volume, surface),
+            VolumeTarget::Initial => Targets::measured(&volume, preparation.surface),
             VolumeTarget::Value(volume) => Targets::Same(volume),
             VolumeTarget::Reduced(reduced) => {
-                let areas = HeldArea::targets(preparation.siblings.area, surface);
+                let areas = HeldArea::targets(preparation);
                 map(&areas, |area| reduced * area.powf(1.5) / (6.0 * PI.sqrt()))
             }
         };
-        preparation.hold(Self::NAME, self.hold, AnyFunctional::Volume, targets)
+        preparation.hold(Self::NAME, self.hold, volume, targets)
     }
 }
