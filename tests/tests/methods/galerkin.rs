@@ -7,7 +7,9 @@ use helfrich::{
 };
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_tests::accuracy::{density_errors, surface};
-use helfrich_tests::laws::check_conservative;
+use helfrich_tests::laws::{
+    Balanced, ConservativeLaw, ForceIsDifference, ForceIsGradient, Invariant, Law,
+};
 use helfrich_tests::meshes::{Mesh, SplitMix64, bent, dot, icosphere, norm, tetrahedron};
 use helfrich_tests::potentials::Penalised;
 use helfrich_tests::tolerance::{self, Tolerance};
@@ -104,17 +106,25 @@ fn areas_and_volumes_of_patches_converge_as_the_energy() {
             };
             (found[0] / exact - 1.0).abs()
         });
-        assert!(coarse < 2e-6, "{functional:?}: {coarse:e}");
-        assert!(fine < 2e-8, "{functional:?}: {fine:e}");
+        assert!(coarse < 1e-4, "{functional:?}: {coarse:e}");
+        assert!(fine < coarse / 32.0, "{functional:?}: {coarse:e}, {fine:e}");
     }
 }
 
 /// Energies of the area and volume of patches obey the laws of conservative methods.
 #[test]
 fn penalties_of_patches_are_conservative() {
+    let mesh = &icosphere(2).map(bent);
     for (functional, target) in [(PatchFunctional::Area, 9.0), (PatchFunctional::Volume, 2.5)] {
-        let quantity = AnyFunctional::OfPatches(functional);
-        check_conservative(Penalised { quantity, target }, &icosphere(2).map(bent));
+        let penalty = Penalised {
+            quantity: AnyFunctional::OfPatches(functional),
+            target,
+        };
+        // A penalty with a target depends on the unit of length: no law of scales.
+        ForceIsGradient(mesh).check(penalty);
+        ForceIsDifference(mesh).check(penalty);
+        Balanced(mesh).check(penalty);
+        Law::check(&mut Invariant { mesh, seed: 1 }, penalty);
     }
 }
 
