@@ -26,7 +26,9 @@
 //! such files is refused ([`run::RunError::NoPictures`]).
 
 pub use helfrich_draw::picture;
-pub use helfrich_evaluate::{checked, contact, effect, execute, method, noise, ordered, scalar};
+pub use helfrich_evaluate::{
+    checked, contact, effect, execute, held, method, noise, ordered, scalar,
+};
 pub use helfrich_mesh::{enclosure, generate, info, io, section, subdivide};
 pub use helfrich_solve::{deformation, dynamics, flow};
 

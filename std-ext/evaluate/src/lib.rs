@@ -7,6 +7,7 @@
 //! * [`ordered`]: large meshes in a cache-friendly order.
 //! * [`checked`]: surfaces whose positions have been checked.
 //! * [`effect`]: the effects that act on one surface, behind one dynamic call.
+//! * [`held`]: area, volume and other functionals, and exact constraints on them.
 //!
 //! This is a separate crate with one codegen unit, because its loops are compiled twice, for
 //! baseline vectors and for AVX2, and need no recompilation when other code changes.
@@ -15,6 +16,7 @@ pub mod checked;
 pub mod contact;
 pub mod effect;
 pub mod execute;
+pub mod held;
 pub mod method;
 pub mod noise;
 pub mod ordered;

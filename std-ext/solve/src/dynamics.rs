@@ -21,7 +21,6 @@ pub(crate) mod cholesky;
 mod coordinates;
 pub(crate) mod cotangents;
 mod frame;
-mod held;
 pub mod integrate;
 mod lobpcg;
 pub mod multipliers;
@@ -33,7 +32,7 @@ mod relaxation;
 mod secants;
 pub(crate) mod vector;
 
-pub use held::Held;
+pub use helfrich_evaluate::held::Held;
 pub use relaxation::{
     Failure, Mode, ModesError, Outcome, Relaxation, SetupError, State, StepReport, modes,
 };

@@ -9,12 +9,13 @@
 
 use super::curved::{Curved, Integrals};
 use crate::dynamics::multipliers::multipliers;
+use crate::held::Quantity;
 use crate::method::{BendingMethod, Evaluator};
 use crate::scene::{Bending, Geometry, Material, Named, Scene, SurfaceEffect, SurfaceScene};
 use crate::simulation::{Acting, Body, Simulation};
 use crate::six::Six;
 use glam::DVec3;
-use helfrich::{AnyFunctional, Functional, PatchFunctional, Prepared, Surface};
+use helfrich::{AnyFunctional, PatchFunctional, Surface};
 use serde::Serialize;
 
 /// The energy of a closed surface with bending, found in two ways.
@@ -182,16 +183,10 @@ impl Estimating<'_> {
         let weights = reciprocal_areas(self.at);
         let quantities = self.quantities();
         let found = quantities.iter().map(|&quantity| {
-            let mut prepared: Prepared<f64, AnyFunctional> =
-                Prepared::new(quantity, self.at.mesh());
-            prepared.with(|quantity, execution, workspace| {
-                let mut values = vec![0.0; integrals.len()];
-                quantity.values(execution, self.at, workspace, &mut values);
-                let mut gradient = vec![[0.0; 3]; normals.len()];
-                let ones = vec![1.0; integrals.len()];
-                quantity.add_gradient(execution, self.at, workspace, &ones, &mut gradient);
-                (values, along(&gradient))
-            })
+            let mut quantity = Quantity::new(quantity, self.at.mesh());
+            let mut gradient = vec![[0.0; 3]; normals.len()];
+            quantity.add_gradient(self.at, &mut gradient);
+            (quantity.values(self.at).to_vec(), along(&gradient))
         });
         let (values, gradients): (Vec<_>, Vec<_>) = found.unzip();
         let mut sum = 0.0;

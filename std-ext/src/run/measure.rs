@@ -4,10 +4,11 @@ use super::deformed::smallest_angle;
 use super::drive::Drive;
 use super::quality::{self, Flagged};
 use crate::effect::Effect;
+use crate::held::Quantity;
 use crate::picture::Frame;
 use crate::scene::{Bending, Geometry, Named, PictureField, Scene, UnitSystem};
 use crate::simulation::{Acting, Body, Simulation};
-use helfrich::{Cotangent, Curvature, DualArea, Prepared};
+use helfrich::{Cotangent, Curvature, DualArea, Prepared, Surface};
 use std::f64::consts::PI;
 
 /// The columns of the series that are common to all drivers.
@@ -16,8 +17,8 @@ pub(super) struct Measures {
     columns: Vec<String>,
     /// Directions along and across, for each surface that is stretched.
     directions: Vec<Option<[[f64; 3]; 2]>>,
-    /// The functionals of area and volume, for each surface.
-    geometries: Vec<Geometry>,
+    /// Area and volume of the patches, for each surface that has them.
+    patches: Vec<Option<[Quantity; 2]>>,
     /// A ball around the initial surfaces.
     ball: Frame,
 }
@@ -29,7 +30,7 @@ impl Measures {
         let effects = simulation.effect_names().into_iter();
         columns.extend(effects.map(|effect| format!("energy_{effect}")));
         let mut directions = Vec::new();
-        let mut geometries = Vec::new();
+        let mut patches = Vec::new();
         for (body, scene) in simulation.bodies().iter().zip(&scene.surfaces) {
             let mut names = vec!["area", "volume", "reduced_volume", "smallest_angle"];
             if quality::has_bending(body) {
@@ -39,14 +40,16 @@ impl Measures {
                 names.extend(["force", "axial_diameter", "transverse_diameter"]);
             }
             columns.extend(names.into_iter().map(|name| simulation.label(name, body)));
-            geometries.push(Geometry::new(&scene.effects, driver));
+            let geometry = Geometry::new(&scene.effects, driver);
+            let surface = body.surface(positions);
+            patches.push(surface.and_then(|at| geometry.of_patches(at.mesh())));
             let along = body.stretching().map(|(_, axis)| axis);
             directions.push(along.map(|axis| [axis, across(axis, &positions[body.vertices()])]));
         }
         Self {
             columns,
             directions,
-            geometries,
+            patches,
             ball: ball(positions),
         }
     }
@@ -72,7 +75,7 @@ impl Measures {
 
     /// A number for each column; NaN where it is not defined.
     pub(super) fn row(
-        &self,
+        &mut self,
         drive: &dyn Drive,
         simulation: &Simulation,
         acting: &[Acting],
@@ -83,11 +86,11 @@ impl Measures {
         let mut row = drive.numbers(simulation);
         row.push(energies.clone().sum());
         row.extend(energies);
-        let surfaces = self.directions.iter().zip(&self.geometries);
+        let surfaces = self.directions.iter().zip(&mut self.patches);
         let bodies = simulation.bodies().iter().zip(surfaces);
-        for ((body, (directions, geometry)), flagged) in bodies.zip(flagged) {
+        for ((body, (directions, patches)), flagged) in bodies.zip(flagged) {
             let surface = body.surface(positions);
-            let [area, volume] = surface.map_or([f64::NAN; 2], |at| geometry.measure(at));
+            let [area, volume] = surface.map_or([f64::NAN; 2], |at| extents(at, patches.as_mut()));
             let angle = surface.map_or(f64::NAN, smallest_angle);
             row.extend([
                 area,
@@ -127,6 +130,18 @@ fn farthest(centre: [f64; 3], positions: &[[f64; 3]]) -> f64 {
     let centre = glam::DVec3::from_array(centre);
     let distance = |&position: &[f64; 3]| centre.distance(glam::DVec3::from_array(position));
     positions.iter().map(distance).fold(0.0, f64::max)
+}
+
+/// Area and volume, of patches or of flat triangles; the volume is NaN where the surface encloses none.
+fn extents(surface: Surface<'_, f64>, patches: Option<&mut [Quantity; 2]>) -> [f64; 2] {
+    let volume = surface.volume();
+    match (patches, volume) {
+        (Some(patches), Some(_)) => patches
+            .each_mut()
+            .map(|quantity| quantity.values(surface).iter().sum()),
+        (Some([area, _]), None) => [area.values(surface).iter().sum(), f64::NAN],
+        (None, volume) => [surface.area(), volume.unwrap_or(f64::NAN)],
+    }
 }
 
 /// The direction across an axis in which points extend farthest.

@@ -2,7 +2,8 @@
 
 use crate::dynamics::Held;
 use glam::DVec3;
-use helfrich::{AnyFunctional, Constraint, Constraints, Surface, Targets, TriangleMesh};
+use helfrich::{AnyFunctional, Constraint, Constraints, Surface, TriangleMesh};
+use helfrich_evaluate::held::Quantity;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -49,7 +50,7 @@ impl KeptVolumes {
             }
             let constraints = vec![Constraint {
                 functional: AnyFunctional::Volume,
-                targets: Targets::measured(&AnyFunctional::Volume, surface),
+                targets: Quantity::targets(AnyFunctional::Volume, surface),
             }];
             let (_, components) = mesh.components();
             volumes.push(KeptVolume {

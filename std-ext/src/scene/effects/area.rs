@@ -7,6 +7,7 @@ use super::{
     Builder, Check, Described, EffectError, Geometry, Groups, Hold, MeshCheck, MeshSource, Named,
     Parameter, Parameters, Preparation, Reader, Stiffness, SurfaceEffect,
 };
+use crate::held::Quantity;
 use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
 
@@ -42,7 +43,7 @@ impl HeldArea {
     pub(super) fn targets(preparation: &Preparation<'_>) -> Targets<f64> {
         match preparation.siblings.area.map(|area| area.target) {
             Some(Target::Value(area)) => Targets::Same(area),
-            _ => Targets::measured(&preparation.geometry.area, preparation.surface),
+            _ => Quantity::targets(preparation.geometry.area, preparation.surface),
         }
     }
 }

@@ -8,6 +8,7 @@ use super::{
     Builder, Check, Described, EffectError, Geometry, Groups, Hold, MeshCheck, MeshSource, Named,
     Parameter, Parameters, Preparation, Reader, SurfaceEffect,
 };
+use crate::held::Quantity;
 use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -138,7 +139,7 @@ impl SurfaceEffect for HeldAreaDifference {
         let surface = preparation.surface;
         let targets = match self.target {
             AreaDifferenceTarget::Initial => {
-                Targets::measured(&AnyFunctional::MeanCurvature, surface)
+                Quantity::targets(AnyFunctional::MeanCurvature, surface)
             }
             AreaDifferenceTarget::Value(integral) => Targets::Same(integral),
             AreaDifferenceTarget::Reduced(reduced) => {

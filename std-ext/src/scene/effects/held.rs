@@ -4,9 +4,10 @@ use super::super::Driver;
 use super::super::keys::{Form, Key, optional};
 use super::super::units::Dimension;
 use super::{EffectError, Effects, MeshCheck, Parameter, Parameters, Preparation, Reader};
+use crate::held::Quantity;
 use crate::method::BendingMethod;
 use crate::six::Six;
-use helfrich::{AnyFunctional, PatchFunctional, Surface, Targets};
+use helfrich::{AnyFunctional, PatchFunctional, Targets, TriangleMesh};
 use serde::Serialize;
 
 /// The way in which a quantity is kept at its target.
@@ -97,20 +98,10 @@ impl Geometry {
         }
     }
 
-    /// Area and volume of all components together; the volume is NaN where a surface encloses none.
-    pub(crate) fn measure(self, surface: Surface<'_, f64>) -> [f64; 2] {
-        let volume = surface.volume();
-        let sum = |functional: AnyFunctional| match Targets::measured(&functional, surface) {
-            Targets::Same(value) => value,
-            Targets::PerComponent(values) => values.iter().sum(),
-        };
-        match self.area {
-            AnyFunctional::OfPatches(_) => {
-                let volume = volume.map_or(f64::NAN, |_| sum(self.volume));
-                [sum(self.area), volume]
-            }
-            _ => [surface.area(), volume.unwrap_or(f64::NAN)],
-        }
+    /// Prepares the functionals for a mesh, unless triangles are flat.
+    pub(crate) fn of_patches(self, mesh: &TriangleMesh) -> Option<[Quantity; 2]> {
+        let is_of_patches = matches!(self.area, AnyFunctional::OfPatches(_));
+        is_of_patches.then(|| [self.area, self.volume].map(|of| Quantity::new(of, mesh)))
     }
 }
 

@@ -8,6 +8,7 @@ use super::{
     Builder, Check, Described, EffectError, Geometry, Groups, Hold, MeshCheck, MeshSource, Named,
     Parameter, Parameters, Preparation, Reader, SurfaceEffect, Target,
 };
+use crate::held::Quantity;
 use crate::six::Six;
 use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
@@ -184,7 +185,7 @@ impl SurfaceEffect for HeldVolume {
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
         let volume = preparation.geometry.volume;
         let targets = match self.target {
-            VolumeTarget::Initial => Targets::measured(&volume, preparation.surface),
+            VolumeTarget::Initial => Quantity::targets(volume, preparation.surface),
             VolumeTarget::Value(volume) => Targets::Same(volume),
             VolumeTarget::Reduced(reduced) => {
                 let areas = HeldArea::targets(preparation);
