@@ -489,7 +489,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
 /// only because the mesh is uneven (on icospheres by sin² = 0.155/N), and a correction along that
 /// difference would be noise. On a sphere that is slightly deformed to reduced volume v, sin² = 4/3
 /// (1 − v).
-fn least_squared_sine<T: Real>(vertices: usize) -> T {
+pub fn least_squared_sine<T: Real>(vertices: usize) -> T {
     let bound = (1.0 / (3.0 * vertices as f64)).min(LARGEST_LEAST);
     T::constant(bound).max(T::constant(ROUNDINGS) * T::epsilon())
 }

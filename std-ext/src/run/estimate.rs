@@ -191,15 +191,17 @@ impl Estimating<'_> {
         let (values, gradients): (Vec<_>, Vec<_>) = found.unzip();
         let mut sum = 0.0;
         for (component, integrals) in integrals.iter().enumerate() {
+            let in_component = |group: &&u32| **group as usize == component;
+            let vertices = groups.iter().filter(in_component).count();
             let dot = |a: &[f64], b: &[f64]| {
                 let terms = a.iter().zip(b).zip(&weights).zip(groups);
                 let own = terms.filter(|(_, group)| **group as usize == component);
                 own.map(|(((a, b), weight), _)| a * b * weight).sum::<f64>()
             };
-            let multipliers = multipliers(&gradients, &force, dot);
+            let multipliers = multipliers(&gradients, &force, vertices, dot);
             for ((quantity, values), multiplier) in quantities.iter().zip(&values).zip(multipliers)
             {
-                sum += multiplier * (integrals.value(*quantity) - values[component]);
+                sum += multiplier.unwrap_or(0.0) * (integrals.value(*quantity) - values[component]);
             }
         }
         sum

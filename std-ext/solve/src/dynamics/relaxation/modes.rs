@@ -43,6 +43,16 @@ pub enum ModesError {
     /// The forces are not the gradient of an energy, so that their derivatives need not be symmetric.
     #[error("modes need an energy, and the forces have none")]
     NoEnergy,
+    /// On this shape the gradient of a constraint is a combination of those of the others, so that no displacement
+    /// keeps all values to second order.
+    #[error(
+        "constraint {constraint} depends on the others on this shape, as area and volume do on a sphere: no \
+         other shape near it has these values, and there are no modes; leave one constraint out"
+    )]
+    Dependent {
+        /// The constraint, counted from 0.
+        constraint: usize,
+    },
     /// The membranes cannot be relaxed.
     #[error(transparent)]
     Setup(#[from] SetupError),
@@ -68,7 +78,8 @@ const LEAST_FREE: f64 = 0.05;
 /// degrees of freedom. `positions` have to satisfy the constraints.
 ///
 /// # Errors
-/// If the problem has no energy, the membranes cannot be relaxed, or forces are not finite.
+/// If the problem has no energy, constraints depend on each other, the membranes cannot be relaxed, or forces are
+/// not finite.
 pub fn modes(
     membranes: Vec<Membrane>,
     positions: Vec<Vector>,
@@ -82,7 +93,7 @@ pub fn modes(
     let here = relaxation.evaluate(problem, positions, false);
     let here = here.map_err(|(failure, _)| failure)?;
     relaxation.refresh_preconditioners(&here.positions);
-    let mut stiffness = Stiffness::new(relaxation, problem, here);
+    let mut stiffness = Stiffness::new(relaxation, problem, here)?;
     // The last ones of a block converge slowly.
     let width = count + 4 + count / 4;
     let start = (0..width).map(|k| stiffness.start(k as u64)).collect();
@@ -118,7 +129,11 @@ struct Stiffness<'a> {
 }
 
 impl<'a> Stiffness<'a> {
-    fn new(relaxation: Relaxation, problem: &'a mut dyn Problem, here: Point) -> Self {
+    fn new(
+        relaxation: Relaxation,
+        problem: &'a mut dyn Problem,
+        here: Point,
+    ) -> Result<Self, ModesError> {
         let areas = &here.coordinates.areas;
         let mut mass = Vec::new();
         for place in &relaxation.places {
@@ -132,15 +147,15 @@ impl<'a> Stiffness<'a> {
             multipliers: Vec::new(),
             mass,
         };
-        stiffness.multipliers = stiffness.balance();
-        stiffness
+        stiffness.multipliers = stiffness.balance()?;
+        Ok(stiffness)
     }
 
     /// The multipliers with which constraints balance the forces.
-    fn balance(&mut self) -> Vec<Vec<f64>> {
+    fn balance(&mut self) -> Result<Vec<Vec<f64>>, ModesError> {
         let count = self.problem.constraint_count();
         if count == 0 {
-            return Vec::new();
+            return Ok(Vec::new());
         }
         let positions = &self.here.positions;
         let mut force = vec![[0.0; 3]; positions.len()];
@@ -166,11 +181,14 @@ impl<'a> Stiffness<'a> {
                 own.map(|(((a, b), area), _)| a * b * reciprocal_or_zero(*area))
                     .sum::<f64>()
             };
-            for (found, multiplier) in found.iter_mut().zip(multipliers(&gradients, &force, dot)) {
-                found.push(multiplier);
+            let all = self.problem.groups().iter();
+            let vertices = all.filter(|own| **own == group).count();
+            let multipliers = multipliers(&gradients, &force, vertices, dot);
+            for (constraint, (found, multiplier)) in found.iter_mut().zip(multipliers).enumerate() {
+                found.push(multiplier.ok_or(ModesError::Dependent { constraint })?);
             }
         }
-        found
+        Ok(found)
     }
 
     /// The gradient of `E − Σ λ C`.
@@ -470,6 +488,16 @@ mod tests {
         assert_eq!(soft.len(), 4, "{found:?}");
         let rigid = found.iter().filter(|mode| mode.is_rigid()).count();
         assert_eq!(rigid, 3, "{found:?}");
+    }
+
+    /// No shape near a sphere has its area and its volume.
+    #[test]
+    fn a_sphere_of_given_area_and_volume_has_no_modes() {
+        let held = [AnyFunctional::Area, AnyFunctional::Volume];
+        let (mut problem, positions) = sphere(1.0, 0.0, &held);
+        let membranes = vec![problem.membrane()];
+        let found = modes(membranes, positions, &mut problem, 3);
+        assert_eq!(found, Err(ModesError::Dependent { constraint: 1 }));
     }
 
     #[test]
