@@ -290,13 +290,17 @@ impl Run<'_> {
                 message: &message,
                 positions: self.drive.positions(),
             });
-            if step.output {
-                self.write(step.end.is_some())?;
-            }
-            if step.checkpoint {
+            let end = if step.output {
+                let impossible = self.write(step.end.is_some())?;
+                step.end
+                    .or(impossible.map(|message| (End::Failed, message)))
+            } else {
+                step.end
+            };
+            if step.checkpoint || end.is_some() {
                 self.checkpoint()?;
             }
-            if let Some(end) = step.end {
+            if let Some(end) = end {
                 return Ok(end);
             }
             if interrupted() {
@@ -311,11 +315,11 @@ impl Run<'_> {
     }
 
     /// Writes a row of the series and, if due or at the end, a set of files, unless this has been
-    /// done at this point already.
-    fn write(&mut self, last: bool) -> Result<(), RunError> {
+    /// done at this point already. Returns the reason why the run cannot go on, if there is one.
+    fn write(&mut self, last: bool) -> Result<Option<String>, RunError> {
         let mark = self.drive.mark();
         if self.outputs.written == Some(mark.number) {
-            return Ok(());
+            return Ok(None);
         }
         let acting = self.simulation.resolve(self.drive.positions());
         let flagged = quality::flagged(&self.simulation, self.drive.positions());
@@ -327,16 +331,15 @@ impl Run<'_> {
         let output = |error: SeriesError| RunError::Output(Box::new(error));
         self.series.append(&row).map_err(output)?;
         self.last = row;
-        let due = self
-            .outputs
-            .sets
-            .is_multiple_of(self.scene.output.files_every);
+        let impossible = quality::impossible(&self.simulation, &acting, &flagged);
+        let files_every = self.scene.output.files_every;
+        let due = self.outputs.sets.is_multiple_of(files_every);
         self.outputs.sets += 1;
-        if due || last {
+        if due || last || impossible.is_some() {
             self.write_files(mark, &acting)?;
         }
         self.outputs.written = Some(mark.number);
-        Ok(())
+        Ok(impossible)
     }
 
     /// Warns once about each surface whose energy lies on flagged vertices.

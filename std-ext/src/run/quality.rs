@@ -3,7 +3,8 @@
 use crate::effect::Effect;
 use crate::findings::first_of_each_kind;
 use crate::scene::{Bending, Named};
-use crate::simulation::{Body, Simulation};
+use crate::simulation::{Acting, Body, Simulation};
+use crate::six::Six;
 use helfrich::{Cotangent, DualArea, Finding, Prepared, Quality, Surface};
 use serde::Serialize;
 
@@ -34,6 +35,32 @@ pub struct Flagged {
 pub(super) fn flagged(simulation: &Simulation, positions: &[[f64; 3]]) -> Vec<Option<Flagged>> {
     let of = |body: &Body| Flagged::new(body, body.surface(positions)?);
     simulation.bodies().iter().map(of).collect()
+}
+
+/// The message about a surface of which the bending energy is below 0 although no surface has such an energy: a
+/// discrete energy whose edges have a part of it is not bounded from below where the mesh does not resolve the
+/// surface, and a relaxation would follow it without end.
+pub(super) fn impossible(
+    simulation: &Simulation,
+    acting: &[Acting],
+    flagged: &[Option<Flagged>],
+) -> Option<String> {
+    let bodies = simulation.bodies().iter().zip(flagged);
+    let effects = bodies.flat_map(|(body, flagged)| {
+        let effects = body.effects().iter();
+        effects.map(move |effect| (effect.name(), flagged))
+    });
+    let below = effects
+        .zip(acting)
+        .filter(|((name, _), acting)| *name == Bending::NAME && acting.energy < 0.0);
+    let mut below = below.filter_map(|((_, flagged), acting)| Some((flagged.as_ref()?, acting)));
+    let (flagged, acting) = below.find(|(flagged, _)| flagged.rules())?;
+    Some(format!(
+        "the bending energy of \"{}\" is {}, and no surface has one below 0: the mesh does not resolve the \
+         surface; choose a finer mesh, or a shape nearer to the equilibrium",
+        flagged.surface,
+        Six(acting.energy)
+    ))
 }
 
 /// Whether a surface has the columns.

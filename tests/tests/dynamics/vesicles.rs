@@ -136,6 +136,24 @@ fn a_coarse_vesicle_of_patches_has_the_energy_of_the_axisymmetric_theory() {
     PATCHES.assert(energy(&summary), theory, theory, "642 vertices");
 }
 
+/// A thousand vertices do not resolve the neck of a stomatocyte: its patches fold, and their energy has no bound.
+#[test]
+fn a_bending_energy_below_zero_ends_the_run() {
+    let changes = [
+        "surface.0.mesh=vesicle-stomatocyte.ply",
+        "surface.0.bending.method=galerkin",
+        "surface.0.volume.reduced=0.58",
+        "output.pictures=false",
+    ];
+    let changes = Overrides::new(changes).expect("overrides");
+    let file = SceneFile::read(&scenes().join("vesicle-branches.toml"), &changes);
+    let file = file.unwrap_or_else(|errors| panic!("{errors}"));
+    let folder = TempDir::new().expect("a folder");
+    let summary = relax_in(&file, &folder.path().join("out"), false);
+    assert_eq!(summary.end, End::Failed, "{}", summary.message);
+    assert!(summary.message.contains("below 0"), "{}", summary.message);
+}
+
 /// The same for all branches and volumes that 2562 vertices resolve.
 #[test]
 #[ignore = "minutes: by hand, see CONTRIBUTING"]
