@@ -144,6 +144,7 @@ fn a_bending_energy_below_zero_ends_the_run() {
         "surface.0.bending.method=galerkin",
         "surface.0.volume.reduced=0.58",
         "output.pictures=false",
+        "output.every=5",
     ];
     let changes = Overrides::new(changes).expect("overrides");
     let file = SceneFile::read(&scenes().join("vesicle-branches.toml"), &changes);
