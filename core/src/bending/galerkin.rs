@@ -16,6 +16,7 @@ mod patch;
 mod plan;
 mod points;
 mod shape;
+mod smoothing;
 mod vertices;
 
 use self::basis::FREE;

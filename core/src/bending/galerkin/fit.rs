@@ -28,9 +28,9 @@ const TOGETHER: usize = 4;
 /// Exponent of the weights at the radius.
 const SHARPNESS: f64 = 14.0;
 /// Square of the distance, in radii, within which weights do not grow further.
-const CORE: f64 = 1e-3;
+pub(super) const CORE: f64 = 1e-3;
 /// Number of neighbours within the radius of an even mesh.
-const WITHIN: f64 = 64.0;
+pub(super) const WITHIN: f64 = 64.0;
 
 /// Degree, and power of v, of each monomial.
 const MONOMIALS: [(usize, usize); COUNT] = {
@@ -131,7 +131,8 @@ pub(super) struct Scratch<T> {
     pub(super) values: Vec<Several<T>>,
     column: Vec<Several<T>>,
     powers: Vec<Several<T>>,
-    moments: Vec<Several<T>>,
+    /// Weighted moments of the neighbours, that of degree 0 first.
+    pub(super) moments: Vec<Several<T>>,
     right: Vec<Several<T>>,
 }
 
@@ -251,6 +252,15 @@ impl<T: Real> Scratch<T> {
     /// Fits the polynomials.
     #[inline(always)]
     pub(super) fn fit(&mut self, fit: &mut Fit<T>, degree: usize) {
+        self.set_matrix(fit, degree);
+        self.values.clear();
+        self.values.extend_from_slice(&self.places[2]);
+        fit.coefficients = self.fitted(fit, degree);
+    }
+
+    /// Sets the moments, and factorises their matrix.
+    #[inline(always)]
+    pub(super) fn set_matrix(&mut self, fit: &mut Fit<T>, degree: usize) {
         self.column.clear();
         self.column.extend_from_slice(&self.weights);
         self.moments
@@ -263,9 +273,6 @@ impl<T: Real> Scratch<T> {
         let (column, powers) = (&mut self.column, &mut self.powers);
         set_moments(&mut self.moments, 2 * DEGREE, points, column, powers);
         fit.factorise(&self.moments, coefficient_count(degree));
-        self.values.clear();
-        self.values.extend_from_slice(&self.places[2]);
-        fit.coefficients = self.fitted(fit, degree);
     }
 
     /// The polynomials that are fitted to the values.

@@ -6,9 +6,9 @@
 //! are blended as the jets are, and interpolated by polynomials of degree 5: `φ = Z a`. The force density
 //! solves `M f = F·ν` with `M = Zᵀ ∫ φ φᵀ dS Z`, by conjugate gradients without a matrix.
 
-use super::basis::{Basis, FREE, INSIDE, ON_EDGE, QUADRATURE, inner_from};
+use super::basis::{AROUND, Basis, FREE, INSIDE, ON_EDGE, QUADRATURE, blend, inner_from};
 use super::fit::{COUNT, Fit, Scratch, add_monomials, polynomial, value_of};
-use super::plan::{Block, Plan, coefficient_count};
+use super::plan::{Block, Plan, STAR, coefficient_count};
 use super::shape::Shape;
 use super::vertices::Work;
 use crate::bending::surface_point::Point;
@@ -337,20 +337,49 @@ impl<T: Real> Mass<T> {
         field: &[T],
         image: &mut [T],
     ) {
-        let Shape {
-            plan, basis, fits, ..
-        } = shape;
-        let (neighbours, spots, own) = (&self.neighbours[..], &self.spots[..], &self.own[..]);
+        let Shape { plan, fits, .. } = shape;
         let move_out = Move {
             plan,
-            neighbours,
-            spots,
-            own,
+            neighbours: &self.neighbours,
+            spots: &self.spots,
+            own: &self.own,
             fits,
             field,
         };
         let slots = Ragged::new(&mut self.shares, &plan.star_offsets);
         execution.run(work, slots, &move_out);
+        self.weigh(execution, shape, work, field, image);
+    }
+
+    /// Sets `image` to `Zᵀ ∫ φ dS`, the integrals of what single vertices displace, where `ones` is 1
+    /// everywhere.
+    pub(super) fn integrate(
+        &mut self,
+        execution: &impl Execution,
+        shape: &Shape<T>,
+        work: &mut Vec<Work<T>>,
+        ones: &[T],
+        image: &mut [T],
+    ) {
+        execution.map(&mut self.shares[..], |row, share| {
+            *share = Several::literal(blend(AROUND[row % STAR]));
+        });
+        self.weigh(execution, shape, work, ones, image);
+    }
+
+    /// Sets `image` from displacements by jets in `shares` and of the corners in `field`.
+    fn weigh(
+        &mut self,
+        execution: &impl Execution,
+        shape: &Shape<T>,
+        work: &mut Vec<Work<T>>,
+        field: &[T],
+        image: &mut [T],
+    ) {
+        let Shape {
+            plan, basis, fits, ..
+        } = shape;
+        let (neighbours, spots, own) = (&self.neighbours[..], &self.spots[..], &self.own[..]);
         let weigh = Weigh {
             plan,
             basis,

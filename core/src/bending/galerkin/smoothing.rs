@@ -1,0 +1,241 @@
+//! Regression of the force density, for the part of it that the mass matrix hardly determines.
+//!
+//! S replaces the number of a vertex by the value there of a polynomial of degree 6 in the tangent plane
+//! that is fitted to the numbers of the vertex and its neighbours, with weights `A exp(−14 r²)`, A a third of
+//! the triangles around a vertex. It changes smooth fields by the order h⁷.
+//!
+//! Let V be the monomials without the constant, W the weights, 1 ones. Of the normal equations with
+//! `A = Vᵀ W V` and `b = Vᵀ W 1`, the elimination of all but the constant leaves, with `z = A⁻¹ b`,
+//! `S_j = w_j (1 − V_j z)/(Σ w − b z)`; V is 0 at the vertex itself.
+
+use super::fit::{CORE, COUNT, Fit, WITHIN, value_of};
+use super::plan::{Plan, coefficient_count};
+use super::shape::Shape;
+use super::vertices::Work;
+use crate::element::{Execution, Ragged, SlotKernel, Slots};
+use crate::lane::{Lane, Several, WIDTH};
+use crate::real::Real;
+use crate::surface::Surface;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+/// The matrix S, and means of a field with its positive weights.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Smoothing<T> {
+    weights: Vec<Several<T>>,
+    own: Vec<Several<T>>,
+    means: Vec<Several<T>>,
+    products: Vec<Several<T>>,
+    own_products: Vec<Several<T>>,
+}
+
+/// Sets rows of S.
+struct Regressions<'a, T> {
+    plan: &'a Plan,
+    surface: Surface<'a, T>,
+    normals: &'a [[T; 3]],
+    fits: &'a [Fit<T>],
+    /// 0 where a vertex is not used.
+    areas: &'a [T],
+    field: &'a [T],
+}
+
+type RegressionSlots<'a, T> = (
+    (Ragged<'a, Several<T>>, &'a mut [Several<T>]),
+    &'a mut [Several<T>],
+);
+
+impl<'a, T: Real> SlotKernel<Work<T>, RegressionSlots<'a, T>> for Regressions<'_, T> {
+    #[inline(always)]
+    fn set(&self, work: &mut Work<T>, start: usize, ((rows, own), means): RegressionSlots<'a, T>) {
+        let mut regression = Fit::default();
+        let slots = rows.into_slots().zip(own).zip(means);
+        for (number, ((rows, own), mean)) in (start..).zip(slots) {
+            let (block, fit) = (&self.plan.blocks[number], &self.fits[number]);
+            let neighbours = self.plan.neighbours_of(number);
+            let scratch = &mut work.scratch;
+            scratch.place_again(fit, self.surface, block, neighbours, self.normals);
+            // On even meshes the matrix is then about that of the fits.
+            let over = Several::literal(WITHIN / PI) * fit.over_radius * fit.over_radius;
+            let own_weight = over * gathered(self.areas, &block.vertices);
+            let mut sum = own_weight * gathered(self.field, &block.vertices);
+            for (row, list) in neighbours.iter().enumerate() {
+                let [u, v, h] = [0, 1, 2].map(|axis| scratch.places[axis][row]);
+                // The weights of the fits without their second factor.
+                let closeness = u * u + v * v + h * h + Several::literal(CORE);
+                let weight = scratch.weights[row] * closeness * over * gathered(self.areas, list);
+                let used: [bool; WIDTH] = block.counts.map(|count| row < count as usize);
+                let weight = Several::select(used, weight, Several::zero());
+                scratch.weights[row] = weight;
+                sum = sum + weight * gathered(self.field, list);
+            }
+            scratch.set_matrix(&mut regression, block.degree);
+            let count = coefficient_count(block.degree);
+            let mut solution = [Several::zero(); COUNT];
+            solution[..count].copy_from_slice(&scratch.moments[1..=count]);
+            regression.solve(&mut solution);
+            let total = own_weight + scratch.moments[0];
+            *mean = sum * total.reciprocal_or_zero();
+            let mut left = total;
+            for (&moment, &part) in scratch.moments[1..=count].iter().zip(&solution) {
+                left = left - moment * part;
+            }
+            let over = left.reciprocal_or_zero();
+            *own = own_weight * over;
+            for (row, entry) in rows.iter_mut().enumerate() {
+                let [u, v] = [0, 1].map(|axis| scratch.places[axis][row]);
+                let part = Several::literal(1.0) - value_of(&solution, u, v);
+                *entry = scratch.weights[row] * part * over;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn gathered<T: Real>(field: &[T], vertices: &[u32; WIDTH]) -> Several<T> {
+    Several::from_fn(|lane| field[vertices[lane] as usize])
+}
+
+/// S times a field.
+struct Smooth<'a, T> {
+    plan: &'a Plan,
+    weights: &'a [Several<T>],
+    own: &'a [Several<T>],
+    field: &'a [T],
+}
+
+impl<'a, T: Real> SlotKernel<(), &'a mut [Several<T>]> for Smooth<'_, T> {
+    #[inline(always)]
+    fn set(&self, (): &mut (), start: usize, sums: &'a mut [Several<T>]) {
+        for (number, sum) in (start..).zip(sums) {
+            let rows = self.plan.neighbour_offsets[number]..self.plan.neighbour_offsets[number + 1];
+            let lists = &self.plan.neighbours[rows.clone()];
+            *sum = self.own[number] * gathered(self.field, &self.plan.blocks[number].vertices);
+            for (&weight, list) in self.weights[rows].iter().zip(lists) {
+                *sum = *sum + weight * gathered(self.field, list);
+            }
+        }
+    }
+}
+
+/// The products that Sᵀ sums.
+struct Spread<'a, T> {
+    plan: &'a Plan,
+    weights: &'a [Several<T>],
+    own: &'a [Several<T>],
+    field: &'a [T],
+}
+
+impl<'a, T: Real> SlotKernel<(), (Ragged<'a, Several<T>>, &'a mut [Several<T>])> for Spread<'_, T> {
+    #[inline(always)]
+    fn set(
+        &self,
+        (): &mut (),
+        start: usize,
+        (products, own): (Ragged<'a, Several<T>>, &'a mut [Several<T>]),
+    ) {
+        for (number, (products, own)) in (start..).zip(products.into_slots().zip(own)) {
+            let value = gathered(self.field, &self.plan.blocks[number].vertices);
+            let first = self.plan.neighbour_offsets[number];
+            for (product, &weight) in products.iter_mut().zip(&self.weights[first..]) {
+                *product = weight * value;
+            }
+            *own = self.own[number] * value;
+        }
+    }
+}
+
+impl<T: Real> Smoothing<T> {
+    /// Sets S, and the means of `field`. `areas` are 0 where a vertex is not used.
+    pub(super) fn set(
+        &mut self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        shape: &Shape<T>,
+        work: &mut Vec<Work<T>>,
+        (areas, field): (&[T], &[T]),
+    ) {
+        let plan = &shape.plan;
+        let count = plan.blocks.len();
+        let zero = Several::zero();
+        for rows in [&mut self.weights, &mut self.products] {
+            rows.resize(plan.neighbour_offsets[count], zero);
+        }
+        for blocks in [&mut self.own, &mut self.means, &mut self.own_products] {
+            blocks.resize(count, zero);
+        }
+        let regressions = Regressions {
+            plan,
+            surface,
+            normals: &shape.normals,
+            fits: &shape.fits,
+            areas,
+            field,
+        };
+        let rows = Ragged::new(&mut self.weights, &plan.neighbour_offsets);
+        let slots = ((rows, &mut self.own[..]), &mut self.means[..]);
+        execution.run(work, slots, &regressions);
+    }
+
+    /// The mean around a vertex of the field that was given to [`Self::set`].
+    pub(super) fn mean(&self, plan: &Plan, vertex: usize) -> T {
+        let member = plan.members[vertex];
+        member.map_or(T::zero(), |(block, lane)| {
+            self.means[block as usize].0[usize::from(lane)]
+        })
+    }
+
+    /// Sets `image` to S times `field`.
+    pub(super) fn smooth(
+        &mut self,
+        execution: &impl Execution,
+        plan: &Plan,
+        field: &[T],
+        image: &mut [T],
+    ) {
+        let smooth = Smooth {
+            plan,
+            weights: &self.weights,
+            own: &self.own,
+            field,
+        };
+        execution.run(&mut Vec::new(), &mut self.own_products[..], &smooth);
+        let sums = &self.own_products;
+        execution.map(image, |vertex, image| {
+            *image = plan.members[vertex].map_or(T::zero(), |(block, lane)| {
+                sums[block as usize].0[usize::from(lane)]
+            });
+        });
+    }
+
+    /// Sets `image` to Sᵀ times `field`.
+    pub(super) fn spread(
+        &mut self,
+        execution: &impl Execution,
+        plan: &Plan,
+        field: &[T],
+        image: &mut [T],
+    ) {
+        let spread = Spread {
+            plan,
+            weights: &self.weights,
+            own: &self.own,
+            field,
+        };
+        let products = Ragged::new(&mut self.products, &plan.neighbour_offsets);
+        let slots = (products, &mut self.own_products[..]);
+        execution.run(&mut Vec::new(), slots, &spread);
+        let (products, own) = (&self.products, &self.own_products);
+        execution.map(image, |vertex, image| {
+            let Some((block, lane)) = plan.members[vertex] else {
+                *image = T::zero();
+                return;
+            };
+            let mut sum = own[block as usize].0[usize::from(lane)];
+            for place in plan.listed_at(vertex) {
+                sum += place.read(products, 0);
+            }
+            *image = sum;
+        });
+    }
+}
