@@ -32,7 +32,7 @@ pub(super) struct Solver<T> {
 const MOST: usize = 200;
 
 /// μ: the penalty over the square of the error of integrals, see [`Equations`].
-const PENALTY: f64 = 1000.0;
+const PENALTY: f64 = 2000.0;
 
 /// Number of times that the preconditioner smooths.
 const PASSES: usize = 3;
