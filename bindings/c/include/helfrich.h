@@ -338,6 +338,76 @@ uint32_t hf_abi_version(void);
 const char *hf_version(void);
 
 /*
+ Sets `force`, `count` rows of three, to the nodal forces of the viscosity of a membrane whose vertices have
+ these velocities, and `*power` to the power −Σ F·v ≥ 0 that it dissipates, unless it is NULL.
+
+ The surface stress is (η_d − η_s) (tr d) P + 2 η_s d, d the rate of strain in the plane of a triangle and P the
+ projector on it (Boussinesq and Scriven). `shear` is η_s, `dilational` η_d: force times time per length, at
+ least 0, as the effect membrane_viscosity of scenes has them. Velocities of a rigid body have no force.
+ */
+hf_status hf_viscous_force(const hf_mesh *mesh,
+                           const double (*positions)[3],
+                           const double (*velocities)[3],
+                           size_t count,
+                           double shear,
+                           double dilational,
+                           double (*force)[3],
+                           double *power,
+                           hf_error *error);
+
+/*
+ Twin of hf_viscous_force in f32.
+ */
+hf_status hf_viscous_force_f32(const hf_mesh *mesh,
+                               const float (*positions)[3],
+                               const float (*velocities)[3],
+                               size_t count,
+                               float shear,
+                               float dilational,
+                               float (*force)[3],
+                               float *power,
+                               hf_error *error);
+
+/*
+ Sets `forces` to the nodal forces of a short-range repulsion of `count` surfaces from each other, and `*energy` to
+ its energy, unless it is NULL.
+
+ The energy is ½ Σ A w(d), summed over the vertices with their areas A and distances d from each other surface,
+ with w(d) = k r²/4 (1 − s²)³/s², s = d/r for d < r, and 0 beyond; it is infinite where surfaces touch. `modulus`
+ is k, an energy per area squared, and `range` r. `positions` and `forces` have the rows of all surfaces one after
+ the other, `total` in all; a mesh may be given several times. `periods` are the lengths of a periodic box along
+ its three axes, at least the range or 0 for those that are not periodic, or NULL: in a box surfaces are repelled by
+ all images, also of themselves. Evaluations run on up to `threads` threads, 0 for all; no result depends on their
+ number.
+ */
+hf_status hf_repulsion(const hf_mesh *const *meshes,
+                       size_t count,
+                       const double (*positions)[3],
+                       double (*forces)[3],
+                       size_t total,
+                       double modulus,
+                       double range,
+                       const double (*periods)[3],
+                       double *energy,
+                       size_t threads,
+                       hf_error *error);
+
+/*
+ Twin of hf_repulsion in f32.
+ */
+hf_status hf_repulsion_f32(const hf_mesh *const *meshes,
+                           size_t count,
+                           const float (*positions)[3],
+                           float (*forces)[3],
+                           size_t total,
+                           float modulus,
+                           float range,
+                           const float (*periods)[3],
+                           float *energy,
+                           size_t threads,
+                           hf_error *error);
+
+/*
  Evaluates many membranes on up to `threads` threads, 0 for all: nodal forces and energies, as by
  hf_membrane_force of each, to the last bit.
 

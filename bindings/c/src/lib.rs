@@ -22,6 +22,7 @@
 mod call;
 mod number;
 
+pub mod beside;
 pub mod many;
 pub mod measure;
 pub mod membrane;

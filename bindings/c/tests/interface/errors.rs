@@ -15,7 +15,7 @@ use std::ptr::{null, null_mut};
 
 /// Checks status and text.
 #[track_caller]
-fn fails((status, text): (Status, String), expected: Status, part: &str) {
+pub(super) fn fails((status, text): (Status, String), expected: Status, part: &str) {
     assert_eq!(status, expected, "{text}");
     assert!(text.contains(part), "{text}");
 }

@@ -3,6 +3,7 @@
 #![expect(unsafe_code, reason = "calls as a C program makes them")]
 #![expect(clippy::unwrap_used, reason = "a test fails by a panic")]
 
+mod beside;
 mod equal;
 mod errors;
 mod table;

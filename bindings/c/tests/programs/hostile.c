@@ -153,7 +153,11 @@ static void call(hf_mesh *mesh, hf_membrane **membranes, hf_method *method) {
         const uint32_t place = any(20) ? any(N + 2) : any(1000000);
         memcpy((char *)places + k * sizeof place, &place, sizeof place);
     }
-    const uint32_t which = any(40);
+    const hf_mesh *meshes[3] = {mesh, any(20) ? mesh : NULL, mesh};
+    const double box[2][3] = {{8.0, 0.0, 8.0}, {8.0, any(4) ? 8.0 : number(), 0.5}};
+    const double *periods = any(2) ? NULL : box[any(2)];
+    const float periods_f32[3] = {8.0f, 0.0f, any(4) ? 8.0f : 0.5f};
+    const uint32_t which = any(45);
     const int narrow = which % 2;
     void *x = positions(narrow);
     switch (which) {
@@ -194,6 +198,10 @@ static void call(hf_mesh *mesh, hf_membrane **membranes, hf_method *method) {
     case 35: count_outcome(hf_flag_name(any(30), words, room, report())); break;
     case 36: count_outcome(hf_verdict_name(any(8), words, room, report())); break;
     case 37: count_outcome(hf_membrane_effect_name(membrane, any(4), words, room, report())); break;
+    case 38: count_outcome(hf_viscous_force_f32(of, x, positions(1), count(n), any(4) ? 1.0f : (float)number(), 0.5f, rows(N, 3, 1), rows(1, 1, 1), report())); break;
+    case 39: count_outcome(hf_viscous_force(of, x, positions(0), count(n), 1.0, any(4) ? 0.5 : number(), rows(N, 3, 0), any(2) ? NULL : rows(1, 1, 0), report())); break;
+    case 40: count_outcome(hf_repulsion(any(20) ? meshes : NULL, several, x, rows(2 * N, 3, 0), any(4) ? several * n : any(3) * n / 2, 1.0, any(4) ? 1.0 : number(), (void *)periods, rows(1, 1, 0), any(4), report())); break;
+    case 41: count_outcome(hf_repulsion_f32(any(20) ? meshes : NULL, several, x, rows(2 * N, 3, 1), any(4) ? several * n : any(3) * n / 2, any(4) ? 1.0f : (float)number(), 1.0f, any(2) ? NULL : (void *)periods_f32, any(2) ? NULL : rows(1, 1, 1), any(4), report())); break;
     default:
         if (strlen(hf_status_text((int)any(100) - 50)) == 0 || strlen(hf_version()) == 0) exit(1);
     }
