@@ -1,6 +1,7 @@
 //! From what the program is made: for the pages of studies, whose times mean nothing without it.
 
 use std::env;
+use std::path::Path;
 use std::process::Command;
 
 fn main() {
@@ -16,8 +17,11 @@ fn main() {
     ] {
         println!("cargo::rerun-if-changed={path}");
     }
+    // A checkout may have no log; a file that is missing counts as changed every time, and all that depends on this
+    // package would be compiled again.
     for name in ["HEAD", "logs/HEAD"] {
-        if let Some(path) = output("git", &["rev-parse", "--git-path", name]) {
+        let path = output("git", &["rev-parse", "--git-path", name]);
+        if let Some(path) = path.filter(|path| Path::new(path).exists()) {
             println!("cargo::rerun-if-changed={path}");
         }
     }
