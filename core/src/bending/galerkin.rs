@@ -47,10 +47,10 @@ use alloc::vec::Vec;
 /// vertex. The three polynomials at the corners of a triangle are blended, and the patch over the
 /// triangle interpolates the blend. Neighbours are whole rings around a vertex: they follow from the
 /// connectivity alone, so that the energy is a smooth function of the positions. Energy and nodal forces need
-/// no solution of equations. The force density solves equations with the consistent mass matrix; forces
-/// over areas do not converge.
+/// no solution of equations. The force density solves equations with the consistent mass matrix, which a
+/// regression completes where vertices are close; forces over areas do not converge.
 ///
-/// On smooth meshes that resolve the surface, H, K, the energy and f converge at every vertex, whatever the
+/// On meshes that resolve the surface, H, K, the energy and f converge at every vertex, whatever the
 /// valences. Two vertices that are much closer to each other than to the rest amplify the error of f there.
 /// f is normal to the surface: where κ or H0 vary, its tangential part is in the nodal forces only.
 ///

@@ -31,10 +31,10 @@ pub(super) struct Solver<T> {
 /// Most iterations.
 const MOST: usize = 200;
 
-/// μ: the penalty over the square of the error of integrals, see [`Equations`].
+/// μ, see [`Equations`]: with larger ones f is less accurate on even meshes and takes longer on random ones.
 const PENALTY: f64 = 2000.0;
 
-/// Number of times that the preconditioner smooths.
+/// Powers of S and Sᵀ in the preconditioner: more of them save few iterations.
 const PASSES: usize = 3;
 
 /// Diagonal matrices; 0 where a vertex has no fit.
@@ -49,12 +49,12 @@ struct Coefficients<T> {
     penalties: Vec<T>,
 }
 
-/// The matrix `K = M + (I − S)ᵀ P (I − S)` of the force density.
+/// The matrix `K = M + (I − S)ᵀ P (I − S)` of the force density, symmetric and positive.
 ///
-/// Displacements of close vertices have integrals far from their areas A, of the other sign even, and
-/// M has eigenvalues far below and above A: it hardly determines the differences of f between them. Let e be the
-/// relative error `(M 1)_i/A_i − 1`, and ⟨·⟩ a mean over neighbours. `P = μ A ⟨e²/(1 + e²)⟩` makes f smooth
-/// where e is large. S changes smooth fields by the order h⁷, and on even meshes e is small.
+/// Where vertices are close, the displacements that follow from single ones have integrals far from their
+/// areas A, of the other sign even, and M hardly determines the differences of f. Let e be the relative error
+/// `(M 1)_i/A_i − 1`, and ⟨·⟩ a mean over neighbours. `P = μ A ⟨e²/(1 + e²)⟩` makes f smooth where e is
+/// large. S changes smooth fields by the order h⁷; on even meshes e is small, too.
 struct Equations<'a, T, X> {
     execution: &'a X,
     shape: &'a Shape<T>,

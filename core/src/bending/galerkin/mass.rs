@@ -1,10 +1,10 @@
-//! The force density by the consistent mass matrix.
+//! The consistent mass matrix.
 //!
 //! Let a be normal displacements of the vertices. A jet whose neighbours move changes its height over a
 //! point by `δ = g_k a_k + V c′`, where c′ is fitted to `g_j a_j − g_k a_k` with the same weights, and
 //! `g_j = ν_j·(n − p_u t₁ − p_v t₂)` at neighbour j; in normal direction by `δ/√(1 + p_u² + p_v²)`. These
-//! are blended as the jets are, and interpolated by polynomials of degree 5: `φ = Z a`. The force density
-//! solves `M f = F·ν` with `M = Zᵀ ∫ φ φᵀ dS Z`, by conjugate gradients without a matrix.
+//! are blended as the jets are, and interpolated by polynomials of degree 5: `φ = Z a`. The mass matrix is
+//! `M = Zᵀ ∫ φ φᵀ dS Z`; it is applied without its entries.
 
 use super::basis::{AROUND, Basis, FREE, INSIDE, ON_EDGE, QUADRATURE, blend, inner_from};
 use super::fit::{COUNT, Fit, Scratch, add_monomials, polynomial, value_of};
@@ -351,8 +351,8 @@ impl<T: Real> Mass<T> {
         self.weigh(execution, shape, work, field, image);
     }
 
-    /// Sets `image` to `Zᵀ ∫ φ dS`, the integrals of what single vertices displace, where `ones` is 1
-    /// everywhere.
+    /// Sets `image` to `Zᵀ ∫ φ dS`: for each vertex the integral of the displacement that follows from a
+    /// unit displacement of this vertex. `ones` is 1 everywhere.
     pub(super) fn integrate(
         &mut self,
         execution: &impl Execution,

@@ -1,12 +1,12 @@
 //! Regression of the force density, for the part of it that the mass matrix hardly determines.
 //!
-//! S replaces the number of a vertex by the value there of a polynomial of degree 6 in the tangent plane
-//! that is fitted to the numbers of the vertex and its neighbours, with weights `A exp(−14 r²)`, A a third of
-//! the triangles around a vertex. It changes smooth fields by the order h⁷.
+//! S replaces the value at each vertex by that of a polynomial of degree 6 in the plane of the jet, which is
+//! fitted to the values at the vertex and its neighbours with weights `A exp(−14 r²)`; A is a third of the
+//! triangles around a vertex. It changes smooth fields by the order h⁷.
 //!
-//! Let V be the monomials without the constant, W the weights, 1 ones. Of the normal equations with
-//! `A = Vᵀ W V` and `b = Vᵀ W 1`, the elimination of all but the constant leaves, with `z = A⁻¹ b`,
-//! `S_j = w_j (1 − V_j z)/(Σ w − b z)`; V is 0 at the vertex itself.
+//! Let V be the monomials without the constant, W the weights and 1 a vector of ones. With `B = Vᵀ W V`,
+//! `b = Vᵀ W 1` and `z = B⁻¹ b`, elimination of all coefficients but the constant leaves
+//! `S_j = w_j (1 − V_j z)/(Σ w − b z)`. V is 0 at the vertex itself.
 
 use super::fit::{CORE, COUNT, Fit, WITHIN, value_of};
 use super::plan::{Plan, coefficient_count};
