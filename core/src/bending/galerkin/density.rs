@@ -170,7 +170,7 @@ impl<T: Real> Solver<T> {
             let square = relative * relative;
             *error = square / (T::one() + square);
         });
-        smoothing.set(execution, surface, shape, work, (areas, errors));
+        smoothing.set(execution, surface, shape, work, (areas, mean), errors);
         execution.map(&mut penalties[..], |i, penalty| {
             *penalty = T::constant(PENALTY) * smoothing.mean(plan, i);
         });

@@ -35,8 +35,9 @@ struct Regressions<'a, T> {
     surface: Surface<'a, T>,
     normals: &'a [[T; 3]],
     fits: &'a [Fit<T>],
-    /// 0 where a vertex is not used.
+    /// Relative to the mean; 0 where a vertex is not used.
     areas: &'a [T],
+    mean_area: T,
     field: &'a [T],
 }
 
@@ -56,7 +57,8 @@ impl<'a, T: Real> SlotKernel<Work<T>, RegressionSlots<'a, T>> for Regressions<'_
             let scratch = &mut work.scratch;
             scratch.place_again(fit, self.surface, block, neighbours, self.normals);
             // On even meshes the matrix is then about that of the fits.
-            let over = Several::literal(WITHIN / PI) * fit.over_radius * fit.over_radius;
+            let over = Several::literal(WITHIN / PI) * Several::splat(self.mean_area);
+            let over = over * fit.over_radius * fit.over_radius;
             let own_weight = over * gathered(self.areas, &block.vertices);
             let mut sum = own_weight * gathered(self.field, &block.vertices);
             for (row, list) in neighbours.iter().enumerate() {
@@ -146,14 +148,15 @@ impl<'a, T: Real> SlotKernel<(), (Ragged<'a, Several<T>>, &'a mut [Several<T>])>
 }
 
 impl<T: Real> Smoothing<T> {
-    /// Sets S, and the means of `field`. `areas` are 0 where a vertex is not used.
+    /// Sets S, and the means of `field`. `areas` are relative to `mean_area`, and 0 where a vertex is not used.
     pub(super) fn set(
         &mut self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
         shape: &Shape<T>,
         work: &mut Vec<Work<T>>,
-        (areas, field): (&[T], &[T]),
+        (areas, mean_area): (&[T], T),
+        field: &[T],
     ) {
         let plan = &shape.plan;
         let count = plan.blocks.len();
@@ -170,6 +173,7 @@ impl<T: Real> Smoothing<T> {
             normals: &shape.normals,
             fits: &shape.fits,
             areas,
+            mean_area,
             field,
         };
         let rows = Ragged::new(&mut self.weights, &plan.neighbour_offsets);
