@@ -279,6 +279,7 @@ impl Run<'_> {
         progress: &mut dyn FnMut(&Progress<'_>),
     ) -> Result<(End, String), RunError> {
         if self.outputs.written.is_none() {
+            // A relaxation may begin with a surface that is not resolved.
             self.write(false)?;
             self.checkpoint()?;
         }
@@ -290,17 +291,16 @@ impl Run<'_> {
                 message: &message,
                 positions: self.drive.positions(),
             });
-            let end = if step.output {
-                let impossible = self.write(step.end.is_some())?;
-                step.end
-                    .or(impossible.map(|message| (End::Failed, message)))
-            } else {
-                step.end
-            };
-            if step.checkpoint || end.is_some() {
+            if step.output
+                && let Some(message) = self.write(step.end.is_some())?
+            {
+                // No checkpoint: the last one, of a state that could go on, is kept.
+                return Ok((End::Failed, message));
+            }
+            if step.checkpoint {
                 self.checkpoint()?;
             }
-            if let Some(end) = end {
+            if let Some(end) = step.end {
                 return Ok(end);
             }
             if interrupted() {

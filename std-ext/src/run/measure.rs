@@ -135,13 +135,11 @@ fn farthest(centre: [f64; 3], positions: &[[f64; 3]]) -> f64 {
 /// Area and volume, of patches or of flat triangles; the volume is NaN where the surface encloses none.
 fn extents(surface: Surface<'_, f64>, patches: Option<&mut [Quantity; 2]>) -> [f64; 2] {
     let volume = surface.volume();
-    match (patches, volume) {
-        (Some(patches), Some(_)) => patches
-            .each_mut()
-            .map(|quantity| quantity.values(surface).iter().sum()),
-        (Some([area, _]), None) => [area.values(surface).iter().sum(), f64::NAN],
-        (None, volume) => [surface.area(), volume.unwrap_or(f64::NAN)],
-    }
+    let Some([area, enclosed]) = patches else {
+        return [surface.area(), volume.unwrap_or(f64::NAN)];
+    };
+    let sum = |quantity: &mut Quantity| quantity.values(surface).iter().sum();
+    [sum(area), volume.map_or(f64::NAN, |_| sum(enclosed))]
 }
 
 /// The direction across an axis in which points extend farthest.

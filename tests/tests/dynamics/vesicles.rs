@@ -157,7 +157,7 @@ fn a_bending_energy_below_zero_ends_the_run() {
 
 /// The same for all branches and volumes that 2562 vertices resolve.
 #[test]
-#[ignore = "minutes: by hand, see CONTRIBUTING"]
+#[ignore = "a quarter of an hour: by hand, see CONTRIBUTING"]
 fn vesicles_of_patches_have_the_energies_of_the_axisymmetric_theory() {
     for (branch, v) in [
         (Branch::Prolate, 0.9),

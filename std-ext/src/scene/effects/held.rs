@@ -78,15 +78,14 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    /// Those of flat triangles.
+    /// Area and volume of flat triangles.
     const FLAT: Self = Self {
         area: AnyFunctional::Area,
         volume: AnyFunctional::Volume,
     };
 
-    /// Those of the patches of which Galerkin's method has the energy, in relaxations: with the area and
-    /// volume of flat triangles, the error of second order in the edge length that these have would be
-    /// that of the equilibrium. In a flow nodal forces over areas act, and those of patches do not converge.
+    /// Area and volume of the patches of Galerkin's method where it relaxes a surface, otherwise those of flat
+    /// triangles. These have an error of second order in the edge length, which would be that of the equilibrium. In a flow nodal forces over areas act, and those of patches do not converge.
     pub(crate) fn new(effects: &Effects, driver: &Driver) -> Self {
         let method = effects.bending.as_ref().map(|bending| bending.method);
         match (driver, method) {
