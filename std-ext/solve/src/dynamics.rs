@@ -14,8 +14,8 @@
 //!
 //! [`modes`] finds the normal modes of least stiffness of what was found, and with them its stability.
 //!
-//! Everything is serial and depends on the positions alone, so that a stored and restored state
-//! continues bit for bit.
+//! Everything but forces and constraints is serial, results do not depend on the number of threads, and all
+//! depends on the positions alone, so that a stored and restored state continues bit for bit.
 
 pub(crate) mod cholesky;
 mod coordinates;
