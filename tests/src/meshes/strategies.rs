@@ -3,6 +3,7 @@
 use super::{Mesh, SplitMix64, disc, hemisphere, icosphere, torus, unit};
 use proptest::prelude::{ProptestConfig, Strategy, prop_oneof};
 use proptest::test_runner::FileFailurePersistence;
+use proptest::test_runner::RngSeed;
 
 /// Mesh with random displacements, described by numbers that shrink towards a smooth and coarse mesh.
 #[derive(Clone, Copy, Debug)]
@@ -74,18 +75,21 @@ fn one_of(bases: &'static [Base]) -> impl Strategy<Value = Base> {
     (0..bases.len()).prop_map(|index| bases[index])
 }
 
-/// Configuration of `count` random cases, or more with `PROPTEST_CASES`; failures are stored next to
+/// Configuration of `count` cases, the same in every run, so that a change fails by its own fault only; or
+/// of other cases in every run with `PROPTEST_CASES`, which gives their number. Failures are stored next to
 /// the source of the test.
 pub fn cases(count: u32) -> ProptestConfig {
-    let cases = match std::env::var_os("PROPTEST_CASES") {
-        Some(_) => ProptestConfig::default().cases,
-        None => count,
+    let given = ProptestConfig::default();
+    let (cases, rng_seed) = match std::env::var_os("PROPTEST_CASES") {
+        Some(_) => (given.cases, given.rng_seed),
+        None => (count, RngSeed::Fixed(1)),
     };
     ProptestConfig {
         cases,
+        rng_seed,
         max_shrink_iters: 200,
         failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("regressions"))),
-        ..ProptestConfig::default()
+        ..given
     }
 }
 

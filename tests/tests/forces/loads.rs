@@ -5,7 +5,7 @@ use helfrich::{LoadError, PointLoads, Prepared, Surface};
 use helfrich_tests::laws::check_gradient;
 use helfrich_tests::laws::{energy, forces};
 use helfrich_tests::meshes::{GENERIC, dot, rotation};
-use helfrich_tests::meshes::{Mesh, disc, icosphere, octahedron, turned};
+use helfrich_tests::meshes::{Mesh, cases, disc, icosphere, octahedron, turned};
 use helfrich_tests::tolerance;
 use proptest::prelude::*;
 
@@ -81,6 +81,8 @@ fn ends(mesh: &Mesh, fraction: f64) -> (Vec<u32>, Vec<u32>) {
 }
 
 proptest! {
+    #![proptest_config(cases(64))]
+
     #[test]
     fn ends_have_the_farthest_vertices(refinement in 1..3_u32, fraction in 0.02..0.5) {
         let mesh = icosphere(refinement);
