@@ -5,10 +5,14 @@ use helfrich_std::dynamics::Problem;
 use helfrich_std::flow::Membranes;
 use helfrich_std::io::{PointField, PointValues, write_vtp};
 use helfrich_std::ordered::Ordered;
+use helfrich_std::run::{End, run};
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::simulation::{Simulation, build};
 use helfrich_tests::meshes::{Mesh, SplitMix64, bent, icosphere, norm};
 use helfrich_tests::tolerance;
+use std::cell::Cell;
+use std::fs;
+use std::path::Path;
 use tempfile::TempDir;
 
 /// Two components, of which the smaller has the higher vertex numbers.
@@ -195,4 +199,49 @@ fn findings_have_the_numbers_of_the_scene() {
     let expected = Quality::gather(body.mesh(), |report| prepared.inspect(surface, report));
     assert!(found.flagged()[MOVED]);
     assert_eq!(found.flagged(), expected.flagged());
+}
+
+/// A run that is interrupted and resumed writes the bits of one that is not: checkpoints and series have the
+/// vertex numbers of the scene's mesh.
+#[test]
+fn runs_go_on_from_their_stored_bits() {
+    let text = r#"
+units = "none"
+[driver]
+kind = "relax"
+iterations = 6
+[output]
+every = 1
+pictures = false
+[[surface]]
+shape = "ellipsoid:1,1,0.8"
+family = "irregular"
+vertices = 10242
+bending = { method = "B", modulus = 1 }
+volume.constraint = "exact"
+"#;
+    let file = SceneFile::parse(text, Path::new("scene.toml"), &Overrides::default()).unwrap();
+    let folder = TempDir::new().unwrap();
+    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
+    let go = |out: &Path, resume: bool, stop: usize| {
+        let built = build(&file).unwrap();
+        assert!(Ordered::<f64>::of(built.0.bodies()[0].mesh()).is_some());
+        let steps = Cell::new(0);
+        let interrupted = || {
+            steps.set(steps.get() + 1);
+            steps.get() >= stop
+        };
+        let summary = run(&file.scene, built, out, resume, &interrupted, &mut |_| {});
+        summary.unwrap_or_else(|error| panic!("{error}")).end
+    };
+    let end = go(&whole, false, usize::MAX);
+    assert_ne!(end, End::Interrupted);
+    let mut now = go(&parts, false, 3);
+    assert_eq!(now, End::Interrupted);
+    while now == End::Interrupted {
+        now = go(&parts, true, 3);
+    }
+    assert_eq!(now, end);
+    let [whole, parts] = [whole, parts].map(|out| fs::read(out.join("series.csv")).unwrap());
+    assert!(whole == parts, "the series differ");
 }
