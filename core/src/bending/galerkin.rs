@@ -17,6 +17,7 @@ mod plan;
 mod points;
 mod shape;
 mod smoothing;
+mod start;
 mod vertices;
 
 use self::basis::FREE;
