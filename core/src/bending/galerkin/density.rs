@@ -323,14 +323,13 @@ impl<T: Real> Galerkin<T> {
             work,
             spare: [first, second],
         };
-        equations.improve(residual, improved);
         let product = |a: &[T], b: &[T]| execution.sum(count, |i| a[i] * b[i]);
-        let enough = self.tolerance * self.tolerance * product(residual, improved);
         *iterations = 0;
         let along = product(residual, direction);
         equations.advance(direction, along, image, [solution, residual]);
         equations.improve(residual, improved);
         let mut squared = product(residual, improved);
+        let enough = self.tolerance * self.tolerance * squared;
         direction.fill(T::zero());
         let mut keep = T::zero();
         while squared > enough && *iterations < MOST {
