@@ -231,8 +231,7 @@ impl<T: Real> Galerkin<T> {
     fn set_strong_form(
         &self,
         execution: &impl Execution,
-        surface: Surface<'_, T>,
-        shape: &Shape<T>,
+        (shape, mass): (&Shape<T>, &Mass<T>),
         work: &mut Vec<Work<T>>,
         solver: &mut Solver<T>,
     ) {
@@ -243,12 +242,7 @@ impl<T: Real> Galerkin<T> {
             coefficients,
             ..
         } = solver;
-        let Shape {
-            plan,
-            normals,
-            fits,
-            ..
-        } = shape;
+        let Shape { plan, fits, .. } = shape;
         let found = |vertex: usize| {
             let (block, lane) = plan.members[vertex]?;
             let (_, [mean, gaussian]) = fits[block as usize].curvatures(usize::from(lane));
@@ -263,8 +257,7 @@ impl<T: Real> Galerkin<T> {
         laplacians.resize(plan.blocks.len(), Several::zero());
         let kernel = Laplacians {
             plan,
-            surface,
-            normals,
+            neighbours: &mass.neighbours,
             fits,
             values: moments,
         };
@@ -296,7 +289,7 @@ impl<T: Real> Galerkin<T> {
         let count = shape.sums.len();
         solver.clear(count);
         solver.set(execution, surface, (shape, mass), work);
-        self.set_strong_form(execution, surface, shape, work, solver);
+        self.set_strong_form(execution, (shape, mass), work, solver);
         let Solver {
             force,
             coefficients,

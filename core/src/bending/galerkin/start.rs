@@ -2,18 +2,17 @@
 
 use super::fields::set_differences;
 use super::fit::Fit;
+use super::mass::Neighbour;
 use super::plan::Plan;
 use super::vertices::Work;
 use crate::element::SlotKernel;
 use crate::lane::{Lane, Several};
 use crate::real::Real;
-use crate::surface::Surface;
 
 /// Δ_S of a field at the vertices of a block, by polynomials that are fitted as the jets are.
 pub(super) struct Laplacians<'a, T> {
     pub(super) plan: &'a Plan,
-    pub(super) surface: Surface<'a, T>,
-    pub(super) normals: &'a [[T; 3]],
+    pub(super) neighbours: &'a [Neighbour<T>],
     pub(super) fits: &'a [Fit<T>],
     pub(super) values: &'a [T],
 }
@@ -25,8 +24,8 @@ impl<'a, T: Real> SlotKernel<Work<T>, &'a mut [Several<T>]> for Laplacians<'_, T
         for (number, laplacian) in (start..).zip(slots) {
             let (block, fit) = (&plan.blocks[number], &self.fits[number]);
             let scratch = &mut work.scratch;
-            let neighbours = plan.neighbours_of(number);
-            scratch.place_again(fit, self.surface, block, neighbours, self.normals);
+            let rows = plan.neighbour_offsets[number]..plan.neighbour_offsets[number + 1];
+            scratch.take_places(&self.neighbours[rows]);
             set_differences(plan, number, self.values, &mut scratch.values);
             let field = scratch.fitted(fit, block.degree);
             *laplacian = fit.laplacian(&field);
