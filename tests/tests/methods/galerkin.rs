@@ -202,8 +202,8 @@ fn what_is_not_resolved_is_reported() {
 }
 
 /// The solution for f starts with the strong form over the jets, whose errors are of the order of those of
-/// f itself: a few parts in a hundred here, while each of its terms is as large as f. The default tolerance
-/// changes f by less than this difference times itself, and a few steps reach it.
+/// f itself: a few parts in a hundred here, while each of its terms is as large as f. With the default
+/// tolerance, a few steps leave less than 5 % of these.
 #[test]
 fn solutions_start_close_to_force_densities() {
     let shape: AnyShape = "discocyte".parse().expect("a shape");
