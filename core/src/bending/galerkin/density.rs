@@ -3,10 +3,11 @@
 use super::mass::Mass;
 use super::shape::Shape;
 use super::smoothing::Smoothing;
+use super::start::Laplacians;
 use super::vertices::Work;
 use super::{Galerkin, GalerkinMemory};
 use crate::element::{Execution, of_vertices};
-use crate::lane::Lane;
+use crate::lane::{Lane, Several};
 use crate::method::{ForceDensity, TwoPass, Workspace};
 use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
@@ -25,6 +26,7 @@ pub(super) struct Solver<T> {
     direction: Vec<T>,
     image: Vec<T>,
     spare: [Vec<T>; 2],
+    laplacians: Vec<Several<T>>,
     pub(super) iterations: usize,
 }
 
@@ -86,6 +88,26 @@ impl<T: Real, X: Execution> Equations<'_, T, X> {
         });
         smoothing.spread(*execution, &shape.plan, rough, spread);
         execution.map(image, |i, image| *image += rough[i] - spread[i]);
+    }
+
+    /// Adds to the solution the multiple of `direction` that leaves the least error, and updates the
+    /// residual; false if the multiple is not finite. `along` is the residual times the direction.
+    fn advance(
+        &mut self,
+        direction: &[T],
+        along: T,
+        image: &mut [T],
+        [solution, residual]: [&mut [T]; 2],
+    ) -> bool {
+        self.apply(direction, image);
+        let execution = self.execution;
+        let step = along / execution.sum(direction.len(), |i| direction[i] * image[i]);
+        if !step.is_finite() {
+            return false;
+        }
+        execution.map(solution, |i, solution| *solution += step * direction[i]);
+        execution.map(residual, |i, residual| *residual -= step * image[i]);
+        true
     }
 
     /// Sets `improved` to about the inverse of K times `residual`, times the mean area: A⁻¹ for smooth
@@ -204,6 +226,51 @@ impl<T: Real> Solver<T> {
 }
 
 impl<T: Real> Galerkin<T> {
+    /// Sets the direction to the strong form over the jets,
+    /// `2 [Δ_S(κ(H − H0)) + 2κ(H − H0)(H² − K + H0 H)]`, times the mean area.
+    fn set_strong_form(
+        &self,
+        execution: &impl Execution,
+        (shape, mass): (&Shape<T>, &Mass<T>),
+        work: &mut Vec<Work<T>>,
+        solver: &mut Solver<T>,
+    ) {
+        let Solver {
+            direction,
+            improved: moments,
+            laplacians,
+            coefficients,
+            ..
+        } = solver;
+        let Shape { plan, fits, .. } = shape;
+        let found = |vertex: usize| {
+            let (block, lane) = plan.members[vertex]?;
+            let (_, [mean, gaussian]) = fits[block as usize].curvatures(usize::from(lane));
+            let spontaneous = self.spontaneous_curvature.at(vertex);
+            let moment = self.modulus.at(vertex) * (mean - spontaneous);
+            let factor = mean * mean - gaussian + spontaneous * mean;
+            Some((block as usize, usize::from(lane), moment, factor))
+        };
+        execution.map(&mut moments[..], |vertex, moment| {
+            *moment = found(vertex).map_or(T::zero(), |(_, _, moment, _)| moment);
+        });
+        laplacians.resize(plan.blocks.len(), Several::zero());
+        let kernel = Laplacians {
+            plan,
+            neighbours: &mass.neighbours,
+            fits,
+            values: moments,
+        };
+        execution.run(work, &mut laplacians[..], &kernel);
+        let two = T::constant(2.0);
+        execution.map(&mut direction[..], |vertex, direction| {
+            let density = found(vertex).map_or(T::zero(), |(block, lane, moment, factor)| {
+                two * (laplacians[block].0[lane] + two * moment * factor)
+            });
+            [*direction] = finite_or_zero([coefficients.mean * density]);
+        });
+    }
+
     /// Solves `K f = F·ν` for the force in `solver.force`.
     fn solve(
         &self,
@@ -222,6 +289,7 @@ impl<T: Real> Galerkin<T> {
         let count = shape.sums.len();
         solver.clear(count);
         solver.set(execution, surface, (shape, mass), work);
+        self.set_strong_form(execution, (shape, mass), work, solver);
         let Solver {
             force,
             coefficients,
@@ -233,6 +301,7 @@ impl<T: Real> Galerkin<T> {
             image,
             spare: [first, second],
             iterations,
+            ..
         } = solver;
         let jets = &mass.normals;
         execution.map(&mut residual[..], |i, residual| {
@@ -247,28 +316,22 @@ impl<T: Real> Galerkin<T> {
             work,
             spare: [first, second],
         };
-        direction.fill(T::zero());
-        equations.improve(residual, improved);
         let product = |a: &[T], b: &[T]| execution.sum(count, |i| a[i] * b[i]);
+        *iterations = 0;
+        let along = product(residual, direction);
+        equations.advance(direction, along, image, [solution, residual]);
+        equations.improve(residual, improved);
         let mut squared = product(residual, improved);
         let enough = self.tolerance * self.tolerance * squared;
+        direction.fill(T::zero());
         let mut keep = T::zero();
-        *iterations = 0;
         while squared > enough && *iterations < MOST {
             execution.map(&mut direction[..], |i, direction| {
                 *direction = improved[i] + keep * *direction;
             });
-            equations.apply(direction, image);
-            let step = squared / product(direction, image);
-            if !step.is_finite() {
+            if !equations.advance(direction, squared, image, [solution, residual]) {
                 break;
             }
-            execution.map(&mut solution[..], |i, solution| {
-                *solution += step * direction[i];
-            });
-            execution.map(&mut residual[..], |i, residual| {
-                *residual -= step * image[i];
-            });
             equations.improve(residual, improved);
             let next = product(residual, improved);
             keep = next / squared;

@@ -101,7 +101,7 @@ impl<'a, T: Real> Field<'a, T> {
 
 /// Sets the values at the neighbours of a block less those at its vertices.
 #[inline(always)]
-fn set_differences<T: Real>(
+pub(super) fn set_differences<T: Real>(
     plan: &Plan,
     number: usize,
     values: &[T],

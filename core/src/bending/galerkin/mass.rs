@@ -20,7 +20,7 @@ use crate::vec3::Vec3;
 use alloc::vec::Vec;
 
 /// Numbers for each neighbour: u, v, the weight, and g.
-type Neighbour<T> = [Several<T>; 4];
+pub(super) type Neighbour<T> = [Several<T>; 4];
 
 /// Numbers for each point around a vertex: u, v, and the weight of the blend over the root.
 type Spot<T> = [Several<T>; 3];
@@ -31,7 +31,7 @@ pub(super) struct Mass<T> {
     /// The unit normal ν of the jet of each vertex; 0 where there is none.
     pub(super) normals: Vec<[T; 3]>,
     own: Vec<Several<T>>,
-    neighbours: Vec<Neighbour<T>>,
+    pub(super) neighbours: Vec<Neighbour<T>>,
     spots: Vec<Spot<T>>,
     /// Weighted areas of quadrature points.
     areas: Vec<[Several<T>; QUADRATURE]>,
@@ -428,7 +428,7 @@ impl<T: Real> Mass<T> {
 impl<T: Real> Scratch<T> {
     /// Sets coordinates and weights of neighbours, and makes room for their values.
     #[inline(always)]
-    fn take_places(&mut self, neighbours: &[Neighbour<T>]) {
+    pub(super) fn take_places(&mut self, neighbours: &[Neighbour<T>]) {
         self.resize(neighbours.len());
         for (row, &[u, v, weight, _]) in neighbours.iter().enumerate() {
             self.places[0][row] = u;

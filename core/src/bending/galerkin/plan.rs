@@ -24,12 +24,14 @@ pub(super) const NONE: u32 = u32::MAX;
 pub(super) struct Place {
     row: usize,
     lane: u8,
+    /// The vertex whose row it is.
+    pub(super) vertex: u32,
 }
 
 impl Place {
-    fn new(row: usize, lane: usize) -> Self {
+    fn new(row: usize, lane: usize, vertex: u32) -> Self {
         let lane = lane as u8;
-        Self { row, lane }
+        Self { row, lane, vertex }
     }
 
     /// The entry `rows` rows further.
@@ -293,7 +295,8 @@ impl Plan {
                 let next = corners[(corner + 1) % 3];
                 let at = ring.iter().position(|&v| v == next).unwrap_or(0);
                 let (block, lane) = self.member(corners[corner]);
-                let star = |at: usize| Place::new(self.star_offsets[block] + at * STAR, lane);
+                let first = self.star_offsets[block];
+                let star = |at: usize| Place::new(first + at * STAR, lane, corners[corner]);
                 *stars = [star(at), star((at + 1) % ring.len())];
                 self.around[self.ring_offsets[block] + at][lane] = (3 * number + corner) as u32;
             }
@@ -349,7 +352,8 @@ impl Plan {
                     }
                     for row in 0..count(block, lane) {
                         let neighbour = self.neighbours[self.neighbour_offsets[number] + row][lane];
-                        visit(neighbour, Place::new(rows[number] + row, lane));
+                        let place = Place::new(rows[number] + row, lane, block.vertices[lane]);
+                        visit(neighbour, place);
                     }
                 }
             }

@@ -25,8 +25,9 @@ pub(super) struct Smoothing<T> {
     weights: Vec<Several<T>>,
     own: Vec<Several<T>>,
     means: Vec<Several<T>>,
-    products: Vec<Several<T>>,
-    own_products: Vec<Several<T>>,
+    /// The weights with which each vertex is listed, in the order of [`Plan::listed_at`].
+    listed: Vec<T>,
+    sums: Vec<Several<T>>,
 }
 
 /// Sets rows of S.
@@ -120,33 +121,6 @@ impl<'a, T: Real> SlotKernel<(), &'a mut [Several<T>]> for Smooth<'_, T> {
     }
 }
 
-/// The products that Sᵀ sums.
-struct Spread<'a, T> {
-    plan: &'a Plan,
-    weights: &'a [Several<T>],
-    own: &'a [Several<T>],
-    field: &'a [T],
-}
-
-impl<'a, T: Real> SlotKernel<(), (Ragged<'a, Several<T>>, &'a mut [Several<T>])> for Spread<'_, T> {
-    #[inline(always)]
-    fn set(
-        &self,
-        (): &mut (),
-        start: usize,
-        (products, own): (Ragged<'a, Several<T>>, &'a mut [Several<T>]),
-    ) {
-        for (number, (products, own)) in (start..).zip(products.into_slots().zip(own)) {
-            let value = gathered(self.field, &self.plan.blocks[number].vertices);
-            let first = self.plan.neighbour_offsets[number];
-            for (product, &weight) in products.iter_mut().zip(&self.weights[first..]) {
-                *product = weight * value;
-            }
-            *own = self.own[number] * value;
-        }
-    }
-}
-
 impl<T: Real> Smoothing<T> {
     /// Sets S, and the means of `field`. `areas` are relative to `mean_area`, and 0 where a vertex is not used.
     pub(super) fn set(
@@ -161,10 +135,8 @@ impl<T: Real> Smoothing<T> {
         let plan = &shape.plan;
         let count = plan.blocks.len();
         let zero = Several::zero();
-        for rows in [&mut self.weights, &mut self.products] {
-            rows.resize(plan.neighbour_offsets[count], zero);
-        }
-        for blocks in [&mut self.own, &mut self.means, &mut self.own_products] {
+        self.weights.resize(plan.neighbour_offsets[count], zero);
+        for blocks in [&mut self.own, &mut self.means, &mut self.sums] {
             blocks.resize(count, zero);
         }
         let regressions = Regressions {
@@ -179,6 +151,11 @@ impl<T: Real> Smoothing<T> {
         let rows = Ragged::new(&mut self.weights, &plan.neighbour_offsets);
         let slots = ((rows, &mut self.own[..]), &mut self.means[..]);
         execution.run(work, slots, &regressions);
+        self.listed.resize(plan.listed.len(), T::zero());
+        let weights = &self.weights;
+        execution.map(&mut self.listed[..], |k, weight| {
+            *weight = plan.listed[k].read(weights, 0);
+        });
     }
 
     /// The mean around a vertex of the field that was given to [`Self::set`].
@@ -203,8 +180,8 @@ impl<T: Real> Smoothing<T> {
             own: &self.own,
             field,
         };
-        execution.run(&mut Vec::new(), &mut self.own_products[..], &smooth);
-        let sums = &self.own_products;
+        execution.run(&mut Vec::new(), &mut self.sums[..], &smooth);
+        let sums = &self.sums;
         execution.map(image, |vertex, image| {
             *image = plan.members[vertex].map_or(T::zero(), |(block, lane)| {
                 sums[block as usize].0[usize::from(lane)]
@@ -214,30 +191,22 @@ impl<T: Real> Smoothing<T> {
 
     /// Sets `image` to Sᵀ times `field`.
     pub(super) fn spread(
-        &mut self,
+        &self,
         execution: &impl Execution,
         plan: &Plan,
         field: &[T],
         image: &mut [T],
     ) {
-        let spread = Spread {
-            plan,
-            weights: &self.weights,
-            own: &self.own,
-            field,
-        };
-        let products = Ragged::new(&mut self.products, &plan.neighbour_offsets);
-        let slots = (products, &mut self.own_products[..]);
-        execution.run(&mut Vec::new(), slots, &spread);
-        let (products, own) = (&self.products, &self.own_products);
+        let (own, weights) = (&self.own, &self.listed);
         execution.map(image, |vertex, image| {
             let Some((block, lane)) = plan.members[vertex] else {
                 *image = T::zero();
                 return;
             };
-            let mut sum = own[block as usize].0[usize::from(lane)];
-            for place in plan.listed_at(vertex) {
-                sum += place.read(products, 0);
+            let mut sum = own[block as usize].0[usize::from(lane)] * field[vertex];
+            let weights = &weights[plan.listed_offsets[vertex]..];
+            for (place, &weight) in plan.listed_at(vertex).iter().zip(weights) {
+                sum += weight * field[place.vertex as usize];
             }
             *image = sum;
         });

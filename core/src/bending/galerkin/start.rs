@@ -1,0 +1,53 @@
+//! The strong form over the jets of method G, from which the solution for the force density starts.
+
+use super::fields::set_differences;
+use super::fit::Fit;
+use super::mass::Neighbour;
+use super::plan::Plan;
+use super::vertices::Work;
+use crate::element::SlotKernel;
+use crate::lane::{Lane, Several};
+use crate::real::Real;
+
+/// Δ_S of a field at the vertices of a block, by polynomials that are fitted as the jets are.
+pub(super) struct Laplacians<'a, T> {
+    pub(super) plan: &'a Plan,
+    pub(super) neighbours: &'a [Neighbour<T>],
+    pub(super) fits: &'a [Fit<T>],
+    pub(super) values: &'a [T],
+}
+
+impl<'a, T: Real> SlotKernel<Work<T>, &'a mut [Several<T>]> for Laplacians<'_, T> {
+    #[inline(always)]
+    fn set(&self, work: &mut Work<T>, start: usize, slots: &'a mut [Several<T>]) {
+        let plan = self.plan;
+        for (number, laplacian) in (start..).zip(slots) {
+            let (block, fit) = (&plan.blocks[number], &self.fits[number]);
+            let scratch = &mut work.scratch;
+            let rows = plan.neighbour_offsets[number]..plan.neighbour_offsets[number + 1];
+            scratch.take_places(&self.neighbours[rows]);
+            set_differences(plan, number, self.values, &mut scratch.values);
+            let field = scratch.fitted(fit, block.degree);
+            *laplacian = fit.laplacian(&field);
+        }
+    }
+}
+
+impl<T: Real> Fit<T> {
+    /// Δ_S at the vertex of a field with these coefficients. With the height p over the plane,
+    /// `Δ_S φ = g^ij (φ_ij − p_ij p_k φ_k/(1 + p_u² + p_v²))`, g the metric.
+    #[inline(always)]
+    fn laplacian(&self, field: &[Several<T>]) -> Several<T> {
+        let [p, q, ..] = self.coefficients;
+        let one = Several::literal(1.0);
+        let (squared, two) = (one + p * p + q * q, Several::literal(2.0));
+        let over = squared.reciprocal_or_zero();
+        let trace = |of: &[Several<T>]| {
+            let [uu, uv, vv] = [two * of[2], of[3], two * of[4]];
+            over * ((one + q * q) * uu - two * p * q * uv + (one + p * p) * vv)
+        };
+        let along = over * (p * field[0] + q * field[1]);
+        let over_square = self.over_radius * self.over_radius;
+        over_square * (trace(field) - trace(&self.coefficients) * along)
+    }
+}
