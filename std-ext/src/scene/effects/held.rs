@@ -85,7 +85,8 @@ impl Geometry {
     };
 
     /// Area and volume of the patches of Galerkin's method where it relaxes a surface, otherwise those of flat
-    /// triangles. These have an error of second order in the edge length, which would be that of the equilibrium. In a flow nodal forces over areas act, and those of patches do not converge.
+    /// triangles. These have an error of second order in the edge length, which would be that of the
+    /// equilibrium. In a flow nodal forces over areas act, and those of patches do not converge.
     pub(crate) fn new(effects: &Effects, driver: &Driver) -> Self {
         let method = effects.bending.as_ref().map(|bending| bending.method);
         match (driver, method) {
