@@ -1,8 +1,8 @@
-//! Polynomials of degree 5 on a triangle, its quadrature, and the functions that blend three jets.
+//! Polynomials of degree 6 on a triangle, its quadrature, and the functions that blend three jets.
 //!
-//! Points are i/5, j/5, k/5 in barycentric coordinates. Local edge l of a triangle leads from corner l
-//! to corner l + 1; its four points are counted from corner l. The free points are the twelve on edges,
-//! edge after edge, and the six inside. The patch interpolates the vertices at the corners.
+//! Points are i/6, j/6, k/6 in barycentric coordinates. Local edge l of a triangle leads from corner l
+//! to corner l + 1; its five points are counted from corner l. The free points are the fifteen on edges,
+//! edge after edge, and the ten inside. The patch interpolates the vertices at the corners.
 //!
 //! Quadrature: K. Gatermann, Computing 40 (1988) 229.
 
@@ -10,11 +10,11 @@ use crate::real::Real;
 use alloc::vec::Vec;
 
 /// Degree of a patch.
-const DEGREE: usize = 5;
+const DEGREE: usize = 6;
 /// Points of an edge without its ends.
 pub(super) const ON_EDGE: usize = DEGREE - 1;
 /// Points of a triangle that are on no edge.
-pub(super) const INSIDE: usize = 6;
+pub(super) const INSIDE: usize = 10;
 /// Points of a triangle without its corners.
 pub(super) const FREE: usize = 3 * ON_EDGE + INSIDE;
 /// Quadrature points of a triangle: exact for polynomials of degree 7.
@@ -23,14 +23,18 @@ pub(super) const QUADRATURE: usize = 12;
 /// from ten thousand vertices on.
 pub(super) const GAUSS: usize = 4;
 
-/// The points inside, in fifths of the barycentric coordinates of a corner and of the two that follow it.
+/// The points inside, in sixths of the barycentric coordinates of a corner and of the two that follow it.
 pub(super) const INNER: [[usize; 3]; INSIDE] = [
-    [3, 1, 1],
-    [1, 3, 1],
-    [1, 1, 3],
-    [2, 2, 1],
-    [1, 2, 2],
-    [2, 1, 2],
+    [4, 1, 1],
+    [1, 4, 1],
+    [1, 1, 4],
+    [3, 2, 1],
+    [1, 3, 2],
+    [2, 1, 3],
+    [3, 1, 2],
+    [2, 3, 1],
+    [1, 2, 3],
+    [2, 2, 2],
 ];
 
 /// The number, among the points inside a triangle, of point `inner` as `corner` counts them.
@@ -59,8 +63,8 @@ pub(super) const AROUND: [[f64; 3]; ON_EDGE + INSIDE] = {
     }
     while k < ON_EDGE + INSIDE {
         let [i, j, l] = INNER[k - ON_EDGE];
-        let fifths = DEGREE as f64;
-        points[k] = [i as f64 / fifths, j as f64 / fifths, l as f64 / fifths];
+        let sixths = DEGREE as f64;
+        points[k] = [i as f64 / sixths, j as f64 / sixths, l as f64 / sixths];
         k += 1;
     }
     points
@@ -129,7 +133,7 @@ fn gauss() -> [[f64; 2]; GAUSS] {
     ]
 }
 
-/// Value and first two derivatives of `Π_{a < count} (5 t − a)/(a + 1)`.
+/// Value and first two derivatives of `Π_{a < count} (6 t − a)/(a + 1)`.
 fn factor(count: usize, t: f64) -> [f64; 3] {
     let mut factor = [1.0, 0.0, 0.0];
     for a in 0..count {
@@ -148,11 +152,11 @@ fn factor(count: usize, t: f64) -> [f64; 3] {
 /// Value, ∂v, ∂w, ∂vv, ∂vw, ∂ww at (v, w) of the polynomial that is 1 at a point and 0 at the others;
 /// v and w are the second and third barycentric coordinate.
 fn polynomial(point: [f64; 3], [v, w]: [f64; 2]) -> [f64; 6] {
-    let fifths = point.map(|x| num_traits::Float::round(DEGREE as f64 * x) as usize);
+    let sixths = point.map(|x| num_traits::Float::round(DEGREE as f64 * x) as usize);
     let [a, b, c] = [
-        factor(fifths[0], 1.0 - v - w),
-        factor(fifths[1], v),
-        factor(fifths[2], w),
+        factor(sixths[0], 1.0 - v - w),
+        factor(sixths[1], v),
+        factor(sixths[2], w),
     ];
     let term = |i: usize, j: usize, k: usize| a[i] * b[j] * c[k];
     [

@@ -1,7 +1,7 @@
-//! Jets: polynomials of degree 6 fitted to the neighbours of eight vertices at once, and the derivatives
+//! Jets: polynomials of degree 8 fitted to the neighbours of eight vertices at once, and the derivatives
 //! of their coefficients.
 //!
-//! With differences `d_j = x_j − x_i` and the radius `ρ² = 2·64/K² Σ |d_j|²`, which holds about 64
+//! With differences `d_j = x_j − x_i` and the radius `ρ² = 2·105/K² Σ |d_j|²`, which holds about 105
 //! neighbours on an even mesh, the heights `h_j = d_j·n/ρ` over `(u, v) = (d·t₁, d·t₂)/ρ` are fitted with
 //! weights `w = exp(−14 r²)/(r² + 10⁻³)`, `r = |d_j|/ρ`. The second factor nearly interpolates the nearest
 //! neighbours: where two vertices are close, their jets agree, and the blend does not divide a difference
@@ -18,7 +18,7 @@ use crate::vec3::{Vec3, add, dot, normalise, scale, sub, tangent_frame};
 use alloc::vec::Vec;
 
 /// Degree of the polynomials.
-pub(super) const DEGREE: usize = 6;
+pub(super) const DEGREE: usize = 8;
 /// Number of their coefficients.
 pub(super) const COUNT: usize = coefficient_count(DEGREE);
 /// Entries of a matrix below its diagonal.
@@ -30,7 +30,7 @@ const SHARPNESS: f64 = 14.0;
 /// Square of the distance, in radii, within which weights do not grow further.
 pub(super) const CORE: f64 = 1e-3;
 /// Number of neighbours within the radius of an even mesh.
-pub(super) const WITHIN: f64 = 64.0;
+pub(super) const WITHIN: f64 = 105.0;
 
 /// Degree, and power of v, of each monomial.
 const MONOMIALS: [(usize, usize); COUNT] = {
@@ -264,14 +264,14 @@ impl<T: Real> Scratch<T> {
         self.column.clear();
         self.column.extend_from_slice(&self.weights);
         self.moments
-            .resize(place_of(2 * DEGREE, 2 * DEGREE) + 1, Several::zero());
+            .resize(place_of(2 * degree, 2 * degree) + 1, Several::zero());
         let points = MomentPoints {
             x: &self.places[0],
             y: &self.places[1],
             weights: &self.weights,
         };
         let (column, powers) = (&mut self.column, &mut self.powers);
-        set_moments(&mut self.moments, 2 * DEGREE, points, column, powers);
+        set_moments(&mut self.moments, 2 * degree, points, column, powers);
         fit.factorise(&self.moments, coefficient_count(degree));
     }
 

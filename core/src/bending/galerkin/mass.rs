@@ -3,7 +3,7 @@
 //! Let a be normal displacements of the vertices. A jet whose neighbours move changes its height over a
 //! point by `δ = g_k a_k + V c′`, where c′ is fitted to `g_j a_j − g_k a_k` with the same weights, and
 //! `g_j = ν_j·(n − p_u t₁ − p_v t₂)` at neighbour j; in normal direction by `δ/√(1 + p_u² + p_v²)`. These
-//! are blended as the jets are, and interpolated by polynomials of degree 5: `φ = Z a`. The mass matrix is
+//! are blended as the jets are, and interpolated by polynomials of degree 6: `φ = Z a`. The mass matrix is
 //! `M = Zᵀ ∫ φ φᵀ dS Z`; it is applied without its entries.
 
 use super::basis::{AROUND, Basis, FREE, INSIDE, ON_EDGE, QUADRATURE, blend, inner_from};

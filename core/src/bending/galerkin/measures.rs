@@ -22,7 +22,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 /// Area `∫ dS` or enclosed volume `∫ x·n dS/3` of each component of the surface whose bending energy is
-/// that of [`Galerkin`](crate::Galerkin): patches of degree 5 instead of flat triangles.
+/// that of [`Galerkin`](crate::Galerkin): patches of degree 6 instead of flat triangles.
 ///
 /// On smooth meshes that resolve the surface their errors are as small as those of the energy, while those
 /// of [`TotalArea`](crate::TotalArea) and [`EnclosedVolume`](crate::EnclosedVolume) are of second order in

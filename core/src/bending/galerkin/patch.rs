@@ -1,4 +1,4 @@
-//! Patches: surfaces of degree 5 over eight triangles at once, their energy, and its derivatives.
+//! Patches: surfaces of degree 6 over eight triangles at once, their energy, and its derivatives.
 
 use super::basis::{AROUND, FREE, GAUSS, INSIDE, Node, ON_EDGE, POINTS, blend, inner_from};
 use super::fields::Field;

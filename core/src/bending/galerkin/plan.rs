@@ -110,9 +110,9 @@ pub(super) struct Plan {
 }
 
 /// Degrees of fits, highest first, and the number of neighbours that each needs: twice the number of
-/// coefficients. Whole rings are taken until there are so many; the four rings of a vertex of valence 6 have
-/// 60.
-const DEGREES: [(usize, usize); 5] = [(6, 54), (5, 40), (4, 28), (3, 18), (2, 10)];
+/// coefficients. Whole rings are taken until there are so many; the five rings of a vertex of valence 6 have
+/// 90.
+const DEGREES: [(usize, usize); 6] = [(8, 88), (6, 54), (5, 40), (4, 28), (3, 18), (2, 10)];
 
 /// The part of a component that neighbours are at most: more would surround it instead of being a graph over
 /// a plane.

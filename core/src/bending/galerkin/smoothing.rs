@@ -1,8 +1,8 @@
 //! Regression of the force density, for the part of it that the mass matrix hardly determines.
 //!
-//! S replaces the value at each vertex by that of a polynomial of degree 6 in the plane of the jet, which is
+//! S replaces the value at each vertex by that of a polynomial of degree 8 in the plane of the jet, which is
 //! fitted to the values at the vertex and its neighbours with weights `A exp(−14 r²)`; A is a third of the
-//! triangles around a vertex. It changes smooth fields by the order h⁷.
+//! triangles around a vertex. It changes smooth fields by the order h⁹.
 //!
 //! Let V be the monomials without the constant, W the weights and 1 a vector of ones. With `B = Vᵀ W V`,
 //! `b = Vᵀ W 1` and `z = B⁻¹ b`, elimination of all coefficients but the constant leaves
