@@ -16,8 +16,8 @@ const CEILING: f64 = 0.35;
 /// on the mesh as a whole, the lower of the two values in [`FLAT`] takes its place.
 const CERTAIN: f64 = 0.5;
 
-/// Fraction of the vertices whose noise may be larger than the lower bound that is assumed for all
-/// vertices.
+/// Fraction of the vertices whose noise may be smaller than the lower bound that is assumed for all
+/// vertices, or larger than the upper bound that is assumed where the mesh does not resolve the shape.
 const QUIETEST: f64 = 0.05;
 
 /// Largest R/S₆ of shapes; range of R/S₆ of noise; and S₆/S₄ above which the shape is hardly resolved.
@@ -89,6 +89,18 @@ impl<T: Real> Deviations<T> {
             for (variance, &[_, _, sixth, left]) in variances.iter_mut().zip(&parts) {
                 if left < square(certain) * sixth {
                     *variance = T::zero();
+                }
+            }
+        }
+        if 2 * unresolved <= inside {
+            // The shape is mistaken for noise at the tips of an ellipsoid with large triangles.
+            let both = parts.iter().zip(&variances);
+            let resolved = both.filter(|(parts, _)| resolution(parts) != Verdict::Unresolved);
+            let resolved = Vec::from_iter(resolved.map(|(_, &variance)| variance));
+            let most = quantile(&resolved, 1.0 - QUIETEST);
+            for (variance, parts) in variances.iter_mut().zip(&parts) {
+                if resolution(parts) == Verdict::Unresolved {
+                    *variance = variance.min(most);
                 }
             }
         }
