@@ -301,7 +301,7 @@ impl<T: Real> AdaptiveJet<T> {
                 }
             }
         }
-        let deviations = Deviations::new(execution, &ground, &twin.spectra, self.deviation);
+        let mut deviations = Deviations::new(execution, &ground, &twin.spectra, self.deviation);
         let [_, sixth] = twin.of_degrees;
         let first = Candidate::of_jets(
             execution,
@@ -325,6 +325,9 @@ impl<T: Real> AdaptiveJet<T> {
                 return None;
             }
             let level = Level::new(execution, &ground, &Kind::regression(neighbours));
+            if rung == 0 {
+                chosen.limit_noise(execution, &ground, &mut deviations, &level);
+            }
             chosen.add(execution, &ground, &deviations, level, neighbours >= FOURTH);
             if self.neighbours.is_none() && chosen.gains() <= LEFT {
                 break;

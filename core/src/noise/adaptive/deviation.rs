@@ -30,6 +30,8 @@ pub(super) struct Deviations<T> {
     /// σ², squared lengths.
     pub(super) variances: Vec<T>,
     pub(super) verdicts: Vec<Verdict>,
+    /// Lower bound of σ², from the digits of the positions or from the user.
+    least: T,
 }
 
 impl<T: Real> Deviations<T> {
@@ -106,9 +108,9 @@ impl<T: Real> Deviations<T> {
         }
         let least = quantile(&variances, QUIETEST);
         let rounding = rounding(ground.surface.positions());
-        let least = least.max(rounding * rounding).max(known * known);
+        let known = (rounding * rounding).max(known * known);
         for variance in &mut variances {
-            *variance = variance.max(least);
+            *variance = variance.max(least).max(known);
         }
         let verdicts = parts.iter().zip(&variances).enumerate();
         let verdicts = verdicts.map(|(vertex, (parts, &variance))| {
@@ -122,7 +124,21 @@ impl<T: Real> Deviations<T> {
         Self {
             verdicts: verdicts.collect(),
             variances,
+            least: known,
         }
+    }
+
+    /// Reduces σ² at a vertex to this fraction, but not below what is known of it. Returns the actual
+    /// fraction.
+    pub(super) fn reduce(&mut self, vertex: usize, fraction: T) -> T {
+        let before = self.variances[vertex];
+        // Also false for NaN.
+        if !(fraction < T::one() && before > self.least) {
+            return T::one();
+        }
+        let after = (fraction * before).max(self.least);
+        self.variances[vertex] = after;
+        after / before
     }
 
     /// Whether there is noise anywhere.
