@@ -312,6 +312,20 @@ impl<T: Real> Chosen<T> {
         self.least.iter().filter(gains).count() as f64 / self.least.len() as f64
     }
 
+    /// The fraction of the vertices where the last level is the best for at least one quantity, and has as
+    /// many neighbours as it should have.
+    pub(super) fn rising(&self) -> f64 {
+        let rising = self.all.last().map_or(0, |last| {
+            let [wanted, _] = last.kind.neighbours;
+            let both = self.least.iter().zip(&last.neighbours);
+            let best = both.filter(|(least, found)| {
+                **found as usize >= wanted && least.iter().any(|&(_, worse)| worse == 0)
+            });
+            best.count()
+        });
+        rising as f64 / self.least.len() as f64
+    }
+
     /// Sets `biases` to one of the squares of the bias of each candidate at a vertex. Within a degree,
     /// this is the least value of a fit and all larger fits, because the bias grows with the scale.
     fn biases(
