@@ -56,9 +56,11 @@ const LARGE: usize = 100_000;
 /// Number of neighbours after those of [`LADDER`], where these still gain at more than the fraction
 /// [`RISING`] of the vertices. On a discocyte of 40 962 vertices with noise of 0.03 edges, it divides the
 /// errors of H and K by 2 and that of f by 4. Its fits take two thirds of the time of all others and 12 kB
-/// for each vertex, too much for meshes of [`LARGE`].
+/// for each vertex, too much for meshes of [`LARGE`]. A mesh needs [`NEIGHBOURHOODS`] times as many
+/// vertices, because distances between fits over most of a mesh do not show their bias.
 const WIDEST: usize = 1024;
 const RISING: f64 = 0.9;
+const NEIGHBOURHOODS: usize = 32;
 
 /// Number of neighbours from which on degree 4 is a candidate: with fewer neighbours it is no better
 /// than degree 6.
@@ -368,6 +370,7 @@ impl<T: Real> AdaptiveJet<T> {
             }
             // Without noise no fit is better than the jets.
             None if !deviations.is_seen() => Vec::new(),
+            None if vertices < NEIGHBOURHOODS * WIDEST => LADDER.to_vec(),
             None if vertices < LARGE => LADDER.iter().copied().chain([WIDEST]).collect(),
             None => COARSE_LADDER.to_vec(),
         }

@@ -414,8 +414,8 @@ impl<T: Real> Chosen<T> {
         }
     }
 
-    /// The expected square of the bias of a candidate, and the part of this square that the candidate
-    /// shares with degree 6. The distance of degree 4 from degree 6 does not show the bias that both
+    /// The expected square of the bias of a candidate, and the square of the bias that it may share with
+    /// degree 6. The distance of degree 4 from degree 6 does not show the bias that both
     /// share, and it is larger than both if they are opposite: see [`related`]. The bias of degree 6 is less
     /// than that of degree 4; the shared part is therefore limited by the part that the distance shows.
     fn seen(
@@ -435,8 +435,11 @@ impl<T: Real> Chosen<T> {
         let of_distance = (T::one() + related.min(T::zero())) / T::constant(FROM_SIXTH);
         let own = own * of_distance * of_distance;
         let shared = positive(trust(beside).certain * biases[beside]).min(own);
+        // Noise may hide that the biases are related, which error bars must allow for.
         if related > T::zero() {
             (own + shared, shared)
+        } else if related == T::zero() {
+            (own, shared)
         } else {
             (own, T::zero())
         }
