@@ -21,9 +21,17 @@ const NOISE_POOL: usize = 32;
 const UNSEEN: f64 = 0.1;
 const SIGNIFICANT: f64 = 4.0;
 
-/// Number of standard deviations by which the distances over the whole mesh have to exceed the effect of
-/// noise before a bias of degree 6 is added to that of degree 4.
+/// Number of standard deviations by which the sums over the whole mesh scatter by noise: for the least and
+/// the largest bias that they allow.
 const CERTAIN: f64 = 2.0;
+
+/// Number of standard deviations by which the product of two distances has to exceed the effect of noise
+/// before their biases count as related. It is larger than [`CERTAIN`], because signs do not show the part
+/// of the scatter that is due to the sizes of the errors.
+const RELATED: f64 = 2.5;
+
+/// Least ratio of the bias of degree 4 to its distance from degree 6, where their biases are opposite.
+const OPPOSITE: f64 = 0.6;
 
 /// Squares of the bias, from squared distances averaged over different pools.
 #[derive(Clone, Default)]
@@ -43,16 +51,101 @@ pub(super) struct Bias<T> {
 /// up to more than the excess of the mesh as a whole.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Trust<T> {
-    /// The most likely fraction.
+    /// The expected fraction: the excess of the mesh as a whole, reduced as far as it may be due to chance
+    /// or to the uncertainty of the variance.
     pub(super) likely: T,
-    /// The fraction after [`CERTAIN`] standard deviations of the excess by noise alone are subtracted.
+    /// The fraction after [`CERTAIN`] standard deviations of the excess by noise alone are subtracted, and
+    /// after they are added.
     pub(super) certain: T,
+    pub(super) possible: T,
+}
+
+/// Two estimates of one quantity, and the changes of each by the replicas.
+pub(super) struct Pair<'a, T> {
+    pub(super) values: [&'a [T]; 2],
+    pub(super) changes: [&'a [Values<T>]; 2],
+}
+
+impl<T: Real> Pair<'_, T> {
+    fn difference(&self, vertex: usize) -> T {
+        self.values[0][vertex] - self.values[1][vertex]
+    }
+
+    fn change(&self, vertex: usize, replica: usize) -> T {
+        self.changes[0][vertex][replica] - self.changes[1][vertex][replica]
+    }
+}
+
+/// The sum over the mesh of products of two differences, in units of a variance, less the effect of noise;
+/// and the standard deviation of this effect.
+struct Excess<T> {
+    sum: T,
+    scatter: T,
+    /// Number of vertices.
+    count: T,
+}
+
+impl<T: Real> Excess<T> {
+    /// Compares the sum over the vertices where `is_telling` with those of the replicas, each of which has
+    /// the effect of noise alone. `None` if there are fewer than [`WIDE`] such vertices.
+    fn new(
+        deviations: &Deviations<T>,
+        variances: &[T],
+        [first, second]: [&Pair<'_, T>; 2],
+        is_telling: impl Fn(usize) -> bool,
+    ) -> Option<Self> {
+        let (mut found, mut count) = (T::zero(), 0_u32);
+        let mut by_noise = [T::zero(); REPLICAS];
+        for (vertex, &variance) in variances.iter().enumerate() {
+            let product = first.difference(vertex) * second.difference(vertex) / variance;
+            if !(product.is_finite() && is_telling(vertex)) {
+                continue;
+            }
+            count += 1;
+            found += product;
+            let over = deviations.variances[vertex] / variance;
+            for (replica, sum) in by_noise.iter_mut().enumerate() {
+                *sum += over * first.change(vertex, replica) * second.change(vertex, replica);
+            }
+        }
+        if (count as usize) < WIDE {
+            return None;
+        }
+        let over = T::constant(1.0 / REPLICAS as f64);
+        let mean = over * by_noise.iter().copied().sum::<T>();
+        let squares = by_noise.iter().map(|&sum| (sum - mean) * (sum - mean));
+        Some(Self {
+            sum: found - mean,
+            scatter: (squares.sum::<T>() / T::constant(REPLICAS as f64 - 1.0)).sqrt(),
+            count: T::constant(f64::from(count)),
+        })
+    }
+}
+
+/// The bias of degree 6 in units of the distance d of degree 4 from it, as far as the distance of degree 6
+/// from the next smaller fit is proportional to d: positive if both degrees lose the same waves of the shape,
+/// negative if their errors are opposite, so that d is larger than either. 0 if noise hides it. `None` if too
+/// few vertices tell.
+pub(super) fn related<T: Real>(
+    deviations: &Deviations<T>,
+    variances: &[T],
+    [degrees, scales]: [&Pair<'_, T>; 2],
+    is_telling: impl Fn(usize) -> bool,
+) -> Option<T> {
+    let both = Excess::new(deviations, variances, [degrees, scales], &is_telling)?;
+    let own = Excess::new(deviations, variances, [degrees, degrees], &is_telling)?;
+    let is_seen = both.sum.abs() > T::constant(RELATED) * both.scatter && own.sum > T::zero();
+    let least = T::constant(OPPOSITE - 1.0);
+    Some(if is_seen {
+        (both.sum / own.sum).max(least)
+    } else {
+        T::zero()
+    })
 }
 
 /// Squared distances between two estimates of one quantity, both at single vertices and averaged over
 /// pools, and the variance of the distances.
 pub(super) struct Distances<T> {
-    squares: Vec<T>,
     pub(super) wide: Vec<T>,
     pub(super) narrow: Vec<T>,
     pub(super) local: Vec<T>,
@@ -64,20 +157,20 @@ impl<T: Real> Distances<T> {
         execution: &impl Execution,
         ground: &Ground<'_, T>,
         deviations: &Deviations<T>,
-        [values, others]: [&[T]; 2],
-        [changes, other_changes]: [&[Values<T>]; 2],
+        pair: &Pair<'_, T>,
     ) -> Self {
-        let squares = values.iter().zip(others).map(|(&a, &b)| (a - b) * (a - b));
+        let square = |difference: T| difference * difference;
+        let vertices = 0..deviations.variances.len();
+        let squares = vertices.map(|vertex| square(pair.difference(vertex)));
         let squares = Vec::from_iter(squares);
         let pooled = |count: usize| ground.means(execution, &squares, count);
         Self {
             wide: pooled(WIDE),
             narrow: pooled(NARROW),
             local: pooled(LOCAL),
-            squares,
             variance: variance(execution, ground, deviations, |vertex| {
-                let both = changes[vertex].iter().zip(&other_changes[vertex]);
-                both.map(|(&a, &b)| (a - b) * (a - b)).sum()
+                let changes = (0..REPLICAS).map(|replica| pair.change(vertex, replica));
+                changes.map(square).sum()
             }),
         }
     }
@@ -89,44 +182,38 @@ impl<T: Real> Trust<T> {
         Self {
             likely: T::one(),
             certain: T::one(),
+            possible: T::one(),
         }
     }
 
-    /// Compares, over the vertices where `is_telling`, the sum of squared distances in units of their
-    /// variance with that of the replicas, each of which has the effect of noise alone. `None` if there
+    /// The excess over the vertices where `is_telling`, as a fraction of the local excesses. `None` if there
     /// are fewer than [`WIDE`] such vertices.
     fn new(
         deviations: &Deviations<T>,
         distances: &Distances<T>,
-        [changes, other_changes]: [&[Values<T>]; 2],
+        pair: &Pair<'_, T>,
         is_telling: impl Fn(usize) -> bool,
     ) -> Option<Self> {
-        let (mut found, mut cut_off, mut count) = (T::zero(), T::zero(), 0_u32);
-        let mut by_noise = [T::zero(); REPLICAS];
-        for (vertex, &variance) in distances.variance.iter().enumerate() {
-            let square = distances.squares[vertex] / variance;
-            if !(square.is_finite() && is_telling(vertex)) {
-                continue;
-            }
-            count += 1;
-            found += square;
-            cut_off += positive(distances.wide[vertex] - variance) / variance;
-            let both = changes[vertex].iter().zip(&other_changes[vertex]);
-            for (sum, (&a, &b)) in by_noise.iter_mut().zip(both) {
-                *sum += deviations.variances[vertex] * (a - b) * (a - b) / variance;
-            }
-        }
-        if (count as usize) < WIDE {
-            return None;
-        }
-        let over = T::constant(1.0 / REPLICAS as f64);
-        let mean = over * by_noise.iter().copied().sum::<T>();
-        let squares = by_noise.iter().map(|&sum| (sum - mean) * (sum - mean));
-        let scatter = (squares.sum::<T>() / T::constant(REPLICAS as f64 - 1.0)).sqrt();
+        let variances = &distances.variance;
+        let Excess {
+            sum,
+            scatter,
+            count,
+        } = Excess::new(deviations, variances, [pair, pair], &is_telling)?;
+        let local = variances.iter().zip(&distances.wide).enumerate();
+        let local = local.filter(|&(vertex, _)| is_telling(vertex));
+        let local = local.map(|(_, (&variance, &wide))| positive(wide - variance) / variance);
+        let cut_off: T = local.filter(|excess| excess.is_finite()).sum();
         let part = |excess: T| positive(excess / cut_off).min(T::one());
+        // W. James and C. Stein's estimate of the square of an uncertain value (Proc. 4th Berkeley Symp. 1
+        // (1961) 361): its own uncertainty is subtracted.
+        let unknown = T::constant(UNSEEN) * count;
+        let chance = scatter * scatter + unknown * unknown;
+        let certain = T::constant(CERTAIN) * scatter;
         Some(Self {
-            likely: part(found - mean),
-            certain: part(found - mean - T::constant(CERTAIN) * scatter),
+            likely: part(sum - chance / positive(sum)),
+            certain: part(sum - certain),
+            possible: part(sum + certain),
         })
     }
 }
@@ -184,7 +271,7 @@ impl<T: Real> Bias<T> {
     pub(super) fn new(
         deviations: &Deviations<T>,
         distances: &Distances<T>,
-        changes: [&[Values<T>]; 2],
+        pair: &Pair<'_, T>,
         factor: impl Fn(usize) -> Option<T>,
         other: &Self,
     ) -> Self {
@@ -206,7 +293,7 @@ impl<T: Real> Bias<T> {
             narrow: of(&distances.narrow, &other.narrow, &beyond),
             seen: of(&distances.wide, &other.seen, &seen),
             local: of(&distances.local, &other.local, &significant),
-            trust: Trust::new(deviations, distances, changes, |vertex| {
+            trust: Trust::new(deviations, distances, pair, |vertex| {
                 factor(vertex).is_some()
             })
             .unwrap_or(other.trust),

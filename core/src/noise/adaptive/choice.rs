@@ -1,6 +1,6 @@
 //! The candidates, their estimated errors, and the choice among them at every vertex.
 
-use super::bias::{Bias, Distances, LOCAL, positive, variances};
+use super::bias::{Bias, Distances, LOCAL, Pair, positive, related, variances};
 use super::level::{Kind, Level};
 use super::principal::{self, Fitted, JETS};
 use super::{
@@ -25,6 +25,10 @@ const ORDERS: [i32; QUANTITIES] = [3, 3, 2];
 /// degree 4 to its distance from degree 6.
 const FROM_JET: f64 = 1.5;
 const FROM_SIXTH: f64 = 1.2;
+
+/// Largest ratio of the noise to what explains the distance of f between the jets and the first regression
+/// jets. Averaged over 100 vertices, this distance scatters by a third.
+const EXPLAINED: f64 = 2.0;
 
 /// Error bars in estimated standard errors, with and without noise; and the factor by which they are
 /// larger at boundaries. Bars without noise are wider because the bias of a fit is estimated from
@@ -54,6 +58,8 @@ pub(super) struct Candidate<T> {
     /// For degree 4, the index of the candidate of degree 6 over the same neighbours, from which the
     /// bias was estimated.
     beside: Option<usize>,
+    /// For degree 4, the bias of degree 6 in units of the distance from it: see [`related`].
+    related: [T; QUANTITIES],
 }
 
 /// All candidates so far: the jets, then regression jets, whose indices are in `sixth` for degree 6 and
@@ -96,6 +102,7 @@ impl<T: Real> Candidate<T> {
             variance: variances(execution, ground, deviations, &changes),
             bias: from_fn(|_| bias.clone()),
             beside: None,
+            related: [T::zero(); QUANTITIES],
         };
         (jets, changes)
     }
@@ -136,6 +143,34 @@ impl<T: Real> Chosen<T> {
         }
     }
 
+    /// Reduces the estimated noise where f of the jets is closer to f of the first regression jets than with
+    /// such noise: there, the residual of the shape was taken for noise. No other quantity has as much noise
+    /// compared with its bias.
+    pub(super) fn limit_noise(
+        &mut self,
+        execution: &impl Execution,
+        ground: &Ground<'_, T>,
+        deviations: &mut Deviations<T>,
+        level: &Level<T>,
+    ) {
+        let [_, sixth] = &level.of_degrees;
+        let force = QUANTITIES - 1;
+        let jets = &mut self.all[0];
+        let pair = Pair {
+            values: [&sixth.values[force], &jets.values[force]],
+            changes: [&sixth.changes[force], &self.changes[force]],
+        };
+        let Distances { wide, variance, .. } = Distances::new(execution, ground, deviations, &pair);
+        for (vertex, (square, variance)) in wide.into_iter().zip(variance).enumerate() {
+            let fraction = T::constant(EXPLAINED) * square / variance;
+            let fraction = deviations.reduce(vertex, fraction);
+            for (quantity, (least, _)) in self.least[vertex].iter_mut().enumerate() {
+                jets.variance[quantity][vertex] *= fraction;
+                *least *= fraction;
+            }
+        }
+    }
+
     /// Estimates the errors of the jets by their distances from wider jets, on a mesh without noise.
     pub(super) fn compare(
         &mut self,
@@ -171,10 +206,24 @@ impl<T: Real> Chosen<T> {
         let is_first = self.sixth.is_empty();
         let last = self.sixth.last().copied().unwrap_or(0);
         let before = &self.all[last];
+        let scales: [Pair<'_, T>; QUANTITIES] = from_fn(|quantity| Pair {
+            values: [&sixth.values[quantity], &before.values[quantity]],
+            changes: [&sixth.changes[quantity], &self.changes[quantity]],
+        });
+        let factor = |vertex: usize, quantity: usize| {
+            if is_first {
+                return Some(T::constant(FROM_JET));
+            }
+            let [now, then] = [neighbours[vertex], before.neighbours[vertex]];
+            let growth = T::constant(f64::from(now)) / T::constant(f64::from(then));
+            let left = growth.powi(ORDERS[quantity]).recip();
+            // Also true for NaN, without a fit.
+            let is_telling = growth >= T::constant(TELLING) || !growth.is_finite();
+            is_telling.then(|| (T::one() - left).recip())
+        };
         let bias = from_fn(|quantity| {
-            let changes = [&sixth.changes[quantity][..], &self.changes[quantity]];
-            let values = [&sixth.values[quantity][..], &before.values[quantity]];
-            let distances = Distances::new(execution, ground, deviations, values, changes);
+            let pair = &scales[quantity];
+            let distances = Distances::new(execution, ground, deviations, pair);
             if is_first {
                 self.excess[quantity] =
                     [&distances.wide, &distances.narrow, &distances.local].map(|means| {
@@ -183,37 +232,36 @@ impl<T: Real> Chosen<T> {
                             .collect()
                     });
             }
-            let factor = |vertex: usize| {
-                if is_first {
-                    return Some(T::constant(FROM_JET));
-                }
-                let [now, then] = [neighbours[vertex], before.neighbours[vertex]];
-                let growth = T::constant(f64::from(now)) / T::constant(f64::from(then));
-                let left = growth.powi(ORDERS[quantity]).recip();
-                // Also true for NaN, without a fit.
-                let is_telling = growth >= T::constant(TELLING) || !growth.is_finite();
-                is_telling.then(|| (T::one() - left).recip())
-            };
+            let factor = |vertex: usize| factor(vertex, quantity);
             let other = &before.bias[quantity];
-            Bias::new(deviations, &distances, changes, factor, other)
+            Bias::new(deviations, &distances, pair, factor, other)
         });
         let count = neighbours.len();
+        let last = self.fourth.last().map(|&last| &self.all[last]);
         let fourth = with_fourth.then(|| {
-            let bias = from_fn(|quantity| {
-                let changes = [&fourth.changes[quantity][..], &sixth.changes[quantity]];
-                let values = [&fourth.values[quantity][..], &sixth.values[quantity]];
-                let distances = Distances::new(execution, ground, deviations, values, changes);
-                let factor = |_| Some(T::constant(FROM_SIXTH));
+            let both: [_; QUANTITIES] = from_fn(|quantity| {
+                let degrees = &Pair {
+                    values: [&fourth.values[quantity], &sixth.values[quantity]],
+                    changes: [&fourth.changes[quantity], &sixth.changes[quantity]],
+                };
+                let distances = Distances::new(execution, ground, deviations, degrees);
+                let of_sixth = |_| Some(T::constant(FROM_SIXTH));
                 let other = &before.bias[quantity];
-                Bias::new(deviations, &distances, changes, factor, other)
+                let bias = Bias::new(deviations, &distances, degrees, of_sixth, other);
+                let pairs = [degrees, &scales[quantity]];
+                let is_telling = |vertex: usize| factor(vertex, quantity).is_some();
+                let related = related(deviations, &distances.variance, pairs, is_telling);
+                let before = || last.map_or(T::one(), |last| last.related[quantity]);
+                (bias, related.unwrap_or_else(before))
             });
             Candidate {
                 degree: vec![DEGREES[0] as u8; count],
                 neighbours: neighbours.clone(),
                 kind,
                 variance: variances(execution, ground, deviations, &fourth.changes),
+                related: from_fn(|quantity| both[quantity].1),
+                bias: both.map(|(bias, _)| bias),
                 values: fourth.values,
-                bias,
                 beside: Some(self.all.len()),
             }
         });
@@ -226,6 +274,7 @@ impl<T: Real> Chosen<T> {
             values,
             bias,
             beside: None,
+            related: [T::zero(); QUANTITIES],
         });
         self.changes = changes;
         self.sixth.push(self.all.len() - 1);
@@ -261,6 +310,20 @@ impl<T: Real> Chosen<T> {
     pub(super) fn gains(&self) -> f64 {
         let gains = |least: &&[(T, u8); QUANTITIES]| least.iter().any(|&(_, worse)| worse < 2);
         self.least.iter().filter(gains).count() as f64 / self.least.len() as f64
+    }
+
+    /// The fraction of the vertices where the last level is the best for at least one quantity, and has as
+    /// many neighbours as it should have.
+    pub(super) fn rising(&self) -> f64 {
+        let rising = self.all.last().map_or(0, |last| {
+            let [wanted, _] = last.kind.neighbours;
+            let both = self.least.iter().zip(&last.neighbours);
+            let best = both.filter(|(least, found)| {
+                **found as usize >= wanted && least.iter().any(|&(_, worse)| worse == 0)
+            });
+            best.count()
+        });
+        rising as f64 / self.least.len() as f64
     }
 
     /// Sets `biases` to one of the squares of the bias of each candidate at a vertex. Within a degree,
@@ -332,17 +395,29 @@ impl<T: Real> Chosen<T> {
             }
         } else {
             self.biases(vertex, quantity, |bias| &bias.narrow, biases);
-            bias = bias.max(biases[candidate]);
+            bias = self.possible(vertex, quantity, candidate, bias.max(biases[candidate]));
         }
         // Both biases have the same sign, because both fits lose the same waves of the shape.
         let both = bias.sqrt() + shared.sqrt();
         Some((candidate, both * both + variance, expected))
     }
 
-    /// The expected square of the bias of a candidate, and the part of this square that the candidate
-    /// shares with degree 6. The distance of degree 4 from degree 6 does not show the bias that both
-    /// share. The bias of degree 6 is less than that of degree 4; the shared part is therefore limited
-    /// by the part that the distance shows.
+    /// The part of a squared bias that the distances over the whole mesh allow. The distance of degree 4
+    /// from degree 6 has several times the noise of degree 4, and local distances that exceed it by chance
+    /// would dominate the error.
+    fn possible(&self, vertex: usize, quantity: usize, candidate: usize, square: T) -> T {
+        let found = &self.all[candidate];
+        let bias = &found.bias[quantity];
+        match found.beside {
+            Some(_) => (bias.trust.possible * square).max(bias.local[vertex]),
+            None => square,
+        }
+    }
+
+    /// The expected square of the bias of a candidate, and the square of the bias that it may share with
+    /// degree 6. The distance of degree 4 from degree 6 does not show the bias that both
+    /// share, and it is larger than both if they are opposite: see [`related`]. The bias of degree 6 is less
+    /// than that of degree 4; the shared part is therefore limited by the part that the distance shows.
     fn seen(
         &self,
         vertex: usize,
@@ -353,10 +428,21 @@ impl<T: Real> Chosen<T> {
         self.biases(vertex, quantity, |bias| &bias.seen, biases);
         let trust = |candidate: usize| self.all[candidate].bias[quantity].trust;
         let own = trust(candidate).likely * biases[candidate];
-        let shared = self.all[candidate].beside.map_or(T::zero(), |beside| {
-            positive(trust(beside).certain * biases[beside]).min(own)
-        });
-        (own + shared, shared)
+        let Some(beside) = self.all[candidate].beside else {
+            return (own, T::zero());
+        };
+        let related = self.all[candidate].related[quantity];
+        let of_distance = (T::one() + related.min(T::zero())) / T::constant(FROM_SIXTH);
+        let own = own * of_distance * of_distance;
+        let shared = positive(trust(beside).certain * biases[beside]).min(own);
+        // Noise may hide that the biases are related, which error bars must allow for.
+        if related > T::zero() {
+            (own + shared, shared)
+        } else if related == T::zero() {
+            (own, shared)
+        } else {
+            (own, T::zero())
+        }
     }
 
     /// The results at every vertex; if `is_fixed`, the fits with the most neighbours take precedence

@@ -16,8 +16,8 @@ const CEILING: f64 = 0.35;
 /// on the mesh as a whole, the lower of the two values in [`FLAT`] takes its place.
 const CERTAIN: f64 = 0.5;
 
-/// Fraction of the vertices whose noise may be larger than the lower bound that is assumed for all
-/// vertices.
+/// Fraction of the vertices whose noise may be smaller than the lower bound that is assumed for all
+/// vertices, or larger than the upper bound that is assumed where the mesh does not resolve the shape.
 const QUIETEST: f64 = 0.05;
 
 /// Largest R/S₆ of shapes; range of R/S₆ of noise; and S₆/S₄ above which the shape is hardly resolved.
@@ -30,6 +30,8 @@ pub(super) struct Deviations<T> {
     /// σ², squared lengths.
     pub(super) variances: Vec<T>,
     pub(super) verdicts: Vec<Verdict>,
+    /// Lower bound of σ², from the digits of the positions or from the user.
+    least: T,
 }
 
 impl<T: Real> Deviations<T> {
@@ -92,11 +94,23 @@ impl<T: Real> Deviations<T> {
                 }
             }
         }
+        if 2 * unresolved <= inside {
+            // The shape is mistaken for noise at the tips of an ellipsoid with large triangles.
+            let both = parts.iter().zip(&variances);
+            let resolved = both.filter(|(parts, _)| resolution(parts) != Verdict::Unresolved);
+            let resolved = Vec::from_iter(resolved.map(|(_, &variance)| variance));
+            let most = quantile(&resolved, 1.0 - QUIETEST);
+            for (variance, parts) in variances.iter_mut().zip(&parts) {
+                if resolution(parts) == Verdict::Unresolved {
+                    *variance = variance.min(most);
+                }
+            }
+        }
         let least = quantile(&variances, QUIETEST);
         let rounding = rounding(ground.surface.positions());
-        let least = least.max(rounding * rounding).max(known * known);
+        let known = (rounding * rounding).max(known * known);
         for variance in &mut variances {
-            *variance = variance.max(least);
+            *variance = variance.max(least).max(known);
         }
         let verdicts = parts.iter().zip(&variances).enumerate();
         let verdicts = verdicts.map(|(vertex, (parts, &variance))| {
@@ -110,7 +124,21 @@ impl<T: Real> Deviations<T> {
         Self {
             verdicts: verdicts.collect(),
             variances,
+            least: known,
         }
+    }
+
+    /// Reduces σ² at a vertex to this fraction, but not below what is known of it. Returns the actual
+    /// fraction.
+    pub(super) fn reduce(&mut self, vertex: usize, fraction: T) -> T {
+        let before = self.variances[vertex];
+        // Also false for NaN.
+        if !(fraction < T::one() && before > self.least) {
+            return T::one();
+        }
+        let after = (fraction * before).max(self.least);
+        self.variances[vertex] = after;
+        after / before
     }
 
     /// Whether there is noise anywhere.

@@ -1,0 +1,104 @@
+//! Adaptive jets where noise is hardly larger than the residual of the shape, so that it is found at some
+//! vertices, at none, or where there is none.
+
+use crate::adaptive::{QUANTITIES, best_fixed, estimate, exact, of, root_mean_square, shape};
+use crate::expected_errors::{Case, disc, torus};
+use helfrich::{AdaptiveJet, Surface};
+use helfrich_std::generate::Family;
+use helfrich_std::method::{BendingMethod, Evaluator};
+
+/// Largest ratio of the errors to those of J6. At single vertices the choice scatters where the noise is
+/// uncertain.
+const OF_JETS: f64 = 1.25;
+
+/// Largest ratio of the errors to those of the best fixed fit: the goal of the design.
+const OF_BEST: f64 = 4.0;
+
+/// Root mean square errors of H, K and f by J6.
+fn of_jets(case: &Case, positions: &[[f64; 3]]) -> [f64; QUANTITIES] {
+    let surface = Surface::new(&case.mesh, positions).expect("positions");
+    let fields = Evaluator::new(BendingMethod::J6, 1.0, &case.mesh).fields(surface);
+    let error = |vertex: usize, quantity: usize| {
+        let point = &case.exact[vertex];
+        let force = |f: [f64; 3]| (0..3).map(|k| f[k] * point.normal[k]).sum();
+        let found = match quantity {
+            0 => fields.mean[vertex],
+            1 => fields.gaussian[vertex],
+            _ => fields.force_density[vertex].map(force),
+        };
+        found.expect("a value") - exact(point, quantity)
+    };
+    [0, 1, 2].map(|quantity| {
+        root_mean_square((0..positions.len()).map(|vertex| error(vertex, quantity)))
+    })
+}
+
+/// Ratios of the errors to those of J6, and of the best of J6 and the fixed fits, for each quantity.
+fn ratios(case: &Case, part: f64) -> [[f64; 2]; QUANTITIES] {
+    let positions = case.disturbed(part * case.mean_edge());
+    let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
+    let [jets, fixed] = [of_jets(case, &positions), best_fixed(case, &positions)];
+    [0, 1, 2].map(|quantity| {
+        let both = found.iter().zip(&case.exact);
+        let errors = both.map(|(at, point)| estimate(at, quantity).value - exact(point, quantity));
+        let error = root_mean_square(errors);
+        let jets = jets[quantity];
+        [error / jets, error / jets.min(fixed[quantity])]
+    })
+}
+
+/// At the tips of the ellipsoid and inside the torus, the residual of the shape is larger than the noise.
+#[test]
+fn near_the_detection_limit_it_is_no_worse_than_jets() {
+    for (name, part) in [
+        (shape("ellipsoid:1,0.7,0.4"), 1e-5),
+        (torus(0.5), 1e-5),
+        (shape("discocyte"), 3e-5),
+    ] {
+        let case = Case::of_shape(&name, Family::Relaxed, 2562);
+        for [of_jets, of_best] in ratios(&case, part) {
+            assert!(
+                of_jets < OF_JETS && of_best < OF_BEST,
+                "{}, {part}: {of_jets} {of_best}",
+                case.name
+            );
+        }
+    }
+}
+
+/// Known exceptions: f where noise is found nowhere, or at half of the vertices only, on tori, the disc and
+/// the ellipsoid 1, 0.8, 0.5 at 1e-5 and 3e-5 (up to 7 times the best fixed fit, and as good as J6).
+#[test]
+#[ignore = "five minutes: by hand, see CONTRIBUTING"]
+fn many_shapes_near_the_detection_limit() {
+    let shapes = [
+        torus(0.4),
+        torus(0.5),
+        disc(),
+        shape("ellipsoid:1,0.7,0.4"),
+        shape("ellipsoid:1,0.8,0.5"),
+        shape("ellipsoid:1,1,0.4"),
+        shape("discocyte"),
+    ];
+    let mut lines = Vec::new();
+    for family in [
+        Family::Irregular,
+        Family::Regular,
+        Family::Relaxed,
+        Family::Hard,
+    ] {
+        let stars = [2, 5].map(|seed| Case::of_star(seed, family, 2562));
+        let others = shapes.iter();
+        let others = others.map(|shape| Case::of_shape(shape, family, 2562));
+        for case in stars.into_iter().chain(others) {
+            for part in [3e-6, 1e-5, 3e-5, 1e-4] {
+                let ratios = ratios(&case, part);
+                let is_amiss = |&[jets, best]: &[f64; 2]| jets > OF_JETS || best > OF_BEST;
+                if ratios.iter().any(is_amiss) {
+                    lines.push(format!("{}, {part}: {ratios:.2?}\n", case.name));
+                }
+            }
+        }
+    }
+    assert!(lines.is_empty(), "{}", lines.concat());
+}
