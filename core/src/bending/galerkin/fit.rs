@@ -2,7 +2,7 @@
 //! of their coefficients.
 //!
 //! With differences `d_j = x_j − x_i` and the radius `ρ² = 2·105/K² Σ |d_j|²`, which holds about 105
-//! neighbours on an even mesh, the heights `h_j = d_j·n/ρ` over `(u, v) = (d·t₁, d·t₂)/ρ` are fitted with
+//! neighbours on an even mesh (64 for lower degrees), the heights `h_j = d_j·n/ρ` over `(u, v) = (d·t₁, d·t₂)/ρ` are fitted with
 //! weights `w = exp(−14 r²)/(r² + 10⁻³)`, `r = |d_j|/ρ`. The second factor nearly interpolates the nearest
 //! neighbours: where two vertices are close, their jets agree, and the blend does not divide a difference
 //! by a high power of the distance. `A c = Vᵀ W h`, `A = Vᵀ W V + R`, V the monomials. R is diagonal and constant,
@@ -30,7 +30,9 @@ const SHARPNESS: f64 = 14.0;
 /// Square of the distance, in radii, within which weights do not grow further.
 pub(super) const CORE: f64 = 1e-3;
 /// Number of neighbours within the radius of an even mesh.
-pub(super) const WITHIN: f64 = 105.0;
+pub(super) const fn within(degree: usize) -> f64 {
+    if degree > 6 { 105.0 } else { 64.0 }
+}
 
 /// Degree, and power of v, of each monomial.
 const MONOMIALS: [(usize, usize); COUNT] = {
@@ -63,7 +65,7 @@ const DIAGONAL: [f64; COUNT] = {
     let mut k = 0;
     while k < COUNT {
         let (degree, power) = MONOMIALS[k];
-        diagonal[k] = WITHIN / SHARPNESS * mean_power(degree - power) * mean_power(power);
+        diagonal[k] = within(DEGREE) / SHARPNESS * mean_power(degree - power) * mean_power(power);
         k += 1;
     }
     diagonal
@@ -391,7 +393,7 @@ const LEAST_EXPONENT: f64 = -64.0;
 fn spread<T: Real>(block: &Block) -> Several<T> {
     Several::from_fn(|lane| {
         let count = f64::from(block.counts[lane]);
-        T::constant(2.0 * WITHIN / (count * count))
+        T::constant(2.0 * within(block.degree) / (count * count))
     })
 }
 

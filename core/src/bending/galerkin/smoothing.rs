@@ -8,7 +8,7 @@
 //! `b = Vᵀ W 1` and `z = B⁻¹ b`, elimination of all coefficients but the constant leaves
 //! `S_j = w_j (1 − V_j z)/(Σ w − b z)`. V is 0 at the vertex itself.
 
-use super::fit::{CORE, COUNT, Fit, WITHIN, value_of};
+use super::fit::{CORE, COUNT, Fit, value_of, within};
 use super::plan::{Plan, coefficient_count};
 use super::shape::Shape;
 use super::vertices::Work;
@@ -58,7 +58,7 @@ impl<'a, T: Real> SlotKernel<Work<T>, RegressionSlots<'a, T>> for Regressions<'_
             let scratch = &mut work.scratch;
             scratch.place_again(fit, self.surface, block, neighbours, self.normals);
             // On even meshes the matrix is then about that of the fits.
-            let over = Several::literal(WITHIN / PI) * Several::splat(self.mean_area);
+            let over = Several::literal(within(block.degree) / PI) * Several::splat(self.mean_area);
             let over = over * fit.over_radius * fit.over_radius;
             let own_weight = over * gathered(self.areas, &block.vertices);
             let mut sum = own_weight * gathered(self.field, &block.vertices);
