@@ -371,7 +371,7 @@ methods! {
         },
         Cost {
             relative: 110.0,
-            bytes: Bytes::Fixed(11000),
+            bytes: Bytes::Fixed(18500),
         };
         /// J of degree 4: strong form over osculating jets.
         J4: strong_form(Jet<T>, |settings: Settings<'_, T>| settings.strong_form(Jet::j4())),

@@ -203,7 +203,7 @@ fn what_is_not_resolved_is_reported() {
 
 /// The solution for f starts with the strong form over the jets. Its largest error here is about that of J6,
 /// 1.2e-2, and that of the solution 6e-3; so 2e-2 lies between them at most, while each term of the strong form
-/// is as large as f. A few steps to the default tolerance, 5 % of the residual, leave 5 % of that.
+/// is as large as f. A few steps to the default tolerance leave this part of it.
 #[test]
 fn solutions_start_close_to_force_densities() {
     let shape: AnyShape = "discocyte".parse().expect("a shape");
@@ -231,7 +231,7 @@ fn solutions_start_close_to_force_densities() {
         assert!(difference(&start) < 2e-2, "{}", difference(&start));
         let (density, steps) = solution(method.tolerance);
         assert!(
-            difference(&density) < 0.05 * 2e-2,
+            difference(&density) < method.tolerance * 2e-2,
             "{}",
             difference(&density)
         );

@@ -3,7 +3,6 @@
 use super::GalerkinMemory;
 use super::basis::GAUSS;
 use super::edges::angle_of;
-use super::fit;
 use super::points::settled;
 use super::shape::Shape;
 use crate::diagnostic::Finding;
@@ -12,12 +11,15 @@ use crate::real::Real;
 /// Least pivot, over the diagonal entry, of a fit that neighbours determine well.
 const WEAKEST: f64 = 1e-6;
 
+/// Least degree of fits with which f converges at every vertex.
+const CONVERGENT: usize = 6;
+
 /// Largest angle between patches that are resolved.
 const LARGEST_ANGLE: f64 = 1e-3;
 
 impl<T: Real> Shape<T> {
-    /// Reports vertices without fits, fits of lower degree, fits that are hardly determined, and jets that are no graph over the
-    /// triangles around their vertex.
+    /// Reports vertices without fits, fits of less than degree 6, fits that are hardly determined, and jets
+    /// that are no graph over the triangles around their vertex.
     pub(super) fn report_fits(&self, report: &mut dyn FnMut(Finding)) {
         for &vertex in &self.plan.without_fit {
             report(Finding::TooFewNeighbours { vertex });
@@ -28,7 +30,7 @@ impl<T: Real> Shape<T> {
             };
             let (block, lane) = (block as usize, usize::from(lane));
             let degree = self.plan.blocks[block].degree;
-            if degree < fit::DEGREE {
+            if degree < CONVERGENT {
                 report(Finding::ReducedDegree {
                     vertex,
                     degree: degree as u8,
