@@ -353,16 +353,17 @@ fn runs_at_once_leave_what_one_after_the_other_leaves() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_goes_on_where_it_was() {
+    let whole = Sweep::new();
+    whole.ends(0, &long("2"));
     for jobs in ["1", "2"] {
-        interrupt_and_resume(jobs);
+        interrupt_and_resume(jobs, &whole);
     }
 }
 
+/// Arguments of a sweep that takes long enough to be interrupted.
 #[cfg(unix)]
-fn interrupt_and_resume(jobs: &str) {
-    use std::process::{Command, Stdio};
-    let [whole, stopped] = [(); 2].map(|()| Sweep::new());
-    let long = [
+fn long(jobs: &str) -> [&str; 8] {
+    [
         "--vary",
         "surface.0.bending.modulus=0.1,0.2,0.3",
         "--set",
@@ -371,7 +372,14 @@ fn interrupt_and_resume(jobs: &str) {
         "driver.strain=2",
         "--jobs",
         jobs,
-    ];
+    ]
+}
+
+#[cfg(unix)]
+fn interrupt_and_resume(jobs: &str, whole: &Sweep) {
+    use std::process::{Command, Stdio};
+    let stopped = Sweep::new();
+    let long = long(jobs);
     let child = crate::command(&stopped.arguments(&long))
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -392,9 +400,8 @@ fn interrupt_and_resume(jobs: &str) {
     assert!(printed.contains("--resume"), "{printed}");
     assert!(!stopped.out.join("modulus=0.3").exists());
     stopped.ends(0, &[&long[..], &["--resume"]].concat());
-    whole.ends(0, &long);
     for name in ["modulus=0.1", "modulus=0.2", "modulus=0.3"] {
-        let series = [&whole, &stopped].map(|sweep| sweep.out.join(name).join("series.csv"));
+        let series = [whole, &stopped].map(|sweep| sweep.out.join(name).join("series.csv"));
         let [whole, stopped] = series.map(|path| fs::read(path).unwrap());
         assert_eq!(whole, stopped, "{name}");
     }
