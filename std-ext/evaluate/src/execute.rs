@@ -9,7 +9,6 @@ use helfrich::{Execution, Real, Serial, Surface};
 use pulp::NullaryFnOnce;
 use std::cell::Cell;
 use std::num::NonZeroUsize;
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Execution of loops on several threads, in AVX2 vectors where the processor has them.
@@ -105,26 +104,62 @@ const FIRST_SLOTS: usize = 64;
 /// Duration of work that is worth starting a thread.
 const WORTH_A_THREAD: Duration = Duration::from_micros(150);
 
-/// Runs `work(k)` for k in 0 … `count` − 1, each on a thread of its own, the first on this one. The function
-/// is not generic over `work`, so that it is compiled once.
-fn on_threads(count: usize, work: &(dyn Fn(usize) + Sync)) {
+/// A share of a loop.
+type Task<'a> = Box<dyn FnOnce() + Send + 'a>;
+
+/// Runs every task on a thread of its own, the first on this one. The function is not generic over the tasks,
+/// so that it is compiled once.
+fn on_threads<'a>(next: &mut dyn FnMut() -> Option<Task<'a>>) {
     std::thread::scope(|scope| {
-        for k in 1..count {
-            scope.spawn(move || work(k));
+        let first = next();
+        while let Some(task) = next() {
+            scope.spawn(task);
         }
-        work(0);
+        if let Some(task) = first {
+            task();
+        }
     });
 }
 
 /// Runs `work` for each part, the first on this thread.
-fn share<P: Send>(parts: Vec<P>, work: &(dyn Fn(P) + Sync)) {
-    let parts: Vec<_> = parts.into_iter().map(|p| Mutex::new(Some(p))).collect();
-    on_threads(parts.len(), &|k| {
-        let mut part = parts[k].lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(part) = part.take() {
-            work(part);
-        }
+fn share<P: Send>(mut parts: impl Iterator<Item = P>, work: &(impl Fn(P) + Sync)) {
+    on_threads(&mut || {
+        let part = parts.next()?;
+        Some(Box::new(move || work(part)))
     });
+}
+
+/// Number of threads that are worth starting for slots of which the first [`FIRST_SLOTS`] took this time.
+fn worthwhile(threads: NonZeroUsize, first: Duration, left: usize) -> usize {
+    let expected = first.as_secs_f64() * (left as f64 / FIRST_SLOTS as f64);
+    let worth = (expected / WORTH_A_THREAD.as_secs_f64()) as usize;
+    threads.get().min(worth)
+}
+
+/// Divides slots into consecutive parts, each with a scratch and the number of its first slot.
+struct Parts<'a, S, O> {
+    scratches: std::slice::IterMut<'a, S>,
+    start: usize,
+    slots: Option<O>,
+    /// The largest number of slots of a part.
+    size: usize,
+}
+
+impl<'a, S, O: Slots> Iterator for Parts<'a, S, O> {
+    type Item = (&'a mut S, usize, O);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let scratch = self.scratches.next()?;
+        let mut slots = self.slots.take()?;
+        let start = self.start;
+        if slots.count() > self.size {
+            let (part, others) = slots.split_at(self.size);
+            slots = part;
+            self.start += self.size;
+            self.slots = Some(others);
+        }
+        Some((scratch, start, slots))
+    }
 }
 
 /// Runs a task compiled for AVX2 where the processor has it, as [`Parallel`] runs its loops.
@@ -229,7 +264,7 @@ impl Execution for Parallel {
             return onto((0, output));
         }
         let parts = output[..vertices].chunks_mut(size).enumerate();
-        share(parts.map(|(k, part)| (k * size, part)).collect(), &onto);
+        share(parts.map(|(k, part)| (k * size, part)), &onto);
     }
 
     fn run<S: Default + Send, O: Slots>(
@@ -257,30 +292,19 @@ impl Execution for Parallel {
         let start = Instant::now();
         run((&mut scratches[0], 0, first));
         let left = count - FIRST_SLOTS;
-        let expected = start.elapsed().as_secs_f64() * (left as f64 / FIRST_SLOTS as f64);
-        let worth = (expected / WORTH_A_THREAD.as_secs_f64()) as usize;
-        let threads = self.threads.get().min(worth);
+        let threads = worthwhile(self.threads, start.elapsed(), left);
         if threads <= 1 {
             return run((&mut scratches[0], FIRST_SLOTS, rest));
         }
         if scratches.len() < threads {
             scratches.resize_with(threads, S::default);
         }
-        let size = left.div_ceil(threads);
-        let mut parts = Vec::with_capacity(threads);
-        let (mut start, mut rest) = (FIRST_SLOTS, Some(rest));
-        for scratch in scratches.iter_mut() {
-            let Some(slots) = rest.take() else {
-                break;
-            };
-            if count - start <= size {
-                parts.push((scratch, start, slots));
-            } else {
-                let (part, others) = slots.split_at(size);
-                parts.push((scratch, start, part));
-                (start, rest) = (start + size, Some(others));
-            }
-        }
+        let parts = Parts {
+            scratches: scratches.iter_mut(),
+            start: FIRST_SLOTS,
+            slots: Some(rest),
+            size: left.div_ceil(threads),
+        };
         share(parts, &run);
     }
 
