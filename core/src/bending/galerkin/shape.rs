@@ -148,7 +148,9 @@ impl<T: Real> Return<T> {
             let across = sub(sum, scale(dot(sum, normal), normal));
             let [x, y, z, _] = sums[vertex];
             let over = crate::vec3::norm([x, y, z]).reciprocal_or_zero();
-            let [x, y, z] = finite_or_zero(scale(-over, across));
+            // Sums of three of them must stay finite, too, and their products with edges.
+            let eightfold = finite_or_zero(scale(T::constant(-8.0) * over, across));
+            let [x, y, z] = scale(T::constant(0.125), eightfold);
             *normal_force = [x, y, z, T::zero()];
         });
         execution.scatter(
