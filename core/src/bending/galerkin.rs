@@ -56,7 +56,7 @@ use alloc::vec::Vec;
 /// f is normal to the surface: where κ or H0 vary, its tangential part is in the nodal forces only.
 ///
 /// Only triangles with interior corners count, see [`crate::bending`]; f is 0 at a boundary, and inaccurate
-/// within a few edges of it. Components of less than 880 vertices have fits of degree 6, those of less than
+/// within a few edges of it. Components of less than 2000 vertices have fits of degree 6, those of less than
 /// 540 fits of lower degree, and those of less than 11 none and therefore no energy; the last two are
 /// reported.
 ///

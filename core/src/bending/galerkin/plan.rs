@@ -109,25 +109,30 @@ pub(super) struct Plan {
     pub(super) ringed: Vec<Place>,
 }
 
-/// Degrees of fits, highest first, and the number of neighbours that each needs: twice the number of
-/// coefficients. Whole rings are taken until there are so many; the five rings of a vertex of valence 6 have
-/// 90.
-const DEGREES: [(usize, usize); 6] = [(8, 88), (6, 54), (5, 40), (4, 28), (3, 18), (2, 10)];
-
-/// The part of a component that neighbours are at most: more would surround it instead of being a graph over
-/// a plane.
-const PART: usize = 10;
+/// Degrees of fits, highest first, the number of neighbours that each needs, twice the number of coefficients,
+/// and the least number of vertices of a component. Whole rings are taken until there are so many; the five
+/// rings of a vertex of valence 6 have 90.
+///
+/// Neighbours are at most a tenth of a component: more would surround it instead of being a graph over a
+/// plane. Degree 8 needs twice as many vertices: where these do not resolve the surface, polynomials of
+/// degree 6 over fewer neighbours have smaller errors.
+const DEGREES: [(usize, usize, usize); 6] = [
+    (8, 88, 2000),
+    (6, 54, 540),
+    (5, 40, 400),
+    (4, 28, 280),
+    (3, 18, 180),
+    (2, 10, 100),
+];
 
 /// Degree and number of neighbours for the vertices of a component of this size; degree 0 if they determine no
 /// fit.
 fn degree_and_need(component: usize) -> (usize, usize) {
-    let least = DEGREES[DEGREES.len() - 1];
-    let fits = DEGREES
-        .into_iter()
-        .find(|&(_, need)| PART * need <= component);
-    match fits {
-        Some(found) => found,
-        None if component > least.1 => least,
+    let (least, few, _) = DEGREES[DEGREES.len() - 1];
+    let mut fits = DEGREES.into_iter();
+    match fits.find(|&(_, _, vertices)| vertices <= component) {
+        Some((degree, need, _)) => (degree, need),
+        None if component > few => (least, few),
         None => (0, 0),
     }
 }
