@@ -69,7 +69,7 @@ pub struct Galerkin<T> {
     pub spontaneous_curvature: MaterialParameter<T>,
     /// Residual at which the solution of the equations of the force density ends, relative to that of the
     /// strong form over the jets, with which it starts. The latter is about the error of f: the default, 0.5,
-    /// changes errors by up to a quarter, in either direction.
+    /// changes errors by up to 30 %, in either direction.
     pub tolerance: T,
 }
 

@@ -2,10 +2,10 @@
 //! of their coefficients.
 //!
 //! With differences `d_j = x_j − x_i` and the radius `ρ² = 2·105/K² Σ |d_j|²`, which holds about 105
-//! neighbours on an even mesh (64 for lower degrees), the heights `h_j = d_j·n/ρ` over `(u, v) = (d·t₁, d·t₂)/ρ` are fitted with
-//! weights `w = exp(−14 r²)/(r² + 10⁻³)`, `r = |d_j|/ρ`. The second factor nearly interpolates the nearest
-//! neighbours: where two vertices are close, their jets agree, and the blend does not divide a difference
-//! by a high power of the distance. `A c = Vᵀ W h`, `A = Vᵀ W V + R`, V the monomials. R is diagonal and constant,
+//! neighbours on an even mesh (64 for lower degrees), the heights `h_j = d_j·n/ρ` over
+//! `(u, v) = (d·t₁, d·t₂)/ρ` are fitted with weights `w = exp(−14 r²)/(r² + 10⁻³)`, `r = |d_j|/ρ`. The second
+//! factor nearly interpolates the nearest neighbours: where two vertices are close, their jets agree, and the
+//! blend does not divide a difference by a high power of the distance. `A c = Vᵀ W h`, `A = Vᵀ W V + R`, V the monomials. R is diagonal and constant,
 //! of the size of rounding: where neighbours determine a coefficient, it changes nothing, and where they
 //! do not, the coefficient is 0 instead of undefined.
 
