@@ -15,6 +15,7 @@ mod measures;
 mod patch;
 mod plan;
 mod points;
+mod polynomial;
 mod shape;
 mod smoothing;
 mod start;

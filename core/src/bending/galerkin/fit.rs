@@ -10,6 +10,7 @@
 //! do not, the coefficient is 0 instead of undefined.
 
 use super::plan::{Block, coefficient_count};
+use super::polynomial::Polynomial;
 use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::{MomentPoints, exponential, place_of, set_moments};
 use crate::real::Real;
@@ -324,13 +325,14 @@ impl<T: Real> Scratch<T> {
             fit.solve(&mut field.by_coefficient);
         }
         let [across, along] = fit.frame;
+        let (jet, duals) = (fit.polynomial(), Polynomial::new(&by_coefficient));
         let mut turned = [[Several::zero(); 3]; 3];
         let over = fit.over_radius;
         for row in 0..self.rows() {
             let [u, v, h] = [0, 1, 2].map(|axis| self.places[axis][row]);
             let weight = self.weights[row];
-            let [value, by_u, by_v] = polynomial(&fit.coefficients, u, v);
-            let [dual, dual_u, dual_v] = polynomial(&by_coefficient, u, v);
+            let [value, by_u, by_v] = jet.with_slopes(u, v);
+            let [dual, dual_u, dual_v] = duals.with_slopes(u, v);
             let residual = h - value;
             let bars = self.bars[row];
             let mut bars = [
@@ -340,8 +342,9 @@ impl<T: Real> Scratch<T> {
             ];
             let mut by_weight = dual * residual;
             for field in fields.iter().flatten() {
-                let [value, by_u, by_v] = polynomial(field.coefficients, u, v);
-                let [dual, dual_u, dual_v] = polynomial(&field.by_coefficient, u, v);
+                let [value, by_u, by_v] = Polynomial::new(field.coefficients).with_slopes(u, v);
+                let [dual, dual_u, dual_v] =
+                    Polynomial::new(&field.by_coefficient).with_slopes(u, v);
                 let residual = field.values[row] - value;
                 bars[0] = bars[0] + weight * (residual * dual_u - dual * by_u);
                 bars[1] = bars[1] + weight * (residual * dual_v - dual * by_v);
@@ -398,6 +401,12 @@ fn spread<T: Real>(block: &Block) -> Several<T> {
 }
 
 impl<T: Real> Fit<T> {
+    /// The polynomial of the jet.
+    #[inline(always)]
+    pub(super) fn polynomial(&self) -> Polynomial<Several<T>> {
+        Polynomial::new(&self.coefficients)
+    }
+
     /// A vector in coordinates of the frame.
     #[inline(always)]
     pub(super) fn in_frame(&self, vector: Vec3<Several<T>>) -> Vec3<Several<T>> {
@@ -522,61 +531,4 @@ impl<T: Real> Fit<T> {
 /// Start of row i of a matrix below its diagonal.
 const fn row_start(i: usize) -> usize {
     i * i.saturating_sub(1) / 2
-}
-
-/// Value, ∂u and ∂v of a polynomial.
-#[inline(always)]
-pub(super) fn polynomial<L: Lane>(coefficients: &[L; COUNT], u: L, v: L) -> [L; 3] {
-    let [mut value, mut by_u, mut by_v] = [L::zero(); 3];
-    for a in (0..=DEGREE).rev() {
-        let (mut part, mut slope) = (L::zero(), L::zero());
-        for b in (0..=DEGREE - a).rev() {
-            slope = slope * v + part;
-            part = part * v;
-            let place = place_of(a + b, b);
-            // There is no constant term.
-            if place > 0 {
-                part = part + coefficients[place - 1];
-            }
-        }
-        by_u = by_u * u + value;
-        value = value * u + part;
-        by_v = by_v * u + slope;
-    }
-    [value, by_u, by_v]
-}
-
-/// Value of a polynomial.
-#[inline(always)]
-pub(super) fn value_of<L: Lane>(coefficients: &[L; COUNT], u: L, v: L) -> L {
-    let mut value = L::zero();
-    for a in (0..=DEGREE).rev() {
-        let mut part = L::zero();
-        for b in (0..=DEGREE - a).rev() {
-            part = part * v;
-            let place = place_of(a + b, b);
-            if place > 0 {
-                part = part + coefficients[place - 1];
-            }
-        }
-        value = value * u + part;
-    }
-    value
-}
-
-/// Adds `factor` times the monomials at (u, v).
-#[inline(always)]
-pub(super) fn add_monomials<L: Lane>(sums: &mut [L; COUNT], factor: L, u: L, v: L) {
-    let mut power = factor;
-    for b in 0..=DEGREE {
-        let mut term = power;
-        for a in 0..=DEGREE - b {
-            let place = place_of(a + b, b);
-            if place > 0 {
-                sums[place - 1] = sums[place - 1] + term;
-            }
-            term = term * u;
-        }
-        power = power * v;
-    }
 }

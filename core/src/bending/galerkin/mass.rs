@@ -7,8 +7,9 @@
 //! `M = Zᵀ ∫ φ φᵀ dS Z`; it is applied without its entries.
 
 use super::basis::{AROUND, Basis, FREE, INSIDE, ON_EDGE, QUADRATURE, blend, inner_from};
-use super::fit::{COUNT, Fit, Scratch, add_monomials, polynomial, value_of};
+use super::fit::{COUNT, Fit, Scratch};
 use super::plan::{Block, Plan, STAR, coefficient_count};
+use super::polynomial::{Polynomial, add_monomials};
 use super::shape::Shape;
 use super::vertices::Work;
 use crate::bending::surface_point::Point;
@@ -90,10 +91,11 @@ impl<'a, T: Real> SlotKernel<Work<T>, SetupSlots<'a, T>> for Setup<'_, T> {
                 h - by_u * u - by_v * v
             };
             let [p, q, ..] = fit.coefficients;
+            let jet = fit.polynomial();
             *own = facing([p, q], self.gather(&block.vertices));
             for (row, numbers) in rows.iter_mut().enumerate() {
                 let [u, v] = [0, 1].map(|axis| scratch.places[axis][row]);
-                let [_, by_u, by_v] = polynomial(&fit.coefficients, u, v);
+                let [_, by_u, by_v] = jet.with_slopes(u, v);
                 let g = facing([by_u, by_v], self.gather(&neighbours[row]));
                 *numbers = [u, v, scratch.weights[row], g];
             }
@@ -168,10 +170,10 @@ impl<'a, T: Real> SlotKernel<Work<T>, Ragged<'a, Several<T>>> for Move<'_, T> {
                 let moved = Several::from_fn(|lane| self.field[list[lane] as usize]);
                 *value = numbers[3] * moved - centre;
             }
-            let coefficients = scratch.fitted(&self.fits[number], block.degree);
+            let field = Polynomial::new(&scratch.fitted(&self.fits[number], block.degree));
             let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
             for (share, &[u, v, weight]) in shares.iter_mut().zip(&self.spots[stars]) {
-                *share = weight * (centre + value_of(&coefficients, u, v));
+                *share = weight * (centre + field.value(u, v));
             }
         }
     }
@@ -263,9 +265,10 @@ impl<'a, T: Real> SlotKernel<Work<T>, (Ragged<'a, Several<T>>, &'a mut [Several<
             let count = coefficient_count(plan.blocks[number].degree);
             by_coefficient[count..].fill(Several::zero());
             self.fits[number].solve(&mut by_coefficient);
+            let dual = Polynomial::new(&by_coefficient);
             let rows = plan.neighbour_offsets[number]..plan.neighbour_offsets[number + 1];
             for (pull, &[u, v, weight, g]) in pulls.iter_mut().zip(&self.neighbours[rows]) {
-                let share = weight * value_of(&by_coefficient, u, v);
+                let share = weight * dual.value(u, v);
                 centre = centre - share;
                 *pull = g * share;
             }

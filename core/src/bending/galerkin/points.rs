@@ -7,8 +7,9 @@
 //! With `G = (p_u, p_v, −1)`: `ds = −(dp + G·(d(y − x)/ρ + s dm))/(G·m)`.
 
 use super::basis::{AROUND, ON_EDGE, blend};
-use super::fit::{COUNT, FieldPull, Fit, Scratch, add_monomials, polynomial, value_of};
+use super::fit::{COUNT, FieldPull, Fit, Scratch};
 use super::plan::{Block, STAR};
+use super::polynomial::{Polynomial, add_monomials};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::vec3::{Vec3, add, dot, norm, scale, sub};
@@ -57,9 +58,9 @@ struct Step<L> {
 
 impl<L: Lane> Step<L> {
     #[inline(always)]
-    fn new(coefficients: &[L; COUNT], line: &Line<L>, s: L) -> Self {
+    fn new(jet: &Polynomial<L>, line: &Line<L>, s: L) -> Self {
         let at = add(line.offset, scale(s, line.direction));
-        let [value, by_u, by_v] = polynomial(coefficients, at[0], at[1]);
+        let [value, by_u, by_v] = jet.with_slopes(at[0], at[1]);
         let [m_u, m_v, m_h] = line.direction;
         let cosine = m_h - by_u * m_u - by_v * m_v;
         let meets = L::literal(LEAST_COSINE).less(cosine);
@@ -87,7 +88,7 @@ fn absolute<L: Lane>(x: L) -> L {
 /// last step, or 1.
 #[inline(always)]
 fn solve<T: Real>(
-    coefficients: &[Several<T>; COUNT],
+    jet: &Polynomial<Several<T>>,
     line: &Line<Several<T>>,
 ) -> (Several<T>, Several<T>) {
     let enough = Several::splat(settled());
@@ -95,7 +96,7 @@ fn solve<T: Real>(
     let mut s = Several::zero();
     let mut last = one;
     for _ in 0..MOST_STEPS {
-        let step = Step::new(coefficients, line, s);
+        let step = Step::new(jet, line, s);
         // Settled lanes stay as they are, whatever the others do.
         let done = last.less(enough);
         let meets = Several::zero().less(step.over);
@@ -166,13 +167,14 @@ impl<T: Real> Scratch<T> {
         block: &Block,
         displacements: &mut [Several<T>],
     ) {
+        let jet = fit.polynomial();
         let mut worst = Several::zero();
         for (row, displacements) in displacements.chunks_exact_mut(STAR).enumerate() {
             let [places, normals] = self.corners(block, row);
             let used: [bool; WIDTH] = block.valences.map(|valence| row < valence as usize);
             for (point, displacement) in displacements.iter_mut().enumerate() {
                 let line = Line::new(AROUND[point], places, normals);
-                let (s, last) = solve(&fit.coefficients, &line);
+                let (s, last) = solve(&jet, &line);
                 *displacement = s * fit.radius;
                 let worse = Several::select(worst.less(last), last, worst);
                 worst = Several::select(used, worse, worst);
@@ -198,6 +200,7 @@ impl<T: Real> Scratch<T> {
         self.bars.resize(self.rows(), zero);
         self.normal_bars.clear();
         self.normal_bars.resize(self.normals.len(), zero);
+        let jet = fit.polynomial();
         let mut by_coefficient = [Several::zero(); COUNT];
         let mut by_radius = Several::zero();
         let enough = Several::splat(settled());
@@ -212,7 +215,7 @@ impl<T: Real> Scratch<T> {
                 let weight = Several::literal(blend([own, next, other]));
                 let line = Line::new([own, next, other], places, normals);
                 let s = displacements[point] * fit.over_radius;
-                let step = Step::new(&fit.coefficients, &line, s);
+                let step = Step::new(&jet, &line, s);
                 let by_s = weight * given[point];
                 by_radius = by_radius + by_s * s;
                 let good = absolute(step.step).less(enough);
@@ -221,7 +224,7 @@ impl<T: Real> Scratch<T> {
                 let mut by_place = zero;
                 for field in fields.iter_mut().flatten() {
                     let by_value = weight * field.given[row * STAR + point];
-                    let [_, by_u, by_v] = polynomial(field.coefficients, u, v);
+                    let [_, by_u, by_v] = Polynomial::new(field.coefficients).with_slopes(u, v);
                     by_place[0] = by_place[0] + by_value * by_u;
                     by_place[1] = by_place[1] + by_value * by_v;
                     add_monomials(&mut field.by_coefficient, by_value, u, v);
@@ -273,6 +276,7 @@ impl<T: Real> Scratch<T> {
         (coefficients, own): (&[Several<T>; COUNT], Several<T>),
         values: &mut [Several<T>],
     ) {
+        let field = Polynomial::new(coefficients);
         let stars = displacements.chunks_exact(STAR);
         for (row, (displacements, values)) in stars.zip(values.chunks_exact_mut(STAR)).enumerate() {
             let [places, normals] = self.corners(block, row);
@@ -280,7 +284,7 @@ impl<T: Real> Scratch<T> {
                 let line = Line::new(AROUND[point], places, normals);
                 let s = displacements[point] * fit.over_radius;
                 let [u, v, _] = add(line.offset, scale(s, line.direction));
-                values[point] = own + value_of(coefficients, u, v);
+                values[point] = own + field.value(u, v);
             }
         }
     }
@@ -295,6 +299,7 @@ impl<T: Real> Scratch<T> {
         displacements: &[Several<T>],
         spots: &mut [[Several<T>; 3]],
     ) {
+        let jet = fit.polynomial();
         let enough = Several::splat(settled());
         let stars = displacements.chunks_exact(STAR);
         for (row, (displacements, spots)) in stars.zip(spots.chunks_exact_mut(STAR)).enumerate() {
@@ -302,7 +307,7 @@ impl<T: Real> Scratch<T> {
             for point in 0..STAR {
                 let line = Line::new(AROUND[point], places, normals);
                 let s = displacements[point] * fit.over_radius;
-                let step = Step::new(&fit.coefficients, &line, s);
+                let step = Step::new(&jet, &line, s);
                 let [by_u, by_v] = step.slopes;
                 let squared = Several::literal(1.0) + by_u * by_u + by_v * by_v;
                 let weight = Several::literal(blend(AROUND[point]));

@@ -8,8 +8,9 @@
 //! `b = Vᵀ W 1` and `z = B⁻¹ b`, elimination of all coefficients but the constant leaves
 //! `S_j = w_j (1 − V_j z)/(Σ w − b z)`. V is 0 at the vertex itself.
 
-use super::fit::{CORE, COUNT, Fit, value_of, within};
+use super::fit::{CORE, COUNT, Fit, within};
 use super::plan::{Plan, coefficient_count};
+use super::polynomial::Polynomial;
 use super::shape::Shape;
 use super::vertices::Work;
 use crate::element::{Execution, Ragged, SlotKernel, Slots};
@@ -85,9 +86,10 @@ impl<'a, T: Real> SlotKernel<Work<T>, RegressionSlots<'a, T>> for Regressions<'_
             }
             let over = left.reciprocal_or_zero();
             *own = own_weight * over;
+            let solution = Polynomial::new(&solution);
             for (row, entry) in rows.iter_mut().enumerate() {
                 let [u, v] = [0, 1].map(|axis| scratch.places[axis][row]);
-                let part = Several::literal(1.0) - value_of(&solution, u, v);
+                let part = Several::literal(1.0) - solution.value(u, v);
                 *entry = scratch.weights[row] * part * over;
             }
         }
