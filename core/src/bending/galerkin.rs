@@ -222,6 +222,7 @@ impl<T: Real> Curvatures<T> for Galerkin<T> {
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
         self.measure(execution, surface, memory);
+        memory.shape.set_jets(execution);
         let shape = &memory.shape;
         execution.map(of_vertices(surface, curvature), |vertex, curvature| {
             *curvature = Curvature {
@@ -230,13 +231,10 @@ impl<T: Real> Curvatures<T> for Galerkin<T> {
                 kind: surface.mesh().vertex_kind(vertex),
                 ..Curvature::default()
             };
-            if let Some((block, lane)) = shape.plan.members[vertex] {
-                let fit = &shape.fits[block as usize];
-                let (normal, [mean, gaussian]) = fit.curvatures(usize::from(lane));
-                if mean.is_finite() && gaussian.is_finite() {
-                    curvature.normal = normal;
-                    (curvature.mean, curvature.gaussian) = (mean, gaussian);
-                }
+            let jet = shape.jet(vertex);
+            if let Some(jet) = jet.filter(|jet| jet.mean.is_finite() && jet.gaussian.is_finite()) {
+                curvature.normal = jet.normal;
+                (curvature.mean, curvature.gaussian) = (jet.mean, jet.gaussian);
             }
         });
     }

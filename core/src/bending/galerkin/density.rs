@@ -1,5 +1,6 @@
 //! The force density: solution of the equations of the mass matrix.
 
+use super::fit::Jet;
 use super::mass::Mass;
 use super::shape::Shape;
 use super::smoothing::Smoothing;
@@ -151,7 +152,6 @@ impl<T: Real> Solver<T> {
     fn set(
         &mut self,
         execution: &impl Execution,
-        surface: Surface<'_, T>,
         (shape, mass): (&Shape<T>, &mut Mass<T>),
         work: &mut Vec<Work<T>>,
     ) {
@@ -192,7 +192,7 @@ impl<T: Real> Solver<T> {
             let square = relative * relative;
             *error = square / (T::one() + square);
         });
-        smoothing.set(execution, surface, shape, work, (areas, mean), errors);
+        smoothing.set(execution, (shape, &mass.neighbours), work, (areas, mean), errors);
         execution.map(&mut penalties[..], |i, penalty| {
             *penalty = T::constant(PENALTY) * smoothing.mean(plan, i);
         });
@@ -243,16 +243,10 @@ impl<T: Real> Galerkin<T> {
             ..
         } = solver;
         let Shape { plan, fits, .. } = shape;
-        let found = |vertex: usize| {
-            let (block, lane) = plan.members[vertex]?;
-            let (_, [mean, gaussian]) = fits[block as usize].curvatures(usize::from(lane));
-            let spontaneous = self.spontaneous_curvature.at(vertex);
-            let moment = self.modulus.at(vertex) * (mean - spontaneous);
-            let factor = mean * mean - gaussian + spontaneous * mean;
-            Some((block as usize, usize::from(lane), moment, factor))
-        };
         execution.map(&mut moments[..], |vertex, moment| {
-            *moment = found(vertex).map_or(T::zero(), |(_, _, moment, _)| moment);
+            *moment = shape.jet(vertex).map_or(T::zero(), |jet| {
+                self.modulus.at(vertex) * (jet.mean - self.spontaneous_curvature.at(vertex))
+            });
         });
         laplacians.resize(plan.blocks.len(), Several::zero());
         let kernel = Laplacians {
@@ -264,9 +258,15 @@ impl<T: Real> Galerkin<T> {
         execution.run(work, &mut laplacians[..], &kernel);
         let two = T::constant(2.0);
         execution.map(&mut direction[..], |vertex, direction| {
-            let density = found(vertex).map_or(T::zero(), |(block, lane, moment, factor)| {
-                two * (laplacians[block].0[lane] + two * moment * factor)
-            });
+            let Some((jet, (block, lane))) = shape.jet(vertex).zip(plan.members[vertex]) else {
+                *direction = T::zero();
+                return;
+            };
+            let Jet { mean, gaussian, .. } = jet;
+            let spontaneous = self.spontaneous_curvature.at(vertex);
+            let factor = mean * mean - gaussian + spontaneous * mean;
+            let laplacian = laplacians[block as usize].0[usize::from(lane)];
+            let density = two * (laplacian + two * moments[vertex] * factor);
             [*direction] = finite_or_zero([coefficients.mean * density]);
         });
     }
@@ -285,10 +285,11 @@ impl<T: Real> Galerkin<T> {
             work,
             ..
         } = memory;
+        shape.set_jets(execution);
         mass.set(execution, surface, shape, work);
         let count = shape.sums.len();
         solver.clear(count);
-        solver.set(execution, surface, (shape, mass), work);
+        solver.set(execution, (shape, mass), work);
         self.set_strong_form(execution, (shape, mass), work, solver);
         let Solver {
             force,

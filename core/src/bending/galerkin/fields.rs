@@ -94,26 +94,23 @@ impl<'a, T: Real> Field<'a, T> {
         let Self::Varying { values, fits, .. } = *self else {
             return None;
         };
-        set_differences(plan, number, values, differences);
+        differences.clear();
+        differences.extend(differences_of(plan, number, values));
         Some(&fits[number])
     }
 }
 
-/// Sets the values at the neighbours of a block less those at its vertices.
+/// The values at the neighbours of a block less those at its vertices.
 #[inline(always)]
-pub(super) fn set_differences<T: Real>(
+pub(super) fn differences_of<T: Real>(
     plan: &Plan,
     number: usize,
     values: &[T],
-    differences: &mut Vec<Several<T>>,
-) {
-    let vertices = &plan.blocks[number].vertices;
-    differences.clear();
-    for neighbours in plan.neighbours_of(number) {
-        differences.push(Several::from_fn(|lane| {
-            values[neighbours[lane] as usize] - values[vertices[lane] as usize]
-        }));
-    }
+) -> impl Iterator<Item = Several<T>> {
+    let own = plan.blocks[number].vertices.map(|v| values[v as usize]);
+    plan.neighbours_of(number).iter().map(move |neighbours| {
+        Several::from_fn(|lane| values[neighbours[lane] as usize] - own[lane])
+    })
 }
 
 /// Fits a field to the neighbours of each vertex.
@@ -138,8 +135,9 @@ impl<'a, T: Real> SlotKernel<Work<T>, ForwardSlots<'a, T>> for Forward<'_, T> {
             let scratch = &mut work.scratch;
             let neighbours = plan.neighbours_of(number);
             scratch.place_again(fit, self.surface, block, neighbours, self.normals);
-            set_differences(plan, number, self.values, &mut scratch.values);
-            *coefficients = scratch.fitted(fit, block.degree);
+            let differences = differences_of(plan, number, self.values);
+            let (points, sums) = scratch.points();
+            *coefficients = sums.fitted(fit, block.degree, points, differences);
             let own = Several::from_fn(|lane| self.values[block.vertices[lane] as usize]);
             let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
             let displacements = &self.displacements[stars];

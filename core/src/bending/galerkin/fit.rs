@@ -12,10 +12,10 @@
 use super::plan::{Block, coefficient_count};
 use super::polynomial::Polynomial;
 use crate::lane::{Lane, Several, WIDTH};
-use crate::laplacian::{MomentPoints, exponential, place_of, set_moments};
+use crate::laplacian::{MomentPoints as Points, exponential, place_of, set_moments};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, add, dot, normalise, scale, sub, tangent_frame};
+use crate::vec3::{Vec3, add, dot, norm, scale, sub, tangent_frame};
 use alloc::vec::Vec;
 
 /// Degree of the polynomials.
@@ -119,6 +119,14 @@ pub(super) struct FieldPull<'a, T> {
     pub(super) by_coefficient: [Several<T>; COUNT],
 }
 
+/// Unit normal, H and K of a jet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Jet<L> {
+    pub(super) normal: Vec3<L>,
+    pub(super) mean: L,
+    pub(super) gaussian: L,
+}
+
 /// Memory of a block.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch<T> {
@@ -131,23 +139,76 @@ pub(super) struct Scratch<T> {
     pub(super) bars: Vec<Vec3<Several<T>>>,
     /// Derivatives with respect to normals in the one-ring, in the frame.
     pub(super) normal_bars: Vec<Vec3<Several<T>>>,
-    pub(super) values: Vec<Several<T>>,
+    pub(super) sums: Sums<T>,
+}
+
+/// Sums over points, and the memory that they need.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sums<T> {
     column: Vec<Several<T>>,
     powers: Vec<Several<T>>,
-    /// Weighted moments of the neighbours, that of degree 0 first.
+    /// Moments of the matrix that was set last, that of degree 0 first.
     pub(super) moments: Vec<Several<T>>,
     right: Vec<Several<T>>,
 }
 
-impl<T: Real> Scratch<T> {
-    /// Makes room for this number of neighbours.
+impl<T: Real> Sums<T> {
+    /// Sets the moments of the points, and factorises their matrix.
     #[inline(always)]
-    pub(super) fn resize(&mut self, rows: usize) {
-        for values in &mut self.places {
-            values.resize(rows, Several::zero());
-        }
-        self.values.resize(rows, Several::zero());
-        self.weights.resize(rows, Several::zero());
+    pub(super) fn set_matrix(&mut self, fit: &mut Fit<T>, degree: usize, points: Points<'_, T>) {
+        self.column.clear();
+        self.column.extend_from_slice(points.weights);
+        let count = place_of(2 * degree, 2 * degree) + 1;
+        self.moments.resize(count, Several::zero());
+        let (column, powers) = (&mut self.column, &mut self.powers);
+        set_moments(&mut self.moments, 2 * degree, points, column, powers);
+        fit.factorise(&self.moments, coefficient_count(degree));
+    }
+
+    /// Sums of weighted values times the monomials of a degree and less, 1 first.
+    #[inline(always)]
+    pub(super) fn project(
+        &mut self,
+        degree: usize,
+        points: Points<'_, T>,
+        values: impl Iterator<Item = Several<T>>,
+    ) -> &[Several<T>] {
+        self.column.clear();
+        let weighted = values.zip(points.weights);
+        self.column.extend(weighted.map(|(value, &weight)| weight * value));
+        self.right.resize(coefficient_count(degree) + 1, Several::zero());
+        let (right, column) = (&mut self.right, &mut self.column);
+        set_moments(right, degree, points, column, &mut self.powers);
+        &self.right
+    }
+
+    /// The polynomials that are fitted to the values.
+    #[inline(always)]
+    pub(super) fn fitted(
+        &mut self,
+        fit: &Fit<T>,
+        degree: usize,
+        points: Points<'_, T>,
+        values: impl Iterator<Item = Several<T>>,
+    ) -> [Several<T>; COUNT] {
+        let mut solution = [Several::zero(); COUNT];
+        let right = &self.project(degree, points, values)[1..];
+        solution[..right.len()].copy_from_slice(right);
+        fit.solve(&mut solution);
+        solution
+    }
+}
+
+impl<T: Real> Scratch<T> {
+    /// The neighbours with their weights, and the memory for sums over them.
+    #[inline(always)]
+    pub(super) fn points(&mut self) -> (Points<'_, T>, &mut Sums<T>) {
+        let points = Points {
+            x: &self.places[0],
+            y: &self.places[1],
+            weights: &self.weights,
+        };
+        (points, &mut self.sums)
     }
 
     /// Number of neighbours in the longest list.
@@ -255,49 +316,14 @@ impl<T: Real> Scratch<T> {
     /// Fits the polynomials.
     #[inline(always)]
     pub(super) fn fit(&mut self, fit: &mut Fit<T>, degree: usize) {
-        self.set_matrix(fit, degree);
-        self.values.clear();
-        self.values.extend_from_slice(&self.places[2]);
-        fit.coefficients = self.fitted(fit, degree);
-    }
-
-    /// Sets the moments, and factorises their matrix.
-    #[inline(always)]
-    pub(super) fn set_matrix(&mut self, fit: &mut Fit<T>, degree: usize) {
-        self.column.clear();
-        self.column.extend_from_slice(&self.weights);
-        self.moments
-            .resize(place_of(2 * degree, 2 * degree) + 1, Several::zero());
-        let points = MomentPoints {
+        let points = Points {
             x: &self.places[0],
             y: &self.places[1],
             weights: &self.weights,
         };
-        let (column, powers) = (&mut self.column, &mut self.powers);
-        set_moments(&mut self.moments, 2 * degree, points, column, powers);
-        fit.factorise(&self.moments, coefficient_count(degree));
-    }
-
-    /// The polynomials that are fitted to the values.
-    #[inline(always)]
-    pub(super) fn fitted(&mut self, fit: &Fit<T>, degree: usize) -> [Several<T>; COUNT] {
-        self.column.clear();
-        for (&value, &weight) in self.values.iter().zip(&self.weights) {
-            self.column.push(weight * value);
-        }
-        self.right.resize(COUNT + 1, Several::zero());
-        let points = MomentPoints {
-            x: &self.places[0],
-            y: &self.places[1],
-            weights: &self.weights,
-        };
-        let (right, column) = (&mut self.right, &mut self.column);
-        set_moments(right, DEGREE, points, column, &mut self.powers);
-        let mut solution = [Several::zero(); COUNT];
-        let count = coefficient_count(degree);
-        solution[..count].copy_from_slice(&self.right[1..=count]);
-        fit.solve(&mut solution);
-        solution
+        self.sums.set_matrix(fit, degree, points);
+        let heights = self.places[2].iter().copied();
+        fit.coefficients = self.sums.fitted(fit, degree, points, heights);
     }
 
     /// From the derivatives `by_coefficient` with respect to the coefficients, and with respect to places
@@ -427,20 +453,23 @@ impl<T: Real> Fit<T> {
         )
     }
 
-    /// The normal, and H and K, of the polynomial of one vertex at the vertex.
-    pub(super) fn curvatures(&self, lane: usize) -> (Vec3<T>, [T; 2]) {
-        let at = |vector: Vec3<Several<T>>| vector.map(|axis| axis.0[lane]);
-        let two = T::constant(2.0);
-        let [p, q, uu, uv, vv] = core::array::from_fn(|k| self.coefficients[k].0[lane]);
+    /// The normal, and H and K, of the polynomials at the vertices.
+    #[inline(always)]
+    pub(super) fn curvatures(&self) -> Jet<Several<T>> {
+        let (one, two) = (Several::literal(1.0), Several::literal(2.0));
+        let [p, q, uu, uv, vv, ..] = self.coefficients;
         let (uu, vv) = (two * uu, two * vv);
-        let w = T::one() + p * p + q * q;
-        let over = self.over_radius.0[lane];
-        let bend = (T::one() + q * q) * uu - two * p * q * uv + (T::one() + p * p) * vv;
-        let mean = -bend / (two * w * num_traits::Float::sqrt(w)) * over;
-        let gaussian = (over * uu) * (over * vv) - (over * uv) * (over * uv);
-        let along = sub(at(self.normal), scale(p, at(self.frame[0])));
-        let normal = normalise(sub(along, scale(q, at(self.frame[1]))));
-        (normal, [mean, gaussian / (w * w)])
+        let w = one + p * p + q * q;
+        let over = self.over_radius;
+        let bend = (one + q * q) * uu - two * p * q * uv + (one + p * p) * vv;
+        let along = sub(self.normal, scale(p, self.frame[0]));
+        let normal = sub(along, scale(q, self.frame[1]));
+        Jet {
+            normal: scale(norm(normal).reciprocal_or_zero(), normal),
+            mean: -(bend * (two * w * w.sqrt()).reciprocal_or_zero() * over),
+            gaussian: ((over * uu) * (over * vv) - (over * uv) * (over * uv))
+                * (w * w).reciprocal_or_zero(),
+        }
     }
 
     /// Factorises the matrix of these moments; of the coefficients from `count` on it is the identity.

@@ -8,22 +8,24 @@
 
 use super::basis::{AROUND, Basis, FREE, INSIDE, ON_EDGE, QUADRATURE, blend, inner_from};
 use super::fit::{COUNT, Fit, Scratch};
-use super::plan::{Block, Plan, STAR, coefficient_count};
-use super::polynomial::{Polynomial, add_monomials};
+use super::plan::{Block, Plan, STAR};
+use super::polynomial::Polynomial;
 use super::shape::Shape;
 use super::vertices::Work;
 use crate::bending::surface_point::Point;
 use crate::element::{Execution, Ragged, SlotKernel, Slots, Strided};
 use crate::lane::{Lane, Several, WIDTH};
+use crate::laplacian::MomentPoints as Points;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::Vec3;
 use alloc::vec::Vec;
 
-/// Numbers for each neighbour: u, v, the weight, and g.
+/// Numbers for each neighbour: u, v, the weight, and g. Those of a block are a table that is stored by
+/// [`columns`].
 pub(super) type Neighbour<T> = [Several<T>; 4];
 
-/// Numbers for each point around a vertex: u, v, and the weight of the blend over the root.
+/// Numbers for each point around a vertex: u, v, and the weight of the blend over the root, stored alike.
 type Spot<T> = [Several<T>; 3];
 
 /// Data that stay the same while the equations are solved.
@@ -43,21 +45,23 @@ pub(super) struct Mass<T> {
     own_pulls: Vec<Several<T>>,
 }
 
-/// The normals of jets.
-struct Normals<'a, T> {
-    plan: &'a Plan,
-    fits: &'a [Fit<T>],
+/// The columns of a table: all numbers of one kind stand together.
+#[inline(always)]
+pub(super) fn columns<const N: usize, L>(table: &[[L; N]]) -> [&[L]; N] {
+    let (rows, numbers) = (table.len(), table.as_flattened());
+    core::array::from_fn(|column| &numbers[column * rows..][..rows])
 }
 
-impl<T: Real> Normals<'_, T> {
-    /// The normal of the jet of a vertex.
-    fn of(&self, vertex: usize) -> [T; 3] {
-        let Some((block, lane)) = self.plan.members[vertex] else {
-            return [T::zero(); 3];
-        };
-        let (normal, _) = self.fits[block as usize].curvatures(usize::from(lane));
-        normal
-    }
+/// The same columns, to be set.
+#[inline(always)]
+fn columns_mut<const N: usize, L>(table: &mut [[L; N]]) -> [&mut [L]; N] {
+    let rows = table.len();
+    let mut rest = table.as_flattened_mut();
+    core::array::from_fn(|_| {
+        let (column, others) = core::mem::take(&mut rest).split_at_mut(rows);
+        rest = others;
+        column
+    })
 }
 
 /// Sets what stays the same for a block.
@@ -93,15 +97,16 @@ impl<'a, T: Real> SlotKernel<Work<T>, SetupSlots<'a, T>> for Setup<'_, T> {
             let [p, q, ..] = fit.coefficients;
             let jet = fit.polynomial();
             *own = facing([p, q], self.gather(&block.vertices));
-            for (row, numbers) in rows.iter_mut().enumerate() {
+            let [us, vs, weights, gs] = columns_mut(rows);
+            for row in 0..us.len() {
                 let [u, v] = [0, 1].map(|axis| scratch.places[axis][row]);
                 let [_, by_u, by_v] = jet.with_slopes(u, v);
                 let g = facing([by_u, by_v], self.gather(&neighbours[row]));
-                *numbers = [u, v, scratch.weights[row], g];
+                (us[row], vs[row], weights[row], gs[row]) = (u, v, scratch.weights[row], g);
             }
             let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
             let displacements = &self.displacements[stars];
-            scratch.set_spots(fit, block, displacements, spots);
+            scratch.set_spots(fit, block, displacements, columns_mut(spots));
         }
     }
 }
@@ -159,20 +164,16 @@ impl<'a, T: Real> SlotKernel<Work<T>, Ragged<'a, Several<T>>> for Move<'_, T> {
             let lists = &plan.neighbours[rows.clone()];
             let centre = Several::from_fn(|lane| self.field[block.vertices[lane] as usize]);
             let centre = self.own[number] * centre;
-            let scratch = &mut work.scratch;
-            scratch.take_places(&self.neighbours[rows.clone()]);
-            for ((value, numbers), list) in scratch
-                .values
-                .iter_mut()
-                .zip(&self.neighbours[rows])
-                .zip(lists)
-            {
-                let moved = Several::from_fn(|lane| self.field[list[lane] as usize]);
-                *value = numbers[3] * moved - centre;
-            }
-            let field = Polynomial::new(&scratch.fitted(&self.fits[number], block.degree));
+            let [x, y, weights, g] = columns(&self.neighbours[rows]);
+            let values = g.iter().zip(lists).map(|(&g, list)| {
+                g * Several::from_fn(|lane| self.field[list[lane] as usize]) - centre
+            });
+            let (sums, points) = (&mut work.scratch.sums, Points { x, y, weights });
+            let field = sums.fitted(&self.fits[number], block.degree, points, values);
+            let field = Polynomial::new(&field);
             let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
-            for (share, &[u, v, weight]) in shares.iter_mut().zip(&self.spots[stars]) {
+            let [us, vs, weights] = columns(&self.spots[stars]);
+            for (((share, &u), &v), &weight) in shares.iter_mut().zip(us).zip(vs).zip(weights) {
                 *share = weight * (centre + field.value(u, v));
             }
         }
@@ -255,22 +256,21 @@ impl<'a, T: Real> SlotKernel<Work<T>, (Ragged<'a, Several<T>>, &'a mut [Several<
         for (number, (pulls, own)) in (start..).zip(pulls.into_slots().zip(own)) {
             plan.gather_returned(number, (self.returned, FREE + 3, 0), &mut work.given);
             let stars = plan.star_offsets[number]..plan.star_offsets[number + 1];
-            let mut by_coefficient = [Several::zero(); COUNT];
-            let mut centre = Several::zero();
-            for (&given, &[u, v, weight]) in work.given.iter().zip(&self.spots[stars]) {
-                let given = weight * given;
-                centre = centre + given;
-                add_monomials(&mut by_coefficient, given, u, v);
-            }
-            let count = coefficient_count(plan.blocks[number].degree);
-            by_coefficient[count..].fill(Several::zero());
-            self.fits[number].solve(&mut by_coefficient);
-            let dual = Polynomial::new(&by_coefficient);
+            let [x, y, weights] = columns(&self.spots[stars]);
+            let (degree, points) = (plan.blocks[number].degree, Points { x, y, weights });
+            let given = work.given.iter().copied();
+            let by_coefficient = work.scratch.sums.project(degree, points, given);
+            let mut centre = by_coefficient[0];
+            let mut dual = [Several::zero(); COUNT];
+            dual[..by_coefficient.len() - 1].copy_from_slice(&by_coefficient[1..]);
+            self.fits[number].solve(&mut dual);
+            let dual = Polynomial::new(&dual);
             let rows = plan.neighbour_offsets[number]..plan.neighbour_offsets[number + 1];
-            for (pull, &[u, v, weight, g]) in pulls.iter_mut().zip(&self.neighbours[rows]) {
-                let share = weight * dual.value(u, v);
+            let [us, vs, weights, gs] = columns(&self.neighbours[rows]);
+            for (row, pull) in pulls.iter_mut().enumerate() {
+                let share = weights[row] * dual.value(us[row], vs[row]);
                 centre = centre - share;
-                *pull = g * share;
+                *pull = gs[row] * share;
             }
             *own = self.own[number] * centre;
         }
@@ -278,7 +278,7 @@ impl<'a, T: Real> SlotKernel<Work<T>, (Ragged<'a, Several<T>>, &'a mut [Several<
 }
 
 impl<T: Real> Mass<T> {
-    /// Sets what stays the same for the surface that was measured.
+    /// Sets what stays the same for the surface that was measured, whose jets are set.
     pub(super) fn set(
         &mut self,
         execution: &impl Execution,
@@ -296,9 +296,9 @@ impl<T: Real> Mass<T> {
         let count = plan.blocks.len();
         let zero = Several::zero();
         self.normals.resize(normals.len(), [T::zero(); 3]);
-        let of_jets = Normals { plan, fits };
         execution.map(&mut self.normals[..], |vertex, normal| {
-            *normal = of_jets.of(vertex);
+            let jet = shape.jet(vertex);
+            *normal = jet.map_or([T::zero(); 3], |jet| jet.normal);
         });
         let rows = plan.neighbour_offsets[count];
         self.neighbours.resize(rows, [zero; 4]);
@@ -425,18 +425,5 @@ impl<T: Real> Mass<T> {
             }
             *image = sum;
         });
-    }
-}
-
-impl<T: Real> Scratch<T> {
-    /// Sets coordinates and weights of neighbours, and makes room for their values.
-    #[inline(always)]
-    pub(super) fn take_places(&mut self, neighbours: &[Neighbour<T>]) {
-        self.resize(neighbours.len());
-        for (row, &[u, v, weight, _]) in neighbours.iter().enumerate() {
-            self.places[0][row] = u;
-            self.places[1][row] = v;
-            self.weights[row] = weight;
-        }
     }
 }

@@ -22,7 +22,7 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Entry `lane` of row `row`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place {
-    row: usize,
+    row: u32,
     lane: u8,
     /// The vertex whose row it is.
     pub(super) vertex: u32,
@@ -30,21 +30,22 @@ pub(super) struct Place {
 
 impl Place {
     fn new(row: usize, lane: usize, vertex: u32) -> Self {
-        let lane = lane as u8;
+        // Vertices have u32 numbers, and blocks fewer than eight times eight rows for each.
+        let (row, lane) = (row as u32, lane as u8);
         Self { row, lane, vertex }
     }
 
     /// The entry `rows` rows further.
     #[inline(always)]
     pub(super) fn read<T: Copy>(self, all: &[Several<T>], rows: usize) -> T {
-        all[self.row + rows].0[usize::from(self.lane)]
+        all[self.row as usize + rows].0[usize::from(self.lane)]
     }
 
     /// The vector at this place.
     #[inline(always)]
     pub(super) fn vector<T: Copy>(self, all: &[[Several<T>; 3]]) -> [T; 3] {
         let lane = usize::from(self.lane);
-        all[self.row].map(|row| row.0[lane])
+        all[self.row as usize].map(|row| row.0[lane])
     }
 }
 

@@ -297,12 +297,12 @@ impl<T: Real> Scratch<T> {
         fit: &Fit<T>,
         block: &Block,
         displacements: &[Several<T>],
-        spots: &mut [[Several<T>; 3]],
+        [us, vs, weights]: [&mut [Several<T>]; 3],
     ) {
         let jet = fit.polynomial();
         let enough = Several::splat(settled());
         let stars = displacements.chunks_exact(STAR);
-        for (row, (displacements, spots)) in stars.zip(spots.chunks_exact_mut(STAR)).enumerate() {
+        for (row, displacements) in stars.enumerate() {
             let [places, normals] = self.corners(block, row);
             for point in 0..STAR {
                 let line = Line::new(AROUND[point], places, normals);
@@ -314,7 +314,8 @@ impl<T: Real> Scratch<T> {
                 let weight = weight * squared.sqrt().reciprocal_or_zero();
                 let good = absolute(step.step).less(enough);
                 let weight = Several::select(good, weight, Several::zero());
-                spots[point] = [step.at[0], step.at[1], weight];
+                let at = row * STAR + point;
+                (us[at], vs[at], weights[at]) = (step.at[0], step.at[1], weight);
             }
         }
     }

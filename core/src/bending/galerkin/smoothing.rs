@@ -1,22 +1,23 @@
 //! Regression of the force density, for the part of it that the mass matrix hardly determines.
 //!
 //! S replaces the value at each vertex by that of a polynomial of degree 8 in the plane of the jet, which is
-//! fitted to the values at the vertex and its neighbours with weights `A exp(−14 r²)`; A is a third of the
-//! triangles around a vertex. It changes smooth fields by the order h⁹.
+//! fitted to the values at the vertex and its neighbours with weights `A w (u² + v² + 10⁻³)`, about
+//! `A exp(−14 r²)`; w are the weights of the jet, A is a third of the triangles around a vertex. It changes smooth fields by the order h⁹.
 //!
 //! Let V be the monomials without the constant, W the weights and 1 a vector of ones. With `B = Vᵀ W V`,
 //! `b = Vᵀ W 1` and `z = B⁻¹ b`, elimination of all coefficients but the constant leaves
 //! `S_j = w_j (1 − V_j z)/(Σ w − b z)`. V is 0 at the vertex itself.
 
-use super::fit::{CORE, COUNT, Fit, within};
+use super::fit::{CORE, COUNT, Fit, Scratch, within};
+use super::mass::{Neighbour, columns};
 use super::plan::{Plan, coefficient_count};
 use super::polynomial::Polynomial;
 use super::shape::Shape;
 use super::vertices::Work;
 use crate::element::{Execution, Ragged, SlotKernel, Slots};
 use crate::lane::{Lane, Several, WIDTH};
+use crate::laplacian::MomentPoints as Points;
 use crate::real::Real;
-use crate::surface::Surface;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
@@ -34,8 +35,7 @@ pub(super) struct Smoothing<T> {
 /// Sets rows of S.
 struct Regressions<'a, T> {
     plan: &'a Plan,
-    surface: Surface<'a, T>,
-    normals: &'a [[T; 3]],
+    neighbours: &'a [Neighbour<T>],
     fits: &'a [Fit<T>],
     /// Relative to the mean; 0 where a vertex is not used.
     areas: &'a [T],
@@ -55,42 +55,53 @@ impl<'a, T: Real> SlotKernel<Work<T>, RegressionSlots<'a, T>> for Regressions<'_
         let slots = rows.into_slots().zip(own).zip(means);
         for (number, ((rows, own), mean)) in (start..).zip(slots) {
             let (block, fit) = (&self.plan.blocks[number], &self.fits[number]);
-            let neighbours = self.plan.neighbours_of(number);
-            let scratch = &mut work.scratch;
-            scratch.place_again(fit, self.surface, block, neighbours, self.normals);
+            let lists = self.plan.neighbours_of(number);
+            let range = self.plan.neighbour_offsets[number]..self.plan.neighbour_offsets[number + 1];
+            let [us, vs, weights, _] = columns(&self.neighbours[range]);
+            let Scratch {
+                weights: products,
+                sums,
+                ..
+            } = &mut work.scratch;
+            products.clear();
             // On even meshes the matrix is then about that of the fits.
             let over = Several::literal(within(block.degree) / PI) * Several::splat(self.mean_area);
             let over = over * fit.over_radius * fit.over_radius;
             let own_weight = over * gathered(self.areas, &block.vertices);
             let mut sum = own_weight * gathered(self.field, &block.vertices);
-            for (row, list) in neighbours.iter().enumerate() {
-                let [u, v, h] = [0, 1, 2].map(|axis| scratch.places[axis][row]);
-                // The weights of the fits without their second factor.
-                let closeness = u * u + v * v + h * h + Several::literal(CORE);
-                let weight = scratch.weights[row] * closeness * over * gathered(self.areas, list);
+            for (row, list) in lists.iter().enumerate() {
+                let (u, v) = (us[row], vs[row]);
+                // Without the second factor of the weights of the fits, except for heights.
+                let closeness = u * u + v * v + Several::literal(CORE);
+                let weight = weights[row] * closeness * over * gathered(self.areas, list);
                 let used: [bool; WIDTH] = block.counts.map(|count| row < count as usize);
                 let weight = Several::select(used, weight, Several::zero());
-                scratch.weights[row] = weight;
+                products.push(weight);
                 sum = sum + weight * gathered(self.field, list);
             }
-            scratch.set_matrix(&mut regression, block.degree);
+            let points = Points {
+                x: us,
+                y: vs,
+                weights: products,
+            };
+            sums.set_matrix(&mut regression, block.degree, points);
+            let moments = &sums.moments;
             let count = coefficient_count(block.degree);
             let mut solution = [Several::zero(); COUNT];
-            solution[..count].copy_from_slice(&scratch.moments[1..=count]);
+            solution[..count].copy_from_slice(&moments[1..=count]);
             regression.solve(&mut solution);
-            let total = own_weight + scratch.moments[0];
+            let total = own_weight + moments[0];
             *mean = sum * total.reciprocal_or_zero();
             let mut left = total;
-            for (&moment, &part) in scratch.moments[1..=count].iter().zip(&solution) {
+            for (&moment, &part) in moments[1..=count].iter().zip(&solution) {
                 left = left - moment * part;
             }
             let over = left.reciprocal_or_zero();
             *own = own_weight * over;
             let solution = Polynomial::new(&solution);
             for (row, entry) in rows.iter_mut().enumerate() {
-                let [u, v] = [0, 1].map(|axis| scratch.places[axis][row]);
-                let part = Several::literal(1.0) - solution.value(u, v);
-                *entry = scratch.weights[row] * part * over;
+                let part = Several::literal(1.0) - solution.value(us[row], vs[row]);
+                *entry = points.weights[row] * part * over;
             }
         }
     }
@@ -128,8 +139,7 @@ impl<T: Real> Smoothing<T> {
     pub(super) fn set(
         &mut self,
         execution: &impl Execution,
-        surface: Surface<'_, T>,
-        shape: &Shape<T>,
+        (shape, neighbours): (&Shape<T>, &[Neighbour<T>]),
         work: &mut Vec<Work<T>>,
         (areas, mean_area): (&[T], T),
         field: &[T],
@@ -143,8 +153,7 @@ impl<T: Real> Smoothing<T> {
         }
         let regressions = Regressions {
             plan,
-            surface,
-            normals: &shape.normals,
+            neighbours,
             fits: &shape.fits,
             areas,
             mean_area,

@@ -1,12 +1,13 @@
 //! The strong form over the jets of method G, from which the solution for the force density starts.
 
-use super::fields::set_differences;
+use super::fields::differences_of;
 use super::fit::Fit;
-use super::mass::Neighbour;
+use super::mass::{Neighbour, columns};
 use super::plan::Plan;
 use super::vertices::Work;
 use crate::element::SlotKernel;
 use crate::lane::{Lane, Several};
+use crate::laplacian::MomentPoints as Points;
 use crate::real::Real;
 
 /// Δ_S of a field at the vertices of a block, by polynomials that are fitted as the jets are.
@@ -23,11 +24,11 @@ impl<'a, T: Real> SlotKernel<Work<T>, &'a mut [Several<T>]> for Laplacians<'_, T
         let plan = self.plan;
         for (number, laplacian) in (start..).zip(slots) {
             let (block, fit) = (&plan.blocks[number], &self.fits[number]);
-            let scratch = &mut work.scratch;
             let rows = plan.neighbour_offsets[number]..plan.neighbour_offsets[number + 1];
-            scratch.take_places(&self.neighbours[rows]);
-            set_differences(plan, number, self.values, &mut scratch.values);
-            let field = scratch.fitted(fit, block.degree);
+            let [x, y, weights, _] = columns(&self.neighbours[rows]);
+            let differences = differences_of(plan, number, self.values);
+            let (sums, points) = (&mut work.scratch.sums, Points { x, y, weights });
+            let field = sums.fitted(fit, block.degree, points, differences);
             *laplacian = fit.laplacian(&field);
         }
     }
