@@ -19,6 +19,9 @@ pub(super) const STAR: usize = ON_EDGE + INSIDE;
 /// No triangle, or no edge.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// A row of vectors, one for each member of a block. They are read one by one, so their entries stand together.
+pub(super) type Vectors<T> = [[T; 3]; WIDTH];
+
 /// Entry `lane` of row `row`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place {
@@ -43,9 +46,8 @@ impl Place {
 
     /// The vector at this place.
     #[inline(always)]
-    pub(super) fn vector<T: Copy>(self, all: &[[Several<T>; 3]]) -> [T; 3] {
-        let lane = usize::from(self.lane);
-        all[self.row as usize].map(|row| row.0[lane])
+    pub(super) fn vector<T: Copy>(self, all: &[Vectors<T>]) -> [T; 3] {
+        all[self.row as usize][usize::from(self.lane)]
     }
 }
 
@@ -118,7 +120,7 @@ pub(super) struct Plan {
 /// plane. Degree 8 needs twice as many vertices: where these do not resolve the surface, polynomials of
 /// degree 6 over fewer neighbours have smaller errors.
 const DEGREES: [(usize, usize, usize); 6] = [
-    (8, 88, 2000),
+    (8, 88, 5000),
     (6, 54, 540),
     (5, 40, 400),
     (4, 28, 280),

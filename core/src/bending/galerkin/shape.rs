@@ -4,7 +4,7 @@ use super::basis::{self, Basis};
 use super::fields::Field;
 use super::fit::{Fit, Jet};
 use super::patch::Patches;
-use super::plan::Plan;
+use super::plan::{Plan, Vectors};
 use super::vertices::{Backward, Forward, Work};
 use crate::bending::area_vectors::{AreaVectorForce, AreaVectors};
 use crate::element::{Execution, Ragged, SlotKernel, of_vertices};
@@ -128,9 +128,9 @@ impl<T: Real> Shape<T> {
 pub(super) struct Return<T> {
     /// Derivatives with respect to what patches are made of, see [`Patches::give_back`].
     pub(super) returned: Vec<Several<T>>,
-    pulls: Vec<Vec3<Several<T>>>,
-    turns: Vec<Vec3<Several<T>>>,
-    own_turns: Vec<Vec3<Several<T>>>,
+    pulls: Vec<Vectors<T>>,
+    turns: Vec<Vectors<T>>,
+    own: Vec<[Vec3<Several<T>>; 2]>,
     /// −∂E/∂(2N).
     normal_forces: Vec<[T; 4]>,
 }
@@ -152,7 +152,7 @@ impl<T: Real> Return<T> {
             returned,
             pulls,
             turns,
-            own_turns,
+            own,
             normal_forces,
         } = self;
         let Shape {
@@ -173,16 +173,19 @@ impl<T: Real> Return<T> {
             }
             sum
         };
+        // The same for its own fit.
+        let of_member = |vertex: usize, part: usize| {
+            plan.members[vertex].map_or([T::zero(); 3], |(block, lane)| {
+                own[block as usize][part].map(|row| row.0[usize::from(lane)])
+            })
+        };
         normal_forces.resize(sums.len(), [T::zero(); 4]);
         execution.map(&mut normal_forces[..], |vertex, normal_force| {
             let mut sum = corner_bars(vertex, 1);
             for place in plan.ringed_at(vertex) {
                 sum = add(sum, place.vector(turns));
             }
-            if let Some((block, lane)) = plan.members[vertex] {
-                let own = own_turns[block as usize].map(|row| row.0[usize::from(lane)]);
-                sum = add(sum, own);
-            }
+            sum = add(sum, of_member(vertex, 1));
             let normal = normals[vertex];
             let across = sub(sum, scale(dot(sum, normal), normal));
             let [x, y, z, _] = sums[vertex];
@@ -204,14 +207,7 @@ impl<T: Real> Return<T> {
             for place in plan.listed_at(vertex) {
                 sum = add(sum, place.vector(pulls));
             }
-            if let Some((block, lane)) = plan.members[vertex] {
-                let (block, lane) = (block as usize, usize::from(lane));
-                let rows = plan.neighbour_offsets[block]..;
-                let count = plan.blocks[block].counts[lane] as usize;
-                for row in pulls[rows].iter().take(count) {
-                    sum = sub(sum, row.map(|row| row.0[lane]));
-                }
-            }
+            sum = add(sum, of_member(vertex, 0));
             *force = sub(*force, finite_or_zero(sum));
         });
     }
@@ -225,12 +221,12 @@ impl<T: Real> Return<T> {
         material: [Field<'_, T>; 2],
         work: &mut Vec<Work<T>>,
     ) {
-        let zero = [Several::zero(); 3];
+        let zero = [[T::zero(); 3]; WIDTH];
         let plan = &shape.plan;
         let count = plan.blocks.len();
         self.pulls.resize(plan.neighbour_offsets[count], zero);
         self.turns.resize(plan.ring_offsets[count], zero);
-        self.own_turns.resize(count, zero);
+        self.own.resize(count, [[Several::zero(); 3]; 2]);
         let backward = Backward {
             plan,
             surface,
@@ -245,7 +241,7 @@ impl<T: Real> Return<T> {
                 Ragged::new(&mut self.pulls, &plan.neighbour_offsets),
                 Ragged::new(&mut self.turns, &plan.ring_offsets),
             ),
-            &mut self.own_turns[..],
+            &mut self.own[..],
         );
         execution.run(work, slots, &backward);
     }

@@ -4,12 +4,12 @@ use super::basis::{FREE, ON_EDGE, inner_from};
 use super::fields::Field;
 use super::fit::{COUNT, FieldPull, Fit, Scratch};
 use super::patch::RETURNED;
-use super::plan::{Block, NONE, Plan, STAR};
+use super::plan::{Block, NONE, Plan, STAR, Vectors};
 use crate::element::{Ragged, SlotKernel, Slots};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::Vec3;
+use crate::vec3::{Vec3, scale, sub};
 use alloc::vec::Vec;
 
 /// Memory of a worker.
@@ -104,7 +104,7 @@ impl Plan {
 }
 
 /// Derivatives with respect to the positions of neighbours, to the normals at the one-ring, and to the
-/// vertices' own normals.
+/// vertices' own positions and normals.
 pub(super) struct Backward<'a, T> {
     pub(super) plan: &'a Plan,
     pub(super) surface: Surface<'a, T>,
@@ -116,8 +116,8 @@ pub(super) struct Backward<'a, T> {
 }
 
 type BackwardSlots<'a, T> = (
-    (Ragged<'a, Vec3<Several<T>>>, Ragged<'a, Vec3<Several<T>>>),
-    &'a mut [Vec3<Several<T>>],
+    (Ragged<'a, Vectors<T>>, Ragged<'a, Vectors<T>>),
+    &'a mut [[Vec3<Several<T>>; 2]],
 );
 
 impl<'a, T: Real> SlotKernel<Work<T>, BackwardSlots<'a, T>> for Backward<'_, T> {
@@ -164,7 +164,7 @@ impl<'a, T: Real> SlotKernel<Work<T>, BackwardSlots<'a, T>> for Backward<'_, T> 
                 }
                 ring.push(normal);
             }
-            *own = scratch.pull(
+            let turn = scratch.pull(
                 fit,
                 block,
                 by_coefficient,
@@ -172,10 +172,25 @@ impl<'a, T: Real> SlotKernel<Work<T>, BackwardSlots<'a, T>> for Backward<'_, T> 
                 ring,
                 &mut pulls_of_fields,
             );
-            pulls.copy_from_slice(&scratch.bars);
-            turns.copy_from_slice(&scratch.normal_bars);
+            let mut push = [Several::zero(); 3];
+            for (row, (pull, bars)) in pulls.iter_mut().zip(&scratch.bars).enumerate() {
+                let used: [bool; WIDTH] = block.counts.map(|count| row < count as usize);
+                let used = Several::select(used, Several::literal(1.0), Several::zero());
+                push = sub(push, scale(used, *bars));
+                *pull = entries(bars);
+            }
+            for (turn, bars) in turns.iter_mut().zip(&scratch.normal_bars) {
+                *turn = entries(bars);
+            }
+            *own = [push, turn];
         }
     }
+}
+
+/// The vectors of the members.
+#[inline(always)]
+fn entries<T: Real>(vectors: &Vec3<Several<T>>) -> Vectors<T> {
+    core::array::from_fn(|lane| vectors.map(|axis| axis.0[lane]))
 }
 
 impl<T: Real> Backward<'_, T> {
