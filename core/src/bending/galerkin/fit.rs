@@ -536,13 +536,18 @@ impl<T: Real> Fit<T> {
     pub(super) fn solve(&self, x: &mut [Several<T>; COUNT]) {
         for i in 1..COUNT {
             let row = &self.lower[row_start(i)..][..i];
-            let mut sums = [Several::zero(); 2];
-            for (pair, known) in row.chunks(2).zip(x.chunks(2)) {
-                for (sum, (&factor, &value)) in sums.iter_mut().zip(pair.iter().zip(known)) {
-                    *sum = *sum + factor * value;
+            let mut sums = [Several::zero(); 4];
+            let (fours, others) = row.as_chunks::<4>();
+            let (known, last) = x[..i].as_chunks::<4>();
+            for (factors, values) in fours.iter().zip(known) {
+                for k in 0..4 {
+                    sums[k] = sums[k] + factors[k] * values[k];
                 }
             }
-            x[i] = x[i] - (sums[0] + sums[1]);
+            for ((sum, &factor), &value) in sums.iter_mut().zip(others).zip(last) {
+                *sum = *sum + factor * value;
+            }
+            x[i] = x[i] - ((sums[0] + sums[1]) + (sums[2] + sums[3]));
         }
         for (x, &over) in x.iter_mut().zip(&self.over_pivots) {
             *x = *x * over;
