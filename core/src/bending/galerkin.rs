@@ -57,7 +57,7 @@ use alloc::vec::Vec;
 /// f is normal to the surface: where κ or H0 vary, its tangential part is in the nodal forces only.
 ///
 /// Only triangles with interior corners count, see [`crate::bending`]; f is 0 at a boundary, and inaccurate
-/// within a few edges of it. Components of less than 2000 vertices have fits of degree 6, those of less than
+/// within a few edges of it. Components of less than 5000 vertices have fits of degree 6, those of less than
 /// 540 fits of lower degree, and those of less than 11 none and therefore no energy; the last two are
 /// reported.
 ///
@@ -69,8 +69,9 @@ pub struct Galerkin<T> {
     /// Spontaneous curvature H0.
     pub spontaneous_curvature: MaterialParameter<T>,
     /// Residual at which the solution of the equations of the force density ends, relative to that of the
-    /// strong form over the jets, with which it starts. The latter is about the error of f: the default, 0.5,
-    /// changes errors by up to 30 %, in either direction.
+    /// strong form over the jets, with which it starts. The latter is about the error of f: with the default, 0.5,
+    /// errors differ by up to 30 % from those of the whole solution, in either direction; 1 takes the strong form
+    /// itself, scaled so that its residual is least.
     pub tolerance: T,
 }
 

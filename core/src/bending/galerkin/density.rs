@@ -192,7 +192,13 @@ impl<T: Real> Solver<T> {
             let square = relative * relative;
             *error = square / (T::one() + square);
         });
-        smoothing.set(execution, (shape, &mass.neighbours), work, (areas, mean), errors);
+        smoothing.set(
+            execution,
+            (shape, &mass.neighbours),
+            work,
+            (areas, mean),
+            errors,
+        );
         execution.map(&mut penalties[..], |i, penalty| {
             *penalty = T::constant(PENALTY) * smoothing.mean(plan, i);
         });

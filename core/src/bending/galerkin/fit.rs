@@ -175,8 +175,10 @@ impl<T: Real> Sums<T> {
     ) -> &[Several<T>] {
         self.column.clear();
         let weighted = values.zip(points.weights);
-        self.column.extend(weighted.map(|(value, &weight)| weight * value));
-        self.right.resize(coefficient_count(degree) + 1, Several::zero());
+        self.column
+            .extend(weighted.map(|(value, &weight)| weight * value));
+        self.right
+            .resize(coefficient_count(degree) + 1, Several::zero());
         let (right, column) = (&mut self.right, &mut self.column);
         set_moments(right, degree, points, column, &mut self.powers);
         &self.right

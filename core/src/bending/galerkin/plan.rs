@@ -25,7 +25,7 @@ pub(super) type Vectors<T> = [[T; 3]; WIDTH];
 /// Entry `lane` of row `row`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place {
-    row: u32,
+    row: usize,
     lane: u8,
     /// The vertex whose row it is.
     pub(super) vertex: u32,
@@ -33,21 +33,20 @@ pub(super) struct Place {
 
 impl Place {
     fn new(row: usize, lane: usize, vertex: u32) -> Self {
-        // Vertices have u32 numbers, and blocks fewer than eight times eight rows for each.
-        let (row, lane) = (row as u32, lane as u8);
+        let lane = lane as u8;
         Self { row, lane, vertex }
     }
 
     /// The entry `rows` rows further.
     #[inline(always)]
     pub(super) fn read<T: Copy>(self, all: &[Several<T>], rows: usize) -> T {
-        all[self.row as usize + rows].0[usize::from(self.lane)]
+        all[self.row + rows].0[usize::from(self.lane)]
     }
 
     /// The vector at this place.
     #[inline(always)]
     pub(super) fn vector<T: Copy>(self, all: &[Vectors<T>]) -> [T; 3] {
-        all[self.row as usize][usize::from(self.lane)]
+        all[self.row][usize::from(self.lane)]
     }
 }
 
@@ -117,8 +116,9 @@ pub(super) struct Plan {
 /// rings of a vertex of valence 6 have 90.
 ///
 /// Neighbours are at most a tenth of a component: more would surround it instead of being a graph over a
-/// plane. Degree 8 needs twice as many vertices: where these do not resolve the surface, polynomials of
-/// degree 6 over fewer neighbours have smaller errors.
+/// plane. Degree 8 needs more vertices: five rings of a mesh of 2562 vertices surround the tips of a vesicle of
+/// reduced volume 0.6, and where vertices do not resolve the surface, polynomials of degree 6 over fewer
+/// neighbours have smaller errors.
 const DEGREES: [(usize, usize, usize); 6] = [
     (8, 88, 5000),
     (6, 54, 540),

@@ -56,7 +56,8 @@ impl<'a, T: Real> SlotKernel<Work<T>, RegressionSlots<'a, T>> for Regressions<'_
         for (number, ((rows, own), mean)) in (start..).zip(slots) {
             let (block, fit) = (&self.plan.blocks[number], &self.fits[number]);
             let lists = self.plan.neighbours_of(number);
-            let range = self.plan.neighbour_offsets[number]..self.plan.neighbour_offsets[number + 1];
+            let range =
+                self.plan.neighbour_offsets[number]..self.plan.neighbour_offsets[number + 1];
             let [us, vs, weights, _] = columns(&self.neighbours[range]);
             let Scratch {
                 weights: products,
