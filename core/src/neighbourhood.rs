@@ -258,9 +258,13 @@ impl Nearby<'_> {
         self.vertices.len()
     }
 
-    /// Sets `nearest` to the vertices that are nearest to `centre`; there must be at least as many.
-    /// Distances are compared to six digits; of several vertices with the same distance, the
+    /// Sets `nearest` to the vertices that are nearest to `centre`, ring after ring; there must be at least
+    /// as many. Distances are compared to six digits; of several vertices with the same distance, the
     /// smallest numbers are taken.
+    ///
+    /// `bound` is a key between those of the nearest and of the others, 0 if none is known. The one of an
+    /// earlier evaluation saves the search for it on a surface that has moved by much less than an edge; it has
+    /// no effect on the result.
     ///
     /// The first rings suffice if their last one has no vertex among the nearest: rings beyond it are
     /// then farther still. `keys` has room for a key of each vertex, of which the first `known` are
@@ -275,6 +279,7 @@ impl Nearby<'_> {
         keys: &mut [i32],
         known: &mut usize,
         ranks: &mut [u64],
+        bound: &mut i32,
     ) {
         let [inner, first] = self.first_rings;
         if *known < first {
@@ -285,10 +290,16 @@ impl Nearby<'_> {
         for &key in &keys[inner..first] {
             beyond = beyond.min(key);
         }
-        let within = count_within(&keys[..inner], beyond - 1);
+        let (inner_vertices, inner_keys) = (&self.vertices[..inner], &keys[..inner]);
+        let is_within = 0 < *bound && *bound < beyond;
+        if is_within && count_within(inner_keys, *bound) == nearest.len() {
+            return take(nearest, inner_vertices, inner_keys, *bound);
+        }
+        let within = count_within(inner_keys, beyond - 1);
         if within >= nearest.len() {
-            let (vertices, keys) = (&self.vertices[..inner], &keys[..inner]);
-            return choose(nearest, vertices, keys, (beyond - 1, within), ranks);
+            let above = (beyond - 1, within);
+            *bound = choose(nearest, inner_vertices, inner_keys, above, ranks);
+            return;
         }
         let all = self.vertices.len();
         if *known < all {
@@ -296,8 +307,11 @@ impl Nearby<'_> {
             *known = all;
         }
         let keys = &keys[..all];
+        if 0 < *bound && count_within(keys, *bound) == nearest.len() {
+            return take(nearest, self.vertices, keys, *bound);
+        }
         let farthest = keys.iter().copied().max().unwrap_or(FARTHEST);
-        choose(nearest, self.vertices, keys, (farthest, all), ranks);
+        *bound = choose(nearest, self.vertices, keys, (farthest, all), ranks);
     }
 }
 
@@ -337,8 +351,22 @@ fn count_within(keys: &[i32], most: i32) -> usize {
     count as usize
 }
 
-/// Sets `nearest` to the vertices with the least `keys`. `above` is a key, and how many are at most
-/// this: not fewer than are chosen.
+/// Sets `nearest` to the vertices with keys of at most `bound`: there are as many.
+#[inline(always)]
+fn take(nearest: &mut [u32], vertices: &[u32], keys: &[i32], bound: i32) {
+    let mut count = 0;
+    for (&vertex, &key) in vertices.iter().zip(keys) {
+        if count == nearest.len() {
+            break;
+        }
+        nearest[count] = vertex;
+        count += usize::from(key <= bound);
+    }
+}
+
+/// Sets `nearest` to the vertices with the least `keys`, in their order. `above` is a key, and how many are at
+/// most this: not fewer than are chosen. Returns a key between those that are chosen and the others, if no others
+/// are equal.
 #[inline(always)]
 fn choose(
     nearest: &mut [u32],
@@ -346,7 +374,7 @@ fn choose(
     keys: &[i32],
     above: (i32, usize),
     ranks: &mut [u64],
-) {
+) -> i32 {
     let (certain, possible) = bracket(nearest.len(), keys, above);
     // There is no branch here, because the outcomes are random and could not be predicted.
     let mut all = 0;
@@ -354,22 +382,27 @@ fn choose(
         ranks[all] = (key as u64) << 32 | u64::from(vertex);
         all += usize::from(key <= possible);
     }
-    let (mut count, mut doubtful) = (0, 0);
-    for place in 0..all {
-        let rank = ranks[place];
-        let is_certain = (rank >> 32) as i32 <= certain;
-        nearest[count] = rank as u32;
-        count += usize::from(is_certain);
-        ranks[doubtful] = rank;
-        doubtful += usize::from(!is_certain);
+    let (ranks, sorted) = ranks.split_at_mut(all);
+    let mut doubtful = 0;
+    for &rank in &*ranks {
+        sorted[doubtful] = rank;
+        doubtful += usize::from((rank >> 32) as i32 > certain);
     }
-    let (left, doubtful) = (&mut nearest[count..], &mut ranks[..doubtful]);
-    if left.len() < doubtful.len() {
-        doubtful.sort_unstable();
+    let left = nearest.len() - (all - doubtful);
+    let (mut last, mut bound) = (u64::MAX, possible);
+    if left < doubtful {
+        let sorted = &mut sorted[..doubtful];
+        sorted.sort_unstable();
+        // More keys are possible than chosen, and not all that are chosen are certain.
+        last = sorted[left.max(1) - 1];
+        let [nearer, farther] = [last, sorted[left]].map(|rank| (rank >> 32) as i32);
+        bound = nearer + (farther - nearer) / 2;
     }
-    for (nearest, &rank) in left.iter_mut().zip(&*doubtful) {
+    let chosen = ranks.iter().filter(|&&rank| rank <= last);
+    for (nearest, &rank) in nearest.iter_mut().zip(chosen) {
         *nearest = rank as u32;
     }
+    bound
 }
 
 /// Two bounds of the key of rank `count`: fewer than `count` keys are at most the first bound, at

@@ -103,6 +103,8 @@ pub struct JetMemory<T> {
     rows: Rows<T>,
     /// The degree fitted at each vertex, 0 where there was no fit.
     degrees: Vec<u8>,
+    /// Bounds of the distances of neighbours in the last evaluation.
+    bounds: Vec<i32>,
     blocks: Vec<Block<T>>,
 }
 
@@ -194,6 +196,7 @@ impl<T: Real> Method<T> for Jet<T> {
             cotangent: VertexSums::default(),
             rows: Rows::new(),
             degrees: Vec::new(),
+            bounds: Vec::new(),
             blocks: Vec::new(),
         }
     }
@@ -234,14 +237,16 @@ impl<T: Real> Curvatures<T> for Jet<T> {
             cotangent,
             rows,
             degrees,
+            bounds,
             blocks,
         } = memory;
         let curvature = of_vertices(surface, curvature);
         // Areas, and initial normals.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
         degrees.resize(vertices, 0);
+        bounds.resize(vertices, 0);
         let slots = rows.slots(vertices, *room);
-        let output = ((curvature, &mut degrees[..]), slots);
+        let output = ((curvature, (&mut degrees[..], &mut bounds[..])), slots);
         let fits = Fits {
             jet: self,
             surroundings,

@@ -104,6 +104,18 @@ impl SameBits<'_> {
             assert_same(&found, &expected, &what);
             assert_same(&prepared.energy(surface), &energy, &what);
         }
+        // Nothing is carried over from a surface nearby.
+        let what = format!("{name}, {place}, after another surface");
+        let nearby = (*mesh)
+            .clone()
+            .map(|[x, y, z]| [1.02 * x, 0.98 * y, z + 0.03 * x * y]);
+        let nearby = nearby.positions_in::<T>();
+        let nearby = Surface::new(&mesh.connectivity, &nearby).expect("finite");
+        let mut found = start.clone();
+        let mut prepared = Prepared::new(method(), &mesh.connectivity);
+        prepared.add_force(nearby, &mut start.clone());
+        prepared.add_force(surface, &mut found);
+        assert_same(&found, &expected, &what);
         // Scratch memory carries nothing over from run to run.
         let what = format!("{name}, {place}, piecemeal");
         let mut found = start.clone();

@@ -27,8 +27,12 @@ pub(super) struct Fits<'a, T> {
     pub(super) surface: Surface<'a, T>,
 }
 
-/// Output of a fit: the curvature, with the initial normal, the degree, and a row.
-type FitSlots<'a, T> = ((&'a mut [Curvature<T>], &'a mut [u8]), RowSlots<'a, T>);
+/// Output of a fit: the curvature, with the initial normal, the degree, a bound of the distances of the
+/// neighbours, and a row.
+type FitSlots<'a, T> = (
+    (&'a mut [Curvature<T>], (&'a mut [u8], &'a mut [i32])),
+    RowSlots<'a, T>,
+);
 
 /// Memory to fit several vertices at once, padded with neighbours at the vertex itself, whose
 /// monomials are zero.
@@ -83,6 +87,8 @@ struct Pending<'a, T> {
     vertex: usize,
     curvature: &'a mut Curvature<T>,
     degree: &'a mut u8,
+    /// See [`Nearby::set_nearest`](crate::neighbourhood::Nearby::set_nearest).
+    bound: &'a mut i32,
     length: &'a mut u32,
     columns: &'a mut [u32],
     row: &'a mut [T],
@@ -106,7 +112,7 @@ impl<'a, T: Real> SlotKernel<Block<T>, FitSlots<'a, T>> for Fits<'_, T> {
         let room = self.surroundings.room();
         block.keys.resize(PENDING * room, 0);
         // Whether rings beyond the first are needed depends on the positions.
-        block.ranks.resize(room + 1, 0);
+        block.ranks.resize(2 * room + 1, 0);
         loop {
             let (mut order, mut count) = ([0; PENDING], 0);
             for (place, pending) in queue.iter_mut().enumerate() {
@@ -149,7 +155,7 @@ impl<T: Real> Fits<'_, T> {
     fn begin<'b>(
         &self,
         vertex: usize,
-        ((curvature, degree), (length, (columns, row))): <FitSlots<'b, T> as Slots>::Slot,
+        ((curvature, (degree, bound)), (length, (columns, row))): <FitSlots<'b, T> as Slots>::Slot,
     ) -> Option<Pending<'b, T>> {
         let available = self.surroundings.of(vertex).count().min(columns.len());
         let normal = curvature.normal;
@@ -165,6 +171,7 @@ impl<T: Real> Fits<'_, T> {
             vertex,
             curvature,
             degree,
+            bound,
             length,
             columns,
             row,
@@ -219,7 +226,8 @@ impl<T: Real> Fits<'_, T> {
             let centre = pending.vertex as u32;
             let known = &mut pending.known;
             let nearby = self.surroundings.of(pending.vertex);
-            nearby.set_nearest(nearest, self.surface, centre, keys, known, &mut block.ranks);
+            let (ranks, bound) = (&mut block.ranks[..], &mut *pending.bound);
+            nearby.set_nearest(nearest, self.surface, centre, keys, known, ranks, bound);
             block.set_differences(lane, self.surface, pending.vertex as u32, nearest);
             for (normal, &x) in normals.iter_mut().zip(&pending.normal) {
                 normal.0[lane] = x;
