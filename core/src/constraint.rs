@@ -226,6 +226,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
         }
     }
 
+    /// Sets the gradients on the surface that was measured last.
     fn differentiate(
         &self,
         execution: &impl Execution,
@@ -241,7 +242,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
         for (k, constraint) in self.constraints.iter().enumerate() {
             let gradient = &mut memory.gradients[k * vertices..(k + 1) * vertices];
             let (functional, own) = (&constraint.functional, &mut memory.functionals[k]);
-            functional.add_gradient(execution, surface, own, ones, gradient);
+            functional.add_measured_gradient(execution, surface, own, ones, gradient);
         }
     }
 

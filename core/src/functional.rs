@@ -68,6 +68,22 @@ pub trait Functional<T: Real>: Method<T> {
         weights: &[T],
         gradient: &mut [[T; 3]],
     );
+
+    /// As [`Self::add_gradient`], for the surface of which [`Self::values`] had the values last, in the same
+    /// workspace: what was found there need not be found again.
+    ///
+    /// # Panics
+    /// As [`Self::add_gradient`], and if [`Self::values`] was not called with this workspace.
+    fn add_measured_gradient(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        weights: &[T],
+        gradient: &mut [[T; 3]],
+    ) {
+        self.add_gradient(execution, surface, workspace, weights, gradient);
+    }
 }
 
 /// Boundary edges (two corners), triangles (three) or hinges (four), sorted by connected component.

@@ -265,7 +265,7 @@ impl<T: Real, F: Functional<T>, P: Potential<T>> Conservative<T> for PotentialOf
         let weight = |(component, &value)| -self.potential.at(component, value)[1];
         weights.extend(values.iter().enumerate().map(weight));
         self.functional
-            .add_gradient(execution, surface, functional, weights, force);
+            .add_measured_gradient(execution, surface, functional, weights, force);
         self.energy_of(values)
     }
 }

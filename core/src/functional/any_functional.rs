@@ -108,6 +108,25 @@ impl<T: Real> Functional<T> for AnyFunctional {
         }
     }
 
+    fn add_measured_gradient(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        weights: &[T],
+        gradient: &mut [[T; 3]],
+    ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        if let (Self::OfPatches(own), AnyFunctionalMemory::OfPatches(functional, workspace)) =
+            (self, memory)
+            && own == functional
+        {
+            own.add_measured_gradient(execution, surface, workspace, weights, gradient);
+        } else {
+            self.add_gradient(execution, surface, workspace, weights, gradient);
+        }
+    }
+
     fn add_gradient(
         &self,
         execution: &impl Execution,

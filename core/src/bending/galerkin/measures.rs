@@ -50,6 +50,8 @@ pub struct PatchFunctionalMemory<T> {
     rest: ComponentElements<3>,
     /// The mean of the vertices of each component, relative to the first.
     means: Vec<[T; 3]>,
+    /// The derivatives with respect to the means.
+    by_means: Vec<[T; 3]>,
     /// For each block of patches.
     integrals: Vec<Integrals<T>>,
     /// For each patch, 0 where it does not count.
@@ -229,6 +231,7 @@ impl<T: Real> Method<T> for PatchFunctional {
             rest: ComponentElements::new(components.clone(), rest.map(|(triangle, _)| *triangle)),
             shape,
             means: Vec::new(),
+            by_means: Vec::new(),
             integrals: Vec::new(),
             weights: Vec::new(),
             back: Return::default(),
@@ -248,6 +251,33 @@ impl<T: Real> Method<T> for PatchFunctional {
 }
 
 impl PatchFunctional {
+    /// Sets patches and the means of components.
+    fn set_shape<T: Real>(
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut PatchFunctionalMemory<T>,
+    ) {
+        let PatchFunctionalMemory {
+            shape,
+            vertices,
+            means,
+            work,
+            ..
+        } = memory;
+        shape.set(execution, surface, work);
+        let components = vertices.components();
+        means.resize(components.count(), [T::zero(); 3]);
+        for (component, mean) in means.iter_mut().enumerate() {
+            let own = vertices.of(component);
+            let part = T::one() / T::constant(own.len() as f64);
+            let [first] = own[0];
+            *mean = [0, 1, 2].map(|axis| {
+                let away = |k: usize| surface.difference(first, own[k][0])[axis];
+                part * execution.sum(own.len(), away)
+            });
+        }
+    }
+
     /// Sets the integrals over patches, and with `GRADIENT` their derivatives, times minus the weights of
     /// components.
     fn measure<T: Real, const GRADIENT: bool>(
@@ -265,23 +295,10 @@ impl PatchFunctional {
             integrals,
             weights: of_patches,
             back,
-            work,
             idle,
             ..
         } = memory;
-        shape.set(execution, surface, work);
-        let shape = &*shape;
         let components = vertices.components();
-        means.resize(components.count(), [T::zero(); 3]);
-        for (component, mean) in means.iter_mut().enumerate() {
-            let own = vertices.of(component);
-            let part = T::one() / T::constant(own.len() as f64);
-            let [first] = own[0];
-            *mean = [0, 1, 2].map(|axis| {
-                let away = |k: usize| surface.difference(first, own[k][0])[axis];
-                part * execution.sum(own.len(), away)
-            });
-        }
         of_patches.clear();
         if GRADIENT {
             of_patches.resize(shape.plan.patches.len(), T::zero());
@@ -290,6 +307,7 @@ impl PatchFunctional {
                 of_patches[patch as usize] = -weights[component as usize];
             }
         }
+        let shape = &*shape;
         integrals.resize(shape.blocks(), Integrals::default());
         back.returned
             .resize(shape.blocks() * RETURNED, Several::zero());
@@ -322,6 +340,7 @@ impl<T: Real> Functional<T> for PatchFunctional {
         values: &mut [T],
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
+        Self::set_shape(execution, surface, memory);
         self.measure::<T, false>(execution, surface, memory, &[]);
         let flat = |first: [u32; 3], triangle: [u32; 3]| match self {
             Self::Area => {
@@ -349,13 +368,30 @@ impl<T: Real> Functional<T> for PatchFunctional {
         gradient: &mut [[T; 3]],
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
+        Self::set_shape(execution, surface, memory);
+        self.add_measured_gradient(execution, surface, workspace, weights, gradient);
+    }
+
+    fn add_measured_gradient(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &mut Workspace<T, Self>,
+        weights: &[T],
+        gradient: &mut [[T; 3]],
+    ) {
+        let memory = workspace.for_mesh_mut(surface.mesh());
+        assert!(
+            memory.means.len() == memory.vertices.components().count(),
+            "PatchFunctional::add_measured_gradient needs the values of the same surface: call `values` first"
+        );
         self.measure::<T, true>(execution, surface, memory, weights);
         let PatchFunctionalMemory {
             shape,
             vertices,
             patches,
             rest,
-            means,
+            by_means,
             integrals,
             back,
             work,
@@ -368,12 +404,12 @@ impl<T: Real> Functional<T> for PatchFunctional {
             Self::Area => rest.scatter(execution, surface, weights, AreaGradient, gradient),
             Self::Volume => {
                 rest.scatter(execution, surface, weights, VolumeGradient, gradient);
-                // From here on, the derivative with respect to the mean.
-                for (component, mean) in means.iter_mut().enumerate() {
+                by_means.resize(vertices.components().count(), [T::zero(); 3]);
+                for (component, by_mean) in by_means.iter_mut().enumerate() {
                     let own = patches.of(component);
                     let count = vertices.of(component).len();
                     let part = weights[component] / T::constant(count as f64);
-                    *mean = [0, 1, 2].map(|axis| {
+                    *by_mean = [0, 1, 2].map(|axis| {
                         let entry = |k: usize| {
                             let patch = own[k][1] as usize;
                             integrals[patch / WIDTH].by_origin[axis].0[patch % WIDTH]
@@ -383,7 +419,7 @@ impl<T: Real> Functional<T> for PatchFunctional {
                 }
                 let of_vertex = vertices.components().of_vertex();
                 execution.map(of_vertices(surface, gradient), |vertex, gradient| {
-                    *gradient = add(*gradient, means[of_vertex[vertex] as usize]);
+                    *gradient = add(*gradient, by_means[of_vertex[vertex] as usize]);
                 });
             }
         }
