@@ -1,9 +1,9 @@
 //! One surface through arrays, glam and nalgebra: without copies, and with the same bits.
 
-use helfrich::Prepared;
-use helfrich::{Points, PointsMut, Real, Surface};
-use helfrich_tests::laws::{Candidate, Law, for_each};
+use helfrich::{GompperKroll, Points, PointsMut, Prepared, Real, Surface};
+use helfrich_tests::laws::{Candidate, Evaluate, Law, Subject, for_each};
 use helfrich_tests::meshes::{Base, Mesh, Rough, icosphere};
+use std::any::type_name;
 
 fn mesh() -> Mesh {
     let rough = Rough {
@@ -16,15 +16,47 @@ fn mesh() -> Mesh {
 }
 
 /// Energy and forces, with positions and forces in one kind of points.
-fn evaluate<P>(candidate: impl Candidate, mesh: &Mesh, points: &P, force: &mut P) -> P::Scalar
+fn evaluate<P, T: Real>(
+    prepared: &mut dyn Evaluate<T>,
+    mesh: &Mesh,
+    points: &[P],
+    zero: P,
+) -> (T, Vec<P>)
 where
-    P: PointsMut + ?Sized,
+    P: Clone,
+    [P]: PointsMut<Scalar = T>,
 {
+    let mut force = vec![zero; points.len()];
     let surface = Surface::new(&mesh.connectivity, points).expect("finite positions");
-    let method = candidate.method(P::Scalar::constant(1.0));
-    let mut prepared = Prepared::new(method, &mesh.connectivity);
-    prepared.add_force(surface, force);
-    prepared.energy(surface)
+    prepared.add_force(surface, force.coordinates_mut());
+    (prepared.energy(surface), force)
+}
+
+/// Checks that points of another kind than arrays give the same bits.
+fn check<P, T: Real>(subject: &dyn Subject<T>, mesh: &Mesh, point: impl Fn([T; 3]) -> P)
+where
+    P: Clone,
+    [P]: PointsMut<Scalar = T>,
+{
+    let arrays = mesh.positions_in::<T>();
+    let points = Vec::from_iter(arrays.iter().map(|&x| point(x)));
+    let prepared = || subject.prepared(T::one(), &mesh.connectivity);
+    let zero = [T::zero(); 3];
+    let (energy, force) = evaluate::<[T; 3], T>(&mut *prepared(), mesh, &arrays, zero);
+    let found = evaluate::<P, T>(&mut *prepared(), mesh, &points, point(zero));
+    let what = format!("{}: {}", subject.name(), type_name::<P>());
+    assert_eq!(found.0, energy, "{what}");
+    assert_eq!(found.1.coordinates(), force, "{what}");
+    // Methods see arrays only: `Prepared` takes all kinds.
+    let mut bent = Prepared::new(GompperKroll::new(T::one()), &mesh.connectivity);
+    let mut direct = vec![point(zero); points.len()];
+    let surface = Surface::new(&mesh.connectivity, &points[..]).expect("finite positions");
+    bent.add_force(surface, &mut direct[..]);
+    assert_eq!(
+        direct.coordinates(),
+        evaluate::<[T; 3], T>(&mut bent, mesh, &arrays, zero).1,
+        "{what}"
+    );
 }
 
 #[test]
@@ -32,45 +64,17 @@ fn bits_do_not_depend_on_the_kind_of_points() {
     struct SameBits(Mesh);
     impl Law for SameBits {
         fn check<C: Candidate>(&mut self, candidate: C) {
+            self.check_method(&candidate, &candidate);
+        }
+    }
+    impl SameBits {
+        fn check_method(&self, single: &dyn Subject<f32>, double: &dyn Subject<f64>) {
             let mesh = &self.0;
-            let count = mesh.positions.len();
-            let name = candidate.name();
-
-            let arrays = mesh.positions_in::<f32>();
-            let mut force = vec![[0.0_f32; 3]; count];
-            let energy = evaluate(candidate, mesh, &arrays, &mut force);
-            let glam = Vec::from_iter(arrays.iter().map(|&x| glam::Vec3::from(x)));
-            let mut glam_force = vec![glam::Vec3::ZERO; count];
-            let glam_energy = evaluate(candidate, mesh, &glam, &mut glam_force);
-            assert_eq!(energy.to_bits(), glam_energy.to_bits(), "{name}: Vec3");
-            assert_eq!(force, glam_force.coordinates(), "{name}: Vec3");
-            let nalgebra = Vec::from_iter(arrays.iter().map(|&x| nalgebra::Point3::from(x)));
-            let mut nalgebra_force = vec![nalgebra::Point3::origin(); count];
-            evaluate(candidate, mesh, &nalgebra, &mut nalgebra_force);
-            assert_eq!(force, nalgebra_force.coordinates(), "{name}: Point3<f32>");
-
-            let arrays = &mesh.positions;
-            let mut force = vec![[0.0_f64; 3]; count];
-            let energy = evaluate(candidate, mesh, arrays, &mut force);
-            let glam = Vec::from_iter(arrays.iter().map(|&x| glam::DVec3::from(x)));
-            let mut glam_force = vec![glam::DVec3::ZERO; count];
-            let glam_energy = evaluate(candidate, mesh, &glam, &mut glam_force);
-            assert_eq!(energy.to_bits(), glam_energy.to_bits(), "{name}: DVec3");
-            assert_eq!(force, glam_force.coordinates(), "{name}: DVec3");
-            let points = Vec::from_iter(arrays.iter().map(|&x| nalgebra::Point3::from(x)));
-            let mut points_force = vec![nalgebra::Point3::origin(); count];
-            let points_energy = evaluate(candidate, mesh, &points, &mut points_force);
-            assert_eq!(energy.to_bits(), points_energy.to_bits(), "{name}: Point3");
-            assert_eq!(force, points_force.coordinates(), "{name}: Point3");
-            let vectors = Vec::from_iter(arrays.iter().map(|&x| nalgebra::Vector3::from(x)));
-            let mut vectors_force = vec![nalgebra::Vector3::zeros(); count];
-            let vectors_energy = evaluate(candidate, mesh, &vectors, &mut vectors_force);
-            assert_eq!(
-                energy.to_bits(),
-                vectors_energy.to_bits(),
-                "{name}: Vector3"
-            );
-            assert_eq!(force, vectors_force.coordinates(), "{name}: Vector3");
+            check(single, mesh, glam::Vec3::from);
+            check(single, mesh, nalgebra::Point3::from);
+            check(double, mesh, glam::DVec3::from);
+            check(double, mesh, nalgebra::Point3::from);
+            check(double, mesh, nalgebra::Vector3::from);
         }
     }
     for_each(&mut SameBits(mesh()));
