@@ -101,8 +101,12 @@ impl<const CORNERS: usize> ComponentElements<CORNERS> {
         components: Components,
         elements: impl Iterator<Item = [u32; CORNERS]>,
     ) -> Self {
+        Self::sorted(components, elements.collect())
+    }
+
+    // Not generic over the iterator, so that sorting is compiled once for each number of corners.
+    fn sorted(components: Components, mut elements: Vec<[u32; CORNERS]>) -> Self {
         let component = |element: &[u32; CORNERS]| components.of_vertex()[element[0] as usize];
-        let mut elements = Vec::from_iter(elements);
         elements.sort_by_key(component);
         let begins = |c| elements.partition_point(|element| component(element) < c);
         let offsets = (0..=components.count() as u32).map(begins).collect();

@@ -344,8 +344,13 @@ fn deviation<T: Real>([fourth, fifth, sixth, left]: [T; 4], factor: f64) -> T {
 
 fn median<T: Real>(values: impl Iterator<Item = T>) -> T {
     let mut values = Vec::from_iter(values);
-    values.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+    sort(&mut values);
     values.get(values.len() / 2).copied().unwrap_or(T::zero())
+}
+
+/// Sorts numbers from low to high; compiled once for each scalar.
+fn sort<T: Real>(values: &mut [T]) {
+    values.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
 }
 
 fn largest_coordinate<T: Real>(positions: &[[T; 3]]) -> T {

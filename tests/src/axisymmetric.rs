@@ -21,8 +21,10 @@
 //! U. Seifert, K. Berndl, R. Lipowsky, Phys. Rev. A 44 (1991) 1182: the branches. W.-M. Zheng and J. Liu, Phys. Rev.
 //! E 48 (1993) 2856: the first integral of the shape equation.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, SQRT_2};
 use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
 
 mod newton;
 mod rings;
@@ -131,6 +133,14 @@ struct Curve {
 }
 
 impl Grid {
+    /// The grid of this number of nodes, made once.
+    fn of(nodes: usize) -> Arc<Self> {
+        static GRIDS: Mutex<BTreeMap<usize, Arc<Grid>>> = Mutex::new(BTreeMap::new());
+        let mut grids = GRIDS.lock().unwrap_or_else(PoisonError::into_inner);
+        let grid = grids.entry(nodes);
+        grid.or_insert_with(|| Arc::new(Self::new(nodes))).clone()
+    }
+
     fn new(nodes: usize) -> Self {
         let count = nodes as f64;
         let trigonometric = (0..4 * nodes)
@@ -216,8 +226,8 @@ impl Shape {
     }
 
     /// The highest frequency, and a grid that resolves the integrands.
-    fn grid(&self) -> Grid {
-        Grid::new(2 * self.stride * self.angle.len())
+    fn grid(&self) -> Arc<Grid> {
+        Grid::of(2 * self.stride * self.angle.len())
     }
 
     fn density(&self, grid: &Grid) -> Vec<f64> {
@@ -260,7 +270,7 @@ impl Shape {
             self.angle.resize(coefficients, 0.0);
             return;
         }
-        let grid = Grid::new(4 * coefficients.max(self.angle.len()));
+        let grid = Grid::of(4 * coefficients.max(self.angle.len()));
         let curve = self.curve(&grid);
         let length = grid.mean(curve.density.iter().copied());
         let curvature = |j: usize| {
@@ -368,7 +378,7 @@ fn cup(coefficients: usize) -> Vec<f64> {
             PI - (total - s) / outer
         }
     };
-    let grid = Grid::new(8 * coefficients);
+    let grid = Grid::of(8 * coefficients);
     let coefficient = |k: usize| {
         let term = |j: usize| (psi(grid.t(j)) - PI * grid.t(j)) * grid.at(k, j)[0];
         // Rounds the kinks.

@@ -19,6 +19,7 @@ mod finite;
 mod gradient;
 mod invariance;
 mod operators;
+mod subject;
 
 pub use candidates::{
     Candidate, ConservativeCandidate, CosineOfHinge, GuardedParaboloid, HingeFormula, Hinged,
@@ -31,6 +32,7 @@ pub use operators::{
     ConstantsVanish, CurvatureFollows, LaplacianFollows, MatrixAgrees, Measured, RowsAgree,
     check_operator, findings_on_small_meshes,
 };
+pub use subject::{Evaluate, Subject};
 
 /// Number of vertices above which methods that choose by thresholds make their preferred choice at nearly
 /// every vertex.

@@ -1,6 +1,6 @@
 //! Laws that also hold on degenerate surfaces.
 
-use super::{Candidate, CurvatureLaw, Law, Measured, OperatorLaw, energy, forces};
+use super::{Candidate, CurvatureLaw, Law, Measured, OperatorLaw, Subject};
 use crate::meshes::Mesh;
 use helfrich::{Curvature, Curvatures, LaplaceBeltrami, VertexKind};
 
@@ -11,14 +11,20 @@ pub struct Finite<'a>(pub &'a Mesh);
 
 impl Law for Finite<'_> {
     fn check<C: Candidate>(&mut self, candidate: C) {
+        self.check_method(&candidate);
+    }
+}
+
+impl Finite<'_> {
+    fn check_method(&self, candidate: &dyn Subject<f64>) {
         let Mesh {
             connectivity: mesh,
             positions,
         } = self.0;
         let name = candidate.name();
-        let energy = energy(candidate.method(1.0), mesh, positions);
+        let energy = candidate.energy(1.0, mesh, positions);
         assert!(energy.is_finite(), "{name}: energy {energy}");
-        let forces = forces(candidate.method(1.0), mesh, positions);
+        let forces = candidate.forces(1.0, mesh, positions);
         for (vertex, force) in forces.into_iter().enumerate() {
             let finite = force.iter().all(|f| f.is_finite());
             assert!(finite, "{name}: force {force:?} at vertex {vertex}");
@@ -31,8 +37,13 @@ impl Law for Finite<'_> {
 
 impl CurvatureLaw for Finite<'_> {
     fn check<L: Curvatures<f64> + Copy>(&mut self, name: &str, operator: L) {
-        let measured = Measured::new(operator, self.0);
-        for (vertex, curvature) in measured.curvature.iter().enumerate() {
+        self.check_curvatures(name, &Measured::new(operator, self.0).curvature);
+    }
+}
+
+impl Finite<'_> {
+    fn check_curvatures(&self, name: &str, curvature: &[Curvature<f64>]) {
+        for (vertex, curvature) in curvature.iter().enumerate() {
             let kind = self.0.connectivity.vertex_kind(vertex);
             let Curvature {
                 normal,

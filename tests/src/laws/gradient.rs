@@ -1,6 +1,8 @@
 //! Forces are the negative gradient of the energy, and have neither sum nor torque.
 
-use super::{ConservativeCandidate, ConservativeLaw, bound, energy, findings, forces, largest};
+use super::{
+    Candidate, ConservativeCandidate, ConservativeLaw, Evaluate, bound, energy, forces, largest,
+};
 use crate::meshes::{Mesh, SplitMix64, cross, dot, norm};
 use crate::tolerance::{self, Tolerance};
 use autodiff::F1;
@@ -71,30 +73,46 @@ pub struct ForceIsGradient<'a>(pub &'a Mesh);
 
 impl ConservativeLaw for ForceIsGradient<'_> {
     fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+        let mesh = &self.0.connectivity;
+        let name = ConservativeCandidate::name(candidate);
+        let method = || Prepared::new(ConservativeCandidate::method(candidate, 1.0), mesh);
+        let dual = ConservativeCandidate::method(candidate, F1::cst(1.0));
+        let mut dual = Prepared::new(dual, mesh);
+        self.check_dual(name, &mut method(), &mut |surface| dual.energy(surface));
+
+        let (surface, vertices) = (self.0.surface(), self.0.positions.len());
+        let [mut together, mut force] = [(); 2].map(|()| vec![[0.0; 3]; vertices]);
+        let sum = method().add_force_and_energy(surface, &mut together);
+        method().add_force(surface, &mut force);
+        assert_eq!(together, force, "{name}: forces with and without energy");
+        let alone = method().energy(surface);
+        assert_eq!(sum, alone, "{name}: energy with and without forces");
+    }
+}
+
+impl ForceIsGradient<'_> {
+    fn check_dual(
+        &self,
+        name: &str,
+        method: &mut dyn Evaluate<f64>,
+        dual: &mut dyn FnMut(Surface<'_, F1>) -> F1,
+    ) {
         let Mesh {
             connectivity: mesh,
             positions,
         } = self.0;
-        let name = ConservativeCandidate::name(candidate);
-        let method = || ConservativeCandidate::method(candidate, 1.0);
-        let force = forces(method(), mesh, positions);
+        let mut force = vec![[0.0; 3]; positions.len()];
+        method.add_force(self.0.surface(), &mut force);
         let largest = largest(&force);
         for direction in trials(positions.len(), 1) {
             let moved = positions.iter().zip(&direction);
             let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| F1::new(x[k], d[k])));
-            let dual = ConservativeCandidate::method(candidate, F1::cst(1.0));
-            let derivative = energy(dual, mesh, &Vec::from_iter(moved)).dx;
+            let moved = Vec::from_iter(moved);
+            let derivative = dual(Surface::new(mesh, &moved).expect("finite positions")).dx;
             let scale = largest * extent(&direction);
             let bound = bound(DUAL, name, tolerance::GRADIENT_DUAL);
             bound.assert(along(&force, &direction), derivative, scale, name);
         }
-
-        let mut together = vec![[0.0; 3]; positions.len()];
-        let sum =
-            Prepared::new(method(), mesh).add_force_and_energy(self.0.surface(), &mut together);
-        assert_eq!(together, force, "{name}: forces with and without energy");
-        let alone = energy(method(), mesh, positions);
-        assert_eq!(sum, alone, "{name}: energy with and without forces");
     }
 }
 
@@ -104,32 +122,43 @@ pub struct ForceIsDifference<'a>(pub &'a Mesh);
 
 impl ConservativeLaw for ForceIsDifference<'_> {
     fn check<C: ConservativeCandidate>(&mut self, candidate: C) {
+        if candidate.switches_at_right_angles() && self.0.distance_from_right_angle() < 2e-3 {
+            return;
+        }
+        let method = ConservativeCandidate::method(candidate, 1.0);
+        let mut method = Prepared::new(method, &self.0.connectivity);
+        self.check_method(Candidate::name(candidate), &mut method);
+    }
+}
+
+impl ForceIsDifference<'_> {
+    fn check_method(&self, name: &str, method: &mut dyn Evaluate<f64>) {
         let Mesh {
             connectivity: mesh,
             positions,
         } = self.0;
-        let name = ConservativeCandidate::name(candidate);
         // The steps are shorter on rough meshes, because the slope of the energy changes over short distances
         // where a dual area nearly vanishes; and there are shorter ones, because it does so where a fit is
         // hardly determined, too. The difference with a force that is no gradient stays in all of them.
         let longest = 1e-4 * self.0.edge_length() / self.0.roughness();
         let steps = [1.0, 0.125, 1.0 / 64.0].map(|part| part * longest);
-        if candidate.switches_at_right_angles() && self.0.distance_from_right_angle() < 2e-3 {
-            return;
-        }
-        let method = || ConservativeCandidate::method(candidate, 1.0);
+        let mut force = vec![[0.0; 3]; positions.len()];
+        method.add_force(self.0.surface(), &mut force);
         // A point on a jet that is no graph stays where it is: the energy jumps there, and says so.
-        let found = findings(method(), self.0);
-        if found.iter().any(|f| matches!(f, Finding::NoGraph { .. })) {
+        let mut jumps = false;
+        method.inspect(self.0.surface(), &mut |finding| {
+            jumps |= matches!(finding, Finding::NoGraph { .. });
+        });
+        if jumps {
             return;
         }
-        let force = forces(method(), mesh, positions);
         let largest = largest(&force);
         for direction in trials(positions.len(), 2) {
-            let at = |distance: f64| {
+            let mut at = |distance: f64| {
                 let moved = positions.iter().zip(&direction);
                 let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| x[k] + distance * d[k]));
-                energy(method(), mesh, &Vec::from_iter(moved))
+                let moved = Vec::from_iter(moved);
+                method.energy(Surface::new(mesh, &moved).expect("finite positions"))
             };
             let found = along(&force, &direction);
             let scale = largest * extent(&direction);

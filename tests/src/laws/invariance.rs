@@ -1,6 +1,6 @@
 //! Energies and forces of a surface that is translated, rotated, relabelled or scaled.
 
-use super::{Candidate, FEWEST_VERTICES, Law, bound, energy, forces, largest};
+use super::{Candidate, FEWEST_VERTICES, Law, Subject, bound, largest};
 use crate::meshes::{Mesh, SplitMix64, difference, norm, rotation, turned};
 use crate::tolerance::{self, Tolerance};
 use helfrich::Real;
@@ -60,7 +60,7 @@ impl Law for Invariant<'_> {
         let chooses = candidate.chooses_by_threshold();
         let turns = !chooses || self.mesh.positions.len() >= FEWEST_VERTICES;
         let rounding = bound(ROUNDING, candidate.name(), tolerance::INVARIANCE);
-        self.check_within(candidate, turns.then_some(rounding));
+        self.check_within(&candidate, turns.then_some(rounding));
     }
 }
 
@@ -73,21 +73,21 @@ pub struct InvariantFits<'a>(pub Invariant<'a>);
 impl Law for InvariantFits<'_> {
     fn check<C: Candidate>(&mut self, candidate: C) {
         if candidate.chooses_by_threshold() {
-            self.0.check_within(candidate, Some(FIT_INVARIANCE));
+            self.0.check_within(&candidate, Some(FIT_INVARIANCE));
         }
     }
 }
 
 impl Invariant<'_> {
     /// Checks translations to the last bit, and rotations and relabelling within `rounding`, if it is given.
-    fn check_within(&self, candidate: impl Candidate, rounding: Option<tolerance::Tolerance>) {
+    fn check_within(&self, candidate: &dyn Subject<f64>, rounding: Option<tolerance::Tolerance>) {
         let mut random = SplitMix64::new(self.seed);
         // Positions on a grid, so that a move by a multiple of the grid's pitch is not rounded.
         let pitch = 2.0_f64.powi(-40);
         let mesh = &self.mesh.map(|x| x.map(|x| (x / pitch).round() * pitch));
         let evaluate = |mesh: &Mesh| {
-            let force = forces(candidate.method(1.0), &mesh.connectivity, &mesh.positions);
-            let energy = energy(candidate.method(1.0), &mesh.connectivity, &mesh.positions);
+            let force = candidate.forces(1.0, &mesh.connectivity, &mesh.positions);
+            let energy = candidate.energy(1.0, &mesh.connectivity, &mesh.positions);
             (force, energy)
         };
         let name = candidate.name();
@@ -140,21 +140,19 @@ pub struct ScaleFree<'a> {
 
 impl ScaleFree<'_> {
     /// Checks the law in the scalar `T`.
-    pub fn check_in<T: Real>(&self, candidate: impl Candidate, rounding: tolerance::Tolerance) {
+    pub fn check_in<T: Real>(&self, candidate: &dyn Subject<T>, rounding: tolerance::Tolerance) {
         let name = candidate.name();
         let connectivity = &self.mesh.connectivity;
         let positions = self.mesh.positions_in::<T>();
         let (scale, modulus) = (T::constant(self.scale), T::constant(self.modulus));
         let scaled = Vec::from_iter(positions.iter().map(|x| x.map(|x| x * scale)));
-        let unit = || candidate.method(T::one());
-        let method = || candidate.method(modulus);
         let energy_pair = [
-            energy(method(), connectivity, &scaled),
-            modulus * energy(unit(), connectivity, &positions),
+            candidate.energy(modulus, connectivity, &scaled),
+            modulus * candidate.energy(T::one(), connectivity, &positions),
         ];
         let force_pair = [
-            forces(method(), connectivity, &scaled),
-            forces(unit(), connectivity, &positions),
+            candidate.forces(modulus, connectivity, &scaled),
+            candidate.forces(T::one(), connectivity, &positions),
         ];
         let expected = |f: T| f * (modulus / scale);
         let is_power_of_two = |x: f64| x.log2().fract() == 0.0;
@@ -184,7 +182,7 @@ impl ScaleFree<'_> {
 impl Law for ScaleFree<'_> {
     fn check<C: Candidate>(&mut self, candidate: C) {
         let rounding = bound(ROUNDING, candidate.name(), tolerance::INVARIANCE);
-        self.check_in::<f64>(candidate, rounding);
+        self.check_in::<f64>(&candidate, rounding);
     }
 }
 
@@ -200,6 +198,6 @@ impl Law for ScaleFreeSingle<'_> {
             return;
         }
         let rounding = bound(ROUNDING_SINGLE, candidate.name(), INVARIANCE_SINGLE);
-        self.0.check_in::<f32>(candidate, rounding);
+        self.0.check_in::<f32>(&candidate, rounding);
     }
 }

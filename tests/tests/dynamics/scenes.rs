@@ -13,7 +13,12 @@ pub(crate) fn scenes() -> PathBuf {
 
 /// Runs a shipped scene without its pictures.
 pub(crate) fn run_scene(name: &str, overrides: &[&str]) -> (Summary, SeriesTable) {
-    let quiet = ["output.pictures=false", "output.surfaces=false"];
+    // Slices are drawn at the start and the end only.
+    let quiet = [
+        "output.pictures=false",
+        "output.surfaces=false",
+        "output.files_every=1000",
+    ];
     let overrides = Overrides::new(quiet.iter().chain(overrides).copied()).expect("overrides");
     let file = SceneFile::read(&scenes().join(name), &overrides);
     run_file(file.unwrap_or_else(|errors| panic!("{errors}")))

@@ -7,7 +7,7 @@ use helfrich::{
 };
 use helfrich_tests::allocation::allocations;
 use helfrich_tests::laws::{
-    Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
+    Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, Subject, for_each,
     for_each_conservative, for_each_operator,
 };
 use helfrich_tests::meshes::{Mesh, hemisphere, icosphere};
@@ -34,9 +34,15 @@ impl Allocation {
 
 impl Law for Allocation {
     fn check<C: Candidate>(&mut self, candidate: C) {
+        self.check_method(&candidate);
+    }
+}
+
+impl Allocation {
+    fn check_method(&self, candidate: &dyn Subject<f64>) {
         let mut force = vec![[0.0; 3]; self.mesh.positions.len()];
         let (first, second) = (self.mesh.surface(), self.moved.surface());
-        let mut prepared = Prepared::new(candidate.method(1.0), &self.mesh.connectivity);
+        let mut prepared = candidate.prepared(1.0, &self.mesh.connectivity);
         prepared.add_force(first, &mut force);
         let count = allocations(|| {
             prepared.add_force(second, &mut force);
@@ -46,7 +52,7 @@ impl Law for Allocation {
         });
         assert_eq!(count, 0, "{}", candidate.name());
 
-        let mut prepared = Prepared::new(candidate.method(1.0), &self.mesh.connectivity);
+        let mut prepared = candidate.prepared(1.0, &self.mesh.connectivity);
         prepared.energy(first);
         let count = allocations(|| {
             std::hint::black_box(prepared.energy(second));

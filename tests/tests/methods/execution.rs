@@ -5,8 +5,10 @@ use helfrich::{
     Conservative, Energy, Force, InPlane, Lane, Prepared, Real, Reordering, Serial, Skalak, Surface,
 };
 use helfrich_std::execute::{Parallel, available_threads, with_threads};
-use helfrich_tests::laws::{Candidate, ConservativeCandidate, ConservativeLaw, Law, for_each};
-use helfrich_tests::laws::{for_each_conservative, forces, largest};
+use helfrich_tests::laws::{
+    Candidate, ConservativeCandidate, ConservativeLaw, Evaluate, Law, Subject, for_each,
+    for_each_conservative, largest,
+};
 use helfrich_tests::meshes::{Mesh, bent, icosphere, sheet, small, torus};
 use helfrich_tests::potentials::for_each_potential;
 use helfrich_tests::tolerance::Tolerance;
@@ -85,21 +87,40 @@ fn assert_same<V: Debug>(found: &V, expected: &V, what: &str) {
 
 struct SameBits<'a>(&'a str, &'a Mesh);
 
+/// The execution of a loop.
+enum Loops {
+    Serial,
+    Threads(Parallel),
+    Piecemeal,
+}
+
 impl SameBits<'_> {
     fn check_in<T: Real, M: Energy<T> + Force<T>>(&self, name: &str, method: impl Fn() -> M) {
+        let mesh = &self.1.connectivity;
+        self.check_loops(name, &mut |loops| match loops {
+            Loops::Serial => Box::new(Prepared::new(method(), mesh)),
+            Loops::Threads(threads) => Box::new(Prepared::with_execution(method(), mesh, threads)),
+            Loops::Piecemeal => Box::new(Prepared::with_execution(method(), mesh, Piecemeal)),
+        });
+    }
+
+    fn check_loops<'a, T: Real>(
+        &self,
+        name: &str,
+        prepare: &mut dyn FnMut(Loops) -> Box<dyn Evaluate<T> + 'a>,
+    ) {
         let Self(place, mesh) = self;
         let positions = mesh.positions_in::<T>();
         let surface = Surface::new(&mesh.connectivity, &positions).expect("finite");
         let start = vec![[T::constant(0.25); 3]; positions.len()];
         let mut expected = start.clone();
-        let mut serial = Prepared::new(method(), &mesh.connectivity);
+        let mut serial = prepare(Loops::Serial);
         serial.add_force(surface, &mut expected);
         let energy = serial.energy(surface);
         for execution in threads() {
             let what = format!("{name}, {place}, {execution:?}");
             let mut found = start.clone();
-            let connectivity = &mesh.connectivity;
-            let mut prepared = Prepared::with_execution(method(), connectivity, execution);
+            let mut prepared = prepare(Loops::Threads(execution));
             prepared.add_force(surface, &mut found);
             assert_same(&found, &expected, &what);
             assert_same(&prepared.energy(surface), &energy, &what);
@@ -112,14 +133,14 @@ impl SameBits<'_> {
         let nearby = nearby.positions_in::<T>();
         let nearby = Surface::new(&mesh.connectivity, &nearby).expect("finite");
         let mut found = start.clone();
-        let mut prepared = Prepared::new(method(), &mesh.connectivity);
+        let mut prepared = prepare(Loops::Serial);
         prepared.add_force(nearby, &mut start.clone());
         prepared.add_force(surface, &mut found);
         assert_same(&found, &expected, &what);
         // Scratch memory carries nothing over from run to run.
         let what = format!("{name}, {place}, piecemeal");
         let mut found = start.clone();
-        let mut prepared = Prepared::with_execution(method(), &mesh.connectivity, Piecemeal);
+        let mut prepared = prepare(Loops::Piecemeal);
         prepared.add_force(surface, &mut found);
         assert_same(&found, &expected, &what);
     }
@@ -201,12 +222,17 @@ struct Ordered<'a>(&'a Mesh);
 
 impl Law for Ordered<'_> {
     fn check<C: Candidate>(&mut self, candidate: C) {
+        self.check_method(&candidate);
+    }
+}
+
+impl Ordered<'_> {
+    fn check_method(&self, candidate: &dyn Subject<f64>) {
         let Self(mesh) = self;
         let order = Reordering::reverse_cuthill_mckee(&mesh.connectivity);
         let connectivity = order.of_mesh(&mesh.connectivity).expect("the same");
-        let method = || candidate.method(1.0);
-        let expected = forces(method(), &mesh.connectivity, &mesh.positions);
-        let found = forces(method(), &connectivity, &order.apply(&mesh.positions));
+        let expected = candidate.forces(1.0, &mesh.connectivity, &mesh.positions);
+        let found = candidate.forces(1.0, &connectivity, &order.apply(&mesh.positions));
         let (found, scale) = (order.undo(&found), largest(&expected));
         let pairs = found.as_flattened().iter().zip(expected.as_flattened());
         for (&found, &expected) in pairs {

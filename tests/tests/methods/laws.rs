@@ -3,8 +3,8 @@
 use helfrich::{Cotangent, DualArea, Finding, GompperKroll, KantorNelson, StrongForm, VertexKind};
 use helfrich_tests::laws::{
     Balanced, Candidate, Finite, ForceIsDifference, ForceIsGradient, Invariant, InvariantFits, Law,
-    Measured, ScaleFree, ScaleFreeSingle, energy, findings, for_each, for_each_conservative,
-    for_each_curvatures, for_each_operator, forces, imbalance,
+    Measured, ScaleFree, ScaleFreeSingle, Subject, energy, findings, for_each,
+    for_each_conservative, for_each_curvatures, for_each_operator, forces, imbalance,
 };
 use helfrich_tests::meshes::{
     Base, GENERIC, Inscribed, Mesh, Rough, bent, cases, disc, hemisphere, icosahedron, icosphere,
@@ -127,12 +127,9 @@ fn forces_flatten_a_bump() {
     struct Flattens<'a>(&'a Mesh);
     impl Law for Flattens<'_> {
         fn check<C: Candidate>(&mut self, candidate: C) {
+            let candidate: &dyn Subject<f64> = &candidate;
             let bumped = self.0;
-            let force = forces(
-                candidate.method(1.0),
-                &bumped.connectivity,
-                &bumped.positions,
-            );
+            let force = candidate.forces(1.0, &bumped.connectivity, &bumped.positions);
             assert!(
                 force[0][2] < 0.0,
                 "{}: {:?} on a bump",
@@ -151,8 +148,9 @@ fn strong_form_is_nearly_balanced_on_smooth_meshes() {
     struct NearlyBalanced(Mesh);
     impl Law for NearlyBalanced {
         fn check<C: Candidate>(&mut self, candidate: C) {
+            let candidate: &dyn Subject<f64> = &candidate;
             let (mesh, positions) = (&self.0.connectivity, &self.0.positions);
-            let force = forces(candidate.method(1.0), mesh, positions);
+            let force = candidate.forces(1.0, mesh, positions);
             let (net, torque) = imbalance(positions, &force);
             STRONG_BALANCE.assert(net, 0.0, 1.0, candidate.name());
             STRONG_BALANCE.assert(torque, 0.0, 1.0, candidate.name());
@@ -167,18 +165,23 @@ fn spheres_within_the_table() {
     struct OnSphere<'a>(&'a Mesh);
     impl Law for OnSphere<'_> {
         fn check<C: Candidate>(&mut self, candidate: C) {
+            self.check_method(&candidate);
+        }
+    }
+    impl OnSphere<'_> {
+        fn check_method(&self, candidate: &dyn Subject<f64>) {
             let name = candidate.name();
             let expected = tolerance::methods::OnSphere::of(name, candidate.is_gradient());
             let is_exception = tolerance::methods::ON_SPHERE
                 .iter()
                 .any(|on| on.method == name);
             let (mesh, positions) = (&self.0.connectivity, &self.0.positions);
-            let energy = energy(candidate.method(1.0), mesh, positions);
+            let energy = candidate.energy(1.0, mesh, positions);
             let energy = energy / (8.0 * std::f64::consts::PI);
             let error = expected.energy_error;
             error.assert(energy, expected.energy, 1.0, &format!("{name}: E/8πκ"));
 
-            let force = forces(candidate.method(1.0), mesh, positions);
+            let force = candidate.forces(1.0, mesh, positions);
             let measured = Measured::new(Cotangent::default(), self.0);
             let density = measured.curvature.iter().zip(&force);
             let density = density.map(|(curvature, &force)| norm(force) / curvature.area);
@@ -243,6 +246,11 @@ fn degenerate_triangles_and_areas_are_reported() {
     struct Reports<'a>(&'a Mesh, Vec<u32>);
     impl Law for Reports<'_> {
         fn check<C: Candidate>(&mut self, candidate: C) {
+            self.check_method(&candidate);
+        }
+    }
+    impl Reports<'_> {
+        fn check_method(&self, candidate: &dyn Subject<f64>) {
             // Jets are fitted to vertices, not triangles, and the limit surface of Loop subdivision has an
             // area even where a triangle of its control mesh has none.
             if ["jet", "loop_subdivision"]
@@ -251,7 +259,7 @@ fn degenerate_triangles_and_areas_are_reported() {
             {
                 return;
             }
-            let found = findings(candidate.method(1.0), self.0);
+            let found = candidate.findings(self.0);
             let triangles = found.iter().filter_map(|finding| match finding {
                 Finding::DegenerateTriangle { triangle } => Some(*triangle),
                 _ => None,

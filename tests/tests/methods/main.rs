@@ -18,6 +18,7 @@ mod memory;
 mod open;
 mod own;
 mod paraboloid;
+mod points;
 mod precision;
 mod range;
 mod run_time;

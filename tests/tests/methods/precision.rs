@@ -1,6 +1,6 @@
 //! Single against double precision.
 
-use helfrich_tests::laws::{Candidate, Law, energy, for_each, forces, largest};
+use helfrich_tests::laws::{Candidate, Law, Subject, for_each, largest};
 use helfrich_tests::meshes::{Mesh, bent, difference, icosphere, norm};
 use helfrich_tests::tolerance::methods::SinglePrecision;
 
@@ -9,20 +9,25 @@ fn single_precision_within_the_table() {
     struct Single(Mesh);
     impl Law for Single {
         fn check<C: Candidate>(&mut self, candidate: C) {
-            let name = candidate.name();
+            self.check_method(&candidate, &candidate);
+        }
+    }
+    impl Single {
+        fn check_method(&self, double: &dyn Subject<f64>, single: &dyn Subject<f32>) {
+            let name = double.name();
             let bound = SinglePrecision::of(name);
             let mesh = &self.0.connectivity;
-            let single = self.0.positions_in::<f32>();
-            let double = &self.0.positions;
+            let rounded = self.0.positions_in::<f32>();
+            let positions = &self.0.positions;
 
-            let expected = energy(candidate.method(1.0_f64), mesh, double);
-            let found = f64::from(energy(candidate.method(1.0_f32), mesh, &single));
+            let expected = double.energy(1.0, mesh, positions);
+            let found = f64::from(single.energy(1.0, mesh, &rounded));
             bound
                 .energy
                 .assert(found, expected, expected, &format!("{name}: energy"));
 
-            let expected = forces(candidate.method(1.0_f64), mesh, double);
-            let found = forces(candidate.method(1.0_f32), mesh, &single);
+            let expected = double.forces(1.0, mesh, positions);
+            let found = single.forces(1.0, mesh, &rounded);
             let scale = largest(&expected);
             for (found, expected) in found.iter().zip(&expected) {
                 let error = norm(difference(found.map(f64::from), *expected));

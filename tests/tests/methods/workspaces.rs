@@ -1,5 +1,6 @@
 //! Every function that takes a workspace refuses one of another mesh.
 
+use crate::range::refusal;
 use helfrich::{
     AnyFunctional, AreaDifference, BoundaryLength, Conservative, Constraint, Constraints,
     ControlPoints, CorrectedCurvature, Curvature, Curvatures, Dissipation, EnclosedVolume, Energy,
@@ -15,7 +16,6 @@ use helfrich_tests::laws::{
 };
 use helfrich_tests::meshes::{Mesh, bent, icosphere};
 use helfrich_tests::potentials::for_each_potential;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// A mesh, and three others: with the same numbers of vertices and triangles, with fewer, and with more.
 struct Meshes {
@@ -41,18 +41,31 @@ impl Meshes {
         mut act: impl FnMut(&mut Workspace<f64, M>, &Mesh),
     ) {
         let mut workspace = method.workspace(&self.own.connectivity);
+        self.refused_by(name, &mut |on_copy, mesh| {
+            let mut copy;
+            let used = if on_copy {
+                copy = workspace.clone();
+                &mut copy
+            } else {
+                &mut workspace
+            };
+            act(used, mesh);
+        });
+    }
+
+    /// As [`Self::refused`], and compiled once: `act` uses the workspace or a copy of it.
+    fn refused_by(&self, name: &str, act: &mut dyn FnMut(bool, &Mesh)) {
         // The first evaluation allocates everything that a workspace can hold.
-        act(&mut workspace, &self.own);
+        act(false, &self.own);
         for other in &self.others {
-            let mut copy = workspace.clone();
-            let message = refusal(|| act(&mut copy, other));
+            let message = refusal(|| act(true, other));
             let message = message.unwrap_or_else(|| {
                 let vertices = other.positions.len();
                 panic!("{name}: accepted a mesh of {vertices} vertices")
             });
             self.assert_documented(name, &message, other, "Method::workspace");
         }
-        act(&mut workspace, &self.own);
+        act(false, &self.own);
     }
 
     /// Checks that the message names both meshes and the remedy.
@@ -69,19 +82,6 @@ impl Meshes {
         assert!(message.contains(remedy), "{name}: {message}");
         assert!(!message.contains("::bending::"), "{name}: {message}");
     }
-}
-
-fn refusal(act: impl FnOnce()) -> Option<String> {
-    let panicked = catch_unwind(AssertUnwindSafe(act)).err()?;
-    if let Some(message) = panicked.downcast_ref::<&str>() {
-        return Some((*message).to_owned());
-    }
-    Some(
-        panicked
-            .downcast_ref::<String>()
-            .cloned()
-            .unwrap_or_default(),
-    )
 }
 
 /// One vector per vertex of the largest mesh.

@@ -2,6 +2,8 @@
 //! be compiled a second time for its tests.
 
 use helfrich_std::scene::UnitSystem;
+use std::fs;
+use std::path::Path;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
 #[path = "../../../std-ext/src/scene/units.rs"]
@@ -31,4 +33,28 @@ mod measured;
 /// The cache to which the module of measurements refers.
 mod cache {
     pub(super) use helfrich_std::study::Cache;
+}
+
+/// Libraries that are not compiled for tests have no tests but those of the modules above.
+#[test]
+fn tests_of_private_modules_run() {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut folders = ["core", "std-ext", "std-ext/evaluate", "std-ext/cli"]
+        .map(|package| top.join(package).join("src"))
+        .to_vec();
+    let here = include_str!("private.rs");
+    let mut found = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if fs::read_to_string(&path).is_ok_and(|text| text.contains("#[cfg(test)]")) {
+                let name = path.strip_prefix(&top).expect("a path below").display();
+                assert!(here.contains(&format!("../{name}\"")), "{name}");
+                found += 1;
+            }
+        }
+    }
+    assert!(found > 0);
 }

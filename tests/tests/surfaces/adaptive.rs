@@ -4,12 +4,11 @@
 use crate::expected_errors::{Case, disc, torus};
 use helfrich::shapes::ExactPoint;
 use helfrich::{
-    AdaptiveJet, Estimate, Jet, Measured, Prepared, Regression, Serial, StrongForm, Surface,
-    TriangleMesh, Verdict,
+    AdaptiveJet, Estimate, Jet, Measured, Prepared, Serial, StrongForm, Surface, TriangleMesh,
+    Verdict,
 };
-use helfrich_std::execute::Parallel;
 use helfrich_std::generate::{AnyShape, Family};
-use helfrich_std::noise::measured;
+use helfrich_std::noise::{COPIES, measured, regression, regression_fields};
 use helfrich_tests::meshes::{self, SplitMix64};
 use std::f64::consts::PI;
 
@@ -45,15 +44,15 @@ pub(crate) fn shape(name: &str) -> AnyShape {
 /// Smallest error of each quantity among all fixed degrees and numbers of neighbours.
 pub(crate) fn best_fixed(case: &Case, positions: &[[f64; 3]]) -> [f64; QUANTITIES] {
     let surface = Surface::new(&case.mesh, positions).expect("positions");
-    let none = vec![[0.0; 1]; positions.len()];
+    let none = vec![[0.0; COPIES]; positions.len()];
     let mut best = [f64::INFINITY; QUANTITIES];
     for neighbours in [45, 64, 90, 128, 181, 256, 362, 512] {
-        let fits = Regression { neighbours }.fit(&Parallel::new(), surface, &none);
-        for fields in fits.fields(&Parallel::new()) {
+        let fits = regression(surface, neighbours, &none);
+        for fields in regression_fields(&fits) {
             let all = [fields.mean, fields.gaussian, fields.force_density];
             for (quantity, (best, field)) in best.iter_mut().zip(all).enumerate() {
                 let pairs = field.iter().zip(&case.exact);
-                let errors = pairs.map(|([found], at)| found - exact(at, quantity));
+                let errors = pairs.map(|([found, ..], at)| found - exact(at, quantity));
                 *best = best.min(root_mean_square(errors));
             }
         }
@@ -514,7 +513,7 @@ fn results_follow_the_vertices() {
     let serial = jet
         .measure(&Serial, surface, None, &mut |_| true)
         .expect("results");
-    let parallel = jet.measure(&Parallel::new(), surface, None, &mut |_| true);
+    let parallel = measured(&jet, surface, &mut |_| true);
     assert_eq!(
         format!("{serial:?}"),
         format!("{:?}", parallel.expect("results"))

@@ -4,11 +4,11 @@
 use helfrich::shapes::{Discocyte, ExactPoint, Shape, Torus};
 use helfrich::{AdaptiveJet, Noise, Surface, TriangleMesh};
 use helfrich_std::answer::Norm;
-use helfrich_std::execute::Parallel;
 use helfrich_std::generate::random::Random;
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::measurement::Measurement;
 use helfrich_std::method::{AnyMethod, BendingMethod, Evaluator, MethodOptions};
+use helfrich_std::noise::noise_of;
 use helfrich_std::recommend::{Candidate, Recommendation, Wish, recommend};
 use helfrich_std::scalar::Scalar;
 use helfrich_std::study::Quantity;
@@ -267,7 +267,7 @@ fn exact_stars_have_no_noise() {
                 let case = Case::of_star(seed, family, vertices);
                 let positions = case.positions();
                 let surface = Surface::new(&case.mesh, &positions).expect("positions");
-                let found = Noise::of(&Parallel::new(), surface);
+                let found = noise_of(surface);
                 assert_eq!(found, Noise::default(), "{}", case.name);
             }
         }

@@ -1,7 +1,6 @@
 //! Isosurfaces of grids: noise, thin triangles, holes, several components.
 
 use helfrich::{AdaptiveJet, MeshError, Surface, TriangleMesh, Verdict};
-use helfrich_std::execute::Parallel;
 use helfrich_std::method::{BendingMethod, Evaluator};
 use helfrich_tests::isosurface::{marching_cubes, segmentation};
 use std::time::Instant;
@@ -64,7 +63,7 @@ fn measure_all(cells: usize, seeds: std::ops::Range<u64>) {
         assert!(known.clone().all(|mean| mean.is_finite()), "{seed}");
         let start = Instant::now();
         let jet = AdaptiveJet::default();
-        let found = jet.measure(&Parallel::new(), surface, None, &mut |_| true);
+        let found = helfrich_std::noise::measured(&jet, surface, &mut |_| true);
         longest[1] = longest[1].max(start.elapsed().as_secs_f64() * per_ten_thousand);
         for (vertex, at) in found.expect("not interrupted").iter().enumerate() {
             let values = [at.mean, at.gaussian, at.force_density];

@@ -7,7 +7,6 @@ mod families;
 mod isosurfaces;
 mod mesh;
 mod noise;
-mod points;
 mod reordering;
 mod shapes;
 mod subdivision;

@@ -5,11 +5,12 @@ use helfrich::{
     AdaptiveJet, Finding, Measured, Noise, Prepared, Regression, Serial, Smoothing, StrongForm,
     Surface, TriangleMesh, Verdict,
 };
-use helfrich_std::execute::Parallel;
 use helfrich_std::generate::random::Random;
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_std::method::{BendingMethod, Evaluator};
-use helfrich_std::noise::{Quieted, measured};
+use helfrich_std::noise::{
+    COPIES, Quieted, measured, noise_of, regression, regression_fields, smoothed,
+};
 use helfrich_tests::star::Star;
 
 fn mesh(shape: &str, family: Family, vertices: usize) -> Option<GeneratedMesh> {
@@ -19,7 +20,7 @@ fn mesh(shape: &str, family: Family, vertices: usize) -> Option<GeneratedMesh> {
 
 fn noise(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> Noise<f64> {
     let surface = Surface::new(mesh, positions).expect("positions");
-    Noise::of(&Parallel::new(), surface)
+    noise_of(surface)
 }
 
 fn mean_edge(made: &GeneratedMesh) -> f64 {
@@ -227,13 +228,11 @@ fn smoothing_takes_noise_and_leaves_the_shape() {
     let edge = mean_edge(&made);
     let smooth = |positions: &[[f64; 3]]| {
         let surface = Surface::new(&made.mesh, positions).expect("positions");
-        let mut smooth = positions.to_vec();
         let smoothing = Smoothing {
             degree: 4,
             neighbours: 48,
         };
-        smoothing.apply(&Parallel::new(), surface, &mut smooth);
-        smooth
+        smoothed(surface, smoothing)
     };
     // Root mean square distance along the exact normal, in edges.
     let off = |positions: &[[f64; 3]]| {
@@ -255,12 +254,11 @@ fn smoothing_takes_noise_and_leaves_the_shape() {
 fn shift_on_sphere(vertices: usize, degree: usize) -> f64 {
     let made = mesh("sphere", Family::Smooth, vertices).expect("a mesh");
     let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
-    let mut smooth = made.positions.clone();
     let smoothing = Smoothing {
         degree,
         neighbours: 90,
     };
-    smoothing.apply(&Parallel::new(), surface, &mut smooth);
+    let smooth = smoothed(surface, smoothing);
     let off = |x: &[f64; 3]| (x.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).powi(2);
     (smooth.iter().map(off).sum::<f64>() / smooth.len() as f64).sqrt()
 }
@@ -295,9 +293,7 @@ fn smoothing_does_not_depend_on_the_order_of_vertices() {
     };
     let smooth = |mesh: &TriangleMesh, positions: &[[f64; 3]]| {
         let surface = Surface::new(mesh, positions).expect("positions");
-        let mut smooth = positions.to_vec();
-        smoothing.apply(&Parallel::new(), surface, &mut smooth);
-        smooth
+        smoothed(surface, smoothing)
     };
     let here = smooth(&made.mesh, &noisy);
     let there = smooth(&turned, &turned_positions);
@@ -379,12 +375,12 @@ fn regression_errors(made: &GeneratedMesh, deviation: f64, neighbours: usize) ->
     let surface = Surface::new(&made.mesh, &positions).expect("positions");
     let mut random = Random::new(9);
     let mut error = || deviation * ((0..12).map(|_| random.unit()).sum::<f64>() - 6.0);
-    let errors = Vec::from_iter(positions.iter().map(|_| [0.0, error()]));
-    let fits = Regression { neighbours }.fit(&Parallel::new(), surface, &errors);
+    let errors = Vec::from_iter(positions.iter().map(|_| [0.0, error(), 0.0, 0.0]));
+    let fits = regression(surface, neighbours, &errors);
     let exact = made.preimages.iter().map(|&at| made.shape.at(at));
     let exact = Vec::from_iter(exact.map(|point| point.force_density(1.0)));
     let all = exact.iter().map(|f| f * f).sum::<f64>();
-    fits.fields(&Parallel::new()).map(|fields| {
+    regression_fields(&fits).map(|fields| {
         let both = || fields.force_density.iter().zip(&exact);
         let off = both().map(|(found, f)| (found[0] - f).powi(2)).sum::<f64>();
         let changed = both().map(|(found, _)| (found[1] - found[0]).powi(2));
@@ -408,9 +404,8 @@ fn regression_jets_stand_noise() {
     assert!(sixth < 0.05 && fourth < 0.2, "{sixth} {fourth}");
     // One thread and several give the same bits.
     let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
-    let errors = vec![[0.0; 1]; made.positions.len()];
-    let few = Regression { neighbours: 45 };
-    let several = few.fit(&Parallel::new(), surface, &errors);
-    let one = few.fit(&Serial, surface, &errors);
-    assert_eq!(several.fields(&Parallel::new()), one.fields(&Serial));
+    let errors = vec![[0.0; COPIES]; made.positions.len()];
+    let several = regression(surface, 45, &errors);
+    let one = Regression { neighbours: 45 }.fit(&Serial, surface, &errors);
+    assert_eq!(regression_fields(&several), one.fields(&Serial));
 }

@@ -2,11 +2,10 @@
 
 use super::{Ground, POOL, Verdict};
 use crate::element::Execution;
-use crate::noise::{Noise, Spectrum, rounding};
+use crate::noise::{Noise, Spectrum, rounding, sort};
 use crate::real::Real;
 use alloc::vec;
 use alloc::vec::Vec;
-use core::cmp::Ordering;
 
 /// Ratio of the residual of the shape to S₅S₆/S₄, and upper bound of its ratio to S₆.
 const FORETOLD: f64 = 1.5;
@@ -162,7 +161,7 @@ fn resolution<T: Real>(&[fourth, _, sixth, left]: &[T; 4]) -> Verdict {
 /// The value below which the fraction `part` of all values lies.
 fn quantile<T: Real>(values: &[T], part: f64) -> T {
     let mut values = values.to_vec();
-    values.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+    sort(&mut values);
     let place = (values.len() as f64 * part) as usize;
     values.get(place).copied().unwrap_or(T::zero())
 }

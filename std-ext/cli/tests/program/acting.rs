@@ -118,7 +118,7 @@ fn numbers_whose_squares_vanish_are_refused() {
 fn the_residual_is_a_number_in_every_row() {
     let (folder, scene) = folder_with(SCENE);
     let out = folder.path().join("out");
-    succeed(&scene, &out, &[]);
+    succeed(&scene, &out, &["--set", "output.pictures=false"]);
     let series = SeriesTable::read(&out.join("series.csv")).unwrap();
     let residuals = series.column("residual").unwrap();
     assert!(residuals.iter().all(|it| it.is_finite() && *it > 0.0));
@@ -144,7 +144,7 @@ fn warnings_are_said_once_and_fit_the_scene() {
         )
     };
     let surfaces = [0.0, 3.0, 6.0].map(capsule);
-    let driver = "[driver]\nkind = \"lattice-boltzmann\"\nviscosity = 1\nresolution = 3\n\
+    let driver = "[output]\npictures = false\n[driver]\nkind = \"lattice-boltzmann\"\nviscosity = 1\nresolution = 3\n\
                   flow = { kind = \"shear\", rate = 0.1 }\nbox = [9, 5, 5]\nstrain = 0.01\n\
                   [[interaction]]\nkind = \"repulsion\"\nstrength = 1\ncutoff = 0.0834567891234\n";
     let scene = format!("units = \"none\"\n{}{driver}", surfaces.concat());
