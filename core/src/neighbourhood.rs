@@ -236,6 +236,19 @@ impl Surroundings {
     }
 }
 
+/// What is known of the distances of vertices.
+pub(crate) struct Search<'a> {
+    /// Keys of the distances: room for one of each vertex, of which the first `known` are set.
+    pub(crate) keys: &'a mut [i32],
+    pub(crate) known: &'a mut usize,
+    /// Scratch memory: twice as many entries, and one more.
+    pub(crate) ranks: &'a mut [u64],
+    /// A key between those of the nearest and of the others, 0 if none is known. That of an earlier evaluation
+    /// saves the search for it on a surface that has moved by much less than an edge; it has no effect on the
+    /// result.
+    pub(crate) bound: &'a mut i32,
+}
+
 /// The neighbourhood of one vertex.
 #[derive(Clone, Copy)]
 pub(crate) struct Nearby<'a> {
@@ -262,25 +275,23 @@ impl Nearby<'_> {
     /// as many. Distances are compared to six digits; of several vertices with the same distance, the
     /// smallest numbers are taken.
     ///
-    /// `bound` is a key between those of the nearest and of the others, 0 if none is known. The one of an
-    /// earlier evaluation saves the search for it on a surface that has moved by much less than an edge; it has
-    /// no effect on the result.
-    ///
     /// The first rings suffice if their last one has no vertex among the nearest: rings beyond it are
-    /// then farther still. `keys` has room for a key of each vertex, of which the first `known` are
-    /// set; `ranks` is scratch memory with one entry more. Not inlined, because there is little to
-    /// vectorise, and the loops of fits leave no registers.
+    /// then farther still. Not inlined, because there is little to vectorise, and the loops of fits
+    /// leave no registers.
     #[inline(never)]
     pub(crate) fn set_nearest<T: Real>(
         &self,
         nearest: &mut [u32],
         surface: Surface<'_, T>,
         centre: u32,
-        keys: &mut [i32],
-        known: &mut usize,
-        ranks: &mut [u64],
-        bound: &mut i32,
+        search: Search<'_>,
     ) {
+        let Search {
+            keys,
+            known,
+            ranks,
+            bound,
+        } = search;
         let [inner, first] = self.first_rings;
         if *known < first {
             set_keys(keys, surface, centre, &self.vertices[..first]);

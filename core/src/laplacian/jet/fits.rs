@@ -6,7 +6,7 @@ use crate::element::{SlotKernel, Slots};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::least_squares::LeastSquares;
 use crate::laplacian::{Curvature, RowSlots};
-use crate::neighbourhood::Surroundings;
+use crate::neighbourhood::{Search, Surroundings};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{cross, dot, norm, normalise, scale, sub};
@@ -87,7 +87,7 @@ struct Pending<'a, T> {
     vertex: usize,
     curvature: &'a mut Curvature<T>,
     degree: &'a mut u8,
-    /// See [`Nearby::set_nearest`](crate::neighbourhood::Nearby::set_nearest).
+    /// See [`Search::bound`].
     bound: &'a mut i32,
     length: &'a mut u32,
     columns: &'a mut [u32],
@@ -222,12 +222,14 @@ impl<T: Real> Fits<'_, T> {
             };
             let nearest = &mut pending.columns[..pending.attempt.neighbours];
             let room = self.surroundings.room();
-            let keys = &mut block.keys[place * room..][..room];
-            let centre = pending.vertex as u32;
-            let known = &mut pending.known;
-            let nearby = self.surroundings.of(pending.vertex);
-            let (ranks, bound) = (&mut block.ranks[..], &mut *pending.bound);
-            nearby.set_nearest(nearest, self.surface, centre, keys, known, ranks, bound);
+            let search = Search {
+                keys: &mut block.keys[place * room..][..room],
+                known: &mut pending.known,
+                ranks: &mut block.ranks,
+                bound: pending.bound,
+            };
+            let (centre, nearby) = (pending.vertex as u32, self.surroundings.of(pending.vertex));
+            nearby.set_nearest(nearest, self.surface, centre, search);
             block.set_differences(lane, self.surface, pending.vertex as u32, nearest);
             for (normal, &x) in normals.iter_mut().zip(&pending.normal) {
                 normal.0[lane] = x;
