@@ -266,7 +266,7 @@ methods! {
             defines: [true, true, true],
         },
         Cost {
-            relative: 1.5,
+            relative: 1.6,
             bytes: Bytes::Fixed(185),
         };
         /// D: strong form over a heat kernel.
@@ -283,7 +283,7 @@ methods! {
             defines: [true, true, true],
         },
         Cost {
-            relative: 330.0,
+            relative: 300.0,
             bytes: Bytes::ByBandwidth([240.0, 2260.0]),
         };
         /// E: strong form over paraboloids fitted to one-rings.
@@ -335,7 +335,7 @@ methods! {
             defines: [true, false, false],
         },
         Cost {
-            relative: 3.5,
+            relative: 3.0,
             bytes: Bytes::Fixed(85),
         };
         /// Hamann's: paraboloids fitted to one-rings in the frame of averaged normals.
@@ -370,7 +370,7 @@ methods! {
             defines: [true, true, false],
         },
         Cost {
-            relative: 110.0,
+            relative: 850.0,
             bytes: Bytes::Fixed(18500),
         };
         /// J of degree 4: strong form over osculating jets.
@@ -384,7 +384,7 @@ methods! {
             defines: [true, true, true],
         },
         Cost {
-            relative: 15.0,
+            relative: 20.0,
             bytes: Bytes::Fixed(1450),
         };
         /// J of degree 6.
@@ -398,7 +398,7 @@ methods! {
             defines: [true, true, true],
         },
         Cost {
-            relative: 35.0,
+            relative: 48.0,
             bytes: Bytes::Fixed(2400),
         };
     }
