@@ -236,7 +236,7 @@ impl Surroundings {
     }
 }
 
-/// What is known of the distances of vertices.
+/// Known distances of vertices, and the memory of the search for the nearest.
 pub(crate) struct Search<'a> {
     /// Keys of the distances: room for one of each vertex, of which the first `known` are set.
     pub(crate) keys: &'a mut [i32],

@@ -354,6 +354,11 @@ impl<T: Real> Scratch<T> {
         }
         let [across, along] = fit.frame;
         let (jet, duals) = (fit.polynomial(), Polynomial::new(&by_coefficient));
+        let of_fields = fields.each_ref().map(|field| {
+            let field = field.as_ref()?;
+            let polynomials = [field.coefficients, &field.by_coefficient].map(Polynomial::new);
+            Some((field.values, polynomials))
+        });
         let mut turned = [[Several::zero(); 3]; 3];
         let over = fit.over_radius;
         for row in 0..self.rows() {
@@ -369,11 +374,10 @@ impl<T: Real> Scratch<T> {
                 bars[2] + weight * dual,
             ];
             let mut by_weight = dual * residual;
-            for field in fields.iter().flatten() {
-                let [value, by_u, by_v] = Polynomial::new(field.coefficients).with_slopes(u, v);
-                let [dual, dual_u, dual_v] =
-                    Polynomial::new(&field.by_coefficient).with_slopes(u, v);
-                let residual = field.values[row] - value;
+            for (values, [field, duals]) in of_fields.iter().flatten() {
+                let [value, by_u, by_v] = field.with_slopes(u, v);
+                let [dual, dual_u, dual_v] = duals.with_slopes(u, v);
+                let residual = values[row] - value;
                 bars[0] = bars[0] + weight * (residual * dual_u - dual * by_u);
                 bars[1] = bars[1] + weight * (residual * dual_v - dual * by_v);
                 by_weight = by_weight + dual * residual;

@@ -201,6 +201,10 @@ impl<T: Real> Scratch<T> {
         self.normal_bars.clear();
         self.normal_bars.resize(self.normals.len(), zero);
         let jet = fit.polynomial();
+        let of_fields = fields.each_ref().map(|field| {
+            let field = field.as_ref()?;
+            Some(Polynomial::new(field.coefficients))
+        });
         let mut by_coefficient = [Several::zero(); COUNT];
         let mut by_radius = Several::zero();
         let enough = Several::splat(settled());
@@ -222,9 +226,12 @@ impl<T: Real> Scratch<T> {
                 let [u, v, _] = step.at;
                 // Fields depend on the place along the line, too.
                 let mut by_place = zero;
-                for field in fields.iter_mut().flatten() {
+                for (field, of_field) in fields.iter_mut().zip(&of_fields) {
+                    let (Some(field), Some(of_field)) = (field, of_field) else {
+                        continue;
+                    };
                     let by_value = weight * field.given[row * STAR + point];
-                    let [_, by_u, by_v] = Polynomial::new(field.coefficients).with_slopes(u, v);
+                    let [_, by_u, by_v] = of_field.with_slopes(u, v);
                     by_place[0] = by_place[0] + by_value * by_u;
                     by_place[1] = by_place[1] + by_value * by_v;
                     add_monomials(&mut field.by_coefficient, by_value, u, v);
