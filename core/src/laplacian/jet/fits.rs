@@ -380,11 +380,15 @@ impl<T: Real> Block<T> {
         let steepness = Several::splat(-sharpness);
         for row in 0..rows {
             let local = scale(over_radius, [x[row], y[row], z[row]]);
-            let weight = exponential(steepness * dot(local, local));
             across[row] = dot(local, frame[0]);
             along[row] = dot(local, frame[1]);
-            weights[row] = if normal { weight * weight } else { weight };
             heights[row] = dot(local, normals);
+            weights[row] = steepness * dot(local, local);
+        }
+        // In a loop of its own, where the processor computes several of these long chains at a time.
+        for weight in weights.iter_mut() {
+            let value = exponential(*weight);
+            *weight = if normal { value * value } else { value };
         }
         Found { frame, over_radius }
     }

@@ -24,7 +24,7 @@ pub(super) const TOGETHER: usize = 4;
 
 /// The margin of an estimate of the growth: it was at least 0.16 of the growth of 100 000 fits
 /// of degrees 4 and 6, on even, random and strongly uneven meshes.
-const MARGIN: f64 = 8.0;
+const MARGIN: f64 = 4.0;
 
 /// The place of `x^(degree − power) y^power` among monomials in order of their degrees, 1 first.
 pub(crate) const fn place_of(degree: usize, power: usize) -> usize {
