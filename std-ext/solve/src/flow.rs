@@ -23,6 +23,7 @@ mod membranes;
 mod recent;
 mod redistribution;
 mod suspension;
+mod vectors;
 mod volume;
 
 pub use boundary_integral::{DoubleLayer, SingleLayer, alone};

@@ -194,6 +194,54 @@ fn clusters_of_strange_positions_are_those_of_all_pairs() {
     assert!(at_vertices(&layer).iter().flatten().all(|u| u.is_nan()));
 }
 
+/// Sums in single precision over points that are far apart, in units of the distances between neighbours.
+#[test]
+fn clusters_of_small_distant_bodies_keep_their_tolerance() {
+    let tolerance = 1e-4;
+    for distance in [1e1, 1e3, 1e5, 1e12] {
+        let small = icosphere(1);
+        let bodies = Vec::from_iter((0..40_u32).map(|k| {
+            let angle = f64::from(k);
+            let place = [angle.sin(), angle.cos(), (0.7 * angle).sin()];
+            away(&small, place.map(|x| distance * x))
+        }));
+        let bodies = Vec::from_iter(&bodies);
+        let positions = together(&bodies);
+        // Each body has the same, so that velocities do not cancel.
+        let tractions = vec![[1.0, -2.0, 0.5]; positions.len()];
+        let mut layer = layer(&bodies, &tractions);
+        let dense = at_vertices(&layer);
+        layer.set_cluster_tolerance(tolerance);
+        layer.set_tractions(&positions, &tractions);
+        let what = format!("{distance:e} apart");
+        let found = at_vertices(&layer);
+        assert_within(tolerance, rms(&dense), &dense, &found, &what);
+    }
+}
+
+#[test]
+fn clusters_do_not_depend_on_units() {
+    let ball = icosphere(4).map(bent);
+    let tractions = values(&ball.positions);
+    let velocities = |length: f64, strength: f64| {
+        let scaled = |field: &[[f64; 3]], unit: f64| {
+            Vec::from_iter(field.iter().map(|v| v.map(|x| unit * x)))
+        };
+        let positions = scaled(&ball.positions, length);
+        let mut layer = SingleLayer::new([&ball.connectivity], VISCOSITY, ONE);
+        layer.set_cluster_tolerance(1e-4);
+        layer.set_tractions(&positions, &scaled(&tractions, strength));
+        scaled(&at_vertices(&layer), (length * strength).recip())
+    };
+    let expected = velocities(1.0, 1.0);
+    // Beyond the range of single precision.
+    for power in [-100, 100] {
+        let unit = 2.0_f64.powi(power);
+        assert!(velocities(unit, 1.0) == expected, "lengths times 2^{power}");
+        assert!(velocities(1.0, unit) == expected, "forces times 2^{power}");
+    }
+}
+
 #[test]
 fn few_points_and_no_surfaces_have_clusters() {
     let mesh = icosphere(0);

@@ -7,6 +7,7 @@ pub mod alone;
 mod beside;
 mod clusters;
 mod double_layer;
+mod due;
 mod far;
 mod geometry;
 mod interpolation;

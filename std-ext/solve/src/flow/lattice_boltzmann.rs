@@ -24,7 +24,6 @@ mod setup;
 mod speed;
 mod stencil;
 mod units;
-mod vectors;
 mod viscosity;
 mod voxel;
 
@@ -35,6 +34,7 @@ pub use setup::{Setup, Sides};
 pub use speed::{Speed, measure_speed};
 pub use units::{Units, mach, memory, reynolds};
 
+use super::vectors::Vectors;
 use boundary::Links;
 use collision::{Fluid, Slab};
 use force::{NodalForces, NodalVelocities};
@@ -42,7 +42,6 @@ use pulp::Arch;
 use serde::{Deserialize, Serialize};
 use std::array;
 use stencil::{Layout, Q, VELOCITIES, along, opposite, weight, wrapped};
-use vectors::Vectors;
 use viscosity::NodalViscosities;
 
 /// The numbers that a lattice computes with: `f32` and `f64`.

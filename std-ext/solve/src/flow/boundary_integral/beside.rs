@@ -1,9 +1,9 @@
 //! Adjacent triangles, as corrections of sums over the midpoints of edges.
 
-use super::kernel::{Kernel, splat};
+use super::kernel::{Kernel, Units};
 use super::panel::seven_points;
+use crate::flow::vectors::{Vector, Vectors};
 use pulp::{Arch, Simd, WithSimd};
-use std::sync::LazyLock;
 
 /// Number of points of a triangle: seven, and three midpoints of edges.
 const COUNT: usize = 10;
@@ -11,86 +11,107 @@ const COUNT: usize = 10;
 /// A multiple of every width of vectors.
 const LANES: usize = 16;
 
-/// The points of a triangle, one per lane: their barycentric coordinates, and their weights.
-struct Points {
-    shares: [[f64; LANES]; 3],
-    weights: [f64; LANES],
+/// The rule of seven points of a triangle minus that of the midpoints of its edges.
+#[derive(Debug)]
+pub(super) struct Rule<T> {
+    /// Barycentric coordinates of the points, one per lane.
+    shares: [[T; LANES]; 3],
+    /// The last lanes have weight zero.
+    weights: [T; LANES],
+    units: Units,
 }
 
-/// The rule of seven points minus that of the midpoints of the edges. The last lanes have weight zero.
-static POINTS: LazyLock<Points> = LazyLock::new(|| {
-    let middle = |opposite| std::array::from_fn(|k| if k == opposite { 0.0 } else { 0.5 });
-    let middles = [0, 1, 2].map(|opposite| (middle(opposite), -1.0 / 3.0));
-    let mut points = Vec::from(seven_points());
-    points.extend(middles);
-    points.resize(LANES, ([1.0, 0.0, 0.0], 0.0));
-    Points {
-        shares: [0, 1, 2].map(|corner| std::array::from_fn(|lane| points[lane].0[corner])),
-        weights: std::array::from_fn(|lane| points[lane].1),
+impl<T: Vectors> Rule<T> {
+    pub(super) fn new(units: Units) -> Self {
+        let middle = |opposite| std::array::from_fn(|k| if k == opposite { 0.0 } else { 0.5 });
+        let middles = [0, 1, 2].map(|opposite| (middle(opposite), -1.0 / 3.0));
+        let mut points = Vec::from(seven_points());
+        points.extend(middles);
+        points.resize(LANES, ([1.0, 0.0, 0.0], 0.0));
+        let share = |corner, lane: usize| T::constant(points[lane].0[corner]);
+        Self {
+            shares: [0, 1, 2].map(|corner| std::array::from_fn(|lane| share(corner, lane))),
+            weights: std::array::from_fn(|lane| T::constant(points[lane].1)),
+            units,
+        }
     }
-});
 
-/// The sum over these triangles of the integral by seven points minus that by midpoints of edges.
-///
-/// A triangle is given by its three corners, each with the numbers of a source relative to the target,
-/// multiplied by the area. All numbers are linear on it, and the kernel is linear in the last three.
-pub(super) fn corrections<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
-    kernel: K,
-    triangles: &[[[f64; SOURCE]; 3]],
-) -> [f64; SUM]
-where
-    K: Kernel<TARGET, SOURCE, SUM>,
-{
-    let mut sums = [[0.0; LANES]; SUM];
-    Arch::new().dispatch(Task {
-        kernel,
-        points: &POINTS,
-        triangles,
-        sums: &mut sums,
-    });
-    sums.map(|lanes| lanes.iter().sum())
+    /// The sum over these triangles of the integral by seven points minus that by midpoints of edges.
+    ///
+    /// A triangle is given by its three corners, each with the numbers of a source relative to the target,
+    /// multiplied by the area. All numbers are linear on it, and the kernel is linear in the last three.
+    pub(super) fn corrections<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
+        &self,
+        kernel: K,
+        triangles: &[[[f64; SOURCE]; 3]],
+    ) -> [f64; SUM]
+    where
+        K: Kernel<T, TARGET, SOURCE, SUM>,
+    {
+        let mut sums = [[T::zero(); LANES]; SUM];
+        Arch::new().dispatch(Task {
+            kernel,
+            rule: self,
+            triangles,
+            sums: &mut sums,
+        });
+        sums.map(|lanes| {
+            self.units.of_sum
+                * lanes
+                    .iter()
+                    .map(|lane| lane.to_f64().unwrap_or(f64::NAN))
+                    .sum::<f64>()
+        })
+    }
 }
 
-struct Task<'a, K, const SOURCE: usize, const SUM: usize, const TARGET: usize> {
+struct Task<'a, T, K, const SOURCE: usize, const SUM: usize, const TARGET: usize> {
     kernel: K,
-    points: &'a Points,
+    rule: &'a Rule<T>,
     triangles: &'a [[[f64; SOURCE]; 3]],
-    sums: &'a mut [[f64; LANES]; SUM],
+    sums: &'a mut [[T; LANES]; SUM],
 }
 
-impl<K, const TARGET: usize, const SOURCE: usize, const SUM: usize> WithSimd
-    for Task<'_, K, SOURCE, SUM, TARGET>
+impl<T, K, const TARGET: usize, const SOURCE: usize, const SUM: usize> WithSimd
+    for Task<'_, T, K, SOURCE, SUM, TARGET>
 where
-    K: Kernel<TARGET, SOURCE, SUM>,
+    T: Vectors,
+    K: Kernel<T, TARGET, SOURCE, SUM>,
 {
     type Output = ();
 
     // Each lane has its own sum, so that the result does not depend on the width of vectors.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let [one, two, three] = &self.points.shares;
-        let one = S::as_simd_f64s(one).0;
-        let two = S::as_simd_f64s(two).0;
-        let three = S::as_simd_f64s(three).0;
-        let weights = S::as_simd_f64s(&self.points.weights).0;
-        let zero = simd.splat_f64s(0.0);
-        for k in 0..COUNT.div_ceil(S::F64_LANES) {
+        let shares = (self.rule.shares.each_ref()).map(|shares| T::rows::<S>(shares).0);
+        let weights = T::rows::<S>(&self.rule.weights).0;
+        let zero = Vector::splat(simd, T::zero());
+        for k in 0..COUNT.div_ceil(LANES / weights.len()) {
+            let mut share = [zero; 3];
+            for corner in 0..3 {
+                share[corner] = Vector::new(simd, shares[corner][k]);
+            }
+            let weight = Vector::new(simd, weights[k]);
             let mut sum = [zero; SUM];
-            for [a, b, c] in self.triangles {
-                let (a, b, c) = (splat(simd, *a), splat(simd, *b), splat(simd, *c));
+            for corners in self.triangles {
                 let mut source = [zero; SOURCE];
                 for axis in 0..SOURCE {
-                    let last = simd.mul_f64s(three[k], c[axis]);
-                    let last = simd.mul_add_e_f64s(two[k], b[axis], last);
-                    source[axis] = simd.mul_add_e_f64s(one[k], a[axis], last);
+                    // No closure, which would be compiled without the target features of the caller.
+                    let mut values = [zero; 3];
+                    for corner in 0..3 {
+                        let value = self.rule.units.within(axis, corners[corner][axis]);
+                        values[corner] = Vector::splat(simd, value);
+                    }
+                    let [a, b, c] = values;
+                    source[axis] = share[0].times_plus(a, share[1].times_plus(b, share[2] * c));
                 }
                 for number in &mut source[SOURCE - 3..] {
-                    *number = simd.mul_f64s(weights[k], *number);
+                    *number = weight * *number;
                 }
-                sum = self.kernel.add(simd, [zero; TARGET], source, sum);
+                sum = self.kernel.add([zero; TARGET], source, sum);
             }
             for (lanes, sum) in self.sums.iter_mut().zip(sum) {
-                S::as_mut_simd_f64s(lanes).0[k] = sum;
+                T::rows_mut::<S>(lanes).0[k] = sum.entries();
             }
         }
     }

@@ -15,6 +15,8 @@ pub(super) struct Cluster {
     /// The distance from the centre within which triangles of the points need better integrals than
     /// sums over points.
     pub(super) reach: f64,
+    /// The sum of the squares of the points' reaches.
+    pub(super) squared_reaches: f64,
     /// The nodes in the box; `None` if there are at least as many nodes as points.
     pub(super) grid: Option<Grid>,
     /// Number of clusters below this one.
@@ -88,16 +90,18 @@ impl<P: Fn(usize) -> (DVec3, f64) + Sync> Division<'_, P> {
         let half = 0.5 * (high - low);
         let centre = axes * (low + half);
         // If a coordinate is NaN, so is the centre, and the cluster is then not apart from any other.
-        let (mut radius, mut most_reach) = (0.0_f64, 0.0_f64);
+        let [mut radius, mut most_reach, mut squared_reaches] = [0.0_f64; 3];
         for (point, reach) in points.iter().zip(reaches) {
             let distance = point.distance(centre);
             (radius, most_reach) = (radius.max(distance), most_reach.max(distance + reach));
+            squared_reaches += reach * reach;
         }
         let mut clusters = vec![Cluster {
             points: first..first + order.len(),
             centre,
             radius,
             reach: most_reach,
+            squared_reaches,
             grid: Grid::new(centre, axes, half, radius, self.error)
                 .filter(|grid| 2 * grid.len() <= order.len()),
             below: 0,

@@ -1,9 +1,9 @@
 //! The double layer on surfaces between fluids of different viscosities.
 
-use super::beside;
+use super::beside::Rule;
 use super::far::{self, Far};
 use super::geometry::{Geometry, Near};
-use super::kernel::{Kernel, SolidAngle, Stresslet, StressletPressure, source};
+use super::kernel::{Kernel, SolidAngle, Stresslet, StressletPressure, Units, source};
 use super::panel::Panel;
 use super::sums;
 use crate::flow::{Gmres, Solved};
@@ -121,7 +121,7 @@ impl DoubleLayer {
     /// Errors of single vertices are at most ten times as large. Tolerances above 1e-3 save no time
     /// and count as 1e-3.
     pub fn set_cluster_tolerance(&mut self, tolerance: f64) {
-        self.far = Far::new(INTERPOLATION, tolerance);
+        self.far = Far::new(INTERPOLATION, tolerance, false);
         self.velocities.clear();
     }
 
@@ -217,7 +217,8 @@ impl DoubleLayer {
         assert_eq!(sum.len(), self.vertex_count(), "one velocity per vertex");
         let geometry = &self.geometry;
         let target = |vertex: usize| source(&[geometry.position(vertex), self.velocities[vertex]]);
-        far::add(
+        let rule = Rule::<f64>::new(Units::NONE);
+        far::add::<f64, _, _, _, _, _, _>(
             Stresslet,
             self.far.at_vertices(),
             self.threads,
@@ -236,7 +237,7 @@ impl DoubleLayer {
                         Near::Across => across += self.lacking(number, drop, at, velocity),
                     }
                 }
-                let beside = DVec3::from(beside::corrections(Stresslet, &beside));
+                let beside = DVec3::from(rule.corrections(Stresslet, &beside));
                 (beside + across).to_array()
             },
         );
@@ -252,7 +253,7 @@ impl DoubleLayer {
         assert_eq!(sum.len(), points.len(), "one velocity a point");
         let target = |point: usize| source(&[points[point].into(), DVec3::ZERO]);
         let targets = self.far.points(points, self.threads);
-        far::add(
+        far::add::<f64, _, _, _, _, _, _>(
             Stresslet,
             self.far.at(targets.as_ref()),
             self.threads,
@@ -443,14 +444,14 @@ fn sources(panel: Panel<'_>, drop: f64, velocities: [DVec3; 3]) -> [[f64; 9]; 3]
 }
 
 /// The contribution of one triangle to the sum over all sources.
-fn by_middles<K: Kernel<T, 9, N>, const T: usize, const N: usize>(
+fn by_middles<K: Kernel<f64, T, 9, N>, const T: usize, const N: usize>(
     kernel: K,
     target: [f64; T],
     sources: &[[f64; 9]; 3],
 ) -> [f64; N] {
     let mut sum = [0.0; N];
     for source in sources {
-        sum = kernel.add(pulp::Scalar, target, *source, sum);
+        sum = kernel.add_one(target, source, sum);
     }
     sum
 }

@@ -6,22 +6,27 @@
 //! Krasny, Comput. Phys. Commun. 265, 108017 (2021).
 
 use super::clusters::{Tree, in_two};
+use super::due::Due;
 use super::geometry::Geometry;
 use super::interpolation::SEPARATION;
-use super::kernel::{Expansion, Kernel};
-use super::sums::{self, Columns, Task};
+use super::kernel::{Expansion, Kernel, Scaled, Units};
+use super::sums::{self, Columns};
+use crate::flow::vectors::Vectors;
 use glam::DVec3;
 use pulp::Arch;
 use std::collections::VecDeque;
+use std::marker::PhantomData;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Largest number of targets of a leaf.
-const TARGETS: usize = 64;
+/// Largest numbers of targets and of sources of a leaf, in double and in single precision.
+const DOUBLE_LEAF: [usize; 2] = [64, 48];
+const SINGLE_LEAF: [usize; 2] = [128, 128];
 
-/// Largest number of sources of a leaf.
-const SOURCES: usize = 48;
+/// Points of a leaf whose squared radius is more than this many times their squared widths, like those of several small
+/// bodies, are too far from its centre, in units of the distances between neighbours, for single precision.
+const SPREAD: f64 = 256.0;
 
 /// Number of parts into which the targets are divided for threads.
 const PARTS: usize = 64;
@@ -34,16 +39,20 @@ const LOOSEST: f64 = 1e-3;
 pub(super) struct Far {
     /// The error of interpolations, relative to the interpolated functions; 0 for all pairs.
     error: f64,
+    /// Whether sums have single precision.
+    single: bool,
     vertices: Tree,
     sources: Tree,
 }
 
 impl Far {
     /// Sums with this tolerance, or over all pairs if it is 0, before vertices are placed.
-    /// `interpolation` is the ratio of the error of interpolations to that of their sums.
-    pub(super) fn new(interpolation: f64, tolerance: f64) -> Self {
+    /// `interpolation` is the ratio of the error of interpolations to that of their sums, and `single` chooses
+    /// single precision.
+    pub(super) fn new(interpolation: f64, tolerance: f64, single: bool) -> Self {
         Self {
             error: interpolation * tolerance.min(LOOSEST),
+            single,
             ..Self::default()
         }
     }
@@ -58,19 +67,35 @@ impl Far {
         reach: impl Fn(usize) -> f64 + Sync,
     ) {
         if self.error > 0.0 {
-            let vertex = |vertex| (geometry.position(vertex), 0.0);
+            let vertex = |vertex| (geometry.position(vertex), geometry.width(vertex));
             let count = geometry.vertex_count();
-            self.vertices = self.tree(&vertex, count, TARGETS, threads);
+            let [targets, most] = self.leaf();
+            self.vertices = self.tree(&vertex, count, targets, threads);
             let point = |source: usize| DVec3::from_slice(&sources[source][..3]);
             let source = |source| (point(source), reach(source));
-            self.sources = self.tree(&source, sources.len(), SOURCES, threads);
+            self.sources = self.tree(&source, sources.len(), most, threads);
         }
+    }
+
+    /// Whether sums have single precision.
+    pub(super) fn single(&self) -> bool {
+        self.single
+    }
+
+    /// Units of sums at the vertices.
+    pub(super) fn units<const SOURCE: usize>(
+        &self,
+        kernel: impl Scaled<SOURCE>,
+        sources: &[[f64; SOURCE]],
+    ) -> Units {
+        let root = self.vertices.clusters.first();
+        root.map_or(Units::NONE, |root| kernel.units(root.radius, sources))
     }
 
     /// The clusters of other points, if they are needed.
     pub(super) fn points(&self, points: &[[f64; 3]], threads: NonZeroUsize) -> Option<Tree> {
         let point = |point: usize| (DVec3::from(points[point]), 0.0);
-        (self.error > 0.0).then(|| self.tree(&point, points.len(), TARGETS, threads))
+        (self.error > 0.0).then(|| self.tree(&point, points.len(), self.leaf()[0], threads))
     }
 
     /// The trees for sums at the vertices; `None` where all pairs are summed.
@@ -82,6 +107,14 @@ impl Far {
     pub(super) fn at<'a>(&'a self, points: Option<&'a Tree>) -> Option<[&'a Tree; 2]> {
         let trees = [points?, &self.sources];
         (trees.iter().all(|tree| !tree.order.is_empty())).then_some(trees)
+    }
+
+    fn leaf(&self) -> [usize; 2] {
+        if self.single {
+            SINGLE_LEAF
+        } else {
+            DOUBLE_LEAF
+        }
     }
 
     fn tree(
@@ -101,6 +134,7 @@ impl Far {
     reason = "those of the sum over all pairs, and the trees"
 )]
 pub(super) fn add<
+    T,
     K,
     const TARGET: usize,
     const SOURCE: usize,
@@ -117,7 +151,8 @@ pub(super) fn add<
     target: impl Fn(usize) -> [f64; TARGET] + Sync,
     correction: impl Fn(usize) -> [f64; SUM] + Sync,
 ) where
-    K: Expansion<TARGET, SOURCE, SUM, FAR, LOCAL>,
+    T: Vectors,
+    K: Expansion<T, TARGET, SOURCE, SUM, FAR, LOCAL> + Kernel<f64, TARGET, SOURCE, SUM>,
 {
     let Some(trees) = trees else {
         sums::add(
@@ -125,7 +160,7 @@ pub(super) fn add<
         );
         return;
     };
-    let sums = sums(kernel, threads, trees, sources, target);
+    let sums = sums::<T, _, _, _, _, _, _>(kernel, threads, trees, sources, target);
     sums::distribute(threads, entries, |first, entries| {
         for (k, entry) in entries.iter_mut().enumerate() {
             let correction = correction(first + k);
@@ -138,6 +173,7 @@ pub(super) fn add<
 
 /// The sums over all sources at all targets, in the order of the targets.
 fn sums<
+    T,
     K,
     const TARGET: usize,
     const SOURCE: usize,
@@ -152,7 +188,8 @@ fn sums<
     target: impl Fn(usize) -> [f64; TARGET] + Sync,
 ) -> Vec<[f64; SUM]>
 where
-    K: Expansion<TARGET, SOURCE, SUM, FAR, LOCAL>,
+    T: Vectors,
+    K: Expansion<T, TARGET, SOURCE, SUM, FAR, LOCAL> + Kernel<f64, TARGET, SOURCE, SUM>,
 {
     let sources: Vec<_> = (source_tree.order.iter())
         .map(|&source| sources[source as usize])
@@ -163,14 +200,14 @@ where
         first_nodes.push(first_nodes[first_nodes.len() - 1] + count);
     }
     let mut moments = vec![[0.0; FAR]; first_nodes[first_nodes.len() - 1]];
-    let ascent = Ascent::<_, TARGET, SOURCE, SUM, FAR, LOCAL> {
-        kernel,
+    let ascent = Ascent {
+        moments_of: |source: &[f64; SOURCE]| kernel.moments(source),
         tree: source_tree,
         sources: &sources,
         first_nodes: &first_nodes,
     };
     ascent.ascend(0, &mut moments, threads.get());
-    let descent = Descent::<_, _, TARGET, SOURCE, SUM, FAR, LOCAL> {
+    let descent = Descent::<T, _, _, TARGET, SOURCE, SUM, FAR, LOCAL> {
         kernel,
         targets: target_tree,
         sources: source_tree,
@@ -178,6 +215,8 @@ where
         numbers: &sources,
         moments: &moments,
         target,
+        units: kernel.units(target_tree.clusters[0].radius, &sources),
+        number: PhantomData,
     };
     let ordered = descent.run(threads);
     let mut sums = vec![[0.0; SUM]; ordered.len()];
@@ -188,32 +227,18 @@ where
 }
 
 /// Sources moved to the nodes of their clusters, from the leaves upward.
-struct Ascent<
-    'a,
-    K,
-    const TARGET: usize,
-    const SOURCE: usize,
-    const SUM: usize,
-    const FAR: usize,
-    const LOCAL: usize,
-> {
-    kernel: K,
+struct Ascent<'a, M, const SOURCE: usize, const FAR: usize> {
+    /// The moments of a source.
+    moments_of: M,
     tree: &'a Tree,
     /// In the order of the tree.
     sources: &'a [[f64; SOURCE]],
     first_nodes: &'a [usize],
 }
 
-impl<
-    K,
-    const TARGET: usize,
-    const SOURCE: usize,
-    const SUM: usize,
-    const FAR: usize,
-    const LOCAL: usize,
-> Ascent<'_, K, TARGET, SOURCE, SUM, FAR, LOCAL>
+impl<M, const SOURCE: usize, const FAR: usize> Ascent<'_, M, SOURCE, FAR>
 where
-    K: Expansion<TARGET, SOURCE, SUM, FAR, LOCAL>,
+    M: Fn(&[f64; SOURCE]) -> [f64; FAR] + Sync,
 {
     /// Sets the moments at the nodes of a cluster and of all below it.
     fn ascend(&self, cluster: usize, moments: &mut [[f64; FAR]], threads: usize) {
@@ -241,7 +266,7 @@ where
         };
         let raw = |points: &Range<usize>| {
             let sources = self.sources[points.clone()].iter();
-            sources.map(|source| self.kernel.moments(source))
+            sources.map(&self.moments_of)
         };
         let mut moved = Vec::with_capacity(cluster.points.len());
         match (children, halves) {
@@ -279,6 +304,7 @@ where
 /// Sums carried from clusters to the points in them.
 struct Descent<
     'a,
+    T,
     K,
     P,
     const TARGET: usize,
@@ -295,6 +321,8 @@ struct Descent<
     numbers: &'a [[f64; SOURCE]],
     moments: &'a [[f64; FAR]],
     target: P,
+    units: Units,
+    number: PhantomData<fn() -> T>,
 }
 
 /// A cluster of targets, and the sources that act on all of it.
@@ -305,7 +333,7 @@ struct Visit<const LOCAL: usize> {
     /// Sources that are summed point by point.
     direct: Vec<Direct>,
     /// The innermost enclosing cluster that has sums at its nodes, and these sums.
-    around: Option<Arc<(usize, Columns<LOCAL>)>>,
+    around: Option<Arc<(usize, Columns<f64, LOCAL>)>>,
 }
 
 /// Sources that act on each target.
@@ -318,6 +346,7 @@ enum Direct {
 }
 
 impl<
+    T: Vectors,
     K,
     P,
     const TARGET: usize,
@@ -325,9 +354,9 @@ impl<
     const SUM: usize,
     const FAR: usize,
     const LOCAL: usize,
-> Descent<'_, K, P, TARGET, SOURCE, SUM, FAR, LOCAL>
+> Descent<'_, T, K, P, TARGET, SOURCE, SUM, FAR, LOCAL>
 where
-    K: Expansion<TARGET, SOURCE, SUM, FAR, LOCAL>,
+    K: Expansion<T, TARGET, SOURCE, SUM, FAR, LOCAL> + Kernel<f64, TARGET, SOURCE, SUM>,
     P: Fn(usize) -> [f64; TARGET] + Sync,
 {
     /// The sums at all targets, in the order of their tree.
@@ -427,15 +456,13 @@ where
                     sums.set(number, self.interpolated(around, node));
                 }
             }
-            let places = Columns::from_rows(nodes.len(), |node| nodes[node].to_array());
+            let origin = target.centre;
+            let rows: Vec<_> = nodes.iter().map(|node| node.to_array()).collect();
+            let mut due = Due::new(self.columns(origin, &rows), &mut sums);
             for &number in &interpolated {
-                add_all(
-                    self.kernel.distant(),
-                    &places,
-                    self.nodes(number),
-                    &mut sums,
-                );
+                due.add(self.kernel.distant(), self.seen(origin, self.nodes(number)));
             }
+            due.finish(self.kernel.distant());
             visit.around = Some(Arc::new((visit.cluster, sums)));
         }
         let [left, right] = children?;
@@ -459,20 +486,21 @@ where
             .iter()
             .map(|&target| (self.target)(target as usize))
             .collect();
-        let targets = Columns::from_rows(rows.len(), |target| rows[target]);
         let mut columns = Columns::new(rows.len());
+        let leaf = &self.targets.clusters[visit.cluster];
+        if leaf.radius * leaf.radius <= SPREAD * leaf.squared_reaches {
+            self.add_sources::<T>(visit, leaf.centre, &rows, &mut columns);
+        } else {
+            self.add_sources::<f64>(visit, DVec3::ZERO, &rows, &mut columns);
+        }
+        let mut due = Due::new(self.columns(leaf.centre, &rows), &mut columns);
         for direct in &visit.direct {
-            match *direct {
-                Direct::Sources(number) => {
-                    let points = self.sources.clusters[number].points.clone();
-                    add_all(self.kernel, &targets, &self.numbers[points], &mut columns);
-                }
-                Direct::Nodes(number) => {
-                    let kernel = self.kernel.distant();
-                    add_all(kernel, &targets, self.nodes(number), &mut columns);
-                }
+            if let Direct::Nodes(number) = *direct {
+                let nodes = self.seen(leaf.centre, self.nodes(number));
+                due.add(self.kernel.distant(), nodes);
             }
         }
+        due.finish(self.kernel.distant());
         for (k, (sum, &target)) in sums.iter_mut().zip(&rows).enumerate() {
             *sum = columns.row(k);
             if let Some(around) = &visit.around {
@@ -481,7 +509,55 @@ where
                     *sum += far;
                 }
             }
+            for number in sum {
+                *number *= self.units.of_sum;
+            }
         }
+    }
+
+    /// Adds the sources that act point by point on the targets of a leaf, in numbers of type `V`.
+    fn add_sources<V: Vectors>(
+        &self,
+        visit: &Visit<LOCAL>,
+        origin: DVec3,
+        targets: &[[f64; TARGET]],
+        sums: &mut Columns<f64, SUM>,
+    ) where
+        K: Kernel<V, TARGET, SOURCE, SUM>,
+    {
+        let mut due = Due::<V, _, _, _>::new(self.columns(origin, targets), sums);
+        for direct in &visit.direct {
+            if let Direct::Sources(number) = *direct {
+                let points = self.sources.clusters[number].points.clone();
+                due.add(self.kernel, self.seen(origin, &self.numbers[points]));
+            }
+        }
+        due.finish(self.kernel);
+    }
+
+    /// The numbers of points relative to an origin, in units.
+    fn seen<V: Vectors, const N: usize>(
+        &self,
+        origin: DVec3,
+        rows: &[[f64; N]],
+    ) -> impl Iterator<Item = [V; N]> {
+        rows.iter().map(move |row| {
+            let mut seen = [V::zero(); N];
+            for (axis, (seen, &number)) in seen.iter_mut().zip(row).enumerate() {
+                let from = if axis < 3 { origin[axis] } else { 0.0 };
+                *seen = self.units.within(axis, number - from);
+            }
+            seen
+        })
+    }
+
+    fn columns<V: Vectors, const N: usize>(
+        &self,
+        origin: DVec3,
+        rows: &[[f64; N]],
+    ) -> Columns<V, N> {
+        let seen: Vec<_> = self.seen(origin, rows).collect();
+        Columns::from_rows(seen.len(), |k| seen[k])
     }
 
     /// The nodes of a cluster of sources with their moments.
@@ -490,7 +566,7 @@ where
     }
 
     /// The value at a point of the polynomials through the sums at the nodes of the enclosing cluster.
-    fn interpolated(&self, around: &(usize, Columns<LOCAL>), at: DVec3) -> [f64; LOCAL] {
+    fn interpolated(&self, around: &(usize, Columns<f64, LOCAL>), at: DVec3) -> [f64; LOCAL] {
         let (cluster, sums) = around;
         let mut value = [0.0; LOCAL];
         if let Some(grid) = &self.targets.clusters[*cluster].grid {
@@ -502,21 +578,4 @@ where
         }
         value
     }
-}
-
-/// Adds all sources to the sums.
-fn add_all<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
-    kernel: K,
-    targets: &Columns<TARGET>,
-    sources: &[[f64; SOURCE]],
-    sums: &mut Columns<SUM>,
-) where
-    K: Kernel<TARGET, SOURCE, SUM>,
-{
-    Arch::new().dispatch(Task {
-        kernel,
-        targets,
-        sources,
-        sums,
-    });
 }

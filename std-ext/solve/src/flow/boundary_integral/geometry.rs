@@ -185,6 +185,17 @@ impl Geometry {
         self.positions[vertex]
     }
 
+    /// Whether the height of a triangle is less than about a sixteenth of its longest edge.
+    pub(super) fn is_thin(&self, triangle: usize) -> bool {
+        let centre = &self.centres[triangle];
+        64.0 * centre.normal.length() < centre.squared_reach
+    }
+
+    /// The root of twice the area around a vertex.
+    pub(super) fn width(&self, vertex: usize) -> f64 {
+        self.normals[vertex].length().sqrt()
+    }
+
     pub(super) fn panel(&self, number: usize) -> Panel<'_> {
         Panel::new(self.triangles[number], &self.positions)
     }

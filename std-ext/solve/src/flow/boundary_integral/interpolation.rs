@@ -38,6 +38,12 @@ static BASES: LazyLock<Vec<Vec<[f64; MOST]>>> = LazyLock::new(|| {
     (0..=MOST).map(table).collect()
 });
 
+/// Node m of n nodes, between −1 and 1: `NODES[n][m]`.
+static NODES: LazyLock<Vec<[f64; MOST]>> = LazyLock::new(|| {
+    let node = |n, m| if m < n { angle(n, m).cos() } else { 0.0 };
+    (0..=MOST).map(|n| array::from_fn(|m| node(n, m))).collect()
+});
+
 /// The angle whose cosine is node m of n nodes.
 fn angle(n: usize, m: usize) -> f64 {
     PI * (m as f64 + 0.5) / n as f64
@@ -87,8 +93,8 @@ impl Grid {
     pub(super) fn nodes(&self) -> impl Iterator<Item = DVec3> + '_ {
         let [x, y, z] = [0, 1, 2].map(|axis| {
             let (count, half) = (self.counts[axis], self.half[axis]);
-            let column = self.axes.col(axis);
-            move |m: usize| half * angle(count, m).cos() * column
+            let (column, nodes) = (self.axes.col(axis), &NODES[count]);
+            move |m: usize| half * nodes[m] * column
         });
         (0..self.len()).map(move |node| {
             let [_, rows, columns] = self.counts;

@@ -1,28 +1,39 @@
 //! Contributions of a point source at a point, where r is the vector from the point to the source.
 //! Coinciding points contribute zero.
 
+use crate::flow::vectors::{Vector, Vectors};
 use glam::DVec3;
 use pulp::{Scalar, Simd};
 
-/// The contribution of one source to a vector of targets.
+/// The contribution of one source to a vector of targets, in numbers of type `T`.
 ///
 /// The numbers of a target begin with its position, as do those of a source.
-pub(super) trait Kernel<const TARGET: usize, const SOURCE: usize, const SUM: usize>:
+pub(super) trait Kernel<T: Vectors, const TARGET: usize, const SOURCE: usize, const SUM: usize>:
     Copy + Sync
 {
     /// `sum` plus the contribution, separately in each lane.
     // No closures here, because they would be compiled without the target features of the caller.
     fn add<S: Simd>(
         self,
-        simd: S,
-        target: [S::f64s; TARGET],
-        source: [S::f64s; SOURCE],
-        sum: [S::f64s; SUM],
-    ) -> [S::f64s; SUM];
+        target: [Vector<T, S>; TARGET],
+        source: [Vector<T, S>; SOURCE],
+        sum: [Vector<T, S>; SUM],
+    ) -> [Vector<T, S>; SUM];
 
-    /// The same for a single target.
-    fn one(self, target: [f64; TARGET], source: &[f64; SOURCE]) -> [f64; SUM] {
-        self.add(Scalar, target, *source, [0.0; SUM])
+    /// `sum` plus the contribution to a single target.
+    fn add_one(self, target: [T; TARGET], source: &[T; SOURCE], sum: [T; SUM]) -> [T; SUM] {
+        let (target, source) = (splat(Scalar, target), splat(Scalar, *source));
+        let mut entries = [T::zero(); SUM];
+        let sum = self.add(target, source, splat(Scalar, sum));
+        for (entry, sum) in entries.iter_mut().zip(sum) {
+            T::store(Scalar, std::slice::from_mut(entry), sum.entries());
+        }
+        entries
+    }
+
+    /// The contribution to a single target.
+    fn one(self, target: [T; TARGET], source: &[T; SOURCE]) -> [T; SUM] {
+        self.add_one(target, source, [T::zero(); SUM])
     }
 }
 
@@ -32,15 +43,16 @@ pub(super) trait Kernel<const TARGET: usize, const SOURCE: usize, const SUM: usi
 /// contribute to the sum at a target, and to the `LOCAL` numbers of a node, from which [`Self::at`]
 /// computes the sum.
 pub(super) trait Expansion<
+    T: Vectors,
     const TARGET: usize,
     const SOURCE: usize,
     const SUM: usize,
     const FAR: usize,
     const LOCAL: usize,
->: Kernel<TARGET, SOURCE, SUM>
+>: Kernel<T, TARGET, SOURCE, SUM> + Scaled<SOURCE>
 {
     /// The kernel of moments.
-    type Distant: Kernel<TARGET, FAR, SUM> + Kernel<3, FAR, LOCAL>;
+    type Distant: Kernel<T, TARGET, FAR, SUM> + Kernel<T, 3, FAR, LOCAL>;
 
     /// The kernel of moments.
     fn distant(self) -> Self::Distant;
@@ -50,6 +62,53 @@ pub(super) trait Expansion<
 
     /// The sum at a target.
     fn at(self, local: [f64; LOCAL], target: [f64; TARGET]) -> [f64; SUM];
+}
+
+/// A kernel whose sums can be computed in units.
+pub(super) trait Scaled<const SOURCE: usize> {
+    /// Units for sums at points within a radius.
+    fn units(self, radius: f64, sources: &[[f64; SOURCE]]) -> Units;
+}
+
+/// Units of sums, powers of two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Units {
+    /// 1 over the unit of positions.
+    pub(super) over_length: f64,
+    /// 1 over the unit of the other numbers of sources and targets.
+    pub(super) over_strength: f64,
+    /// The unit of sums.
+    pub(super) of_sum: f64,
+}
+
+impl Units {
+    pub(super) const NONE: Self = Self {
+        over_length: 1.0,
+        over_strength: 1.0,
+        of_sum: 1.0,
+    };
+
+    /// A number of a source or a target in units.
+    #[inline(always)]
+    pub(super) fn within<T: Vectors>(&self, number: usize, value: f64) -> T {
+        T::constant(
+            value
+                * if number < 3 {
+                    self.over_length
+                } else {
+                    self.over_strength
+                },
+        )
+    }
+}
+
+/// The power of two below a normal number, and 1 for other numbers.
+fn power_of_two(number: f64) -> f64 {
+    if number.is_normal() {
+        f64::from_bits(number.to_bits() & f64::INFINITY.to_bits())
+    } else {
+        1.0
+    }
 }
 
 /// The numbers of a source or a target.
@@ -81,109 +140,102 @@ pub(super) struct StressletPressure;
 #[derive(Clone, Copy)]
 pub(super) struct SolidAngle;
 
-impl Kernel<3, 6, 3> for Stokeslet {
+impl<T: Vectors> Kernel<T, 3, 6, 3> for Stokeslet {
     #[inline(always)]
     fn add<S: Simd>(
         self,
-        simd: S,
-        target: [S::f64s; 3],
-        source: [S::f64s; 6],
-        [u, v, w]: [S::f64s; 3],
-    ) -> [S::f64s; 3] {
+        target: [Vector<T, S>; 3],
+        source: [Vector<T, S>; 6],
+        [u, v, w]: [Vector<T, S>; 3],
+    ) -> [Vector<T, S>; 3] {
         let [x, y, z, f, g, h] = source;
         let f = [f, g, h];
-        let r = difference(simd, [x, y, z], target);
-        let [over, over_squared] = reciprocals(simd, dot(simd, r, r));
-        let along = simd.mul_f64s(dot(simd, r, f), over_squared);
+        let r = difference([x, y, z], target);
+        let [over, over_squared] = reciprocals(dot(r, r));
+        let along = dot(r, f) * over_squared;
         [
-            simd.mul_add_e_f64s(over, simd.mul_add_e_f64s(along, r[0], f[0]), u),
-            simd.mul_add_e_f64s(over, simd.mul_add_e_f64s(along, r[1], f[1]), v),
-            simd.mul_add_e_f64s(over, simd.mul_add_e_f64s(along, r[2], f[2]), w),
+            over.times_plus(along.times_plus(r[0], f[0]), u),
+            over.times_plus(along.times_plus(r[1], f[1]), v),
+            over.times_plus(along.times_plus(r[2], f[2]), w),
         ]
     }
 }
 
-impl Kernel<3, 6, 1> for Gradient {
+impl<T: Vectors> Kernel<T, 3, 6, 1> for Gradient {
     #[inline(always)]
     fn add<S: Simd>(
         self,
-        simd: S,
-        target: [S::f64s; 3],
-        source: [S::f64s; 6],
-        [sum]: [S::f64s; 1],
-    ) -> [S::f64s; 1] {
+        target: [Vector<T, S>; 3],
+        source: [Vector<T, S>; 6],
+        [sum]: [Vector<T, S>; 1],
+    ) -> [Vector<T, S>; 1] {
         let [x, y, z, f, g, h] = source;
         let f = [f, g, h];
-        let r = difference(simd, [x, y, z], target);
-        let [over, over_squared] = reciprocals(simd, dot(simd, r, r));
-        let over_cube = simd.mul_f64s(over, over_squared);
-        [simd.mul_add_e_f64s(over_cube, dot(simd, r, f), sum)]
+        let r = difference([x, y, z], target);
+        let [over, over_squared] = reciprocals(dot(r, r));
+        let over_cube = over * over_squared;
+        [over_cube.times_plus(dot(r, f), sum)]
     }
 }
 
-impl Kernel<6, 9, 3> for Stresslet {
+impl<T: Vectors> Kernel<T, 6, 9, 3> for Stresslet {
     #[inline(always)]
     fn add<S: Simd>(
         self,
-        simd: S,
-        target: [S::f64s; 6],
-        source: [S::f64s; 9],
-        [a, b, c]: [S::f64s; 3],
-    ) -> [S::f64s; 3] {
+        target: [Vector<T, S>; 6],
+        source: [Vector<T, S>; 9],
+        [a, b, c]: [Vector<T, S>; 3],
+    ) -> [Vector<T, S>; 3] {
         let [x, y, z, k, l, m, u, v, w] = source;
         let [x0, y0, z0, u0, v0, w0] = target;
-        let r = difference(simd, [x, y, z], [x0, y0, z0]);
-        let u = difference(simd, [u, v, w], [u0, v0, w0]);
-        let [over, over_squared] = reciprocals(simd, dot(simd, r, r));
+        let r = difference([x, y, z], [x0, y0, z0]);
+        let u = difference([u, v, w], [u0, v0, w0]);
+        let [over, over_squared] = reciprocals(dot(r, r));
         // Each factor has its own reciprocal, because powers of r alone may overflow.
-        let through = simd.mul_f64s(dot(simd, r, [k, l, m]), over_squared);
-        let along = simd.mul_f64s(dot(simd, r, u), over_squared);
-        let factor = simd.mul_f64s(simd.mul_f64s(through, along), over);
+        let through = dot(r, [k, l, m]) * over_squared;
+        let along = dot(r, u) * over_squared;
+        let factor = through * along * over;
         [
-            simd.mul_add_e_f64s(factor, r[0], a),
-            simd.mul_add_e_f64s(factor, r[1], b),
-            simd.mul_add_e_f64s(factor, r[2], c),
+            factor.times_plus(r[0], a),
+            factor.times_plus(r[1], b),
+            factor.times_plus(r[2], c),
         ]
     }
 }
 
-impl Kernel<3, 9, 1> for StressletPressure {
+impl<T: Vectors> Kernel<T, 3, 9, 1> for StressletPressure {
     #[inline(always)]
     fn add<S: Simd>(
         self,
-        simd: S,
-        target: [S::f64s; 3],
-        source: [S::f64s; 9],
-        [sum]: [S::f64s; 1],
-    ) -> [S::f64s; 1] {
+        target: [Vector<T, S>; 3],
+        source: [Vector<T, S>; 9],
+        [sum]: [Vector<T, S>; 1],
+    ) -> [Vector<T, S>; 1] {
         let [x, y, z, k, l, m, u, v, w] = source;
         let (n, u) = ([k, l, m], [u, v, w]);
-        let r = difference(simd, [x, y, z], target);
-        let [over, over_squared] = reciprocals(simd, dot(simd, r, r));
-        let through = simd.mul_f64s(dot(simd, r, n), over_squared);
-        let thrice = simd.mul_f64s(simd.splat_f64s(3.0), dot(simd, r, u));
-        let outward = simd.neg_f64s(dot(simd, n, u));
-        let both = simd.mul_add_e_f64s(thrice, through, outward);
-        let over_cube = simd.mul_f64s(over, over_squared);
-        [simd.mul_add_e_f64s(over_cube, both, sum)]
+        let r = difference([x, y, z], target);
+        let [over, over_squared] = reciprocals(dot(r, r));
+        let through = dot(r, n) * over_squared;
+        let thrice = dot(r, u).times(3.0);
+        let both = thrice.times_plus(through, dot(n, u).times(-1.0));
+        [(over * over_squared).times_plus(both, sum)]
     }
 }
 
-impl Kernel<3, 9, 1> for SolidAngle {
+impl<T: Vectors> Kernel<T, 3, 9, 1> for SolidAngle {
     #[inline(always)]
     fn add<S: Simd>(
         self,
-        simd: S,
-        target: [S::f64s; 3],
-        source: [S::f64s; 9],
-        sum: [S::f64s; 1],
-    ) -> [S::f64s; 1] {
+        target: [Vector<T, S>; 3],
+        source: [Vector<T, S>; 9],
+        sum: [Vector<T, S>; 1],
+    ) -> [Vector<T, S>; 1] {
         let [x, y, z, k, l, m, _, _, _] = source;
-        Gradient.add(simd, target, [x, y, z, k, l, m], sum)
+        Gradient.add(target, [x, y, z, k, l, m], sum)
     }
 }
 
-impl Expansion<3, 6, 3, 6, 3> for Stokeslet {
+impl<T: Vectors> Expansion<T, 3, 6, 3, 6, 3> for Stokeslet {
     type Distant = Self;
 
     fn distant(self) -> Self {
@@ -199,9 +251,24 @@ impl Expansion<3, 6, 3, 6, 3> for Stokeslet {
     }
 }
 
+impl Scaled<6> for Stokeslet {
+    fn units(self, radius: f64, sources: &[[f64; 6]]) -> Units {
+        let forces = sources.iter().flat_map(|source| &source[3..]);
+        let strength = forces.fold(0.0_f64, |most, force| most.max(force.abs()));
+        // Squares of distances down to 1e-31 and up to 10 radii are then within the range of single precision.
+        let length = power_of_two(radius) / 2.0_f64.powi(40);
+        let strength = power_of_two(strength);
+        Units {
+            over_length: length.recip(),
+            over_strength: strength.recip(),
+            of_sum: strength / length,
+        }
+    }
+}
+
 /// The moments are n and the symmetric part M of n u, in the order xx, yy, zz, yz, zx, xy, and the
 /// numbers of a point `r (r·M·r)/r⁵` and `r r (r·n)/r⁵`.
-impl Expansion<6, 9, 3, 12, 9> for Stresslet {
+impl Expansion<f64, 6, 9, 3, 12, 9> for Stresslet {
     type Distant = DistantStresslet;
 
     fn distant(self) -> DistantStresslet {
@@ -238,55 +305,55 @@ impl Expansion<6, 9, 3, 12, 9> for Stresslet {
     }
 }
 
-impl Kernel<6, 12, 3> for DistantStresslet {
+impl Scaled<9> for Stresslet {
+    fn units(self, _radius: f64, _sources: &[[f64; 9]]) -> Units {
+        Units::NONE
+    }
+}
+
+impl<T: Vectors> Kernel<T, 6, 12, 3> for DistantStresslet {
     #[inline(always)]
     fn add<S: Simd>(
         self,
-        simd: S,
-        [x, y, z, u, v, w]: [S::f64s; 6],
-        source: [S::f64s; 12],
-        [a, b, c]: [S::f64s; 3],
-    ) -> [S::f64s; 3] {
-        let far = moments(simd, [x, y, z], source);
+        [x, y, z, u, v, w]: [Vector<T, S>; 6],
+        source: [Vector<T, S>; 12],
+        [a, b, c]: [Vector<T, S>; 3],
+    ) -> [Vector<T, S>; 3] {
+        let far = moments([x, y, z], source);
         // r·M·r − (r·u₀)(r·n), each over r².
-        let own = simd.mul_f64s(dot(simd, far.direction, [u, v, w]), far.through);
-        let both = simd.mul_f64s(simd.sub_f64s(far.along, own), far.over_squared);
+        let own = dot(far.direction, [u, v, w]) * far.through;
+        let both = (far.along - own) * far.over_squared;
         [
-            simd.mul_add_e_f64s(both, far.direction[0], a),
-            simd.mul_add_e_f64s(both, far.direction[1], b),
-            simd.mul_add_e_f64s(both, far.direction[2], c),
+            both.times_plus(far.direction[0], a),
+            both.times_plus(far.direction[1], b),
+            both.times_plus(far.direction[2], c),
         ]
     }
 }
 
-impl Kernel<3, 12, 9> for DistantStresslet {
+impl<T: Vectors> Kernel<T, 3, 12, 9> for DistantStresslet {
     #[inline(always)]
     fn add<S: Simd>(
         self,
-        simd: S,
-        target: [S::f64s; 3],
-        source: [S::f64s; 12],
-        sum: [S::f64s; 9],
-    ) -> [S::f64s; 9] {
-        let far = moments(simd, target, source);
+        target: [Vector<T, S>; 3],
+        source: [Vector<T, S>; 12],
+        sum: [Vector<T, S>; 9],
+    ) -> [Vector<T, S>; 9] {
+        let far = moments(target, source);
         let [x, y, z] = far.direction;
-        let along = simd.mul_f64s(far.along, far.over_squared);
-        let through = simd.mul_f64s(far.through, far.over_squared);
-        let [p, q, r] = [
-            simd.mul_f64s(through, x),
-            simd.mul_f64s(through, y),
-            simd.mul_f64s(through, z),
-        ];
+        let along = far.along * far.over_squared;
+        let through = far.through * far.over_squared;
+        let [p, q, r] = [through * x, through * y, through * z];
         [
-            simd.mul_add_e_f64s(along, x, sum[0]),
-            simd.mul_add_e_f64s(along, y, sum[1]),
-            simd.mul_add_e_f64s(along, z, sum[2]),
-            simd.mul_add_e_f64s(p, x, sum[3]),
-            simd.mul_add_e_f64s(q, y, sum[4]),
-            simd.mul_add_e_f64s(r, z, sum[5]),
-            simd.mul_add_e_f64s(q, z, sum[6]),
-            simd.mul_add_e_f64s(r, x, sum[7]),
-            simd.mul_add_e_f64s(p, y, sum[8]),
+            along.times_plus(x, sum[0]),
+            along.times_plus(y, sum[1]),
+            along.times_plus(z, sum[2]),
+            p.times_plus(x, sum[3]),
+            q.times_plus(y, sum[4]),
+            r.times_plus(z, sum[5]),
+            q.times_plus(z, sum[6]),
+            r.times_plus(x, sum[7]),
+            p.times_plus(y, sum[8]),
         ]
     }
 }
@@ -303,61 +370,58 @@ struct Moments<V> {
 }
 
 #[inline(always)]
-fn moments<S: Simd>(simd: S, target: [S::f64s; 3], source: [S::f64s; 12]) -> Moments<S::f64s> {
+fn moments<T: Vectors, S: Simd>(
+    target: [Vector<T, S>; 3],
+    source: [Vector<T, S>; 12],
+) -> Moments<Vector<T, S>> {
     let [x, y, z, k, l, m, xx, yy, zz, yz, zx, xy] = source;
-    let r = difference(simd, [x, y, z], target);
-    let [over, over_squared] = reciprocals(simd, dot(simd, r, r));
-    let direction = [
-        simd.mul_f64s(over, r[0]),
-        simd.mul_f64s(over, r[1]),
-        simd.mul_f64s(over, r[2]),
-    ];
+    let r = difference([x, y, z], target);
+    let [over, over_squared] = reciprocals(dot(r, r));
+    let direction = [over * r[0], over * r[1], over * r[2]];
     let rows = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
     let product = [
-        dot(simd, direction, rows[0]),
-        dot(simd, direction, rows[1]),
-        dot(simd, direction, rows[2]),
+        dot(direction, rows[0]),
+        dot(direction, rows[1]),
+        dot(direction, rows[2]),
     ];
     Moments {
         direction,
         over_squared,
-        through: dot(simd, direction, [k, l, m]),
-        along: dot(simd, direction, product),
+        through: dot(direction, [k, l, m]),
+        along: dot(direction, product),
     }
 }
 
 /// The numbers in every lane.
 #[inline(always)]
-pub(super) fn splat<S: Simd, const N: usize>(simd: S, numbers: [f64; N]) -> [S::f64s; N] {
-    let mut vectors = [simd.splat_f64s(0.0); N];
+pub(super) fn splat<T: Vectors, S: Simd, const N: usize>(
+    simd: S,
+    numbers: [T; N],
+) -> [Vector<T, S>; N] {
+    let mut vectors = [Vector::splat(simd, T::zero()); N];
     for axis in 0..N {
-        vectors[axis] = simd.splat_f64s(numbers[axis]);
+        vectors[axis] = Vector::splat(simd, numbers[axis]);
     }
     vectors
 }
 
 #[inline(always)]
-fn difference<S: Simd>(simd: S, a: [S::f64s; 3], b: [S::f64s; 3]) -> [S::f64s; 3] {
-    [
-        simd.sub_f64s(a[0], b[0]),
-        simd.sub_f64s(a[1], b[1]),
-        simd.sub_f64s(a[2], b[2]),
-    ]
+fn difference<T: Vectors, S: Simd>(
+    a: [Vector<T, S>; 3],
+    b: [Vector<T, S>; 3],
+) -> [Vector<T, S>; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-fn dot<S: Simd>(simd: S, a: [S::f64s; 3], b: [S::f64s; 3]) -> S::f64s {
-    let last = simd.mul_f64s(a[2], b[2]);
-    simd.mul_add_e_f64s(a[0], b[0], simd.mul_add_e_f64s(a[1], b[1], last))
+fn dot<T: Vectors, S: Simd>(a: [Vector<T, S>; 3], b: [Vector<T, S>; 3]) -> Vector<T, S> {
+    a[0].times_plus(b[0], a[1].times_plus(b[1], a[2] * b[2]))
 }
 
 /// `1/r` and `1/r²` by r², and 0 for 0.
 #[inline(always)]
-fn reciprocals<S: Simd>(simd: S, squared: S::f64s) -> [S::f64s; 2] {
+fn reciprocals<T: Vectors, S: Simd>(squared: Vector<T, S>) -> [Vector<T, S>; 2] {
     // The reciprocal and the root are independent, so that neither waits for the other.
-    let over_squared = simd.div_f64s(simd.splat_f64s(1.0), squared);
-    let apart = simd.greater_than_or_equal_f64s(squared, simd.splat_f64s(f64::MIN_POSITIVE));
-    let over_squared = simd.select_f64s(apart, over_squared, simd.splat_f64s(0.0));
-    let over = simd.mul_f64s(over_squared, simd.sqrt_f64s(squared));
-    [over, over_squared]
+    let over_squared = squared.reciprocal().where_positive(squared);
+    [over_squared * squared.root(), over_squared]
 }

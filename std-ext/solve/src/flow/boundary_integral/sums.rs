@@ -1,11 +1,12 @@
 //! Sums over all pairs of targets and sources: the most expensive loop.
 
 use super::kernel::{Kernel, splat};
+use crate::flow::vectors::{Vector, Vectors};
 use pulp::{Arch, Simd, WithSimd};
 use std::num::NonZeroUsize;
 
 /// A multiple of every width of vectors.
-const LANES: usize = 8;
+const LANES: usize = 16;
 
 /// Number of sources per tile: these stay in the first-level cache while all targets are processed.
 const TILE: usize = 2304;
@@ -24,7 +25,7 @@ pub(super) fn add<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>
     target: impl Fn(usize) -> [f64; TARGET] + Sync,
     correction: impl Fn(usize) -> [f64; SUM] + Sync,
 ) where
-    K: Kernel<TARGET, SOURCE, SUM>,
+    K: Kernel<f64, TARGET, SOURCE, SUM>,
 {
     distribute(threads, entries, |first, entries| {
         let targets = Columns::from_rows(entries.len(), |k| target(first + k));
@@ -67,16 +68,16 @@ pub(super) fn distribute<T: Send>(
 
 /// The numbers of points, one slice a number, in whole vectors.
 #[derive(Clone, Debug)]
-pub(super) struct Columns<const N: usize>([Vec<f64>; N]);
+pub(super) struct Columns<T, const N: usize>([Vec<T>; N]);
 
-impl<const N: usize> Columns<N> {
+impl<T: Vectors, const N: usize> Columns<T, N> {
     /// Zeros for each of so many points.
     pub(super) fn new(count: usize) -> Self {
-        Self([(); N].map(|()| vec![0.0; count.next_multiple_of(LANES)]))
+        Self([(); N].map(|()| vec![T::zero(); count.next_multiple_of(LANES)]))
     }
 
     /// The numbers of each point.
-    pub(super) fn from_rows(count: usize, row: impl Fn(usize) -> [f64; N]) -> Self {
+    pub(super) fn from_rows(count: usize, row: impl Fn(usize) -> [T; N]) -> Self {
         let mut columns = Self::new(count);
         for k in 0..count {
             columns.set(k, row(k));
@@ -84,53 +85,77 @@ impl<const N: usize> Columns<N> {
         columns
     }
 
+    /// Number of points, in whole vectors.
+    pub(super) fn len(&self) -> usize {
+        self.0[0].len()
+    }
+
     /// The numbers of a point.
-    pub(super) fn row(&self, point: usize) -> [f64; N] {
+    pub(super) fn row(&self, point: usize) -> [T; N] {
         self.0.each_ref().map(|column| column[point])
     }
 
     /// Sets the numbers of a point.
-    pub(super) fn set(&mut self, point: usize, numbers: [f64; N]) {
+    pub(super) fn set(&mut self, point: usize, numbers: [T; N]) {
         for (column, number) in self.0.iter_mut().zip(numbers) {
             column[point] = number;
+        }
+    }
+
+    /// Sets all numbers to zero.
+    pub(super) fn clear(&mut self) {
+        for column in &mut self.0 {
+            column.fill(T::zero());
+        }
+    }
+}
+
+impl<const N: usize> Columns<f64, N> {
+    /// Adds the numbers of each point.
+    pub(super) fn add<T: Vectors>(&mut self, other: &Columns<T, N>) {
+        for (column, other) in self.0.iter_mut().zip(&other.0) {
+            for (number, &other) in column.iter_mut().zip(other) {
+                *number += other.to_f64().unwrap_or(f64::NAN);
+            }
         }
     }
 }
 
 /// Adds all sources to each target.
-pub(super) struct Task<'a, K, const TARGET: usize, const SOURCE: usize, const SUM: usize> {
+pub(super) struct Task<'a, T, K, const TARGET: usize, const SOURCE: usize, const SUM: usize> {
     pub(super) kernel: K,
-    pub(super) targets: &'a Columns<TARGET>,
-    pub(super) sources: &'a [[f64; SOURCE]],
-    pub(super) sums: &'a mut Columns<SUM>,
+    pub(super) targets: &'a Columns<T, TARGET>,
+    pub(super) sources: &'a [[T; SOURCE]],
+    pub(super) sums: &'a mut Columns<T, SUM>,
 }
 
-impl<K, const TARGET: usize, const SOURCE: usize, const SUM: usize> WithSimd
-    for Task<'_, K, TARGET, SOURCE, SUM>
+impl<T, K, const TARGET: usize, const SOURCE: usize, const SUM: usize> WithSimd
+    for Task<'_, T, K, TARGET, SOURCE, SUM>
 where
-    K: Kernel<TARGET, SOURCE, SUM>,
+    T: Vectors,
+    K: Kernel<T, TARGET, SOURCE, SUM>,
 {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let targets = (self.targets.0.each_ref()).map(|axis| S::as_simd_f64s(axis).0);
-        let sums = (self.sums.0.each_mut()).map(|axis| S::as_mut_simd_f64s(axis).0);
-        let zero = simd.splat_f64s(0.0);
+        let targets = (self.targets.0.each_ref()).map(|axis| T::rows::<S>(axis).0);
+        let mut sums = (self.sums.0.each_mut()).map(|axis| T::rows_mut::<S>(axis).0);
+        let zero = Vector::splat(simd, T::zero());
         for tile in self.sources.chunks(TILE / SOURCE) {
             for k in 0..targets[0].len() {
                 let (mut target, mut sum) = ([zero; TARGET], [zero; SUM]);
                 for axis in 0..TARGET {
-                    target[axis] = targets[axis][k];
+                    target[axis] = Vector::new(simd, targets[axis][k]);
                 }
                 for axis in 0..SUM {
-                    sum[axis] = sums[axis][k];
+                    sum[axis] = Vector::new(simd, sums[axis][k]);
                 }
                 for source in tile {
-                    sum = self.kernel.add(simd, target, splat(simd, *source), sum);
+                    sum = self.kernel.add(target, splat(simd, *source), sum);
                 }
                 for axis in 0..SUM {
-                    sums[axis][k] = sum[axis];
+                    sums[axis][k] = sum[axis].entries();
                 }
             }
         }
@@ -139,27 +164,28 @@ where
 
 #[cfg(test)]
 mod tests {
-    use super::{Columns, Kernel, LANES, Task};
+    use super::{Columns, Kernel, LANES, Task, Vectors};
     use crate::flow::boundary_integral::kernel::{Stokeslet, Stresslet};
     use pulp::{Arch, Scalar, Scalar128b, Scalar256b, Scalar512b, WithSimd};
 
     /// Numbers of some points, here and there.
-    fn numbers<const N: usize>(count: usize, seed: f64) -> Vec<[f64; N]> {
-        let number = |k: usize, axis: usize| (seed + (7 * k + 3 * axis) as f64).sin();
+    fn numbers<T: Vectors, const N: usize>(count: usize, seed: f64) -> Vec<[T; N]> {
+        let number = |k: usize, axis: usize| T::constant((seed + (7 * k + 3 * axis) as f64).sin());
         (0..count)
             .map(|k| std::array::from_fn(|axis| number(k, axis)))
             .collect()
     }
 
     /// The sums that one way of running the loop finds.
-    fn sums<'a, K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
+    fn sums<'a, T, K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
         kernel: K,
-        targets: &'a Columns<TARGET>,
-        sources: &'a [[f64; SOURCE]],
-        run: impl for<'b> FnOnce(Task<'b, K, TARGET, SOURCE, SUM>),
-    ) -> [Vec<f64>; SUM]
+        targets: &'a Columns<T, TARGET>,
+        sources: &'a [[T; SOURCE]],
+        run: impl for<'b> FnOnce(Task<'b, T, K, TARGET, SOURCE, SUM>),
+    ) -> [Vec<T>; SUM]
     where
-        K: Kernel<TARGET, SOURCE, SUM>,
+        T: Vectors,
+        K: Kernel<T, TARGET, SOURCE, SUM>,
     {
         let mut sums = Columns::new(targets.0[0].len());
         run(Task {
@@ -171,13 +197,14 @@ mod tests {
         sums.0
     }
 
-    fn widths_agree<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(kernel: K)
+    fn widths_agree<T, K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(kernel: K)
     where
-        K: Kernel<TARGET, SOURCE, SUM>,
+        T: Vectors,
+        K: Kernel<T, TARGET, SOURCE, SUM>,
     {
         // One target is at a source; there are several tiles of sources.
-        let mut sources = numbers::<SOURCE>(700, 0.1);
-        let places = numbers::<TARGET>(3 * LANES, 0.7);
+        let mut sources = numbers::<T, SOURCE>(700, 0.1);
+        let places = numbers::<T, TARGET>(3 * LANES, 0.7);
         sources[5][..3].copy_from_slice(&places[2][..3]);
         let targets = Columns::from_rows(places.len(), |point| places[point]);
         let narrow = sums(kernel, &targets, &sources, |task| {
@@ -201,16 +228,17 @@ mod tests {
             _ => assert_eq!(own, narrow),
         }
         // A rounding for each source, of the largest sum.
-        let largest = (scalar.iter().flatten()).fold(0.0_f64, |most, sum| most.max(sum.abs()));
-        let allowed = sources.len() as f64 * f64::EPSILON * largest;
+        let largest = (scalar.iter().flatten()).fold(T::zero(), |most, sum| most.max(sum.abs()));
+        let allowed = T::constant(sources.len() as f64) * T::epsilon() * largest;
         for (one, other) in scalar.iter().flatten().zip(narrow.iter().flatten()) {
-            assert!((one - other).abs() <= allowed, "{one:e} and {other:e}");
+            assert!((*one - *other).abs() <= allowed, "{one:e} and {other:e}");
         }
     }
 
     #[test]
     fn vectors_of_every_width_find_the_same_bits() {
-        widths_agree(Stokeslet);
-        widths_agree(Stresslet);
+        widths_agree::<f64, _, _, _, _>(Stokeslet);
+        widths_agree::<f64, _, _, _, _>(Stresslet);
+        widths_agree::<f32, _, _, _, _>(Stokeslet);
     }
 }

@@ -7,8 +7,8 @@
 use crate::flow::lattice_boltzmann::Precision;
 use crate::flow::lattice_boltzmann::force::NodalForces;
 use crate::flow::lattice_boltzmann::stencil::{Layout, Q, VELOCITIES, opposite, wrapped};
-use crate::flow::lattice_boltzmann::vectors::Vector;
 use crate::flow::lattice_boltzmann::viscosity::NodalViscosities;
+use crate::flow::vectors::Vector;
 use pulp::{Simd, WithSimd};
 use std::{array, mem};
 

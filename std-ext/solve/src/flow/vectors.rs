@@ -4,7 +4,7 @@ use helfrich::Real;
 use pulp::Simd;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// The numbers that populations are held in: `f32` and `f64`.
+/// The numbers of large sums and of populations: `f32` and `f64`.
 pub trait Vectors: Real {
     /// A vector of these numbers.
     type Of<S: Simd>: Copy;
@@ -22,6 +22,9 @@ pub trait Vectors: Real {
     fn over<S: Simd>(simd: S, a: Self::Of<S>, b: Self::Of<S>) -> Self::Of<S>;
     /// `a b + c`, rounded once where the processor can.
     fn times_plus<S: Simd>(simd: S, a: Self::Of<S>, b: Self::Of<S>, c: Self::Of<S>) -> Self::Of<S>;
+    fn root<S: Simd>(simd: S, a: Self::Of<S>) -> Self::Of<S>;
+    /// `a` where `test` is a normal number above 0, and 0 elsewhere.
+    fn where_positive<S: Simd>(simd: S, test: Self::Of<S>, a: Self::Of<S>) -> Self::Of<S>;
 }
 
 /// A vector that is computed with.
@@ -56,6 +59,28 @@ impl<T: Vectors, S: Simd> Vector<T, S> {
     #[inline(always)]
     pub(super) fn times_plus(self, factor: Self, term: Self) -> Self {
         let entries = T::times_plus(self.simd, self.entries, factor.entries, term.entries);
+        Self::new(self.simd, entries)
+    }
+
+    #[inline(always)]
+    pub(super) fn times(self, factor: f64) -> Self {
+        self * Self::constant(self.simd, factor)
+    }
+
+    #[inline(always)]
+    pub(super) fn reciprocal(self) -> Self {
+        Self::constant(self.simd, 1.0) / self
+    }
+
+    #[inline(always)]
+    pub(super) fn root(self) -> Self {
+        Self::new(self.simd, T::root(self.simd, self.entries))
+    }
+
+    /// Itself where `test` is a normal number above 0, and 0 elsewhere.
+    #[inline(always)]
+    pub(super) fn where_positive(self, test: Self) -> Self {
+        let entries = T::where_positive(self.simd, test.entries, self.entries);
         Self::new(self.simd, entries)
     }
 }
@@ -135,6 +160,15 @@ impl Vectors for f32 {
     fn times_plus<S: Simd>(simd: S, a: S::f32s, b: S::f32s, c: S::f32s) -> S::f32s {
         simd.mul_add_e_f32s(a, b, c)
     }
+    #[inline(always)]
+    fn root<S: Simd>(simd: S, a: S::f32s) -> S::f32s {
+        simd.sqrt_f32s(a)
+    }
+    #[inline(always)]
+    fn where_positive<S: Simd>(simd: S, test: S::f32s, a: S::f32s) -> S::f32s {
+        let positive = simd.greater_than_or_equal_f32s(test, simd.splat_f32s(f32::MIN_POSITIVE));
+        simd.select_f32s(positive, a, simd.splat_f32s(0.0))
+    }
 }
 
 impl Vectors for f64 {
@@ -179,5 +213,14 @@ impl Vectors for f64 {
     #[inline(always)]
     fn times_plus<S: Simd>(simd: S, a: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s {
         simd.mul_add_e_f64s(a, b, c)
+    }
+    #[inline(always)]
+    fn root<S: Simd>(simd: S, a: S::f64s) -> S::f64s {
+        simd.sqrt_f64s(a)
+    }
+    #[inline(always)]
+    fn where_positive<S: Simd>(simd: S, test: S::f64s, a: S::f64s) -> S::f64s {
+        let positive = simd.greater_than_or_equal_f64s(test, simd.splat_f64s(f64::MIN_POSITIVE));
+        simd.select_f64s(positive, a, simd.splat_f64s(0.0))
     }
 }

@@ -1,0 +1,56 @@
+//! Sums of which each part has single or double precision, and the whole double precision.
+
+use super::kernel::Kernel;
+use super::sums::{Columns, Task};
+use crate::flow::vectors::Vectors;
+use pulp::Arch;
+
+/// Number of sources of a part: few enough for the rounding errors of single precision, and enough to repay the
+/// start of a loop.
+const DUE: usize = 128;
+
+/// Sources that are due to be added to sums.
+pub(super) struct Due<'a, T, const TARGET: usize, const SOURCE: usize, const SUM: usize> {
+    targets: Columns<T, TARGET>,
+    sources: Vec<[T; SOURCE]>,
+    part: Columns<T, SUM>,
+    sums: &'a mut Columns<f64, SUM>,
+}
+
+impl<'a, T: Vectors, const TARGET: usize, const SOURCE: usize, const SUM: usize>
+    Due<'a, T, TARGET, SOURCE, SUM>
+{
+    pub(super) fn new(targets: Columns<T, TARGET>, sums: &'a mut Columns<f64, SUM>) -> Self {
+        Self {
+            part: Columns::new(targets.len()),
+            targets,
+            sources: Vec::new(),
+            sums,
+        }
+    }
+
+    /// Adds sources, now or later.
+    pub(super) fn add<K: Kernel<T, TARGET, SOURCE, SUM>>(
+        &mut self,
+        kernel: K,
+        sources: impl Iterator<Item = [T; SOURCE]>,
+    ) {
+        self.sources.extend(sources);
+        if self.sources.len() >= DUE {
+            self.finish(kernel);
+        }
+    }
+
+    /// Adds what is due.
+    pub(super) fn finish<K: Kernel<T, TARGET, SOURCE, SUM>>(&mut self, kernel: K) {
+        self.part.clear();
+        Arch::new().dispatch(Task {
+            kernel,
+            targets: &self.targets,
+            sources: &self.sources,
+            sums: &mut self.part,
+        });
+        self.sums.add(&self.part);
+        self.sources.clear();
+    }
+}
