@@ -238,7 +238,7 @@ impl DoubleLayer {
                     }
                 }
                 let beside = DVec3::from(rule.corrections(Stresslet, &beside));
-                (beside + across).to_array()
+                ((beside + across).to_array(), false)
             },
         );
     }
@@ -267,7 +267,8 @@ impl DoubleLayer {
                 let near = near.map(|number| (number, self.drop(number)));
                 let near = near.filter(|&(_, drop)| drop != 0.0);
                 let lacking = |(number, drop)| self.lacking(number, drop, at, DVec3::ZERO);
-                near.map(lacking).sum::<DVec3>().to_array()
+                let lacking = near.map(lacking);
+                (lacking.sum::<DVec3>().to_array(), false)
             },
         );
     }

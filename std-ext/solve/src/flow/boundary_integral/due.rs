@@ -7,7 +7,7 @@ use pulp::Arch;
 
 /// Number of sources of a part: few enough for the rounding errors of single precision, and enough to repay the
 /// start of a loop.
-const DUE: usize = 128;
+pub(super) const DUE: usize = 128;
 
 /// Sources that are due to be added to sums.
 pub(super) struct Due<'a, T, const TARGET: usize, const SOURCE: usize, const SUM: usize> {

@@ -128,7 +128,8 @@ impl Far {
     }
 }
 
-/// Adds the result of [`sums::add`] to each entry, by sums over clusters if there are trees.
+/// Adds the result of [`sums::add`] to each entry, by sums over clusters if there are trees. Of each correction it is
+/// known whether it may nearly cancel the sum, which then has double precision.
 #[expect(
     clippy::too_many_arguments,
     reason = "those of the sum over all pairs, and the trees"
@@ -149,26 +150,35 @@ pub(super) fn add<
     factor: f64,
     entries: &mut [[f64; SUM]],
     target: impl Fn(usize) -> [f64; TARGET] + Sync,
-    correction: impl Fn(usize) -> [f64; SUM] + Sync,
+    correction: impl Fn(usize) -> ([f64; SUM], bool) + Sync,
 ) where
     T: Vectors,
     K: Expansion<T, TARGET, SOURCE, SUM, FAR, LOCAL> + Kernel<f64, TARGET, SOURCE, SUM>,
 {
     let Some(trees) = trees else {
+        let correction = |entry| correction(entry).0;
         sums::add(
             kernel, threads, sources, factor, entries, target, correction,
         );
         return;
     };
-    let sums = sums::<T, _, _, _, _, _, _>(kernel, threads, trees, sources, target);
-    sums::distribute(threads, entries, |first, entries| {
-        for (k, entry) in entries.iter_mut().enumerate() {
-            let correction = correction(first + k);
+    let mut cancelling = vec![false; entries.len()];
+    let mut both: Vec<_> = entries.iter_mut().zip(&mut cancelling).collect();
+    sums::distribute(threads, &mut both, |first, both| {
+        for (k, (entry, cancelling)) in both.iter_mut().enumerate() {
+            let (more, cancels) = correction(first + k);
+            **cancelling = cancels;
             for axis in 0..SUM {
-                entry[axis] += factor * (sums[first + k][axis] + correction[axis]);
+                entry[axis] += factor * more[axis];
             }
         }
     });
+    let sums = sums::<T, _, _, _, _, _, _>(kernel, threads, trees, sources, target, &cancelling);
+    for (entry, sum) in entries.iter_mut().zip(sums) {
+        for axis in 0..SUM {
+            entry[axis] += factor * sum[axis];
+        }
+    }
 }
 
 /// The sums over all sources at all targets, in the order of the targets.
@@ -186,6 +196,7 @@ fn sums<
     [target_tree, source_tree]: [&Tree; 2],
     sources: &[[f64; SOURCE]],
     target: impl Fn(usize) -> [f64; TARGET] + Sync,
+    cancelling: &[bool],
 ) -> Vec<[f64; SUM]>
 where
     T: Vectors,
@@ -215,6 +226,7 @@ where
         numbers: &sources,
         moments: &moments,
         target,
+        cancelling,
         units: kernel.units(target_tree.clusters[0].radius, &sources),
         number: PhantomData,
     };
@@ -321,6 +333,8 @@ struct Descent<
     numbers: &'a [[f64; SOURCE]],
     moments: &'a [[f64; FAR]],
     target: P,
+    /// Whether a correction may nearly cancel the sum at a target.
+    cancelling: &'a [bool],
     units: Units,
     number: PhantomData<fn() -> T>,
 }
@@ -488,7 +502,8 @@ where
             .collect();
         let mut columns = Columns::new(rows.len());
         let leaf = &self.targets.clusters[visit.cluster];
-        if leaf.radius * leaf.radius <= SPREAD * leaf.squared_reaches {
+        let compact = leaf.radius * leaf.radius <= SPREAD * leaf.squared_reaches;
+        if compact && !order.iter().any(|&target| self.cancelling[target as usize]) {
             self.add_sources::<T>(visit, leaf.centre, &rows, &mut columns);
         } else {
             self.add_sources::<f64>(visit, DVec3::ZERO, &rows, &mut columns);
@@ -515,7 +530,7 @@ where
         }
     }
 
-    /// Adds the sources that act point by point on the targets of a leaf, in numbers of type `V`.
+    /// Adds the sources that act on the targets of a leaf one by one, in numbers of type `V`.
     fn add_sources<V: Vectors>(
         &self,
         visit: &Visit<LOCAL>,

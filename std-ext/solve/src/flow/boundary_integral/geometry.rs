@@ -185,6 +185,17 @@ impl Geometry {
         self.positions[vertex]
     }
 
+    /// Whether the midpoint of an edge of a triangle is closer to a point than a 64th of the longest edge: its
+    /// contribution is then large, and the correction by the triangle nearly cancels it.
+    pub(super) fn has_close_middle(&self, triangle: usize, at: DVec3) -> bool {
+        let [a, b, c] = self.panel(triangle).corners_from(at);
+        let close = |one: DVec3, other: DVec3| {
+            let twice = one + other;
+            4096.0 * twice.length_squared() < self.centres[triangle].squared_reach
+        };
+        close(a, b) || close(b, c) || close(c, a)
+    }
+
     /// Whether the height of a triangle is less than about a sixteenth of its longest edge.
     pub(super) fn is_thin(&self, triangle: usize) -> bool {
         let centre = &self.centres[triangle];

@@ -185,21 +185,25 @@ impl SingleLayer {
                     let exact = turned.stokeslets_about_corner(turned.of(&self.tractions));
                     exact - DVec3::from(self.by_middles(Stokeslet, panel, at))
                 };
-                let own: DVec3 = geometry.ring(vertex).iter().map(around).sum();
-                let (mut beside, mut thin, mut across) = (Vec::new(), Vec::new(), DVec3::ZERO);
-                geometry
-                    .near_vertex(vertex)
-                    .for_each(|(number, near)| match near {
-                        // Thin triangles may pass through the vertex but for rounding.
-                        Near::Beside if geometry.is_thin(number) => {
-                            thin.push(self.seen_from(at, number));
+                let ring = geometry.ring(vertex).iter();
+                let own: DVec3 = ring.clone().map(around).sum();
+                let close = |number| geometry.has_close_middle(number, at);
+                let mut cancels = ring.copied().any(|number| close(number as usize));
+                let (mut beside, mut exact, mut across) = (Vec::new(), Vec::new(), DVec3::ZERO);
+                for (number, near) in geometry.near_vertex(vertex) {
+                    let is_close = close(number);
+                    cancels |= is_close;
+                    match near {
+                        Near::Beside if is_close || geometry.is_thin(number) => {
+                            exact.push(self.seen_from(at, number));
                         }
                         Near::Beside => beside.push(self.seen_from(at, number)),
                         Near::Across => across += self.lacking(number, at),
-                    });
+                    }
+                }
                 let beside = DVec3::from(rule.corrections(Stokeslet, &beside));
-                let thin = DVec3::from(exact_rule.corrections(Stokeslet, &thin));
-                (own + beside + thin + across).to_array()
+                let exact = DVec3::from(exact_rule.corrections(Stokeslet, &exact));
+                ((own + beside + exact + across).to_array(), cancels)
             },
         );
     }
@@ -225,9 +229,8 @@ impl SingleLayer {
             |point| {
                 let at = points[point].into();
                 let near = self.geometry.near_point(at, 1);
-                near.map(|number| self.lacking(number, at))
-                    .sum::<DVec3>()
-                    .to_array()
+                let lacking = near.map(|number| self.lacking(number, at));
+                (lacking.sum::<DVec3>().to_array(), false)
             },
         );
     }
