@@ -140,7 +140,7 @@ where
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let targets = (self.targets.0.each_ref()).map(|axis| T::rows::<S>(axis).0);
-        let mut sums = (self.sums.0.each_mut()).map(|axis| T::rows_mut::<S>(axis).0);
+        let sums = (self.sums.0.each_mut()).map(|axis| T::rows_mut::<S>(axis).0);
         let zero = Vector::splat(simd, T::zero());
         for tile in self.sources.chunks(TILE / SOURCE) {
             for k in 0..targets[0].len() {
@@ -231,7 +231,7 @@ mod tests {
         let largest = (scalar.iter().flatten()).fold(T::zero(), |most, sum| most.max(sum.abs()));
         let allowed = T::constant(sources.len() as f64) * T::epsilon() * largest;
         for (one, other) in scalar.iter().flatten().zip(narrow.iter().flatten()) {
-            assert!((*one - *other).abs() <= allowed, "{one:e} and {other:e}");
+            assert!((*one - *other).abs() <= allowed, "{one:?} and {other:?}");
         }
     }
 
