@@ -1,7 +1,7 @@
 //! `helfrich run --resume`: what is gone on with, what begins again, and what is left alone.
 
 use crate::fixture::{disturbed, obj};
-use crate::run::{FLOW, LATTICE, SCENE, command, files, run, succeed, summary};
+use crate::run::{FLOW, LATTICE, SCENE, command, files, run, sparse, succeed, summary};
 use crate::text;
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::series::SeriesTable;
@@ -49,7 +49,7 @@ fn under_way(scene: &Path, out: &Path, more: &[&str]) -> Child {
 /// Whatever a run has left when it was killed before its first checkpoint.
 #[test]
 fn a_run_that_was_stopped_at_its_beginning_begins_again() {
-    let (folder, scene) = folder_with(SCENE);
+    let (folder, scene) = folder_with(&sparse());
     let [whole, begun] = ["whole", "begun"].map(|name| folder.path().join(name));
     succeed(&scene, &whole, &[]);
     let whole = files(&whole);
@@ -80,7 +80,7 @@ fn a_run_that_was_stopped_at_its_beginning_begins_again() {
 /// nothing is lost.
 #[test]
 fn the_state_is_stored_before_anything_else() {
-    let (folder, scene) = folder_with(SCENE);
+    let (folder, scene) = folder_with(&sparse());
     let [whole, out] = ["whole", "out"].map(|name| folder.path().join(name));
     succeed(&scene, &whole, &[]);
     fs::create_dir(&out).unwrap();

@@ -367,7 +367,7 @@ fn long(jobs: &str) -> [&str; 8] {
         "--vary",
         "surface.0.bending.modulus=0.1,0.2,0.3",
         "--set",
-        "surface.0.vertices=642",
+        "surface.0.vertices=362",
         "--set",
         "driver.strain=2",
         "--jobs",
