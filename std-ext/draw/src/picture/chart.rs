@@ -224,11 +224,11 @@ impl Chart {
         }
         let line = (0.1 * letters).max(1.0);
         canvas.stroke(&[outline_of(area)], line, INK);
-        let label = x_ticks.labelled(&x.label);
+        let label = x_ticks.labelled(&x.label_with_unit());
         let height = fitted(&label, letters, area.width());
         let at = [0.5 * (area.left + area.right), label_y];
         canvas.text(&label, at, height, Anchor::Centre, true);
-        let label = y_ticks.labelled(&y.label);
+        let label = y_ticks.labelled(&y.label_with_unit());
         let height = fitted(&label, letters, area.height());
         let at = [label_x, 0.5 * (area.top + area.bottom)];
         canvas.text(&label, at, height, Anchor::Centre, false);
@@ -266,7 +266,7 @@ impl Chart {
         }
     }
 
-    /// Draws the legend in the corner where it hides least of the curves.
+    /// Draws the legend in a corner or at a side, where it hides least of the curves.
     fn legend(&self, canvas: &mut Canvas, projection: &Projection, letters: f64) {
         let named: Vec<_> = self
             .curves
@@ -288,17 +288,10 @@ impl Chart {
         let wide = sample + 2.5 * letters + names.min(room);
         let high = (2.0 * named.len() as f64 + 0.6) * letters;
         let gap = 0.9 * letters;
-        let box_at = |right: bool, bottom: bool| {
-            let left = if right {
-                area.right - gap - wide
-            } else {
-                area.left + gap
-            };
-            let top = if bottom {
-                area.bottom - gap - high
-            } else {
-                area.top + gap
-            };
+        // Shares of the way to the right and down.
+        let box_at = |[across, down]: [f64; 2]| {
+            let left = area.left + gap + across * (area.width() - 2.0 * gap - wide);
+            let top = area.top + gap + down * (area.height() - 2.0 * gap - high);
             Area {
                 left,
                 top,
@@ -306,16 +299,17 @@ impl Chart {
                 bottom: top + high,
             }
         };
-        let corners = [(true, false), (false, false), (true, true), (false, true)];
-        let boxes = corners.map(|(right, bottom)| box_at(right, bottom));
+        let corners = [[1.0, 0.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let sides = [[1.0, 0.5], [0.0, 0.5], [0.5, 0.0], [0.5, 1.0], [0.5, 0.5]];
+        let boxes = corners.into_iter().chain(sides).map(box_at);
         let hidden = |area: &Area| {
             let curves = self.curves.iter();
             curves
                 .map(|curve| curve.hidden(projection, *area))
                 .sum::<usize>()
         };
-        // The first of equally good corners is chosen.
-        let Some(place) = boxes.into_iter().min_by_key(hidden) else {
+        // The first of equally good places is chosen.
+        let Some(place) = boxes.min_by_key(hidden) else {
             return;
         };
         canvas.fill(place, WHITE);
@@ -345,6 +339,15 @@ impl Chart {
 }
 
 impl Axis {
+    /// The label, with the unit of the numbers at the ticks.
+    fn label_with_unit(&self) -> String {
+        match self.numbers {
+            Numbers::Plain | Numbers::Share => self.label.clone(),
+            Numbers::Time => format!("{} [s]", self.label),
+            Numbers::Bytes => format!("{} [B]", self.label),
+        }
+    }
+
     /// Ends of an axis: the given range, or one that contains all numbers that the scale can show.
     fn fitting(&self, numbers: impl Iterator<Item = f64>) -> Result<[f64; 2], PictureError> {
         if let Some(range) = self.range {
