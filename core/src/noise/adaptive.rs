@@ -14,6 +14,7 @@
 mod bias;
 mod choice;
 mod deviation;
+mod hidden;
 mod level;
 mod principal;
 
@@ -310,7 +311,9 @@ impl<T: Real> AdaptiveJet<T> {
                 }
             }
         }
-        let mut deviations = Deviations::new(execution, &ground, &twin.spectra, self.deviation);
+        let [.., force] = &jet;
+        let (mut deviations, wider) =
+            Deviations::new(execution, &ground, &twin, force, self.deviation);
         let [_, sixth] = twin.of_degrees;
         let first = Candidate::of_jets(
             execution,
@@ -323,8 +326,7 @@ impl<T: Real> AdaptiveJet<T> {
         );
         let ladder = self.ladder(&deviations, surface.mesh().vertex_count());
         let mut chosen = Chosen::new(first);
-        if ladder.is_empty() {
-            let wider = Level::new(execution, &ground, &Kind::wider());
+        if let Some(wider) = wider.filter(|_| ladder.is_empty()) {
             chosen.compare(execution, &ground, &wider);
         }
         // The time of a fit is proportional to its number of neighbours.
