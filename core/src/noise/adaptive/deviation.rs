@@ -35,7 +35,7 @@ pub(super) struct Deviations<T> {
 }
 
 impl<T: Real> Deviations<T> {
-    /// Estimates the noise from the jets of a mesh, and from their f. Where their residuals show none, it is
+    /// Estimates the noise from the jets of a mesh, with the given f. Where their residuals show none, it is also
     /// estimated from wider jets, which are returned.
     pub(super) fn new(
         execution: &impl Execution,
@@ -166,11 +166,15 @@ fn add_hidden<T: Real>(
         return None;
     }
     let wider = Level::new(execution, ground, &Kind::wider());
-    let is_telling = |vertex: usize| {
-        let is_inside = parts[vertex][3].is_finite() && !ground.is_near_border(vertex);
-        is_inside && resolution(&parts[vertex]) == Verdict::Clean
+    let decay = |vertex: usize| {
+        let [fourth, _, sixth, _] = parts[vertex];
+        let square = sixth / fourth;
+        let is_resolved = resolution(&parts[vertex]) == Verdict::Clean;
+        // False for NaN.
+        let is_telling = square <= T::constant(SLOW * SLOW) && is_resolved;
+        (is_telling && !ground.is_near_border(vertex)).then_some(square)
     };
-    let hidden = hidden::variances(execution, ground, force, [jets, &wider], is_telling);
+    let hidden = hidden::variances(execution, ground, force, [jets, &wider], decay);
     let both = variances.iter_mut().zip(parts);
     for ((variance, &[.., left]), hidden) in both.zip(hidden.into_iter().flatten()) {
         *variance = variance.max(hidden.min(left));

@@ -14,40 +14,54 @@ use crate::noise::quiet::MOST_OF_MESH;
 use crate::real::Real;
 use alloc::vec::Vec;
 
-/// Largest ratio of the deviations that explain the distances by degrees 6 and 4 for most vertices of a shape.
-/// On meshes of 27 shapes that resolve them its median was at most 0.27 with 1280 vertices, 0.32 with 2562 and
-/// 0.10 with 10 242. Noise has 1.
-const STEEP: f64 = 0.4;
+/// Largest ratio of the deviations that explain the distances by degrees 6 and 4 for most vertices of a shape,
+/// and its ratio to S₆/S₄, with which it falls. On meshes that resolve 32 shapes, the median of the first was at
+/// most 0.27 with 1280 vertices, 0.32 with 2562, and 0.10 with 10 242, that of the second at most 4.2. Noise has
+/// 1.
+const STEEP: [f64; 2] = [0.4, 6.0];
+
+/// Largest difference between two fits by the same rule in units of their distance from another fit: they
+/// differ by rounding, or have different neighbours.
+const UNLIKE: f64 = 0.5;
 
 /// The index of f.
 const FORCE: usize = QUANTITIES - 1;
 
 /// σ² around each vertex by the distances between two levels of interpolating jets, 0 where the shape explains
-/// them. `force` are the values of f of degree 6 in the first level. `None` unless there is noise at half of
-/// all vertices, because distances that the shape explains scatter as well, and on meshes that a few pools
-/// cover. Only vertices where `is_telling` are taken into account.
+/// them. `None` unless there is noise at half of all vertices, because distances that the shape explains scatter
+/// as well, and on meshes that a few pools cover. Only vertices where the squared decay of the shape, (S₆/S₄)²,
+/// is known are taken into account, and where the first level has the f of the jets, `force`; elsewhere these
+/// have degree 4 or other neighbours.
 pub(super) fn variances<T: Real>(
     execution: &impl Execution,
     ground: &Ground<'_, T>,
     force: &[T],
     levels: [&Level<T>; 2],
-    is_telling: impl Fn(usize) -> bool,
+    decay: impl Fn(usize) -> Option<T>,
 ) -> Option<Vec<T>> {
-    if MOST_OF_MESH * POOL > force.len() {
+    if MOST_OF_MESH * POOL > ground.rings.len() {
         return None;
     }
-    let [near, far] = levels.map(|level| level.of_degrees.each_ref());
-    let with_values = [&near[0].values[FORCE][..], force];
+    let [near, far] = levels.map(|level| &level.of_degrees[1].values[FORCE]);
+    let is_telling = |vertex: usize| {
+        let [unlike, distance] = [force, far].map(|other| (other[vertex] - near[vertex]).abs());
+        // False for NaN.
+        unlike <= T::constant(UNLIKE) * distance && decay(vertex).is_some()
+    };
     let [fourth, sixth] = [0, 1].map(|which| {
+        let [near, far] = levels.map(|level| &level.of_degrees[which]);
         let pair = Pair {
-            values: [&far[which].values[FORCE], with_values[which]],
-            changes: [near, far].map(|level| &level[which].changes[FORCE][..]),
+            values: [&far.values[FORCE], &near.values[FORCE]],
+            changes: [&far.changes[FORCE], &near.changes[FORCE]],
         };
         explained(execution, ground, &pair, &is_telling)
     });
-    let steep = T::constant(STEEP * STEEP);
     let last_digit = T::epsilon() * largest_coordinate(ground.surface.positions());
-    let of_noise = sixth.iter().zip(&fourth).map(|(&sixth, &fourth)| {
+    let of_noise = sixth.iter().zip(&fourth).enumerate();
+    let of_noise = of_noise.map(|(vertex, (&sixth, &fourth))| {
+        let [most, of_decay] = STEEP.map(|factor| T::constant(factor * factor));
+        let decay = decay(vertex).unwrap_or(T::one());
+        let steep = most.min(of_decay * decay);
         let variance = (sixth - steep * fourth) / (T::one() - steep);
         // Also false for NaN.
         if variance > last_digit * last_digit {
