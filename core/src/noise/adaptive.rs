@@ -6,7 +6,8 @@
 //! around the vertex: V, due to noise, from the effect of independent errors of the estimated size; and
 //! B, due to the shape, from the distance to a candidate with less bias, as far as noise does not
 //! explain this distance. The candidate with the least B + V is chosen. Without noise V is 0, and the
-//! jet is chosen; its error is then estimated by its distance from a jet over more neighbours.
+//! jet is chosen; its error is then estimated by its distance from a jet over more neighbours. Noise is
+//! estimated from the residuals of the jets and, where these are due to the shape, from their f.
 //!
 //! O. V. Lepski, Theory Probab. Appl. 35 (1991) 454, chooses scales by distances between estimates; here
 //! distances are averaged over neighbourhoods, and extrapolated by the order of each fit.
