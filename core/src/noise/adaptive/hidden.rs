@@ -54,7 +54,7 @@ pub(super) fn variances<T: Real>(
             values: [&far.values[FORCE], &near.values[FORCE]],
             changes: [&far.changes[FORCE], &near.changes[FORCE]],
         };
-        explained(execution, ground, &pair, &is_telling)
+        explained(execution, ground, &pair, is_telling)
     });
     let last_digit = T::epsilon() * largest_coordinate(ground.surface.positions());
     let of_noise = sixth.iter().zip(&fourth).enumerate();
