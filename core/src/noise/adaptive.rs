@@ -6,7 +6,8 @@
 //! around the vertex: V, due to noise, from the effect of independent errors of the estimated size; and
 //! B, due to the shape, from the distance to a candidate with less bias, as far as noise does not
 //! explain this distance. The candidate with the least B + V is chosen. Without noise V is 0, and the
-//! jet is chosen; its error is then estimated by its distance from a jet over more neighbours.
+//! jet is chosen; its error is then estimated by its distance from a jet over more neighbours. Noise is
+//! estimated from the residuals of the jets and, where these are due to the shape, from their f.
 //!
 //! O. V. Lepski, Theory Probab. Appl. 35 (1991) 454, chooses scales by distances between estimates; here
 //! distances are averaged over neighbourhoods, and extrapolated by the order of each fit.
@@ -14,6 +15,7 @@
 mod bias;
 mod choice;
 mod deviation;
+mod hidden;
 mod level;
 mod principal;
 
@@ -310,7 +312,9 @@ impl<T: Real> AdaptiveJet<T> {
                 }
             }
         }
-        let mut deviations = Deviations::new(execution, &ground, &twin.spectra, self.deviation);
+        let [.., force] = &jet;
+        let (mut deviations, wider) =
+            Deviations::new(execution, &ground, &twin, force, self.deviation);
         let [_, sixth] = twin.of_degrees;
         let first = Candidate::of_jets(
             execution,
@@ -323,8 +327,7 @@ impl<T: Real> AdaptiveJet<T> {
         );
         let ladder = self.ladder(&deviations, surface.mesh().vertex_count());
         let mut chosen = Chosen::new(first);
-        if ladder.is_empty() {
-            let wider = Level::new(execution, &ground, &Kind::wider());
+        if let Some(wider) = wider.filter(|_| ladder.is_empty()) {
             chosen.compare(execution, &ground, &wider);
         }
         // The time of a fit is proportional to its number of neighbours.

@@ -22,7 +22,7 @@ const STEADY: f64 = 0.6;
 
 /// Inverse of the largest part of a mesh that a pool may cover: pools that cover the whole mesh agree
 /// for any shape.
-const MOST_OF_MESH: usize = 12;
+pub(super) const MOST_OF_MESH: usize = 12;
 
 /// Neighbours of wider fits, and the largest growth of the residual in them that counts as noise: noise
 /// has 1.0 to 1.2, shapes had 1.3 to 2.

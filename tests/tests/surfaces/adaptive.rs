@@ -284,7 +284,7 @@ fn without_noise_it_is_the_jet() {
     }
 }
 
-/// Noise too small to be detected costs f some accuracy, unless its size is given.
+/// Noise that is hardly detected costs f some accuracy, unless its size is given.
 #[test]
 fn known_noise_need_not_be_seen() {
     let case = Case::of_shape(&torus(0.4), Family::Irregular, 2562);
@@ -297,7 +297,7 @@ fn known_noise_need_not_be_seen() {
         root_mean_square(errors.map(|(at, point)| at.force_density.value - exact(point, 2)))
     };
     let unknown = error(AdaptiveJet::default());
-    assert!(unknown < 4.0 * best, "{unknown} {best}");
+    assert!(unknown < 2.5 * best, "{unknown} {best}");
     let known = error(AdaptiveJet {
         deviation,
         neighbours: None,

@@ -14,9 +14,6 @@ const OF_JETS: f64 = 1.25;
 /// Largest ratio of the errors to those of the best fixed fit: the goal of the design.
 const OF_BEST: f64 = 4.0;
 
-/// The goal is missed for f where no noise is found: the largest ratio seen on these shapes is 6.8.
-const UNDETECTED: f64 = 7.5;
-
 /// Root mean square errors of H, K and f by J6.
 fn of_jets(case: &Case, positions: &[[f64; 3]]) -> [f64; QUANTITIES] {
     let surface = Surface::new(&case.mesh, positions).expect("positions");
@@ -50,15 +47,18 @@ fn ratios(case: &Case, part: f64) -> [[f64; 2]; QUANTITIES] {
     })
 }
 
-/// At the tips of the ellipsoid and inside the torus, the residual of the shape is larger than the noise.
+/// At the tips of the first ellipsoid and inside the tori, the residual of the shape is larger than the noise; on
+/// regular meshes it is so everywhere.
 #[test]
 fn near_the_detection_limit_it_is_no_worse_than_jets() {
-    for (name, part) in [
-        (shape("ellipsoid:1,0.7,0.4"), 1e-5),
-        (torus(0.5), 1e-5),
-        (shape("discocyte"), 3e-5),
+    for (name, family, part) in [
+        (shape("ellipsoid:1,0.7,0.4"), Family::Relaxed, 1e-5),
+        (torus(0.5), Family::Relaxed, 1e-5),
+        (shape("discocyte"), Family::Relaxed, 3e-5),
+        (torus(0.4), Family::Regular, 3e-5),
+        (shape("ellipsoid:1,0.8,0.5"), Family::Regular, 1e-5),
     ] {
-        let case = Case::of_shape(&name, Family::Relaxed, 2562);
+        let case = Case::of_shape(&name, family, 2562);
         for [of_jets, of_best] in ratios(&case, part) {
             assert!(
                 of_jets < OF_JETS && of_best < OF_BEST,
@@ -69,8 +69,14 @@ fn near_the_detection_limit_it_is_no_worse_than_jets() {
     }
 }
 
-/// Known exceptions to [`OF_BEST`]: f where noise is found nowhere, or at half of the vertices only, on tori,
-/// the disc and the ellipsoid 1, 0.8, 0.5 at 1e-5 and 3e-5. There it is as good as by J6.
+/// On a mesh that hardly resolves the shape, f of degree 6 is not closer to the truth than that of degree 4.
+#[test]
+fn a_coarse_mesh_is_no_noise() {
+    let case = Case::of_shape(&torus(0.35), Family::Irregular, 1280);
+    let found = of(&AdaptiveJet::default(), &case.mesh, &case.positions());
+    assert!(found.iter().all(|at| at.deviation == 0.0));
+}
+
 #[test]
 #[ignore = "five minutes: by hand, see CONTRIBUTING"]
 fn many_shapes_near_the_detection_limit() {
@@ -96,11 +102,8 @@ fn many_shapes_near_the_detection_limit() {
         for case in stars.into_iter().chain(others) {
             for part in [3e-6, 1e-5, 3e-5, 1e-4] {
                 let ratios = ratios(&case, part);
-                let limits = [OF_BEST, OF_BEST, UNDETECTED];
-                let both = ratios.iter().zip(limits);
-                let is_amiss =
-                    |(&[jets, best], limit): (&[f64; 2], f64)| jets > OF_JETS || best > limit;
-                if both.into_iter().any(is_amiss) {
+                let is_amiss = |&[jets, best]: &[f64; 2]| jets > OF_JETS || best > OF_BEST;
+                if ratios.iter().any(is_amiss) {
                     lines.push(format!("{}, {part}: {ratios:.2?}\n", case.name));
                 }
             }

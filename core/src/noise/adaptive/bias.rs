@@ -67,11 +67,11 @@ pub(super) struct Pair<'a, T> {
 }
 
 impl<T: Real> Pair<'_, T> {
-    fn difference(&self, vertex: usize) -> T {
+    pub(super) fn difference(&self, vertex: usize) -> T {
         self.values[0][vertex] - self.values[1][vertex]
     }
 
-    fn change(&self, vertex: usize, replica: usize) -> T {
+    pub(super) fn change(&self, vertex: usize, replica: usize) -> T {
         self.changes[0][vertex][replica] - self.changes[1][vertex][replica]
     }
 }

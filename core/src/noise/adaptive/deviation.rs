@@ -1,6 +1,7 @@
 //! Standard deviation of the positions around every vertex, and resolution of the shape by the mesh.
 
-use super::{Ground, POOL, Verdict};
+use super::level::{Kind, Level};
+use super::{Ground, POOL, Verdict, hidden};
 use crate::element::Execution;
 use crate::noise::{Noise, Spectrum, rounding, sort};
 use crate::real::Real;
@@ -34,12 +35,16 @@ pub(super) struct Deviations<T> {
 }
 
 impl<T: Real> Deviations<T> {
+    /// Estimates the noise from the jets of a mesh, with the given f. Where their residuals show none, it is also
+    /// estimated from wider jets, which are returned.
     pub(super) fn new(
         execution: &impl Execution,
         ground: &Ground<'_, T>,
-        spectra: &[Spectrum<T>],
+        jets: &Level<T>,
+        force: &[T],
         known: T,
-    ) -> Self {
+    ) -> (Self, Option<Level<T>>) {
+        let spectra = &jets.spectra;
         let square = |factor: f64| T::constant(factor * factor);
         // The squares of S₄, S₅, S₆ and R.
         let mut parts = vec![[T::nan(); 4]; spectra.len()];
@@ -105,6 +110,7 @@ impl<T: Real> Deviations<T> {
                 }
             }
         }
+        let wider = add_hidden(execution, ground, (jets, force), &parts, &mut variances);
         let least = quantile(&variances, QUIETEST);
         let rounding = rounding(ground.surface.positions());
         let known = (rounding * rounding).max(known * known);
@@ -120,11 +126,12 @@ impl<T: Real> Deviations<T> {
                 _ => Verdict::Clean,
             }
         });
-        Self {
+        let found = Self {
             verdicts: verdicts.collect(),
             variances,
             least: known,
-        }
+        };
+        (found, wider)
     }
 
     /// Reduces σ² at a vertex to this fraction, but not below what is known of it. Returns the actual
@@ -144,6 +151,35 @@ impl<T: Real> Deviations<T> {
     pub(super) fn is_seen(&self) -> bool {
         self.variances.iter().any(|&variance| variance > T::zero())
     }
+}
+
+/// Adds noise that residuals do not show to the variances, unless these are positive everywhere. Returns the
+/// wider jets that show it.
+fn add_hidden<T: Real>(
+    execution: &impl Execution,
+    ground: &Ground<'_, T>,
+    (jets, force): (&Level<T>, &[T]),
+    parts: &[[T; 4]],
+    variances: &mut [T],
+) -> Option<Level<T>> {
+    if !variances.contains(&T::zero()) {
+        return None;
+    }
+    let wider = Level::new(execution, ground, &Kind::wider());
+    let decay = |vertex: usize| {
+        let [fourth, _, sixth, _] = parts[vertex];
+        let square = sixth / fourth;
+        let is_resolved = resolution(&parts[vertex]) == Verdict::Clean;
+        // False for NaN.
+        let is_telling = square <= T::constant(SLOW * SLOW) && is_resolved;
+        (is_telling && !ground.is_near_border(vertex)).then_some(square)
+    };
+    let hidden = hidden::variances(execution, ground, force, [jets, &wider], decay);
+    let both = variances.iter_mut().zip(parts);
+    for ((variance, &[.., left]), hidden) in both.zip(hidden.into_iter().flatten()) {
+        *variance = variance.max(hidden.min(left));
+    }
+    Some(wider)
 }
 
 /// Whether the mesh resolves the shape, by the squares of S₄, S₅, S₆ and R.
