@@ -1,6 +1,6 @@
 //! Adjacent triangles, as corrections of sums over the midpoints of edges.
 
-use super::kernel::{Kernel, Units};
+use super::kernel::{Kernel, Units, splat};
 use super::panel::seven_points;
 use crate::flow::vectors::{Vector, Vectors};
 use pulp::{Arch, Simd, WithSimd};
@@ -36,14 +36,19 @@ impl<T: Vectors> Rule<T> {
         }
     }
 
+    /// The numbers of the corners of a triangle, in units.
+    pub(super) fn of<const SOURCE: usize>(&self, corners: [[f64; SOURCE]; 3]) -> [[T; SOURCE]; 3] {
+        corners.map(|corner| self.units.within([0.0; 3], &corner))
+    }
+
     /// The sum over these triangles of the integral by seven points minus that by midpoints of edges.
     ///
-    /// A triangle is given by its three corners, each with the numbers of a source relative to the target,
+    /// A triangle is given by its three corners in units, each with the numbers of a source relative to the target,
     /// multiplied by the area. All numbers are linear on it, and the kernel is linear in the last three.
     pub(super) fn corrections<K, const TARGET: usize, const SOURCE: usize, const SUM: usize>(
         &self,
         kernel: K,
-        triangles: &[[[f64; SOURCE]; 3]],
+        triangles: &[[[T; SOURCE]; 3]],
     ) -> [f64; SUM]
     where
         K: Kernel<T, TARGET, SOURCE, SUM>,
@@ -68,7 +73,7 @@ impl<T: Vectors> Rule<T> {
 struct Task<'a, T, K, const SOURCE: usize, const SUM: usize, const TARGET: usize> {
     kernel: K,
     rule: &'a Rule<T>,
-    triangles: &'a [[[f64; SOURCE]; 3]],
+    triangles: &'a [[[T; SOURCE]; 3]],
     sums: &'a mut [[T; LANES]; SUM],
 }
 
@@ -93,17 +98,12 @@ where
             }
             let weight = Vector::new(simd, weights[k]);
             let mut sum = [zero; SUM];
-            for corners in self.triangles {
+            for [a, b, c] in self.triangles {
+                let (a, b, c) = (splat(simd, *a), splat(simd, *b), splat(simd, *c));
                 let mut source = [zero; SOURCE];
                 for axis in 0..SOURCE {
-                    // No closure, which would be compiled without the target features of the caller.
-                    let mut values = [zero; 3];
-                    for corner in 0..3 {
-                        let value = self.rule.units.within(axis, corners[corner][axis]);
-                        values[corner] = Vector::splat(simd, value);
-                    }
-                    let [a, b, c] = values;
-                    source[axis] = share[0].times_plus(a, share[1].times_plus(b, share[2] * c));
+                    let last = share[1].times_plus(b[axis], share[2] * c[axis]);
+                    source[axis] = share[0].times_plus(a[axis], last);
                 }
                 for number in &mut source[SOURCE - 3..] {
                     *number = weight * *number;

@@ -233,7 +233,9 @@ impl DoubleLayer {
                 for &(number, near) in &self.near[vertex] {
                     let drop = self.drop(number);
                     match near {
-                        Near::Beside => beside.push(self.seen_from(at, velocity, number, drop)),
+                        Near::Beside => {
+                            beside.push(rule.of(self.seen_from(at, velocity, number, drop)));
+                        }
                         Near::Across => across += self.lacking(number, drop, at, velocity),
                     }
                 }

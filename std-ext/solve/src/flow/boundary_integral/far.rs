@@ -556,14 +556,8 @@ where
         origin: DVec3,
         rows: &[[f64; N]],
     ) -> impl Iterator<Item = [V; N]> {
-        rows.iter().map(move |row| {
-            let mut seen = [V::zero(); N];
-            for (axis, (seen, &number)) in seen.iter_mut().zip(row).enumerate() {
-                let from = if axis < 3 { origin[axis] } else { 0.0 };
-                *seen = self.units.within(axis, number - from);
-            }
-            seen
-        })
+        let origin = origin.to_array();
+        rows.iter().map(move |row| self.units.within(origin, row))
     }
 
     fn columns<V: Vectors, const N: usize>(

@@ -88,17 +88,21 @@ impl Units {
         of_sum: 1.0,
     };
 
-    /// A number of a source or a target in units.
+    /// The numbers of a source or a target, its position relative to an origin.
     #[inline(always)]
-    pub(super) fn within<T: Vectors>(&self, number: usize, value: f64) -> T {
-        T::constant(
-            value
-                * if number < 3 {
-                    self.over_length
-                } else {
-                    self.over_strength
-                },
-        )
+    pub(super) fn within<T: Vectors, const N: usize>(
+        &self,
+        origin: [f64; 3],
+        numbers: &[f64; N],
+    ) -> [T; N] {
+        let mut within = [T::zero(); N];
+        for k in 0..3 {
+            within[k] = T::constant((numbers[k] - origin[k]) * self.over_length);
+        }
+        for k in 3..N {
+            within[k] = T::constant(numbers[k] * self.over_strength);
+        }
+        within
     }
 }
 

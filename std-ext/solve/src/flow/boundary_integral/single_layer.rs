@@ -195,9 +195,9 @@ impl SingleLayer {
                     cancels |= is_close;
                     match near {
                         Near::Beside if is_close || geometry.is_thin(number) => {
-                            exact.push(self.seen_from(at, number));
+                            exact.push(exact_rule.of(self.seen_from(at, number)));
                         }
-                        Near::Beside => beside.push(self.seen_from(at, number)),
+                        Near::Beside => beside.push(rule.of(self.seen_from(at, number))),
                         Near::Across => across += self.lacking(number, at),
                     }
                 }

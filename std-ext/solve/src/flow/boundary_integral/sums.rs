@@ -5,8 +5,11 @@ use crate::flow::vectors::{Vector, Vectors};
 use pulp::{Arch, Simd, WithSimd};
 use std::num::NonZeroUsize;
 
-/// A multiple of every width of vectors.
-const LANES: usize = 16;
+/// Bytes of the widest vectors.
+const WIDEST: usize = 64;
+
+/// Number of entries of the widest vectors of double precision.
+const LANES: usize = WIDEST / size_of::<f64>();
 
 /// Number of sources per tile: these stay in the first-level cache while all targets are processed.
 const TILE: usize = 2304;
@@ -73,7 +76,7 @@ pub(super) struct Columns<T, const N: usize>([Vec<T>; N]);
 impl<T: Vectors, const N: usize> Columns<T, N> {
     /// Zeros for each of so many points.
     pub(super) fn new(count: usize) -> Self {
-        Self([(); N].map(|()| vec![T::zero(); count.next_multiple_of(LANES)]))
+        Self([(); N].map(|()| vec![T::zero(); count.next_multiple_of(WIDEST / size_of::<T>())]))
     }
 
     /// The numbers of each point.
