@@ -189,6 +189,30 @@ impl<T: Real> HeightFit<T> {
         least
     }
 
+    /// The least diagonal entry that a triangular factor with another order of the columns may have: 1 over the
+    /// root of the largest diagonal entry of `(Aᵀ A)⁻¹`, for columns of length 1.
+    pub(super) fn conditioning(&self, model: &Model<T>) -> T {
+        let columns = model.columns();
+        let width = columns + 1;
+        let mut squares = [T::zero(); MOST_COLUMNS];
+        for column in 0..columns {
+            // A column of the inverse of the factor.
+            let mut solved = [T::zero(); MOST_COLUMNS];
+            solved[column] = self.upper[column * width + column].recip();
+            for place in (0..column).rev() {
+                let row = &self.upper[place * width..][..column + 1];
+                let known = row[place + 1..].iter().zip(&solved[place + 1..]);
+                let sum: T = known.map(|(&factor, &known)| factor * known).sum();
+                solved[place] = -sum / row[place];
+            }
+            for (square, solved) in squares.iter_mut().zip(&solved[..=column]) {
+                *square += *solved * *solved;
+            }
+        }
+        let most = squares.into_iter().fold(T::zero(), T::max);
+        most.sqrt().reciprocal_or_zero()
+    }
+
     /// Sets the coefficients of the monomials, heights and places in radii.
     fn solve(&mut self, columns: usize) {
         let width = columns + 1;

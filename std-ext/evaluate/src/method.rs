@@ -384,7 +384,7 @@ methods! {
             defines: [true, true, true],
         },
         Cost {
-            relative: 20.0,
+            relative: 18.0,
             bytes: Bytes::Fixed(1450),
         };
         /// J of degree 6.
@@ -398,7 +398,7 @@ methods! {
             defines: [true, true, true],
         },
         Cost {
-            relative: 48.0,
+            relative: 40.0,
             bytes: Bytes::Fixed(2400),
         };
     }

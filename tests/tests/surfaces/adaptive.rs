@@ -68,6 +68,8 @@ fn with_noise_it_is_as_good_as_the_best_fixed_fit() {
     for case in [
         Case::of_star(1, Family::Irregular, 2562),
         Case::of_shape(&shape("discocyte"), Family::Regular, 2562),
+        // 56 neighbours do not determine a polynomial everywhere on this mesh.
+        Case::of_shape(&torus(0.6), Family::Regular, 2562),
     ] {
         for part in [1e-4, 1e-2] {
             let positions = case.disturbed(part * case.mean_edge());
