@@ -205,12 +205,10 @@ fn amiss(case: &Case, part: f64) -> (Vec<String>, Vec<f64>) {
 }
 
 /// The goals are bars that hold at 92 % of the vertices in the worst case and at 99 % in the median, and that
-/// are at most 10 times the error with noise and 25 times without. Known exceptions: bars of f of up to 11.5
-/// times the error on the disc, star 1 and the relaxed torus of aspect 0.6 (15 times on the regular torus of
-/// aspect 0.6 at 1e-4), and of 36 times without noise on the relaxed torus of aspect 0.4; estimated errors of
-/// f, 1.5 to 2.1 times the true ones on tori of aspect 0.6 and on star 1 at 3e-2, and 0.46 to 0.65 times on
-/// the irregular stars 2, 3, 4, 6 and 7 at 1e-2 and 3e-2; and the estimated error of K on the relaxed disc
-/// at 1e-4 (0.5 times).
+/// are at most 10 times the error with noise and 25 times without. Known exceptions: bars of f of up to 11.4
+/// times the error on the disc, star 1 and the relaxed torus of aspect 0.6, and of 36 times without noise on
+/// the relaxed torus of aspect 0.4; estimated errors of f, 1.5 to 1.7 times the true ones on tori of aspect 0.6
+/// and on star 1, and 0.46 to 0.65 times on the irregular stars 2, 3, 4, 6 and 7 at 1e-2 and 3e-2.
 #[test]
 #[ignore = "ten minutes: by hand, see CONTRIBUTING"]
 fn bars_of_many_shapes() {
