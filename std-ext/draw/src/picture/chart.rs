@@ -266,7 +266,7 @@ impl Chart {
         }
     }
 
-    /// Draws the legend in a corner or at a side, where it hides least of the curves.
+    /// Draws the legend in a corner or elsewhere, where it hides least of the curves.
     fn legend(&self, canvas: &mut Canvas, projection: &Projection, letters: f64) {
         let named: Vec<_> = self
             .curves
@@ -300,7 +300,9 @@ impl Chart {
             }
         };
         let corners = [[1.0, 0.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let sides = [[1.0, 0.5], [0.0, 0.5], [0.5, 0.0], [0.5, 1.0], [0.5, 0.5]];
+        let sides = [0.25, 0.5, 0.75].map(|down| [[1.0, down], [0.0, down], [0.5, down]]);
+        let ends = [[0.5, 0.0], [0.5, 1.0]];
+        let sides = sides.into_iter().flatten().chain(ends);
         let boxes = corners.into_iter().chain(sides).map(box_at);
         let hidden = |area: &Area| {
             let curves = self.curves.iter();

@@ -20,9 +20,11 @@ use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Largest numbers of targets and of sources of a leaf, in double and in single precision.
-const DOUBLE_LEAF: [usize; 2] = [64, 48];
-const SINGLE_LEAF: [usize; 2] = [128, 128];
+/// Largest number of targets of a leaf.
+const TARGETS: usize = 64;
+
+/// Largest number of sources of a leaf.
+const SOURCES: usize = 48;
 
 /// Points of a leaf whose squared radius is more than this many times their squared widths, like those of several small
 /// bodies, are too far from its centre, in units of the distances between neighbours, for single precision.
@@ -69,11 +71,10 @@ impl Far {
         if self.error > 0.0 {
             let vertex = |vertex| (geometry.position(vertex), geometry.width(vertex));
             let count = geometry.vertex_count();
-            let [targets, most] = self.leaf();
-            self.vertices = self.tree(&vertex, count, targets, threads);
+            self.vertices = self.tree(&vertex, count, TARGETS, threads);
             let point = |source: usize| DVec3::from_slice(&sources[source][..3]);
             let source = |source| (point(source), reach(source));
-            self.sources = self.tree(&source, sources.len(), most, threads);
+            self.sources = self.tree(&source, sources.len(), SOURCES, threads);
         }
     }
 
@@ -95,7 +96,7 @@ impl Far {
     /// The clusters of other points, if they are needed.
     pub(super) fn points(&self, points: &[[f64; 3]], threads: NonZeroUsize) -> Option<Tree> {
         let point = |point: usize| (DVec3::from(points[point]), 0.0);
-        (self.error > 0.0).then(|| self.tree(&point, points.len(), self.leaf()[0], threads))
+        (self.error > 0.0).then(|| self.tree(&point, points.len(), TARGETS, threads))
     }
 
     /// The trees for sums at the vertices; `None` where all pairs are summed.
@@ -107,14 +108,6 @@ impl Far {
     pub(super) fn at<'a>(&'a self, points: Option<&'a Tree>) -> Option<[&'a Tree; 2]> {
         let trees = [points?, &self.sources];
         (trees.iter().all(|tree| !tree.order.is_empty())).then_some(trees)
-    }
-
-    fn leaf(&self) -> [usize; 2] {
-        if self.single {
-            SINGLE_LEAF
-        } else {
-            DOUBLE_LEAF
-        }
     }
 
     fn tree(

@@ -259,7 +259,7 @@ impl Scaled<6> for Stokeslet {
     fn units(self, radius: f64, sources: &[[f64; 6]]) -> Units {
         let forces = sources.iter().flat_map(|source| &source[3..]);
         let strength = forces.fold(0.0_f64, |most, force| most.max(force.abs()));
-        // Squares of distances down to 1e-31 and up to 10 radii are then within the range of single precision.
+        // The squares of distances from 1e-31 to 1e7 radii are then within the range of single precision.
         let length = power_of_two(radius) / 2.0_f64.powi(40);
         let strength = power_of_two(strength);
         Units {
