@@ -111,7 +111,7 @@ impl Regression {
 
 impl<T: Real, const R: usize> Around<T, R> {
     /// Computes curvatures and rows from a fit.
-    fn take(&mut self, fit: &HeightFit<T>, model: &Model<T>, errors: &[[T; R]]) {
+    fn take(&mut self, fit: &mut HeightFit<T>, model: &Model<T>, errors: &[[T; R]]) {
         let mut coefficients = Vec::new();
         for (which, degree) in DEGREES.into_iter().enumerate() {
             for copy in (0..R).rev() {
@@ -122,9 +122,15 @@ impl<T: Real, const R: usize> Around<T, R> {
             }
             fit.coefficients_with(model, degree, |_| T::zero(), &mut coefficients);
             let functional = Slopes::new(&coefficients[1..], fit.radius()).laplacian(fit.radius());
-            self.laplacians[which] = fit.row(model, degree, &functional);
+            let mut rows = [Vec::new()];
+            fit.rows(model, degree, &[functional], &mut rows);
+            [self.laplacians[which]] = rows;
         }
-        self.average = fit.row(model, DEGREES[0], &[T::one()]);
+        let mut value = [T::zero(); 6];
+        value[0] = T::one();
+        let mut rows = [Vec::new()];
+        fit.rows(model, DEGREES[0], &[value], &mut rows);
+        [self.average] = rows;
     }
 }
 

@@ -1,0 +1,179 @@
+//! Normal equations of regressions, from moments `Σ w² x^a y^b` of the weighted points.
+//!
+//! A matrix of degree d has as many different entries as a polynomial of degree 2d has coefficients, far
+//! fewer than a column for each monomial has. Its condition number is that of the fit squared.
+
+use super::{MOST_COLUMNS, Model};
+use crate::lane::{Lane, Several, WIDTH};
+use crate::laplacian::{MomentPoints as Points, place_of, set_moments};
+use crate::real::Real;
+use crate::vec3::{Vec3, dot};
+use alloc::vec::Vec;
+
+/// Degree, and power of y, of each monomial.
+const MONOMIALS: [(usize, usize); MOST_COLUMNS] = {
+    let mut monomials = [(0, 0); MOST_COLUMNS];
+    let mut place = 1;
+    while place < MOST_COLUMNS {
+        let (degree, power) = monomials[place - 1];
+        monomials[place] = if power < degree {
+            (degree, power + 1)
+        } else {
+            (degree + 1, 0)
+        };
+        place += 1;
+    }
+    monomials
+};
+
+/// Weighted points in a tangent plane, [`WIDTH`] of them at a time.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Moments<T> {
+    x: Vec<Several<T>>,
+    y: Vec<Several<T>>,
+    /// w², 0 in the places after the last point.
+    weights: Vec<Several<T>>,
+    column: Vec<Several<T>>,
+    powers: Vec<Several<T>>,
+    partial: Vec<Several<T>>,
+    sums: Vec<T>,
+}
+
+impl<T: Real> Moments<T> {
+    /// Sets the points by their offsets from the vertex and their weights w.
+    #[inline(always)]
+    pub(super) fn place(&mut self, offsets: &[Vec3<T>], weights: &[T], frame: [Vec3<T>; 2]) {
+        let lanes = offsets.len().div_ceil(WIDTH);
+        let [along_x, along_y] = frame;
+        let coordinates = [(&mut self.x, along_x), (&mut self.y, along_y)];
+        for (lane, axis) in coordinates {
+            lane.clear();
+            lane.resize(lanes, Several::zero());
+            let entries = lane.iter_mut().flat_map(|lane| &mut lane.0);
+            for (entry, &offset) in entries.zip(offsets) {
+                *entry = dot(offset, axis);
+            }
+        }
+        self.weights.clear();
+        self.weights.resize(lanes, Several::zero());
+        let entries = self.weights.iter_mut().flat_map(|lane| &mut lane.0);
+        for (entry, &weight) in entries.zip(weights) {
+            *entry = weight * weight;
+        }
+    }
+
+    /// The sums `Σ w² v x^a y^b` over the points up to a degree, in order of the monomials; without
+    /// values v, these are 1.
+    #[inline(always)]
+    pub(super) fn sums(&mut self, degree: usize, values: Option<&[T]>) -> &[T] {
+        self.column.clear();
+        self.column.extend_from_slice(&self.weights);
+        if let Some(values) = values {
+            let entries = self.column.iter_mut().flat_map(|lane| &mut lane.0);
+            for (entry, &value) in entries.zip(values) {
+                *entry *= value;
+            }
+        }
+        let count = place_of(degree, degree) + 1;
+        self.partial.resize(count, Several::zero());
+        let points = Points {
+            x: &self.x,
+            y: &self.y,
+            weights: &self.weights,
+        };
+        let (column, powers) = (&mut self.column, &mut self.powers);
+        set_moments(&mut self.partial[..count], degree, points, column, powers);
+        self.sums.clear();
+        let partial = self.partial[..count].iter();
+        self.sums
+            .extend(partial.map(|lane| lane.0.iter().copied().sum::<T>()));
+        &self.sums
+    }
+
+    /// Sets `upper` to the factor R of `Rᵀ R = D Aᵀ W² A D`, row by row with `D = diag(scales)`, each row
+    /// followed by its part of the heights, and returns the smallest entry on its diagonal; 0 if the matrix
+    /// is not positive definite. G. H. Golub and C. F. Van Loan, Matrix Computations, section 4.2.
+    #[inline(always)]
+    pub(super) fn factorise(
+        &mut self,
+        model: &Model<T>,
+        heights: &[T],
+        scales: &mut Vec<T>,
+        upper: &mut Vec<T>,
+    ) -> T {
+        let count = model.columns();
+        let width = count + 1;
+        upper.clear();
+        upper.resize(count * width, T::zero());
+        let monomials = &MONOMIALS[..count];
+        let sums = self.sums(2 * model.degree, None);
+        let entry = |i: usize, j: usize| {
+            let ((degree, power), (other, others)) = (monomials[i], monomials[j]);
+            sums[place_of(degree + other, power + others)]
+        };
+        scales.clear();
+        scales.extend((0..count).map(|k| entry(k, k).sqrt().reciprocal_or_zero()));
+        for i in 0..count {
+            for j in i..count {
+                upper[i * width + j] = entry(i, j) * scales[i] * scales[j];
+            }
+        }
+        let right = self.sums(model.degree, Some(heights));
+        for (i, (&sum, &scale)) in right.iter().zip(&*scales).enumerate() {
+            upper[i * width + count] = sum * scale;
+        }
+        let mut least = T::one();
+        for k in 0..count {
+            let (above, below) = upper.split_at_mut((k + 1) * width);
+            let row = &mut above[k * width..];
+            let pivot = row[k];
+            if pivot <= T::zero() || pivot.is_nan() {
+                return T::zero();
+            }
+            let norm = pivot.sqrt();
+            let over = norm.recip();
+            least = least.min(norm);
+            row[k] = norm;
+            row[k + 1..].iter_mut().for_each(|entry| *entry *= over);
+            for (i, other) in (k + 1..count).zip(below.chunks_exact_mut(width)) {
+                let factor = row[i];
+                for (entry, &known) in other[i..].iter_mut().zip(&row[i..]) {
+                    *entry -= factor * known;
+                }
+            }
+        }
+        least
+    }
+
+    /// Sets each of `rows` to `w² p` at the points, with the polynomials p given by their coefficients.
+    #[inline(always)]
+    pub(super) fn evaluate<const F: usize>(
+        &self,
+        degree: usize,
+        coefficients: &[[T; F]],
+        rows: &mut [Vec<T>; F],
+    ) {
+        for row in rows.iter_mut() {
+            row.resize(self.x.len() * WIDTH, T::zero());
+        }
+        let points = self.x.iter().zip(&self.y).zip(&self.weights);
+        for (lane, ((&x, &y), &weight)) in points.enumerate() {
+            let mut values = [Several::zero(); F];
+            for a in (0..=degree).rev() {
+                let mut parts = [Several::zero(); F];
+                for b in (0..=degree - a).rev() {
+                    let terms = &coefficients[place_of(a + b, b)];
+                    for (part, &term) in parts.iter_mut().zip(terms) {
+                        *part = *part * y + Several::splat(term);
+                    }
+                }
+                for (value, part) in values.iter_mut().zip(parts) {
+                    *value = *value * x + part;
+                }
+            }
+            for (row, value) in rows.iter_mut().zip(values) {
+                row[lane * WIDTH..][..WIDTH].copy_from_slice(&(weight * value).0);
+            }
+        }
+    }
+}
