@@ -3,7 +3,6 @@
 //! T. J. Dekker, Numer. Math. 18 (1971) 224; Y. Hida, X. S. Li, D. H. Bailey, Proc. 15th IEEE Symp.
 //! Computer Arithmetic (2001) 155.
 
-use helfrich_std::method::Evaluated;
 use num_traits::{Float, FloatConst, FromPrimitive, Num, NumCast, One, ToPrimitive, Zero};
 use std::iter::Sum;
 use std::num::FpCategory;
@@ -23,8 +22,6 @@ pub struct DoubleDouble {
 
 const PI: DoubleDouble = DoubleDouble::new(std::f64::consts::PI, 1.224_646_799_147_353_2e-16);
 const LN_2: DoubleDouble = DoubleDouble::new(std::f64::consts::LN_2, 2.319_046_813_846_299_6e-17);
-
-impl Evaluated for DoubleDouble {}
 
 impl DoubleDouble {
     /// Sum of two f64, the second at most half a unit in the last place of the first.

@@ -5,13 +5,16 @@ use helfrich::{
     DualArea, Finding, GompperKroll, Jet, KantorNelson, Prepared, Quality, StrongForm, Surface,
     TriangleMesh,
 };
-use helfrich_std::method::{BendingMethod, Evaluated, Evaluator};
+use helfrich_std::method::{
+    BendingMethod, Evaluated, Evaluator, ListVisitor, ListedEnergy, ListedOperator, Of,
+    for_each_listed,
+};
 use helfrich_std::run::End;
 use helfrich_std::scalar::Scalar;
 use helfrich_studies::stability::{
     Bound, Course, DoubleDouble, Evaluation, Group, Outcome, Row, Stability,
 };
-use helfrich_tests::laws::largest;
+use helfrich_tests::laws::{Candidate, Listed, ListedStrong, largest};
 use helfrich_tests::meshes::{
     Inscribed, Mesh, SplitMix64, hemisphere, icosahedron, icosphere, octahedron, sheet, tetrahedron,
 };
@@ -554,26 +557,21 @@ fn bad_areas_and_fits_are_found() {
 
 /// A method computed in double-double arithmetic agrees with f64 to the digits of f64 without being equal, so
 /// that every operation uses the higher precision.
-#[test]
-fn double_double_is_more_than_double() {
-    let mesh = icosphere(1).map(|[x, y, z]| [x + 0.2 * y * z, 0.8 * y, 0.7 * z]);
-    let fine = Vec::from_iter(mesh.positions.iter().map(|x| x.map(DoubleDouble::of)));
-    for method in BendingMethod::ALL {
+struct MoreThanDouble(Mesh);
+
+impl MoreThanDouble {
+    /// Compares the compiled method in f64 with forces, or force densities in strong form, that were computed with
+    /// both parts of the positions.
+    fn compare(&self, method: BendingMethod, exact: &[[DoubleDouble; 3]]) {
+        let Self(mesh) = self;
         let mut double = Evaluator::<f64>::new(method, 1.0, &mesh.connectivity);
         double.evaluate(mesh.surface());
-        let mut twice = Evaluator::new(method, DoubleDouble::of(1.0), &mesh.connectivity);
-        twice.evaluate(Surface::new(&mesh.connectivity, &fine).expect("finite"));
         let scale = largest(double.force());
-        let pairs = double
-            .force()
-            .iter()
-            .flatten()
-            .zip(twice.force().iter().flatten());
+        let pairs = double.force().as_flattened().iter();
         let mut different = 0;
-        for (&found, &exact) in pairs {
-            let error = (DoubleDouble::of(found) - exact)
-                .to_f64()
-                .expect("a number");
+        for (&found, &exact) in pairs.zip(exact.as_flattened()) {
+            let error = (DoubleDouble::of(found) - exact).to_f64();
+            let error = error.expect("a number");
             tolerance::INVARIANCE.assert(error, 0.0, scale, method.name());
             different += usize::from(error != 0.0);
         }
@@ -582,4 +580,45 @@ fn double_double_is_more_than_double() {
             "{method}: {different} differ"
         );
     }
+
+    /// Calls `add` with the surface and forces of 0, and returns these.
+    fn forces(
+        &self,
+        add: impl FnOnce(Surface<'_, DoubleDouble>, &mut [[DoubleDouble; 3]]),
+    ) -> Vec<[DoubleDouble; 3]> {
+        let Self(mesh) = self;
+        let fine = Vec::from_iter(mesh.positions.iter().map(|x| x.map(DoubleDouble::of)));
+        let mut forces = vec![[DoubleDouble::of(0.0); 3]; fine.len()];
+        let surface = Surface::new(&mesh.connectivity, &fine).expect("finite");
+        add(surface, &mut forces);
+        forces
+    }
+}
+
+impl ListVisitor for MoreThanDouble {
+    fn energy<const PLACE: usize>(&mut self, method: Of<PLACE>)
+    where
+        Of<PLACE>: ListedEnergy,
+    {
+        let method = Candidate::method(Listed(method), DoubleDouble::of(1.0));
+        let mut prepared = Prepared::new(method, &self.0.connectivity);
+        let forces = self.forces(|surface, forces| prepared.add_force(surface, forces));
+        self.compare(Of::<PLACE>::METHOD, &forces);
+    }
+
+    fn strong_form<const PLACE: usize>(&mut self, method: Of<PLACE>)
+    where
+        Of<PLACE>: ListedOperator,
+    {
+        let method = ListedStrong(method).method(DoubleDouble::of(1.0));
+        let mut prepared = Prepared::new(method, &self.0.connectivity);
+        let forces = self.forces(|surface, forces| prepared.force_density(surface, forces));
+        self.compare(Of::<PLACE>::METHOD, &forces);
+    }
+}
+
+#[test]
+fn double_double_is_more_than_double() {
+    let mesh = icosphere(1).map(|[x, y, z]| [x + 0.2 * y * z, 0.8 * y, 0.7 * z]);
+    for_each_listed(&mut MoreThanDouble(mesh));
 }
