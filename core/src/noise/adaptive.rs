@@ -13,6 +13,7 @@
 //! distances are averaged over neighbourhoods, and extrapolated by the order of each fit.
 
 mod bias;
+mod border;
 mod choice;
 mod deviation;
 mod hidden;
@@ -77,9 +78,16 @@ const LEFT: f64 = 0.01;
 
 /// Jets whose degree and number of neighbours are chosen at every vertex, with error bars.
 ///
-/// Without noise of the positions, results are those of [`Jet::for_mesh`]. With noise, they are those of
+/// Without noise of the positions, results are those of [`Jet::for_mesh`], except at boundaries. With noise, they are those of
 /// regression jets over as many neighbours as the shape allows: the errors of H fall as the inverse of the
 /// number of neighbours, those of f faster.
+///
+/// At a boundary and one edge away, where neighbours lie to one side, heights are fitted after the inversion
+/// `y = (x − b n |x|²)/(1 − 2 b n·x + b² |x|²)` of the positions x seen from the vertex, with its normal n. The
+/// principal curvatures there decrease by −2b, and f stays the same, as bending energies are invariant under
+/// inversions. Of b between 0 and −H/2, which makes a plane of a sphere, the one with a small residual is taken.
+/// Fits at the boundary itself have degree 6 or 8, whichever has the least standard error of f if its residual
+/// is noise.
 ///
 /// The errors of positions are assumed to be independent from vertex to vertex. Errors that neighbours
 /// share cannot be distinguished from the shape, and error bars do not include them.
@@ -301,7 +309,7 @@ impl<T: Real> AdaptiveJet<T> {
         if !watch(0.0) {
             return None;
         }
-        let (curvature, mut jet, degree) = jets(execution, surface);
+        let (curvature, mut jet, mut degree) = jets(execution, surface);
         let ground = Ground::new(execution, surface, names, &curvature);
         let twin = Level::new(execution, &ground, &Kind::interpolating());
         let [_, one_sided] = &twin.of_degrees;
@@ -309,6 +317,7 @@ impl<T: Real> AdaptiveJet<T> {
             for (vertex, (value, &one_sided)) in values.iter_mut().zip(one_sided).enumerate() {
                 if ground.rings[vertex] < ONE_STAGE && one_sided.is_finite() {
                     *value = one_sided;
+                    degree[vertex] = twin.degrees[vertex];
                 }
             }
         }

@@ -30,8 +30,8 @@ const TILTS: usize = 3;
 /// Number of partial sums of a scalar product, which do not wait for each other.
 const SUMS: usize = 8;
 
-/// Largest number of coefficients: of degree 6, with a constant.
-const MOST_COLUMNS: usize = 28;
+/// Largest number of coefficients: of degree 8, without a constant.
+const MOST_COLUMNS: usize = 44;
 
 /// Largest relative rounding error of the solutions of normal equations, ε over the squared least diagonal
 /// entry of the triangular factor. In f64 those of all fits that are accepted for measurements are below it,
@@ -105,6 +105,41 @@ impl<T: Real> HeightFit<T> {
         let offsets = neighbours.iter();
         self.offsets
             .extend(offsets.map(|&(_, neighbour)| scale(over, seen.difference(neighbour))));
+        self.weights.clear();
+        let weight = |offset: &Vec3<T>| (-model.sharpness * dot(*offset, *offset)).exp();
+        self.weights.extend(self.offsets.iter().map(weight));
+    }
+
+    /// Maps the neighbours by `x ↦ (x − b |x|²)/(1 − 2 b·x + |b|² |x|²)`, an inversion between two reflections. It
+    /// leaves the vertex and lengths at the vertex as they are, and subtracts the same amount from both principal
+    /// curvatures. `bend` is b in inverse radii.
+    pub(super) fn invert(&mut self, bend: Vec3<T>) {
+        let two = T::constant(2.0);
+        for offset in &mut self.offsets {
+            let square = dot(*offset, *offset);
+            let factor = T::one() - two * dot(bend, *offset) + dot(bend, bend) * square;
+            *offset = scale(factor.recip(), sub(*offset, scale(square, bend)));
+        }
+    }
+
+    /// The sum of squares of the residual of the heights, in squared radii.
+    pub(super) fn residual(&self, model: &Model<T>) -> T {
+        let residual = &self.columns[model.columns() * self.offsets.len()..];
+        product(residual, residual)
+    }
+
+    /// The square of the standard error of fourth derivatives, `z_xxxx + 2 z_xxyy + z_yyyy`, of an interpolating
+    /// fit, if its residual is noise.
+    pub(super) fn squared_error(&self, model: &Model<T>) -> T {
+        let mut fourth = [T::zero(); 14];
+        for (place, factor) in [(9, 24.0), (11, 8.0), (13, 24.0)] {
+            fourth[place] = T::constant(factor);
+        }
+        let row = self.row(model, model.degree, &fourth);
+        // The height of the vertex itself enters all differences.
+        let sum: T = row.iter().copied().sum();
+        let [.., [residual, expected]] = self.spectrum(model);
+        residual / expected * (product(&row, &row) + sum * sum) / self.radius.powi(8)
     }
 
     /// Fits heights over the plane of `normal`, which is tilted until the polynomial has almost no
@@ -163,7 +198,7 @@ impl<T: Real> HeightFit<T> {
         for (row, (&offset, &weight)) in self.offsets.iter().zip(&self.weights).enumerate() {
             let [x, y] = frame.map(|axis| dot(offset, axis));
             // x^(degree − e) y^e, from the monomials of the degree below.
-            let mut monomials = [T::zero(); 9];
+            let mut monomials = [T::zero(); 10];
             monomials[0] = weight;
             if model.interpolates {
                 (monomials[0], monomials[1]) = (weight * x, weight * y);

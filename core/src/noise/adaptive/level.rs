@@ -1,5 +1,6 @@
 //! Fits with one number of neighbours around every vertex, and the effect of noise on them.
 
+use super::border::{AT_BORDER, OneSided, WIDER_AT_BORDER};
 use super::{Ground, ONE_STAGE, QUANTITIES, REPLICAS, Values};
 use crate::element::{Execution, SlotKernel, Slots, Strided};
 use crate::neighbourhood::Neighbourhood;
@@ -38,6 +39,8 @@ pub(super) struct Kind<T> {
     /// Whether these are to hold for the columns in any order, as for the jets of the library: on regular tori the
     /// factor had 0.012 or more where f of the fit was off by five orders of magnitude.
     in_any_order: bool,
+    /// The fits among which vertices at a boundary choose; if empty, they have the fit of other vertices.
+    pub(super) at_border: &'static [OneSided],
 }
 
 impl<T: Real> Kind<T> {
@@ -52,6 +55,7 @@ impl<T: Real> Kind<T> {
             neighbours: [56, 112],
             conditioning: CONDITIONING,
             in_any_order: true,
+            at_border: &AT_BORDER,
         }
     }
 
@@ -61,6 +65,7 @@ impl<T: Real> Kind<T> {
             neighbours: [90, 180],
             conditioning: STRICT,
             in_any_order: false,
+            at_border: &WIDER_AT_BORDER,
             ..Self::interpolating()
         }
     }
@@ -78,6 +83,7 @@ impl<T: Real> Kind<T> {
             neighbours: [neighbours, neighbours + more],
             conditioning: STRICT,
             in_any_order: false,
+            at_border: &[],
         }
     }
 
@@ -102,6 +108,8 @@ pub(super) struct Level<T> {
     pub(super) of_degrees: [Estimates<T>; 2],
     /// Number of neighbours, 0 where there is no fit.
     pub(super) neighbours: Vec<u32>,
+    /// Degree of the fits with the higher degree.
+    pub(super) degrees: Vec<u8>,
     /// The contributions of the degrees in interpolating fits.
     pub(super) spectra: Vec<Spectrum<T>>,
 }
@@ -115,6 +123,7 @@ struct AtVertex<T> {
     /// 1/ρ².
     over_area: T,
     neighbours: u32,
+    degree: u8,
     spectrum: Spectrum<T>,
     /// f and its changes, where f follows from one polynomial.
     force: Option<(T, Values<T>)>,
@@ -123,12 +132,14 @@ struct AtVertex<T> {
 /// Memory of a worker.
 #[derive(Debug)]
 pub(super) struct Scratch<T> {
-    near: Neighbourhood<T>,
+    pub(super) near: Neighbourhood<T>,
     pub(super) fit: HeightFit<T>,
     /// The normal over whose plane heights were fitted.
     pub(super) normal: Vec3<T>,
     pub(super) coefficients: Vec<T>,
     rows: [Vec<T>; 3],
+    /// b of the inversion before the last fit, if any, in inverse lengths: see [`HeightFit::invert`].
+    pub(super) bend: Option<Vec3<T>>,
 }
 
 impl<T: Real> Default for Scratch<T> {
@@ -139,6 +150,7 @@ impl<T: Real> Default for Scratch<T> {
             normal: [T::zero(); 3],
             coefficients: Vec::new(),
             rows: [const { Vec::new() }; 3],
+            bend: None,
         }
     }
 }
@@ -165,6 +177,7 @@ impl<T: Real> Scratch<T> {
             self.fit
                 .gather(surface, vertex as u32, &near.found[..count], &kind.model);
             self.normal = ground.upright[vertex];
+            self.bend = None;
             let conditioning = self.fit.fit(&mut self.normal, &kind.model);
             let is_last = count < wanted || wanted == most;
             let least = T::constant(kind.conditioning[usize::from(is_last)]);
@@ -186,7 +199,7 @@ impl<T: Real> Scratch<T> {
     fn one_stage(
         &mut self,
         ground: &Ground<'_, T>,
-        kind: &Kind<T>,
+        model: &Model<T>,
         vertices: &[u32],
     ) -> (T, Values<T>) {
         let radius = self.fit.radius();
@@ -198,7 +211,7 @@ impl<T: Real> Scratch<T> {
                 |row: usize| factor * (ground.errors(vertices[row + 1])[replica] - here[replica]);
             let coefficients = &mut self.coefficients;
             self.fit
-                .coefficients_with(&kind.model, DEGREES[1], error, coefficients);
+                .coefficients_with(model, model.degree, error, coefficients);
             over * one_stage::force_density(coefficients)
         };
         let value = with(0, T::zero());
@@ -206,6 +219,28 @@ impl<T: Real> Scratch<T> {
             (with(replica, step) - with(replica, -step)) / (step + step)
         });
         (value, changes)
+    }
+
+    /// Takes H, K, f and their changes from the one-sided fit with the least standard error.
+    fn take_one_sided(
+        &mut self,
+        ground: &Ground<'_, T>,
+        vertex: usize,
+        kind: &Kind<T>,
+        count: usize,
+        at: &mut AtVertex<T>,
+    ) {
+        let (model, count) = self.flatten(ground, vertex, kind, count);
+        at.neighbours = count as u32;
+        at.degree = model.degree as u8;
+        let others = self.near.found[..count].iter().map(|&(_, other)| other);
+        let vertices = Vec::from_iter(core::iter::once(vertex as u32).chain(others));
+        at.force = Some(self.one_stage(ground, &model, &vertices));
+        // Not needed for one stage.
+        let mut row = vec![0.0; vertices.len()];
+        for which in 0..DEGREES.len() {
+            self.take(ground, &model, which, &vertices, at, &mut row);
+        }
     }
 
     /// The nearest vertices that the last fit used.
@@ -218,25 +253,34 @@ impl<T: Real> Scratch<T> {
     fn take(
         &mut self,
         ground: &Ground<'_, T>,
-        kind: &Kind<T>,
+        model: &Model<T>,
         which: usize,
         vertices: &[u32],
         at: &mut AtVertex<T>,
         row: &mut [f32],
     ) {
-        let degree = DEGREES[which];
-        let own = usize::from(!kind.model.interpolates);
-        let fit = &mut self.fit;
-        let radius = fit.radius();
-        fit.coefficients(&kind.model, degree, &mut self.coefficients);
+        let degree = [DEGREES[0], model.degree][which];
+        let own = usize::from(!model.interpolates);
+        let radius = self.fit.radius();
+        self.fit.coefficients(model, degree, &mut self.coefficients);
         let slopes = Slopes::new(&self.coefficients[own..], radius);
         at.values[which] = slopes.curvatures();
-        let [of_mean, of_gaussian] = slopes.variations(radius);
+        let [of_mean, mut of_gaussian] = slopes.variations(radius);
+        if let Some(bend) = self.bend {
+            // The change of the normal is left out: the surface leans by less than 0.1.
+            let more = self.subtracted(&slopes, bend);
+            let twice = more + more;
+            let [mean, gaussian] = at.values[which];
+            at.values[which] = [mean + more, gaussian + twice * mean + more * more];
+            for (of_gaussian, of_mean) in of_gaussian.iter_mut().zip(of_mean) {
+                *of_gaussian += twice * of_mean;
+            }
+        }
         let laplacian = slopes
             .laplacian(radius)
             .map(|factor| factor * radius * radius);
-        fit.rows(
-            &kind.model,
+        self.fit.rows(
+            model,
             degree,
             &[of_mean, of_gaussian, laplacian],
             &mut self.rows,
@@ -280,6 +324,11 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
             if count == 0 {
                 continue;
             }
+            if kind.model.interpolates && ground.rings[vertex] < ONE_STAGE {
+                scratch.take_one_sided(ground, vertex, kind, count, at);
+                continue;
+            }
+            at.degree = DEGREES[1] as u8;
             at.neighbours = count as u32;
             let radius = scratch.fit.radius();
             at.over_area = (radius * radius).recip();
@@ -290,12 +339,9 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
             let vertices = &vertices[..=count];
             if kind.model.interpolates {
                 at.spectrum = scratch.fit.spectrum(&kind.model);
-                if ground.rings[vertex] < ONE_STAGE {
-                    at.force = Some(scratch.one_stage(ground, kind, vertices));
-                }
             }
             for (which, row) in rows.chunks_exact_mut(room).enumerate() {
-                scratch.take(ground, kind, which, vertices, at, &mut row[..=count]);
+                scratch.take(ground, &kind.model, which, vertices, at, &mut row[..=count]);
             }
         }
     }
@@ -311,6 +357,7 @@ impl<T: Real> Level<T> {
             changes: [[[T::nan(); REPLICAS]; 2]; 2],
             over_area: T::nan(),
             neighbours: 0,
+            degree: 0,
             spectrum: Spectrum::default(),
             force: None,
         };
@@ -332,6 +379,7 @@ impl<T: Real> Level<T> {
             kind: *kind,
             of_degrees,
             neighbours: all.iter().map(|at| at.neighbours).collect(),
+            degrees: all.iter().map(|at| at.degree).collect(),
             spectra: all.iter().map(|at| at.spectrum).collect(),
         }
     }

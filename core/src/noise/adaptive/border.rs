@@ -1,0 +1,158 @@
+//! One-sided fits near boundaries.
+//!
+//! To one side, the part of the shape that a polynomial leaves out is amplified a hundred times. Two choices
+//! make it small.
+//!
+//! Heights are fitted after an inversion that leaves the vertex and lengths there as they are, and subtracts one
+//! number from both principal curvatures. A sphere becomes a plane, and other shapes flatter. The number is a
+//! part of H from 0 to 1, which grows while the residual of the fit falls. Inversions change the bending energy
+//! (H0 = 0) by no more than a constant; f of the inverted surface is therefore f of the surface.
+//! J. H. White, Proc. Am. Math. Soc. 38 (1973) 162.
+//!
+//! At the boundary itself there are fits of several degrees, numbers of neighbours and weights: see
+//! [`AT_BORDER`]. The choice is the one with the least standard error of f as regression has it, as if residuals
+//! were noise: `s² Σ r_j²`, with `s²` the residual per degree of freedom, and `r_j` the dependence of f on the
+//! heights. Without noise, residuals fall with the degree and with sharper weights as far as the mesh resolves
+//! the shape; with noise, all have the same `s²`, and the choice is the fit that amplifies noise the least.
+
+use super::Ground;
+use super::level::{Kind, Scratch};
+use crate::noise::fit::{Model, reach};
+use crate::noise::slopes::Slopes;
+use crate::real::Real;
+use crate::vec3::{Vec3, dot, scale, tangent_frame};
+
+/// Degree, number of neighbours and sharpness of a fit.
+pub(super) type OneSided = (usize, usize, f64);
+
+/// The fits of vertices at a boundary: without noise the third or the last is chosen at most vertices of a mesh
+/// that resolves the shape, with noise the first.
+pub(super) const AT_BORDER: [OneSided; 4] =
+    [(6, 112, 7.0), (6, 80, 7.0), (8, 180, 12.0), (8, 180, 18.0)];
+
+/// The fit with which these are compared for error bars: most of the distance is the error of this one. By degree
+/// 6 over 128 neighbours, bars were five times as wide on fine meshes, and too narrow on coarse ones.
+pub(super) const WIDER_AT_BORDER: [OneSided; 1] = [(8, 250, 12.0)];
+
+/// Number of steps from 0 to the inversion that makes H zero. With twice as many, errors are 0.9 times as large,
+/// and the time of these fits nearly twice as long.
+const STEPS: i32 = 4;
+
+/// Least ratio of the conditioning after and before an inversion: with less, the inverted surface turns away.
+const UPRIGHT: f64 = 0.5;
+
+/// A one-sided fit.
+#[derive(Clone, Copy)]
+struct Sided<T> {
+    model: Model<T>,
+    /// Number of neighbours to begin with.
+    wanted: usize,
+    /// b of the inversion, in inverse lengths.
+    bend: Vec3<T>,
+}
+
+impl<T: Real> Scratch<T> {
+    /// Repeats the last fit, with `count` neighbours, by the best of one-sided fits. Returns its model and its
+    /// number of neighbours.
+    pub(super) fn flatten(
+        &mut self,
+        ground: &Ground<'_, T>,
+        vertex: usize,
+        kind: &Kind<T>,
+        count: usize,
+    ) -> (Model<T>, usize) {
+        let model = &kind.model;
+        self.fit
+            .coefficients(model, model.degree, &mut self.coefficients);
+        let [mean, _] = Slopes::new(&self.coefficients, self.fit.radius()).curvatures();
+        // A unit sphere becomes a plane by b = −n/2.
+        let whole = scale(T::constant(-0.5) * mean, self.normal);
+        let own = Sided {
+            model: *model,
+            wanted: count,
+            bend: [T::zero(); 3],
+        };
+        let mut best = (T::infinity(), own);
+        let at_border = match ground.rings[vertex] {
+            0 => kind.at_border,
+            _ => &[],
+        };
+        let others = at_border.iter().map(|&(degree, wanted, sharpness)| Sided {
+            model: Model {
+                degree,
+                sharpness: T::constant(sharpness),
+                ..*model
+            },
+            wanted,
+            ..own
+        });
+        let own = at_border.is_empty().then_some(own);
+        for sided in own.into_iter().chain(others) {
+            let (error, sided) = self.bent(ground, vertex, sided, whole);
+            if error < best.0 {
+                best = (error, sided);
+            }
+        }
+        let (_, best) = best;
+        let (count, _) = self.fit_inverted(ground, vertex, &best);
+        (best.model, count)
+    }
+
+    /// A fit after the inversion with the first least residual, and the square of its standard error.
+    fn bent(
+        &mut self,
+        ground: &Ground<'_, T>,
+        vertex: usize,
+        mut sided: Sided<T>,
+        whole: Vec3<T>,
+    ) -> (T, Sided<T>) {
+        let mut found = (T::infinity(), sided);
+        let (mut least, mut before) = (T::infinity(), T::zero());
+        for step in 0..=STEPS {
+            sided.bend = scale(T::constant(f64::from(step) / f64::from(STEPS)), whole);
+            let (_, conditioning) = self.fit_inverted(ground, vertex, &sided);
+            if step == 0 {
+                before = conditioning;
+            }
+            let is_upright =
+                conditioning > T::zero() && conditioning >= T::constant(UPRIGHT) * before;
+            // Also false for NaN.
+            let is_better = is_upright && self.fit.residual(&sided.model) < least;
+            if !is_better {
+                break;
+            }
+            least = self.fit.residual(&sided.model);
+            found = (self.fit.squared_error(&sided.model), sided);
+        }
+        found
+    }
+
+    /// Fits the inverted surface. Returns the number of neighbours and the conditioning.
+    fn fit_inverted(
+        &mut self,
+        ground: &Ground<'_, T>,
+        vertex: usize,
+        sided: &Sided<T>,
+    ) -> (usize, T) {
+        let Sided {
+            model,
+            wanted,
+            bend,
+        } = sided;
+        let (surface, near) = (ground.surface, &mut self.near);
+        let count = reach(surface, &ground.normals, vertex as u32, *wanted, near);
+        self.fit
+            .gather(surface, vertex as u32, &near.found[..count], model);
+        self.fit.invert(scale(self.fit.radius(), *bend));
+        self.bend = Some(*bend);
+        self.normal = ground.upright[vertex];
+        (count, self.fit.fit(&mut self.normal, model))
+    }
+
+    /// The number that an inversion has subtracted from both principal curvatures of the fitted surface.
+    pub(super) fn subtracted(&self, slopes: &Slopes<T>, bend: Vec3<T>) -> T {
+        let [x, y] = tangent_frame(self.normal);
+        let normal = slopes.normal([x, y, self.normal]);
+        T::constant(-2.0) * dot(bend, normal)
+    }
+}
