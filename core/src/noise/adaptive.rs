@@ -78,9 +78,9 @@ const LEFT: f64 = 0.01;
 
 /// Jets whose degree and number of neighbours are chosen at every vertex, with error bars.
 ///
-/// Without noise of the positions, results are those of [`Jet::for_mesh`], except at boundaries. With noise, they are those of
-/// regression jets over as many neighbours as the shape allows: the errors of H fall as the inverse of the
-/// number of neighbours, those of f faster.
+/// Without noise of the positions, results are those of [`Jet::for_mesh`], except at boundaries. With noise, they
+/// are those of regression jets over as many neighbours as the shape allows: the errors of H fall as the inverse
+/// of the number of neighbours, those of f faster.
 ///
 /// At a boundary and one edge away, where neighbours lie to one side, heights are fitted after the inversion
 /// `y = (x − b n |x|²)/(1 − 2 b n·x + b² |x|²)` of the positions x seen from the vertex, with its normal n. The

@@ -131,11 +131,13 @@ impl<T: Real> HeightFit<T> {
     /// The square of the standard error of fourth derivatives, `z_xxxx + 2 z_xxyy + z_yyyy`, of an interpolating
     /// fit, if its residual is noise.
     pub(super) fn squared_error(&self, model: &Model<T>) -> T {
-        let mut fourth = [T::zero(); 14];
-        for (place, factor) in [(9, 24.0), (11, 8.0), (13, 24.0)] {
+        let mut fourth = [T::zero(); 15];
+        for (place, factor) in [(10, 24.0), (12, 8.0), (14, 24.0)] {
             fourth[place] = T::constant(factor);
         }
-        let row = self.row(model, model.degree, &fourth);
+        let mut rows = [Vec::new()];
+        self.rows(model, model.degree, &[fourth], &mut rows);
+        let [row] = rows;
         // The height of the vertex itself enters all differences.
         let sum: T = row.iter().copied().sum();
         let [.., [residual, expected]] = self.spectrum(model);
@@ -151,9 +153,6 @@ impl<T: Real> HeightFit<T> {
         if self.offsets.len() <= columns {
             return T::zero();
         }
-        self.weights.clear();
-        let weight = |offset: &Vec3<T>| (-model.sharpness * dot(*offset, *offset)).exp();
-        self.weights.extend(self.offsets.iter().map(weight));
         let serves = |least: T| T::epsilon() <= T::constant(ROUNDING) * (least * least);
         let mut least = T::zero();
         for _ in 0..=TILTS {
@@ -357,14 +356,14 @@ impl<T: Real> HeightFit<T> {
 
     /// Sets each of `rows` to the row of a linear functional of the coefficients up to a degree: its product
     /// with any values at the fit's vertices is the functional of their fit. A functional is given by its
-    /// factors for degrees 0 to 2; the others are 0. A model that interpolates has no constant, and its
+    /// first factors, in order of the monomials from 1 on; the others are 0. A model that interpolates has no constant, and its
     /// rows have no entry for the vertex itself.
     #[inline(always)]
-    pub(super) fn rows<const F: usize>(
+    pub(super) fn rows<const N: usize, const F: usize>(
         &self,
         model: &Model<T>,
         degree: usize,
-        functionals: &[[T; 6]; F],
+        functionals: &[[T; N]; F],
         rows: &mut [Vec<T>; F],
     ) {
         let (length, count) = (self.offsets.len(), model.start(degree + 1));

@@ -126,10 +126,8 @@ impl<T: Real, const R: usize> Around<T, R> {
             fit.rows(model, degree, &[functional], &mut rows);
             [self.laplacians[which]] = rows;
         }
-        let mut value = [T::zero(); 6];
-        value[0] = T::one();
         let mut rows = [Vec::new()];
-        fit.rows(model, DEGREES[0], &[value], &mut rows);
+        fit.rows(model, DEGREES[0], &[[T::one()]], &mut rows);
         [self.average] = rows;
     }
 }
