@@ -35,7 +35,8 @@ pub(super) const AT_BORDER: [OneSided; 4] =
 pub(super) const WIDER_AT_BORDER: [OneSided; 1] = [(8, 250, 12.0)];
 
 /// Number of steps from 0 to the inversion that makes H zero. With twice as many, errors are 0.9 times as large,
-/// and the time of these fits nearly twice as long.
+/// and the time of these fits nearly twice as long. Fits at the boundary begin at the step that the fit of other
+/// vertices has found: errors are within a tenth of those of a search from 0, which takes 2.6 times as long.
 const STEPS: i32 = 4;
 
 /// Least ratio of the conditioning after and before an inversion: with less, the inverted surface turns away.
@@ -72,23 +73,27 @@ impl<T: Real> Scratch<T> {
             wanted: count,
             bend: [T::zero(); 3],
         };
-        let mut best = (T::infinity(), own);
+        let (error, own, step) = self.bent(ground, vertex, own, whole, 0);
         let at_border = match ground.rings[vertex] {
             0 => kind.at_border,
             _ => &[],
         };
-        let others = at_border.iter().map(|&(degree, wanted, sharpness)| Sided {
-            model: Model {
+        let mut best = (error, own);
+        if !at_border.is_empty() {
+            best.0 = T::infinity();
+        }
+        for &(degree, wanted, sharpness) in at_border {
+            let model = Model {
                 degree,
                 sharpness: T::constant(sharpness),
                 ..*model
-            },
-            wanted,
-            ..own
-        });
-        let own = at_border.is_empty().then_some(own);
-        for sided in own.into_iter().chain(others) {
-            let (error, sided) = self.bent(ground, vertex, sided, whole);
+            };
+            let sided = Sided {
+                model,
+                wanted,
+                ..own
+            };
+            let (error, sided, _) = self.bent(ground, vertex, sided, whole, step);
             if error < best.0 {
                 best = (error, sided);
             }
@@ -98,31 +103,41 @@ impl<T: Real> Scratch<T> {
         (best.model, count)
     }
 
-    /// A fit after the inversion with the first least residual, and the square of its standard error.
+    /// The square of the standard error of the fit after the inversion whose residual is less than those of the
+    /// steps before and after it; the fit; and its step. The search begins at the step `start`.
     fn bent(
         &mut self,
         ground: &Ground<'_, T>,
         vertex: usize,
         mut sided: Sided<T>,
         whole: Vec3<T>,
-    ) -> (T, Sided<T>) {
-        let mut found = (T::infinity(), sided);
+        start: i32,
+    ) -> (T, Sided<T>, i32) {
+        sided.bend = [T::zero(); 3];
+        let mut found = (T::infinity(), sided, 0);
         let (mut least, mut before) = (T::infinity(), T::zero());
-        for step in 0..=STEPS {
-            sided.bend = scale(T::constant(f64::from(step) / f64::from(STEPS)), whole);
-            let (_, conditioning) = self.fit_inverted(ground, vertex, &sided);
-            if step == 0 {
-                before = conditioning;
+        let directions: [&mut dyn Iterator<Item = i32>; 2] =
+            [&mut (start..=STEPS), &mut (0..start).rev()];
+        for steps in directions {
+            for step in steps {
+                sided.bend = scale(T::constant(f64::from(step) / f64::from(STEPS)), whole);
+                let (_, conditioning) = self.fit_inverted(ground, vertex, &sided);
+                if step == start {
+                    before = conditioning;
+                }
+                let is_upright =
+                    conditioning > T::zero() && conditioning >= T::constant(UPRIGHT) * before;
+                // Also false for NaN.
+                let is_better = is_upright && self.fit.residual(&sided.model) < least;
+                if !is_better {
+                    break;
+                }
+                least = self.fit.residual(&sided.model);
+                found = (self.fit.squared_error(&sided.model), sided, step);
             }
-            let is_upright =
-                conditioning > T::zero() && conditioning >= T::constant(UPRIGHT) * before;
-            // Also false for NaN.
-            let is_better = is_upright && self.fit.residual(&sided.model) < least;
-            if !is_better {
+            if found.2 != start {
                 break;
             }
-            least = self.fit.residual(&sided.model);
-            found = (self.fit.squared_error(&sided.model), sided);
         }
         found
     }
