@@ -14,7 +14,7 @@ pub use cotangent::{Cotangent, CotangentMemory};
 
 pub use heat_kernel::{Bandwidth, HeatKernel, HeatKernelMemory};
 pub use jet::{Jet, JetMemory};
-pub(crate) use jet::{MomentPoints, exponential, place_of, set_moments};
+pub(crate) use jet::{MONOMIALS, MomentPoints, exponential, place_of, set_moments};
 pub use paraboloid::{Paraboloid, ParaboloidMemory};
 
 pub use crate::curvature::Curvature;

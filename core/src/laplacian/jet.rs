@@ -22,7 +22,7 @@ use alloc::vec::Vec;
 use fits::{Block, Fits};
 
 pub(crate) use fits::exponential;
-pub(crate) use normal_equations::{Points as MomentPoints, place_of, set_moments};
+pub(crate) use normal_equations::{MONOMIALS, Points as MomentPoints, place_of, set_moments};
 
 /// Weighted least-squares jets: around each vertex a polynomial height function over the tangent
 /// plane is fitted to the nearest vertices along the surface.

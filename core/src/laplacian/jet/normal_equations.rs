@@ -33,7 +33,7 @@ pub(crate) const fn place_of(degree: usize, power: usize) -> usize {
 }
 
 /// Degree, and power of y, of each monomial without 1.
-const MONOMIALS: [(usize, usize); coefficient_count(HIGHEST_DEGREE)] = {
+pub(crate) const MONOMIALS: [(usize, usize); coefficient_count(HIGHEST_DEGREE)] = {
     let mut monomials = [(0, 0); coefficient_count(HIGHEST_DEGREE)];
     let mut degree = 1;
     while degree <= HIGHEST_DEGREE {

@@ -3,28 +3,12 @@
 //! A matrix of degree d has as many different entries as a polynomial of degree 2d has coefficients, far
 //! fewer than a column for each monomial has. Its condition number is that of the fit squared.
 
-use super::{MOST_COLUMNS, Model};
+use super::Model;
 use crate::lane::{Lane, Several, WIDTH};
-use crate::laplacian::{MomentPoints as Points, place_of, set_moments};
+use crate::laplacian::{MONOMIALS, MomentPoints as Points, place_of, set_moments};
 use crate::real::Real;
 use crate::vec3::{Vec3, dot};
 use alloc::vec::Vec;
-
-/// Degree, and power of y, of each monomial.
-const MONOMIALS: [(usize, usize); MOST_COLUMNS] = {
-    let mut monomials = [(0, 0); MOST_COLUMNS];
-    let mut place = 1;
-    while place < MOST_COLUMNS {
-        let (degree, power) = monomials[place - 1];
-        monomials[place] = if power < degree {
-            (degree, power + 1)
-        } else {
-            (degree + 1, 0)
-        };
-        place += 1;
-    }
-    monomials
-};
 
 /// Weighted points in a tangent plane, [`WIDTH`] of them at a time.
 #[derive(Clone, Debug, Default)]
@@ -105,10 +89,13 @@ impl<T: Real> Moments<T> {
         let width = count + 1;
         upper.clear();
         upper.resize(count * width, T::zero());
-        let monomials = &MONOMIALS[..count];
+        let monomial = |place: usize| match place {
+            0 => (0, 0),
+            _ => MONOMIALS[place - 1],
+        };
         let sums = self.sums(2 * model.degree, None);
         let entry = |i: usize, j: usize| {
-            let ((degree, power), (other, others)) = (monomials[i], monomials[j]);
+            let ((degree, power), (other, others)) = (monomial(i), monomial(j));
             sums[place_of(degree + other, power + others)]
         };
         scales.clear();

@@ -1,7 +1,14 @@
-//! Double-double arithmetic compared with numbers that are known to more digits.
+//! Double-double arithmetic compared with numbers that are known to more digits, and with f64.
 
+use helfrich::{Prepared, Surface};
+use helfrich_std::method::{
+    BendingMethod, Evaluator, ListVisitor, ListedEnergy, ListedOperator, Of, for_each_listed,
+};
 use helfrich_studies::stability::DoubleDouble;
-use num_traits::{Float, FloatConst};
+use helfrich_tests::laws::{Candidate, Listed, ListedStrong, largest};
+use helfrich_tests::meshes::{Mesh, icosphere};
+use helfrich_tests::tolerance;
+use num_traits::{Float, FloatConst, ToPrimitive};
 
 fn assert_near(found: DoubleDouble, high: f64, low: f64) {
     let error = found - DoubleDouble::new(high, low);
@@ -59,4 +66,72 @@ fn functions_undo_each_other() {
         assert_near((x / 3.0.into()) * 3.0.into(), high, low);
         assert_near(x.cbrt().powi(3), high, low);
     }
+}
+
+/// A method computed in double-double arithmetic agrees with f64 to the digits of f64 without being equal, so
+/// that every operation uses the higher precision.
+struct MoreThanDouble(Mesh);
+
+impl MoreThanDouble {
+    /// Compares the compiled method in f64 with forces, or force densities in strong form, that were computed with
+    /// both parts of the positions.
+    fn compare(&self, method: BendingMethod, exact: &[[DoubleDouble; 3]]) {
+        let Self(mesh) = self;
+        let mut double = Evaluator::<f64>::new(method, 1.0, &mesh.connectivity);
+        double.evaluate(mesh.surface());
+        let scale = largest(double.force());
+        let pairs = double.force().as_flattened().iter();
+        let mut different = 0;
+        for (&found, &exact) in pairs.zip(exact.as_flattened()) {
+            let error = (DoubleDouble::of(found) - exact).to_f64();
+            let error = error.expect("a number");
+            tolerance::INVARIANCE.assert(error, 0.0, scale, method.name());
+            different += usize::from(error != 0.0);
+        }
+        assert!(
+            different > mesh.positions.len(),
+            "{method}: {different} differ"
+        );
+    }
+
+    /// Calls `add` with the surface and forces of 0, and returns these.
+    fn forces(
+        &self,
+        add: impl FnOnce(Surface<'_, DoubleDouble>, &mut [[DoubleDouble; 3]]),
+    ) -> Vec<[DoubleDouble; 3]> {
+        let Self(mesh) = self;
+        let fine = Vec::from_iter(mesh.positions.iter().map(|x| x.map(DoubleDouble::of)));
+        let mut forces = vec![[DoubleDouble::of(0.0); 3]; fine.len()];
+        let surface = Surface::new(&mesh.connectivity, &fine).expect("finite");
+        add(surface, &mut forces);
+        forces
+    }
+}
+
+impl ListVisitor for MoreThanDouble {
+    fn energy<const PLACE: usize>(&mut self, method: Of<PLACE>)
+    where
+        Of<PLACE>: ListedEnergy,
+    {
+        let method = Candidate::method(Listed(method), DoubleDouble::of(1.0));
+        let mut prepared = Prepared::new(method, &self.0.connectivity);
+        let forces = self.forces(|surface, forces| prepared.add_force(surface, forces));
+        self.compare(Of::<PLACE>::METHOD, &forces);
+    }
+
+    fn strong_form<const PLACE: usize>(&mut self, method: Of<PLACE>)
+    where
+        Of<PLACE>: ListedOperator,
+    {
+        let method = ListedStrong(method).method(DoubleDouble::of(1.0));
+        let mut prepared = Prepared::new(method, &self.0.connectivity);
+        let forces = self.forces(|surface, forces| prepared.force_density(surface, forces));
+        self.compare(Of::<PLACE>::METHOD, &forces);
+    }
+}
+
+#[test]
+fn double_double_is_more_than_double() {
+    let mesh = icosphere(1).map(|[x, y, z]| [x + 0.2 * y * z, 0.8 * y, 0.7 * z]);
+    for_each_listed(&mut MoreThanDouble(mesh));
 }

@@ -5,21 +5,13 @@ use helfrich::{
     DualArea, Finding, GompperKroll, Jet, KantorNelson, Prepared, Quality, StrongForm, Surface,
     TriangleMesh,
 };
-use helfrich_std::method::{
-    BendingMethod, Evaluated, Evaluator, ListVisitor, ListedEnergy, ListedOperator, Of,
-    for_each_listed,
-};
+use helfrich_std::method::{BendingMethod, Evaluated, Evaluator};
 use helfrich_std::run::End;
 use helfrich_std::scalar::Scalar;
-use helfrich_studies::stability::{
-    Bound, Course, DoubleDouble, Evaluation, Group, Outcome, Row, Stability,
-};
-use helfrich_tests::laws::{Candidate, Listed, ListedStrong, largest};
+use helfrich_studies::stability::{Bound, Course, Evaluation, Group, Outcome, Row, Stability};
 use helfrich_tests::meshes::{
     Inscribed, Mesh, SplitMix64, hemisphere, icosahedron, icosphere, octahedron, sheet, tetrahedron,
 };
-use helfrich_tests::tolerance;
-use num_traits::ToPrimitive;
 use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 use std::thread;
@@ -553,72 +545,4 @@ fn bad_areas_and_fits_are_found() {
         count(coarse, |f| matches!(f, Finding::ReducedDegree { .. })),
         12
     );
-}
-
-/// A method computed in double-double arithmetic agrees with f64 to the digits of f64 without being equal, so
-/// that every operation uses the higher precision.
-struct MoreThanDouble(Mesh);
-
-impl MoreThanDouble {
-    /// Compares the compiled method in f64 with forces, or force densities in strong form, that were computed with
-    /// both parts of the positions.
-    fn compare(&self, method: BendingMethod, exact: &[[DoubleDouble; 3]]) {
-        let Self(mesh) = self;
-        let mut double = Evaluator::<f64>::new(method, 1.0, &mesh.connectivity);
-        double.evaluate(mesh.surface());
-        let scale = largest(double.force());
-        let pairs = double.force().as_flattened().iter();
-        let mut different = 0;
-        for (&found, &exact) in pairs.zip(exact.as_flattened()) {
-            let error = (DoubleDouble::of(found) - exact).to_f64();
-            let error = error.expect("a number");
-            tolerance::INVARIANCE.assert(error, 0.0, scale, method.name());
-            different += usize::from(error != 0.0);
-        }
-        assert!(
-            different > mesh.positions.len(),
-            "{method}: {different} differ"
-        );
-    }
-
-    /// Calls `add` with the surface and forces of 0, and returns these.
-    fn forces(
-        &self,
-        add: impl FnOnce(Surface<'_, DoubleDouble>, &mut [[DoubleDouble; 3]]),
-    ) -> Vec<[DoubleDouble; 3]> {
-        let Self(mesh) = self;
-        let fine = Vec::from_iter(mesh.positions.iter().map(|x| x.map(DoubleDouble::of)));
-        let mut forces = vec![[DoubleDouble::of(0.0); 3]; fine.len()];
-        let surface = Surface::new(&mesh.connectivity, &fine).expect("finite");
-        add(surface, &mut forces);
-        forces
-    }
-}
-
-impl ListVisitor for MoreThanDouble {
-    fn energy<const PLACE: usize>(&mut self, method: Of<PLACE>)
-    where
-        Of<PLACE>: ListedEnergy,
-    {
-        let method = Candidate::method(Listed(method), DoubleDouble::of(1.0));
-        let mut prepared = Prepared::new(method, &self.0.connectivity);
-        let forces = self.forces(|surface, forces| prepared.add_force(surface, forces));
-        self.compare(Of::<PLACE>::METHOD, &forces);
-    }
-
-    fn strong_form<const PLACE: usize>(&mut self, method: Of<PLACE>)
-    where
-        Of<PLACE>: ListedOperator,
-    {
-        let method = ListedStrong(method).method(DoubleDouble::of(1.0));
-        let mut prepared = Prepared::new(method, &self.0.connectivity);
-        let forces = self.forces(|surface, forces| prepared.force_density(surface, forces));
-        self.compare(Of::<PLACE>::METHOD, &forces);
-    }
-}
-
-#[test]
-fn double_double_is_more_than_double() {
-    let mesh = icosphere(1).map(|[x, y, z]| [x + 0.2 * y * z, 0.8 * y, 0.7 * z]);
-    for_each_listed(&mut MoreThanDouble(mesh));
 }
