@@ -6,28 +6,28 @@ use std::fs;
 use std::path::Path;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
-#[path = "../../../std-ext/src/scene/units.rs"]
+#[path = "../../../../std-ext/src/scene/units.rs"]
 mod units;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
-#[path = "../../../std-ext/src/six.rs"]
+#[path = "../../../../std-ext/src/six.rs"]
 mod six;
 
-#[path = "../../../std-ext/src/sweep/vary.rs"]
+#[path = "../../../../std-ext/src/sweep/vary.rs"]
 mod vary;
 
-#[path = "../../../std-ext/src/run/curved.rs"]
+#[path = "../../../../std-ext/src/run/curved.rs"]
 mod curved;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
-#[path = "../../../std-ext/src/simulation/once.rs"]
+#[path = "../../../../std-ext/src/simulation/once.rs"]
 mod once;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
-#[path = "../../../std-ext/src/study/timing.rs"]
+#[path = "../../../../std-ext/src/study/timing.rs"]
 mod timing;
 
-#[path = "../../../std-ext/src/study/measured.rs"]
+#[path = "../../../../std-ext/src/study/measured.rs"]
 mod measured;
 
 /// The cache to which the module of measurements refers.
@@ -38,7 +38,7 @@ mod cache {
 /// Libraries that are not compiled for tests have no tests but those of the modules above.
 #[test]
 fn tests_of_private_modules_run() {
-    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut folders = ["core", "std-ext", "std-ext/evaluate", "std-ext/cli"]
         .map(|package| top.join(package).join("src"))
         .to_vec();

@@ -147,10 +147,8 @@ fn an_evaluation_is_the_sum_of_what_each_effect_does() {
 }
 
 fn shipped(name: &str) -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .expect("a workspace");
-    root.join("std-ext/scenes").join(format!("{name}.toml"))
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../std-ext/scenes");
+    folder.join(format!("{name}.toml"))
 }
 
 /// Bound of the energy's error with 642 vertices, for tests that do not test the energy.
@@ -418,7 +416,7 @@ fn the_stretched_cell_is_as_measured() {
         &["surface.cell.vertices=642", "output.every=100000", COARSE],
     );
     assert_eq!(summary.end, End::Converged);
-    let data = include_str!("../data/mills2004.csv");
+    let data = include_str!("../../data/mills2004.csv");
     let measured = data
         .lines()
         .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));

@@ -331,7 +331,10 @@ fn damaged_files_are_errors_or_meshes() {
 /// target.
 #[test]
 fn files_of_vtk_are_read() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../fuzz/corpus-seeds/read_vtp");
+    let folder = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../fuzz/corpus-seeds/read_vtp"
+    );
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

@@ -1,5 +1,5 @@
 //! Files read by VTK itself. The tests are ignored because they need VTK:
-//! `cargo test -p helfrich-tests --test outputs vtk_itself -- --ignored`
+//! `cargo test -p helfrich-companion-tests --test outputs vtk_itself -- --ignored`
 
 use super::{Example, OnGrid, flat, oblique_grid};
 use crate::{TIME, bits};
@@ -14,7 +14,7 @@ use tempfile::TempDir;
 /// Contents of a file as read by VTK in the Python that `HELFRICH_PYTHON` names, or else `python3`.
 fn read_by_vtk(path: &Path) -> Value {
     let python = env::var_os("HELFRICH_PYTHON").unwrap_or_else(|| "python3".into());
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/data/read_vtk.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/read_vtk.py");
     let mut read = Command::new(python);
     let output = read.arg(script).arg(path).output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
