@@ -291,25 +291,36 @@ fn outside(cases: &[Case]) -> Vec<String> {
     outside
 }
 
-/// Known exceptions: narrow shapes with 642 vertices, which hardly resolve them, so that noise is not
-/// detected, and f of the ellipsoid 1, 0.7, 0.4 at 1e-2 in the family `relaxed` (1.6).
+/// The ratio beyond the factor with 2562 vertices and more: 1.56.
+const EXCEPTION: &str = "ellipsoid:1,0.7,0.4, relaxed, 2562, 0.01, f:";
+
+/// Ratios beyond the factor with 642 vertices, which hardly resolve narrow shapes, so that noise is not
+/// detected.
+const UNRESOLVED: usize = 163;
+
 #[test]
 #[ignore = "half an hour: by hand, see CONTRIBUTING"]
 fn everything_held_out() {
-    let mut cases = Vec::new();
-    let ellipsoids = [
-        "ellipsoid:1,1,2.5",
-        "ellipsoid:1,1,0.4",
-        "ellipsoid:1,0.7,0.4",
-    ];
-    for family in Family::ALL {
-        for vertices in [642, 2562, 10242] {
+    let cases_with = |vertices: usize| {
+        let ellipsoids = [
+            "ellipsoid:1,1,2.5",
+            "ellipsoid:1,1,0.4",
+            "ellipsoid:1,0.7,0.4",
+        ];
+        let mut cases = Vec::new();
+        for family in Family::ALL {
             cases.extend((1..=4).map(|seed| Case::of_star(seed, family, vertices)));
             let shapes = ellipsoids.map(|name| name.parse().expect("a shape"));
             let all = shapes.into_iter().chain([torus(0.3), torus(0.5), disc()]);
             cases.extend(all.map(|shape| Case::of_shape(&shape, family, vertices)));
         }
-    }
-    let outside = outside(&cases);
-    assert!(outside.is_empty(), "{}", outside.concat());
+        cases
+    };
+    let mut new = [2562, 10242]
+        .map(|vertices| outside(&cases_with(vertices)))
+        .concat();
+    new.retain(|ratio| !ratio.starts_with(EXCEPTION));
+    assert!(new.is_empty(), "{}", new.concat());
+    let unresolved = outside(&cases_with(642));
+    assert!(unresolved.len() <= UNRESOLVED, "{}", unresolved.concat());
 }
