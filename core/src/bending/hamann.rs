@@ -176,11 +176,8 @@ impl<T: Real> TwoPass for Hamann<T> {
         surface: Surface<'_, T>,
         memory: &mut HamannMemory<T>,
     ) {
-        let Self {
-            modulus,
-            spontaneous_curvature,
-        } = self;
-        MaterialParameter::expect(self, modulus, spontaneous_curvature, surface.mesh());
+        let (modulus, curvature) = (&self.modulus, &self.spontaneous_curvature);
+        MaterialParameter::expect(self, modulus, curvature, surface.mesh());
         let HamannMemory { sums, fits, .. } = memory;
         AreaVectors.sum(execution, surface, sums);
         fits.resize(sums.len(), [T::zero(); 15]);
@@ -221,13 +218,8 @@ impl<T: Real> TwoPass for Hamann<T> {
             let shrink = -T::constant(2.0) * self.modulus.at(vertex) * fit[14] * fit[14];
             *turn = finite_or_zero([x, y, z, shrink]);
         });
-        execution.scatter(
-            &AreaVectorForce,
-            surface,
-            surface.mesh().triangles(),
-            turns,
-            force,
-        );
+        let triangles = surface.mesh().triangles();
+        execution.scatter(&AreaVectorForce, surface, triangles, turns, force);
         execution.scatter(&Pulled, surface, surface.mesh().edges(), fits, force);
     }
 }
