@@ -18,7 +18,7 @@ units = "none"
 [[surface]]
 name = "vesicle"
 shape = "ellipsoid:1,1,1.6"
-vertices = 642
+vertices = 162
 
 [surface.bending]
 method = "juelicher"
@@ -33,6 +33,8 @@ constraint = "exact"
 [driver]
 kind = "relax"
 residual = 1e-7
+# With so few vertices the energy is known to some per cent.
+energy_error = 0.1
 
 [output]
 every = 4
@@ -59,11 +61,11 @@ bending = { method = "meyer", modulus = 0.05 }
 kind = "boundary-integral"
 viscosity = 1
 flow = { kind = "shear", rate = 0.3 }
-strain = 6
+strain = 2
 
 [output]
 strain_interval = 0.1
-files_every = 20
+files_every = 10
 checkpoint_every = 3
 
 [[output.plot]]
@@ -105,7 +107,7 @@ flow = { kind = "channel", centre_velocity = 1 }
 resolution = 3
 box = [8, 7, 7]
 precision = "f32"
-strain = 1
+strain = 0.5
 
 [output]
 strain_interval = 0.05
@@ -261,7 +263,9 @@ fn killed_at_any_moment_and_resumed_nothing_is_different() {
         "viscosity = 1\nintegrator = \"rosenbrock\"\n",
     );
     assert_ne!(implicit, FLOW);
-    for text in [&*sparse(), FLOW, &implicit, LATTICE] {
+    // Long enough that most of the kills come before its end.
+    let relaxed = sparse().replace("vertices = 162", "vertices = 642");
+    for text in [&*relaxed, FLOW, &implicit, LATTICE] {
         check_killed(text);
     }
 }
@@ -309,7 +313,7 @@ fn an_interrupted_run_says_so_and_can_be_resumed() {
     // Long enough that it is still running, with few pictures.
     let set = [
         "--set",
-        "surface.vesicle.vertices=10242",
+        "surface.vesicle.vertices=2562",
         "--set",
         "output.files_every=5",
     ];
@@ -478,18 +482,18 @@ fn a_run_in_flow_leaves_numbers_plots_and_slices() {
         "plots/deformation.png",
         "slices.pvd",
         "slices/middle-00000000.vti",
-        "slices/middle-00000060.png",
-        "surfaces/capsule-00000040.vtp",
-        "pictures/00000060.png",
+        "slices/middle-00000020.png",
+        "surfaces/capsule-00000010.vtp",
+        "pictures/00000020.png",
     ] {
         assert!(before.contains_key(Path::new(name)), "no {name}");
     }
-    assert!(!before.contains_key(Path::new("surfaces/capsule-00000050.vtp")));
+    assert!(!before.contains_key(Path::new("surfaces/capsule-00000015.vtp")));
     let series = SeriesTable::read(&out.join("series.csv")).unwrap();
     let column = |name: &str| series.column(name).unwrap();
-    assert_eq!(series.rows.len(), 61);
+    assert_eq!(series.rows.len(), 21);
     assert!((column("strain")[7] - 0.7).abs() < 1e-12);
-    assert!(column("deformation")[60] > 0.1);
+    assert!(column("deformation")[20] > 0.1);
     assert!(
         column("step")[1..]
             .iter()
@@ -497,7 +501,7 @@ fn a_run_in_flow_leaves_numbers_plots_and_slices() {
             .all(|(step, limit)| step <= limit)
     );
     assert_eq!(summary(&out)["end"], "completed");
-    assert!(summary(&out)["right_hand_sides"].as_u64().unwrap() > 60);
+    assert!(summary(&out)["right_hand_sides"].as_u64().unwrap() > 20);
     // A finished run is finished.
     succeed(&scene, &out, &["--resume"]);
     assert!(files(&out) == before);
@@ -537,7 +541,7 @@ fn threads_change_no_result() {
             "--set",
             "output.pictures=false",
             "--set",
-            "output.files_every=60",
+            "output.files_every=20",
         ];
         succeed(
             &path,

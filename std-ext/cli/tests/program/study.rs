@@ -41,13 +41,14 @@ fn defined(method: BendingMethod) -> Vec<&'static str> {
 
 #[test]
 fn json_has_every_combination_and_nothing_else() {
-    for (shape, numbers) in [
-        ("sphere", "162,642"),
-        ("ellipsoid", "162,642"),
-        ("discocyte", "162,642"),
-        ("torus", "200,800"),
+    for (shape, numbers, scalars) in [
+        ("sphere", "92,162", &["f64"][..]),
+        ("ellipsoid", "92,162", &["f64"]),
+        // One shape stands for the others in single precision: columns do not know shapes.
+        ("discocyte", "92,162", &["f32", "f64"]),
+        ("torus", "100,200", &["f64"]),
     ] {
-        let both = "f32,f64";
+        let listed = scalars.join(",");
         let arguments = [
             "--shape",
             shape,
@@ -58,12 +59,12 @@ fn json_has_every_combination_and_nothing_else() {
             "--method",
             "all",
             "--scalar",
-            both,
+            &listed,
         ];
         let rows = rows(&arguments);
         let mut rows = rows.iter();
         for family in ["regular", "smooth", "relaxed", "irregular", "hard"] {
-            for scalar in ["f32", "f64"] {
+            for &scalar in scalars {
                 for method in methods() {
                     let mut coarse = Vec::new();
                     for quantity in defined(method) {
