@@ -1,6 +1,6 @@
 //! Contact between surfaces in a box of fluid, directly and through the ends of the periodic box.
 
-use crate::scenes::run_file;
+use crate::scenes::{column, run_file};
 use helfrich_std::dynamics::Problem;
 use helfrich_std::run::End;
 use helfrich_std::scene::{Overrides, SceneFile};
@@ -140,8 +140,11 @@ fn stay_apart(along: u32, lengths: [f64; 3], capsule: &str, more: &str) {
     );
     let none = Overrides::default();
     let file = SceneFile::parse(&text, Path::new("dense.toml"), &none);
-    let (summary, _) = run_file(file.unwrap_or_else(|errors| panic!("{errors}")));
+    let (summary, series) = run_file(file.unwrap_or_else(|errors| panic!("{errors}")));
     assert_eq!(summary.end, End::Completed, "{}", summary.message);
+    // They have come so close that the repulsion acts.
+    let felt = column(&series, "energy_repulsion");
+    assert!(felt.iter().any(|&energy| energy > 0.0), "{felt:?}");
     let gone = said(summary.warnings.into_iter(), "has gone into");
     assert_eq!(gone, [""; 0]);
 }

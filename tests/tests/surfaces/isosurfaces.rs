@@ -47,7 +47,7 @@ fn connected(vertices: usize, mut triangles: Vec<[u32; 3]>) -> Option<TriangleMe
 /// Measures the surfaces of some seeds; prints the longest times per 10⁴ vertices.
 fn measure_all(cells: usize, seeds: std::ops::Range<u64>) {
     let mut longest = [0.0_f64; 2];
-    let mut measured = 0;
+    let [mut measured, mut told, mut vertices] = [0; 3];
     for seed in seeds {
         let (positions, triangles) = segmentation(cells, seed);
         let Some(mesh) = connected(positions.len(), triangles) else {
@@ -65,9 +65,12 @@ fn measure_all(cells: usize, seeds: std::ops::Range<u64>) {
         let jet = AdaptiveJet::default();
         let found = helfrich_std::noise::measured(&jet, surface, &mut |_| true);
         longest[1] = longest[1].max(start.elapsed().as_secs_f64() * per_ten_thousand);
-        for (vertex, at) in found.expect("not interrupted").iter().enumerate() {
+        let found = found.expect("not interrupted");
+        vertices += found.len();
+        for (vertex, at) in found.iter().enumerate() {
             let values = [at.mean, at.gaussian, at.force_density];
             let is_known = at.verdict != Verdict::Unknown;
+            told += usize::from(is_known);
             assert!(
                 values
                     .iter()
@@ -79,6 +82,8 @@ fn measure_all(cells: usize, seeds: std::ops::Range<u64>) {
     }
     println!("{measured} measured, seconds for 10⁴ vertices {longest:?}");
     assert!(measured > 0);
+    // Rough as they are, they are not given up.
+    assert!(4 * told > vertices, "{told} of {vertices}");
 }
 
 /// No segmentation causes a panic or a value without an error bar.
