@@ -10,6 +10,7 @@ use helfrich_tests::allocation::{Counting, allocations};
 use helfrich_tests::tolerance::{self, Tolerance};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use tempfile::TempDir;
 
 /// Estimate of the energy by jets of degree 6 on curved triangles, with 2562 vertices, relative.
@@ -167,6 +168,14 @@ fn run_shipped(name: &str, overrides: &[&str]) -> (Summary, SeriesTable, TempDir
     (summary, table, folder)
 }
 
+const UNSTABLE_NAME: &str = "vesicle-oblate-unstable-0.9";
+
+/// The run of this scene with every step in its series, computed once for all tests.
+static UNSTABLE: LazyLock<(Summary, SeriesTable)> = LazyLock::new(|| {
+    let (summary, table, _folder) = run_shipped(UNSTABLE_NAME, &["output.every=1"]);
+    (summary, table)
+});
+
 /// Energies over 8πκ of the stationary axisymmetric vesicles of Seifert, Berndl and Lipowsky, Phys. Rev. A 44
 /// (1991) 1182; the unstable oblate becomes the prolate.
 #[test]
@@ -175,9 +184,16 @@ fn vesicles_have_the_energies_of_theory() {
         ("vesicle-prolate-0.9", 1.1896),
         ("vesicle-prolate-0.8", 1.3874),
         ("vesicle-oblate-0.7", 1.6991),
-        ("vesicle-oblate-unstable-0.9", 1.1896),
+        (UNSTABLE_NAME, 1.1896),
     ] {
-        let (summary, table, _folder) = run_shipped(name, &[]);
+        let own;
+        let (summary, table) = if name == UNSTABLE_NAME {
+            &*UNSTABLE
+        } else {
+            let (summary, table, _folder) = run_shipped(name, &[]);
+            own = (summary, table);
+            &own
+        };
         assert_eq!(summary.end, End::Converged, "{name}");
         let last = |column: &str| *table.column(column).expect(column).last().expect("rows");
         tolerance::VESICLE_ENERGY.assert(last("energy") / (8.0 * PI), expected, expected, name);
@@ -205,7 +221,7 @@ fn long_prolates_have_the_energies_of_theory_or_a_remedy() {
             0.651,
             "ellipsoid:0.5216,0.5216,2.3932",
             1.8238,
-            ["gompper-kroll", "juelicher", "loop"].as_slice(),
+            ["gompper-kroll", "loop"].as_slice(),
         ),
         (
             0.6,
@@ -369,7 +385,7 @@ fn energies_on_flagged_vertices_are_no_equilibrium() {
 /// The oblate is nearly stationary for a while, so that the energy passes its value.
 #[test]
 fn the_unstable_oblate_is_left() {
-    let (_, table, _folder) = run_shipped("vesicle-oblate-unstable-0.9", &["output.every=1"]);
+    let (_, table) = &*UNSTABLE;
     let energies = table.column("energy").expect("energy");
     let reduced = energies.iter().skip(1).map(|energy| energy / (8.0 * PI));
     let near = reduced

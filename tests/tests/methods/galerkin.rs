@@ -158,21 +158,20 @@ fn force_densities_converge_at_every_vertex() {
 }
 
 /// So does f on random meshes, whose closest vertices are 10 times closer than the mean: by h^1.5 at the
-/// worst vertex of three meshes, and by h^2.5 in the mean. The worst vertices are a matter of chance.
+/// worst vertex of four meshes, and by h^2.5 in the mean. The worst vertices are a matter of chance.
 #[test]
 fn force_densities_converge_where_vertices_are_close() {
-    let [coarse, fine] = [2562, 10_242].map(|vertices| {
-        let all = [1, 2, 3].map(|seed| errors_on(Family::Irregular, vertices, seed));
+    let [coarse, fine] = [642, 2562].map(|vertices| {
+        let all = [1, 2, 3, 4].map(|seed| errors_on(Family::Irregular, vertices, seed));
         Errors {
             max: all.iter().map(|errors| errors.max).fold(0.0, f64::max),
-            mean: all.iter().map(|errors| errors.mean).sum::<f64>() / 3.0,
+            mean: all.iter().map(|errors| errors.mean).sum::<f64>() / 4.0,
         }
     });
     assert!(coarse.max > 2.8 * fine.max, "{coarse:?}, {fine:?}");
     assert!(coarse.mean > 5.7 * fine.mean, "{coarse:?}, {fine:?}");
-    // The strong form over jets of degree 6 has 0.02 and 6e-4 on these meshes.
-    assert!(fine.max < 0.05, "{fine:?}");
-    assert!(fine.mean < 1e-3, "{fine:?}");
+    assert!(fine.max < 0.14, "{fine:?}");
+    assert!(fine.mean < 6e-3, "{fine:?}");
 }
 
 fn findings(mesh: &Mesh) -> Vec<Finding> {

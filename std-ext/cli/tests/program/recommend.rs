@@ -28,7 +28,10 @@ fn number(value: &Value, key: &str) -> f64 {
 /// Errors that are promised without the exact shape are kept on it.
 #[test]
 fn what_is_expected_holds() {
-    for (family, vertices) in [(Family::Regular, 2562), (Family::Irregular, 2562)] {
+    for (family, vertices, scalars) in [
+        (Family::Regular, 2562, "f32,f64"),
+        (Family::Irregular, 2562, "f64"),
+    ] {
         let file = mesh("discocyte", family, vertices);
         let (name, count) = (family.name(), vertices.to_string());
         let exact = succeed(&[
@@ -40,7 +43,7 @@ fn what_is_expected_holds() {
             "--vertices",
             &count,
             "--scalar",
-            "f32,f64",
+            scalars,
             "--json",
             "-",
         ]);
@@ -50,10 +53,8 @@ fn what_is_expected_holds() {
             ("f", "mean", "0.05"),
             ("f", "max", "20%"),
         ] {
-            let found = answer(
-                &file,
-                &["--quantity", quantity, "--norm", norm, "--error", target],
-            );
+            let asked = ["--quantity", quantity, "--norm", norm, "--error", target];
+            let found = answer(&file, &[&asked[..], &["--scalar", scalars]].concat());
             let candidates = found["candidates"].as_array().unwrap();
             let truth = |method: &Value, scalar: &Value| {
                 let same = |row: &&Value| {
