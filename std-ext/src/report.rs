@@ -201,6 +201,9 @@ pub fn mesh_info(info: &MeshInfo, noise: &Noise<f64>, out: &mut dyn Write) -> io
         None => "not defined: the mesh has a boundary".to_owned(),
     };
     line("volume", volume)?;
+    for component in &info.inside_out {
+        line("inside out", component.to_string())?;
+    }
     line(
         "edge lengths",
         format!("{} … {}", info.edge_lengths[0], info.edge_lengths[1]),
