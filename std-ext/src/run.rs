@@ -18,7 +18,8 @@
 //! the checkpoint. A run that is killed at any time loses only the work since its last checkpoint;
 //! the first checkpoint is written before the first row.
 //!
-//! Only one process at a time runs in a folder: it holds a [`Lock`] there until the run ends.
+//! Only one process at a time runs in a folder: it holds a [`Lock`] there until the run ends. A new run does
+//! not replace files that it finds in its folder, nor any run a file that its scene reads.
 
 mod acts;
 mod clock;
@@ -127,6 +128,7 @@ pub fn run(
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Result<Summary, RunError> {
     let start = Instant::now();
+    folder::refuse_inputs(scene, &simulation, folder)?;
     let lock = folder::lock_if_there(folder)?;
     let fingerprint = fingerprint(scene, &simulation, &positions)?;
     let [path, series_path] = [CHECKPOINT, SERIES].map(|name| folder.join(name));
@@ -138,6 +140,9 @@ pub fn run(
     } else {
         None
     };
+    if stored.is_none() {
+        folder::refuse_foreign(scene, &simulation, folder)?;
+    }
     let (state, outputs) = stored
         .map(|Stored { drive, outputs }| (drive, outputs))
         .unzip();
@@ -162,6 +167,7 @@ pub fn run(
             (series, Some(outputs), last.unwrap_or_default())
         }
         None => {
+            folder::refuse_other_series(&series_path, &columns)?;
             let series = Series::create(&series_path, &columns)
                 .map_err(|error| RunError::Output(Box::new(error)))?;
             (series, None, Vec::new())

@@ -97,6 +97,16 @@ pub enum SweepError {
         /// The folder of one.
         folder: PathBuf,
     },
+    /// The folder contains something that the sweep would replace.
+    #[error(
+        "{}: the sweep would replace this, which is there without runs: move it away, or name another \
+         folder with `--out`",
+        path.display()
+    )]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
     /// Another process writes to the folder.
     #[error(transparent)]
     Lock(#[from] LockError),
@@ -310,6 +320,15 @@ impl Sweep {
             (None, Some(errors)) => return Err(SweepError::Scene(errors)),
             (None, None) => return Ok(Swept::new(self, Vec::new())),
         };
+        if !resume {
+            let plots = scene.output.plots.iter().map(|plot| &plot.column);
+            let pictures = self.columns.iter().chain(plots);
+            let pictures = pictures.map(|column| folder.join(format!("{column}.png")));
+            let mut files = pictures.chain([folder.join(TABLE)]);
+            if let Some(path) = files.find(|path| path.symlink_metadata().is_ok()) {
+                return Err(SweepError::Foreign { path });
+            }
+        }
         fs::create_dir_all(folder).map_err(|source| SweepError::Unwritable {
             path: folder.to_owned(),
             source,

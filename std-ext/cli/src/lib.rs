@@ -15,7 +15,9 @@ use curvature::{CurvatureArguments, curvature};
 use helfrich::{Bandwidth, DualArea, Finding, Surface};
 use helfrich_std::execute::{available_threads, with_threads};
 use helfrich_std::info::MeshInfo;
-use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, read_welded, write};
+use helfrich_std::io::{
+    MeshFile, WriteError, check_replaceable, is_same_file, read, read_welded, write,
+};
 use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions, OwnMethod};
 use helfrich_std::noise::noise_of;
 use helfrich_std::report;
@@ -282,7 +284,7 @@ pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
 
 /// Refuses an output, called `new` in the message, that would replace an input, called `what`.
 fn refuse_replacing(input: &Path, what: &str, output: &Path, new: &str) -> Result<(), Failure> {
-    if matches!((input.canonicalize(), output.canonicalize()), (Ok(a), Ok(b)) if a == b) {
+    if is_same_file(input, output) {
         let output = output.display();
         let message = format!("{output}: {new} would replace {what}: choose another name for it");
         return Err(Failure::Input(message.into()));
