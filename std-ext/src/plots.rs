@@ -38,7 +38,8 @@ pub struct CurvesError {
     pub problem: CurvesProblem,
 }
 
-/// Problems of a file of published curves.
+/// Problems of a file of published curves. A file without the head is not quoted, because the scene of somebody
+/// else may name any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurvesProblem {
@@ -55,12 +56,10 @@ pub enum CurvesProblem {
         line: usize,
     },
     /// The first line is not the head.
-    #[error("line {line}: the head is `{found}`: it has to be `{CURVES_HEAD}`")]
+    #[error("line {line}: the head has to be `{CURVES_HEAD}`")]
     Head {
         /// The line, from 1.
         line: usize,
-        /// The text found.
-        found: String,
     },
     /// The file has no points.
     #[error("there is no curve: a head `{CURVES_HEAD}` and at least one point are needed")]
@@ -143,8 +142,7 @@ pub fn parsed(bytes: &[u8]) -> Result<Vec<PublishedCurve>, CurvesProblem> {
         if !has_head {
             let fields = Vec::from_iter(text.split(',').map(str::trim));
             if fields.join(",") != CURVES_HEAD {
-                let found = text.to_owned();
-                return Err(CurvesProblem::Head { line, found });
+                return Err(CurvesProblem::Head { line });
             }
             has_head = true;
             continue;

@@ -53,8 +53,8 @@ fn what_is_no_published_curve_is_refused_with_its_line() {
     for (text, message) in [
         ("", "there is no curve"),
         ("curve,x,y\n# nothing\n", "there is no curve"),
-        ("x,y\n1,2\n", "line 1: the head is `x,y`"),
-        ("# a\na,1,2\n", "line 2: the head is `a,1,2`"),
+        ("x,y\n1,2\n", "line 1: the head has to be `curve,x,y`"),
+        ("# a\na,1,2\n", "line 2: the head has to be `curve,x,y`"),
         ("curve,x,y\na,1\n", "line 2: 2 fields"),
         ("curve,x,y\na\n", "line 2: 1 fields"),
         ("curve,x,y\n\na,1,2,3\n", "line 3: 4 fields"),
