@@ -14,7 +14,7 @@ pub use noisy::{BEST_FIXED, Bars, NoiseRow, NoiseStudy};
 pub use timing::MOST_SCATTER;
 pub(crate) use timing::{Timing, is_scattered};
 
-use crate::execute::Parallel;
+use crate::execute::{Parallel, unless_interrupted};
 use crate::generate::{self, AnyShape, Family, GenerateError, GeneratedMesh, generate};
 use crate::method::{AnyMethod, Compiled, MethodOptions, RepeatedName};
 use crate::scalar::{HeldPositions, Scalar};
@@ -259,7 +259,10 @@ impl Study {
                         let at = &format!("{family} {vertices}: {method} {scalar}");
                         (session.progress)(StudyProgress { done, total, at });
                         done += vertices as u64;
-                        for mut row in case.rows(level, session)? {
+                        let Some(found) = unless_interrupted(|| case.rows(level, session)) else {
+                            return Ok(rows);
+                        };
+                        for mut row in found? {
                             row.set_orders(&rows);
                             rows.push(row);
                         }

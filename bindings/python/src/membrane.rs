@@ -3,7 +3,7 @@
 use crate::arrays::{Positions, faces, matrix, rows};
 use crate::effects::{Ground, Part, part};
 use crate::failure::{Fault, invalid};
-use crate::work::prepared_for;
+use crate::work::{on_threads, prepared_for};
 use helfrich::{ConstraintError, Constraints, Method, Prepared, Quality, Surface, TriangleMesh};
 use helfrich_std::effect::Effect;
 use helfrich_std::ordered::Ordered;
@@ -244,7 +244,7 @@ impl Membrane {
                 let mut written = writable(out, vertices)?;
                 let force = written.as_slice_mut().map_err(invalid)?.as_chunks_mut().0;
                 let rows = rows(array);
-                let energy = py.detach(|| self.forces_of(rows, force))?;
+                let energy = on_threads(py, None, || self.forces_of(rows, force))??;
                 Ok((energy, out.clone().into_any()))
             }
             Positions::Single(array) => {
@@ -261,7 +261,7 @@ impl Membrane {
                 let mut written = writable(out, vertices)?;
                 let force = written.as_slice_mut().map_err(invalid)?.as_chunks_mut().0;
                 let work = || self.single_forces_of(&double, force);
-                let energy = py.detach(work)?;
+                let energy = on_threads(py, None, work)??;
                 Ok((energy, out.clone().into_any()))
             }
         }
@@ -274,7 +274,7 @@ impl Membrane {
         positions: &[[f64; 3]],
     ) -> PyResult<(f64, Bound<'py, PyAny>)> {
         let mut force = vec![[0.0; 3]; self.mesh.vertex_count()];
-        let energy = py.detach(|| self.forces_of(positions, &mut force))?;
+        let energy = on_threads(py, None, || self.forces_of(positions, &mut force))??;
         Ok((energy, matrix(py, force)?.into_any()))
     }
 }
@@ -340,10 +340,10 @@ impl Membrane {
     fn energy(&self, V: &Bound<'_, PyAny>) -> PyResult<f64> {
         let positions = Positions::new(V)?;
         let double = positions.double();
-        let energy = V.py().detach(|| {
+        let energy = on_threads(V.py(), None, || {
             let surface = Surface::new(&self.mesh, &double[..])?;
             Ok::<_, Fault>(self.locked().energy(surface))
-        });
+        })?;
         Ok(energy?)
     }
 
@@ -395,10 +395,10 @@ impl Membrane {
         let positions = Positions::new(V)?;
         let is_single = positions.is_single();
         let mut moved = positions.double().into_owned();
-        let restored = V.py().detach(|| {
+        let restored = on_threads(V.py(), None, || {
             Surface::new(&self.mesh, &moved[..])?;
             Ok::<_, Fault>(self.locked().restore(&self.mesh, &mut moved))
-        });
+        })?;
         restored?.map_err(invalid)?;
         if is_single {
             let moved = moved.iter().map(|x| x.map(|component| component as f32));
@@ -412,13 +412,13 @@ impl Membrane {
     fn flags<'py>(&self, V: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let positions = Positions::new(V)?;
         let double = positions.double();
-        let flags = V.py().detach(|| {
+        let flags = on_threads(V.py(), None, || {
             let surface = Surface::new(&self.mesh, &double[..])?;
             let mut prepared = self.locked();
             let mut force = vec![[0.0; 3]; double.len()];
             prepared.evaluate(surface, &mut force);
             Ok::<_, Fault>(prepared.flags(surface))
-        });
+        })?;
         Ok(PyArray1::from_vec(V.py(), flags?))
     }
 

@@ -2,8 +2,9 @@
 
 use super::{OptionArguments, method, method_names, own_methods, positive};
 use crate::terminal::{
-    Failure, ProgressBar, check_outputs, file_named, interruption, print, save, say,
+    Failure, ProgressBar, check_outputs, file_named, interruption, print, save, say, until_stopped,
 };
+use helfrich_std::execute::{Interruption, interruptible};
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::io::remove_unfinished;
 use helfrich_std::lock::{Lock, LockError};
@@ -19,6 +20,7 @@ use helfrich_std::verdict::verdicts;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::SystemTime;
 
@@ -189,12 +191,15 @@ fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), 
     };
     let mut cache = arguments.kept.open(arguments.html.as_ref().map(|_| name))?;
     let mut bar = ProgressBar::default();
-    let rows = study.run_in(&mut Session {
+    let mut session = Session {
         progress: &mut |StudyProgress { done, total, at }| bar.show(done as f64 / total as f64, at),
         interrupted: &interrupted,
         cache: cache.as_mut(),
         allocated: Some(&super::allocated),
-    });
+    };
+    let interruption = Interruption::by_flag(Arc::clone(&stop));
+    let rows = interruptible(interruption, || study.run_in(&mut session));
+    let rows = rows.unwrap_or(Ok(Vec::new()));
     bar.clear();
     keep(cache.as_mut());
     let rows = rows.map_err(Failure::input)?;
@@ -287,11 +292,15 @@ impl StudyArguments {
         };
         let stop = interruption();
         let mut bar = ProgressBar::default();
-        let rows = study.run(&|| stop.load(Ordering::Relaxed), &mut |progress| {
-            let StudyProgress { done, total, at } = progress;
-            bar.show(done as f64 / total as f64, at);
+        let rows = until_stopped(|| {
+            let rows = study.run(&|| stop.load(Ordering::Relaxed), &mut |progress| {
+                let StudyProgress { done, total, at } = progress;
+                bar.show(done as f64 / total as f64, at);
+            });
+            Ok(rows)
         });
         bar.clear();
+        let rows = rows?;
         if stop.load(Ordering::Relaxed) {
             return Err(Failure::Unfinished(130));
         }

@@ -2,7 +2,7 @@
 
 use super::errors::natural_scales;
 use super::{StudyError, StudyProgress};
-use crate::execute::Parallel;
+use crate::execute::{Parallel, unless_interrupted};
 use crate::generate::random::Random;
 use crate::generate::{AnyShape, Family, GeneratedMesh, generate};
 use crate::measurement::Measurement;
@@ -102,7 +102,11 @@ impl NoiseStudy {
                     if interrupted() {
                         return Ok(rows);
                     }
-                    self.measure(family, &made, deviation, &mut rows)?;
+                    let measure = || self.measure(family, &made, deviation, &mut rows);
+                    let Some(measured) = unless_interrupted(measure) else {
+                        return Ok(rows);
+                    };
+                    measured?;
                 }
             }
         }

@@ -3,6 +3,7 @@
 mod checkpoints;
 mod deformation;
 mod enclosure;
+mod interruption;
 mod pictures;
 mod plots;
 mod series;
