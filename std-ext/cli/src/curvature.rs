@@ -3,7 +3,7 @@
 mod picture;
 
 use crate::terminal::{
-    Failure, ProgressBar, check_outputs, file_named, interruption, print, save, say,
+    Failure, ProgressBar, check_outputs, file_named, print, save, say, until_stopped,
 };
 use crate::{
     MeshArguments, OptionArguments, ThreadArguments, load, method_names, positive,
@@ -16,17 +16,17 @@ use helfrich_std::io::{MeshFile, PointField, PointValues, write_vtp};
 use helfrich_std::measurement::{Column, ColumnValues, Measurement};
 use helfrich_std::method::{AnyMethod, BendingMethod, Compiled, Evaluated, Fields, MethodOptions};
 use helfrich_std::noise::noise_of;
+use helfrich_std::orientation::inside_out;
 use helfrich_std::report;
 use helfrich_std::scalar::{HeldPositions, Scalar};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 #[derive(clap::Args)]
 pub(crate) struct CurvatureArguments {
     #[command(flatten)]
     input: MeshArguments,
-    #[arg(long, default_value = "meyer", value_parser = crate::method, help = format!(
+    #[arg(long, default_value = "jet", value_parser = crate::method, help = format!(
         "Method by name or letter: {}; jet chooses degree and neighbours from the noise at each vertex",
         method_names()
     ))]
@@ -89,11 +89,10 @@ fn measurement(
         deviation: sigma.unwrap_or(0.0),
         neighbours: scale.map(|neighbours| neighbours as usize),
     };
-    let stop = interruption();
     let mut bar = ProgressBar::default();
     let measured = Measurement::new(surface, &jet, &mut |done| {
         bar.show(done, "noise, and fits of every scale");
-        !stop.load(Ordering::Relaxed)
+        true
     });
     bar.clear();
     let measured = measured.ok_or(Failure::Unfinished(130))?;
@@ -126,6 +125,18 @@ fn tell_verdicts(path: &Path, surface: Surface<'_, f64>, measured: &Measurement)
     }
 }
 
+/// The largest number of components that are named.
+const MOST_COMPONENTS: usize = 10;
+
+/// Whether f of a method does not converge at every vertex of every mesh: that of jets does, with G on all
+/// meshes but hard ones. Nothing is known of methods outside the list.
+fn has_undetermined_force(method: AnyMethod) -> bool {
+    use BendingMethod::{Galerkin, J4, J6, Jet};
+    let determined = [Jet, J4, J6, Galerkin].map(AnyMethod::from);
+    let listed = BendingMethod::NAMED.map(AnyMethod::from);
+    method.has_force() && listed.contains(&method) && !determined.contains(&method)
+}
+
 /// Runs the command.
 pub(crate) fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
     let CurvatureArguments {
@@ -156,10 +167,10 @@ pub(crate) fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
     }
     let options = arguments.options.checked(&[arguments.method])?;
     let file = load(&arguments.input)?;
-    match arguments.scalar {
+    until_stopped(|| match arguments.scalar {
         Scalar::F32 | Scalar::F32Pair => curvature_in::<f32>(arguments, &options, &file),
         Scalar::F64 => curvature_in::<f64>(arguments, &options, &file),
-    }
+    })
 }
 
 fn curvature_in<T: Compiled>(
@@ -182,6 +193,10 @@ fn curvature_in<T: Compiled>(
     };
     let exact = Surface::new(&file.mesh, exact)
         .map_err(|error| Failure::mesh(&arguments.input.mesh, error))?;
+    for component in inside_out(exact).iter().take(MOST_COMPONENTS) {
+        let path = arguments.input.mesh.display();
+        say(format_args!("warning: {path}: {component}"));
+    }
     let measured = measurement(arguments, exact)?;
     let modulus = arguments.modulus;
     if let Some(measured) = &measured
@@ -203,6 +218,17 @@ fn curvature_in<T: Compiled>(
     let mut evaluator = method.evaluator(options, number, &file.mesh, Parallel::new());
     let (fields, findings) = evaluator.fields_and_findings(surface);
     warn(&arguments.input.mesh, &findings);
+    if has_undetermined_force(method) && fields.force_density.iter().any(Option::is_some) {
+        let path = arguments.input.mesh.display();
+        let quantities = match method.description().defines {
+            [.., true] => "f and LapH",
+            _ => "f",
+        };
+        say(format_args!(
+            "warning: {path}: {method} does not determine {quantities}: errors do not fall on finer meshes, and \
+             may be many times the values: take --method jet"
+        ));
+    }
     // Noise is measured on the positions of the file, in f64: rounded to f32 it may not be visible.
     if measured.is_none()
         && let Ok(surface) = Surface::new(&file.mesh, &file.positions)

@@ -79,7 +79,7 @@ fn noise_of_positions_is_told() {
     let told = |positions: &[[f64; 3]]| {
         let file = Fixture::new("cell.obj", obj(positions, made.mesh.triangles()));
         let info = succeed(&["info", file.path()]);
-        let warned = run(&["curvature", file.path()]);
+        let warned = run(&["curvature", file.path(), "--method", "j6"]);
         assert_eq!(warned.code, Some(0));
         let info = value(&info, "noise of positions").to_owned();
         (info, warned.stderr)

@@ -21,7 +21,7 @@ fn a_reader_that_leaves_early_is_no_error() {
             "--json",
             "-",
         ],
-        &["curvature", file.path()],
+        &["curvature", file.path(), "--method", "corrected"],
         &["info", file.path()],
     ] {
         let mut child = command(arguments)
@@ -53,7 +53,7 @@ fn a_full_disk_is_an_output_error() {
     let file = Fixture::new("sheet.obj", obj(&positions, &triangles));
     for arguments in [
         &["study", "--vertices", "12", "--family", "regular"][..],
-        &["curvature", file.path()],
+        &["curvature", file.path(), "--method", "corrected"],
         &["info", file.path()],
     ] {
         let full = fs::OpenOptions::new()
@@ -64,5 +64,15 @@ fn a_full_disk_is_an_output_error() {
         assert_eq!(output.status.code(), Some(3), "{arguments:?}");
         assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: standard output"));
     }
-    fail(3, &["curvature", file.path(), "--csv", "/dev/full"]);
+    fail(
+        3,
+        &[
+            "curvature",
+            file.path(),
+            "--method",
+            "corrected",
+            "--csv",
+            "/dev/full",
+        ],
+    );
 }
