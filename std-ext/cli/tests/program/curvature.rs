@@ -133,18 +133,16 @@ fn a_force_that_does_not_converge_is_warned_of() {
             size(&[0, 1, 2].map(|axis| found[axis] - exact[axis]))
         });
         let off = off.fold(0.0, f64::max) / largest;
-        let warned = format!("{method} does not determine f");
+        let is_warned = told
+            .stderr
+            .contains(&format!("{method} does not determine f"));
         assert!(
-            told.stderr.contains(&warned) || off < 0.25,
+            is_warned || off < 1.0,
             "{method}: f is off by {off}: {}",
             told.stderr
         );
-        // Of jets and their blends nothing is to be said.
-        assert!(
-            off > 0.25 || told.stderr.is_empty(),
-            "{method}: {off}: {}",
-            told.stderr
-        );
+        let is_determined = ["j4", "j6", "galerkin"].contains(&method.name());
+        assert_eq!(is_warned, !is_determined, "{method}: {}", told.stderr);
     }
 }
 
