@@ -280,7 +280,7 @@ impl SeriesPlot<'_> {
             },
             points: points.iter().copied().map(Point::from).collect(),
             style: Some(style),
-            label: String::new(),
+            ..Curve::default()
         };
         let line = match self.marked {
             true => Marks::LineAndPoints,

@@ -4,96 +4,23 @@ mod csv;
 mod noisy;
 pub mod page;
 mod recommendation;
+mod study;
 
 pub use crate::findings::first_of_each_kind;
 pub use csv::{curvature_csv, study_csv};
 pub use noisy::{noise_section, noise_table};
 pub use recommendation::recommendation;
+pub use study::{conclusion, study_table, verdict_table};
 
 use crate::info::MeshInfo;
 use crate::run::{End, EnergyEstimate, Summary, stability};
 use crate::series::{ITERATION, TIME};
 use crate::six::Six;
-use crate::study::{MOST_SCATTER, Quantity, Row};
+use crate::study::MOST_SCATTER;
 use crate::sweep::{Case, Crossing, Outcome, Swept};
-use crate::verdict::ConvergenceVerdict;
 use helfrich::{Noise, Surface};
 use std::io::{self, Write};
 use std::path::Path;
-
-/// Writes a study as a table: a block for each shape, family and number type, a line for each
-/// method and mesh, and the orders of the last refinement under each method.
-///
-/// # Errors
-/// If `out` cannot be written to.
-pub fn study_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
-    let same_block =
-        |a: &Row, b: &Row| (a.shape, a.family, a.scalar) == (b.shape, b.family, b.scalar);
-    writeln!(
-        out,
-        "Relative errors, largest (max) and area-weighted mean over the vertices."
-    )?;
-    writeln!(
-        out,
-        "Order: of the last refinement; error ~ h^order. – : the method does not define it."
-    )?;
-    for block in rows.chunk_by(same_block) {
-        let Row {
-            shape,
-            family,
-            scalar,
-            ..
-        } = &block[0];
-        writeln!(out, "\n{shape} · {family} · {scalar}")?;
-        for method in block.chunk_by(|a, b| a.method == b.method) {
-            let Row {
-                method, options, ..
-            } = &method[0];
-            if !options.is_default() {
-                writeln!(out, "{method}: {options}")?;
-            }
-        }
-        write!(out, "{:13} {:>7}", "method", "N")?;
-        for quantity in Quantity::ALL {
-            let symbol = heading(quantity);
-            write!(out, "  {:>8} {:>8}", format!("{symbol} max"), "mean")?;
-        }
-        writeln!(out, "  {:>9}", "ns/vertex")?;
-        writeln!(out, "{}", "─".repeat(13 + 8 + 4 * 19 + 11))?;
-        for method in block.chunk_by(|a, b| a.method == b.method) {
-            for (index, mesh) in method.chunk_by(|a, b| a.vertices == b.vertices).enumerate() {
-                let name = if index == 0 {
-                    mesh[0].method.name()
-                } else {
-                    ""
-                };
-                write!(out, "{name:13} {:>7}", mesh[0].vertices)?;
-                cells(
-                    mesh,
-                    out,
-                    |row| [Some(row.max), Some(row.mean)],
-                    |value| format!("{value:.1e}"),
-                )?;
-                let mark = if mesh[0].is_scattered() {
-                    SCATTERED
-                } else {
-                    ""
-                };
-                let time = format!("{mark}{:.1}", mesh[0].ns_per_vertex);
-                writeln!(out, "  {time:>9}")?;
-            }
-            let finest = method.last().map_or(0, |row| row.vertices);
-            let start = method.partition_point(|row| row.vertices < finest);
-            write!(out, "{:13} {:>7}", "", "order")?;
-            let orders = |row: &Row| [row.order_max, row.order_mean];
-            cells(&method[start..], out, orders, |order| {
-                format!("{order:+.1}")
-            })?;
-            writeln!(out)?;
-        }
-    }
-    about_scatter(rows.iter().any(Row::is_scattered), out)
-}
 
 /// Mark of a time that is the median of scattered times.
 const SCATTERED: &str = "~";
@@ -108,67 +35,6 @@ fn about_scatter(is_used: bool, out: &mut dyn Write) -> io::Result<()> {
         "\n{SCATTERED}: times of single runs scatter (quartiles more than {:.0} % of their median apart): the machine had other work; measure again when it is idle.",
         100.0 * MOST_SCATTER
     )
-}
-
-/// Writes the verdicts: a block for each family and number type, a line for each method.
-///
-/// # Errors
-/// If `out` cannot be written to.
-pub fn verdict_table(verdicts: &[ConvergenceVerdict], out: &mut dyn Write) -> io::Result<()> {
-    if verdicts.is_empty() {
-        return Ok(());
-    }
-    writeln!(
-        out,
-        "\nDoes it converge? By the orders p of the largest and the mean error over the three finest meshes:"
-    )?;
-    writeln!(
-        out,
-        "largest p ≥ ½: converges (at all vertices); else mean p ≥ ½: in the mean; else largest p < −½: diverges; else stalls."
-    )?;
-    for block in verdicts.chunk_by(|a, b| (a.family, a.scalar) == (b.family, b.scalar)) {
-        let title = format!("{} · {}", block[0].family, block[0].scalar);
-        write!(out, "\n{title:21}")?;
-        for quantity in Quantity::ALL {
-            write!(out, "  {:11}", heading(quantity))?;
-        }
-        writeln!(out, "\n{}", "─".repeat(21 + 4 * 13))?;
-        for method in block.chunk_by(|a, b| a.method == b.method) {
-            write!(out, "{:21}", method[0].method)?;
-            for quantity in Quantity::ALL {
-                let verdict = method.iter().find(|verdict| verdict.quantity == quantity);
-                let text =
-                    verdict.map_or("–".to_owned(), |verdict| verdict.convergence.to_string());
-                write!(out, "  {text:11}")?;
-            }
-            writeln!(out)?;
-        }
-    }
-    Ok(())
-}
-
-fn heading(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::LaplacianOfMean => "ΔH",
-        other => other.symbol(),
-    }
-}
-
-/// A pair of cells for each quantity.
-fn cells(
-    rows: &[Row],
-    out: &mut dyn Write,
-    values: impl Fn(&Row) -> [Option<f64>; 2],
-    text: impl Fn(f64) -> String,
-) -> io::Result<()> {
-    for quantity in Quantity::ALL {
-        let row = rows.iter().find(|row| row.quantity == quantity);
-        let [max, mean] = row
-            .map_or([None, None], &values)
-            .map(|value| value.map_or_else(|| "–".to_owned(), &text));
-        write!(out, "  {max:>8} {mean:>8}")?;
-    }
-    Ok(())
 }
 
 /// Writes the properties of a mesh, one per line.

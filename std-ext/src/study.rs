@@ -63,6 +63,16 @@ impl Quantity {
         }
     }
 
+    /// The name in the field.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Mean => "mean curvature, positive on a sphere",
+            Self::Gaussian => "Gaussian curvature",
+            Self::LaplacianOfMean => "Laplacian of H along the surface",
+            Self::ForceDensity => "bending force per area",
+        }
+    }
+
     /// The symbol: `H`, `K`, `LapH` or `f`.
     pub fn symbol(self) -> &'static str {
         match self {

@@ -18,7 +18,7 @@ use helfrich_std::method::{AnyMethod, BendingMethod, Compiled, Evaluated, Fields
 use helfrich_std::noise::noise_of;
 use helfrich_std::report;
 use helfrich_std::scalar::{HeldPositions, Scalar};
-use std::io::Write;
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
@@ -256,9 +256,29 @@ fn save_results<T: Evaluated>(
     }
     match file_named(arguments.csv.as_ref()) {
         Some(path) => save(path, csv),
-        None => print(csv),
+        None => {
+            print(csv)?;
+            if io::stdout().is_terminal() {
+                say(COLUMNS);
+                if measured.is_some() {
+                    say(MEASURED_COLUMNS);
+                }
+            }
+            Ok(())
+        }
     }
 }
+
+/// The columns of the table, for those who read it on a screen.
+const COLUMNS: &str = "\
+H: mean curvature, positive on a sphere. K: Gaussian curvature. LapH: Laplacian of H along the surface.
+fx, fy, fz: bending force per area. area, nx, ny, nz: area and normal of the vertex.
+A column is empty where the method does not define it.";
+
+/// Further columns of a measurement.
+const MEASURED_COLUMNS: &str = "\
+k1, k2: principal curvatures. …_error: error bar of that column. sigma: noise of the position, a length.
+verdict: whether to trust the row, explained in docs/CHOOSING.md.";
 
 /// Writes the surface with all results as fields.
 fn save_surface<T: Evaluated>(

@@ -40,7 +40,7 @@ use terminal::{Failure, ProgressBar, interruption, print, save, say};
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
 /// Number of bytes that the program has allocated.
-fn allocated() -> usize {
+pub fn allocated() -> usize {
     ALLOCATOR.allocated()
 }
 
@@ -63,6 +63,9 @@ enum Command {
     /// Recommend a method for a mesh file, by measurements on that mesh.
     Recommend(RecommendArguments),
     /// Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP.
+    ///
+    /// The columns of the table: H, mean curvature, positive on a sphere; K, Gaussian curvature; LapH, Laplacian
+    /// of H along the surface; fx, fy, fz, bending force per area; area and normal of the vertex.
     Curvature(CurvatureArguments),
     /// Show counts, topology, area, volume and quality of a mesh file.
     Info(MeshArguments),

@@ -23,7 +23,7 @@ use std::sync::atomic::Ordering;
 use std::time::SystemTime;
 
 /// How this program was built, by its build script.
-const BUILD: Build = Build {
+pub const BUILD: Build = Build {
     commit: env!("HELFRICH_COMMIT"),
     compiler: env!("HELFRICH_COMPILER"),
     profile: env!("HELFRICH_PROFILE"),
@@ -38,7 +38,7 @@ pub struct StudyArguments {
     #[arg(long, default_value = "discocyte")]
     shape: AnyShape,
     #[arg(long, value_delimiter = ',', value_parser = methods, help = format!(
-        "Methods by name or letter, or `all`: {}; jet chooses j4 or j6 for the mesh. By default A,B,C",
+        "Methods by name or letter, or `all`: {}; jet chooses j4 or j6 for the mesh. By default A,B,C,J6",
         method_names()
     ))]
     method: Vec<Vec<AnyMethod>>,
@@ -204,7 +204,8 @@ fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), 
             if interrupted() {
                 return Ok(());
             }
-            report::verdict_table(&verdicts(&rows), out)
+            report::verdict_table(&verdicts(&rows), out)?;
+            report::conclusion(&rows, out)
         });
         return match interrupted() {
             true => rows_shown.and(Err(left_off(cache.as_ref()))),
@@ -350,6 +351,7 @@ impl StudyArguments {
         self.show_rows(rows, |out| {
             report::study_table(rows, out)?;
             report::verdict_table(&verdicts, out)?;
+            report::conclusion(rows, out)?;
             writeln!(out, "\nwritten to {}", file.display())
         })
     }
@@ -481,10 +483,11 @@ pub fn show_rows(
 }
 
 /// The methods that a study compares by default.
-const COMPARED: [BendingMethod; 3] = [
+const COMPARED: [BendingMethod; 4] = [
     BendingMethod::KantorNelson,
     BendingMethod::GompperKroll,
     BendingMethod::Meyer,
+    BendingMethod::J6,
 ];
 
 /// Each value once, in the order of its first mention.

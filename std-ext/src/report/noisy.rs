@@ -225,6 +225,7 @@ fn chart_of(rows: &[NoiseRow], deviations: &[f64], quantity: usize) -> Chart {
             marks,
             style,
             label: name.to_owned(),
+            ..Curve::default()
         }
     });
     let axis = |label: String, numbers| Axis {

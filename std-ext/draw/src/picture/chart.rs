@@ -69,6 +69,8 @@ pub struct Curve {
     pub marks: Marks,
     /// Curves with the same number have the same colour and marks; by default each curve has its own.
     pub style: Option<usize>,
+    /// Whether the line is the strongest of the chart.
+    pub is_strong: bool,
     /// Label at the last point, none if empty; ignored by [`Chart::draw`].
     pub label: String,
 }
@@ -442,7 +444,8 @@ impl Curve {
     }
 
     fn stroke(&self, canvas: &mut Canvas, lines: &[Vec<[f64; 2]>], letters: f64, colour: Colour) {
-        let width = (0.17 * letters).max(1.2);
+        let strength = if self.is_strong { 2.0 } else { 1.0 };
+        let width = strength * (0.17 * letters).max(1.2);
         if self.marks.is_dashed() {
             let dashes: Vec<_> = lines
                 .iter()
