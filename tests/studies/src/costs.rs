@@ -88,14 +88,14 @@ pub fn costs(
     allocated: &dyn Fn() -> usize,
     progress: &mut dyn FnMut(f64, &str),
 ) -> Result<Costs, GenerateError> {
+    // Levels of optimisation differ between crates.
+    let profile = provenance.build.profile.split(',').next();
+    let profile = profile.unwrap_or_default();
     with_threads(NonZeroUsize::MIN, || {
         let mut measured = Costs {
             commit: provenance.build.commit.to_owned(),
             date: date(SystemTime::now()),
-            build: format!(
-                "{}, {}",
-                provenance.build.compiler, provenance.build.profile
-            ),
+            build: format!("{}, {profile} build", provenance.build.compiler),
             machine: provenance.machine(),
             scatter: 0.0,
             methods: Vec::new(),

@@ -17,6 +17,16 @@ const IMMERSED_COARSE: Tolerance = Tolerance::new(
      published excess at this resolution with much bending is 15 %, box included",
 );
 
+/// Excess of D on a lattice over boundary integrals, times the number of nodes a radius: 5.0 % at six nodes, with the
+/// box taken out, as in the table of docs/FLOW.md.
+const EXCESS: f64 = 0.3;
+
+/// D of a capsule on a lattice of four nodes a radius against boundary integrals with this excess, relative.
+const IMMERSED_EXCESS: Tolerance = Tolerance::new(
+    1.5e-2,
+    "the excess of 7.5 % is of first order in the spacing, and the next order is a fifth of it",
+);
+
 /// D of the same run in f32 and f64, relative.
 const IMMERSED_SINGLE: Tolerance = Tolerance::new(
     1e-3,
@@ -58,16 +68,16 @@ fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
 }
 
 /// The finite box adds 1.5 (a/L)³ to D, which is subtracted. The kernel thickens membranes by part of a node
-/// spacing, which leaves about 10 % on so coarse a lattice. The two solvers share no formulas.
+/// spacing, which raises D by 0.3 h/a. The two solvers share no formulas.
 #[test]
 fn a_capsule_deforms_as_by_boundary_integrals() {
     for ratio in ["surface.0.viscosity_ratio=1", "surface.0.viscosity_ratio=5"] {
         let (summary, series) = run_scene("capsule-shear-lattice.toml", &with(&[ratio]));
         let strain = ["driver.strain=2", "output.slice=", ratio];
         let (_, exact) = run_scene("capsule-shear.toml", &strain);
-        let expected = last(&exact, "deformation");
+        let expected = (1.0 + EXCESS / 4.0) * last(&exact, "deformation");
         let found = last(&series, "deformation") - 1.5 * 5.0_f64.powi(-3);
-        IMMERSED_COARSE.assert(found, expected, expected, ratio);
+        IMMERSED_EXCESS.assert(found, expected, expected, ratio);
         let volumes = column(&series, "volume");
         for &volume in &volumes {
             CAPSULE_VOLUME.assert(volume, volumes[0], volumes[0], "volume");

@@ -245,9 +245,11 @@ pub fn write(chart: &Chart, id: &str, styled: bool, out: &mut dyn Write) -> io::
 fn label_places(chart: &Chart, drawn: &[Vec<([f64; 2], &Point)>]) -> Vec<Option<[f64; 2]>> {
     let mut places: Vec<Option<[f64; 2]>> = vec![None; drawn.len()];
     let end = |curve: usize| drawn[curve].last().map_or(0.0, |([_, y], _)| *y);
-    for (curve, points) in drawn.iter().enumerate() {
+    let mut order = Vec::from_iter(0..drawn.len());
+    order.sort_by(|&one, &other| end(one).total_cmp(&end(other)));
+    for curve in order {
         let label = &chart.curves[curve].label;
-        let Some(([end_x, end_y], _)) = points.last() else {
+        let Some(([end_x, end_y], _)) = drawn[curve].last() else {
             continue;
         };
         if label.is_empty() {
