@@ -1,6 +1,6 @@
 //! Meshes for the laws: small, seeded, and described by a few readable numbers.
 
-use helfrich::{Cotangent, DualArea, Real, Serial, Surface, TriangleMesh};
+use helfrich::{Cotangent, DualArea, Real, Serial, Surface, TriangleMesh, VertexKind};
 use std::collections::HashMap;
 
 mod strategies;
@@ -36,6 +36,47 @@ impl Mesh {
     /// If a position is not finite.
     pub fn surface(&self) -> Surface<'_, f64> {
         Surface::new(&self.connectivity, &self.positions).expect("one finite position a vertex")
+    }
+
+    /// The part whose vertices are `kept`, and the old number of each of its vertices.
+    pub fn cut(&self, kept: impl Fn([f64; 3]) -> bool) -> (Self, Vec<u32>) {
+        let is_kept = Vec::from_iter(self.positions.iter().map(|&x| kept(x)));
+        let triangles = self.connectivity.triangles().iter();
+        let whole = |corners: &&[u32; 3]| corners.iter().all(|&v| is_kept[v as usize]);
+        let triangles = Vec::from_iter(triangles.filter(whole).copied());
+        let mut old = triangles.as_flattened().to_vec();
+        old.sort_unstable();
+        old.dedup();
+        let number = |corner: u32| old.binary_search(&corner).map_or(0, |at| at as u32);
+        let renumbered = triangles
+            .iter()
+            .map(|corners| corners.map(number))
+            .collect();
+        let positions = old.iter().map(|&v| self.positions[v as usize]).collect();
+        (Self::new(positions, renumbered), old)
+    }
+
+    /// The number of edges from each vertex to the boundary; `u32::MAX` on closed components.
+    pub fn edges_to_boundary(&self) -> Vec<u32> {
+        let mesh = &self.connectivity;
+        let mut distance = vec![u32::MAX; mesh.vertex_count()];
+        let at_boundary = |&v: &usize| mesh.vertex_kind(v) == VertexKind::Boundary;
+        let mut front = Vec::from_iter((0..mesh.vertex_count()).filter(at_boundary));
+        for ring in 0.. {
+            if front.is_empty() {
+                break;
+            }
+            let mut next = Vec::new();
+            for &vertex in &front {
+                if distance[vertex] == u32::MAX {
+                    distance[vertex] = ring;
+                    next.extend(mesh.one_ring(vertex).iter().map(|&v| v as usize));
+                }
+            }
+            next.retain(|&v| distance[v] == u32::MAX);
+            front = next;
+        }
+        distance
     }
 
     /// Mesh with the same connectivity, every position mapped.
