@@ -254,6 +254,10 @@ impl<T: Real> Curvatures<T> for Jet<T> {
         };
         execution.run(blocks, output, &fits);
     }
+
+    fn reaches_boundary(&self) -> bool {
+        true
+    }
 }
 
 impl<T: Real> LaplaceBeltrami<T> for Jet<T> {

@@ -3,6 +3,7 @@
 //! A method is chosen once per surface, in one place; everything below is resolved at compile time.
 //! Methods run on all threads, and large meshes are reordered.
 
+mod border;
 mod choice;
 mod evaluator;
 mod fields;
