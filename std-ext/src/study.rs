@@ -142,6 +142,9 @@ pub struct Session<'a> {
     pub cache: Option<&'a mut Cache>,
     /// Number of bytes allocated by the program; without it memory is not measured.
     pub allocated: Option<&'a dyn Fn() -> usize>,
+    /// Whether evaluations are repeated until the median of their times is known. Otherwise the time is that
+    /// of the first evaluation, with a scatter of NaN: errors take a third of the time.
+    pub timed: bool,
 }
 
 impl fmt::Debug for Session<'_> {
@@ -209,6 +212,7 @@ impl Study {
             interrupted: &|| false,
             cache: None,
             allocated: None,
+            timed: true,
         })
     }
 
@@ -405,10 +409,8 @@ impl Case<'_> {
             (Some(measured), _) => measured,
             (None, Some((mesh, exact))) => {
                 let measured = match self.scalar {
-                    Scalar::F32 | Scalar::F32Pair => {
-                        self.measure::<f32>(mesh, exact, session.allocated)
-                    }
-                    Scalar::F64 => self.measure::<f64>(mesh, exact, session.allocated),
+                    Scalar::F32 | Scalar::F32Pair => self.measure::<f32>(mesh, exact, session),
+                    Scalar::F64 => self.measure::<f64>(mesh, exact, session),
                 };
                 let measured = measured.map_err(|source| StudyError::Surface {
                     vertices: level.vertices,
@@ -446,8 +448,9 @@ impl Case<'_> {
         self,
         mesh: &GeneratedMesh,
         exact: &Reference,
-        allocated: Option<&dyn Fn() -> usize>,
+        session: &Session<'_>,
     ) -> Result<Measured, SurfaceError> {
+        let allocated = session.allocated;
         let held = HeldPositions::<T>::new(self.scalar, &mesh.positions);
         let surface = held.surface(&mesh.mesh)?;
         let before = allocated.map(|allocated| allocated());
@@ -461,7 +464,13 @@ impl Case<'_> {
         let first = start.elapsed();
         let bytes = allocated.zip(before);
         let bytes = bytes.map(|(allocated, before)| allocated().saturating_sub(before) as f64);
-        let time = Timing::of_runs(first, || evaluator.evaluate(surface));
+        let time = match session.timed {
+            true => Timing::of_runs(first, || evaluator.evaluate(surface)),
+            false => Timing {
+                scatter: f64::NAN,
+                ..Timing::of_one(first)
+            },
+        };
         let fields = evaluator.last_fields(surface);
         let vertices = mesh.mesh.vertex_count();
         let defined = |quantity: &Quantity| quantity.is_defined_by(self.method);

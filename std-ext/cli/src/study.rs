@@ -194,6 +194,7 @@ fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), 
         interrupted: &interrupted,
         cache: cache.as_mut(),
         allocated: Some(&super::allocated),
+        timed: true,
     });
     bar.clear();
     keep(cache.as_mut());
