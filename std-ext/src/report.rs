@@ -11,7 +11,9 @@ pub use noisy::{noise_section, noise_table};
 pub use recommendation::recommendation;
 
 use crate::info::MeshInfo;
+use crate::plots::unit_of;
 use crate::run::{End, EnergyEstimate, Summary, stability};
+use crate::scene::Dimension;
 use crate::series::{ITERATION, TIME};
 use crate::six::Six;
 use crate::study::{MOST_SCATTER, Quantity, Row};
@@ -244,7 +246,30 @@ pub fn deviation_of_positions(deviation: f64, surface: Surface<'_, f64>) -> Stri
     })
 }
 
-/// Writes the end of a run: its last numbers, and the cost of each effect.
+/// A number of a series, or a dash where it is not known.
+fn known(value: f64) -> String {
+    match value.is_finite() {
+        true => Six(value).to_string(),
+        false => "–".to_owned(),
+    }
+}
+
+/// Shares of a sum in whole per cent, of which the sum is 100: those with the largest remainders are
+/// rounded up.
+fn percentages(parts: &[f64]) -> Vec<u32> {
+    let whole: f64 = parts.iter().sum();
+    let exact = Vec::from_iter(parts.iter().map(|part| 100.0 * part / whole));
+    let mut shares = Vec::from_iter(exact.iter().map(|share| share.floor() as u32));
+    let mut order = Vec::from_iter(0..parts.len());
+    order.sort_by(|&a, &b| exact[b].fract().total_cmp(&exact[a].fract()));
+    let missing = 100_u32.saturating_sub(shares.iter().sum());
+    for place in order.into_iter().take(missing as usize) {
+        shares[place] += 1;
+    }
+    shares
+}
+
+/// Writes the end of a run: its last numbers with their units, and the cost of each of its parts.
 ///
 /// # Errors
 /// If `out` cannot be written to.
@@ -257,8 +282,10 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
         seconds,
         last,
         effects,
+        parts,
         energy_estimates,
         modes,
+        scene,
         ..
     } = summary;
     if !title.is_empty() {
@@ -274,7 +301,12 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
         .iter()
         .filter(|(name, _)| ![TIME, ITERATION].contains(&name.as_str()))
     {
-        writeln!(out, "{name:width$}  {value:>14}", value = Six(*value))?;
+        let unit = match value.is_finite() {
+            true => unit_of(name, scene),
+            false => String::new(),
+        };
+        let line = format!("{name:width$}  {:>14} {unit}", known(*value));
+        writeln!(out, "{}", line.trim_end())?;
     }
     if !energy_estimates.is_empty() {
         writeln!(out)?;
@@ -287,7 +319,12 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
         writeln!(out, "the energy of \"{surface}\" {known}")?;
     }
     if !modes.is_empty() {
-        writeln!(out, "\nthe shape is {}", stability(modes))?;
+        // An energy over the fourth power of a length.
+        let unit = match Dimension::REPULSION.unit(scene.units).as_str() {
+            "" => String::new(),
+            unit => format!("; stiffness in {unit}"),
+        };
+        writeln!(out, "\nthe shape is {}{unit}", stability(modes))?;
         writeln!(
             out,
             "{:>4}  {:>14}  {:>9}  {:>5}",
@@ -302,18 +339,19 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
             )?;
         }
     }
-    let width = effects.iter().map(|cost| cost.effect.len()).max();
-    let width = width.unwrap_or(0).max(6);
+    let costs = Vec::from_iter(effects.iter().chain(parts));
+    let width = costs.iter().map(|cost| cost.effect.len()).max();
+    let width = width.unwrap_or(0);
     writeln!(
         out,
         "\n{:width$}  {:>11}  {:>9}  {:>6}",
-        "effect", "evaluations", "seconds", "share"
+        "part", "times", "seconds", "share"
     )?;
-    for cost in effects {
-        let share = 100.0 * cost.seconds / seconds;
+    let shares = percentages(&Vec::from_iter(costs.iter().map(|cost| cost.seconds)));
+    for (cost, share) in costs.iter().zip(shares) {
         writeln!(
             out,
-            "{:width$}  {:>11}  {:>9.3}  {share:>4.0} %",
+            "{:width$}  {:>11}  {:>9.3}  {share:>4} %",
             cost.effect, cost.evaluations, cost.seconds
         )?;
     }
@@ -329,17 +367,18 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
 /// If `out` cannot be written to.
 pub fn sweep_table(swept: &Swept, folder: &Path, out: &mut dyn Write) -> io::Result<()> {
     let costs = ["evaluations", "seconds", "bending [µs]", "end"];
-    let keys = swept.keys.iter().chain(&swept.columns).cloned();
+    let columns = swept.columns.iter().zip(&swept.units);
+    let columns = columns.map(|(column, unit)| match unit.as_str() {
+        "" => column.clone(),
+        unit => format!("{column} [{unit}]"),
+    });
+    let keys = swept.keys.iter().cloned().chain(columns);
     let mut rows = vec![Vec::from_iter(keys.chain(costs.map(str::to_owned)))];
     for (case, outcome) in &swept.cases {
         let mut row = case.values.clone();
         match outcome {
             Outcome::Ended(ended) => {
-                let last = |column: &String| match ended.last(column) {
-                    value if value.is_nan() => "–".to_owned(),
-                    value => Six(value).to_string(),
-                };
-                row.extend(swept.columns.iter().map(last));
+                row.extend(swept.columns.iter().map(|column| known(ended.last(column))));
                 let evaluations = ended.right_hand_sides.unwrap_or(ended.iterations);
                 let bending = ended.bending.map(|seconds| format!("{:.1}", 1e6 * seconds));
                 row.extend([

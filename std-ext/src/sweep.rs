@@ -7,7 +7,8 @@
 //! * `COLUMN.png` for each chosen column: the series of all runs together, with published curves; with
 //!   the feature `pictures` only;
 //! * `COLUMN-over-KEY.png` for each chosen column and each key that varies over numbers: the last numbers of all
-//!   runs that reached their end, and the points where curves cross.
+//!   runs that reached their end, and the points where curves cross; hollow marks are numbers of runs that
+//!   ended unresolved, stagnated, or at the limit of iterations.
 //!
 //! A failed run is recorded, and the next one starts.
 
@@ -154,6 +155,8 @@ pub struct Swept {
     pub keys: Vec<String>,
     /// The chosen columns that some run has.
     pub columns: Vec<String>,
+    /// The unit of each of these; empty for a number without one.
+    pub units: Vec<String>,
     /// Columns that no run has, and all columns that exist; empty until a run has ended.
     pub unknown: Vec<String>,
     /// All columns of all runs.

@@ -220,6 +220,7 @@ fn chart_of(rows: &[NoiseRow], deviations: &[f64], quantity: usize) -> Chart {
             })
         });
         Curve {
+            hollow: false,
             name: name.to_owned(),
             points: points.collect(),
             marks,

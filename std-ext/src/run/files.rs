@@ -10,10 +10,13 @@ use crate::io::{
 use crate::picture::{ColourMap, Colouring, FlowSlice, PaintedSurface, Picture, Shading, View};
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of, read_curves};
 use crate::png;
-use crate::scene::{Driver, Flow, LatticeBoltzmann, Output, Plot, Scene, Slice, UnitSystem};
+use crate::scene::{
+    Driver, Flow, LatticeBoltzmann, Output, Pictures, Plot, Scene, Slice, UnitSystem,
+};
 use crate::series::SeriesTable;
 use crate::simulation::{Acting, Body, Simulation};
 use glam::DVec3;
+use std::time::Instant;
 
 /// Width and height of the pictures, in pixels.
 const PICTURE_SIZE: [u32; 2] = [900, 700];
@@ -56,7 +59,7 @@ impl<'a> PlannedPlot<'a> {
 /// Refuses PNG files that this build cannot write.
 pub(super) fn refuse_pictures(output: &Output) -> Result<(), RunError> {
     let wanted = [
-        ("pictures", output.pictures),
+        ("pictures", output.pictures != Pictures::Never),
         ("plot", !output.plots.is_empty()),
         ("slice", !output.slices.is_empty()),
     ];
@@ -222,6 +225,7 @@ impl Run<'_> {
         let Some(fluid) = self.drive.fluid_at(&mut self.simulation, &points) else {
             return Ok(None);
         };
+        let start = Instant::now();
         make_folder(&self.folder.join(folder))?;
         let name = format!("{folder}/{name}-{:08}.vti", mark.number);
         let fields = [
@@ -236,6 +240,7 @@ impl Run<'_> {
         ];
         write_vti(&self.folder.join(&name), grid, Some(mark.time), &fields)
             .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
+        self.outputs.output_costs.files.add(start);
         Ok(Some((name, fluid)))
     }
 
@@ -270,6 +275,7 @@ impl Run<'_> {
             let Some((name, fluid)) = written else {
                 continue;
             };
+            let start = Instant::now();
             let bodies = self.simulation.bodies().iter();
             let positions = self.drive.positions();
             let surfaces = Vec::from_iter(bodies.filter_map(|body| body.surface(positions)));
@@ -299,6 +305,7 @@ impl Run<'_> {
                 .join(format!("slices/{}-{:08}.png", slice.name, mark.number));
             let written = png::write(&canvas, &path);
             written.map_err(|source| RunError::Unwritable { path, source })?;
+            self.outputs.output_costs.pictures.add(start);
             self.outputs.slices.entries.push(CollectionEntry {
                 time: mark.time,
                 part,
@@ -340,6 +347,7 @@ impl Run<'_> {
                 labels: [axis_label(&plot.against), axis_label(&plot.column)],
                 curves: &curves,
                 marked: false,
+                hollow: &[],
                 published,
             };
             let canvas = picture

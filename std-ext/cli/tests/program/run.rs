@@ -223,6 +223,27 @@ fn a_run_leaves_its_series_surfaces_and_summary() {
     );
 
     let summary = summary(&out);
+    // Effects and other parts are all seconds of the run, and their shares are printed as 100 %.
+    let seconds = |costs: &Value| {
+        let costs = costs.as_array().unwrap().iter();
+        costs
+            .map(|cost| cost["seconds"].as_f64().unwrap())
+            .sum::<f64>()
+    };
+    let [effects, parts] = ["effects", "parts"].map(|costs| seconds(&summary[costs]));
+    let all = summary["seconds"].as_f64().unwrap();
+    assert!(
+        ((effects + parts) / all - 1.0).abs() < 1e-9,
+        "{effects} + {parts}, {all}"
+    );
+    let (_, table) = printed.split_once("share\n").unwrap();
+    let rows = table.lines().take_while(|line| !line.is_empty());
+    let rows = rows.map(|row| Vec::from_iter(row.split_whitespace()));
+    let rows = Vec::from_iter(rows);
+    let names = Vec::from_iter(rows.iter().map(|row| row[0]));
+    assert_eq!(names, ["bending", "driver", "quality", "files", "pictures"]);
+    let shares = rows.iter().map(|row| row[3].parse::<u32>().unwrap());
+    assert_eq!(shares.sum::<u32>(), 100, "{table}");
     assert_eq!(summary["end"], "converged");
     assert_eq!(summary["scene"]["surfaces"][0]["name"], "vesicle");
     assert_eq!(summary["effects"][0]["effect"], "bending");
@@ -243,14 +264,54 @@ fn a_run_leaves_its_series_surfaces_and_summary() {
         let name = format!("surfaces/vesicle-{time:08}.vtp");
         assert!(index.contains(&name), "{name} in {index}");
         let surface = fs::read_to_string(out.join(&name)).unwrap();
-        for field in [
-            "mean_curvature",
-            "gaussian_curvature",
-            "\"f\"",
-            "force_bending",
-        ] {
+        for field in ["\"H\"", "\"K\"", "\"f\"", "force_bending"] {
             assert!(surface.contains(field), "{field} in {name}");
         }
+    }
+}
+
+/// Pictures are drawn with every set of files, with none, or by default with as many as the run can afford: of
+/// a short one the last.
+#[test]
+fn a_short_run_draws_its_end() {
+    let (folder, scene) = scene("");
+    let drawn = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let more = [&["--set", "surface.vesicle.vertices=162"], more].concat();
+        succeed(&scene, &out, &more);
+        let count = |folder: &str| fs::read_dir(out.join(folder)).map_or(0, Iterator::count);
+        [count("pictures"), count("surfaces")]
+    };
+    let [pictures, sets] = drawn("default", &[]);
+    assert!(pictures == 1 && sets > 4, "{pictures} of {sets}");
+    let always = ["--set", "output.pictures=true"];
+    assert_eq!(drawn("always", &always), [sets, sets]);
+    let never = ["--set", "output.pictures=false"];
+    assert_eq!(drawn("never", &never), [0, sets]);
+}
+
+/// The last numbers have the units of the scene, and those that are not known are dashes.
+#[test]
+fn the_end_of_a_run_has_units() {
+    let scene = SCENE.replace("\"none\"", "\"micro\"");
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("scene.toml");
+    fs::write(&path, scene).unwrap();
+    let sets = ["surface.vesicle.vertices=162", "output.pictures=false"];
+    let sets = sets.map(|set| ["--set", set]);
+    let printed = succeed(&path, &folder.path().join("out"), sets.as_flattened());
+    for (name, unit) in [
+        ("energy", "pN·µm"),
+        ("energy_bending", "pN·µm"),
+        ("area", "µm²"),
+        ("volume", "µm³"),
+        ("smallest_angle", "degrees"),
+    ] {
+        let mut rows = printed
+            .lines()
+            .map(|row| Vec::from_iter(row.split_whitespace()));
+        let row = rows.find(|row| row.first() == Some(&name)).unwrap();
+        assert_eq!(row[2..], [unit], "{printed}");
     }
 }
 
@@ -452,7 +513,12 @@ fn constraints_out_of_reach_are_refused_before_anything_is_written() {
     let message = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert_eq!(message.lines().count(), 1, "{message}");
-    for hint in ["vesicle", "sphere", "ellipsoid"] {
+    // The prolate with a reduced volume of 0.9 and the area of the unit sphere.
+    for hint in [
+        "vesicle",
+        "sphere",
+        "begin with shape = \"ellipsoid:0.7712,0.7712,1.513\"",
+    ] {
         assert!(message.contains(hint), "{message}");
     }
     assert!(!out.exists());

@@ -62,6 +62,7 @@ pub(super) fn curves(
     let series = series.filter(|(_, scalar, _)| *scalar != Scalar::F32Pair);
     let both = each(rows.iter().map(|row| row.scalar)).contains(&Scalar::F64);
     let curves = series.map(|(method, scalar, rows)| Curve {
+        hollow: false,
         name: format!("{method} {scalar}"),
         style: Some(style_in(all, method)),
         marks: match scalar {

@@ -1,5 +1,6 @@
 //! Files of a run, and measurements of its bodies.
 
+mod approach;
 mod checkpoints;
 mod deformation;
 mod enclosure;
