@@ -4,7 +4,7 @@
 //! vertices (B, Jülicher, Hamann) or triangles with interior corners only (S, G). About half a row of triangles
 //! is left out, so that energies of surfaces that bend there have an error of first order in the edge length.
 //! Forces act on all vertices, and those at the boundary are the natural boundary conditions. Methods in
-//! strong form have no forces at a boundary.
+//! strong form have no forces at a boundary; the energies of those over jets include it.
 
 mod area_vectors;
 mod galerkin;

@@ -52,4 +52,9 @@ pub trait Curvatures<T: Real>: Method<T> {
         workspace: &mut Workspace<T, Self>,
         curvature: &mut [Curvature<T>],
     );
+
+    /// Whether H and K are defined at boundary vertices, too.
+    fn reaches_boundary(&self) -> bool {
+        false
+    }
 }

@@ -26,6 +26,14 @@ impl Norm {
         }
     }
 
+    /// `at every vertex` or `on average`.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Max => "at every vertex",
+            Self::Mean => "on average",
+        }
+    }
+
     /// `max` or `mean`.
     pub fn name(self) -> &'static str {
         match self {
@@ -100,31 +108,65 @@ fn is_kept(rows: &[Row], row: &Row, question: &Question<'_>) -> bool {
         .all(|finer| question.norm.of(finer) <= question.target)
 }
 
-/// The method that answers all questions in the shortest total time, with its row for each question;
-/// `None` if no method answers all of them.
-pub fn for_everything<'a>(
-    rows: &'a [Row],
-    questions: &[Question<'a>],
-) -> Option<(AnyMethod, Vec<&'a Row>)> {
-    let mut methods: Vec<AnyMethod> = Vec::new();
-    for row in rows {
-        if !methods.contains(&row.method) {
-            methods.push(row.method);
+/// The method that answers all questions in the shortest total time.
+#[derive(Clone, Debug)]
+pub struct Recommended<'a> {
+    /// The method.
+    pub method: AnyMethod,
+    /// The norm in which it reaches the target.
+    pub norm: Norm,
+    /// The row that answers each question.
+    pub rows: Vec<&'a Row>,
+}
+
+impl<'a> Recommended<'a> {
+    /// The method that reaches the target for every one of these quantities on every mesh family of the study, at
+    /// every vertex or, if none does, on average; `None` if no method reaches it.
+    pub fn of(rows: &'a [Row], quantities: &[Quantity], target: f64) -> Option<Self> {
+        let methods = each(rows.iter().map(|row| row.method));
+        let families = each(rows.iter().map(|row| row.family));
+        Norm::ALL.into_iter().find_map(|norm| {
+            let answers = |&method: &AnyMethod| {
+                let questions = quantities.iter().flat_map(|&quantity| {
+                    families.iter().map(move |&family| Question {
+                        family,
+                        quantity,
+                        norm,
+                        target,
+                        method: Some(method),
+                    })
+                });
+                questions
+                    .map(|question| cheapest(rows, &question))
+                    .collect::<Option<Vec<_>>>()
+            };
+            let cost = |rows: &[&Row]| rows.iter().map(|row| seconds(row)).sum::<f64>();
+            let found = methods
+                .iter()
+                .filter_map(|method| Some((method, answers(method)?)));
+            let (&method, rows) = found.min_by(|(_, a), (_, b)| cost(a).total_cmp(&cost(b)))?;
+            Some(Self { method, norm, rows })
+        })
+    }
+
+    /// The row with the most vertices, from which on the target is reached everywhere.
+    pub fn largest(&self) -> Option<&'a Row> {
+        self.rows.iter().copied().max_by_key(|row| row.vertices)
+    }
+
+    /// Whether a curve of this method in this number type answers a question.
+    pub fn is_of(&self, method: AnyMethod, scalar: Scalar) -> bool {
+        self.method == method && self.rows.iter().any(|row| row.scalar == scalar)
+    }
+}
+
+/// Each value once, in the order of its first mention.
+pub(crate) fn each<V: PartialEq>(values: impl Iterator<Item = V>) -> Vec<V> {
+    let mut seen = Vec::new();
+    for value in values {
+        if !seen.contains(&value) {
+            seen.push(value);
         }
     }
-    let answers = methods.into_iter().filter_map(|method| {
-        let answers = questions.iter().map(|question| {
-            let method = Some(method);
-            cheapest(
-                rows,
-                &Question {
-                    method,
-                    ..*question
-                },
-            )
-        });
-        Some((method, answers.collect::<Option<Vec<_>>>()?))
-    });
-    let cost = |answers: &[&Row]| answers.iter().map(|row| seconds(row)).sum::<f64>();
-    answers.min_by(|(_, a), (_, b)| cost(a).total_cmp(&cost(b)))
+    seen
 }

@@ -4,7 +4,8 @@
 //! * [`io`]: mesh files. [`generate`]: mesh families on exact shapes.
 //!   [`subdivide`]: refined meshes.
 //! * [`method`] and [`scalar`]: the bending methods and number types, chosen at run time.
-//!   [`info`]: properties of a mesh.
+//!   [`info`]: properties of a mesh. [`orientation`]: components
+//!   that are inside out. [`polygon`]: polygons divided into triangles.
 //! * [`measurement`]: curvatures with error bars, by jets that choose their scale from the noise.
 //! * [`execute`]: threads and wide vectors for the core's loops.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge;
@@ -29,7 +30,7 @@ pub use helfrich_draw::picture;
 pub use helfrich_evaluate::{
     checked, contact, effect, execute, held, method, noise, ordered, scalar,
 };
-pub use helfrich_mesh::{enclosure, generate, info, io, section, subdivide};
+pub use helfrich_mesh::{enclosure, generate, info, io, orientation, polygon, section, subdivide};
 pub use helfrich_solve::{deformation, dynamics, flow};
 
 pub mod answer;

@@ -6,7 +6,7 @@
 
 use crate::io::without_mark;
 use crate::picture::{Axis, Canvas, Chart, Curve, Marks, PictureError, Point};
-use crate::scene::shipped_file;
+use crate::scene::{Dimension, Scene, shipped_file};
 use crate::series::SeriesTable;
 use std::fs::File;
 use std::io::{self, Read};
@@ -14,6 +14,9 @@ use std::path::{Path, PathBuf};
 
 /// The head of a file of published curves.
 pub const CURVES_HEAD: &str = "curve,x,y";
+
+/// The name of hollow marks.
+pub const UNRESOLVED: &str = "hollow: unresolved";
 
 /// The longest file of published curves, in bytes.
 const LONGEST: u64 = 1 << 24;
@@ -38,7 +41,8 @@ pub struct CurvesError {
     pub problem: CurvesProblem,
 }
 
-/// Problems of a file of published curves.
+/// Problems of a file of published curves. A file without the head is not quoted, because the scene of somebody
+/// else may name any.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurvesProblem {
@@ -55,12 +59,10 @@ pub enum CurvesProblem {
         line: usize,
     },
     /// The first line is not the head.
-    #[error("line {line}: the head is `{found}`: it has to be `{CURVES_HEAD}`")]
+    #[error("line {line}: the head has to be `{CURVES_HEAD}`")]
     Head {
         /// The line, from 1.
         line: usize,
-        /// The text found.
-        found: String,
     },
     /// The file has no points.
     #[error("there is no curve: a head `{CURVES_HEAD}` and at least one point are needed")]
@@ -143,8 +145,7 @@ pub fn parsed(bytes: &[u8]) -> Result<Vec<PublishedCurve>, CurvesProblem> {
         if !has_head {
             let fields = Vec::from_iter(text.split(',').map(str::trim));
             if fields.join(",") != CURVES_HEAD {
-                let found = text.to_owned();
-                return Err(CurvesProblem::Head { line, found });
+                return Err(CurvesProblem::Head { line });
             }
             has_head = true;
             continue;
@@ -228,6 +229,9 @@ pub struct SeriesPlot<'a> {
     pub curves: &'a [SeriesCurve<'a>],
     /// Whether their points have marks.
     pub marked: bool,
+    /// Further points of computed curves, by the number of the curve, which are drawn as hollow marks
+    /// with [`UNRESOLVED`] in the legend.
+    pub hollow: &'a [(usize, Vec<[f64; 2]>)],
     /// Published curves, drawn as marks joined by dashed lines; a single point is a mark.
     pub published: &'a [PublishedCurve],
 }
@@ -272,6 +276,7 @@ impl SeriesPlot<'_> {
         let points = points.collect::<Result<Vec<_>, _>>()?;
         // The colours are the same with and without published curves.
         let curve = |name: &str, points: &[[f64; 2]], line, style| Curve {
+            hollow: false,
             name: name.to_owned(),
             // Marks make a series of one row visible, too.
             marks: match points {
@@ -280,7 +285,7 @@ impl SeriesPlot<'_> {
             },
             points: points.iter().copied().map(Point::from).collect(),
             style: Some(style),
-            label: String::new(),
+            ..Curve::default()
         };
         let line = match self.marked {
             true => Marks::LineAndPoints,
@@ -291,6 +296,16 @@ impl SeriesPlot<'_> {
         let published = self.published.iter().zip(self.curves.len()..);
         let published = published
             .map(|(own, style)| curve(&own.name, &own.points, Marks::DashesAndPoints, style));
+        let hollow = self.hollow.iter().enumerate();
+        let hollow = hollow.map(|(index, (style, points))| Curve {
+            hollow: true,
+            ..curve(
+                if index == 0 { UNRESOLVED } else { "" },
+                points,
+                Marks::Points,
+                *style,
+            )
+        });
         let chart = Chart {
             title: self.title.to_owned(),
             axes: self.labels.map(|label| Axis {
@@ -298,7 +313,7 @@ impl SeriesPlot<'_> {
                 ..Axis::default()
             }),
             // Lines are drawn last, over the marks.
-            curves: published.chain(computed).collect(),
+            curves: published.chain(computed).chain(hollow).collect(),
             guides: Vec::new(),
         };
         Ok(chart.draw(self.size)?)
@@ -343,4 +358,38 @@ pub fn axis_label(column: &str) -> &str {
         "inclination" => "inclination (degrees)",
         column => column,
     }
+}
+
+/// The unit of the numbers of a column of a scene's series; empty if they have none.
+pub fn unit_of(column: &str, scene: &Scene) -> String {
+    let probes = scene.output.probes.iter();
+    let mut probes = probes.filter_map(|probe| column.strip_prefix(&*probe.name));
+    let names = scene.surfaces.iter().map(|surface| &*surface.name);
+    let own = names.filter_map(|name| column.strip_suffix(name)?.strip_suffix('_'));
+    let dimension = if probes.any(|axis| matches!(axis, "_x" | "_y" | "_z")) {
+        Some(Dimension::VELOCITY)
+    } else {
+        let mut quantities = std::iter::once(column).chain(own);
+        match quantities.find_map(angle_or_dimension) {
+            Some(None) => return "degrees".to_owned(),
+            found => found.flatten(),
+        }
+    };
+    dimension.map_or_else(String::new, |dimension| dimension.unit(scene.units))
+}
+
+/// The dimension of a quantity that has one, or `None` inside for an angle in degrees.
+fn angle_or_dimension(quantity: &str) -> Option<Option<Dimension>> {
+    Some(match quantity {
+        "smallest_angle" | "inclination" => None,
+        "time" | "step" | "step_limit" | "tank_treading_period" => Some(Dimension::TIME),
+        "area" => Some(Dimension::AREA),
+        "volume" => Some(Dimension::VOLUME),
+        "force" => Some(Dimension::FORCE),
+        "axial_diameter" | "transverse_diameter" | "centroid_x" | "centroid_y" | "centroid_z" => {
+            Some(Dimension::LENGTH)
+        }
+        energy if energy == "energy" || energy.starts_with("energy_") => Some(Dimension::ENERGY),
+        _ => return None,
+    })
 }

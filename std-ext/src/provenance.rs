@@ -4,6 +4,7 @@ use crate::io::sha256;
 use serde::Serialize;
 use std::fs;
 use std::thread::available_parallelism;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// The build of a program, recorded by its build script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -88,4 +89,27 @@ fn processor() -> String {
         (key.trim() == "model name").then(|| value.trim().to_owned())
     });
     named.unwrap_or_else(|| std::env::consts::ARCH.to_owned())
+}
+
+/// A time as a date and time of day in UTC. Days to dates: H. Hinnant, *chrono-compatible low-level
+/// date algorithms* (2013, public domain).
+pub fn date(when: SystemTime) -> String {
+    let seconds = when
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |since| since.as_secs());
+    let days = (seconds / 86_400) as i64 + 719_468;
+    let era = days / 146_097;
+    let of_era = days % 146_097;
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let shifted = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * shifted + 2) / 5 + 1;
+    let month = if shifted < 10 {
+        shifted + 3
+    } else {
+        shifted - 9
+    };
+    let year = year + 400 * era + i64::from(month <= 2);
+    let (hour, minute) = (seconds / 3600 % 24, seconds / 60 % 60);
+    format!("{year}-{month:02}-{day:02} {hour:02}:{minute:02} UTC")
 }

@@ -18,10 +18,12 @@
 //! the checkpoint. A run that is killed at any time loses only the work since its last checkpoint;
 //! the first checkpoint is written before the first row.
 //!
-//! Only one process at a time runs in a folder: it holds a [`Lock`] there until the run ends.
+//! Only one process at a time runs in a folder: it holds a [`Lock`] there until the run ends. A new run does
+//! not replace files that it finds in its folder, nor any run a file that its scene reads.
 
 mod acts;
 mod clock;
+mod costs;
 mod curved;
 mod deformed;
 mod drive;
@@ -49,6 +51,7 @@ use crate::lock::Lock;
 use crate::scene::{Driver, Scene};
 use crate::series::{Series, SeriesError, SeriesTable};
 use crate::simulation::{Acting, Body, EffectCost, Simulation, messages_once};
+use costs::OutputCosts;
 use drive::{Drive, Mark};
 pub use error::RunError;
 pub use estimate::EnergyEstimate;
@@ -102,6 +105,9 @@ struct Outputs {
     /// Number of rows so far.
     sets: u64,
     costs: Vec<(u64, f64)>,
+    output_costs: OutputCosts,
+    /// Number of pictures so far.
+    pictures: u64,
     seconds: f64,
     /// Warnings about the surfaces' quality, at most one per surface.
     doubts: Vec<(String, String)>,
@@ -127,6 +133,7 @@ pub fn run(
     progress: &mut dyn FnMut(&Progress<'_>),
 ) -> Result<Summary, RunError> {
     let start = Instant::now();
+    folder::refuse_inputs(scene, &simulation, folder)?;
     let lock = folder::lock_if_there(folder)?;
     let fingerprint = fingerprint(scene, &simulation, &positions)?;
     let [path, series_path] = [CHECKPOINT, SERIES].map(|name| folder.join(name));
@@ -138,6 +145,9 @@ pub fn run(
     } else {
         None
     };
+    if stored.is_none() {
+        folder::refuse_foreign(scene, &simulation, folder)?;
+    }
     let (state, outputs) = stored
         .map(|Stored { drive, outputs }| (drive, outputs))
         .unzip();
@@ -162,6 +172,7 @@ pub fn run(
             (series, Some(outputs), last.unwrap_or_default())
         }
         None => {
+            folder::refuse_other_series(&series_path, &columns)?;
             let series = Series::create(&series_path, &columns)
                 .map_err(|error| RunError::Output(Box::new(error)))?;
             (series, None, Vec::new())
@@ -321,22 +332,27 @@ impl Run<'_> {
         if self.outputs.written == Some(mark.number) {
             return Ok(None);
         }
+        let start = Instant::now();
         let acting = self.simulation.resolve(self.drive.positions());
         let flagged = quality::flagged(&self.simulation, self.drive.positions());
         let mut row = self
             .measures
             .row(&*self.drive, &self.simulation, &acting, &flagged);
         self.doubt(flagged.iter().flatten());
+        self.outputs.output_costs.quality.add(start);
         row.extend(self.probe());
+        let start = Instant::now();
         let output = |error: SeriesError| RunError::Output(Box::new(error));
         self.series.append(&row).map_err(output)?;
+        self.outputs.output_costs.files.add(start);
         self.last = row;
         let impossible = quality::impossible(&self.simulation, &acting, &flagged);
         let files_every = self.scene.output.files_every;
         let due = self.outputs.sets.is_multiple_of(files_every);
         self.outputs.sets += 1;
-        if due || last || impossible.is_some() {
-            self.write_files(mark, &acting)?;
+        let last = last || impossible.is_some();
+        if due || last {
+            self.write_files(mark, &acting, last)?;
         }
         self.outputs.written = Some(mark.number);
         Ok(impossible)
@@ -356,19 +372,28 @@ impl Run<'_> {
         }
     }
 
-    /// Writes a set of files.
-    fn write_files(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
+    /// Writes a set of files, which may be the last.
+    fn write_files(&mut self, mark: Mark, acting: &[Acting], last: bool) -> Result<(), RunError> {
         if self.scene.output.surfaces {
+            let start = Instant::now();
             self.write_surfaces(mark, acting)?;
+            self.outputs.output_costs.files.add(start);
         }
-        if self.scene.output.pictures {
+        let counts = [self.outputs.pictures, self.drive.positions().len() as u64];
+        let work = self.drive.work();
+        let seconds = costs::estimated_seconds(self.scene, &self.simulation, work);
+        if costs::is_drawn(&self.scene.output, counts, seconds, last) {
+            let start = Instant::now();
             self.draw(mark, acting)?;
+            self.outputs.pictures += 1;
+            self.outputs.output_costs.pictures.add(start);
         }
         self.write_slices(mark)?;
         self.write_volumes(mark)
     }
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
+        let start = Instant::now();
         let rows = self.series.mark();
         self.outputs.rows = rows.map_err(|error| RunError::Output(Box::new(error)))?;
         let costs = self.costs();
@@ -381,14 +406,16 @@ impl Run<'_> {
             },
         };
         checkpoint::write(&self.folder.join(CHECKPOINT), self.fingerprint, &stored)
-            .map_err(|error| RunError::Output(Box::new(error)))
+            .map_err(|error| RunError::Output(Box::new(error)))?;
+        self.outputs.output_costs.files.add(start);
+        Ok(())
     }
 
     fn seconds(&self) -> f64 {
         self.outputs.seconds + self.start.elapsed().as_secs_f64()
     }
 
-    /// Costs of this run and of the runs that it continues.
+    /// Costs of effects in this run and in the runs that it continues.
     fn costs(&self) -> Vec<EffectCost> {
         let mut costs = self.simulation.costs();
         for (cost, uncounted) in costs.iter_mut().zip(&self.uncounted) {
@@ -403,13 +430,18 @@ impl Run<'_> {
     }
 
     fn finish(&mut self, end: End, message: String) -> Result<Summary, RunError> {
+        let start = Instant::now();
         self.draw_plots()?;
+        self.outputs.output_costs.pictures.add(start);
+        let start = Instant::now();
         self.write_last()?;
+        self.outputs.output_costs.files.add(start);
         let mut columns = self.measures.columns(&*self.drive, &self.simulation);
         columns.extend(Self::probe_columns(self.scene));
         let last = columns.into_iter().zip(self.last.clone());
         let work = self.drive.work();
         // The last row may be from the resumed run.
+        let start = Instant::now();
         let positions = self.drive.positions();
         let acting = self.simulation.resolve(positions);
         let flagged = quality::flagged(&self.simulation, positions);
@@ -419,6 +451,7 @@ impl Run<'_> {
         if let (Driver::Relax(relax), true) = (self.scene.driver, end.is_reached()) {
             energy_estimates =
                 estimate::estimates(self.scene, &self.simulation, &acting, positions);
+            self.outputs.output_costs.quality.add(start);
             let reached = (end, message);
             (end, message) =
                 summary::judge(reached, self.scene, relax, &flagged, &energy_estimates);
@@ -435,15 +468,19 @@ impl Run<'_> {
         warnings.extend(messages_once(notes.cloned().collect(), &names));
         let lock = self.lock.iter().filter_map(Lock::warning);
         warnings.extend(lock.map(str::to_owned));
+        let (effects, seconds) = (self.costs(), self.seconds());
+        let in_effects = effects.iter().map(|cost| cost.seconds).sum();
+        let outputs = self.outputs.output_costs;
         let summary = Summary {
             title: self.scene.title.clone(),
             end,
             message,
             iterations: work.iterations,
             right_hand_sides: work.right_hand_sides,
-            seconds: self.seconds(),
+            seconds,
             last: last.collect(),
-            effects: self.costs(),
+            parts: outputs.parts(work.iterations, in_effects, seconds),
+            effects,
             flagged,
             energy_estimates,
             modes,

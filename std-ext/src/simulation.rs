@@ -265,6 +265,27 @@ impl Simulation {
         }
     }
 
+    /// The exactly held quantities at some positions: for each surface the values of each constraint, one
+    /// for each component.
+    pub(crate) fn held_values(&mut self, positions: &[[f64; 3]]) -> Vec<Vec<Vec<f64>>> {
+        let values = self.bodies.iter_mut().map(|body| {
+            let positions = &positions[body.vertices.clone()];
+            match &body.ordered {
+                None => body.acts.held.values(positions),
+                Some(ordered) => body.acts.held.values(&ordered.order().apply(positions)),
+            }
+        });
+        values.collect()
+    }
+
+    /// Sets the targets of exactly held quantities to this fraction of the way from some values, those of
+    /// [`Self::held_values`], to their targets in the scene.
+    pub(crate) fn approach(&mut self, starts: &[Vec<Vec<f64>>], fraction: f64) {
+        for (body, starts) in self.bodies.iter_mut().zip(starts) {
+            body.acts.held.approach(starts, fraction);
+        }
+    }
+
     /// The names of the effects: first those on each surface, then interactions.
     pub fn effect_names(&self) -> Vec<String> {
         let mut names = Vec::new();

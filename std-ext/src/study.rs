@@ -14,7 +14,7 @@ pub use noisy::{BEST_FIXED, Bars, NoiseRow, NoiseStudy};
 pub use timing::MOST_SCATTER;
 pub(crate) use timing::{Timing, is_scattered};
 
-use crate::execute::Parallel;
+use crate::execute::{Parallel, unless_interrupted};
 use crate::generate::{self, AnyShape, Family, GenerateError, GeneratedMesh, generate};
 use crate::method::{AnyMethod, Compiled, MethodOptions, RepeatedName};
 use crate::scalar::{HeldPositions, Scalar};
@@ -60,6 +60,16 @@ impl Quantity {
             Self::Gaussian => gaussian,
             Self::LaplacianOfMean => laplacian,
             Self::ForceDensity => method.has_force(),
+        }
+    }
+
+    /// The name in the field.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Mean => "mean curvature, positive on a sphere",
+            Self::Gaussian => "Gaussian curvature",
+            Self::LaplacianOfMean => "Laplacian of H along the surface",
+            Self::ForceDensity => "bending force per area",
         }
     }
 
@@ -142,6 +152,9 @@ pub struct Session<'a> {
     pub cache: Option<&'a mut Cache>,
     /// Number of bytes allocated by the program; without it memory is not measured.
     pub allocated: Option<&'a dyn Fn() -> usize>,
+    /// Whether evaluations are repeated until the median of their times is known. Otherwise the time is that
+    /// of the first evaluation, with a scatter of NaN: errors take a third of the time.
+    pub timed: bool,
 }
 
 impl fmt::Debug for Session<'_> {
@@ -209,6 +222,7 @@ impl Study {
             interrupted: &|| false,
             cache: None,
             allocated: None,
+            timed: true,
         })
     }
 
@@ -259,7 +273,10 @@ impl Study {
                         let at = &format!("{family} {vertices}: {method} {scalar}");
                         (session.progress)(StudyProgress { done, total, at });
                         done += vertices as u64;
-                        for mut row in case.rows(level, session)? {
+                        let Some(found) = unless_interrupted(|| case.rows(level, session)) else {
+                            return Ok(rows);
+                        };
+                        for mut row in found? {
                             row.set_orders(&rows);
                             rows.push(row);
                         }
@@ -405,10 +422,8 @@ impl Case<'_> {
             (Some(measured), _) => measured,
             (None, Some((mesh, exact))) => {
                 let measured = match self.scalar {
-                    Scalar::F32 | Scalar::F32Pair => {
-                        self.measure::<f32>(mesh, exact, session.allocated)
-                    }
-                    Scalar::F64 => self.measure::<f64>(mesh, exact, session.allocated),
+                    Scalar::F32 | Scalar::F32Pair => self.measure::<f32>(mesh, exact, session),
+                    Scalar::F64 => self.measure::<f64>(mesh, exact, session),
                 };
                 let measured = measured.map_err(|source| StudyError::Surface {
                     vertices: level.vertices,
@@ -446,8 +461,9 @@ impl Case<'_> {
         self,
         mesh: &GeneratedMesh,
         exact: &Reference,
-        allocated: Option<&dyn Fn() -> usize>,
+        session: &Session<'_>,
     ) -> Result<Measured, SurfaceError> {
+        let allocated = session.allocated;
         let held = HeldPositions::<T>::new(self.scalar, &mesh.positions);
         let surface = held.surface(&mesh.mesh)?;
         let before = allocated.map(|allocated| allocated());
@@ -461,7 +477,13 @@ impl Case<'_> {
         let first = start.elapsed();
         let bytes = allocated.zip(before);
         let bytes = bytes.map(|(allocated, before)| allocated().saturating_sub(before) as f64);
-        let time = Timing::of_runs(first, || evaluator.evaluate(surface));
+        let time = match session.timed {
+            true => Timing::of_runs(first, || evaluator.evaluate(surface)),
+            false => Timing {
+                scatter: f64::NAN,
+                ..Timing::of_one(first)
+            },
+        };
         let fields = evaluator.last_fields(surface);
         let vertices = mesh.mesh.vertex_count();
         let defined = |quantity: &Quantity| quantity.is_defined_by(self.method);

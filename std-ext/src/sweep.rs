@@ -7,7 +7,8 @@
 //! * `COLUMN.png` for each chosen column: the series of all runs together, with published curves; with
 //!   the feature `pictures` only;
 //! * `COLUMN-over-KEY.png` for each chosen column and each key that varies over numbers: the last numbers of all
-//!   runs that reached their end, and the points where curves cross.
+//!   runs that reached their end, and the points where curves cross; hollow marks are numbers of runs that
+//!   ended unresolved, stagnated, or at the limit of iterations.
 //!
 //! A failed run is recorded, and the next one starts.
 
@@ -97,6 +98,16 @@ pub enum SweepError {
         /// The folder of one.
         folder: PathBuf,
     },
+    /// The folder contains something that the sweep would replace.
+    #[error(
+        "{}: the sweep would replace this, which is there without runs: move it away, or name another \
+         folder with `--out`",
+        path.display()
+    )]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
     /// Another process writes to the folder.
     #[error(transparent)]
     Lock(#[from] LockError),
@@ -154,6 +165,8 @@ pub struct Swept {
     pub keys: Vec<String>,
     /// The chosen columns that some run has.
     pub columns: Vec<String>,
+    /// The unit of each of these; empty for a number without one.
+    pub units: Vec<String>,
     /// Columns that no run has, and all columns that exist; empty until a run has ended.
     pub unknown: Vec<String>,
     /// All columns of all runs.
@@ -310,6 +323,15 @@ impl Sweep {
             (None, Some(errors)) => return Err(SweepError::Scene(errors)),
             (None, None) => return Ok(Swept::new(self, Vec::new())),
         };
+        if !resume {
+            let plots = scene.output.plots.iter().map(|plot| &plot.column);
+            let pictures = self.columns.iter().chain(plots);
+            let pictures = pictures.map(|column| folder.join(format!("{column}.png")));
+            let mut files = pictures.chain([folder.join(TABLE)]);
+            if let Some(path) = files.find(|path| path.symlink_metadata().is_ok()) {
+                return Err(SweepError::Foreign { path });
+            }
+        }
         fs::create_dir_all(folder).map_err(|source| SweepError::Unwritable {
             path: folder.to_owned(),
             source,

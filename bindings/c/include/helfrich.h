@@ -4,7 +4,8 @@
  * is positive on a sphere. A force is nodal, -dE/dx, in units of force; a force density is a force per area.
  * Numbers have the units of the caller. Arrays belong to the caller and are densely packed: `count` rows
  * of three coordinates. In the twins whose names end with _f32 positions are widened exactly, everything is
- * computed in double, and results are rounded once; they are infinite beyond the range of float.
+ * computed in double, and results are rounded once. Forces, energies and matrices beyond the range of their type
+ * are an error, HF_STATUS_UNDEFINED; curvatures and force densities are infinite there.
  *
  * Every function that can fail returns a status and takes a pointer to an hf_error, or NULL. A call that
  * fails leaves its handles usable, and its output arrays in any state. Arrays of one call must not overlap,
@@ -85,7 +86,7 @@ typedef enum {
    */
   HF_STATUS_UNREADABLE_FILE = 7,
   /*
-   The result is not defined, such as the volume of an open surface.
+   The result is not defined, such as the volume of an open surface, or beyond the numbers of its type.
    */
   HF_STATUS_UNDEFINED = 8,
   /*
@@ -373,12 +374,12 @@ hf_status hf_viscous_force_f32(const hf_mesh *mesh,
  its energy, unless it is NULL.
 
  The energy is ½ Σ A w(d), summed over the vertices with their areas A and distances d from each other surface,
- with w(d) = k r²/4 (1 − s²)³/s², s = d/r for d < r, and 0 beyond; it is infinite where surfaces touch. `modulus`
- is k, an energy per area squared, and `range` r. `positions` and `forces` have the rows of all surfaces one after
- the other, `total` in all; a mesh may be given several times. `periods` are the lengths of a periodic box along
- its three axes, at least the range or 0 for those that are not periodic, or NULL: in a box surfaces are repelled by
- all images, also of themselves. Evaluations run on up to `threads` threads, 0 for all; no result depends on their
- number.
+ with w(d) = k r²/4 (1 − s²)³/s², s = d/r for d < r, and 0 beyond. Fails with HF_STATUS_UNDEFINED where surfaces
+ touch: it has no bound there. `modulus` is k, an energy per area squared, and `range` r. `positions` and
+ `forces` have the rows of all surfaces one after the other, `total` in all; a mesh may be given several times.
+ `periods` are the lengths of a periodic box along its three axes, at least the range or 0 for those that are not
+ periodic, or NULL: in a box surfaces are repelled by all images, also of themselves. Evaluations run on up to
+ `threads` threads, 0 for all; no result depends on their number.
  */
 hf_status hf_repulsion(const hf_mesh *const *meshes,
                        size_t count,
@@ -531,7 +532,9 @@ hf_status hf_membrane_effect_name(const hf_membrane *membrane,
  Sets `*energy` to the sum of the energies of all effects at these positions.
 
  For bending by a method in strong form it is the quadrature `2κ Σ (H − H0)² A`, whose gradient is not the
- force.
+ force. For bending by kantor-nelson it is `2 ∫ κ (H² − ⅔ K) dS`, 8πκ/3 for a sphere. On an open mesh the energy
+ of bending leaves out about half a row of triangles at the boundary, as hf_membrane_warnings says. Fails with
+ HF_STATUS_UNDEFINED if the energy is not finite.
  */
 hf_status hf_membrane_energy(hf_membrane *membrane,
                              const double (*positions)[3],
@@ -554,7 +557,7 @@ hf_status hf_membrane_energy_f32(hf_membrane *membrane,
 
  Nodal forces are in units of force. Forces of bending by a method in strong form are its force density times
  the area of the vertex, without net force and torque. Quantities that are held exactly exert no force:
- see hf_membrane_constraint_gradients.
+ see hf_membrane_constraint_gradients. Fails with HF_STATUS_UNDEFINED if a force is not finite.
  */
 hf_status hf_membrane_force(hf_membrane *membrane,
                             const double (*positions)[3],
@@ -763,9 +766,10 @@ hf_status hf_volume_f32(const hf_mesh *mesh,
 
  `name` is one of those that hf_method_name lists. `areas` are "mixed", "voronoi" or "barycentric", for
  gompper-kroll and meyer; `bandwidth` is a number of mean vertex areas, "converging" or "published", for
- belkin; NULL is the default of either. `modulus` is the bending modulus κ, an energy above 0, and
- `spontaneous_curvature` H0, 1/length, positive on a sphere. Evaluations run on up to `threads` threads, 0 for
- all; no result depends on their number. On success `*method` is a new method, which hf_method_free frees.
+ belkin; NULL is the default of either. `modulus` is the bending modulus κ, an energy above 0, of which
+ kantor-nelson makes the modulus k̃ = 2κ/√3 of an edge: its forces are those of κ. `spontaneous_curvature` is H0,
+ 1/length, positive on a sphere. Evaluations run on up to `threads` threads, 0 for all; no result depends on their
+ number. On success `*method` is a new method, which hf_method_free frees.
  */
 hf_status hf_method_new(const hf_mesh *mesh,
                         const char *name,

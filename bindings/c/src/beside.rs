@@ -1,6 +1,6 @@
 //! Forces that no effect of one membrane has: of viscosity, from velocities, and between surfaces.
 
-use crate::call::{Call, guarded, surface};
+use crate::call::{Call, finite, finite_sum, guarded, surface};
 use crate::membrane::threads;
 use crate::mesh::Mesh;
 use crate::number::Number;
@@ -31,7 +31,7 @@ fn viscous<N: Number>(
 ) -> Outcome {
     let mesh = &call.object("mesh", mesh)?.triangles;
     let positions = call.at_vertices("positions", positions, count, mesh)?;
-    let velocities = call.at_vertices("velocities", velocities, count, mesh)?;
+    let velocities = call.field("velocities", velocities, count, mesh)?;
     let force = call.write("force", force, count)?;
     let power = call.write_if_wanted("power", power, 1)?;
     let viscosity = MembraneViscosity {
@@ -40,12 +40,14 @@ fn viscous<N: Number>(
     };
     let surface = surface(mesh, &positions)?;
     let mut viscosity = Prepared::new(viscosity, mesh);
-    N::compute(force, |force| {
+    N::compute(&mut *force, |force| {
         force.fill([0.0; 3]);
         viscosity.add_dissipative_force(surface, &velocities[..], force);
     });
+    finite("force", "vertex", force.as_flattened().iter().copied(), 3)?;
     if let Some([power]) = power {
-        *power = N::nearest(viscosity.dissipated_power(surface, &velocities[..]));
+        let found = viscosity.dissipated_power(surface, &velocities[..]);
+        *power = finite_sum("power", N::nearest(found))?;
     }
     Ok(())
 }
@@ -151,6 +153,7 @@ fn repulsion<N: Number>(
         let of = "one for each vertex of all meshes";
         return Err(Failure::count("positions", several.total, vertices, of));
     }
+    let counts = Vec::from_iter(meshes.iter().map(|mesh| mesh.vertex_count()));
     let positions = N::widen(positions);
     let mut rest = &positions[..];
     let mut surfaces: Vec<Surface<'_, f64>> = Vec::with_capacity(meshes.len());
@@ -162,7 +165,7 @@ fn repulsion<N: Number>(
             ..failure
         })?);
     }
-    let energy = N::compute(forces, |forces| {
+    let energy = N::compute(&mut *forces, |forces| {
         forces.fill([0.0; 3]);
         let mut rest = forces;
         let mut each = Vec::with_capacity(surfaces.len());
@@ -177,8 +180,24 @@ fn repulsion<N: Number>(
         let mut memory = Default::default();
         repel(&execution, &repulsion, &surfaces, &mut memory, &mut each)
     });
+    let energy = N::nearest(energy);
+    let is_finite = |force: &[N; 3]| force.iter().all(|component| component.wide().is_finite());
+    let broken = forces.iter().position(|force| !is_finite(force));
+    if broken.is_some() || !energy.wide().is_finite() {
+        let (mut index, mut vertex) = (0, broken.unwrap_or_default());
+        while counts.get(index).is_some_and(|&count| count <= vertex) {
+            vertex -= counts[index];
+            index += 1;
+        }
+        let place = match broken {
+            Some(_) => format!("surface {index} touches another surface at vertex {vertex}"),
+            None => "two surfaces touch".to_owned(),
+        };
+        let text = format!("{place}, where the repulsion has no bound: move them apart");
+        return Err(Failure::new(Status::Undefined, text));
+    }
     if let Some([place]) = place {
-        *place = N::nearest(energy);
+        *place = energy;
     }
     Ok(())
 }
@@ -187,12 +206,12 @@ fn repulsion<N: Number>(
 /// its energy, unless it is NULL.
 ///
 /// The energy is ½ Σ A w(d), summed over the vertices with their areas A and distances d from each other surface,
-/// with w(d) = k r²/4 (1 − s²)³/s², s = d/r for d < r, and 0 beyond; it is infinite where surfaces touch. `modulus`
-/// is k, an energy per area squared, and `range` r. `positions` and `forces` have the rows of all surfaces one after
-/// the other, `total` in all; a mesh may be given several times. `periods` are the lengths of a periodic box along
-/// its three axes, at least the range or 0 for those that are not periodic, or NULL: in a box surfaces are repelled by
-/// all images, also of themselves. Evaluations run on up to `threads` threads, 0 for all; no result depends on their
-/// number.
+/// with w(d) = k r²/4 (1 − s²)³/s², s = d/r for d < r, and 0 beyond. Fails with HF_STATUS_UNDEFINED where surfaces
+/// touch: it has no bound there. `modulus` is k, an energy per area squared, and `range` r. `positions` and
+/// `forces` have the rows of all surfaces one after the other, `total` in all; a mesh may be given several times.
+/// `periods` are the lengths of a periodic box along its three axes, at least the range or 0 for those that are not
+/// periodic, or NULL: in a box surfaces are repelled by all images, also of themselves. Evaluations run on up to
+/// `threads` threads, 0 for all; no result depends on their number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hf_repulsion(
     meshes: *const *const Mesh,

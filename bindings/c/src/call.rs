@@ -115,6 +115,27 @@ impl Call {
         Ok(N::widen(self.read(name, pointer, count)?))
     }
 
+    /// A field of finite numbers at the vertices of a mesh.
+    pub(crate) fn field<'a, N: Number, const D: usize>(
+        &mut self,
+        name: &'static str,
+        pointer: *const [N; D],
+        count: usize,
+        mesh: &TriangleMesh,
+    ) -> Result<Cow<'a, [[f64; D]]>, Failure> {
+        let field = self.at_vertices(name, pointer, count, mesh)?;
+        let finite = |numbers: &[f64; D]| numbers.iter().all(|number| number.is_finite());
+        let Some(vertex) = field.iter().position(|numbers| !finite(numbers)) else {
+            return Ok(field);
+        };
+        let found = match field[vertex].as_slice() {
+            [number] => number.to_string(),
+            numbers => format!("{numbers:?}"),
+        };
+        let text = format!("`{name}` is {found} at vertex {vertex}: finite numbers are needed");
+        Err(Failure::argument(text))
+    }
+
     /// An array that is written.
     pub(crate) fn write<'a, T>(
         &mut self,
@@ -261,6 +282,39 @@ pub(crate) fn surface<'a>(
     positions: &'a [[f64; 3]],
 ) -> Result<Surface<'a, f64>, Failure> {
     Ok(Surface::new(mesh, positions)?)
+}
+
+/// Refuses results that are not finite, `width` numbers for each `place`, such as a vertex.
+pub(crate) fn finite<N: Number>(
+    name: &str,
+    place: &str,
+    results: impl IntoIterator<Item = N>,
+    width: usize,
+) -> Outcome {
+    let mut results = results.into_iter().map(N::wide).enumerate();
+    match results.find(|(_, result)| !result.is_finite()) {
+        None => Ok(()),
+        Some((at, result)) => Err(beyond(
+            &format!("`{name}` at {place} {}", at / width),
+            result,
+        )),
+    }
+}
+
+/// The failure of a result that is not finite.
+fn beyond(what: &str, result: f64) -> Failure {
+    let text = format!(
+        "{what} is {result}, beyond the numbers of its type: choose other units, or other positions"
+    );
+    Failure::new(Status::Undefined, text)
+}
+
+/// Refuses a result that is not finite.
+pub(crate) fn finite_sum<N: Number>(name: &str, result: N) -> Result<N, Failure> {
+    match result.wide() {
+        wide if wide.is_finite() => Ok(result),
+        wide => Err(beyond(&format!("`{name}`"), wide)),
+    }
 }
 
 /// Checks the number of entries of an array with one for each vertex.

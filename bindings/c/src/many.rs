@@ -1,6 +1,6 @@
 //! Many membranes at once, on several threads.
 
-use crate::call::{Call, guarded};
+use crate::call::{Call, finite, finite_sum, guarded};
 use crate::membrane::{Membrane, threads};
 use crate::number::Number;
 use crate::status::{Error, Failure, Outcome, Status};
@@ -57,8 +57,13 @@ fn forces<N: Number + Send + Sync>(
                 return;
             };
             let at = N::widen(at);
-            match N::compute(force, |force| membrane.evaluate(&at, force)) {
-                Ok(value) => *energy = N::nearest(value),
+            let found = N::compute(&mut *force, |force| membrane.evaluate(&at, force));
+            let found = found.and_then(|energy| {
+                finite("force", "vertex", force.as_flattened().iter().copied(), 3)?;
+                finite_sum("energy", N::nearest(energy))
+            });
+            match found {
+                Ok(value) => *energy = value,
                 Err(failure) => {
                     let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
                     if failed.as_ref().is_none_or(|(first, _)| index < *first) {

@@ -3,7 +3,7 @@
 pub mod constraint;
 pub mod engine;
 
-use crate::call::{Call, free, guarded, of_vertices, surface};
+use crate::call::{Call, finite, finite_sum, free, guarded, of_vertices, surface};
 use crate::mesh::Mesh;
 use crate::names::name;
 use crate::number::Number;
@@ -83,7 +83,9 @@ impl Membrane {
     ) -> Result<f64, Failure> {
         surface(&self.mesh, positions)?;
         of_vertices("force", force.len(), &self.mesh)?;
-        Ok(self.simulation.evaluate(positions, force).energy)
+        let energy = self.simulation.evaluate(positions, force).energy;
+        finite("force", "vertex", force.as_flattened().iter().copied(), 3)?;
+        finite_sum("energy", energy)
     }
 
     /// Evaluates, and keeps the forces.
@@ -246,14 +248,16 @@ fn energy<N: Number>(
     let membrane = call.object_mut("membrane", membrane)?;
     let positions = call.at_vertices("positions", positions, count, &membrane.mesh)?;
     let place = call.place("energy", energy)?;
-    *place = N::nearest(membrane.keep(&positions)?);
+    *place = finite_sum("energy", N::nearest(membrane.keep(&positions)?))?;
     Ok(())
 }
 
 /// Sets `*energy` to the sum of the energies of all effects at these positions.
 ///
 /// For bending by a method in strong form it is the quadrature `2κ Σ (H − H0)² A`, whose gradient is not the
-/// force.
+/// force. For bending by kantor-nelson it is `2 ∫ κ (H² − ⅔ K) dS`, 8πκ/3 for a sphere. On an open mesh the energy
+/// of bending leaves out about half a row of triangles at the boundary, as hf_membrane_warnings says. Fails with
+/// HF_STATUS_UNDEFINED if the energy is not finite.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hf_membrane_energy(
     membrane: *mut Membrane,
@@ -299,9 +303,10 @@ fn force<N: Number>(
     let positions = call.at_vertices("positions", positions, count, &membrane.mesh)?;
     let force = call.write("force", force, count)?;
     let place = call.write_if_wanted("energy", energy, 1)?;
-    let energy = N::compute(force, |force| membrane.evaluate(&positions, force))?;
+    let energy = N::compute(&mut *force, |force| membrane.evaluate(&positions, force))?;
+    finite("force", "vertex", force.as_flattened().iter().copied(), 3)?;
     if let Some([place]) = place {
-        *place = N::nearest(energy);
+        *place = finite_sum("energy", N::nearest(energy))?;
     }
     Ok(())
 }
@@ -311,7 +316,7 @@ fn force<N: Number>(
 ///
 /// Nodal forces are in units of force. Forces of bending by a method in strong form are its force density times
 /// the area of the vertex, without net force and torque. Quantities that are held exactly exert no force:
-/// see hf_membrane_constraint_gradients.
+/// see hf_membrane_constraint_gradients. Fails with HF_STATUS_UNDEFINED if a force is not finite.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hf_membrane_force(
     membrane: *mut Membrane,
@@ -374,12 +379,14 @@ fn resolve<N: Number>(
         for (place, acting) in energies.iter_mut().zip(&acting) {
             *place = N::nearest(acting.energy);
         }
+        finite("energies", "effect", energies.iter().copied(), 1)?;
     }
     if let Some(forces) = forces {
         let all = acting.iter().flat_map(|acting| &acting.force);
         for (place, force) in forces.iter_mut().zip(all) {
             *place = force.map(N::nearest);
         }
+        finite("forces", "row", forces.as_flattened().iter().copied(), 3)?;
     }
     Ok(())
 }

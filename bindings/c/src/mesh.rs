@@ -1,6 +1,6 @@
 //! Meshes: triangles of vertices, and mesh files.
 
-use crate::call::{Call, free, guarded, of_vertices, surface};
+use crate::call::{Call, finite_sum, free, guarded, of_vertices, surface};
 use crate::number::Number;
 use crate::status::{Error, Failure, Outcome, Status};
 use helfrich::{Surface, TriangleMesh};
@@ -173,13 +173,13 @@ fn size<N: Number>(
 ) -> Outcome {
     let mesh = &call.object("mesh", mesh)?.triangles;
     let positions = call.at_vertices("positions", positions, count, mesh)?;
-    let place = call.place(size.0, size.1)?;
+    let (name, place) = (size.0, call.place(size.0, size.1)?);
     let size = measure(surface(mesh, &positions)?).ok_or_else(|| {
         let edges = mesh.boundary_edge_count();
         let text = format!("the mesh has {edges} boundary edges, and encloses no volume");
         Failure::new(Status::Undefined, text)
     })?;
-    *place = N::nearest(size);
+    *place = finite_sum(name, N::nearest(size))?;
     Ok(())
 }
 

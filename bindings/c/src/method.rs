@@ -113,9 +113,10 @@ fn options(
 ///
 /// `name` is one of those that hf_method_name lists. `areas` are "mixed", "voronoi" or "barycentric", for
 /// gompper-kroll and meyer; `bandwidth` is a number of mean vertex areas, "converging" or "published", for
-/// belkin; NULL is the default of either. `modulus` is the bending modulus κ, an energy above 0, and
-/// `spontaneous_curvature` H0, 1/length, positive on a sphere. Evaluations run on up to `threads` threads, 0 for
-/// all; no result depends on their number. On success `*method` is a new method, which hf_method_free frees.
+/// belkin; NULL is the default of either. `modulus` is the bending modulus κ, an energy above 0, of which
+/// kantor-nelson makes the modulus k̃ = 2κ/√3 of an edge: its forces are those of κ. `spontaneous_curvature` is H0,
+/// 1/length, positive on a sphere. Evaluations run on up to `threads` threads, 0 for all; no result depends on their
+/// number. On success `*method` is a new method, which hf_method_free frees.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hf_method_new(
     mesh: *const Mesh,

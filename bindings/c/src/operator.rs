@@ -1,6 +1,6 @@
 //! Matrices of linear finite elements, and gradients.
 
-use crate::call::{Call, guarded, surface};
+use crate::call::{Call, finite, guarded, surface};
 use crate::mesh::Mesh;
 use crate::number::Number;
 use crate::status::{Error, Failure, Outcome, Status};
@@ -52,7 +52,7 @@ fn matrix<N: Number>(
     for (value, own) in values.iter_mut().zip(own_values) {
         *value = N::nearest(own);
     }
-    Ok(())
+    finite("values", "entry", values.iter().copied(), 1)
 }
 
 fn stiffness(surface: Surface<'_, f64>) -> SparseMatrix<f64> {
@@ -186,11 +186,11 @@ fn areas<N: Number>(
     let surface = surface(mesh, &positions)?;
     let kind = MethodOptions::parse_areas(call.text("kind", kind)?).map_err(Failure::argument)?;
     let areas = call.write("areas", areas, count)?;
-    N::compute(areas, |areas| {
+    N::compute(&mut *areas, |areas| {
         let areas = areas.as_flattened_mut();
         Cotangent::new(kind).dual_areas(&Parallel::single(), surface, areas);
     });
-    Ok(())
+    finite("areas", "vertex", areas.as_flattened().iter().copied(), 1)
 }
 
 /// Sets `areas` to the areas of the vertices, length², the diagonal of the lumped mass matrix.
@@ -244,18 +244,23 @@ fn gradient<N: Number>(
     let mesh = &call.object("mesh", mesh)?.triangles;
     let positions = call.at_vertices("positions", positions, count, mesh)?;
     let surface = surface(mesh, &positions)?;
-    let field = call.at_vertices("field", field, count, mesh)?;
+    let field = call.field("field", field, count, mesh)?;
     let triangles = mesh.triangles().len();
     if triangle_count != triangles {
         let of = "one for each triangle";
         return Err(Failure::count("gradient", triangle_count, triangles, of));
     }
     let gradient = call.write("gradient", gradient, triangles)?;
-    N::compute(gradient, |gradient| {
+    N::compute(&mut *gradient, |gradient| {
         let field = field.as_flattened();
         Cotangent::new(DualArea::Mixed).gradient(&Parallel::single(), surface, field, gradient);
     });
-    Ok(())
+    finite(
+        "gradient",
+        "triangle",
+        gradient.as_flattened().iter().copied(),
+        3,
+    )
 }
 
 /// Sets `gradient`, `triangle_count` rows of three, to the surface gradient of a field with a number for each of

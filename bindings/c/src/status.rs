@@ -23,7 +23,7 @@ pub enum Status {
     InvalidEffects = 6,
     /// A file cannot be read, or has no mesh.
     UnreadableFile = 7,
-    /// The result is not defined, such as the volume of an open surface.
+    /// The result is not defined, such as the volume of an open surface, or beyond the numbers of its type.
     Undefined = 8,
     /// An error of the library itself: please report it. The handles of the call can only be freed.
     Internal = 9,

@@ -6,6 +6,7 @@ use numpy::{
     Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyUntypedArray, PyUntypedArrayMethods,
 };
+use pyo3::PyTypeInfo;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use std::borrow::Cow;
@@ -23,9 +24,16 @@ pub(crate) enum Positions<'py> {
 fn triples<'py, T: Element>(
     object: &Bound<'py, PyAny>,
 ) -> PyResult<Option<PyReadonlyArray2<'py, T>>> {
+    // Arrays of classes of others, such as those with masks, are made ready first.
+    let is_plain = object
+        .get_type()
+        .is(PyUntypedArray::type_object(object.py()));
     let Ok(array) = object.cast::<PyArray2<T>>() else {
         return Ok(None);
     };
+    if !is_plain {
+        return Ok(None);
+    }
     if !array.is_c_contiguous() || !array.is_aligned() || array.shape()[1] != 3 {
         return Ok(None);
     }
@@ -35,6 +43,16 @@ fn triples<'py, T: Element>(
 /// The rows of an array of triples.
 pub(crate) fn rows<'a, T: Element>(array: &'a PyReadonlyArray2<'_, T>) -> &'a [[T; 3]] {
     array.as_slice().map_or(&[], |flat| flat.as_chunks().0)
+}
+
+/// Calls a function of the package that checks an argument that is no array, and returns it.
+pub(crate) fn checked<'py>(
+    function: &str,
+    object: &Bound<'py, PyAny>,
+    name: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let module = object.py().import("helfrich._checks")?;
+    module.getattr(function)?.call1((object, name))
 }
 
 /// Calls a function of the package's module that makes arrays ready.
@@ -106,7 +124,10 @@ where
         corner.try_into().map_err(|_| {
             Fault::of_face(
                 face,
-                format_args!("face {face} of F names vertex {corner}, which no mesh has"),
+                format_args!(
+                    "face {face} of F names vertex {corner}: vertices are numbered from 0, and at most {} are possible",
+                    TriangleMesh::LIMIT
+                ),
             )
         })
     };

@@ -4,15 +4,20 @@ use crate::arrays::{Input, Numbers, Positions, matrix, rows};
 use crate::effects::{checked_material, material};
 use crate::failure::{Fault, invalid};
 use crate::work::{Watch, on_threads};
-use helfrich::{AdaptiveJet, MaterialParameter, Measured, Quality, Surface, TriangleMesh, Verdict};
+use helfrich::{
+    AdaptiveJet, Finding, MaterialParameter, Measured, Quality, Surface, TriangleMesh, Verdict,
+};
 use helfrich_std::execute::Parallel;
 use helfrich_std::measurement::{
     Column, ColumnValues, Measurement, principal_curvatures, verdict_bit,
 };
 use helfrich_std::method::{AnyMethod, BendingMethod, Compiled, Evaluator, Fields, MethodOptions};
+use helfrich_std::orientation::{InsideOut, inside_out};
 use numpy::{Element, PyArray1};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::ffi::CString;
 
 /// A method with its options.
 #[derive(Clone, Copy)]
@@ -69,6 +74,7 @@ struct Answer<T> {
     flags: Vec<u32>,
     measured: Option<Measurement>,
     columns: Vec<Column>,
+    inside_out: Vec<InsideOut>,
 }
 
 type Failed = Option<Fault>;
@@ -104,6 +110,7 @@ fn evaluated<T: Compiled>(
         flags,
         columns: columns.unwrap_or_default(),
         measured,
+        inside_out: Vec::new(),
     }
 }
 
@@ -132,6 +139,7 @@ fn answer(
             columns,
             fields,
             measured: Some(measured.clone()),
+            inside_out: inside_out(surface),
         });
     }
     let Chosen { method, options } = question.chosen;
@@ -145,7 +153,10 @@ fn answer(
         Evaluator::with_material(method, &options, material, mesh, parallel)
             .map_err(|error| Some(Fault::new(error)))?
     };
-    Ok(evaluated(&mut evaluator, surface, measured, number))
+    Ok(Answer {
+        inside_out: inside_out(surface),
+        ..evaluated(&mut evaluator, surface, measured, number)
+    })
 }
 
 /// The answer in single precision, as the program computes it with `--scalar f32`.
@@ -156,18 +167,27 @@ fn single_answer(
     watch: &Watch,
 ) -> Result<Answer<f32>, Failed> {
     let surface = Surface::new(mesh, positions).map_err(|error| Some(error.into()))?;
+    let double = Vec::from_iter(positions.iter().map(|x| x.map(f64::from)));
+    let exact = Surface::new(mesh, &double).map_err(|error| Some(error.into()))?;
     let mut measured = None;
     if question.errors {
-        let double = Vec::from_iter(positions.iter().map(|x| x.map(f64::from)));
-        let surface = Surface::new(mesh, &double).map_err(|error| Some(error.into()))?;
-        measured = Some(measure(question, surface, watch).ok_or(None)?);
+        measured = Some(measure(question, exact, watch).ok_or(None)?);
     }
     let Chosen { method, options } = question.chosen;
     let number = question.material[0].at(0);
     let mut evaluator =
         AnyMethod::from(method).evaluator(&options, number as f32, mesh, Parallel::new());
-    Ok(evaluated(&mut evaluator, surface, measured, number))
+    Ok(Answer {
+        inside_out: inside_out(exact),
+        ..evaluated(&mut evaluator, surface, measured, number)
+    })
 }
+
+/// The largest number of components that are named as inside out.
+const MOST_COMPONENTS: usize = 10;
+
+/// Level of the stack to which warnings belong: that of the caller of `helfrich.curvature`.
+const CALLER: i32 = 3;
 
 /// A number type of arrays.
 trait Number: Element + Compiled {
@@ -205,6 +225,10 @@ impl<T: Number> Answer<T> {
         py: Python<'py>,
         question: &Question,
     ) -> PyResult<Bound<'py, PyDict>> {
+        for component in self.inside_out.iter().take(MOST_COMPONENTS) {
+            let message = CString::new(component.to_string())?;
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &message, CALLER)?;
+        }
         let arrays = PyDict::new(py);
         let Fields {
             area,
@@ -281,7 +305,8 @@ impl<T: Number> Answer<T> {
         }
         if let Some(measured) = &self.measured {
             for (flags, at) in self.flags.iter_mut().zip(&measured.vertices) {
-                *flags |= verdict_bit(at.verdict);
+                let finding = at.cause.and_then(|cause| cause.finding(0));
+                *flags |= verdict_bit(at.verdict) | finding.map_or(0, Finding::bit);
             }
             let none = [U::zero(); 3];
             for (which, name) in ["d1", "d2"].into_iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Effects from their Python descriptions: classes with the words of scenes.
 
-use crate::arrays::{Numbers, Positions, made_ready};
+use crate::arrays::{Numbers, Positions, checked, made_ready};
 use crate::curvature::Chosen;
 use crate::failure::{Fault, invalid};
 use helfrich::{
@@ -68,17 +68,11 @@ impl<'py> Reader<'_, 'py> {
     }
 
     fn number(&self, name: &str) -> PyResult<f64> {
-        let value = self.get(name)?;
-        value
-            .extract()
-            .map_err(|_| PyTypeError::new_err(format!("{name} is {value}: a number is needed")))
+        checked("number", &self.get(name)?, name)?.extract()
     }
 
     fn vector(&self, name: &str) -> PyResult<[f64; 3]> {
-        let value = self.get(name)?;
-        value.extract().map_err(|_| {
-            PyTypeError::new_err(format!("{name} is {value}: three numbers are needed"))
-        })
+        checked("vector", &self.get(name)?, name)?.extract()
     }
 
     /// A parameter at the vertices, in the order of evaluation.
@@ -134,16 +128,17 @@ impl<'py> Reader<'_, 'py> {
         Ok(Effect::conservative(name, method, self.ground.own))
     }
 
-    fn bending(&self) -> PyResult<Effect> {
-        let method: String = self.get("method")?.extract()?;
-        let areas: Option<String> = self.get("areas")?.extract()?;
-        let bandwidth: Option<String> = self.get("bandwidth")?.extract()?;
+    fn bending(&self) -> PyResult<Part> {
+        let method: String = checked("text", &self.get("method")?, "method")?.extract()?;
+        let option = |name| checked("option", &self.get(name)?, name)?.extract::<Option<String>>();
+        let (areas, bandwidth) = (option("areas")?, option("bandwidth")?);
         let Chosen { method, options } =
             Chosen::named(&method, areas.as_deref(), bandwidth.as_deref())?;
         let material = [self.material("kappa")?, self.material("H0")?];
         checked_material(method, &material)?;
         let own = self.ground.own;
-        Effect::bending("bending", method, &options, material, Lumping::Own, own).map_err(invalid)
+        let effect = Effect::bending("bending", method, &options, material, Lumping::Own, own);
+        Ok(Part::Bending(effect.map_err(invalid)?, method))
     }
 
     fn gaussian_bending(&self) -> PyResult<Effect> {
@@ -219,10 +214,17 @@ impl<'py> Reader<'_, 'py> {
             ))
             .into());
         }
-        let numbers = vertices
-            .iter()
-            .map(|&vertex| u32::try_from(vertex).unwrap_or(u32::MAX));
-        let given = Vec::from_iter(numbers.zip(forces.iter().copied()));
+        let count = self.ground.mesh.vertex_count();
+        let mut given = Vec::with_capacity(vertices.len());
+        for (place, (&vertex, &force)) in vertices.iter().zip(forces.iter()).enumerate() {
+            let Some(number) = u32::try_from(vertex).ok().filter(|&v| (v as usize) < count) else {
+                return Err(Fault::new(format_args!(
+                    "vertices[{place}] is {vertex}: the mesh has {count} vertices, numbered from 0"
+                ))
+                .into());
+            };
+            given.push((number, force));
+        }
         // Messages name the vertices of the user's mesh.
         PointLoads::new(self.ground.mesh, given.clone()).map_err(invalid)?;
         let Some(order) = self.ground.order else {
@@ -245,6 +247,8 @@ impl<'py> Reader<'_, 'py> {
 /// An effect that acts by its forces, or a quantity of each component that is held exactly.
 pub(crate) enum Part {
     Acting(Effect),
+    /// Bending by a method.
+    Bending(Effect, BendingMethod),
     Held(Constraint<f64>),
 }
 
@@ -256,7 +260,8 @@ impl Reader<'_, '_> {
         penalty: impl FnOnce(f64, Targets<f64>) -> PyResult<Effect>,
     ) -> PyResult<Part> {
         let targets = self.targets("target")?;
-        if !self.get("exact")?.is_truthy()? {
+        let exact: bool = checked("flag", &self.get("exact")?, "exact")?.extract()?;
+        if !exact {
             return penalty(self.number("modulus")?, targets).map(Part::Acting);
         }
         if !self.get("modulus")?.is_none() {
@@ -288,13 +293,13 @@ pub(crate) fn part(described: &Bound<'_, PyAny>, ground: &Ground<'_>) -> PyResul
         "AreaDifference" => reader.quantity(AnyFunctional::MeanCurvature, |modulus, targets| {
             reader.potential("area_difference", AreaDifference::new(modulus, targets))
         }),
+        "Bending" => reader.bending(),
         _ => effect(&reader, &class).map(Part::Acting),
     }
 }
 
 fn effect(reader: &Reader<'_, '_>, class: &str) -> PyResult<Effect> {
     match class {
-        "Bending" => reader.bending(),
         "GaussianBending" => reader.gaussian_bending(),
         "NeoHookean" => {
             let shear_modulus = reader.number("shear_modulus")?;

@@ -34,6 +34,14 @@ impl Fault {
         }
     }
 
+    /// A fault of a vertex.
+    pub(crate) fn of_vertex(vertex: usize, message: impl fmt::Display) -> Self {
+        Self {
+            vertex: Some(vertex as u64),
+            ..Self::new(message)
+        }
+    }
+
     /// The message and the attributes.
     pub(crate) fn describe<'py>(&self, py: Python<'py>) -> PyResult<(&str, Bound<'py, PyDict>)> {
         let places = PyDict::new(py);

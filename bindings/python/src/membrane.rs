@@ -1,18 +1,19 @@
 //! A membrane: a mesh with the effects on it, for repeated evaluation.
 
-use crate::arrays::{Positions, faces, matrix, rows};
+use crate::arrays::{Positions, checked, faces, matrix, rows};
 use crate::effects::{Ground, Part, part};
 use crate::failure::{Fault, invalid};
-use crate::work::prepared_for;
+use crate::work::{on_threads, prepared_for};
 use helfrich::{ConstraintError, Constraints, Method, Prepared, Quality, Surface, TriangleMesh};
 use helfrich_std::effect::Effect;
+use helfrich_std::method::BendingMethod;
 use helfrich_std::ordered::Ordered;
 use numpy::{
     Element, PyArray1, PyArray2, PyArrayMethods, PyReadwriteArray2, PyUntypedArrayMethods,
 };
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyDict, PyTuple};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A mesh with the effects on it, for repeated evaluation of their energy and force.
@@ -28,7 +29,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// *effects
 ///     Values of `helfrich.effects`.
 /// vertices : int, optional
-///     Number of vertices, by default the largest in F and one.
+///     Number of vertices, by default the largest in F and one. It is needed where most vertices are in no
+///     triangle.
 /// threads : int, optional
 ///     Number of threads, all by default. Results do not depend on it.
 ///
@@ -55,8 +57,18 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 #[pyclass(subclass, frozen, module = "helfrich")]
 pub(crate) struct Membrane {
     mesh: TriangleMesh,
+    /// What it was made of, for copies.
+    made_of: MadeOf,
+    /// Methods whose energies leave out a part of the surface at its boundary, until somebody was told.
+    untold: Mutex<Vec<BendingMethod>>,
     /// Locked without the interpreter's lock only.
     acting: Mutex<Acting>,
+}
+
+/// Effects as they were described, and the number of threads.
+struct MadeOf {
+    effects: Py<PyTuple>,
+    threads: Option<usize>,
 }
 
 /// Effects prepared for the mesh, in an order that is kind to caches.
@@ -154,6 +166,23 @@ impl Acting {
     }
 }
 
+/// The number of vertices of a mesh with these faces, where nobody says how many there are.
+fn counted_in(faces: &[[u32; 3]]) -> PyResult<usize> {
+    let named = faces.as_flattened().iter().max();
+    let vertices = named.map_or(0, |&last| last as usize + 1);
+    let corners = 3 * faces.len();
+    if vertices > corners {
+        return Err(Fault::new(format_args!(
+            "F names vertex {}, but its {} faces have no more than {corners} corners: with vertices=len(V), so many \
+             that are in no face are possible",
+            vertices - 1,
+            faces.len()
+        ))
+        .into());
+    }
+    Ok(vertices)
+}
+
 /// An array for results, which nobody else reads or writes.
 fn writable<'py, T: Element>(
     array: &Bound<'py, PyArray2<T>>,
@@ -196,6 +225,29 @@ fn refuse_overlap<T: Element>(
 }
 
 impl Membrane {
+    /// Warns once of each method whose energy leaves out a part of this surface.
+    #[expect(non_snake_case, reason = "the name of the positions in Python")]
+    fn tell(&self, V: &Bound<'_, PyAny>) -> PyResult<()> {
+        let mut untold = self.untold.lock().unwrap_or_else(PoisonError::into_inner);
+        let methods = std::mem::take(&mut *untold);
+        drop(untold);
+        if methods.is_empty() {
+            return Ok(());
+        }
+        let positions = Positions::new(V)?;
+        let positions = positions.double();
+        let surface = Surface::new(&self.mesh, &positions[..]).map_err(Fault::from)?;
+        let warn = V.py().import("helfrich._errors")?.getattr("warn")?;
+        for method in methods {
+            let share = 100.0 * method.share_left_out(surface);
+            warn.call1((format!(
+                "the energy of {method} leaves out about half a row of triangles at the border, {share:.2} % of \
+                 the area: j4 and j6 measure up to the border"
+            ),))?;
+        }
+        Ok(())
+    }
+
     fn locked(&self) -> MutexGuard<'_, Acting> {
         // After a panic, too: each evaluation sets all that it reads.
         self.acting.lock().unwrap_or_else(PoisonError::into_inner)
@@ -222,7 +274,7 @@ impl Membrane {
             *single = double.map(|component| component as f32);
         }
         prepared.force = double;
-        Ok(energy)
+        Ok(energy?)
     }
 
     fn evaluate<'py>(
@@ -244,7 +296,7 @@ impl Membrane {
                 let mut written = writable(out, vertices)?;
                 let force = written.as_slice_mut().map_err(invalid)?.as_chunks_mut().0;
                 let rows = rows(array);
-                let energy = py.detach(|| self.forces_of(rows, force))?;
+                let energy = on_threads(py, None, || self.forces_of(rows, force))??;
                 Ok((energy, out.clone().into_any()))
             }
             Positions::Single(array) => {
@@ -261,7 +313,7 @@ impl Membrane {
                 let mut written = writable(out, vertices)?;
                 let force = written.as_slice_mut().map_err(invalid)?.as_chunks_mut().0;
                 let work = || self.single_forces_of(&double, force);
-                let energy = py.detach(work)?;
+                let energy = on_threads(py, None, work)??;
                 Ok((energy, out.clone().into_any()))
             }
         }
@@ -274,7 +326,7 @@ impl Membrane {
         positions: &[[f64; 3]],
     ) -> PyResult<(f64, Bound<'py, PyAny>)> {
         let mut force = vec![[0.0; 3]; self.mesh.vertex_count()];
-        let energy = py.detach(|| self.forces_of(positions, &mut force))?;
+        let energy = on_threads(py, None, || self.forces_of(positions, &mut force))??;
         Ok((energy, matrix(py, force)?.into_any()))
     }
 }
@@ -287,12 +339,20 @@ impl Membrane {
     fn new(
         F: &Bound<'_, PyAny>,
         effects: &Bound<'_, PyTuple>,
-        vertices: Option<usize>,
-        threads: Option<usize>,
+        vertices: Option<&Bound<'_, PyAny>>,
+        threads: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
+        let counted = |value: Option<&Bound<'_, PyAny>>, function, name| match value {
+            None => Ok(None),
+            Some(value) => checked(function, value, name)?.extract::<Option<usize>>(),
+        };
+        let threads = counted(threads, "threads", "threads")?;
+        let vertices = counted(vertices, "count", "vertices")?;
         let faces = faces(F)?;
-        let named = faces.as_flattened().iter().max();
-        let vertices = vertices.unwrap_or(named.map_or(0, |&last| last as usize + 1));
+        let vertices = match vertices {
+            Some(vertices) => vertices,
+            None => counted_in(&faces)?,
+        };
         let made = F.py().detach(|| {
             let mesh = TriangleMesh::new(vertices, faces)?;
             let ordered = Ordered::of(&mesh);
@@ -305,10 +365,17 @@ impl Membrane {
             order: ordered.as_ref().map(Ordered::order),
         };
         let (mut acting, mut constraints) = (Vec::new(), Vec::new());
+        let mut untold = Vec::new();
         prepared_for(threads, || {
             for described in effects {
                 match part(&described, &ground)? {
                     Part::Acting(effect) => acting.push(effect),
+                    Part::Bending(effect, method) => {
+                        acting.push(effect);
+                        if !(mesh.is_closed() || method.reaches_boundary()) {
+                            untold.push(method);
+                        }
+                    }
                     Part::Held(constraint) => constraints.push(constraint),
                 }
             }
@@ -325,10 +392,38 @@ impl Membrane {
             effects: acting,
             force: Vec::new(),
         });
-        Ok(Self { mesh, acting })
+        let copied = F
+            .py()
+            .import("copy")?
+            .call_method1("deepcopy", (effects,))?;
+        Ok(Self {
+            mesh,
+            made_of: MadeOf {
+                effects: copied.cast_into::<PyTuple>()?.unbind(),
+                threads,
+            },
+            untold: Mutex::new(untold),
+            acting,
+        })
+    }
+
+    /// What copies are made of, as by `pickle` and `copy`: the arguments and the keywords.
+    fn __getnewargs_ex__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
+        let faces = matrix(py, self.mesh.triangles().to_vec())?.into_any();
+        let effects = self.made_of.effects.bind(py).iter();
+        let arguments = PyTuple::new(py, Vec::from_iter(std::iter::once(faces).chain(effects)))?;
+        let keywords = PyDict::new(py);
+        keywords.set_item("vertices", self.mesh.vertex_count())?;
+        keywords.set_item("threads", self.made_of.threads)?;
+        Ok((arguments, keywords))
     }
 
     /// The sum of the energies (float) at the positions V (n, 3).
+    ///
+    /// On an open mesh, a `helfrich.MeshWarning` says if that of bending leaves out a part at the border.
     ///
     /// Computed in double precision, without the interpreter's lock.
     ///
@@ -340,10 +435,11 @@ impl Membrane {
     fn energy(&self, V: &Bound<'_, PyAny>) -> PyResult<f64> {
         let positions = Positions::new(V)?;
         let double = positions.double();
-        let energy = V.py().detach(|| {
+        let energy = on_threads(V.py(), None, || {
             let surface = Surface::new(&self.mesh, &double[..])?;
             Ok::<_, Fault>(self.locked().energy(surface))
-        });
+        })?;
+        self.tell(V)?;
         Ok(energy?)
     }
 
@@ -379,7 +475,9 @@ impl Membrane {
         V: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(f64, Bound<'py, PyAny>)> {
-        self.evaluate(V, out)
+        let found = self.evaluate(V, out)?;
+        self.tell(V)?;
+        Ok(found)
     }
 
     /// The positions V (n, 3), moved so that every exact quantity has its target: a new array.
@@ -395,10 +493,10 @@ impl Membrane {
         let positions = Positions::new(V)?;
         let is_single = positions.is_single();
         let mut moved = positions.double().into_owned();
-        let restored = V.py().detach(|| {
+        let restored = on_threads(V.py(), None, || {
             Surface::new(&self.mesh, &moved[..])?;
             Ok::<_, Fault>(self.locked().restore(&self.mesh, &mut moved))
-        });
+        })?;
         restored?.map_err(invalid)?;
         if is_single {
             let moved = moved.iter().map(|x| x.map(|component| component as f32));
@@ -412,13 +510,13 @@ impl Membrane {
     fn flags<'py>(&self, V: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<u32>>> {
         let positions = Positions::new(V)?;
         let double = positions.double();
-        let flags = V.py().detach(|| {
+        let flags = on_threads(V.py(), None, || {
             let surface = Surface::new(&self.mesh, &double[..])?;
             let mut prepared = self.locked();
             let mut force = vec![[0.0; 3]; double.len()];
             prepared.evaluate(surface, &mut force);
             Ok::<_, Fault>(prepared.flags(surface))
-        });
+        })?;
         Ok(PyArray1::from_vec(V.py(), flags?))
     }
 

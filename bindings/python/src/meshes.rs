@@ -1,14 +1,14 @@
 //! Meshes: files, shapes, checks, refinement.
 
-use crate::arrays::{Arrays, Input, arrays, matrix};
+use crate::arrays::{Arrays, Input, Positions, arrays, matrix};
 use crate::failure::{Fault, invalid, unreadable, unwritable};
 use crate::work::on_threads;
-use helfrich::shapes::Shape;
 use helfrich::{Surface, TriangleMesh};
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{self, MeshFile, PointField, PointValues, Welded};
-use helfrich_std::noise::noise_of;
+use helfrich_std::noise::noise_seen;
+use helfrich_std::polygon;
 use helfrich_std::subdivide as refinement;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyOSError;
@@ -87,7 +87,7 @@ pub(crate) fn shape<'py>(
     let family: Family = family.parse().map_err(invalid)?;
     let made = on_threads(py, None, || generate(&shape, family, vertices, seed))?;
     let made = made.map_err(Fault::from)?;
-    let points = Vec::from_iter(made.preimages.iter().map(|&at| shape.at(at)));
+    let points = made.exact_points().map_err(Fault::from)?;
     let exact = PyDict::new(py);
     let list = |name: &str, values: Vec<f64>| exact.set_item(name, PyArray1::from_vec(py, values));
     list("H", points.iter().map(|at| at.mean).collect())?;
@@ -125,7 +125,7 @@ pub(crate) fn inspect<'py>(
         };
         Ok::<_, Fault>((
             MeshInfo::new(surface),
-            noise_of(surface),
+            noise_seen(surface),
             file.split_vertices(),
         ))
     })?;
@@ -161,10 +161,63 @@ pub(crate) fn weld<'py>(
     let mut input = Input::new(positions, faces)?;
     let triangles = input.take_faces();
     let positions = input.positions.double();
+    let finite = |position: &[f64; 3]| position.iter().all(|coordinate| coordinate.is_finite());
+    if let Some(vertex) = positions.iter().position(|position| !finite(position)) {
+        return Err(Fault::of_vertex(
+            vertex,
+            format_args!(
+                "V[{vertex}] is {:?}, not finite: leave the vertex and its faces out",
+                positions[vertex]
+            ),
+        )
+        .into());
+    }
     let welded = on_threads(py, None, || io::weld(&positions, &triangles, distance))?;
     let Welded { file, vertices } = welded.map_err(Fault::from)?;
     let merged = arrays(py, file.positions, &file.mesh)?;
     Ok((merged, PyArray1::from_vec(py, vertices)))
+}
+
+/// The triangles (m, 3) into which polygons are divided: `corners` has those of all, one polygon after the other,
+/// and `sizes` the number of corners of each.
+#[pyfunction]
+pub(crate) fn divided<'py>(
+    py: Python<'py>,
+    positions: &Bound<'py, PyAny>,
+    corners: PyReadonlyArray1<'py, i64>,
+    sizes: PyReadonlyArray1<'py, i64>,
+) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    let positions = Positions::new(positions)?;
+    let positions = positions.double();
+    let mut rest = corners.as_slice().map_err(invalid)?;
+    let mut triangles = Vec::new();
+    for (cell, &size) in sizes.as_slice().map_err(invalid)?.iter().enumerate() {
+        let (own, after) = rest
+            .split_at_checked(usize::try_from(size).unwrap_or(usize::MAX))
+            .ok_or_else(|| {
+                Fault::of_face(cell, format_args!("polygon {cell} has {size} corners"))
+            })?;
+        rest = after;
+        let mut places = Vec::with_capacity(own.len());
+        for &corner in own {
+            let place = usize::try_from(corner).ok();
+            let place = place.and_then(|corner| positions.get(corner)).copied();
+            places.push(place.ok_or_else(|| {
+                Fault::of_face(
+                    cell,
+                    format_args!(
+                        "polygon {cell} names vertex {corner}, but there are {} vertices, numbered from 0",
+                        positions.len()
+                    ),
+                )
+            })?);
+        }
+        let divided = polygon::triangulate(&places)
+            .map_err(|error| Fault::of_face(cell, format_args!("polygon {cell}: {error}")))?;
+        let numbered = divided.iter();
+        triangles.extend(numbered.map(|three| three.map(|at| own[at as usize] as u32)));
+    }
+    matrix(py, triangles)
 }
 
 /// Refines a mesh by Loop's rules.

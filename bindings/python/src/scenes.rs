@@ -2,7 +2,7 @@
 
 use crate::arrays::{Arrays, arrays, matrix};
 use crate::failure::invalid;
-use crate::work::{Watch, on_threads};
+use crate::work::{Watch, in_steps};
 use helfrich::TriangleMesh;
 use helfrich_std::run::{Progress, RunError, Summary};
 use helfrich_std::scene::{Overrides, SceneFile};
@@ -62,7 +62,7 @@ pub(crate) fn run<'py>(
 ) -> PyResult<(String, Bound<'py, PyDict>, Bound<'py, PyDict>)> {
     let overrides = Overrides::new(settings).map_err(invalid)?;
     let watch = Watch::default();
-    let (outcome, watch) = on_threads(py, threads, || {
+    let (outcome, watch) = in_steps(py, threads, || {
         let outcome = ran(
             &scene,
             text.as_deref(),

@@ -1,10 +1,12 @@
 //! Work without the interpreter's lock: on a number of threads, and until the user interrupts it.
 
 use crate::failure::invalid;
-use helfrich_std::execute::with_threads;
+use helfrich_std::execute::{Interruption, interruptible, with_threads};
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::cell::RefCell;
 use std::num::NonZeroUsize;
+use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 /// Time between looks for signals.
@@ -24,8 +26,24 @@ pub(crate) fn prepared_for<R>(
     with_threads(threads.ok_or_else(out_of_range)?, work)
 }
 
-/// Does `work` on this number of threads, 1 to 1024, or all, without the interpreter's lock.
+/// Does `work` on this number of threads, 1 to 1024, or all, without the interpreter's lock, until the user
+/// interrupts it.
 pub(crate) fn on_threads<R: Send>(
+    py: Python<'_>,
+    threads: Option<usize>,
+    work: impl FnOnce() -> R + Send,
+) -> PyResult<R> {
+    in_steps(py, threads, || {
+        let watch = Rc::new(Watch::default());
+        let own = Rc::clone(&watch);
+        let done = interruptible(Interruption::by_look(move || own.ends()), work);
+        done.ok_or_else(|| watch.error.take())
+    })?
+    .map_err(|error| error.unwrap_or_else(|| PyKeyboardInterrupt::new_err(())))
+}
+
+/// The same for `work` that looks for signals after each step, and keeps what it has done.
+pub(crate) fn in_steps<R: Send>(
     py: Python<'_>,
     threads: Option<usize>,
     work: impl FnOnce() -> R + Send,

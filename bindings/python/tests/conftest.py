@@ -17,12 +17,17 @@ def rough(n=162, spec="ellipsoid:1,0.8,0.7", noise=0.02, seed=1):
     return V + noise * rng.standard_normal(V.shape), F
 
 
+def part(V, F, kept):
+    """The faces all of whose vertices are kept, and their vertices."""
+    F = F[kept[F].all(axis=1)]
+    used, F = np.unique(F, return_inverse=True)
+    return np.ascontiguousarray(V[used]), F.reshape(-1, 3)
+
+
 def cap(n=162):
     """An open mesh: the upper part of a rough one."""
     V, F = rough(n)
-    F = F[(V[F, 2] > -0.1).all(axis=1)]
-    used, F = np.unique(F, return_inverse=True)
-    return np.ascontiguousarray(V[used]), F.reshape(-1, 3)
+    return part(V, F, V[:, 2] > -0.1)
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,8 @@
 """Arrays of every kind: in place where possible, copied where necessary, refused with their reason."""
 
+import copy
+import pickle
+import re
 import threading
 import time
 
@@ -215,3 +218,59 @@ def test_values_are_never_nan():
         assert not any(np.isnan(array).any() for array in found.error)
         assert (found.flags & helfrich.Flag.UNKNOWN).any()
         assert (found.H[found.flags & helfrich.Flag.UNKNOWN != 0] == 0).any()
+
+
+def test_masked_entries_are_refused():
+    V, F = rough(42)
+    for place, mask in [("V", V == V[9, 2]), ("F", F == F[4, 1])]:
+        arrays = {"V": V, "F": F.astype(np.int64)}
+        arrays[place] = np.ma.array(arrays[place], mask=mask)
+        for call in (curvature, helfrich.bending_energy, helfrich.weld, helfrich.subdivide):
+            message = refused(lambda call=call: call(arrays["V"], arrays["F"]))
+            assert re.search(rf"entries of {place} are masked, the first at \[\d+, \d\]: leave", message)
+        assert "masked" in str(helfrich.check(arrays["V"], arrays["F"]).problems[0])
+    # A mask that hides nothing is none.
+    open_mask = np.ma.array(V, mask=np.zeros(V.shape, bool))
+    np.testing.assert_array_equal(curvature(open_mask, F), curvature(V, F))
+    kappa = np.ma.array(np.ones(42), mask=np.arange(42) == 3)
+    assert "kappa are masked" in refused(lambda: helfrich.bending_energy(V, F, kappa=kappa))
+
+
+@pytest.mark.parametrize("copied", [lambda m: pickle.loads(pickle.dumps(m)), copy.copy, copy.deepcopy])
+def test_membranes_are_copied(copied):
+    V, F = rough(642)
+    reference, kappa = V.copy(), np.linspace(1, 2, len(V))
+    parts = [
+        effects.Bending("galerkin", kappa=kappa), effects.Skalak(1.0, 2.0, reference), effects.Area(target=3.0, exact=True)
+    ]  # fmt: skip
+    membrane = helfrich.Membrane(F, *parts, vertices=len(V), threads=1)
+    expected = membrane.energy_and_force(V)
+    # Of the membrane, and not of arrays that have changed since.
+    reference *= 2
+    kappa *= 2
+    other = copied(membrane)
+    assert type(other) is helfrich.Membrane and other is not membrane
+    energy, force = other.energy_and_force(V)
+    assert energy == expected[0]
+    np.testing.assert_array_equal(force, expected[1])
+    np.testing.assert_array_equal(copied(other).force(V), expected[1])
+
+
+class Cell(helfrich.Membrane):
+    """A membrane with an attribute."""
+
+
+def test_membranes_of_other_classes_are_copied():
+    V, F = rough(42)
+    cell = Cell(F, effects.Bending())
+    cell.name = "red"
+    other = pickle.loads(pickle.dumps(cell))
+    assert type(other) is Cell and other.name == "red" and other.energy(V) == cell.energy(V)
+
+
+def test_results_are_copied():
+    V, F = rough(42)
+    for result in (helfrich.curvature(V, F), helfrich.check(V, F), helfrich.MeshError("no mesh", face=3)):
+        other = pickle.loads(pickle.dumps(result))
+        assert repr(other) == repr(result) and type(other) is type(result)
+    assert pickle.loads(pickle.dumps(helfrich.MeshError("no mesh", face=3))).face == 3

@@ -97,6 +97,72 @@ def test_meshio(mesh, tmp_path, ending):
         np.testing.assert_allclose(read.points[read.cells_dict["triangle"]], V[F], rtol=0, atol=1e-6)
 
 
+def box(lengths=(1.0, 2.0, 3.0)):
+    """A box: its corners, and its sides as polygons, of which one is a concave ledge of two."""
+    V = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * lengths
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    return V, np.array(quads)
+
+
+def test_meshio_with_polygons(mesh):
+    """Quads and polygons are divided; what has no area is left out; the rest is refused by its name."""
+    meshio = pytest.importorskip("meshio")
+    V, quads = box()
+    triangles = np.concatenate([quads[:3, [0, 1, 2]], quads[:3, [0, 2, 3]]])
+    mixed = [("vertex", [[0]]), ("triangle", triangles[:3]), ("line", [[0, 1]]), ("quad", quads[3:]), ("triangle", triangles[3:])]
+    for cells in ([("quad", quads)], [("polygon", quads)], mixed):
+        report = helfrich.check(meshio.Mesh(V, cells))
+        assert (report.problems, report.faces, report.boundary_edges) == ([], 12, 0)
+        assert report.volume == pytest.approx(6) and report.area == pytest.approx(22)
+    # Half of a sphere by quads, whose triangles are those of the other half.
+    ball, F = mesh
+    pairs = meshio.Mesh(ball, [("triangle", F[:-2]), ("triangle", F[-2:])])
+    assert helfrich.bending_energy(pairs) == helfrich.bending_energy(ball, F)
+    # A concave side of an L: ears, not a fan.
+    corners = np.array([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], float)
+    prism = np.concatenate([np.c_[corners, np.zeros(6)], np.c_[corners, np.ones(6)]])
+    sides = [[k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6] for k in range(6)]
+    for first in range(6):
+        ring = np.roll(np.arange(6), first)
+        cells = [("polygon", np.array([ring[::-1], ring + 6])), ("quad", np.array(sides))]
+        report = helfrich.check(meshio.Mesh(prism, cells))
+        assert report.volume == pytest.approx(3) and report.area == pytest.approx(14)
+    for kind, count in [("tetra", 4), ("triangle6", 6), ("quad8", 8), ("hexahedron", 8)]:
+        cells = [("triangle", triangles), (kind, np.arange(count)[None] % 8)]
+        with pytest.raises(helfrich.MeshError, match=f"1 cells of the kind '{kind}'.*remove"):
+            helfrich.curvature(meshio.Mesh(V, cells))
+    with pytest.raises(helfrich.MeshError, match="no triangles, quads or polygons: its cells are line"):
+        helfrich.curvature(meshio.Mesh(V, [("line", [[0, 1]])]))
+    with pytest.raises(helfrich.MeshError, match="polygon 0 names vertex 8, but there are 8"):
+        helfrich.curvature(meshio.Mesh(V, [("quad", quads + 1)]))
+
+
+def test_objects_that_are_no_surface(mesh):
+    """What makes a surface of them is said."""
+    trimesh = pytest.importorskip("trimesh")
+    scene = trimesh.Scene([trimesh.Trimesh(*mesh, process=False)])
+    with pytest.raises(helfrich.MeshError, match=r"a Scene has several meshes: scene.to_geometry\(\) is one"):
+        helfrich.curvature(scene)
+    with pytest.raises(helfrich.MeshError, match="a PointCloud has points but no faces"):
+        helfrich.curvature(trimesh.PointCloud(mesh[0]))
+
+
+def test_objects_of_pyvista_that_are_no_surface(mesh):
+    pyvista = pytest.importorskip("pyvista")
+    surface = pyvista.PolyData.from_regular_faces(*mesh)
+    strips = surface.strip()
+    assert strips.n_strips > 0
+    for given, remedy in [
+        (surface.cast_to_unstructured_grid(), "UnstructuredGrid is no surface of polygons: mesh.extract_surface"),
+        (pyvista.ImageData(dimensions=(3, 3, 3)), "ImageData is no surface of polygons: mesh.extract_surface"),
+        (pyvista.MultiBlock([surface, surface]), "MultiBlock has several meshes: multiblock.combine"),
+        (strips, "strips: mesh.triangulate"),
+        (pyvista.Plane(), "polygons: mesh.triangulate"),
+    ]:
+        with pytest.raises(helfrich.MeshError, match=remedy):
+            helfrich.curvature(given)
+
+
 def test_files_that_cannot_be_read(tmp_path):
     V, F, _ = helfrich.shape("sphere", 42)
     with pytest.raises(FileNotFoundError, match="no such file"):

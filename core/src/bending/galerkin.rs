@@ -56,8 +56,10 @@ use alloc::vec::Vec;
 /// valences. Two vertices that are much closer to each other than to the rest amplify the error of f there.
 /// f is normal to the surface: where κ or H0 vary, its tangential part is in the nodal forces only.
 ///
-/// Only triangles with interior corners count, see [`crate::bending`]; f is 0 at a boundary, and inaccurate
-/// within a few edges of it. Components of less than 5000 vertices have fits of degree 6, those of less than
+/// Only triangles with interior corners count, see [`crate::bending`]. On components with a boundary f is the strong
+/// form over the jets, without a solution: the nodal forces have the natural boundary conditions, too, which a
+/// solution spreads over the surface. f is 0 at a boundary and at vertices all of whose triangles have a corner
+/// there, and less accurate within a few edges of them. Components of less than 5000 vertices have fits of degree 6, those of less than
 /// 540 fits of lower degree, and those of less than 11 none and therefore no energy; the last two are
 /// reported.
 ///
@@ -151,6 +153,7 @@ impl<T: Real> Method<T> for Galerkin<T> {
         surface.report_uneven_mesh(&mut listening);
         surface.report_rough_vertices(&mut listening);
         memory.shape.report_fits(&mut listening);
+        memory.shape.report_rows(surface, &mut listening);
         if concerns_all {
             for vertex in 0..surface.mesh().vertex_count() as u32 {
                 report(Finding::Unresolved { vertex });

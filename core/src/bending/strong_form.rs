@@ -26,7 +26,8 @@ use alloc::vec::Vec;
 ///
 /// The force is not the gradient of a discrete energy: forces sum to zero only in the limit of fine
 /// meshes, see [`Projected`](crate::Projected). The reported energy is `2 Σ κ_i (H_i − H0_i)² A_i`, a
-/// quadrature of `2 ∫ κ (H − H0)² dS` over interior vertices.
+/// quadrature of `2 ∫ κ (H − H0)² dS` over interior vertices, and over those of boundaries if the operator defines
+/// H there ([`Curvatures::reaches_boundary`]).
 ///
 /// f is defined where the vertex and all its neighbours are interior, and 0 elsewhere.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,11 +132,12 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         memory: &StrongFormMemory<T, Workspace<T, L>>,
     ) -> T {
         let curvature = memory.curvature();
+        let reaches_boundary = self.operator.reaches_boundary();
         let sum = execution.sum(curvature.len(), |vertex| {
             let Curvature {
                 mean, area, kind, ..
             } = curvature[vertex];
-            if kind != VertexKind::Interior {
+            if !(kind == VertexKind::Interior || reaches_boundary && kind == VertexKind::Boundary) {
                 return T::zero();
             }
             let excess = mean - self.spontaneous_curvature.at(vertex);

@@ -37,7 +37,7 @@ complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "scenes" -d 'List 
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "explain" -d 'Explain a scene without running it: effects, dimensionless groups, memory, step limits'
 complete -c helfrich -n "__fish_helfrich_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l shape -d 'Exact shape: sphere[:R], ellipsoid[:a,b,c], torus[:R,r] or discocyte[:R]' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l method -d 'Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, galerkin (G), j4, j6, jet (J), corrected, corrected-fit; jet chooses j4 or j6 for the mesh. By default A,B,C' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l method -d 'Methods by name or letter, or `all`: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, galerkin (G), j4, j6, jet (J), corrected, corrected-fit; jet chooses j4 or j6 for the mesh. By default A,B,C,J6' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l areas -d 'Vertex areas of gompper-kroll and meyer: mixed, voronoi or barycentric; by default mixed' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l bandwidth -d 'Bandwidth of the heat kernel of belkin: a number of mean vertex areas; `converging`, the default, which is max(1/4, sqrt(N)/100) of them; or `published`, the mixed area of each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l family -d 'Mesh families: regular, smooth, relaxed, irregular, hard, or `all`' -r
@@ -88,7 +88,7 @@ sigma\t''"
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l threads -d 'Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l errors -d 'Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; `--method jet` always has them'
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l levels -d 'Number of refinements' -r

@@ -31,7 +31,7 @@ _helfrich() {
             (study)
 _arguments "${_arguments_options[@]}" : \
 '--shape=[Exact shape\: sphere\[\:R\], ellipsoid\[\:a,b,c\], torus\[\:R,r\] or discocyte\[\:R\]]:SHAPE:_default' \
-'*--method=[Methods by name or letter, or \`all\`\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, galerkin (G), j4, j6, jet (J), corrected, corrected-fit; jet chooses j4 or j6 for the mesh. By default A,B,C]:METHOD:_default' \
+'*--method=[Methods by name or letter, or \`all\`\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, galerkin (G), j4, j6, jet (J), corrected, corrected-fit; jet chooses j4 or j6 for the mesh. By default A,B,C,J6]:METHOD:_default' \
 '--areas=[Vertex areas of gompper-kroll and meyer\: mixed, voronoi or barycentric; by default mixed]:AREAS:_default' \
 '--bandwidth=[Bandwidth of the heat kernel of belkin\: a number of mean vertex areas; \`converging\`, the default, which is max(1/4, sqrt(N)/100) of them; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '*--family=[Mesh families\: regular, smooth, relaxed, irregular, hard, or \`all\`]:FAMILY:_default' \
@@ -83,8 +83,8 @@ _arguments "${_arguments_options[@]}" : \
 '--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
 '--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '--errors[Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; \`--method jet\` always has them]' \
-'-h[Print help]' \
-'--help[Print help]' \
+'-h[Print help (see more with '\''--help'\'')]' \
+'--help[Print help (see more with '\''--help'\'')]' \
 ':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
 && ret=0
 ;;

@@ -3,30 +3,30 @@
 mod picture;
 
 use crate::terminal::{
-    Failure, ProgressBar, check_outputs, file_named, interruption, print, save, say,
+    Failure, ProgressBar, check_outputs, file_named, print, save, say, until_stopped,
 };
 use crate::{
     MeshArguments, OptionArguments, ThreadArguments, load, method_names, positive,
     refuse_replacing, warn,
 };
 use clap::builder::PossibleValuesParser;
-use helfrich::{AdaptiveJet, Surface, Verdict};
+use helfrich::{AdaptiveJet, Cause, Surface, Verdict};
 use helfrich_std::execute::Parallel;
 use helfrich_std::io::{MeshFile, PointField, PointValues, write_vtp};
 use helfrich_std::measurement::{Column, ColumnValues, Measurement};
 use helfrich_std::method::{AnyMethod, BendingMethod, Compiled, Evaluated, Fields, MethodOptions};
-use helfrich_std::noise::noise_of;
+use helfrich_std::noise::noise_seen;
+use helfrich_std::orientation::inside_out;
 use helfrich_std::report;
 use helfrich_std::scalar::{HeldPositions, Scalar};
-use std::io::Write;
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 #[derive(clap::Args)]
 pub(crate) struct CurvatureArguments {
     #[command(flatten)]
     input: MeshArguments,
-    #[arg(long, default_value = "meyer", value_parser = crate::method, help = format!(
+    #[arg(long, default_value = "jet", value_parser = crate::method, help = format!(
         "Method by name or letter: {}; jet chooses degree and neighbours from the noise at each vertex",
         method_names()
     ))]
@@ -89,14 +89,14 @@ fn measurement(
         deviation: sigma.unwrap_or(0.0),
         neighbours: scale.map(|neighbours| neighbours as usize),
     };
-    let stop = interruption();
     let mut bar = ProgressBar::default();
     let measured = Measurement::new(surface, &jet, &mut |done| {
         bar.show(done, "noise, and fits of every scale");
-        !stop.load(Ordering::Relaxed)
+        true
     });
     bar.clear();
     let measured = measured.ok_or(Failure::Unfinished(130))?;
+    warn(&arguments.input.mesh, &measured.findings());
     tell_verdicts(&arguments.input.mesh, surface, &measured);
     Ok(Some(measured))
 }
@@ -104,26 +104,66 @@ fn measurement(
 /// Prints the verdicts of the fits about the mesh.
 fn tell_verdicts(path: &Path, surface: Surface<'_, f64>, measured: &Measurement) {
     let path = path.display();
-    if measured.deviation() > 0.0 {
-        let seen = report::deviation_of_positions(measured.deviation(), surface);
+    let noise = measured.noise(surface);
+    if noise.is_seen() {
+        let seen = report::noise_of_positions(&noise);
         say(format_args!(
             "note: {path}: noise of positions {seen}, taken to be independent from vertex to vertex: error \
              bars do not contain errors that neighbours share"
         ));
     }
     let all = measured.vertices.len();
-    let unresolved = measured.count(Verdict::Unresolved);
+    let told = |message: &str, count: usize| {
+        say(format_args!(
+            "warning: {path}: {count} of {all} vertices: {message}"
+        ));
+    };
+    let beside = |cause: Cause| {
+        let vertices = measured.vertices.iter();
+        vertices.filter(|at| at.cause == Some(cause)).count()
+    };
+    for (cause, what) in [
+        (Cause::BesideCrease, "a crease, corner or tip"),
+        (Cause::BesideOutlier, "a vertex far off the surface"),
+    ] {
+        let count = beside(cause);
+        if count > 0 {
+            told(
+                &format!("the fit includes {what}: error bars are not known"),
+                count,
+            );
+        }
+    }
+    let with_cause = measured.vertices.iter().filter(|at| at.cause.is_some());
+    let explained = |verdict: Verdict| {
+        with_cause
+            .clone()
+            .filter(|at| at.verdict == verdict)
+            .count()
+    };
+    let unresolved = measured.count(Verdict::Unresolved) - explained(Verdict::Unresolved);
     if 50 * unresolved > all {
-        say(format_args!(
-            "warning: {path}: {unresolved} of {all} vertices: the mesh does not resolve the shape: refine it"
-        ));
+        told("the mesh does not resolve the shape: refine it", unresolved);
     }
-    let unknown = measured.count(Verdict::Unknown);
+    let unknown = measured.count(Verdict::Unknown) - explained(Verdict::Unknown);
     if unknown > 0 {
-        say(format_args!(
-            "warning: {path}: {unknown} of {all} vertices: too few neighbours for a fit, no values"
-        ));
+        told(
+            "neighbours determine no fit, or do not show its error: no values, or no error bars",
+            unknown,
+        );
     }
+}
+
+/// The largest number of components that are named.
+const MOST_COMPONENTS: usize = 10;
+
+/// Whether f of a method does not converge at every vertex of every mesh: that of jets does, with G on all
+/// meshes but hard ones. Nothing is known of methods outside the list.
+fn has_undetermined_force(method: AnyMethod) -> bool {
+    use BendingMethod::{Galerkin, J4, J6, Jet};
+    let determined = [Jet, J4, J6, Galerkin].map(AnyMethod::from);
+    let listed = BendingMethod::NAMED.map(AnyMethod::from);
+    method.has_force() && listed.contains(&method) && !determined.contains(&method)
 }
 
 /// Runs the command.
@@ -156,10 +196,10 @@ pub(crate) fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
     }
     let options = arguments.options.checked(&[arguments.method])?;
     let file = load(&arguments.input)?;
-    match arguments.scalar {
+    until_stopped(|| match arguments.scalar {
         Scalar::F32 | Scalar::F32Pair => curvature_in::<f32>(arguments, &options, &file),
         Scalar::F64 => curvature_in::<f64>(arguments, &options, &file),
-    }
+    })
 }
 
 fn curvature_in<T: Compiled>(
@@ -182,6 +222,10 @@ fn curvature_in<T: Compiled>(
     };
     let exact = Surface::new(&file.mesh, exact)
         .map_err(|error| Failure::mesh(&arguments.input.mesh, error))?;
+    for component in inside_out(exact).iter().take(MOST_COMPONENTS) {
+        let path = arguments.input.mesh.display();
+        say(format_args!("warning: {path}: {component}"));
+    }
     let measured = measurement(arguments, exact)?;
     let modulus = arguments.modulus;
     if let Some(measured) = &measured
@@ -203,6 +247,17 @@ fn curvature_in<T: Compiled>(
     let mut evaluator = method.evaluator(options, number, &file.mesh, Parallel::new());
     let (fields, findings) = evaluator.fields_and_findings(surface);
     warn(&arguments.input.mesh, &findings);
+    if has_undetermined_force(method) && fields.force_density.iter().any(Option::is_some) {
+        let path = arguments.input.mesh.display();
+        let quantities = match method.description().defines {
+            [.., true] => "f and LapH",
+            _ => "f",
+        };
+        say(format_args!(
+            "warning: {path}: {method} does not determine {quantities}: errors do not fall on finer meshes, and \
+             may be many times the values: take --method jet"
+        ));
+    }
     // Noise is measured on the positions of the file, in f64: rounded to f32 it may not be visible.
     if measured.is_none()
         && let Ok(surface) = Surface::new(&file.mesh, &file.positions)
@@ -256,9 +311,29 @@ fn save_results<T: Evaluated>(
     }
     match file_named(arguments.csv.as_ref()) {
         Some(path) => save(path, csv),
-        None => print(csv),
+        None => {
+            print(csv)?;
+            if io::stdout().is_terminal() {
+                say(COLUMNS);
+                if measured.is_some() {
+                    say(MEASURED_COLUMNS);
+                }
+            }
+            Ok(())
+        }
     }
 }
+
+/// The columns of the table, for those who read it on a screen.
+const COLUMNS: &str = "\
+H: mean curvature, positive on a sphere. K: Gaussian curvature. LapH: Laplacian of H along the surface.
+fx, fy, fz: bending force per area. area, nx, ny, nz: area and normal of the vertex.
+A column is empty where the method does not define it.";
+
+/// Further columns of a measurement.
+const MEASURED_COLUMNS: &str = "\
+k1, k2: principal curvatures. …_error: error bar of that column. sigma: noise of the position, a length.
+verdict: whether to trust the row, explained in docs/CHOOSING.md.";
 
 /// Writes the surface with all results as fields.
 fn save_surface<T: Evaluated>(
@@ -307,7 +382,7 @@ fn save_surface<T: Evaluated>(
 /// Prints the noise of the positions, if any was found, and the number of vertices where it
 /// dominates f.
 fn tell_noise(path: &Path, surface: Surface<'_, f64>) {
-    let noise = noise_of(surface);
+    let noise = noise_seen(surface);
     if !noise.is_seen() {
         return;
     }

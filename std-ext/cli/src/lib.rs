@@ -15,9 +15,11 @@ use curvature::{CurvatureArguments, curvature};
 use helfrich::{Bandwidth, DualArea, Finding, Surface};
 use helfrich_std::execute::{available_threads, with_threads};
 use helfrich_std::info::MeshInfo;
-use helfrich_std::io::{MeshFile, WriteError, check_replaceable, read, read_welded, write};
+use helfrich_std::io::{
+    MeshFile, WriteError, check_replaceable, is_same_file, read, read_welded, write,
+};
 use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions, OwnMethod};
-use helfrich_std::noise::noise_of;
+use helfrich_std::noise::noise_seen;
 use helfrich_std::report;
 use helfrich_std::run::{End, check, run};
 use helfrich_std::scene::{Overrides, SHIPPED, Scene, SceneFile, ShippedScene, shipped_files};
@@ -40,7 +42,7 @@ use terminal::{Failure, ProgressBar, interruption, print, save, say};
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
 /// Number of bytes that the program has allocated.
-fn allocated() -> usize {
+pub fn allocated() -> usize {
     ALLOCATOR.allocated()
 }
 
@@ -63,6 +65,9 @@ enum Command {
     /// Recommend a method for a mesh file, by measurements on that mesh.
     Recommend(RecommendArguments),
     /// Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP.
+    ///
+    /// The columns of the table: H, mean curvature, positive on a sphere; K, Gaussian curvature; LapH, Laplacian
+    /// of H along the surface; fx, fy, fz, bending force per area; area and normal of the vertex.
     Curvature(CurvatureArguments),
     /// Show counts, topology, area, volume and quality of a mesh file.
     Info(MeshArguments),
@@ -282,7 +287,7 @@ pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
 
 /// Refuses an output, called `new` in the message, that would replace an input, called `what`.
 fn refuse_replacing(input: &Path, what: &str, output: &Path, new: &str) -> Result<(), Failure> {
-    if matches!((input.canonicalize(), output.canonicalize()), (Ok(a), Ok(b)) if a == b) {
+    if is_same_file(input, output) {
         let output = output.display();
         let message = format!("{output}: {new} would replace {what}: choose another name for it");
         return Err(Failure::Input(message.into()));
@@ -312,7 +317,7 @@ fn info(arguments: &MeshArguments) -> Result<(), Failure> {
     let MeshFile { positions, mesh } = load(arguments)?;
     let surface = Surface::new(&mesh, &positions).map_err(|error| Failure::mesh(path, error))?;
     let info = MeshInfo::new(surface);
-    let noise = noise_of(surface);
+    let noise = noise_seen(surface);
     print(|out| report::mesh_info(&info, &noise, out))
 }
 

@@ -2,13 +2,15 @@
 
 use super::{MeshArguments, OptionArguments, ThreadArguments, load, refuse_replacing, warn};
 use crate::study::{methods, unique};
-use crate::terminal::{Failure, ProgressBar, check_outputs, file_named, interruption, print, save};
-use helfrich::Surface;
+use crate::terminal::{
+    Failure, ProgressBar, check_outputs, file_named, interruption, print, save, until_stopped,
+};
+use helfrich::{Surface, TriangleMesh};
 use helfrich_std::answer::Norm;
 use helfrich_std::execute::Parallel;
 use helfrich_std::io::MeshFile;
 use helfrich_std::method::{AnyMethod, BendingMethod};
-use helfrich_std::recommend::{Candidate, Wish, recommend};
+use helfrich_std::recommend::{Candidate, Recommendation, Wish, recommend};
 use helfrich_std::report;
 use helfrich_std::scalar::Scalar;
 use helfrich_std::study::{Quantity, StudyProgress};
@@ -93,32 +95,7 @@ pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Fai
         options,
         scalars: unique(arguments.scalar.clone()),
     };
-    let stop = interruption();
-    let mut bar = ProgressBar::default();
-    let found = recommend(
-        &mesh,
-        &positions,
-        &wish,
-        &|| stop.load(Ordering::Relaxed),
-        &mut |StudyProgress { done, total, at }| {
-            bar.show(done as f64 / total as f64, at);
-        },
-    );
-    bar.clear();
-    let found = found.map_err(|error| Failure::mesh(&arguments.input.mesh, error))?;
-    let Some(found) = found else {
-        return Err(Failure::Unfinished(130));
-    };
-    if let Some(choice) = found.choice
-        && let Ok(surface) = Surface::new(&mesh, &positions)
-    {
-        let Candidate {
-            method, options, ..
-        } = choice;
-        let mut evaluator = method.evaluator(&options, 1.0, &mesh, Parallel::new());
-        evaluator.evaluate(surface);
-        warn(&arguments.input.mesh, &evaluator.findings(surface));
-    }
+    let found = until_stopped(|| found(arguments, &wish, &mesh, &positions))?;
     let write = |out: &mut dyn Write| {
         serde_json::to_writer_pretty(&mut *out, &found)?;
         writeln!(out)
@@ -131,4 +108,38 @@ pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Fai
             save(path, write)
         }
     }
+}
+
+/// The answer, which is measured; says what is doubtful about the mesh.
+fn found(
+    arguments: &RecommendArguments,
+    wish: &Wish,
+    mesh: &TriangleMesh,
+    positions: &[[f64; 3]],
+) -> Result<Recommendation, Failure> {
+    let stop = interruption();
+    let mut bar = ProgressBar::default();
+    let found = recommend(
+        mesh,
+        positions,
+        wish,
+        &|| stop.load(Ordering::Relaxed),
+        &mut |StudyProgress { done, total, at }| {
+            bar.show(done as f64 / total as f64, at);
+        },
+    );
+    bar.clear();
+    let found = found.map_err(|error| Failure::mesh(&arguments.input.mesh, error))?;
+    let found = found.ok_or(Failure::Unfinished(130))?;
+    if let Some(choice) = found.choice
+        && let Ok(surface) = Surface::new(mesh, positions)
+    {
+        let Candidate {
+            method, options, ..
+        } = choice;
+        let mut evaluator = method.evaluator(&options, 1.0, mesh, Parallel::new());
+        evaluator.evaluate(surface);
+        warn(&arguments.input.mesh, &evaluator.findings(surface));
+    }
+    Ok(found)
 }

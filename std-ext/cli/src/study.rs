@@ -2,8 +2,9 @@
 
 use super::{OptionArguments, method, method_names, own_methods, positive};
 use crate::terminal::{
-    Failure, ProgressBar, check_outputs, file_named, interruption, print, save, say,
+    Failure, ProgressBar, check_outputs, file_named, interruption, print, save, say, until_stopped,
 };
+use helfrich_std::execute::{Interruption, interruptible};
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::io::remove_unfinished;
 use helfrich_std::lock::{Lock, LockError};
@@ -19,11 +20,12 @@ use helfrich_std::verdict::verdicts;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::SystemTime;
 
 /// How this program was built, by its build script.
-const BUILD: Build = Build {
+pub const BUILD: Build = Build {
     commit: env!("HELFRICH_COMMIT"),
     compiler: env!("HELFRICH_COMPILER"),
     profile: env!("HELFRICH_PROFILE"),
@@ -38,7 +40,7 @@ pub struct StudyArguments {
     #[arg(long, default_value = "discocyte")]
     shape: AnyShape,
     #[arg(long, value_delimiter = ',', value_parser = methods, help = format!(
-        "Methods by name or letter, or `all`: {}; jet chooses j4 or j6 for the mesh. By default A,B,C",
+        "Methods by name or letter, or `all`: {}; jet chooses j4 or j6 for the mesh. By default A,B,C,J6",
         method_names()
     ))]
     method: Vec<Vec<AnyMethod>>,
@@ -189,12 +191,16 @@ fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), 
     };
     let mut cache = arguments.kept.open(arguments.html.as_ref().map(|_| name))?;
     let mut bar = ProgressBar::default();
-    let rows = study.run_in(&mut Session {
+    let mut session = Session {
         progress: &mut |StudyProgress { done, total, at }| bar.show(done as f64 / total as f64, at),
         interrupted: &interrupted,
         cache: cache.as_mut(),
         allocated: Some(&super::allocated),
-    });
+        timed: true,
+    };
+    let interruption = Interruption::by_flag(Arc::clone(&stop));
+    let rows = interruptible(interruption, || study.run_in(&mut session));
+    let rows = rows.unwrap_or(Ok(Vec::new()));
     bar.clear();
     keep(cache.as_mut());
     let rows = rows.map_err(Failure::input)?;
@@ -204,7 +210,8 @@ fn study_with(arguments: &StudyArguments, more: Option<More<'_>>) -> Result<(), 
             if interrupted() {
                 return Ok(());
             }
-            report::verdict_table(&verdicts(&rows), out)
+            report::verdict_table(&verdicts(&rows), out)?;
+            report::conclusion(&rows, out)
         });
         return match interrupted() {
             true => rows_shown.and(Err(left_off(cache.as_ref()))),
@@ -287,11 +294,15 @@ impl StudyArguments {
         };
         let stop = interruption();
         let mut bar = ProgressBar::default();
-        let rows = study.run(&|| stop.load(Ordering::Relaxed), &mut |progress| {
-            let StudyProgress { done, total, at } = progress;
-            bar.show(done as f64 / total as f64, at);
+        let rows = until_stopped(|| {
+            let rows = study.run(&|| stop.load(Ordering::Relaxed), &mut |progress| {
+                let StudyProgress { done, total, at } = progress;
+                bar.show(done as f64 / total as f64, at);
+            });
+            Ok(rows)
         });
         bar.clear();
+        let rows = rows?;
         if stop.load(Ordering::Relaxed) {
             return Err(Failure::Unfinished(130));
         }
@@ -350,6 +361,7 @@ impl StudyArguments {
         self.show_rows(rows, |out| {
             report::study_table(rows, out)?;
             report::verdict_table(&verdicts, out)?;
+            report::conclusion(rows, out)?;
             writeln!(out, "\nwritten to {}", file.display())
         })
     }
@@ -481,10 +493,11 @@ pub fn show_rows(
 }
 
 /// The methods that a study compares by default.
-const COMPARED: [BendingMethod; 3] = [
+const COMPARED: [BendingMethod; 4] = [
     BendingMethod::KantorNelson,
     BendingMethod::GompperKroll,
     BendingMethod::Meyer,
+    BendingMethod::J6,
 ];
 
 /// Each value once, in the order of its first mention.

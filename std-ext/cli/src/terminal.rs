@@ -4,7 +4,8 @@ mod progress_bar;
 
 pub use progress_bar::ProgressBar;
 
-use helfrich_std::io::{check_replaceable, replace_file};
+use helfrich_std::execute::{Interruption, interruptible, look_for_interruption};
+use helfrich_std::io::{check_replaceable, is_same_file, replace_file};
 #[cfg(unix)]
 use signal_hook::consts::SIGHUP;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -14,8 +15,8 @@ use std::fmt::Display;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, OnceLock};
 
 /// The reason why a program ends early.
 #[derive(Debug)]
@@ -72,7 +73,8 @@ pub fn say(line: impl Display) {
 /// # Errors
 /// If standard output cannot be written to.
 pub fn print(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-    let mut out = BufWriter::new(io::stdout().lock());
+    let mut out = io::stdout().lock();
+    let mut out = BufWriter::new(Interruptible(&mut out));
     match write(&mut out).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::output("standard output", &error))
@@ -89,7 +91,12 @@ pub fn save(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    replace_file(path, write).map_err(|error| Failure::output(path.display(), &error))
+    let written = replace_file(path, |out| {
+        let mut out = BufWriter::new(Interruptible(out));
+        write(&mut out)?;
+        out.flush()
+    });
+    written.map_err(|error| Failure::output(path.display(), &error))
 }
 
 /// The file that an option names; none for `-`, standard output.
@@ -105,7 +112,7 @@ pub fn file_named(option: Option<&PathBuf>) -> Option<&Path> {
 pub fn check_outputs<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
     let paths = Vec::from_iter(paths);
     for (at, path) in paths.iter().enumerate() {
-        if paths[..at].contains(path) {
+        if paths[..at].iter().any(|other| is_same_file(other, path)) {
             let message = format!("{}: two outputs have this name", path.display());
             return Err(Failure::Input(message.into()));
         }
@@ -114,17 +121,47 @@ pub fn check_outputs<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<()
     Ok(())
 }
 
-/// Becomes true when the program is asked to stop.
+/// Becomes true when the program is asked to stop. A second request ends the program at once: what is on the
+/// disk is complete.
 ///
 /// No thread waits for signals: what one allocates would count as memory of the method that a study
 /// measures at that time.
 pub fn interruption() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for &signal in SIGNALS {
-        // Without a handler an interrupt ends the run at once: the last checkpoint remains.
-        let _ = signal_hook::flag::register(signal, Arc::clone(&stop));
+    static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+    let registered = || {
+        let stop = Arc::new(AtomicBool::new(false));
+        for &signal in SIGNALS {
+            // Without a handler an interrupt ends the run at once: the last checkpoint remains. The flag is set
+            // by the second of these handlers, so that the first acts on a second signal.
+            let _ = signal_hook::flag::register_conditional_default(signal, Arc::clone(&stop));
+            let _ = signal_hook::flag::register(signal, Arc::clone(&stop));
+        }
+        stop
+    };
+    Arc::clone(STOP.get_or_init(registered))
+}
+
+/// Does work that ends within a second after the program is asked to stop.
+///
+/// # Errors
+/// Those of the work, and that it was interrupted.
+pub fn until_stopped<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
+    interruptible(Interruption::by_flag(interruption()), work)
+        .unwrap_or(Err(Failure::Unfinished(130)))
+}
+
+/// Output that looks for an interruption each time it is written to.
+struct Interruptible<'a>(&'a mut dyn Write);
+
+impl Write for Interruptible<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        look_for_interruption();
+        self.0.write(bytes)
     }
-    stop
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// The signals that ask a program to stop: from the keyboard, from other programs, and from a terminal

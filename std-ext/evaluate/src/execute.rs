@@ -4,8 +4,15 @@
 //! vectors, and one version is selected at run time. No operations are fused, so that results have
 //! the bits of [`Serial`] for any processor and number of threads.
 
+mod interruption;
+
+pub use interruption::{
+    Interruption, SLICE, interruptible, look_for_interruption, unless_interrupted,
+};
+
 use helfrich::element::{BATCH, ElementKernel, SlotKernel, Slots, check_output, scatter_onto};
 use helfrich::{Execution, Real, Serial, Surface};
+use interruption::Loop;
 use pulp::NullaryFnOnce;
 use std::cell::Cell;
 use std::num::NonZeroUsize;
@@ -243,6 +250,7 @@ impl Execution for Parallel {
         K: ElementKernel<T, CORNERS, IN, OUT>,
     {
         check_output(surface, output);
+        look_for_interruption();
         let onto = |(start, output): (usize, &mut [[T; OUT]])| {
             dispatch(Scatter {
                 kernel,
@@ -276,14 +284,35 @@ impl Execution for Parallel {
         if scratches.is_empty() {
             scratches.push(S::default());
         }
+        let own = Loop::here();
         let run = |(scratch, start, slots): (&mut S, usize, O)| {
-            dispatch(Run {
-                kernel,
-                scratch,
-                start,
-                slots,
+            own.for_slices(start, slots, |start, slots| {
+                dispatch(Run {
+                    kernel,
+                    scratch: &mut *scratch,
+                    start,
+                    slots,
+                });
             });
         };
+        self.divide(scratches, output, &run);
+        look_for_interruption();
+    }
+
+    fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T {
+        // The terms are already known at each vertex: adding them takes less time than starting a thread.
+        Serial.sum(count, term)
+    }
+}
+
+impl Parallel {
+    /// Calls `run` with all slots, divided among as many threads as are worth starting.
+    fn divide<S: Default + Send, O: Slots>(
+        self,
+        scratches: &mut Vec<S>,
+        output: O,
+        run: &(impl Fn((&mut S, usize, O)) + Sync),
+    ) {
         let count = output.count();
         if self.threads.get() == 1 || count <= FIRST_SLOTS {
             return run((&mut scratches[0], 0, output));
@@ -305,11 +334,6 @@ impl Execution for Parallel {
             slots: Some(rest),
             size: left.div_ceil(threads),
         };
-        share(parts, &run);
-    }
-
-    fn sum<T: Real>(&self, count: usize, term: impl Fn(usize) -> T + Sync) -> T {
-        // The terms are already known at each vertex: adding them takes less time than starting a thread.
-        Serial.sum(count, term)
+        share(parts, run);
     }
 }

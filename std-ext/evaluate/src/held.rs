@@ -64,17 +64,22 @@ pub struct Held {
     constraints: Prepared<f64, Constraints<f64>, Parallel>,
     quantities: Vec<Quantity>,
     groups: Vec<u32>,
+    /// The targets for which they were prepared.
+    ends: Vec<Targets<f64>>,
 }
 
 impl Held {
     /// Prepares constraints for a mesh.
     pub fn new(mesh: Arc<TriangleMesh>, constraints: Constraints<f64>) -> Self {
+        let targets = constraints.constraints.iter();
+        let ends = Vec::from_iter(targets.map(|constraint| constraint.targets.clone()));
         let quantities = constraints.constraints.iter();
         let quantities = quantities.map(|constraint| Quantity::new(constraint.functional, &mesh));
         Self {
             quantities: quantities.collect(),
             constraints: Prepared::with_execution(constraints, &mesh, Parallel::new()),
             groups: mesh.components().0,
+            ends,
             mesh,
         }
     }
@@ -89,9 +94,30 @@ impl Held {
         &self.groups
     }
 
-    /// The constraints, mutable, to change their targets.
-    pub fn constraints_mut(&mut self) -> &mut Constraints<f64> {
-        self.constraints.method_mut()
+    /// The value of each functional for each component; NaN where positions do not fit the mesh or are not
+    /// finite.
+    pub fn values(&mut self, positions: &[[f64; 3]]) -> Vec<Vec<f64>> {
+        let surface = Surface::new(&self.mesh, positions).ok();
+        let values = self.quantities.iter_mut().map(|quantity| match surface {
+            Some(surface) => quantity.values(surface).to_vec(),
+            None => vec![f64::NAN; quantity.ones.len()],
+        });
+        values.collect()
+    }
+
+    /// Sets the targets on the way from some values, those of [`Self::values`], to the targets for which
+    /// the constraints were prepared: a fraction from 0 to 1.
+    pub fn approach(&mut self, starts: &[Vec<f64>], fraction: f64) {
+        let constraints = &mut self.constraints.method_mut().constraints;
+        for ((constraint, end), starts) in constraints.iter_mut().zip(&self.ends).zip(starts) {
+            constraint.targets = if fraction < 1.0 {
+                let between = starts.iter().enumerate();
+                let between = between.map(|(at, start)| start + fraction * (end.at(at) - start));
+                Targets::PerComponent(between.collect())
+            } else {
+                end.clone()
+            };
+        }
     }
 
     /// Moves positions so that every functional has its target.

@@ -3,6 +3,7 @@
 //! A method is chosen once per surface, in one place; everything below is resolved at compile time.
 //! Methods run on all threads, and large meshes are reordered.
 
+mod border;
 mod choice;
 mod evaluator;
 mod fields;
@@ -10,6 +11,7 @@ mod listed;
 mod operator;
 mod options;
 mod own;
+mod relative;
 
 pub use choice::Settings;
 pub(crate) use choice::Visitor;
@@ -24,6 +26,7 @@ use helfrich::{
     ControlPoints, CorrectedCurvature, Cotangent, Galerkin, GompperKroll, Hamann, HeatKernel, Jet,
     Juelicher, KantorNelson, LoopSubdivision, Paraboloid, Real, StrongForm, VertexNormals,
 };
+use relative::relative;
 use std::fmt;
 use std::str::FromStr;
 
@@ -47,7 +50,7 @@ pub struct Description {
 /// Cost of a method of the list.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost {
-    /// Time of an evaluation relative to that of method B: docs/CHOOSING.md.
+    /// Time of an evaluation of f, or of H and K for operators without a force, relative to that of method B.
     pub relative: f64,
     /// Memory of the prepared method after its first evaluation in bytes per vertex, as measured on meshes of
     /// 2562 vertices.
@@ -69,7 +72,8 @@ pub enum Bytes {
 /// methods as types, and the only place where a name selects a method of the core.
 ///
 /// An entry consists of the kind of the method, its type for the scalar T (in strong form, the type of its
-/// operator), its constructor, its description and its cost. The kinds are those of [`Visitor`].
+/// operator), its constructor, its description and its memory; its time is in `relative.rs`. The kinds are those of
+/// [`Visitor`].
 macro_rules! methods {
     (@is_conservative energy) => { true };
     (@is_conservative energy_and_curvatures) => { true };
@@ -117,19 +121,19 @@ macro_rules! methods {
         all {
             $(
                 $(#[$documentation:meta])*
-                $method:ident: $form:ident($type:ty, $make:expr), $description:expr, $cost:expr;
+                $method:ident: $form:ident($type:ty, $make:expr), $description:expr, $bytes:expr;
             )*
         }
         by_mesh {
             $(#[$by_mesh_documentation:meta])*
             $by_mesh:ident: $by_mesh_form:ident($by_mesh_type:ty, $by_mesh_make:expr),
-            $by_mesh_description:expr, $by_mesh_cost:expr;
+            $by_mesh_description:expr, $by_mesh_bytes:expr;
         }
         curvatures_only {
             $(
                 $(#[$measure_documentation:meta])*
                 $measure:ident: $measure_form:ident($measure_type:ty, $measure_make:expr),
-                $measure_description:expr, $measure_cost:expr;
+                $measure_description:expr, $measure_bytes:expr;
             )*
         }
     ) => {
@@ -185,11 +189,12 @@ macro_rules! methods {
 
             /// The cost of the method.
             pub const fn cost(self) -> Cost {
-                match self {
-                    $(Self::$method => $cost,)*
-                    Self::$by_mesh => $by_mesh_cost,
-                    $(Self::$measure => $measure_cost,)*
-                }
+                let bytes = match self {
+                    $(Self::$method => $bytes,)*
+                    Self::$by_mesh => $by_mesh_bytes,
+                    $(Self::$measure => $measure_bytes,)*
+                };
+                Cost { relative: relative(self), bytes }
             }
         }
 
@@ -230,10 +235,7 @@ methods! {
             idea: "angles between triangles",
             defines: [false, false, false],
         },
-        Cost {
-            relative: 0.8,
-            bytes: Bytes::Fixed(90),
-        };
+        Bytes::Fixed(90);
         /// B: squared cotangent Laplacian.
         GompperKroll: energy_and_curvatures(GompperKroll<T>, |settings: Settings<'_, T>| GompperKroll {
             modulus: settings.modulus,
@@ -248,10 +250,7 @@ methods! {
             idea: "energy of the cotangent Laplacian",
             defines: [true, false, false],
         },
-        Cost {
-            relative: 1.0,
-            bytes: Bytes::Fixed(65),
-        };
+        Bytes::Fixed(65);
         /// C: strong form over the cotangent operator.
         Meyer: strong_form(Cotangent, |settings: Settings<'_, T>| {
             let areas = settings.options.areas_or_default();
@@ -265,10 +264,7 @@ methods! {
             idea: "cotangent Laplacian, applied twice",
             defines: [true, true, true],
         },
-        Cost {
-            relative: 1.6,
-            bytes: Bytes::Fixed(185),
-        };
+        Bytes::Fixed(185);
         /// D: strong form over a heat kernel.
         Belkin: strong_form(HeatKernel<T>, |settings: Settings<'_, T>| {
             let bandwidth = settings.options.bandwidth_or_default();
@@ -282,10 +278,7 @@ methods! {
             idea: "heat kernel",
             defines: [true, true, true],
         },
-        Cost {
-            relative: 300.0,
-            bytes: Bytes::ByBandwidth([240.0, 2260.0]),
-        };
+        Bytes::ByBandwidth([240.0, 2260.0]);
         /// E: strong form over paraboloids fitted to one-rings.
         Farutin: strong_form(Paraboloid, |settings: Settings<'_, T>| {
             settings.strong_form(Paraboloid::default())
@@ -298,10 +291,7 @@ methods! {
             idea: "paraboloids fitted to neighbours",
             defines: [true, true, true],
         },
-        Cost {
-            relative: 12.0,
-            bytes: Bytes::Fixed(250),
-        };
+        Bytes::Fixed(250);
         /// S: the limit surface of Loop subdivision.
         Loop: energy_and_curvatures(LoopSubdivision<T>, |settings: Settings<'_, T>| LoopSubdivision {
             modulus: settings.modulus,
@@ -316,11 +306,8 @@ methods! {
             idea: "smooth surface by subdivision",
             defines: [true, true, false],
         },
-        Cost {
-            relative: 7.0,
-            // Meshes with patches of few kinds, and meshes with patches of many.
-            bytes: Bytes::ByValence([1700, 6000]),
-        };
+        // Meshes with patches of few kinds, and meshes with patches of many.
+        Bytes::ByValence([1700, 6000]);
         /// Jülicher's: squared mean curvature from dihedral angles.
         Juelicher: energy_and_curvatures(Juelicher<T>, |settings: Settings<'_, T>| Juelicher {
             modulus: settings.modulus,
@@ -334,10 +321,7 @@ methods! {
             idea: "energy of edge curvatures",
             defines: [true, false, false],
         },
-        Cost {
-            relative: 3.0,
-            bytes: Bytes::Fixed(85),
-        };
+        Bytes::Fixed(85);
         /// Hamann's: paraboloids fitted to one-rings in the frame of averaged normals.
         Hamann: energy_and_curvatures(Hamann<T>, |settings: Settings<'_, T>| Hamann {
             modulus: settings.modulus,
@@ -351,10 +335,7 @@ methods! {
             idea: "energy of paraboloids over averaged normals",
             defines: [true, true, false],
         },
-        Cost {
-            relative: 5.0,
-            bytes: Bytes::Fixed(180),
-        };
+        Bytes::Fixed(180);
         /// G: blended osculating jets.
         Galerkin: energy_and_density(Galerkin<T>, |settings: Settings<'_, T>| Galerkin {
             modulus: settings.modulus,
@@ -369,10 +350,7 @@ methods! {
             idea: "energy of blended polynomials",
             defines: [true, true, false],
         },
-        Cost {
-            relative: 850.0,
-            bytes: Bytes::Fixed(18500),
-        };
+        Bytes::Fixed(18500);
         /// J of degree 4: strong form over osculating jets.
         J4: strong_form(Jet<T>, |settings: Settings<'_, T>| settings.strong_form(Jet::j4())),
         Description {
@@ -383,10 +361,7 @@ methods! {
             idea: "polynomials fitted to more neighbours",
             defines: [true, true, true],
         },
-        Cost {
-            relative: 18.0,
-            bytes: Bytes::Fixed(1450),
-        };
+        Bytes::Fixed(1450);
         /// J of degree 6.
         J6: strong_form(Jet<T>, |settings: Settings<'_, T>| settings.strong_form(Jet::j6())),
         Description {
@@ -397,10 +372,7 @@ methods! {
             idea: "polynomials fitted to many neighbours",
             defines: [true, true, true],
         },
-        Cost {
-            relative: 40.0,
-            bytes: Bytes::Fixed(2400),
-        };
+        Bytes::Fixed(2400);
     }
     by_mesh {
         /// J of the degree that suits the mesh.
@@ -416,10 +388,7 @@ methods! {
             idea: "of the degree that suits the mesh",
             defines: [true, true, true],
         },
-        Cost {
-            relative: 90.0,
-            bytes: Bytes::Fixed(2400),
-        };
+        Bytes::Fixed(2400);
     }
     curvatures_only {
         /// Corrected curvature measures with averaged normals.
@@ -434,10 +403,7 @@ methods! {
             idea: "curvature of interpolated normals",
             defines: [true, true, false],
         },
-        Cost {
-            relative: 0.8,
-            bytes: Bytes::Fixed(80),
-        };
+        Bytes::Fixed(80);
         /// Corrected curvature measures with normals of jets.
         CorrectedFit: curvatures(CorrectedCurvature, |_: Settings<'_, T>| CorrectedCurvature {
             normals: VertexNormals::Fitted,
@@ -450,10 +416,7 @@ methods! {
             idea: "curvature of interpolated normals of jets",
             defines: [true, true, false],
         },
-        Cost {
-            relative: 28.0,
-            bytes: Bytes::Fixed(1560),
-        };
+        Bytes::Fixed(1560);
     }
 }
 

@@ -8,9 +8,15 @@ use std::f64::consts::PI;
 /// Oosterom and J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125. Correct to rounding at any distance.
 /// Open surfaces enclose nothing.
 pub fn encloses(surface: Surface<'_, f64>, point: [f64; 3]) -> bool {
-    if !surface.mesh().is_closed() {
-        return false;
-    }
+    surface.mesh().is_closed() && winds_around(surface, surface.mesh().triangles().iter(), point)
+}
+
+/// Whether closed components with these triangles wind around a point.
+pub(crate) fn winds_around<'a>(
+    surface: Surface<'_, f64>,
+    triangles: impl Iterator<Item = &'a [u32; 3]>,
+    point: [f64; 3],
+) -> bool {
     let at = DVec3::from(point);
     let place = |vertex: u32| DVec3::from(surface.positions()[vertex as usize]) - at;
     let angle = |triangle: &[u32; 3]| {
@@ -20,7 +26,6 @@ pub fn encloses(surface: Surface<'_, f64>, point: [f64; 3]) -> bool {
         let doubled = a.dot((b - a).cross(c - a));
         2.0 * doubled.atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
     };
-    let triangles = surface.mesh().triangles().iter();
     triangles.map(angle).sum::<f64>().abs() > 2.0 * PI
 }
 
@@ -108,9 +113,16 @@ fn shifted_inside(
 
 /// Opposite corners of the bounding box of a surface.
 fn corners(surface: Surface<'_, f64>) -> [DVec3; 2] {
-    let points = || surface.positions().iter().copied().map(DVec3::from);
-    let low = points().fold(DVec3::INFINITY, DVec3::min);
-    [low, points().fold(DVec3::NEG_INFINITY, DVec3::max)]
+    corners_of(surface.positions().iter().copied())
+}
+
+/// Opposite corners of the bounding box of some points.
+pub(crate) fn corners_of(points: impl IntoIterator<Item = [f64; 3]>) -> [DVec3; 2] {
+    let points = points.into_iter().map(DVec3::from);
+    let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    points.fold(empty, |[low, high], point| {
+        [low.min(point), high.max(point)]
+    })
 }
 
 /// For each surface, the innermost surface that contains all of it, directly or through an image.

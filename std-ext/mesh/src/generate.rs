@@ -18,7 +18,7 @@ pub use any_shape::{AnyShape, ParseShapeError};
 pub use deviation::ShapeDeviation;
 
 use glam::DVec3;
-use helfrich::shapes::{Shape, Sphere};
+use helfrich::shapes::{ExactPoint, Shape, Sphere};
 use helfrich::{MeshError, TriangleMesh};
 use std::fmt;
 use std::str::FromStr;
@@ -146,6 +146,33 @@ pub enum GenerateError {
         /// The shape's name.
         shape: &'static str,
     },
+    /// Exact values that are not finite.
+    #[error(
+        "exact values of {shape} are beyond the numbers of f64, such as those of 1/length³: choose another unit of \
+         length"
+    )]
+    BeyondNumbers {
+        /// The shape, with its parameters.
+        shape: AnyShape,
+    },
+}
+
+impl GeneratedMesh {
+    /// The exact values at the vertices.
+    ///
+    /// # Errors
+    /// If one of them is not finite, [`GenerateError::BeyondNumbers`].
+    pub fn exact_points(&self) -> Result<Vec<ExactPoint<f64>>, GenerateError> {
+        let shape = self.shape;
+        let points = Vec::from_iter(self.preimages.iter().map(|&at| shape.at(at)));
+        let values = |at: &ExactPoint<f64>| [at.mean, at.gaussian, at.force_density(1.0)];
+        let mut values = points.iter().flat_map(values);
+        let sizes = [shape.area(), shape.volume()];
+        if values.all(f64::is_finite) && sizes.into_iter().all(f64::is_finite) {
+            return Ok(points);
+        }
+        Err(GenerateError::BeyondNumbers { shape })
+    }
 }
 
 /// The largest number of vertices of a mesh: a closed mesh has about twice as many triangles.

@@ -1,5 +1,6 @@
 //! Properties of a mesh: counts, topology, measures and quality.
 
+use crate::orientation::{InsideOut, inside_out};
 use helfrich::{Surface, VertexKind};
 use std::f64::consts::PI;
 
@@ -34,6 +35,8 @@ pub struct MeshInfo {
     pub corners: [[f64; 3]; 2],
     /// Triangles without area up to the rounding of f64, in ascending order.
     pub degenerate_triangles: Vec<usize>,
+    /// Closed components that are inside out.
+    pub inside_out: Vec<InsideOut>,
 }
 
 /// Edge of an equilateral triangle of the mean area, `√(4 A/(√3 F))`.
@@ -80,6 +83,7 @@ impl MeshInfo {
             degenerate_triangles: all
                 .filter(|&triangle| is_degenerate(surface, triangle))
                 .collect(),
+            inside_out: inside_out(surface),
         }
     }
 

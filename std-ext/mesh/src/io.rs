@@ -1,8 +1,8 @@
 //! Mesh files: reads and writes OBJ, OFF, STL (ASCII and binary), PLY (ASCII and binary) and VTP.
 //!
-//! Coordinates keep the unit of the file and all digits of `f64`. Polygons are split into the fan
-//! of triangles around their first corner: (a, b, c, d, …) becomes (a, b, c), (a, c, d), …, which
-//! is correct for convex polygons. Everything other than positions and faces, such as normals, colours and
+//! Coordinates keep the unit of the file and all digits of `f64`. A convex polygon is split into
+//! the fan of triangles around its first corner: (a, b, c, d, …) becomes (a, b, c), (a, c, d), …; others are
+//! split by [`polygon::triangulate`](crate::polygon::triangulate). Everything other than positions and faces, such as normals, colours and
 //! textures, is skipped; [`read_with_columns`] also reads numbers at vertices and triangles.
 //!
 //! Surfaces with fields on them, and fields on grids, are also written for VTK and ParaView: [`write_vtp`],
@@ -10,8 +10,10 @@
 //!
 //! A file is read completely and parsed from memory; it may take up to half of the free memory. From
 //! pipes and devices at most 1 GiB is read. For any bytes the parsers return a mesh or an error, in
-//! time and memory proportional to the length of the file. A byte order mark before a text is skipped.
+//! time and memory proportional to the length of the file: where a file can state a number many times, or
+//! compressed, its numbers may take 64 MiB and 16 times its length, or 256 times if it is compressed. A byte order mark before a text is skipped.
 
+mod budget;
 mod builder;
 mod decimal;
 mod obj;
@@ -30,7 +32,9 @@ mod write;
 mod xml;
 
 pub use decimal::{push_fields, push_number};
-pub use replace::{UNFINISHED, check_replaceable, remove_unfinished, replace_file};
+pub use replace::{
+    LOCK_NAME, UNFINISHED, check_replaceable, is_same_file, remove_unfinished, replace_file,
+};
 pub use sha256::sha256;
 pub use vti::{Grid, write_vti};
 pub use vtk::{PointField, PointValues, VtkError};
@@ -42,6 +46,8 @@ pub use write::{WriteError, write, write_to};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::polygon::TooManyCorners;
+use budget::Budget;
 use builder::Builder;
 use helfrich::{MeshError, TriangleMesh};
 
@@ -169,6 +175,21 @@ pub enum ReadError {
     },
 }
 
+impl ReadError {
+    /// The same error without the words of the file that it quotes.
+    #[must_use]
+    pub fn without_words(mut self) -> Self {
+        if let Self::Parse { error, .. } = &mut self
+            && let Problem::Expected { found, .. } | Problem::NotFinite { found, .. } =
+                &mut error.problem
+            && found.starts_with('`')
+        {
+            "something else".clone_into(found);
+        }
+        self
+    }
+}
+
 /// Reason why bytes are not a mesh, with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParseError {
@@ -246,6 +267,17 @@ pub enum Problem {
         /// The number of points or cells, in words.
         places: String,
     },
+    /// Numbers that the file states many times, or compressed, take too much memory.
+    #[error(
+        "the arrays take more than {limit} bytes, too many for a file of {length} bytes: they are named by \
+         many pieces, or compressed beyond reason: write every array once, uncompressed"
+    )]
+    TooLarge {
+        /// The file's length in bytes.
+        length: usize,
+        /// The largest number of bytes for this length.
+        limit: u64,
+    },
     /// The length of a binary STL file does not match its number of faces.
     #[error(
         "a binary STL file of {faces} faces has {} bytes, but there are {length}: it is truncated or damaged", 84 + 50 * faces
@@ -287,6 +319,12 @@ pub enum Problem {
     RepeatedVertex {
         /// The corners, counted from 1.
         corners: [usize; 2],
+    },
+    /// A polygon is too intricate to be split into triangles.
+    #[error("{error}: divide it")]
+    Polygon {
+        /// The reason.
+        error: TooManyCorners,
     },
     /// The faces do not form a mesh.
     #[error("{error}{}", numbering(error))]

@@ -3,10 +3,13 @@
 //! * [`io`]: mesh files. [`generate`]: mesh families on exact shapes.
 //! * [`info`]: properties of a mesh. [`subdivide`]: refined meshes.
 //! * [`section`]: sections of a surface by a plane. [`enclosure`]: points inside closed surfaces.
+//! * [`orientation`]: components that are inside out. [`polygon`]: polygons divided into triangles.
 
 pub mod enclosure;
 pub mod generate;
 pub mod info;
 pub mod io;
+pub mod orientation;
+pub mod polygon;
 pub mod section;
 pub mod subdivide;

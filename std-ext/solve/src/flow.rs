@@ -30,7 +30,7 @@ pub use boundary_integral::{DoubleLayer, SingleLayer, alone};
 pub use channel::Channel;
 pub use contact_stiffness::{AdhesiveWall, Barrier};
 pub use gmres::{Gmres, Product, Solved};
-pub use immersion::{Immersion, ImmersionError, ImmersionPrecision, ImmersionState};
+pub use immersion::{Immersion, ImmersionError, ImmersionPrecision, ImmersionState, Ripples};
 use local_mobility::LocalMobility;
 pub use membranes::{Effort, Fluid, Membranes};
 pub use recent::Recent;

@@ -220,11 +220,13 @@ fn chart_of(rows: &[NoiseRow], deviations: &[f64], quantity: usize) -> Chart {
             })
         });
         Curve {
+            hollow: false,
             name: name.to_owned(),
             points: points.collect(),
             marks,
             style,
             label: name.to_owned(),
+            ..Curve::default()
         }
     });
     let axis = |label: String, numbers| Axis {

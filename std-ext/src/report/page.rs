@@ -13,17 +13,18 @@ pub mod svg;
 pub mod text;
 mod verdicts;
 
+use crate::answer::each;
 use crate::io::replace_file;
 use crate::method::{AnyMethod, BendingMethod};
 use crate::picture::Chart;
 use crate::png;
-use crate::provenance::{Build, Provenance};
+use crate::provenance::{Build, Provenance, date};
 use crate::report::SCATTERED;
 use crate::study::{ErrorFields, MOST_SCATTER, Quantity, Row};
 use crate::verdict::ConvergenceVerdict;
 use std::io::{self, Write};
 use std::path::Path;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::SystemTime;
 use svg::COLOURS;
 use text::escaped;
 
@@ -87,8 +88,10 @@ impl Page<'_> {
              <p class=\"lead\">Which method computes how a membrane bends, how far it is off, and how long it takes: measured on {} against exact values.</p></header>",
             described(shape)
         )?;
-        answers::write(self, out)?;
-        accuracy::write(self, out)?;
+        let recommended = answers::recommended(self.rows);
+        let recommended = recommended.as_ref();
+        answers::write(self, recommended, out)?;
+        accuracy::write(self, recommended, out)?;
         verdicts::write(self.verdicts, out)?;
         pictures::write(self, out)?;
         precision::write(self.rows, out)?;
@@ -268,38 +271,4 @@ fn called(quantity: Quantity) -> &'static str {
         Quantity::LaplacianOfMean => "Δ<sub>S</sub>H",
         Quantity::ForceDensity => "bending force f",
     }
-}
-
-/// Each value once, in the order of its first mention.
-fn each<V: PartialEq>(values: impl Iterator<Item = V>) -> Vec<V> {
-    let mut seen = Vec::new();
-    for value in values {
-        if !seen.contains(&value) {
-            seen.push(value);
-        }
-    }
-    seen
-}
-
-/// A time as a date and time of day in UTC. Days to dates: H. Hinnant, *chrono-compatible low-level
-/// date algorithms* (2013, public domain).
-fn date(when: SystemTime) -> String {
-    let seconds = when
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |since| since.as_secs());
-    let days = (seconds / 86_400) as i64 + 719_468;
-    let era = days / 146_097;
-    let of_era = days % 146_097;
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let shifted = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 {
-        shifted + 3
-    } else {
-        shifted - 9
-    };
-    let year = year + 400 * era + i64::from(month <= 2);
-    let (hour, minute) = (seconds / 3600 % 24, seconds / 60 % 60);
-    format!("{year}-{month:02}-{day:02} {hour:02}:{minute:02} UTC")
 }

@@ -1,6 +1,7 @@
 //! The text of a recommendation.
 
 use super::{SCATTERED, about_scatter, noise_of_positions};
+use crate::answer::Norm;
 use crate::recommend::{Candidate, RESOLVED, Recommendation};
 use std::io::{self, Write};
 
@@ -26,9 +27,10 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
     } = found;
     let symbol = quantity.symbol();
     let which = match *norm {
-        "max" => "at every vertex",
-        _ => "on average",
+        "max" => Norm::Max,
+        _ => Norm::Mean,
     };
+    let which = which.in_words();
     let target = percent(*target);
     let describe = |candidate: &Candidate| {
         format!(
@@ -86,22 +88,28 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
     }
     writeln!(
         out,
-        "\n{:13} {:8} {:>10} {:>10} {:>12}  {:>9}",
+        "{symbol}: {}. Shares are of its largest value: at the worst vertex (max), on average (mean), and what the error is expected to be.",
+        quantity.in_words()
+    )?;
+    writeln!(
+        out,
+        "\n{:13} {:8} {:>10} {:>10} {:>12}  {:>9}     idea",
         "method", "scalar", "max", "mean", "expected", "time"
     )?;
-    writeln!(out, "{}", "─".repeat(68))?;
+    writeln!(out, "{}", "─".repeat(110))?;
     for candidate in candidates {
         let sign = if candidate.is_bound { "≤ " } else { "" };
         writeln!(
             out,
-            "{:13} {:8} {:>10} {:>10} {:>12}  {:>9}{}",
+            "{:13} {:8} {:>10} {:>10} {:>12}  {:>9}  {} {}",
             candidate.method,
             candidate.scalar,
             percent(candidate.max),
             percent(candidate.mean),
             format!("{sign}{}", percent(candidate.expected)),
             time(candidate),
-            if candidate.reaches { "  ✓" } else { "" }
+            if candidate.reaches { "✓" } else { " " },
+            candidate.method.idea(),
         )?;
     }
     about_scatter(candidates.iter().any(Candidate::is_scattered), out)

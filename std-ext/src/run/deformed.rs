@@ -4,7 +4,7 @@ use crate::deformation::{
     Deformation, ShearPlane, TankTreading, extremes, roughness, taylor, wrinkle_indicator,
 };
 use crate::enclosure::Inside;
-use crate::simulation::{Body, NARROW, Simulation};
+use crate::simulation::{Body, Crossing, NARROW, Simulation};
 use helfrich::Surface;
 use serde::{Deserialize, Serialize};
 
@@ -103,7 +103,7 @@ impl Deformed {
             let into = into.map_or("its own image".to_owned(), |name| format!("\"{name}\""));
             add(
                 format!("surface \"{}\" has gone into {into}", crossing.surface),
-                gone_into(&crossing.inside),
+                gone_into(&crossing.inside, simulation.is_repelled(&crossing)),
             );
         }
     }
@@ -189,16 +189,42 @@ pub(super) fn smallest_angle(surface: Surface<'_, f64>) -> f64 {
     angles.fold(f64::INFINITY, f64::min).to_degrees()
 }
 
+/// The end of a message about a run that has failed while surfaces overlap, which is then the reason;
+/// empty if none do.
+pub(super) fn overlap(simulation: &Simulation, positions: &[[f64; 3]]) -> Option<String> {
+    let crossings = simulation.crossings(positions);
+    let Crossing {
+        surface,
+        into,
+        inside,
+    } = crossings.first()?;
+    let into = into.as_ref();
+    let into = into.map_or("its own image".to_owned(), |name| format!("\"{name}\""));
+    Some(format!(
+        ": \"{surface}\" overlaps {into}, with {} vertices inside, {} the first: begin with surfaces that \
+         are apart",
+        inside.count, inside.first
+    ))
+}
+
 /// Message about surfaces that are inside each other, with a remedy.
-fn gone_into(inside: &Inside) -> String {
+fn gone_into(inside: &Inside, is_repelled: bool) -> String {
     let through = if inside.is_by_image() {
         " through the ends of the periodic box"
     } else {
         ""
     };
+    let remedy = match is_repelled {
+        true => {
+            "their `repulsion` has not kept them apart: surfaces that are apart at the start, a larger \
+             `strength`, a longer `cutoff` or a finer mesh would"
+        }
+        false => {
+            "a `repulsion` between them, a finer mesh or a smaller tolerance would keep them apart"
+        }
+    };
     format!(
-        " (vertex {} is the first of {}{through}): a `repulsion` between them, a finer mesh or a \
-         smaller tolerance would keep them apart",
+        " (vertex {} is the first of {}{through}): {remedy}",
         inside.first, inside.count
     )
 }

@@ -84,6 +84,27 @@ pub enum RunError {
         /// The folder.
         folder: PathBuf,
     },
+    /// The folder contains something that the run would replace, and that is not of a run.
+    #[error(
+        "{}: the run would replace this, which is not of a run here: move it away, or name another folder \
+         with `--out`",
+        path.display()
+    )]
+    Foreign {
+        /// The file, or the subfolder with files in it.
+        path: PathBuf,
+    },
+    /// The run would replace a file that the scene reads.
+    #[error(
+        "{}: the run would replace {}, which the scene reads: name another folder with `--out`",
+        path.display(), input.display()
+    )]
+    Input {
+        /// The output.
+        path: PathBuf,
+        /// The file of the scene.
+        input: PathBuf,
+    },
     /// No force acts on any vertex.
     #[error(
         "nothing acts on {surfaces}: where the run begins, every force of every effect is 0, and there \

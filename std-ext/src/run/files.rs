@@ -1,19 +1,26 @@
 //! The files of a run for viewers: surfaces, pictures, slices of the fluid, plots.
 
 use super::drive::Mark;
+use super::folder::last_name;
 use super::{Run, RunError, make_folder, measure};
 use crate::flow::Fluid;
 use crate::io::{
     Collection, CollectionEntry, ColumnPlace, Grid, PointField, PointValues, VtkError, write_vti,
     write_vtp_with_cells,
 };
-use crate::picture::{ColourMap, Colouring, FlowSlice, PaintedSurface, Picture, Shading, View};
+use crate::picture::{
+    Canvas, ColourMap, Colouring, FlowSlice, PaintedSurface, Picture, Shading, View,
+};
 use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of, read_curves};
 use crate::png;
-use crate::scene::{Driver, Flow, LatticeBoltzmann, Output, Plot, Scene, Slice, UnitSystem};
+use crate::scene::{
+    Driver, Flow, LatticeBoltzmann, Output, Pictures, Plot, Scene, Slice, UnitSystem,
+};
 use crate::series::SeriesTable;
 use crate::simulation::{Acting, Body, Simulation};
 use glam::DVec3;
+use std::path::Path;
+use std::time::Instant;
 
 /// Width and height of the pictures, in pixels.
 const PICTURE_SIZE: [u32; 2] = [900, 700];
@@ -56,7 +63,7 @@ impl<'a> PlannedPlot<'a> {
 /// Refuses PNG files that this build cannot write.
 pub(super) fn refuse_pictures(output: &Output) -> Result<(), RunError> {
     let wanted = [
-        ("pictures", output.pictures),
+        ("pictures", output.pictures != Pictures::Never),
         ("plot", !output.plots.is_empty()),
         ("slice", !output.slices.is_empty()),
     ];
@@ -65,6 +72,27 @@ pub(super) fn refuse_pictures(output: &Output) -> Result<(), RunError> {
         Some((key, _)) if !png::IS_ENABLED => Err(RunError::NoPictures { key }),
         _ => Ok(()),
     }
+}
+
+/// Writes into a folder, which is made if necessary, and made again if somebody removes it meanwhile.
+fn into_folder(folder: &Path, write: impl Fn() -> Result<(), RunError>) -> Result<(), RunError> {
+    const TRIES: usize = 5;
+    for _ in 1..TRIES {
+        make_folder(folder)?;
+        match write() {
+            Err(_) if !folder.is_dir() => {}
+            written => return written,
+        }
+    }
+    make_folder(folder)?;
+    write()
+}
+
+fn save_picture(canvas: &Canvas, path: &Path) -> Result<(), RunError> {
+    png::write(canvas, path).map_err(|source| RunError::Unwritable {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// The columns of the mesh file of a surface that belong to its material, at its vertices or triangles.
@@ -80,7 +108,7 @@ fn columns(body: &Body, place: ColumnPlace) -> Vec<PointField<'_>> {
 
 impl Run<'_> {
     pub(super) fn write_surfaces(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
-        make_folder(&self.folder.join("surfaces"))?;
+        let folder = self.folder.join("surfaces");
         let positions = self.drive.positions();
         for (part, body) in self.simulation.bodies().iter().enumerate() {
             let fields = measure::fields(&self.simulation, body, positions, acting);
@@ -96,15 +124,17 @@ impl Run<'_> {
             own.retain(|column| is_free(column.name));
             fields.extend(own);
             let name = format!("surfaces/{}-{:08}.vtp", body.name(), mark.number);
-            write_vtp_with_cells(
-                &self.folder.join(&name),
-                body.mesh(),
-                &positions[body.vertices()],
-                Some(mark.time),
-                &fields,
-                &columns(body, ColumnPlace::Triangles),
-            )
-            .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
+            into_folder(&folder, || {
+                write_vtp_with_cells(
+                    &self.folder.join(&name),
+                    body.mesh(),
+                    &positions[body.vertices()],
+                    Some(mark.time),
+                    &fields,
+                    &columns(body, ColumnPlace::Triangles),
+                )
+                .map_err(|error: VtkError| RunError::Output(Box::new(error)))
+            })?;
             self.outputs.files.entries.push(CollectionEntry {
                 time: mark.time,
                 part,
@@ -121,10 +151,7 @@ impl Run<'_> {
         let positions = self.drive.positions();
         let bodies = self.simulation.bodies();
         for body in bodies {
-            let name = match bodies {
-                [_] => "last.vtp".to_owned(),
-                _ => format!("last-{}.vtp", body.name()),
-            };
+            let name = last_name(body, bodies.len());
             let own = &positions[body.vertices()];
             let path = self.folder.join(name);
             let [points, cells] =
@@ -138,7 +165,6 @@ impl Run<'_> {
     /// All surfaces in one picture, coloured by the scene's field.
     pub(super) fn draw(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
         let folder = self.folder.join("pictures");
-        make_folder(&folder)?;
         let positions = self.drive.positions();
         let scene = self.scene;
         let field = scene.output.picture_field;
@@ -185,8 +211,7 @@ impl Run<'_> {
         let canvas = picture
             .draw()
             .map_err(|error| RunError::Output(Box::new(error)))?;
-        let written = png::write(&canvas, &path);
-        written.map_err(|source| RunError::Unwritable { path, source })
+        into_folder(&folder, || save_picture(&canvas, &path))
     }
 
     /// The names of the columns of the scene's probes.
@@ -222,7 +247,7 @@ impl Run<'_> {
         let Some(fluid) = self.drive.fluid_at(&mut self.simulation, &points) else {
             return Ok(None);
         };
-        make_folder(&self.folder.join(folder))?;
+        let start = Instant::now();
         let name = format!("{folder}/{name}-{:08}.vti", mark.number);
         let fields = [
             PointField {
@@ -234,8 +259,11 @@ impl Run<'_> {
                 values: PointValues::Scalars(&fluid.pressure),
             },
         ];
-        write_vti(&self.folder.join(&name), grid, Some(mark.time), &fields)
-            .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
+        into_folder(&self.folder.join(folder), || {
+            write_vti(&self.folder.join(&name), grid, Some(mark.time), &fields)
+                .map_err(|error: VtkError| RunError::Output(Box::new(error)))
+        })?;
+        self.outputs.output_costs.files.add(start);
         Ok(Some((name, fluid)))
     }
 
@@ -270,6 +298,7 @@ impl Run<'_> {
             let Some((name, fluid)) = written else {
                 continue;
             };
+            let start = Instant::now();
             let bodies = self.simulation.bodies().iter();
             let positions = self.drive.positions();
             let surfaces = Vec::from_iter(bodies.filter_map(|body| body.surface(positions)));
@@ -294,11 +323,10 @@ impl Run<'_> {
             let canvas = picture
                 .draw()
                 .map_err(|error| RunError::Output(Box::new(error)))?;
-            let path = self
-                .folder
-                .join(format!("slices/{}-{:08}.png", slice.name, mark.number));
-            let written = png::write(&canvas, &path);
-            written.map_err(|source| RunError::Unwritable { path, source })?;
+            let folder = self.folder.join("slices");
+            let path = folder.join(format!("{}-{:08}.png", slice.name, mark.number));
+            into_folder(&folder, || save_picture(&canvas, &path))?;
+            self.outputs.output_costs.pictures.add(start);
             self.outputs.slices.entries.push(CollectionEntry {
                 time: mark.time,
                 part,
@@ -318,7 +346,7 @@ impl Run<'_> {
         }
         let table =
             SeriesTable::read(&self.folder.join(super::SERIES)).map_err(RunError::Series)?;
-        make_folder(&self.folder.join("plots"))?;
+        let folder = self.folder.join("plots");
         let names = || self.simulation.bodies().iter().map(|body| body.name());
         for PlannedPlot { plot, published } in &self.plots {
             let columns = columns_of(&table, &plot.column, names());
@@ -340,14 +368,14 @@ impl Run<'_> {
                 labels: [axis_label(&plot.against), axis_label(&plot.column)],
                 curves: &curves,
                 marked: false,
+                hollow: &[],
                 published,
             };
             let canvas = picture
                 .draw()
                 .map_err(|error| RunError::Output(Box::new(error)))?;
-            let path = self.folder.join(format!("plots/{}.png", plot.column));
-            let written = png::write(&canvas, &path);
-            written.map_err(|source| RunError::Unwritable { path, source })?;
+            let path = folder.join(format!("{}.png", plot.column));
+            into_folder(&folder, || save_picture(&canvas, &path))?;
         }
         Ok(())
     }

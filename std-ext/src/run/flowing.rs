@@ -1,7 +1,7 @@
 //! Runs in a flow, through time.
 
 use super::clock::Clock;
-use super::deformed::Deformed;
+use super::deformed::{Deformed, overlap};
 use super::drive::{Drive, Mark, Step, Work, cost};
 use super::state::{DriveState, FlowingProgress, FlowingState};
 use super::{End, RunError};
@@ -285,10 +285,12 @@ impl Drive for Flowing<'_> {
             Ok(report) => report,
             Err(failure) => {
                 self.note_state(simulation);
+                let overlap = overlap(simulation, self.integrator.positions());
+                let message = failure.to_string() + &overlap.unwrap_or_default();
                 return Ok(Step {
                     output: true,
                     checkpoint: true,
-                    end: Some((End::Failed, failure.to_string())),
+                    end: Some((End::Failed, message)),
                 });
             }
         };

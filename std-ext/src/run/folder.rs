@@ -1,9 +1,14 @@
 //! Files that are in a folder before a run begins or continues there.
 
+use super::identity::input_files;
+use super::modes::MODES;
 use super::{CHECKPOINT, RunError, SERIES, SUMMARY};
-use crate::io::remove_unfinished;
+use crate::io::{is_same_file, remove_unfinished};
 use crate::lock::{LOCK, Lock};
+use crate::scene::{Pictures, Scene};
 use crate::series::SeriesTable;
+use crate::simulation::{Body, Simulation};
+use std::fs;
 use std::path::Path;
 
 /// The subfolders of a run.
@@ -15,6 +20,82 @@ pub(super) fn lock_if_there(folder: &Path) -> Result<Option<Lock>, RunError> {
         return Ok(None);
     }
     Ok(Some(Lock::of_folder(folder)?))
+}
+
+/// Refuses a folder in which a new run would replace files that are not of a run.
+pub(super) fn refuse_foreign(
+    scene: &Scene,
+    simulation: &Simulation,
+    folder: &Path,
+) -> Result<(), RunError> {
+    let output = &scene.output;
+    let used = [
+        output.surfaces,
+        output.pictures != Pictures::Never,
+        !output.slices.is_empty(),
+        !output.volumes.is_empty(),
+        !output.plots.is_empty(),
+    ];
+    let folders = FOLDERS.iter().zip(used).filter(|&(_, used)| used);
+    let folders = folders.map(|(name, _)| folder.join(name));
+    let filled = folders.filter(|path| fs::read_dir(path).is_ok_and(|mut it| it.next().is_some()));
+    let names = files(simulation).into_iter().map(|name| folder.join(name));
+    match names.filter(|path| is_there(path)).chain(filled).next() {
+        Some(path) => Err(RunError::Foreign { path }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a folder in which the run would replace a file that its scene reads.
+pub(super) fn refuse_inputs(
+    scene: &Scene,
+    simulation: &Simulation,
+    folder: &Path,
+) -> Result<(), RunError> {
+    let inputs = input_files(scene);
+    let names = files(simulation).into_iter();
+    for path in names
+        .chain([SERIES, CHECKPOINT].map(str::to_owned))
+        .map(|name| folder.join(name))
+    {
+        if let Some(input) = inputs.iter().find(|input| is_same_file(input, &path)) {
+            let input = input.clone();
+            return Err(RunError::Input { path, input });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses to replace a series that has not the columns of the run.
+pub(super) fn refuse_other_series(path: &Path, columns: &[&str]) -> Result<(), RunError> {
+    let is_own = |table: SeriesTable| table.columns == columns;
+    match is_there(path) && !SeriesTable::read(path).is_ok_and(is_own) {
+        true => Err(RunError::Foreign {
+            path: path.to_owned(),
+        }),
+        false => Ok(()),
+    }
+}
+
+/// The names of the files that a run replaces, other than its series and its checkpoint.
+fn files(simulation: &Simulation) -> Vec<String> {
+    let fixed = [SUMMARY, MODES, "surfaces.pvd", "slices.pvd", "volumes.pvd"];
+    let bodies = simulation.bodies();
+    let last = bodies.iter().map(|body| last_name(body, bodies.len()));
+    fixed.map(str::to_owned).into_iter().chain(last).collect()
+}
+
+/// The name of the file with the last state of one of `count` surfaces.
+pub(super) fn last_name(body: &Body, count: usize) -> String {
+    match count {
+        1 => "last.vtp".to_owned(),
+        _ => format!("last-{}.vtp", body.name()),
+    }
+}
+
+/// Whether there is a file, or a link to one that need not exist.
+fn is_there(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok()
 }
 
 /// Creates and locks the folder of a new run.
@@ -36,7 +117,7 @@ pub(super) fn make(folder: &Path, lock: Option<Lock>) -> Result<Lock, RunError> 
 /// Refuses a folder that holds a run.
 pub(super) fn refuse_occupied(folder: &Path) -> Result<(), RunError> {
     let taken = [CHECKPOINT, SERIES].iter();
-    if taken.clone().any(|name| folder.join(name).exists()) {
+    if taken.clone().any(|name| is_there(&folder.join(name))) {
         let folder = folder.to_owned();
         return Err(RunError::Occupied { folder });
     }
@@ -46,6 +127,7 @@ pub(super) fn refuse_occupied(folder: &Path) -> Result<(), RunError> {
 /// Whether a run to be resumed has a checkpoint. A run that was stopped before its first checkpoint
 /// starts again, and nothing is lost.
 pub(super) fn has_checkpoint(folder: &Path, lock: Option<&Lock>) -> Result<bool, RunError> {
+    let has_former_lock = Lock::remove_former(folder)?;
     if folder.join(CHECKPOINT).exists() {
         return Ok(true);
     }
@@ -63,7 +145,7 @@ pub(super) fn has_checkpoint(folder: &Path, lock: Option<&Lock>) -> Result<bool,
         }
         return Ok(false);
     }
-    if lock.was_found() || is_empty(folder) {
+    if lock.was_found() || has_former_lock || is_empty(folder) {
         return Ok(false);
     }
     Err(none())
@@ -72,7 +154,7 @@ pub(super) fn has_checkpoint(folder: &Path, lock: Option<&Lock>) -> Result<bool,
 /// Whether the folder has nothing but our new lock and unfinished files.
 fn is_empty(folder: &Path) -> bool {
     remove_unfinished(folder);
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries
         .map(|entry| entry.file_name())
         .all(|name| name == LOCK)

@@ -9,6 +9,7 @@ use crate::scene::{
 use crate::simulation::Simulation;
 use helfrich::TriangleMesh;
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 /// The fingerprint of everything on which the numbers of a run depend to the last bit: the scene
 /// and the content of its mesh files, not the names of these files.
@@ -62,6 +63,29 @@ pub(crate) fn fingerprint(
         add_positions(&reference.positions, &mut text);
     }
     Ok(Fingerprint::of(&text))
+}
+
+/// The files that a scene reads, as it names them: meshes, references and published curves.
+pub(super) fn input_files(scene: &Scene) -> Vec<PathBuf> {
+    let surfaces = scene.surfaces.iter();
+    let references = surfaces.clone().flat_map(|surface| surface.effects.iter());
+    let references = references.filter_map(|(_, effect)| effect.reference());
+    let references = references.filter_map(|reference| match &reference.source {
+        ReferenceSource::File(file) => Some(&file.path),
+        _ => None,
+    });
+    let obstacles = scene.obstacles.iter().map(|obstacle| &obstacle.source);
+    let meshes = surfaces.map(|surface| &surface.source).chain(obstacles);
+    let meshes = meshes.filter_map(|source| match source {
+        MeshSource::File(file) => Some(&file.path),
+        MeshSource::Shape { .. } => None,
+    });
+    let published = scene
+        .output
+        .plots
+        .iter()
+        .filter_map(|plot| plot.published.as_ref());
+    meshes.chain(references).chain(published).cloned().collect()
 }
 
 /// A driver without the settings that decide its end. In a sequence of loads these are included,

@@ -1,16 +1,19 @@
 //! Runs on a lattice of fluid, through time.
 
 use super::clock::Clock;
-use super::deformed::Deformed;
+use super::deformed::{Deformed, overlap};
 use super::drive::{Drive, Mark, Step, Work, cost};
 use super::flowing::is_held;
 use super::state::{DriveState, ImmersingProgress, ImmersingState};
 use super::{End, RunError};
 use crate::dynamics::Problem;
 use crate::execute::available_threads;
-use crate::flow::lattice_boltzmann::limits::FINITE_BOX;
 use crate::flow::lattice_boltzmann::{Lattice, Node, Setup, Sides};
-use crate::flow::{Channel, Fluid, Immersion, ImmersionPrecision, KeptVolumes, Redistribution};
+use crate::flow::{
+    Channel, Fluid, Immersion, ImmersionError, ImmersionPrecision, KeptVolumes, Redistribution,
+    Ripples,
+};
+use crate::info::MeshInfo;
 use crate::scene::{Flow, LatticeBoltzmann, Scene};
 use crate::simulation::{EffectCost, Simulation};
 use std::array;
@@ -98,7 +101,7 @@ impl<'a, T: Stored> Immersing<'a, T> {
                     deformed,
                     steps: 0,
                     outputs: 0,
-                    notes: notes(driver, simulation, &positions),
+                    notes: notes(scene, driver, simulation, &positions),
                 };
                 (positions, progress, clock)
             }
@@ -174,10 +177,16 @@ impl<T: Stored> Drive for Immersing<'_, T> {
         }
         if let Err(error) = self.immersion.advance(simulation, &mut self.positions) {
             self.note_state(simulation);
+            let mut message = error.to_string();
+            if let ImmersionError::TooFast { .. } = error {
+                let stiff = || ": the forces are too stiff for the step, a shorter one is needed";
+                let overlap = overlap(simulation, &self.positions);
+                message.push_str(&overlap.unwrap_or_else(|| stiff().to_owned()));
+            }
             return Ok(Step {
                 output: true,
                 checkpoint: true,
-                end: Some((End::Failed, error.to_string())),
+                end: Some((End::Failed, message)),
             });
         }
         self.progress.steps += 1;
@@ -279,6 +288,8 @@ fn immersion<T: ImmersionPrecision>(
     let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
     immersion.keep_volumes(KeptVolumes::new(&meshes, &kept, positions));
     let slides = |number: usize| driver.redistribution && scene.surfaces[number].slides();
+    let fluid = |number: usize| scene.surfaces[number].slides();
+    immersion.resist(Ripples::new(&meshes, &fluid, &ratios, driver.viscosity));
     immersion.redistribute(Redistribution::new(&meshes, &slides, SLIDING_TOLERANCE));
     Ok(immersion)
 }
@@ -319,7 +330,12 @@ fn sides(driver: LatticeBoltzmann) -> [Sides; 3] {
 }
 
 /// Remarks on a box that are known at the start.
-fn notes(driver: LatticeBoltzmann, simulation: &Simulation, positions: &[[f64; 3]]) -> Vec<String> {
+fn notes(
+    scene: &Scene,
+    driver: LatticeBoltzmann,
+    simulation: &Simulation,
+    positions: &[[f64; 3]],
+) -> Vec<String> {
     let mut notes = Vec::new();
     let Flow::Shear { .. } = driver.flow else {
         return notes;
@@ -330,14 +346,24 @@ fn notes(driver: LatticeBoltzmann, simulation: &Simulation, positions: &[[f64; 3
         let Some(radius) = volume.map(|volume| (0.75 * volume / PI).cbrt()) else {
             return notes;
         };
-        let ratio = radius / driver.size()[1];
+        let radii = driver.size()[1] / radius;
+        let [surface] = scene.surfaces.as_slice() else {
+            return notes;
+        };
+        let membrane = body.surface(positions).map(MeshInfo::new);
+        let membrane = membrane.map(|mesh| surface.membrane_on(&mesh));
+        let ratio = surface.viscosity_ratio.unwrap_or(1.0);
+        let known = membrane.and_then(|membrane| membrane.between_walls(radii, ratio));
+        let by = known.map_or(String::new(), |known| {
+            format!(
+                " by {} = {:.4} or somewhat less, by {}",
+                known.term, known.value, known.source
+            )
+        });
         notes.push(format!(
-            "surface \"{}\" is in a box {:.3} radii a wide, L: in unbounded fluid its deformation is \
-             smaller by {FINITE_BOX} (a/L)³ = {:.4} or somewhat less, by Guckenberger et al. 2016; nothing \
-             is corrected",
+            "surface \"{}\" is in a box {radii:.3} radii a wide, L: in unbounded fluid its deformation is \
+             smaller{by}; nothing is corrected",
             body.name(),
-            ratio.recip(),
-            FINITE_BOX * ratio.powi(3)
         ));
     }
     notes

@@ -204,11 +204,8 @@ pub(super) fn fields(
     let scalars =
         |value: fn(&Curvature<f64>) -> f64| Values::Scalars(curvature.iter().map(value).collect());
     let mut fields = vec![
-        ("mean_curvature".to_owned(), scalars(|vertex| vertex.mean)),
-        (
-            "gaussian_curvature".to_owned(),
-            scalars(|vertex| vertex.gaussian),
-        ),
+        ("H".to_owned(), scalars(|vertex| vertex.mean)),
+        ("K".to_owned(), scalars(|vertex| vertex.gaussian)),
     ];
     let own = body.effects().iter().map(Effect::name);
     let own = own.map(|name| (name, simulation.label(name, body)));
@@ -247,8 +244,8 @@ pub(super) fn picture_field(
     field: PictureField,
 ) -> Option<Vec<f64>> {
     let name = match field {
-        PictureField::MeanCurvature => "mean_curvature",
-        PictureField::GaussianCurvature => "gaussian_curvature",
+        PictureField::MeanCurvature => "H",
+        PictureField::GaussianCurvature => "K",
         PictureField::BendingForce => "f",
     };
     let fields = fields(simulation, body, positions, acting);

@@ -1,10 +1,11 @@
 //! Runs to equilibrium, load after load.
 
+use super::deformed::overlap;
 use super::drive::{Drive, Mark, Step, Work};
 use super::remedy::{advice, remedy};
-use super::state::{DriveState, RelaxingProgress, RelaxingState};
+use super::state::{Approach, DriveState, RelaxingProgress, RelaxingState};
 use super::{End, RunError};
-use crate::dynamics::{Failure, Outcome, Relaxation, Settings, SetupError};
+use crate::dynamics::{Failure, Outcome, Problem, Relaxation, Settings, SetupError};
 use crate::scene::{Relax, Scene};
 use crate::series::ITERATION;
 use crate::simulation::Simulation;
@@ -12,6 +13,12 @@ use crate::simulation::Simulation;
 /// Residuals below this are due to rounding if a relaxation stagnates: every method with an energy
 /// reaches the default of `driver.residual` on meshes that it can handle.
 const ROUNDING: f64 = 1e-5;
+
+/// Iterations between two steps towards the targets of exactly held quantities: the mesh adapts to the shape.
+const ADAPTATION: u64 = 20;
+
+/// The largest and the smallest fraction of the way of such a step.
+const STEPS: [f64; 2] = [0.25, 1.0 / 512.0];
 
 /// A relaxation under each load of a sequence.
 pub(super) struct Relaxing {
@@ -37,6 +44,8 @@ impl Relaxing {
         simulation: &mut Simulation,
         positions: Vec<[f64; 3]>,
     ) -> Result<Self, RunError> {
+        let starts = simulation.held_values(&positions);
+        let first = positions.clone();
         let relaxation = Relaxation::new(simulation.membranes(), positions, settings(relax));
         let relaxation = relaxation.map_err(|error| of_surface(error, simulation))?;
         let progress = RelaxingProgress {
@@ -44,7 +53,66 @@ impl Relaxing {
             ..RelaxingProgress::default()
         };
         let state = (relaxation, progress);
-        Ok(Self::at(scene, relax, every, simulation, state))
+        let mut this = Self::at(scene, relax, every, simulation, state);
+        if let Some(Outcome::Failed(failure)) = this.relaxation.outcome()
+            && failure.is_of_constraints()
+            && simulation.constraint_count() > 0
+        {
+            this.progress.approach = Some(Approach {
+                starts,
+                fraction: 0.0,
+                step: STEPS[0],
+                steps: 0,
+                reason: failure.to_string(),
+            });
+            if !this.come_nearer(simulation, &first)? {
+                // The failure of one step is reported, as without steps.
+                this.progress.approach = None;
+            }
+        }
+        Ok(this)
+    }
+
+    /// Takes a step towards the targets of exactly held quantities, from these positions: the longest, by
+    /// halves, from which a relaxation can begin. False if there is none; then nothing has changed.
+    fn come_nearer(
+        &mut self,
+        simulation: &mut Simulation,
+        positions: &[[f64; 3]],
+    ) -> Result<bool, RunError> {
+        let Some(approach) = &mut self.progress.approach else {
+            return Ok(false);
+        };
+        let mut step = approach.step;
+        while step >= STEPS[1] {
+            let fraction = (approach.fraction + step).min(1.0);
+            simulation.approach(&approach.starts, fraction);
+            let own = settings(self.relax);
+            let relaxation = Relaxation::new(simulation.membranes(), positions.to_vec(), own);
+            let mut relaxation = relaxation.map_err(|error| of_surface(error, simulation))?;
+            let start = relaxation.start(simulation);
+            if relaxation.outcome().is_none() {
+                approach.fraction = fraction;
+                approach.step = STEPS[0].min(2.0 * step);
+                approach.steps += 1;
+                self.relaxation = relaxation;
+                self.residual = start.residual;
+                self.energy = start.energy;
+                self.progress.before += self.progress.iteration;
+                self.progress.iteration = 0;
+                self.progress.first_residual = None;
+                return Ok(true);
+            }
+            step *= 0.5;
+        }
+        simulation.approach(&approach.starts, approach.fraction);
+        Ok(false)
+    }
+
+    /// Whether exactly held quantities are still on the way to their targets.
+    fn approaches(&self) -> bool {
+        let approach = self.progress.approach.as_ref();
+        approach.is_some_and(|approach| approach.fraction < 1.0)
     }
 
     pub(super) fn resume(
@@ -55,6 +123,12 @@ impl Relaxing {
         state: RelaxingState,
     ) -> Result<Self, RunError> {
         simulation.set_load(state.progress.load);
+        if let Some(Approach {
+            starts, fraction, ..
+        }) = &state.progress.approach
+        {
+            simulation.approach(starts, *fraction);
+        }
         let membranes = simulation.membranes();
         let relaxation = Relaxation::resume(membranes, state.relaxation, settings(relax));
         let mut relaxation = relaxation.map_err(|error| of_surface(error, simulation))?;
@@ -113,8 +187,8 @@ impl Relaxing {
     }
 
     /// Step of the run that follows from the end of a load.
-    fn load_ended(&mut self, outcome: Outcome) -> Step {
-        let mut message = self.message(outcome);
+    fn load_ended(&mut self, outcome: Outcome, simulation: &Simulation) -> Step {
+        let mut message = self.message(outcome, simulation);
         let load = self.progress.load + 1;
         if self.loads > 1 && outcome != Outcome::Converged {
             message = format!("load {load} of {}: {message}", self.loads);
@@ -123,7 +197,7 @@ impl Relaxing {
             }
             self.progress.unfinished.get_or_insert(end(outcome));
         }
-        let failed = matches!(outcome, Outcome::Failed(_));
+        let failed = matches!(outcome, Outcome::Failed(_)) || self.approaches();
         let last = load == self.loads || failed;
         let first = self.progress.unfinished.filter(|_| !failed);
         if last && !self.progress.notes.is_empty() {
@@ -132,13 +206,36 @@ impl Relaxing {
         Step {
             output: true,
             checkpoint: true,
-            end: last.then(|| (first.unwrap_or(end(outcome)), message)),
+            end: last.then(|| {
+                let own = if failed { End::Failed } else { end(outcome) };
+                (first.unwrap_or(own), message)
+            }),
         }
     }
 
     /// Description of an outcome, with details.
-    fn message(&self, outcome: Outcome) -> String {
+    fn message(&self, outcome: Outcome, simulation: &Simulation) -> String {
         let mut message = outcome.to_string();
+        if let Some(Approach {
+            fraction,
+            steps,
+            reason,
+            ..
+        }) = &self.progress.approach
+        {
+            message = match self.approaches() {
+                false => format!(
+                    "{message}, with exactly held quantities brought to their targets in {steps} steps, \
+                     because at once {reason}"
+                ),
+                true => format!(
+                    "exactly held quantities came {:.1} % of the way to their targets, in {steps} steps, \
+                     and no nearer ({message}); at once {reason}: choose targets nearer to the initial \
+                     shape, or a shape nearer to them",
+                    100.0 * fraction
+                ),
+            };
+        }
         if let Outcome::Failed(failure) = outcome
             && let Some(membrane) = failure.membrane()
         {
@@ -147,6 +244,12 @@ impl Relaxing {
         }
         if outcome != Outcome::Converged && self.residual.is_finite() {
             message.push_str(&format!("; the residual is {:.1e}", self.residual));
+        }
+        if matches!(outcome, Outcome::Stagnated | Outcome::Failed(_))
+            && let Some(overlap) = overlap(simulation, self.relaxation.positions())
+        {
+            message.push_str(&overlap);
+            return message;
         }
         match outcome {
             Outcome::Failed(
@@ -205,8 +308,16 @@ impl Drive for Relaxing {
         self.residual = report.residual;
         self.energy = report.energy;
         self.progress.first_residual.get_or_insert(report.residual);
+        let failed = matches!(report.outcome, Some(Outcome::Failed(_)));
+        let is_due = self.progress.iteration.is_multiple_of(ADAPTATION);
+        if self.approaches() && !failed && (is_due || report.outcome.is_some()) {
+            let positions = self.relaxation.positions().to_vec();
+            if self.come_nearer(simulation, &positions)? {
+                return Ok(Step::default());
+            }
+        }
         if let Some(outcome) = report.outcome {
-            return Ok(self.load_ended(outcome));
+            return Ok(self.load_ended(outcome, simulation));
         }
         let [output, checkpoint] = self
             .every
@@ -239,6 +350,12 @@ impl Drive for Relaxing {
             format!("load {} of {loads}, ", self.progress.load + 1)
         } else {
             String::new()
+        };
+        let load = match &self.progress.approach {
+            Some(approach) if approach.fraction < 1.0 => {
+                format!("{load}targets at {:.1} %, ", 100.0 * approach.fraction)
+            }
+            _ => load,
         };
         let message = format!(
             "{load}iteration {}, energy {energy:.6e}, residual {residual:.1e}",

@@ -1,10 +1,8 @@
 //! Remedies for relaxations that did not reach an equilibrium.
 
-use crate::generate::{AnyShape, Family};
+use crate::generate::Family;
 use crate::method::BendingMethod;
-use crate::scene::{MeshSource, SurfaceScene, VolumeTarget};
-use helfrich::shapes::Ellipsoid;
-use std::f64::consts::PI;
+use crate::scene::{MeshSource, SurfaceScene, start_shape};
 
 /// Vertices that resolve vesicles of reduced volume down to 0.6, in each family.
 const RESOLVED: usize = 2562;
@@ -24,29 +22,26 @@ pub(super) fn remedy(surface: &SurfaceScene) -> String {
          joined: choose a smaller one, or continue with a closed mesh"
             .to_owned();
     }
-    let is_loop = surface
-        .effects
-        .bending
-        .as_ref()
-        .is_some_and(|bending| bending.method == BendingMethod::Loop);
+    let bending = surface.effects.bending.as_ref();
+    // Only a surface that bends can bend by another method.
+    let keeps_method = bending.is_none_or(|bending| bending.method == BendingMethod::Loop);
     let MeshSource::Shape {
-        shape,
-        family,
-        vertices,
-        ..
+        family, vertices, ..
     } = &surface.source
     else {
-        let method = match is_loop {
+        let method = match keeps_method {
             true => "",
             false => "the bending method \"loop\" and ",
         };
         return format!("choose {method}a mesh of more and more even triangles");
     };
     let needed = regular_count(*vertices);
-    let mut remedy = if is_loop && *family == Family::Relaxed {
-        String::new()
-    } else {
-        "choose the bending method \"loop\" on a mesh of the family \"relaxed\"".to_owned()
+    let mut remedy = match (keeps_method, *family == Family::Relaxed) {
+        (true, true) => String::new(),
+        (true, false) => "choose a mesh of the family \"relaxed\"".to_owned(),
+        (false, _) => {
+            "choose the bending method \"loop\" on a mesh of the family \"relaxed\"".to_owned()
+        }
     };
     if needed > *vertices {
         let of = match remedy.is_empty() {
@@ -55,7 +50,7 @@ pub(super) fn remedy(surface: &SurfaceScene) -> String {
         };
         remedy.push_str(&format!("{of} {needed} vertices"));
     }
-    if let Some(start) = start(surface, shape) {
+    if let Some(start) = start_shape(surface, NEAR) {
         let begin = match remedy.is_empty() {
             true => "begin with",
             false => ", beginning with",
@@ -76,49 +71,6 @@ fn regular_count(vertices: usize) -> usize {
         count = 4 * count - 6;
     }
     count
-}
-
-/// The ellipsoid with the requested reduced volume and the same area. It is oblate or prolate like the
-/// given one, whose reduced volume differs too much.
-fn start(surface: &SurfaceScene, shape: &AnyShape) -> Option<AnyShape> {
-    let VolumeTarget::Reduced(target) = surface.effects.volume?.target else {
-        return None;
-    };
-    let AnyShape::Ellipsoid(ellipsoid) = shape else {
-        return None;
-    };
-    let stretched = |power: f64| {
-        let semi_axes = ellipsoid.semi_axes.map(|axis| axis.powf(power));
-        AnyShape::Ellipsoid(Ellipsoid { semi_axes })
-    };
-    let reduced = |shape: &AnyShape| 6.0 * PI.sqrt() * shape.volume() / shape.area().powf(1.5);
-    if (reduced(shape) / target - 1.0).abs() < NEAR {
-        return None;
-    }
-    // Bounds: a sphere, and an ellipsoid whose longest axis is thirty times the shortest.
-    let [least, most] = ellipsoid
-        .semi_axes
-        .iter()
-        .fold([f64::INFINITY, 0.0], |[least, most], &axis| {
-            [axis.min(least), axis.max(most)]
-        });
-    let mut range = [0.0, 30f64.ln() / (most / least).ln()];
-    if !(range[1].is_finite() && reduced(&stretched(range[1])) < target && target < 1.0) {
-        return None;
-    }
-    for _ in 0..60 {
-        let middle = 0.5 * (range[0] + range[1]);
-        let end = usize::from(reduced(&stretched(middle)) <= target);
-        range[end] = middle;
-    }
-    let AnyShape::Ellipsoid(found) = stretched(range[0]) else {
-        return None;
-    };
-    let scale = (shape.area() / AnyShape::Ellipsoid(found).area()).sqrt();
-    let four_digits = |axis: f64| format!("{:.3e}", scale * axis).parse().ok();
-    let [a, b, c] = found.semi_axes.map(four_digits);
-    let semi_axes = [a?, b?, c?];
-    Some(AnyShape::Ellipsoid(Ellipsoid { semi_axes }))
 }
 
 /// Remedy for surfaces whose relaxation does not converge.
@@ -157,4 +109,40 @@ fn without_energy(surface: &SurfaceScene) -> Option<String> {
         method.name(),
         surface.name
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::remedy;
+    use crate::scene::{Overrides, SceneFile};
+    use std::path::Path;
+
+    fn said(surface: &str) -> String {
+        let text = format!(
+            "units = \"none\"\n[[surface]]\nvertices = 2562\nshape = \"sphere\"\n{surface}\n[driver]\nkind = \
+             \"relax\""
+        );
+        let file = SceneFile::parse(&text, Path::new("scene.toml"), &Overrides::default());
+        let file = file.unwrap_or_else(|errors| panic!("{errors}"));
+        remedy(&file.scene.surfaces[0])
+    }
+
+    /// Neither is the method recommended that acts already, nor a method to a surface that does not bend.
+    #[test]
+    fn remedies_are_no_part_of_the_scene() {
+        let bends = |method: &str| format!("bending = {{ method = \"{method}\", modulus = 1 }}");
+        let even = "family = \"relaxed\"\n";
+        for (surface, has_method, has_family) in [
+            (bends("gompper-kroll"), true, true),
+            (bends("loop"), false, true),
+            (format!("{even}{}", bends("loop")), false, false),
+            ("tension = { value = 1 }".to_owned(), false, true),
+            (format!("{even}tension = {{ value = 1 }}"), false, false),
+        ] {
+            let said = said(&surface);
+            let found = ["\"loop\"", "\"relaxed\""].map(|part| said.contains(part));
+            assert_eq!(found, [has_method, has_family], "{surface}: {said}");
+            assert!(said.contains("choose"), "{said}");
+        }
+    }
 }

@@ -34,9 +34,25 @@ pub(super) struct RelaxingProgress {
     pub(super) first_residual: Option<f64>,
     /// The residual and the number of iterations at which loads end.
     pub(super) limits: (f64, u64),
+    /// The way to the targets of exactly held quantities, if it takes more than one step.
+    pub(super) approach: Option<Approach>,
     /// The end of the first load that did not reach equilibrium, and messages about all such loads.
     pub(super) unfinished: Option<End>,
     pub(super) notes: Vec<String>,
+}
+
+/// Exactly held quantities on the way to their targets, at which a relaxation cannot begin at once.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Approach {
+    /// Their initial values: for each surface and constraint, one for each component.
+    pub(super) starts: Vec<Vec<Vec<f64>>>,
+    /// The fraction of the way that has been reached, and that of the next step.
+    pub(super) fraction: f64,
+    pub(super) step: f64,
+    /// Number of steps so far.
+    pub(super) steps: u32,
+    /// Why one step is not enough.
+    pub(super) reason: String,
 }
 
 /// State of a run with boundary integrals.

@@ -70,8 +70,11 @@ pub struct Summary {
     pub seconds: f64,
     /// The names and numbers of the last row; a number that is not finite is null.
     pub last: Vec<(String, f64)>,
-    /// Cost of each effect.
+    /// Cost of each effect, and of the flow.
     pub effects: Vec<EffectCost>,
+    /// Cost of everything else: the rest of the driver's work, `quality`, `files` and `pictures`. With
+    /// the effects, these are all seconds of the run.
+    pub parts: Vec<EffectCost>,
     /// Findings of the bending methods at the end, surface by surface.
     pub flagged: Vec<Flagged>,
     /// The estimated errors of the energies of closed surfaces at the end of a relaxation.

@@ -263,7 +263,11 @@ fn problem_of(form: &'static Form, name: &str, value: &Value, scale: Scale) -> O
                 .map(|source| Problem::Shape { key: key(), source })
         }
         (Form::Name, Value::Text(text)) => {
-            (!is_name(text)).then(|| is_wrong(format!("\"{text}\"")))
+            let found = match text.chars().count() {
+                letters if letters > LONGEST_NAME => format!("a name of {letters} letters"),
+                _ => format!("\"{text}\""),
+            };
+            (!is_name(text)).then(|| is_wrong(found))
         }
         (Form::File, Value::Text(text)) => text.is_empty().then(|| is_wrong("empty".to_owned())),
         (Form::Pair, Value::List(list)) => {
@@ -326,7 +330,9 @@ fn starts_as_number(text: &str) -> bool {
 fn expected(form: &Form, units: UnitSystem) -> String {
     match form {
         Form::Text => "a text".to_owned(),
-        Form::Name => "a letter, then letters, digits, `-` and `_`,".to_owned(),
+        Form::Name => format!(
+            "a letter, then letters, digits, `-` and `_`, {LONGEST_NAME} characters at most,"
+        ),
         Form::File => "the name of a file".to_owned(),
         Form::Shape => "a shape such as \"sphere:1\"".to_owned(),
         Form::Choice(names) => match names().as_slice() {
@@ -366,10 +372,16 @@ fn unknown_name(key: &str, name: &str, known: &[&str]) -> Problem {
     }
 }
 
+/// The largest number of characters of a name. Names of files have 255 bytes at most on most systems, and the
+/// files of a run have more than the name in theirs.
+pub(super) const LONGEST_NAME: usize = 100;
+
 /// A letter, then letters, digits, `-` and `_`: a name that files and paths can have.
 pub(super) fn is_name(text: &str) -> bool {
     let inside = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(inside)
+    text.len() <= LONGEST_NAME
+        && text.starts_with(|c: char| c.is_ascii_alphabetic())
+        && text.chars().all(inside)
 }
 
 /// The number that a value is, in the scene's units.

@@ -43,7 +43,8 @@ pub enum MeshSource {
     File(MeshFileSource),
 }
 
-/// A mesh file, and the treatment of vertices at the same point.
+/// A mesh file, and the treatment of vertices at the same point. Errors do not quote the file, because the
+/// scene of somebody else may name any.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct MeshFileSource {
     /// The file.
@@ -63,13 +64,13 @@ impl MeshFileSource {
     pub fn read(&self) -> Result<MeshFile, MeshSourceError> {
         let Self { path, weld } = self;
         if *weld == Some(true) {
-            return Ok(read_welded(path)?);
+            return Ok(read_welded(path).map_err(ReadError::without_words)?);
         }
         if shipped_file(path).is_some() {
             let (file, _) = self.read_with_columns()?;
             return Ok(file);
         }
-        self.whole(read(path)?)
+        self.whole(read(path).map_err(ReadError::without_words)?)
     }
 
     /// Reads the file, which may be that of a shipped scene, with the numbers at its vertices and
@@ -84,7 +85,7 @@ impl MeshFileSource {
                     error,
                 })?
             }
-            _ => read_with_columns(path)?,
+            _ => read_with_columns(path).map_err(ReadError::without_words)?,
         };
         Ok((self.whole(file)?, columns))
     }

@@ -14,8 +14,8 @@ pub struct Output {
     pub files_every: u64,
     /// Whether surfaces are written.
     pub surfaces: bool,
-    /// Whether pictures are written.
-    pub pictures: bool,
+    /// Which sets of files have pictures.
+    pub pictures: Pictures,
     /// The field that pictures show as colours.
     pub picture_field: PictureField,
     /// Iterations, or steps in time, between two checkpoints.
@@ -42,6 +42,18 @@ pub enum Every {
     Iterations(u64),
     /// A time.
     Time(f64),
+}
+
+/// Sets of files with pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Pictures {
+    /// None.
+    Never,
+    /// The last, and before it as many as take a tenth of the time of the run.
+    Affordable,
+    /// All.
+    Always,
 }
 
 /// A field that pictures show as colours.

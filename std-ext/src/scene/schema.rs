@@ -1,5 +1,6 @@
 //! A JSON schema from the table of keys, for editors and other programs.
 
+use super::check::LONGEST_NAME;
 use super::keys::{Form, Key, Keys, Kind, Presence, Range};
 use super::tables::SCENE;
 use super::units::Dimension;
@@ -91,7 +92,11 @@ const QUANTITY: &str =
 fn form(form: &'static Form) -> Map<String, Value> {
     let value = match form {
         Form::Text => json!({ "type": "string" }),
-        Form::Name => json!({ "type": "string", "pattern": "^[A-Za-z][A-Za-z0-9_-]*$" }),
+        Form::Name => json!({
+            "type": "string",
+            "pattern": "^[A-Za-z][A-Za-z0-9_-]*$",
+            "maxLength": LONGEST_NAME
+        }),
         Form::File => json!({ "type": "string", "minLength": 1 }),
         Form::Shape => {
             json!({ "type": "string", "pattern": "^(sphere|ellipsoid|torus|discocyte)(:|$)" })

@@ -26,7 +26,6 @@ macro_rules! scenes {
 
 /// All shipped scenes.
 pub const SHIPPED: [ShippedScene; 15] = scenes![
-    "budding"
     "capsule-constriction"
     "capsule-pair"
     "capsule-shear"
@@ -36,6 +35,7 @@ pub const SHIPPED: [ShippedScene; 15] = scenes![
     "red-blood-cell-stretched"
     "two-domains"
     "vesicle-branches"
+    "vesicle-dumbbell"
     "vesicle-oblate-0.7"
     "vesicle-oblate-unstable-0.9"
     "vesicle-prolate-0.8"

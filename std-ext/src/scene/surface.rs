@@ -9,6 +9,9 @@ use crate::info::{MeshInfo, mean_edge};
 use crate::method::BendingMethod;
 use serde::Serialize;
 
+/// Seconds per vertex of an evaluation of elasticity, or of method B.
+const VERTEX_SECONDS: f64 = 1e-7;
+
 /// One surface and the effects that act on it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceScene {
@@ -64,6 +67,14 @@ impl SurfaceScene {
     pub(crate) fn averages_noise(&self) -> bool {
         let bending = self.effects.bending.as_ref();
         bending.is_some_and(|bending| bending.method == BendingMethod::Jet)
+    }
+
+    /// Estimate of the seconds that an evaluation of elasticity and bending takes on this number of
+    /// vertices, and of those of elasticity alone.
+    pub(crate) fn evaluation_seconds(&self, vertices: usize) -> [f64; 2] {
+        let bending = self.effects.bending.as_ref();
+        let bending = bending.map_or(0.0, |bending| bending.method.cost().relative);
+        [1.0 + bending, 1.0].map(|relative| relative * VERTEX_SECONDS * vertices as f64)
     }
 
     /// Size and stiffness of the surface, whose mesh has this radius, area and number of triangles.

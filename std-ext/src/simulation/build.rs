@@ -11,11 +11,14 @@ use crate::info::MeshInfo;
 use crate::ordered::Ordered;
 use crate::scene::{
     self, Driver, Geometry, MeshFiles, MeshSource, Preparation, Reference, ReferenceSource,
-    SceneError, SceneFile, SurfaceScene,
+    SceneError, SceneFile, SurfaceScene, start_shape,
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
-use helfrich::{AnyFunctional, Constraint, Constraints, Images, Repulsion, Surface, TriangleMesh};
+use helfrich::{
+    AnyFunctional, Constraint, ConstraintError, Constraints, Images, Repulsion, Surface,
+    TriangleMesh,
+};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -271,12 +274,18 @@ impl Placed {
         let places = places.collect();
         let mut held = Held::new(Arc::clone(own), Constraints { constraints });
         // Checked here, and not after a first row has been written.
-        held.restore(&mut positions.clone())
-            .map_err(|source| BuildError::Constraints {
-                surface: scene.name.clone(),
-                constraints: names,
-                source,
-            })?;
+        if let Err(source) = held.restore(&mut positions.clone()) {
+            let relaxes = matches!(context.file.scene.driver, Driver::Relax(_));
+            let is_far = relaxes && matches!(source, ConstraintError::NotReached { .. });
+            if !(is_far && can_approach(&mut held, &positions)) {
+                return Err(BuildError::Constraints {
+                    surface: scene.name.clone(),
+                    constraints: names,
+                    start: start_shape(scene, 0.0).map(|shape| shape.to_string()),
+                    source,
+                });
+            }
+        }
         Ok(Body {
             name: scene.name.clone(),
             membrane: membrane(mesh, scene),
@@ -327,6 +336,19 @@ impl Placed {
             }
         }
     }
+}
+
+/// The fraction of the way to targets that has to be possible at once, if all of it is not.
+const REACHABLE: f64 = 0.125;
+
+/// Whether constrained values can come nearer to targets that they cannot reach at once. A relaxation
+/// approaches these in steps.
+fn can_approach(held: &mut Held, positions: &[[f64; 3]]) -> bool {
+    let starts = held.values(positions);
+    held.approach(&starts, REACHABLE);
+    let is_reached = held.restore(&mut positions.to_vec()).is_ok();
+    held.approach(&starts, 1.0);
+    is_reached
 }
 
 /// Properties of a surface that the relaxation needs.

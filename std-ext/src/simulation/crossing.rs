@@ -49,4 +49,23 @@ impl Simulation {
         }
         crossings
     }
+
+    /// Whether the two that cross repel each other.
+    pub fn is_repelled(&self, crossing: &Crossing) -> bool {
+        let number = |name: &str| self.bodies.iter().position(|body| body.name() == name);
+        let surface = number(&crossing.surface);
+        let other = match &crossing.into {
+            Some(name) => number(name),
+            None => surface,
+        };
+        let (Some(surface), Some(other)) = (surface, other) else {
+            return false;
+        };
+        self.between.iter().any(|between| {
+            let both = [surface, other]
+                .iter()
+                .all(|at| between.bodies.contains(at));
+            both && (surface != other || between.repulsion.images.own)
+        })
+    }
 }

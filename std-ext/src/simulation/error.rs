@@ -39,25 +39,31 @@ pub enum BuildError {
         source: EffectError,
     },
     /// An exact constraint cannot be reached from the start of the surface.
-    #[error("surface \"{surface}\": {}", unreachable(constraints, source))]
+    #[error("surface \"{surface}\": {}", unreachable(constraints, source, start.as_ref()))]
     Constraints {
         /// The surface's name.
         surface: String,
         /// The constraints, by their names in scenes.
         constraints: Vec<&'static str>,
+        /// A shape from which they can be reached, if it is known.
+        start: Option<String>,
         /// The reason.
         source: ConstraintError,
     },
 }
 
 /// The reason why constraints with these names cannot be met.
-fn unreachable(names: &[&str], error: &ConstraintError) -> String {
+fn unreachable(names: &[&str], error: &ConstraintError, start: Option<&String>) -> String {
     let name = |constraint: usize| names.get(constraint).copied().unwrap_or_default();
     match *error {
         ConstraintError::Dependent { constraint, .. } => format!(
             "from where it starts, `{}` cannot be changed without the others that are held exactly, \
-             as the volume of a sphere without its area: begin with another shape, an ellipsoid say",
-            name(constraint)
+             as the volume of a sphere without its area: begin with {}",
+            name(constraint),
+            start.map_or(
+                "another shape, an ellipsoid say".to_owned(),
+                |shape| format!("shape = \"{shape}\"")
+            )
         ),
         ConstraintError::NotReached {
             constraint,
@@ -65,8 +71,11 @@ fn unreachable(names: &[&str], error: &ConstraintError) -> String {
             ..
         } => format!(
             "from where it starts, `{}` does not come nearer to its target than {residual:.1e} of it: \
-             begin with a shape that is nearer to it",
-            name(constraint)
+             begin with {}",
+            name(constraint),
+            start.map_or("a shape that is nearer to it".to_owned(), |shape| format!(
+                "shape = \"{shape}\""
+            ))
         ),
         error => error.to_string(),
     }

@@ -80,6 +80,9 @@ pub enum CacheProblem {
     /// The operating system refused to read or write the file.
     #[error("{0}")]
     Inaccessible(io::Error),
+    /// Something else has the name of its lock.
+    #[error("{0}")]
+    Lock(LockError),
     /// Another process uses it.
     #[error(
         "{holder} keeps its measurements here: wait until it has ended, or name another file with \
@@ -122,6 +125,7 @@ impl Cache {
             problem: match error {
                 LockError::Taken { holder, .. } => CacheProblem::Taken { holder },
                 LockError::Inaccessible { source, .. } => CacheProblem::Inaccessible(source),
+                foreign @ LockError::Foreign { .. } => CacheProblem::Lock(foreign),
             },
         })?;
         let empty = Content {

@@ -2,7 +2,7 @@
 
 use super::errors::natural_scales;
 use super::{StudyError, StudyProgress};
-use crate::execute::Parallel;
+use crate::execute::{Parallel, unless_interrupted};
 use crate::generate::random::Random;
 use crate::generate::{AnyShape, Family, GeneratedMesh, generate};
 use crate::measurement::Measurement;
@@ -102,7 +102,11 @@ impl NoiseStudy {
                     if interrupted() {
                         return Ok(rows);
                     }
-                    self.measure(family, &made, deviation, &mut rows)?;
+                    let measure = || self.measure(family, &made, deviation, &mut rows);
+                    let Some(measured) = unless_interrupted(measure) else {
+                        return Ok(rows);
+                    };
+                    measured?;
                 }
             }
         }
@@ -144,7 +148,7 @@ impl NoiseStudy {
             let verdicts = [Verdict::Clean, Verdict::Noise, Verdict::Unresolved];
             rows.push(NoiseRow {
                 bars: Some(truth.bars(&jet.vertices)),
-                found: Some(jet.deviation() / mean_edge(made, surface)),
+                found: Some(jet.noise(surface).edges),
                 verdicts: Some(verdicts.map(|verdict| jet.count(verdict) as f64 / all)),
                 ..row(BendingMethod::Jet.name(), truth.errors(&jet.fields(1.0)))
             });

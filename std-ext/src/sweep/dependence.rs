@@ -16,6 +16,9 @@ pub struct Dependence {
     /// The other values of each curve that are not common to all runs, and its points by rising value of
     /// the key. Runs that did not reach their end have the number NaN.
     pub curves: Vec<(String, Vec<[f64; 2]>)>,
+    /// Points of runs that ended without an equilibrium that can be trusted, each with the number of its
+    /// curve.
+    pub unresolved: Vec<(usize, Vec<[f64; 2]>)>,
 }
 
 /// A point where two curves have the same number.
@@ -48,16 +51,26 @@ impl Swept {
 
     fn over(&self, at: usize, column: &str) -> Dependence {
         let mut curves: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
+        let mut unresolved: Vec<(usize, Vec<[f64; 2]>)> = Vec::new();
         for (case, ended) in self.ended() {
             let number = match ended.end {
                 End::Converged | End::Completed => ended.last(column),
                 _ => f64::NAN,
             };
-            let point = [case.values[at].parse().unwrap_or(f64::NAN), number];
+            let value = case.values[at].parse().unwrap_or(f64::NAN);
             let name = self.legend(case, Some(at));
-            match curves.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, points)) => points.push(point),
-                None => curves.push((name, vec![point])),
+            let known = curves.iter().position(|(known, _)| *known == name);
+            let curve = known.unwrap_or_else(|| {
+                curves.push((name, Vec::new()));
+                curves.len() - 1
+            });
+            curves[curve].1.push([value, number]);
+            if let End::Unresolved | End::Stagnated | End::IterationLimit = ended.end {
+                let point = [value, ended.last(column)];
+                match unresolved.iter_mut().find(|(known, _)| *known == curve) {
+                    Some((_, points)) => points.push(point),
+                    None => unresolved.push((curve, vec![point])),
+                }
             }
         }
         for (_, points) in &mut curves {
@@ -67,6 +80,7 @@ impl Swept {
             key: self.keys[at].clone(),
             column: column.to_owned(),
             curves,
+            unresolved,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Case, Dependence, Ended, Outcome, Sweep, SweepError, Swept};
 use crate::io::replace_file;
-use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of};
+use crate::plots::{PublishedCurve, SeriesCurve, SeriesPlot, axis_label, columns_of, unit_of};
 use crate::png;
 use crate::scene::Scene;
 use crate::series::{SeriesTable, TIME, quoted};
@@ -16,6 +16,7 @@ impl Swept {
         Self {
             keys: super::vary::short_keys(&sweep.vary),
             columns: Vec::new(),
+            units: Vec::new(),
             unknown: Vec::new(),
             known: Vec::new(),
             cases,
@@ -79,6 +80,8 @@ impl Swept {
             let some = known.iter().filter(|name| *name != TIME).take(4);
             self.columns = some.cloned().collect();
         }
+        let units = self.columns.iter().map(|column| unit_of(column, scene));
+        self.units = units.collect();
         self.known = known;
     }
 
@@ -181,6 +184,7 @@ impl Swept {
                 labels: [axis_label(against), axis_label(column)],
                 curves: &Vec::from_iter(curves),
                 marked: false,
+                hollow: &[],
                 published: planned.map_or(&[], |(_, curves)| curves),
             };
             draw(&plot, folder.join(format!("{column}.png")))?;
@@ -204,6 +208,7 @@ impl Swept {
             key,
             column,
             curves,
+            unresolved,
         } = dependence;
         let tables = curves.iter().map(|(_, points)| dependence.table(points));
         let tables = Vec::from_iter(tables);
@@ -222,6 +227,7 @@ impl Swept {
             labels: [key, axis_label(column)],
             curves: &Vec::from_iter(drawn),
             marked: true,
+            hollow: unresolved,
             published: &dependence.marks(),
         };
         draw(&plot, folder.join(format!("{column}-over-{key}.png")))

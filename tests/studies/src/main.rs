@@ -1,23 +1,26 @@
 //! The program `helfrich-studies`: studies of helfrich itself.
 
 use clap::{Parser, Subcommand};
+use helfrich_cli::allocated;
 use helfrich_cli::study::{
-    CacheArguments, StudyArguments, full_page, keep, left_off, methods, show_rows, unique,
+    BUILD, CacheArguments, StudyArguments, full_page, keep, left_off, methods, show_rows, unique,
 };
 use helfrich_cli::terminal::{
     Failure, ProgressBar, check_outputs, ended, file_named, interruption, save, say,
 };
 use helfrich_std::method::{AnyMethod, BendingMethod};
-use helfrich_std::study::{Cache, StudyProgress};
+use helfrich_std::provenance::Provenance;
+use helfrich_std::study::{Cache, MOST_SCATTER, StudyProgress};
+use helfrich_studies::costs::{costs as measured_costs, documents};
 use helfrich_studies::effects::{EffectCosts, effect_costs};
 use helfrich_studies::flow::{FlowRow, FlowStudy, FlowStudyError};
 use helfrich_studies::report;
 use helfrich_studies::stability::{Group, Stability};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 
-/// Studies of helfrich itself: hard cases, a capsule in flow, the cost of effects.
+/// Studies of helfrich itself: hard cases, a capsule in flow, the costs of methods and effects.
 ///
 /// Exit codes: 0 success; 2 the arguments or an input file are invalid; 3 an output could not be
 /// written; 4 a hard case was not passed; 130 the command was interrupted.
@@ -37,6 +40,8 @@ enum Command {
     Flow(FlowArguments),
     /// Measure the cost of each effect of a capsule in shear flow.
     Effects(EffectArguments),
+    /// Measure the cost of each method relative to method B, on one thread: half a minute.
+    Costs(CostArguments),
     /// Write the page of `helfrich study --html` with larger meshes, every number type, the capsule in
     /// flow and the cost of effects: some minutes.
     Page(Box<StudyArguments>),
@@ -79,11 +84,22 @@ struct EffectArguments {
     json: Option<PathBuf>,
 }
 
+#[derive(clap::Args)]
+struct CostArguments {
+    /// Write the costs into the program and the guides, in the root folder of the repository.
+    #[arg(long)]
+    update: bool,
+    /// Also write the costs as JSON to this file; `-` for standard output, instead of the table.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
 fn main() -> ExitCode {
     ended(match Arguments::parse().command {
         Command::Stability(arguments) => stability(&arguments),
         Command::Flow(arguments) => flow(&arguments),
         Command::Effects(arguments) => effects(&arguments),
+        Command::Costs(arguments) => costs(&arguments),
         Command::Page(arguments) => page(&arguments),
     })
 }
@@ -163,6 +179,40 @@ fn effects(arguments: &EffectArguments) -> Result<(), Failure> {
             report::effect_table(&costs, out)
         }),
     }
+}
+
+fn costs(arguments: &CostArguments) -> Result<(), Failure> {
+    check_outputs(file_named(arguments.json.as_ref()))?;
+    let root = Path::new(".");
+    if arguments.update && !root.join(documents::DATA).exists() {
+        let message = format!(
+            "--update: there is no {} here: run it in the root of the repository",
+            documents::DATA
+        );
+        return Err(Failure::Input(message.into()));
+    }
+    let mut bar = ProgressBar::default();
+    let found = measured_costs(&Provenance::here(BUILD), &allocated, &mut |share, at| {
+        bar.show(share, at);
+    });
+    bar.clear();
+    let found = found.map_err(Failure::input)?;
+    if found.scatter > MOST_SCATTER {
+        say(format_args!(
+            "warning: ratios scatter by {:.0} %: the machine had other work; measure again when it is idle",
+            100.0 * found.scatter
+        ));
+    }
+    if arguments.update {
+        let texts = documents::texts(root, &found);
+        let texts = texts.map_err(|error| Failure::Output(error.to_string()))?;
+        for (path, text) in texts {
+            save(&path, |out| out.write_all(text.as_bytes()))?;
+        }
+    }
+    show_rows(arguments.json.as_ref(), &found, |out| {
+        report::cost_table(&found, out)
+    })
 }
 
 fn page(arguments: &StudyArguments) -> Result<(), Failure> {

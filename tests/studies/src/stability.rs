@@ -53,10 +53,12 @@ impl Group {
         match self {
             Self::Geometry => (
                 "geometry",
-                "Largest error of the force density over the vertices, as a multiple of \
-                 the error on the clean mesh. A method must be stable or flag the vertices \
-                 where it is not; in the latter case the multiple over the other vertices \
-                 counts. All results must be finite. A translation and a scaling without \
+                "Largest error of the force density over the vertices, relative to the largest \
+                 exact one, and the slope of the line through 0 that fits the force density to \
+                 the exact one, weighted by area: 1 if both agree on average, -1 if the sign is \
+                 wrong. A method must be stable or flag the vertices where it is not; then the \
+                 others count. Errors, slopes and the part of the vertices that is flagged have \
+                 bounds. All results must be finite. A translation and a scaling without \
                  rounding must not change a bit.",
             ),
             Self::Input => (
@@ -145,13 +147,13 @@ pub enum Outcome {
 pub struct Evaluation {
     /// Whether energy, forces, curvatures, normals and areas all are finite.
     pub finite: bool,
-    /// Largest error of f over the vertices, relative to the largest |f|; `None` where f is not
+    /// Largest error of f over the vertices, relative to the largest exact |f|; `None` where f is not
     /// known exactly.
     pub error: Option<f64>,
-    /// The error relative to that on the clean mesh; `None` if there is no such mesh.
-    pub growth: Option<f64>,
-    /// This ratio over the vertices that the quality report does not flag; `None` if it flags all.
-    pub unflagged_growth: Option<f64>,
+    /// This error over the vertices that the quality report does not flag; `None` if it flags all.
+    pub unflagged_error: Option<f64>,
+    /// Σ A f_found f/Σ A f² over the vertices that are not flagged, over all if all are; A areas of vertices.
+    pub slope: Option<f64>,
     /// Largest change of f under an exact translation, relative to the largest |f|.
     pub moved: Option<f64>,
     /// Largest change of f under an exact scaling, relative to the largest |f|.
@@ -160,6 +162,8 @@ pub struct Evaluation {
     pub findings: usize,
     /// Number of flagged vertices.
     pub flagged: usize,
+    /// Number of vertices.
+    pub vertices: usize,
     /// Checksum of all bits of f, which shows whether builds or numbers of threads change a bit.
     pub checksum: u64,
 }
@@ -168,14 +172,23 @@ pub struct Evaluation {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Bound {
-    /// Everything is finite and invariant, and the error grows by this factor at most.
-    Stable(f64),
-    /// Everything is finite and invariant, and the error over the vertices that are not flagged grows by this
-    /// factor at most. If f is not known exactly, there must be a finding.
-    Reported(f64),
-    /// Everything is finite and invariant, and the error exceeds that on the clean mesh by at most
-    /// this.
-    Adds(f64),
+    /// Everything is finite and invariant, and f is near the exact one over the vertices that are not flagged,
+    /// over all if all are.
+    Near {
+        /// Largest error, relative to the largest exact |f|.
+        error: f64,
+        /// Largest deviation of the slope from 1.
+        slope: f64,
+        /// Largest part of the vertices that is flagged.
+        flagged: f64,
+    },
+    /// Everything is finite and invariant; f is not known exactly.
+    Finite {
+        /// Largest part of the vertices that is flagged.
+        flagged: f64,
+    },
+    /// Everything is finite and invariant, and there is a finding.
+    Reported,
     /// The case is refused, with a message that contains this text.
     Refused(&'static str),
     /// The case is refused, with a message that contains both texts.
@@ -223,22 +236,7 @@ impl Bound {
     pub fn allows(self, outcome: &Outcome) -> bool {
         // The conditions are written such that NaN never passes.
         match (self, outcome) {
-            (Self::Stable(most), Outcome::Evaluated(found)) => {
-                found.is_sound() && found.growth.is_none_or(|growth| growth <= most)
-            }
-            (Self::Adds(most), Outcome::Evaluated(found)) => {
-                // error/growth is the error on the clean mesh.
-                let pair = found.error.zip(found.growth);
-                let adds = pair.map(|(error, growth)| error - error / growth);
-                found.is_sound() && adds.is_some_and(|adds| adds <= most)
-            }
-            (Self::Reported(most), Outcome::Evaluated(found)) => {
-                let told = match found.unflagged_growth {
-                    Some(growth) => growth <= most,
-                    None => found.findings > 0,
-                };
-                found.is_sound() && told
-            }
+            (bound, Outcome::Evaluated(found)) => found.is_sound() && found.is_within(bound),
             (Self::Refused(part), Outcome::Refused(message)) => message.contains(part),
             (Self::RefusedForBoth(one, other), Outcome::Refused(message)) => {
                 message.contains(one) && message.contains(other)
@@ -255,6 +253,25 @@ impl Evaluation {
     fn is_sound(&self) -> bool {
         let unchanged = |defect: Option<f64>| defect.is_none_or(|defect| defect == 0.0);
         self.finite && unchanged(self.moved) && unchanged(self.scaled)
+    }
+
+    fn is_within(&self, bound: Bound) -> bool {
+        let part = self.flagged as f64 / self.vertices as f64;
+        match bound {
+            Bound::Near {
+                error,
+                slope,
+                flagged,
+            } => {
+                let least = self.unflagged_error.or(self.error);
+                part <= flagged
+                    && least.is_some_and(|found| found <= error)
+                    && self.slope.is_some_and(|found| (found - 1.0).abs() <= slope)
+            }
+            Bound::Finite { flagged } => part <= flagged,
+            Bound::Reported => self.findings > 0,
+            _ => false,
+        }
     }
 }
 

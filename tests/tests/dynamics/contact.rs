@@ -1,6 +1,6 @@
 //! Contact between surfaces in a box of fluid, directly and through the ends of the periodic box.
 
-use crate::scenes::run_file;
+use crate::scenes::{column, run_file};
 use helfrich_std::dynamics::Problem;
 use helfrich_std::run::End;
 use helfrich_std::scene::{Overrides, SceneFile};
@@ -140,8 +140,11 @@ fn stay_apart(along: u32, lengths: [f64; 3], capsule: &str, more: &str) {
     );
     let none = Overrides::default();
     let file = SceneFile::parse(&text, Path::new("dense.toml"), &none);
-    let (summary, _) = run_file(file.unwrap_or_else(|errors| panic!("{errors}")));
+    let (summary, series) = run_file(file.unwrap_or_else(|errors| panic!("{errors}")));
     assert_eq!(summary.end, End::Completed, "{}", summary.message);
+    // They have come so close that the repulsion acts.
+    let felt = column(&series, "energy_repulsion");
+    assert!(felt.iter().any(|&energy| energy > 0.0), "{felt:?}");
     let gone = said(summary.warnings.into_iter(), "has gone into");
     assert_eq!(gone, [""; 0]);
 }
@@ -157,7 +160,7 @@ fn dense_suspensions_stay_apart() {
 
 /// 27 capsules with 42 % of the volume, without bending, so that they crumple.
 #[test]
-#[ignore = "three minutes: by hand, see CONTRIBUTING"]
+#[ignore = "three minutes: by .ci/long"]
 fn dense_suspensions_stay_apart_for_long() {
     let more = "cutoff = 0.2\n[driver]\nspacing = 0.2\nstrain = 6";
     stay_apart(3, [6.4, 6.6, 6.4], "vertices = 162", more);

@@ -98,6 +98,37 @@ fn meshes_of_drops_stay_even_and_narrow_triangles_are_said() {
     }
 }
 
+/// Ripples that are too short for the kernel decay: a drop whose edges are shorter than a node comes to rest
+/// between walls as one with longer edges does, and near theory, which has no kernel and no second order in Ca.
+#[test]
+fn drops_on_fine_meshes_come_to_rest_on_a_lattice() {
+    // M. Shapira and S. Haber, Int. J. Multiphase Flow 16 (1990) 305, for walls at 4 radii and λ = 1.
+    let theory = 35.0 / 32.0 * 0.1 * (1.0 + 5.6996 * 1.75 / 64.0);
+    let rest = [162, 642].map(|vertices| {
+        let lattice = "kind = \"lattice-boltzmann\"\nresolution = 4\nbox = [6, 4, 5]";
+        let surface = format!("vertices = {vertices}\ntension = {{ value = 10 }}");
+        let (summary, series) = run_file(drop_of(
+            "smooth",
+            &surface,
+            &format!("{lattice}\nstrain = 3"),
+        ));
+        assert_eq!(summary.end, End::Completed, "{}", summary.message);
+        let said = |warning: &String| warning.contains("wrinkled");
+        assert!(!summary.warnings.iter().any(said), "{:?}", summary.warnings);
+        let deformation = column(&series, "deformation");
+        let [before, last] = [40, 60].map(|row| deformation[row]);
+        assert!(
+            (last / before - 1.0).abs() < 0.01,
+            "{vertices}: {before}, {last}"
+        );
+        last
+    });
+    let [coarse, fine] = rest;
+    assert!((fine / coarse - 1.0).abs() < 0.03, "{rest:?}");
+    // A kernel of two nodes adds 0.27 nodes to the radius, here 7 % of it.
+    assert!((1.0..1.2).contains(&(fine / theory)), "{fine}, {theory}");
+}
+
 /// Redistribution does not move surfaces whose material has a reference.
 #[test]
 fn elastic_surfaces_are_not_redistributed() {

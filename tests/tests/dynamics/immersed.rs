@@ -1,13 +1,15 @@
 //! Capsules in the fluid of a lattice, compared with the same capsules in boundary integrals.
 
-use crate::scenes::{column, last, run_scene, scenes};
+use crate::scenes::{PUBLISHED_CAPSULE, at, column, last, run_scene, scenes};
 use helfrich_std::flow::Channel;
-use helfrich_std::run::{End, run};
+use helfrich_std::run::{End, Summary, run};
 use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::series::SeriesTable;
 use helfrich_std::simulation::build;
 use helfrich_tests::tolerance::CAPSULE_VOLUME;
 use helfrich_tests::tolerance::Tolerance;
 use std::fs;
+use std::sync::LazyLock;
 use tempfile::TempDir;
 
 /// D of a capsule on a lattice of four nodes a radius against boundary integrals, relative.
@@ -17,11 +19,24 @@ const IMMERSED_COARSE: Tolerance = Tolerance::new(
      published excess at this resolution with much bending is 15 %, box included",
 );
 
+/// Excess of D on a lattice over boundary integrals, times the number of nodes a radius: 5.0 % at six nodes, with the
+/// box taken out, as in the table of docs/FLOW.md.
+const EXCESS: f64 = 0.3;
+
+/// D of a capsule on a lattice of four nodes a radius against boundary integrals with this excess, relative.
+const IMMERSED_EXCESS: Tolerance = Tolerance::new(
+    1.5e-2,
+    "the excess of 7.5 % is of first order in the spacing, and the next order is a fifth of it",
+);
+
 /// D of the same run in f32 and f64, relative.
 const IMMERSED_SINGLE: Tolerance = Tolerance::new(
     1e-3,
     "populations deviate from rest by 1e-3 and are rounded at 6e-8 of that in each of a thousand steps",
 );
+
+/// D with little inertia against D without, relative.
+const IMMERSED_SLOW: Tolerance = Tolerance::new(2e-2, "of the order of Re = 0.01");
 
 /// Growth of the deformation of a viscous membrane on a lattice of five nodes a radius, relative.
 const IMMERSED_VISCOUS: Tolerance = Tolerance::new(
@@ -57,23 +72,33 @@ fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&COARSE, more].concat()
 }
 
+/// The capsule on this lattice without further changes, computed once for all tests.
+static UNCHANGED: LazyLock<(Summary, SeriesTable)> =
+    LazyLock::new(|| run_scene("capsule-shear-lattice.toml", &COARSE));
+
 /// The finite box adds 1.5 (a/L)³ to D, which is subtracted. The kernel thickens membranes by part of a node
-/// spacing, which leaves about 10 % on so coarse a lattice. The two solvers share no formulas.
+/// spacing, which raises D by 0.3 h/a. The two solvers share no formulas.
 #[test]
 fn a_capsule_deforms_as_by_boundary_integrals() {
-    for ratio in ["surface.0.viscosity_ratio=1", "surface.0.viscosity_ratio=5"] {
-        let (summary, series) = run_scene("capsule-shear-lattice.toml", &with(&[ratio]));
-        let strain = ["driver.strain=2", "output.slice=", ratio];
-        let (_, exact) = run_scene("capsule-shear.toml", &strain);
-        let expected = last(&exact, "deformation");
-        let found = last(&series, "deformation") - 1.5 * 5.0_f64.powi(-3);
-        IMMERSED_COARSE.assert(found, expected, expected, ratio);
-        let volumes = column(&series, "volume");
+    let viscous = ["surface.0.viscosity_ratio=5", "surface.0.vertices=162"];
+    let exact = [&viscous[..], &["driver.strain=2", "output.slice="]].concat();
+    for (what, (summary, series), expected) in [
+        ("ratio 1", &*UNCHANGED, at(&PUBLISHED_CAPSULE.1, 2.0)),
+        (
+            "ratio 5",
+            &run_scene("capsule-shear-lattice.toml", &with(&viscous)),
+            last(&run_scene("capsule-shear.toml", &exact).1, "deformation"),
+        ),
+    ] {
+        let expected = (1.0 + EXCESS / 4.0) * expected;
+        let found = last(series, "deformation") - 1.5 * 5.0_f64.powi(-3);
+        IMMERSED_EXCESS.assert(found, expected, expected, what);
+        let volumes = column(series, "volume");
         for &volume in &volumes {
             CAPSULE_VOLUME.assert(volume, volumes[0], volumes[0], "volume");
         }
         // A capsule in the centre of the box stays there.
-        assert!(last(&series, "centroid_y").abs() < 1e-9);
+        assert!(last(series, "centroid_y").abs() < 1e-9);
         let note = &summary.warnings;
         assert!(
             note.iter()
@@ -90,12 +115,12 @@ fn a_viscous_content_slows_a_capsule_down() {
         let (_, series) = run_scene("capsule-shear-lattice.toml", &with(&early));
         last(&series, "deformation")
     };
-    let [thin, same, thick] = [
+    let [thin, thick] = [
         "surface.0.viscosity_ratio=0.2",
-        "surface.0.viscosity_ratio=1",
         "surface.0.viscosity_ratio=5",
     ]
     .map(deformation);
+    let same = at(&UNCHANGED.1, 0.5);
     assert!(
         thin > 1.05 * same && same > 1.2 * thick,
         "{thin} {same} {thick}"
@@ -142,7 +167,7 @@ fn viscous_membranes_deform_at_the_rate_of_theory() {
 #[test]
 fn a_viscous_capsule_deforms_as_by_boundary_integrals() {
     let overrides = [
-        "driver.strain=1",
+        "driver.strain=0.5",
         "output.slice=",
         "surface.0.vertices=162",
         "surface.0.membrane_viscosity={ shear = 20 }",
@@ -158,7 +183,7 @@ fn a_viscous_capsule_deforms_as_by_boundary_integrals() {
 }
 
 /// D of a cell and of its nucleus, each with a viscosity of its own, in a box or in unbounded fluid.
-fn nested(reversed: bool, driver: &str) -> [f64; 2] {
+fn nested(reversed: bool, driver: &str, strain: f64) -> [f64; 2] {
     let surface = |name: &str, shape: &str, ratio: f64| {
         format!(
             "[[surface]]\nname = \"{name}\"\nshape = \"{shape}\"\nfamily = \"regular\"\n\
@@ -175,8 +200,8 @@ fn nested(reversed: bool, driver: &str) -> [f64; 2] {
     }
     let scene = format!(
         "units = \"none\"\n{}[driver]\n{driver}\nviscosity = 1\n\
-         flow = {{ kind = \"shear\", rate = 0.2 }}\nstrain = 1\n\
-         [output]\nstrain_interval = 0.5\npictures = false\nsurfaces = false\n",
+         flow = {{ kind = \"shear\", rate = 0.2 }}\nstrain = {strain}\n\
+         [output]\nstrain_interval = {strain}\npictures = false\nsurfaces = false\n",
         surfaces.concat()
     );
     let folder = TempDir::new().expect("a folder");
@@ -199,14 +224,15 @@ fn nested(reversed: bool, driver: &str) -> [f64; 2] {
 /// and 3.6 nodes; extrapolation in the spacing removes the effect of the kernel's width.
 #[test]
 fn a_nucleus_deforms_as_by_boundary_integrals_in_any_order() {
-    let in_box = |reversed, spacing: f64| {
+    let in_box = |reversed, spacing: f64, strain| {
         let driver = format!("kind = \"lattice-boltzmann\"\nspacing = {spacing}\nbox = [7, 7, 7]");
-        nested(reversed, &driver)
+        nested(reversed, &driver, strain)
     };
-    let [coarse, other, fine] = [in_box(false, 0.2), in_box(true, 0.2), in_box(false, 0.14)];
-    let exact = nested(false, "kind = \"boundary-integral\"");
+    let [first, other] = [false, true].map(|reversed| in_box(reversed, 0.2, 0.05));
+    let [coarse, fine] = [0.2, 0.14].map(|spacing| in_box(false, spacing, 0.5));
+    let exact = nested(false, "kind = \"boundary-integral\"", 0.5);
     for (body, name) in ["cell", "nucleus"].into_iter().enumerate() {
-        NESTED_ORDER.assert(other[body], coarse[body], coarse[body], name);
+        NESTED_ORDER.assert(other[body], first[body], first[body], name);
         let slope = (coarse[body] - fine[body]) / 0.06;
         let expected = exact[body];
         IMMERSED_COARSE.assert(fine[body] - 0.14 * slope, expected, expected, name);
@@ -217,17 +243,21 @@ fn a_nucleus_deforms_as_by_boundary_integrals_in_any_order() {
 #[test]
 fn number_types_and_kernels_agree() {
     let deformation = |more: &str| {
-        let (_, series) = run_scene("capsule-shear-lattice.toml", &with(&[more]));
+        let early = ["driver.strain=0.5", more];
+        let (_, series) = run_scene("capsule-shear-lattice.toml", &with(&early));
         last(&series, "deformation")
     };
-    let double = deformation("driver.precision=f64");
+    let double = at(&UNCHANGED.1, 0.5);
     let single = deformation("driver.precision=f32");
     IMMERSED_SINGLE.assert(single, double, double, "f32");
     assert!(single != double, "the number type has no effect");
+    let mut narrower = double;
     for kernel in ["driver.kernel=three", "driver.kernel=four"] {
         let found = deformation(kernel);
         IMMERSED_COARSE.assert(found, double, double, kernel);
-        assert!(found != double, "the kernel has no effect");
+        // The wider the kernel, the thicker the membrane.
+        assert!(found > narrower, "{kernel}: {found} {narrower}");
+        narrower = found;
     }
 }
 
@@ -238,11 +268,12 @@ fn inertia_is_there_if_there_is_a_density() {
         let (_, series) = run_scene("capsule-shear-lattice.toml", &with(more));
         last(&series, "deformation")
     };
-    let without = deformation(&[]);
+    let without = last(&UNCHANGED.1, "deformation");
     // Re = ργ̇a²/μ is 0.01 and 1.
-    let slow = deformation(&["driver.density=0.0667"]);
+    let early = ["driver.density=0.0667", "driver.strain=0.5"];
+    let slow = deformation(&early) / at(&UNCHANGED.1, 0.5);
     let fast = deformation(&["driver.density=6.67"]);
-    IMMERSED_COARSE.assert(slow, without, without, "nearly none");
+    IMMERSED_SLOW.assert(slow, 1.0, 1.0, "nearly none");
     assert!(fast > 1.02 * without, "{fast} {without}");
 }
 

@@ -5,6 +5,7 @@ use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::series::SeriesTable;
 use helfrich_std::simulation::build;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use tempfile::TempDir;
 
 pub(crate) fn scenes() -> PathBuf {
@@ -23,6 +24,10 @@ pub(crate) fn run_scene(name: &str, overrides: &[&str]) -> (Summary, SeriesTable
     let file = SceneFile::read(&scenes().join(name), &overrides);
     run_file(file.unwrap_or_else(|errors| panic!("{errors}")))
 }
+
+/// The published capsule up to γ̇t = 4, computed once for all tests.
+pub(crate) static PUBLISHED_CAPSULE: LazyLock<(Summary, SeriesTable)> =
+    LazyLock::new(|| run_scene("capsule-shear.toml", &[]));
 
 pub(crate) fn run_file(file: SceneFile) -> (Summary, SeriesTable) {
     let folder = TempDir::new().expect("a folder");

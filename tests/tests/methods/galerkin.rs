@@ -6,11 +6,13 @@ use helfrich::{
     Real, Surface, Targets, TriangleMesh,
 };
 use helfrich_std::generate::{AnyShape, Family, generate};
-use helfrich_tests::accuracy::{Errors, density_errors, surface};
+use helfrich_tests::accuracy::{Errors, density_errors, exact_points, surface};
 use helfrich_tests::laws::{
     Balanced, ConservativeLaw, ForceIsDifference, ForceIsGradient, Invariant, Law,
 };
-use helfrich_tests::meshes::{Mesh, SplitMix64, bent, dot, icosphere, norm, tetrahedron};
+use helfrich_tests::meshes::{
+    Mesh, SplitMix64, bent, cap, dot, icosphere, norm, tetrahedron, tube,
+};
 use helfrich_tests::potentials::Penalised;
 use helfrich_tests::tolerance::{self, Tolerance};
 use std::f64::consts::PI;
@@ -158,21 +160,20 @@ fn force_densities_converge_at_every_vertex() {
 }
 
 /// So does f on random meshes, whose closest vertices are 10 times closer than the mean: by h^1.5 at the
-/// worst vertex of three meshes, and by h^2.5 in the mean. The worst vertices are a matter of chance.
+/// worst vertex of four meshes, and by h^2.5 in the mean. The worst vertices are a matter of chance.
 #[test]
 fn force_densities_converge_where_vertices_are_close() {
-    let [coarse, fine] = [2562, 10_242].map(|vertices| {
-        let all = [1, 2, 3].map(|seed| errors_on(Family::Irregular, vertices, seed));
+    let [coarse, fine] = [642, 2562].map(|vertices| {
+        let all = [1, 2, 3, 4].map(|seed| errors_on(Family::Irregular, vertices, seed));
         Errors {
             max: all.iter().map(|errors| errors.max).fold(0.0, f64::max),
-            mean: all.iter().map(|errors| errors.mean).sum::<f64>() / 3.0,
+            mean: all.iter().map(|errors| errors.mean).sum::<f64>() / 4.0,
         }
     });
     assert!(coarse.max > 2.8 * fine.max, "{coarse:?}, {fine:?}");
     assert!(coarse.mean > 5.7 * fine.mean, "{coarse:?}, {fine:?}");
-    // The strong form over jets of degree 6 has 0.02 and 6e-4 on these meshes.
-    assert!(fine.max < 0.05, "{fine:?}");
-    assert!(fine.mean < 1e-3, "{fine:?}");
+    assert!(fine.max < 0.14, "{fine:?}");
+    assert!(fine.mean < 6e-3, "{fine:?}");
 }
 
 fn findings(mesh: &Mesh) -> Vec<Finding> {
@@ -236,5 +237,103 @@ fn solutions_start_close_to_force_densities() {
             difference(&density)
         );
         assert!(steps <= 4, "{steps}");
+    }
+}
+
+/// f along the exact normals, at the vertices of a mesh.
+fn densities(method: Galerkin<f64>, mesh: &Mesh, normals: &[[f64; 3]]) -> Vec<f64> {
+    let mut density = vec![[0.0; 3]; mesh.positions.len()];
+    Prepared::new(method, &mesh.connectivity).force_density(mesh.surface(), &mut density);
+    let pairs = density.iter().zip(normals);
+    pairs.map(|(&f, &normal)| dot(f, normal)).collect()
+}
+
+/// The slope of f on exact values over vertices this many edges from the boundary or more.
+fn slope(mesh: &Mesh, found: &[f64], exact: &[f64], edges: u32) -> f64 {
+    let far = mesh.edges_to_boundary();
+    let inside = (0..found.len()).filter(|&v| far[v] >= edges);
+    let (above, below) = inside.fold((0.0, 0.0), |(above, below), v| {
+        (above + found[v] * exact[v], below + exact[v] * exact[v])
+    });
+    assert!(below > 0.0);
+    above / below
+}
+
+/// A discocyte of this family, cut by a plane, with exact values.
+fn cut_discocyte(family: Family, vertices: usize) -> (Mesh, Vec<[f64; 3]>, Vec<f64>) {
+    let shape: AnyShape = "discocyte".parse().expect("a shape");
+    let made = generate(&shape, family, vertices, 1).expect("a mesh");
+    let whole = Mesh::new(made.positions.clone(), made.mesh.triangles().to_vec());
+    let points = exact_points(&made);
+    let (mesh, old) = whole.cut(|[x, y, z]| 0.8 * x - 0.3 * y + z < 0.35);
+    let of = |v: &u32| points[*v as usize];
+    let normals = old.iter().map(|v| of(v).normal).collect();
+    let exact = old.iter().map(|v| of(v).force_density(1.0)).collect();
+    (mesh, normals, exact)
+}
+
+/// On open meshes f is the strong form: its slope on exact values is 1, with jets of degree 6 and 8, for the shapes
+/// where f has large and small terms, on sheets with corners, and with a spontaneous curvature.
+#[test]
+fn force_densities_of_open_meshes_have_the_slope_of_exact_ones() {
+    // f is far from constant, and largest on the rim. On 5 rings one-sided fits have visible errors.
+    for (family, vertices) in [
+        (Family::Regular, 2562),
+        (Family::Irregular, 5762),
+        (Family::Relaxed, 10_242),
+    ] {
+        let (mesh, normals, exact) = cut_discocyte(family, vertices);
+        let found = densities(Galerkin::new(1.0), &mesh, &normals);
+        let slope = slope(&mesh, &found, &exact, 5);
+        assert!((slope - 1.0).abs() < 0.01, "{family} {vertices}: {slope}");
+    }
+    // A tube of radius 1, H = 1/2 and K = 0: f = 4 H³.
+    let tube = tube(48, 40, 2.2, |_| 1.0);
+    let normals = Vec::from_iter(tube.positions.iter().map(|[x, y, _]| [*x, *y, 0.0]));
+    let found = densities(Galerkin::new(1.0), &tube, &normals);
+    let exact = vec![0.5; found.len()];
+    let of_tube = slope(&tube, &found, &exact, 2);
+    assert!((of_tube - 1.0).abs() < 0.01, "{of_tube}");
+    // The cap of a sphere with H0 = ½: f = 4 κ (H − H0)(H² − K + H0 H) = 1.
+    let cap = cap(24, 1.2);
+    let bent = Galerkin {
+        spontaneous_curvature: MaterialParameter::Constant(0.5),
+        ..Galerkin::new(1.0)
+    };
+    let found = densities(bent, &cap, &cap.positions);
+    let exact = vec![1.0; found.len()];
+    let of_cap = slope(&cap, &found, &exact, 2);
+    assert!((of_cap - 1.0).abs() < 0.01, "{of_cap}");
+}
+
+/// A closed component has the same f beside an open one as alone: that of the solution.
+#[test]
+fn closed_components_keep_their_solution_beside_open_ones() {
+    let sphere = icosphere(3).map(bent);
+    let cap = cap(12, 1.2).map(|[x, y, z]| [x + 5.0, y, z]);
+    let shift = sphere.positions.len() as u32;
+    let moved = cap.connectivity.triangles().iter();
+    let moved = moved.map(|corners| corners.map(|corner| corner + shift));
+    let triangles = sphere.connectivity.triangles().iter().copied();
+    let both = Mesh::new(
+        [sphere.positions.clone(), cap.positions.clone()].concat(),
+        triangles.chain(moved).collect(),
+    );
+    let density = |mesh: &Mesh| {
+        let mut density = vec![[0.0; 3]; mesh.positions.len()];
+        let mut prepared = Prepared::new(Galerkin::new(1.0), &mesh.connectivity);
+        prepared.force_density(mesh.surface(), &mut density);
+        (density, prepared.memory().iterations())
+    };
+    let [(together, steps), (alone, alone_steps), (open, none)] =
+        [&both, &sphere, &cap].map(density);
+    assert_eq!((steps, none), (alone_steps, 0));
+    assert!(steps > 0);
+    let expected = [alone, open].concat();
+    let largest = expected.iter().map(|&f| norm(f)).fold(0.0, f64::max);
+    for (f, expected) in together.iter().zip(&expected) {
+        let difference = norm([0, 1, 2].map(|k| f[k] - expected[k]));
+        // Sums are grouped otherwise, and vectors are scaled by another mean area.
+        assert!(difference < 1e-9 * largest, "{difference:e}");
     }
 }

@@ -3,6 +3,7 @@
 use helfrich_tests::allocation::Counting;
 
 mod allocation;
+mod convergence;
 mod corrected;
 mod coverage;
 mod execution;

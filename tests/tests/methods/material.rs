@@ -45,7 +45,7 @@ fn energies_have_the_exact_gradient() {
     let even = made("discocyte", Family::Relaxed, 162);
     // Triangles of this mesh have several extraordinary corners. Other methods have such large forces on it
     // that finite differences are useless.
-    let uneven = made("discocyte", Family::Irregular, 162);
+    let uneven = made("discocyte", Family::Irregular, 60);
     let sheet = meshes::sheet(6);
     let surfaces = [
         (&even.mesh, &even.positions, false),

@@ -34,7 +34,7 @@ fn the_counter_counts_bytes() {
     assert_eq!(bytes, -1000);
 }
 
-/// Memory agrees with the table of docs/PERFORMANCE.md; bounds count numbers of 8 bytes and indices of 4.
+/// Memory is bounded by counts of numbers of 8 bytes and indices of 4.
 #[test]
 fn memory_is_bounded() {
     for (name, found, bound) in [

@@ -52,7 +52,7 @@ fn gompper_kroll_has_the_exact_gradient() {
 /// These meshes have triangles with several extraordinary corners, and a boundary.
 #[test]
 fn loop_subdivision_has_the_exact_gradient() {
-    let made = made("discocyte", Family::Irregular, 162);
+    let made = made("discocyte", Family::Irregular, 60);
     let sheet = meshes::sheet(6);
     let surfaces = [
         (&made.mesh, &made.positions),

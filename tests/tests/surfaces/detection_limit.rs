@@ -1,7 +1,7 @@
 //! Adaptive jets where noise is hardly larger than the residual of the shape, so that it is found at some
 //! vertices, at none, or where there is none.
 
-use crate::adaptive::{QUANTITIES, best_fixed, estimate, exact, of, root_mean_square, shape};
+use crate::adaptive::{FEW, QUANTITIES, best_fixed, estimate, exact, of, root_mean_square, shape};
 use crate::expected_errors::{Case, disc, torus};
 use helfrich::{AdaptiveJet, Surface};
 use helfrich_std::generate::Family;
@@ -37,7 +37,7 @@ fn of_jets(case: &Case, positions: &[[f64; 3]]) -> [f64; QUANTITIES] {
 fn ratios(case: &Case, part: f64) -> [[f64; 2]; QUANTITIES] {
     let positions = case.disturbed(part * case.mean_edge());
     let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
-    let [jets, fixed] = [of_jets(case, &positions), best_fixed(case, &positions)];
+    let [jets, fixed] = [of_jets(case, &positions), best_fixed(case, &positions, FEW)];
     [0, 1, 2].map(|quantity| {
         let both = found.iter().zip(&case.exact);
         let errors = both.map(|(at, point)| estimate(at, quantity).value - exact(point, quantity));
@@ -78,7 +78,7 @@ fn a_coarse_mesh_is_no_noise() {
 }
 
 #[test]
-#[ignore = "five minutes: by hand, see CONTRIBUTING"]
+#[ignore = "five minutes: by .ci/long"]
 fn many_shapes_near_the_detection_limit() {
     let shapes = [
         torus(0.4),

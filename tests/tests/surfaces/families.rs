@@ -387,7 +387,7 @@ fn any_number_of_vertices() {
             Family::Relaxed,
             Family::Hard,
         ] {
-            for vertices in [100, 161, 163, 643, 1000, 2561, 3000] {
+            for vertices in [100, 161, 163, 643, 3000] {
                 let what = format!("{family} mesh of {vertices} on {name}");
                 let made = make(name, family, vertices, 3);
                 assert_eq!(made.mesh.vertex_count(), vertices, "{what}");

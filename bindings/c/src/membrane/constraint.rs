@@ -1,7 +1,7 @@
 //! Quantities of membranes that are held exactly.
 
 use super::Membrane;
-use crate::call::{guarded, of_vertices, surface};
+use crate::call::{finite, guarded, of_vertices, surface};
 use crate::status::{Error, Failure, Status};
 use helfrich_std::dynamics::Problem;
 
@@ -40,7 +40,12 @@ pub unsafe extern "C" fn hf_membrane_constraint_gradients(
                 .simulation
                 .constraint_gradients(&positions, &mut fields);
             gradients.copy_from_slice(&fields.concat());
-            Ok(())
+            finite(
+                "gradients",
+                "row",
+                gradients.as_flattened().iter().copied(),
+                3,
+            )
         })
     }
 }

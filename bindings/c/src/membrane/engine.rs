@@ -1,7 +1,7 @@
 //! Membranes whose vertices are among those of an engine.
 
 use super::Membrane;
-use crate::call::{Call, guarded, of_vertices};
+use crate::call::{Call, finite, finite_sum, guarded, of_vertices};
 use crate::number::Number;
 use crate::status::{Error, Failure, Outcome, Status};
 
@@ -44,14 +44,16 @@ fn add_force_at<N: Number>(
         })?;
         own.push(position.map(N::wide));
     }
-    let energy = membrane.keep(&own)?;
+    let energy = finite_sum("energy", N::nearest(membrane.keep(&own)?))?;
+    let components = membrane.force.as_flattened().iter();
+    finite("force", "vertex", components.map(|&f| N::nearest(f)), 3)?;
     for (&at, force) in places.iter().zip(&membrane.force) {
         if let Some(sum) = all.get_mut(at as usize) {
             *sum = std::array::from_fn(|axis| N::nearest(sum[axis].wide() + force[axis]));
         }
     }
     if let Some([place]) = place {
-        *place = N::nearest(energy);
+        *place = energy;
     }
     Ok(())
 }

@@ -136,6 +136,31 @@ fn mistakes_are_refused() {
     fails(negative, Status::InvalidArgument, "`shear` is -1");
     let none = viscous(1.0, f64::NAN);
     fails(none, Status::InvalidArgument, "`dilational` is NaN");
+    for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut moving = positions.clone();
+        moving[5][1] = wrong;
+        let moving = outcome(|error| unsafe {
+            let (moving, power) = (moving.as_ptr(), null_mut());
+            hf_viscous_force(handle.0, at, moving, count, 1.0, 1.0, place, power, error)
+        });
+        fails(moving, Status::InvalidArgument, "`velocities` is [");
+    }
+    let fast = vec![[1e300, 0.0, -1e300]; count];
+    let moving = Vec::from_iter(
+        fast.iter()
+            .zip(&positions)
+            .map(|(v, x)| [v[0] * x[1], 0.0, v[2]]),
+    );
+    let beyond = outcome(|error| unsafe {
+        let (moving, mut power) = (moving.as_ptr(), 0.0);
+        let sum = &raw mut power;
+        hf_viscous_force(handle.0, at, moving, count, 1.0, 1.0, place, sum, error)
+    });
+    fails(
+        beyond,
+        Status::Undefined,
+        "`power` is inf, beyond the numbers",
+    );
 
     let repel = |second: *const Mesh, total, modulus, range, periods: [f64; 3]| {
         let meshes = [handle.0.cast_const(), second];
@@ -161,6 +186,17 @@ fn mistakes_are_refused() {
     fails(none, Status::InvalidArgument, "`modulus` is 0");
     let negative = repel(same, total, 1.0, 0.5, [0.0, -1.0, 0.0]);
     fails(negative, Status::InvalidArgument, "`periods` is -1");
+    let coincident = positions.repeat(2);
+    let touching = outcome(|error| unsafe {
+        let (list, at, mut energy) = ([same; 2], coincident.as_ptr(), 0.0);
+        let (list, sum) = (list.as_ptr(), &raw mut energy);
+        hf_repulsion(list, 2, at, place, total, 1.0, 0.5, null(), sum, 1, error)
+    });
+    fails(
+        touching,
+        Status::Undefined,
+        "touches another surface at vertex",
+    );
     let mut broken = all.clone();
     broken[count + 3][2] = f64::NAN;
     let meshes = [same; 2];

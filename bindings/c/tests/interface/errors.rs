@@ -4,10 +4,11 @@ use super::{EFFECTS, ellipsoid, membrane_of, mesh_of, outcome};
 use helfrich::TriangleMesh;
 use helfrich_capi::Status;
 use helfrich_capi::many::hf_membranes_force;
-use helfrich_capi::membrane::{hf_membrane_force, hf_membrane_new};
-use helfrich_capi::mesh::{hf_mesh_new, hf_mesh_read, hf_volume};
+use helfrich_capi::membrane::{hf_membrane_force, hf_membrane_new, hf_membrane_warnings};
+use helfrich_capi::mesh::{hf_area_f32, hf_mesh_new, hf_mesh_read, hf_volume};
 use helfrich_capi::method::hf_method_new;
 use helfrich_capi::names::hf_method_name;
+use helfrich_capi::operator::hf_gradient;
 use helfrich_capi::status::hf_status_text;
 use helfrich_std::scene::Effects;
 use std::ffi::{CStr, CString};
@@ -79,6 +80,74 @@ fn arrays_that_do_not_fit() {
         hf_membranes_force(list, 1, at, into, 2 * count, energy, 1, error)
     });
     fails(too_few, Status::InvalidCount, "162 are needed");
+}
+
+/// Fields and results that are not finite have a place, and a remedy.
+#[test]
+fn numbers_that_are_not_finite() {
+    let (mesh, reference) = ellipsoid(162);
+    let handle = mesh_of(&mesh);
+    let (count, at) = (reference.len(), reference.as_ptr());
+    let triangles = mesh.triangles().len();
+    let mut gradient = vec![[0.0; 3]; triangles];
+    for wrong in [f64::NAN, f64::INFINITY] {
+        let mut field = vec![1.0; count];
+        field[7] = wrong;
+        let (field, into) = (field.as_ptr(), gradient.as_mut_ptr());
+        let refused = outcome(|error| unsafe {
+            hf_gradient(handle.0, at, count, field, into, triangles, error)
+        });
+        let part = format!("`field` is {wrong} at vertex 7: finite numbers are needed");
+        fails(refused, Status::InvalidArgument, &part);
+    }
+    // Finite, and beyond the numbers of f32 or f64 together.
+    let large = Vec::from_iter(reference.iter().map(|x| x.map(|x| (1e30 * x) as f32)));
+    let mut area = 0.0_f32;
+    let beyond = outcome(|error| unsafe {
+        hf_area_f32(handle.0, large.as_ptr(), count, &raw mut area, error)
+    });
+    fails(
+        beyond,
+        Status::Undefined,
+        "`area` is inf, beyond the numbers",
+    );
+    let deep = Vec::from_iter(reference.iter().map(|&[x, y, z]| [x, y, z - 1e4]));
+    let wall = "adhesion = { strength = 1.0, distance = 0.1, range = 0.1 }";
+    let membrane = membrane_of(&mesh, &reference, wall);
+    let mut force = vec![[0.0; 3]; count];
+    let into = force.as_mut_ptr();
+    let inside = outcome(|error| unsafe {
+        hf_membrane_force(membrane.0, deep.as_ptr(), count, into, null_mut(), error)
+    });
+    fails(inside, Status::Undefined, "`force` at vertex 0 is");
+    // It stays usable.
+    let there = outcome(|error| unsafe {
+        hf_membrane_force(membrane.0, at, count, into, null_mut(), error)
+    });
+    assert_eq!(there.0, Status::Ok, "{}", there.1);
+}
+
+/// The energy of bending of an open surface says what it leaves out.
+#[test]
+fn energies_of_open_surfaces_are_told_of() {
+    let (mesh, reference) = ellipsoid(162);
+    let open = mesh.triangles()[40..].to_vec();
+    let open = TriangleMesh::new(mesh.vertex_count(), open).unwrap();
+    let effects = "bending = { method = \"gompper-kroll\", modulus = 1.0 }";
+    let told = |mesh: &TriangleMesh| {
+        let membrane = membrane_of(mesh, &reference, effects);
+        let mut text = [0; 4000];
+        let warned = outcome(|error| unsafe {
+            hf_membrane_warnings(membrane.0, text.as_mut_ptr(), text.len(), error)
+        });
+        assert_eq!(warned.0, Status::Ok, "{}", warned.1);
+        // SAFETY: a call ends the text by a zero byte.
+        let text = unsafe { CStr::from_ptr(text.as_ptr()) };
+        text.to_str()
+            .unwrap()
+            .contains("leaves out about half a row of triangles")
+    };
+    assert!(told(&open) && !told(&mesh));
 }
 
 #[test]

@@ -16,7 +16,7 @@ from __future__ import annotations
 from . import effects
 from ._choices import Recommendation, recommend
 from ._curvatures import Curvature, Errors, Flag, curvature, gaussian_curvature, mean_curvature
-from ._errors import MeshError
+from ._errors import MeshError, MeshWarning
 from ._helfrich import METHODS, SCENES, __version__
 from ._membranes import Membrane, bending_energy, bending_force
 from ._meshes import Exact, Problem, Report, check, read, shape, subdivide, weld, write
@@ -32,6 +32,7 @@ __all__ = [
     "Flag",
     "Membrane",
     "MeshError",
+    "MeshWarning",
     "Problem",
     "Recommendation",
     "Report",

@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional, Sequence
 
-from . import _helfrich
+from . import _checks, _helfrich
 from ._arrays import both
 
 
@@ -86,12 +86,12 @@ def recommend(
     text = _helfrich.recommend(
         V,
         F,
-        error=float(error),
-        quantity=quantity,
-        norm=norm,
-        methods=None if methods is None else list(methods),
-        scalars=list(scalars),
-        threads=threads,
+        error=_checks.number(error, "error"),
+        quantity=_checks.text(quantity, "quantity"),
+        norm=_checks.text(norm, "norm"),
+        methods=None if methods is None else _checks.texts(methods, "methods"),
+        scalars=_checks.texts(scalars, "scalars"),
+        threads=_checks.threads(threads),
     )
     found = json.loads(text)
     best = found["choice"] or found["nearest"] or {}

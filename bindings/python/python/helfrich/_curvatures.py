@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import enum
-from typing import Any, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, overload
 
 import numpy as np
 
-from . import _helfrich
+from . import _checks, _helfrich
 from ._arrays import both
 
 class Flag(enum.IntFlag):
@@ -62,12 +62,20 @@ class Flag(enum.IntFlag):
     """The fit around it is no graph over its triangles."""
     UNRESOLVED = 1 << 17
     """The mesh is too coarse for its shape there."""
+    ROWS = 1 << 18
+    """Its neighbours lie in rows and do not determine the fit: remesh the surface."""
+    CREASE = 1 << 19
+    """It is at a crease, corner or tip, where curvatures are not defined."""
+    OUTLIER = 1 << 20
+    """It lies far off the surface of its neighbours."""
+    SMALL_COMPONENT = 1 << 21
+    """Its component has too few vertices to tell errors."""
     NOISE = 1 << 24
     """There is noise, to which error bars are fitted."""
     ONE_SIDED = 1 << 25
     """It is at a boundary or next to it: error bars are wider."""
     UNKNOWN = 1 << 26
-    """There is no value: it is 0."""
+    """There is no value, and it is 0; or no error bar, and it is infinite."""
 
 
 class Errors(NamedTuple):
@@ -123,23 +131,101 @@ def _answer(
     threads: Optional[int] = None,
 ) -> dict:
     V, F = both(V, F)
-    if scale is not None and not 28 <= scale <= 4096:
-        raise ValueError(f"scale is {scale}: 28 to 4096 neighbours are possible")
-    if not 0 <= sigma < np.inf:
-        raise ValueError(f"sigma is {sigma}: a length is needed")
     return _helfrich.curvature(
         V,
         F,
-        method=method,
-        areas=areas,
-        bandwidth=None if bandwidth is None else str(bandwidth),
+        method=_checks.text(method, "method"),
+        areas=_checks.option(areas, "areas"),
+        bandwidth=_checks.option(bandwidth, "bandwidth"),
         modulus=kappa,
         spontaneous_curvature=H0,
-        scale=scale,
-        sigma=float(sigma),
-        errors=errors,
-        threads=threads,
+        scale=None if scale is None else _checks.whole(scale, "scale", 28, 4096),
+        sigma=_checks.length(sigma, "sigma"),
+        errors=_checks.flag(errors, "errors"),
+        threads=_checks.threads(threads),
     )
+
+
+if TYPE_CHECKING:
+
+    class _WithErrors(Curvature):
+        error: Errors
+
+    class _OfJets(_WithErrors):
+        K: np.ndarray
+        k1: np.ndarray
+        k2: np.ndarray
+
+    class _WithDirections(_OfJets):
+        d1: np.ndarray
+        d2: np.ndarray
+
+    _Jets = Literal["auto", "jet", "J"]
+
+
+# What is always there, for programs that check types: "auto" has error bars and all curvatures.
+@overload
+def curvature(
+    V: Any,
+    F: Any = None,
+    *,
+    method: _Jets = "auto",
+    scale: Optional[int] = None,
+    sigma: float = 0.0,
+    directions: Literal[True],
+    errors: bool = False,
+    areas: Optional[str] = None,
+    bandwidth: Any = None,
+    threads: Optional[int] = None,
+) -> _WithDirections: ...
+
+
+@overload
+def curvature(
+    V: Any,
+    F: Any = None,
+    *,
+    method: _Jets = "auto",
+    scale: Optional[int] = None,
+    sigma: float = 0.0,
+    directions: bool = False,
+    errors: bool = False,
+    areas: Optional[str] = None,
+    bandwidth: Any = None,
+    threads: Optional[int] = None,
+) -> _OfJets: ...
+
+
+@overload
+def curvature(
+    V: Any,
+    F: Any = None,
+    *,
+    method: str,
+    scale: Optional[int] = None,
+    sigma: float = 0.0,
+    directions: bool = False,
+    errors: Literal[True],
+    areas: Optional[str] = None,
+    bandwidth: Any = None,
+    threads: Optional[int] = None,
+) -> _WithErrors: ...
+
+
+@overload
+def curvature(
+    V: Any,
+    F: Any = None,
+    *,
+    method: str,
+    scale: Optional[int] = None,
+    sigma: float = 0.0,
+    directions: bool = False,
+    errors: bool = False,
+    areas: Optional[str] = None,
+    bandwidth: Any = None,
+    threads: Optional[int] = None,
+) -> Curvature: ...
 
 
 def curvature(
@@ -202,6 +288,7 @@ def curvature(
     >>> bool((abs(c.H - 0.5) <= c.error.H).all())
     True
     """
+    directions = _checks.flag(directions, "directions")
     found = _answer(
         V, F, method=method, areas=areas, bandwidth=bandwidth,
         scale=scale, sigma=sigma, errors=errors, threads=threads,

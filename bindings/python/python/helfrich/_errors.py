@@ -1,7 +1,9 @@
-"""The exception for meshes that are none."""
+"""The exception for meshes that are none, and the warning about results on others."""
 
 from __future__ import annotations
 
+import sys
+import warnings
 from typing import Optional, Tuple
 
 
@@ -37,3 +39,28 @@ class MeshError(ValueError):
         self.face = face
         self.edge = edge
         self.vertex = vertex
+
+
+class MeshWarning(UserWarning):
+    """A result that means something else on this mesh than on others, such as an energy without the border.
+
+    Examples
+    --------
+    >>> import helfrich, warnings
+    >>> V, F, _ = helfrich.shape("sphere", 162)
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", helfrich.MeshWarning)
+    ...     try:
+    ...         helfrich.bending_energy(V, F[40:])
+    ...     except helfrich.MeshWarning as warning:
+    ...         print("leaves out" in str(warning))
+    True
+    """
+
+
+def warn(text: str) -> None:
+    """Warns of a result at the line that has called this package."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("helfrich."):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, MeshWarning, stacklevel=level)

@@ -6,7 +6,7 @@ from typing import Any, Optional
 
 import numpy as np
 
-from . import _helfrich
+from . import _checks, _helfrich
 from ._arrays import both, positions
 from ._curvatures import _answer
 from ._helfrich import Membrane
@@ -21,7 +21,7 @@ def bending_energy(
     *,
     kappa: Any = 1.0,
     H0: Any = 0.0,
-    method: str = "gompper-kroll",
+    method: Optional[str] = None,
     areas: Optional[str] = None,
     bandwidth: Any = None,
     threads: Optional[int] = None,
@@ -34,9 +34,18 @@ def bending_energy(
         The mesh, as in `curvature`. Energies are computed in double precision.
     kappa, H0 : float or (n,)
         Bending modulus, an energy, and spontaneous curvature, 1/length.
-    method : str
-        A method with forces, see `helfrich.METHODS`; "auto" is "jet". Its own energy, or a quadrature
-        of 2 ∫ κ (H − H0)² dS for methods in strong form.
+    method : str, optional
+        A method with forces, see `helfrich.METHODS`: its own energy, or a quadrature of
+        2 ∫ κ (H − H0)² dS for methods in strong form. By default "gompper-kroll", as in `bending_force`,
+        whose forces are then the exact gradient of this energy, and as in `helfrich.effects.Bending`. "auto"
+        is "jet".
+
+        "kantor-nelson" has the modulus k̃ = 2κ/√3 of an edge, with which forces are those of κ. Its energy
+        includes a Gaussian modulus: 2 ∫ κ (H² − ⅔ K) dS, which is 8πκ/3 for a sphere.
+
+    On an open mesh, "j4", "j6" and "jet" measure up to the border. The energies of other methods leave out
+    about half a row of triangles there, because theirs are the natural boundary conditions at a border that is
+    free: a `helfrich.MeshWarning` says which share of the area is missing.
 
     Raises
     ------
@@ -55,8 +64,7 @@ def bending_energy(
     """
     V, F = both(V, F)
     V = positions(V)
-    bending = Bending(method, kappa, H0, areas, None if bandwidth is None else str(bandwidth))
-    return Membrane(F, bending, vertices=len(V), threads=threads).energy(V)
+    return _membrane(V, F, (method, kappa, H0, areas, bandwidth), threads).energy(V)
 
 
 def bending_force(
@@ -65,7 +73,7 @@ def bending_force(
     *,
     kappa: Any = 1.0,
     H0: Any = 0.0,
-    method: str = "auto",
+    method: Optional[str] = None,
     density: bool = False,
     areas: Optional[str] = None,
     bandwidth: Any = None,
@@ -79,10 +87,13 @@ def bending_force(
     V, F
         The mesh, as in `curvature`.
     kappa, H0 : float or (n,)
-        Bending modulus, an energy, and spontaneous curvature, 1/length.
-    method : str
-        A method with forces. "auto" takes osculating jets of the degree that suits the mesh; its force
-        density averages noise of the positions, as in `curvature`.
+        Bending modulus, an energy, and spontaneous curvature, 1/length. "kantor-nelson" takes k̃ = 2κ/√3 for
+        the modulus of an edge: its forces are those of κ.
+    method : str, optional
+        A method with forces. By default nodal forces are those of "gompper-kroll", as the energies of
+        `bending_energy` are: exact gradients. Divided by areas they do not converge, so the default for
+        densities is "auto": osculating jets of the degree that suits the mesh, which average noise of the
+        positions, as in `curvature`.
     density : bool
         Whether to return f = 2 κ [Δ_S H + 2 H (H² − K)] n, force per area, instead of forces. Where it
         is not defined, as at a boundary, it is 0.
@@ -112,18 +123,22 @@ def bending_force(
     True
     """
     V, F = both(V, F)
-    if density:
-        if out is not None:
-            raise ValueError("out is for nodal forces: leave it out with density=True")
-        found = _answer(
-            V, F, method=method, kappa=kappa, H0=H0, areas=areas, bandwidth=bandwidth, threads=threads
-        )
-        if not _has_force(method):
-            raise ValueError(f"{method} measures curvatures only and has no force: choose a bending method")
-        return found["f"]
-    V = positions(V)
-    bending = Bending(method, kappa, H0, areas, None if bandwidth is None else str(bandwidth))
-    return Membrane(F, bending, vertices=len(V), threads=threads).force(V, out=out)
+    if not _checks.flag(density, "density"):
+        V = positions(V)
+        return _membrane(V, F, (method, kappa, H0, areas, bandwidth), threads).force(V, out=out)
+    if out is not None:
+        raise ValueError("out is for nodal forces: leave it out with density=True")
+    method = "auto" if method is None else method
+    found = _answer(V, F, method=method, kappa=kappa, H0=H0, areas=areas, bandwidth=bandwidth, threads=threads)
+    if not _has_force(method):
+        raise ValueError(f"{method} measures curvatures only and has no force: choose a bending method")
+    return found["f"]
+
+
+def _membrane(V: np.ndarray, F: Any, bending: tuple, threads: Optional[int]) -> Membrane:
+    method, kappa, H0, areas, bandwidth = bending
+    effect = Bending(Bending.method if method is None else method, kappa, H0, areas, bandwidth)
+    return Membrane(F, effect, vertices=len(V), threads=threads)
 
 
 def _has_force(name: str) -> bool:

@@ -8,8 +8,8 @@ from typing import Any, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from . import _helfrich
-from ._arrays import both, positions
+from . import _checks, _helfrich
+from ._arrays import both, field as field_of, positions
 from ._errors import MeshError
 
 Mesh = Tuple[np.ndarray, np.ndarray]
@@ -42,7 +42,7 @@ def read(path: "str | os.PathLike[str]") -> Mesh:
     >>> bool((helfrich.read(path)[0] == V).all())
     True
     """
-    return _helfrich.read(os.fspath(path))
+    return _helfrich.read(_checks.path(path, "path"))
 
 
 def write(path: "str | os.PathLike[str]", V: Any, F: Any = None, **vertex_fields: Any) -> None:
@@ -68,19 +68,14 @@ def write(path: "str | os.PathLike[str]", V: Any, F: Any = None, **vertex_fields
     >>> helfrich.write(path, V, F, H=exact.H, normal=exact.normal)
     """
     V, F = both(V, F)
-    path = os.fspath(path)
+    path = _checks.path(path, "path")
     if vertex_fields and not path.lower().endswith(".vtp"):
         raise ValueError(f"{path}: fields are written to .vtp files only")
     vertices = len(positions(V))
-    fields = {}
-    for name, values in vertex_fields.items():
-        array = np.asarray(values)
-        if array.dtype.kind not in "fiub" or array.shape not in ((vertices,), (vertices, 3)):
-            raise MeshError(
-                f"the field {name} is {array.dtype} of the shape {array.shape}: numbers of the shape "
-                f"({vertices},) or ({vertices}, 3) are needed"
-            )
-        fields[name] = np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
+    fields = {
+        name: field_of(values, f"the field {_checks.text(name, 'the name of a field')}", vertices)
+        for name, values in vertex_fields.items()
+    }
     _helfrich.write(path, V, F, fields)
 
 
@@ -129,7 +124,7 @@ def shape(
     Raises
     ------
     ValueError
-        If there is no such shape, family or number of vertices.
+        If there is no such shape, family or number of vertices, or its exact values are too large for float64.
 
     Examples
     --------
@@ -138,7 +133,12 @@ def shape(
     >>> bool(exact.K.min() < 0 < exact.K.max())
     True
     """
-    (V, F), exact = _helfrich.shape(spec, n, family, seed)
+    (V, F), exact = _helfrich.shape(
+        _checks.text(spec, "spec"),
+        _checks.whole(n, "n", 1, 2**32 - 1),
+        _checks.text(family, "family"),
+        _checks.whole(seed, "seed", 0, 2**64 - 1),
+    )
     return V, F, Exact(**exact)
 
 
@@ -258,7 +258,7 @@ def weld(
     Raises
     ------
     MeshError
-        If the result is no oriented manifold.
+        If the result is no oriented manifold, or a position is not finite.
     ValueError
         If the distance is negative or not finite.
 
@@ -272,9 +272,7 @@ def weld(
     (240, 42)
     """
     V, F = both(V, F)
-    if not 0 <= distance < np.inf:
-        raise ValueError(f"distance is {distance}: a length is needed, 0 or more")
-    (V, F), where = _helfrich.weld(V, F, float(distance))
+    (V, F), where = _helfrich.weld(V, F, _checks.length(distance, "distance"))
     return V, F, where
 
 
@@ -302,6 +300,4 @@ def subdivide(V: Any, F: Any = None, *, levels: int = 1, limit: bool = False) ->
     (642, 3)
     """
     V, F = both(V, F)
-    if not 0 <= levels <= 32:
-        raise ValueError(f"levels is {levels}: 0 to 32 are possible")
-    return _helfrich.subdivide(V, F, levels, limit)
+    return _helfrich.subdivide(V, F, _checks.whole(levels, "levels", 0, 32), _checks.flag(limit, "limit"))

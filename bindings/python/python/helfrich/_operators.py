@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Tuple
 
 import numpy as np
 
-from . import _helfrich
+from . import _checks, _helfrich
 from ._arrays import both
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ def laplacian(
     """
     sparse = _sparse()
     V, F = both(V, F)
+    method, mass = _checks.text(method, "method"), _checks.text(mass, "mass")
     consistent, areas = None, None
     if method == "cotangent":
         matrix, areas, consistent = _helfrich.stiffness(V, F, mass)

@@ -11,7 +11,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
-from . import _helfrich
+from . import _checks, _helfrich
 from ._arrays import both
 from ._meshes import write
 
@@ -97,7 +97,11 @@ def run(
     >>> bool(vesicle.series["energy"][-1] < vesicle.series["energy"][0])
     True
     """
-    if resume and out is None:
+    callback, threads = _checks.called(callback, "callback"), _checks.threads(threads)
+    out = None if out is None else _checks.path(out, "out")
+    if not isinstance(set, (Mapping, type(None))):
+        raise TypeError(f"set is {_checks.shown(set)}: a dict of values by their paths is needed")
+    if _checks.flag(resume, "resume") and out is None:
         raise ValueError("resume is for a run in a folder: name it with out")
     with tempfile.TemporaryDirectory(prefix="helfrich-") as scratch:
         text = None
@@ -105,16 +109,16 @@ def run(
         if isinstance(scene, Mapping):
             text = _Writer(scratch).document(scene)
         else:
-            path = os.fspath(scene)
+            path = _checks.path(scene, "scene")
         settings = [
-            f"{key}=" if value is None else f"{key}={_Writer(scratch).value(value)}"
+            f"{key}=" if value is None else f"{key}={_Writer(scratch).value(value, str(key))}"
             for key, value in (set or {}).items()
         ]
         if out is None:
             # Nobody would see them.
             settings += ["output.pictures=false", "output.surfaces=false", "output.plot=", "output.slice="]
             settings += ["output.volume="]
-        folder = os.fspath(out) if out is not None else os.path.join(scratch, "run")
+        folder = out if out is not None else os.path.join(scratch, "run")
         found = _helfrich.run(path, text, settings, folder, resume, callback, threads)
     summary, series, surfaces = json.loads(found[0]), found[1], found[2]
     return Run(
@@ -136,35 +140,52 @@ class _Writer:
         self._count = 0
 
     def document(self, tables: Mapping[str, Any]) -> str:
-        lines = (f"{json.dumps(str(key))} = {self._of(key, value)}" for key, value in tables.items())
+        lines = (f"{_quoted(str(key), 'a key')} = {self._of(key, value, str(key))}" for key, value in tables.items())
         return "\n".join(lines) + "\n"
 
-    def _of(self, key: Any, value: Any) -> str:
+    def _of(self, key: Any, value: Any, place: str) -> str:
         if key == "mesh" and not isinstance(value, (str, os.PathLike, Mapping)):
-            return self.value(self._file(value))
-        return self.value(value)
+            return self.value(self._file(value), place)
+        return self.value(value, place)
 
     def _file(self, mesh: Any) -> str:
-        V, F = mesh if isinstance(mesh, tuple) else both(mesh, None)
+        V, F = mesh if isinstance(mesh, tuple) and len(mesh) == 2 else both(mesh, None)
         self._count += 1
         path = os.path.join(self._folder, f"mesh-{self._count}.ply")
         write(path, V, F)
         return path
 
-    def value(self, value: Any) -> str:
+    def value(self, value: Any, place: str) -> str:
+        """A value as TOML; `place` is its path in the scene, for messages."""
+        if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+            raise ValueError(f"{place} has masked entries: numbers are needed for them")
         if isinstance(value, (np.ndarray, np.generic)):
             value = value.tolist()
         if isinstance(value, bool):
             return "true" if value else "false"
         if isinstance(value, int):
-            return str(value)
+            return str(_checks.whole(value, place, -(2**63), 2**63 - 1))
         if isinstance(value, float):
             return repr(value)
-        if isinstance(value, (str, os.PathLike)):
-            return json.dumps(os.fspath(value)).replace("\x7f", "\\u007f")
+        if isinstance(value, os.PathLike):
+            value = _checks.path(value, place)
+        if isinstance(value, str):
+            return _quoted(value, place)
         if isinstance(value, Mapping):
-            entries = (f"{json.dumps(str(key))} = {self._of(key, entry)}" for key, entry in value.items())
+            entries = (
+                f"{_quoted(str(key), place)} = {self._of(key, entry, f'{place}.{key}')}"
+                for key, entry in value.items()
+            )
             return "{ " + ", ".join(entries) + " }"
         if isinstance(value, (list, tuple)):
-            return "[" + ", ".join(self.value(entry) for entry in value) + "]"
-        raise TypeError(f"{value!r} cannot be a value of a scene: it is {type(value).__name__}")
+            parts = (self.value(entry, f"{place}.{number}") for number, entry in enumerate(value))
+            return "[" + ", ".join(parts) + "]"
+        raise TypeError(
+            f"{place} is {_checks.shown(value)}, which cannot be a value of a scene: a number, a text, True or "
+            "False, a list or a dict is needed"
+        )
+
+
+def _quoted(text: str, place: str) -> str:
+    """A text as TOML, which has the escapes of JSON, and one more."""
+    return json.dumps(_checks.unicode(text, place), ensure_ascii=False).replace("\x7f", "\\u007f")

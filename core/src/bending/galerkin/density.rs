@@ -4,7 +4,7 @@ use super::fit::Jet;
 use super::mass::Mass;
 use super::shape::Shape;
 use super::smoothing::Smoothing;
-use super::start::Laplacians;
+use super::start::{Laplacians, mean_beyond};
 use super::vertices::Work;
 use super::{Galerkin, GalerkinMemory};
 use crate::element::{Execution, of_vertices};
@@ -233,7 +233,7 @@ impl<T: Real> Solver<T> {
 
 impl<T: Real> Galerkin<T> {
     /// Sets the direction to the strong form over the jets,
-    /// `2 [Δ_S(κ(H − H0)) + 2κ(H − H0)(H² − K + H0 H)]`, times the mean area.
+    /// `2 [Δ_S(κ(H − H0)) + 2κ(H − H0)(H² − K + H0 H)]`.
     fn set_strong_form(
         &self,
         execution: &impl Execution,
@@ -245,14 +245,15 @@ impl<T: Real> Galerkin<T> {
             direction,
             improved: moments,
             laplacians,
-            coefficients,
             ..
         } = solver;
         let Shape { plan, fits, .. } = shape;
         execution.map(&mut moments[..], |vertex, moment| {
-            *moment = shape.jet(vertex).map_or(T::zero(), |jet| {
-                self.modulus.at(vertex) * (jet.mean - self.spontaneous_curvature.at(vertex))
-            });
+            let mean = match shape.jet(vertex) {
+                Some(jet) => jet.mean,
+                None => mean_beyond(plan, &mass.neighbours, fits, vertex),
+            };
+            *moment = self.modulus.at(vertex) * (mean - self.spontaneous_curvature.at(vertex));
         });
         laplacians.resize(plan.blocks.len(), Several::zero());
         let kernel = Laplacians {
@@ -273,11 +274,12 @@ impl<T: Real> Galerkin<T> {
             let factor = mean * mean - gaussian + spontaneous * mean;
             let laplacian = laplacians[block as usize].0[usize::from(lane)];
             let density = two * (laplacian + two * moments[vertex] * factor);
-            [*direction] = finite_or_zero([coefficients.mean * density]);
+            [*direction] = finite_or_zero([density]);
         });
     }
 
-    /// Solves `K f = F·ν` for the force in `solver.force`.
+    /// Solves `K f = F·ν` for the force in `solver.force` on closed components. On components with a boundary f is
+    /// the strong form: F has the natural boundary conditions, too, which K spreads over the surface.
     fn solve(
         &self,
         execution: &impl Execution,
@@ -295,7 +297,13 @@ impl<T: Real> Galerkin<T> {
         mass.set(execution, surface, shape, work);
         let count = shape.sums.len();
         solver.clear(count);
-        solver.set(execution, (shape, mass), work);
+        solver.iterations = 0;
+        let is_open = &shape.plan.is_open;
+        let members = &shape.plan.members;
+        let is_solved = (0..count).any(|i| !is_open[i] && members[i].is_some());
+        if is_solved {
+            solver.set(execution, (shape, mass), work);
+        }
         self.set_strong_form(execution, (shape, mass), work, solver);
         let Solver {
             force,
@@ -310,9 +318,26 @@ impl<T: Real> Galerkin<T> {
             iterations,
             ..
         } = solver;
-        let jets = &mass.normals;
+        execution.map(&mut solution[..], |i, solution| {
+            if is_open[i] {
+                *solution = direction[i];
+            }
+        });
+        if !is_solved {
+            return;
+        }
+        let (jets, mean) = (&mass.normals, coefficients.mean);
         execution.map(&mut residual[..], |i, residual| {
-            *residual = dot(force[i], jets[i]);
+            if !is_open[i] {
+                *residual = dot(force[i], jets[i]);
+            }
+        });
+        execution.map(&mut direction[..], |i, direction| {
+            *direction = if is_open[i] {
+                T::zero()
+            } else {
+                mean * *direction
+            };
         });
         let mut equations = Equations {
             execution,
@@ -324,7 +349,6 @@ impl<T: Real> Galerkin<T> {
             spare: [first, second],
         };
         let product = |a: &[T], b: &[T]| execution.sum(count, |i| a[i] * b[i]);
-        *iterations = 0;
         let along = product(residual, direction);
         equations.advance(direction, along, image, [solution, residual]);
         equations.improve(residual, improved);
@@ -348,8 +372,8 @@ impl<T: Real> Galerkin<T> {
     }
 }
 
-/// `f ν` with the jets' normals ν and `K f = F·ν`, K the consistent mass matrix, which is made smooth where
-/// vertices are close.
+/// `f ν` with the jets' normals ν. On closed components `K f = F·ν`, K the consistent mass matrix, which is made
+/// smooth where vertices are close; on those with a boundary f is the strong form.
 impl<T: Real> ForceDensity<T> for Galerkin<T> {
     fn force_density(
         &self,

@@ -27,7 +27,7 @@ const BELOW: usize = COUNT * (COUNT - 1) / 2;
 /// Number of rows that are eliminated together: none waits for another.
 const TOGETHER: usize = 4;
 /// Exponent of the weights at the radius.
-const SHARPNESS: f64 = 14.0;
+pub(super) const SHARPNESS: f64 = 14.0;
 /// Square of the distance, in radii, within which weights do not grow further.
 pub(super) const CORE: f64 = 1e-3;
 /// Number of neighbours within the radius of an even mesh.
@@ -467,15 +467,20 @@ impl<T: Real> Fit<T> {
         let (uu, vv) = (two * uu, two * vv);
         let w = one + p * p + q * q;
         let over = self.over_radius;
-        let bend = (one + q * q) * uu - two * p * q * uv + (one + p * p) * vv;
         let along = sub(self.normal, scale(p, self.frame[0]));
         let normal = sub(along, scale(q, self.frame[1]));
         Jet {
             normal: scale(norm(normal).reciprocal_or_zero(), normal),
-            mean: -(bend * (two * w * w.sqrt()).reciprocal_or_zero() * over),
+            mean: mean_of([p, q, uu, uv, vv]) * over,
             gaussian: ((over * uu) * (over * vv) - (over * uv) * (over * uv))
                 * (w * w).reciprocal_or_zero(),
         }
+    }
+
+    /// H of the polynomial in a lane at (u, v).
+    pub(super) fn mean_at(&self, lane: usize, u: T, v: T) -> T {
+        let jet = Polynomial::new(&self.coefficients.map(|row| row.0[lane]));
+        mean_of(jet.derivatives(u, v)) * self.over_radius.0[lane]
     }
 
     /// Factorises the matrix of these moments; of the coefficients from `count` on it is the identity.
@@ -566,6 +571,15 @@ impl<T: Real> Fit<T> {
             }
         }
     }
+}
+
+/// H of a graph with these derivatives p_u, p_v, p_uu, p_uv, p_vv.
+#[inline(always)]
+fn mean_of<L: Lane>([p, q, uu, uv, vv]: [L; 5]) -> L {
+    let (one, two) = (L::literal(1.0), L::literal(2.0));
+    let w = one + p * p + q * q;
+    let bend = (one + q * q) * uu - two * p * q * uv + (one + p * p) * vv;
+    -(bend * (two * w * w.sqrt()).reciprocal_or_zero())
 }
 
 /// Start of row i of a matrix below its diagonal.

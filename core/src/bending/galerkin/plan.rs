@@ -5,7 +5,7 @@
 
 use super::basis::{INSIDE, ON_EDGE};
 use crate::lane::{Several, WIDTH};
-use crate::mesh::TriangleMesh;
+use crate::mesh::{TriangleMesh, VertexKind};
 use crate::neighbourhood::Surroundings;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -35,6 +35,11 @@ impl Place {
     fn new(row: usize, lane: usize, vertex: u32) -> Self {
         let lane = lane as u8;
         Self { row, lane, vertex }
+    }
+
+    /// The row among all.
+    pub(super) fn row(self) -> usize {
+        self.row
     }
 
     /// The entry `rows` rows further.
@@ -97,6 +102,8 @@ pub(super) struct Plan {
     pub(super) around: Vec<[u32; WIDTH]>,
     /// The place of each vertex that has a fit: its block and lane.
     pub(super) members: Vec<Option<(u32, u8)>>,
+    /// Whether the component of a vertex has a boundary, for each vertex.
+    pub(super) is_open: Vec<bool>,
     /// Interior vertices of components that are too small for any fit.
     pub(super) without_fit: Vec<u32>,
     pub(super) patches: Vec<Patch>,
@@ -152,6 +159,10 @@ impl Plan {
         for &component in &components {
             sizes[component as usize] += 1;
         }
+        let mut has_boundary = vec![false; number];
+        for (&component, &kind) in components.iter().zip(mesh.vertex_kinds()) {
+            has_boundary[component as usize] |= kind == VertexKind::Boundary;
+        }
         let fit = |vertex: usize| degree_and_need(sizes[components[vertex] as usize]);
         let surroundings = Surroundings::rings(mesh, |vertex| fit(vertex).1);
         let degree = |vertex: u32| fit(vertex as usize).0;
@@ -177,6 +188,10 @@ impl Plan {
             star_offsets: vec![0],
             around: Vec::new(),
             members: vec![None; mesh.vertex_count()],
+            is_open: components
+                .iter()
+                .map(|&component| has_boundary[component as usize])
+                .collect(),
             without_fit: (0..mesh.vertex_count() as u32)
                 .filter(|&v| mesh.is_interior(v as usize) && degree(v) == 0)
                 .collect(),

@@ -1,4 +1,5 @@
-//! The strong form over the jets of method G, from which the solution for the force density starts.
+//! The strong form over the jets of method G: the force density of components with a boundary, and the start of
+//! the solution for that of the others.
 
 use super::fields::differences_of;
 use super::fit::Fit;
@@ -9,6 +10,32 @@ use crate::element::SlotKernel;
 use crate::lane::{Lane, Several};
 use crate::laplacian::MomentPoints as Points;
 use crate::real::Real;
+
+/// H at a vertex without a fit, such as one of a boundary: the mean of the polynomials around vertices that
+/// have it as a neighbour, by its weights in their fits; 0 where there are none.
+pub(super) fn mean_beyond<T: Real>(
+    plan: &Plan,
+    neighbours: &[Neighbour<T>],
+    fits: &[Fit<T>],
+    vertex: usize,
+) -> T {
+    let (mut sum, mut weights) = (T::zero(), T::zero());
+    for place in plan.listed_at(vertex) {
+        let Some((block, lane)) = plan.members[place.vertex as usize] else {
+            continue;
+        };
+        let (block, lane) = (block as usize, usize::from(lane));
+        let rows = plan.neighbour_offsets[block]..plan.neighbour_offsets[block + 1];
+        let row = place.row() - rows.start;
+        let [u, v, weight, _] = columns(&neighbours[rows]).map(|numbers| numbers[row].0[lane]);
+        let mean = fits[block].mean_at(lane, u, v);
+        if mean.is_finite() {
+            sum += weight * mean;
+            weights += weight;
+        }
+    }
+    sum * weights.reciprocal_or_zero()
+}
 
 /// Δ_S of a field at the vertices of a block, by polynomials that are fitted as the jets are.
 pub(super) struct Laplacians<'a, T> {

@@ -73,7 +73,7 @@ fn line(fraction: f64, elapsed: Duration, message: &str) -> String {
     };
     let percent = (100.0 * fraction) as u32;
     let line = format!(
-        "{bar} {percent:>3} %  {} (still {remaining})  {message}",
+        "{bar} {percent:>3} %  {}, {remaining} left  {message}",
         clock(elapsed.as_secs())
     );
     line.chars()
@@ -92,4 +92,19 @@ fn line(fraction: f64, elapsed: Duration, message: &str) -> String {
 fn clock(seconds: u64) -> String {
     let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
     format!("{hours:02}:{minutes:02}:{seconds:02}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::line;
+    use std::time::Duration;
+
+    #[test]
+    fn the_remaining_time_is_said_to_be_left() {
+        let line = line(0.25, Duration::from_secs(60), "load 1");
+        assert!(
+            line.contains(" 25 %  00:01:00, 00:03:00 left  load 1"),
+            "{line}"
+        );
+    }
 }

@@ -275,7 +275,7 @@ fn a_step_beyond_stability_is_refused() {
 #[cfg(target_os = "linux")]
 #[test]
 fn one_thread_or_two_leave_the_same_files() {
-    let flow = FLOW.replace("strain = 6", "strain = 1");
+    let flow = FLOW.replace("strain = 2", "strain = 1");
     for scene in [&flow, crate::run::LATTICE] {
         let (folder, scene) = folder_with(scene);
         let [one, all] = ["one", "all"].map(|name| folder.path().join(name));

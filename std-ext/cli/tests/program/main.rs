@@ -18,6 +18,8 @@ mod error_bars;
 mod fixture;
 mod guides;
 mod info;
+mod interrupted;
+mod lost;
 mod manual;
 mod page;
 mod recommend;

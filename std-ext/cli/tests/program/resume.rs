@@ -115,7 +115,7 @@ fn what_is_no_beginning_is_not_begun_again() {
 fn a_second_process_is_refused_and_a_killed_one_leaves_no_lock() {
     let (folder, scene) = folder_with(SCENE);
     let out = folder.path().join("out");
-    let large = ["--set", "surface.vesicle.vertices=10242"];
+    let large = ["--set", "surface.vesicle.vertices=2562"];
     let mut first = under_way(&scene, &out, &large);
     let holder = format!("process {}", first.id());
     for more in [&large[..], &[&large[..], &["--resume"]].concat()] {
@@ -195,8 +195,8 @@ fn a_run_goes_on_to_a_later_end() {
     for (scene_text, first, last) in [
         (SCENE, "driver.iterations=8", "driver.iterations=10000"),
         (SCENE, "driver.residual=1e-3", "driver.residual=1e-7"),
-        (FLOW, "driver.strain=1", "driver.strain=2"),
-        (LATTICE, "driver.strain=0.5", "driver.strain=1"),
+        (FLOW, "driver.strain=0.5", "driver.strain=1"),
+        (LATTICE, "driver.strain=0.25", "driver.strain=0.5"),
     ] {
         let (folder, scene) = folder_with(scene_text);
         let [whole, extended] = ["whole", "extended"].map(|name| folder.path().join(name));
@@ -206,7 +206,7 @@ fn a_run_goes_on_to_a_later_end() {
                 "--set",
                 "driver.flow.rate=0.25",
                 "--set",
-                "output.files_every=10",
+                "output.files_every=5",
             ],
             _ => &[],
         };
@@ -351,7 +351,12 @@ fn a_run_begins_with_the_surface_that_another_has_left() {
     let (folder, scene) = folder_with(SCENE);
     let [first, second] = ["first", "second"].map(|name| folder.path().join(name));
     // Without other surfaces, too.
-    succeed(&scene, &first, &["--set", "output.surfaces=false"]);
+    let first_sets = ["surface.vesicle.vertices=642", "output.surfaces=false"];
+    succeed(
+        &scene,
+        &first,
+        first_sets.map(|set| ["--set", set]).as_flattened(),
+    );
     let sets = [
         "surface.vesicle.shape=",
         "surface.vesicle.vertices=",

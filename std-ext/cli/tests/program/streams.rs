@@ -1,8 +1,8 @@
 //! Streams that nobody reads, or that take nothing.
 
-use crate::command;
 use crate::fixture::{Fixture, obj, sheet};
-use std::process::Stdio;
+use crate::{command, succeed};
+use std::process::{Command, Stdio};
 #[cfg(target_os = "linux")]
 use {crate::fail, std::fs};
 
@@ -21,7 +21,7 @@ fn a_reader_that_leaves_early_is_no_error() {
             "--json",
             "-",
         ],
-        &["curvature", file.path()],
+        &["curvature", file.path(), "--method", "corrected"],
         &["info", file.path()],
     ] {
         let mut child = command(arguments)
@@ -53,7 +53,7 @@ fn a_full_disk_is_an_output_error() {
     let file = Fixture::new("sheet.obj", obj(&positions, &triangles));
     for arguments in [
         &["study", "--vertices", "12", "--family", "regular"][..],
-        &["curvature", file.path()],
+        &["curvature", file.path(), "--method", "corrected"],
         &["info", file.path()],
     ] {
         let full = fs::OpenOptions::new()
@@ -64,5 +64,49 @@ fn a_full_disk_is_an_output_error() {
         assert_eq!(output.status.code(), Some(3), "{arguments:?}");
         assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: standard output"));
     }
-    fail(3, &["curvature", file.path(), "--csv", "/dev/full"]);
+    fail(
+        3,
+        &[
+            "curvature",
+            file.path(),
+            "--method",
+            "corrected",
+            "--csv",
+            "/dev/full",
+        ],
+    );
+}
+
+/// The words of a table are explained to those who read it on a screen, and not to programs that read it.
+#[cfg(target_os = "linux")]
+#[test]
+fn columns_are_explained_on_a_screen() {
+    let (positions, triangles) = sheet();
+    let file = Fixture::new("sheet.obj", obj(&positions, &triangles));
+    let words = [
+        "mean curvature",
+        "Gaussian curvature",
+        "bending force per area",
+    ];
+    let screen = Command::new("script")
+        .args(["--quiet", "--command"])
+        .arg(format!(
+            "'{}' curvature '{}' --method meyer",
+            env!("CARGO_BIN_EXE_helfrich"),
+            file.path()
+        ))
+        .arg("/dev/null")
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let screen = String::from_utf8_lossy(&screen.stdout);
+    let help = succeed(&["curvature", "--help"]);
+    let piped = succeed(&["curvature", file.path(), "--method", "meyer"]);
+    for word in words {
+        assert!(
+            screen.contains(word) && help.contains(word),
+            "{word}: {screen}"
+        );
+        assert!(!piped.contains(word), "{word}");
+    }
 }

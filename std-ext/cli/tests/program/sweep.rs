@@ -367,9 +367,9 @@ fn long(jobs: &str) -> [&str; 8] {
         "--vary",
         "surface.0.bending.modulus=0.1,0.2,0.3",
         "--set",
-        "surface.0.vertices=362",
+        "surface.0.vertices=162",
         "--set",
-        "driver.strain=2",
+        "driver.strain=3",
         "--jobs",
         jobs,
     ]

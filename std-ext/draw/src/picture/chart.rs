@@ -69,6 +69,10 @@ pub struct Curve {
     pub marks: Marks,
     /// Curves with the same number have the same colour and marks; by default each curve has its own.
     pub style: Option<usize>,
+    /// Whether the line is the strongest of the chart.
+    pub is_strong: bool,
+    /// Whether marks are hollow; only [`Chart::draw`] draws them so.
+    pub hollow: bool,
     /// Label at the last point, none if empty; ignored by [`Chart::draw`].
     pub label: String,
 }
@@ -326,13 +330,7 @@ impl Chart {
             }
             if curve.marks.has_points() {
                 let centre = [left + 0.5 * sample, y];
-                mark(
-                    canvas,
-                    centre,
-                    letters,
-                    curve.style.unwrap_or(index),
-                    colour,
-                );
+                curve.mark(canvas, centre, letters, index);
             }
             let at = [left + sample + 0.8 * letters, y + 0.5 * letters];
             canvas.text(&curve.name, at, size, Anchor::Left, true);
@@ -435,14 +433,20 @@ impl Curve {
                 if let Some(at) = projection.point(point.at)
                     && projection.area.contains(at)
                 {
-                    mark(canvas, at, letters, self.style.unwrap_or(index), colour);
+                    self.mark(canvas, at, letters, index);
                 }
             }
         }
     }
 
+    fn mark(&self, canvas: &mut Canvas, at: [f64; 2], letters: f64, index: usize) {
+        let style = self.style.unwrap_or(index);
+        mark(canvas, at, letters, style, self.colour(index), self.hollow);
+    }
+
     fn stroke(&self, canvas: &mut Canvas, lines: &[Vec<[f64; 2]>], letters: f64, colour: Colour) {
-        let width = (0.17 * letters).max(1.2);
+        let strength = if self.is_strong { 2.0 } else { 1.0 };
+        let width = strength * (0.17 * letters).max(1.2);
         if self.marks.is_dashed() {
             let dashes: Vec<_> = lines
                 .iter()
@@ -505,9 +509,20 @@ fn dashed(line: &[[f64; 2]], dash: f64, gap: f64) -> Vec<Vec<[f64; 2]>> {
 }
 
 /// Draws a mark with a white rim, so that touching marks and lines remain distinguishable.
-fn mark(canvas: &mut Canvas, centre: [f64; 2], letters: f64, index: usize, colour: Colour) {
-    let rim = 0.12 * letters;
-    for (radius, colour) in [(0.4 * letters + rim, WHITE), (0.4 * letters, colour)] {
+fn mark(
+    canvas: &mut Canvas,
+    centre: [f64; 2],
+    letters: f64,
+    index: usize,
+    colour: Colour,
+    hollow: bool,
+) {
+    let (radius, rim) = (0.4 * letters, 0.12 * letters);
+    let hole = if hollow { 0.6 * radius } else { 0.0 };
+    for (radius, colour) in [(radius + rim, WHITE), (radius, colour), (hole, WHITE)] {
+        if radius == 0.0 {
+            continue;
+        }
         let corners = |offsets: &[[f64; 2]]| -> Vec<[f64; 2]> {
             offsets
                 .iter()

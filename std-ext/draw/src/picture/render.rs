@@ -1,4 +1,4 @@
-//! Rasterisation of triangles: parallel projection, depth buffer, three by three samples per pixel.
+//! Rasterisation of triangles: parallel projection, depth buffer, two by two samples per pixel.
 
 use super::canvas::{Area, Canvas};
 use super::colour::{self, PLAIN, Table};
@@ -6,7 +6,7 @@ use super::{PaintedSurface, PictureError, Shading, View};
 use helfrich::Surface;
 
 /// Samples per pixel in each direction.
-const SAMPLES: usize = 3;
+const SAMPLES: usize = 2;
 /// Rows of pixels that are sampled at a time.
 const BAND: usize = 24;
 /// Fraction of ambient light.
@@ -248,13 +248,14 @@ pub(super) fn draw(
     let across = SAMPLES * right.saturating_sub(left);
     let mut samples = vec![NOTHING; across * SAMPLES * BAND];
     let mut near = Vec::with_capacity(right.saturating_sub(left) * bottom.saturating_sub(top));
+    let encoding = Encoding::new();
     for from in (top..bottom).step_by(BAND) {
         let rows = from..(from + BAND).min(bottom);
-        samples.fill(NOTHING);
         let mut band = Band {
             origin: [left as f64, from as f64],
             size: [across, SAMPLES * rows.len()],
             samples: &mut samples,
+            reached: [across, 0],
             light: camera.light(),
             towards: camera.axes[2],
             table,
@@ -265,9 +266,15 @@ pub(super) fn draw(
                 band.triangle(corners, surface);
             }
         }
+        // Most of a picture is empty: only columns that a triangle has reached are looked at.
+        let [first, end] = band.reached;
+        let columns = first / SAMPLES..end.div_ceil(SAMPLES).max(first / SAMPLES);
         for (row, y) in rows.enumerate() {
+            let depths = near.len();
+            near.resize(depths + across / SAMPLES, f64::NEG_INFINITY);
             let pixels = &mut canvas.row_mut(y)[left..right];
-            for (column, pixel) in pixels.iter_mut().enumerate() {
+            for column in columns.clone() {
+                let pixel = &mut pixels[column];
                 let block = (0..SAMPLES).flat_map(|down| {
                     let start = (SAMPLES * row + down) * across + SAMPLES * column;
                     &samples[start..start + SAMPLES]
@@ -282,10 +289,15 @@ pub(super) fn draw(
                 }
                 if seen {
                     let share = 1.0 / (SAMPLES * SAMPLES) as f32;
-                    *pixel = sum.map(|sum| colour::encoded(share * sum));
+                    *pixel = sum.map(|sum| encoding.at(share * sum));
                 }
                 let middle = (SAMPLES * row + SAMPLES / 2) * across + SAMPLES * column;
-                near.push(samples[middle + SAMPLES / 2].near);
+                near[depths + column] = samples[middle + SAMPLES / 2].near;
+            }
+        }
+        if first < end {
+            for row in samples.chunks_mut(across) {
+                row[first..end].fill(NOTHING);
             }
         }
     }
@@ -297,6 +309,32 @@ pub(super) fn draw(
     }
 }
 
+/// The curve of sRGB as a table.
+struct Encoding(Vec<f32>);
+
+impl Encoding {
+    /// Intervals of the table; between its entries, lines are off by less than a tenth of the steps of eight
+    /// bits.
+    const SIZE: usize = 4096;
+
+    fn new() -> Self {
+        let light = |entry: usize| entry as f32 / Self::SIZE as f32;
+        Self(
+            (0..=Self::SIZE)
+                .map(|entry| colour::encoded(light(entry)))
+                .collect(),
+        )
+    }
+
+    /// A part of a colour, from its linear light.
+    fn at(&self, light: f32) -> f32 {
+        let place = light.clamp(0.0, 1.0) * Self::SIZE as f32;
+        let low = (place as usize).min(Self::SIZE - 1);
+        let [a, b] = [self.0[low], self.0[low + 1]];
+        a + (place - low as f32) * (b - a)
+    }
+}
+
 /// A few rows of samples.
 struct Band<'a> {
     /// Upper left corner in pixels.
@@ -304,6 +342,8 @@ struct Band<'a> {
     /// Samples across and down.
     size: [usize; 2],
     samples: &'a mut [Sample],
+    /// The first column of samples that a triangle has reached, and the one after the last.
+    reached: [usize; 2],
     light: [f64; 3],
     towards: [f64; 3],
     table: &'a Table,
@@ -327,6 +367,8 @@ impl Band<'_> {
         if !(left <= right && top <= bottom) || area == 0.0 {
             return;
         }
+        let [first, end] = self.reached;
+        self.reached = [first.min(left as usize), end.max(right as usize + 1)];
         // The weight of a corner is the area between a sample and the opposite side, relative to the
         // triangle's area: its change to the right, its change downwards, and its value at the origin.
         let weight = |p: [f64; 2], q: [f64; 2]| {

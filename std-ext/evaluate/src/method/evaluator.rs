@@ -129,7 +129,8 @@ impl<T: Real> Evaluator<T> {
         &self.force
     }
 
-    /// Energy of a surface; for methods without an energy, `2κ Σ H² A` over interior vertices.
+    /// Energy of a surface; for methods without an energy, `2κ Σ H² A` over interior vertices, by jets over
+    /// those of boundaries, too.
     pub fn energy(&mut self, surface: Surface<'_, T>) -> T {
         match &mut self.ordered {
             None => self.prepared.energy(surface),

@@ -3,11 +3,15 @@
 use helfrich::{MeshError, TriangleMesh};
 
 use super::{Element, MeshFile, ParseError, Place, Position, Problem};
+use crate::polygon::triangulate;
 
 /// Vertices and faces read so far, before they become a mesh.
 pub(super) struct Builder {
     pub(super) positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
+    /// First triangle and number of triangles of each face with more than three corners. Until all positions are
+    /// known, its triangles are the fan around its first corner.
+    polygons: Vec<(usize, usize)>,
     /// Places of faces in the file, with the first triangle of each.
     origins: Vec<Origin>,
     /// The number of faces so far.
@@ -32,6 +36,7 @@ impl Builder {
         Self {
             positions: Vec::new(),
             triangles: Vec::new(),
+            polygons: Vec::new(),
             origins: Vec::new(),
             faces: 0,
             first,
@@ -67,6 +72,10 @@ impl Builder {
             return Err(problem.at(position, Some(self.next_face())));
         }
         self.add_origin(position, corners.len() == 3);
+        if corners.len() > 3 {
+            self.polygons
+                .push((self.triangles.len(), corners.len() - 2));
+        }
         for pair in corners[1..].windows(2) {
             self.triangles.push([corners[0], pair[0], pair[1]]);
         }
@@ -138,6 +147,33 @@ impl Builder {
         }
     }
 
+    /// Replaces the fans of polygons that are not convex.
+    fn divide_polygons(&mut self) -> Result<(), ParseError> {
+        let (mut corners, mut places) = (Vec::new(), Vec::new());
+        for &(first, count) in &self.polygons {
+            let triangles = &mut self.triangles[first..first + count];
+            corners.clear();
+            corners.extend(triangles[0]);
+            corners.extend(triangles[1..].iter().map(|&[_, _, last]| last));
+            places.clear();
+            places.extend(corners.iter().map(|&v| self.positions[v as usize]));
+            match triangulate(&places) {
+                Ok(division) => {
+                    for (triangle, own) in triangles.iter_mut().zip(division) {
+                        *triangle = own.map(|corner| corners[corner as usize]);
+                    }
+                }
+                Err(error) => {
+                    return Err(ParseError {
+                        places: vec![self.place(first)],
+                        problem: Problem::Polygon { error },
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
     pub(super) fn finish(mut self) -> Result<MeshFile, ParseError> {
         let vertices = self.positions.len();
         for (at, triangle) in self.triangles.iter().enumerate() {
@@ -152,6 +188,7 @@ impl Builder {
                 });
             }
         }
+        self.divide_polygons()?;
         match TriangleMesh::new(vertices, std::mem::take(&mut self.triangles)) {
             Ok(mesh) => Ok(MeshFile {
                 positions: self.positions,

@@ -9,6 +9,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// The prefix of the names of files that [`replace_file`] has not finished.
 pub const UNFINISHED: &str = ".helfrich-";
 
+/// The name of locks, or its beginning, which is not that of an unfinished file.
+pub const LOCK_NAME: &str = ".helfrich-lock";
+
 /// Writes a file through `write`. A regular file appears, or replaces an old one, only when it is
 /// complete; until then the old file is unchanged. The new file has the permissions of the old one, and
 /// a link keeps pointing to it. Other files (devices, pipes) are written directly.
@@ -41,7 +44,11 @@ pub fn replace_file(
 /// no harm.
 pub fn remove_unfinished(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let is_unfinished = name.starts_with(UNFINISHED) && !name.starts_with(LOCK_NAME);
+        // Links are not followed, and pipes not opened.
+        if is_unfinished && entry.file_type().is_ok_and(|kind| kind.is_file()) {
             // A process that is still writing holds a lock, which ends with the process.
             let file = File::open(entry.path());
             if let Ok(file) = file
@@ -69,6 +76,31 @@ pub fn check_replaceable(path: &Path) -> io::Result<()> {
         // Pipes are not opened for the check, because their reader would see it.
         Ok(())
     }
+}
+
+/// Whether two paths name one file, which need not exist: by symbolic links, by hard links, or by folders.
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
+    let whole = |path: &Path| {
+        fs::canonicalize(path).ok().or_else(|| {
+            let folder = fs::canonicalize(folder_of(path)).ok()?;
+            Some(folder.join(path.file_name()?))
+        })
+    };
+    matches!((whole(one), whole(other)), (Some(one), Some(other)) if one == other)
+        || has_links(one, other)
+}
+
+/// Whether two paths are hard links to one file.
+#[cfg(unix)]
+fn has_links(one: &Path, other: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let place = |path: &Path| fs::metadata(path).map(|it| (it.dev(), it.ino()));
+    matches!((place(one), place(other)), (Ok(one), Ok(other)) if one == other)
+}
+
+#[cfg(not(unix))]
+fn has_links(_: &Path, _: &Path) -> bool {
+    false
 }
 
 /// Whether a file is, or will be, a regular one.

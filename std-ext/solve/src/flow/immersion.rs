@@ -1,6 +1,9 @@
 //! Membranes immersed in the fluid of a lattice.
 
+mod ripples;
 mod viscous;
+
+pub use ripples::Ripples;
 
 use super::lattice_boltzmann::{Immersed, Kernel, Lattice, LatticeError, Precision, State, Units};
 use super::{Effort, Fluid, KeptVolumes, Membranes, Redistribution};
@@ -37,6 +40,7 @@ pub struct Immersion<T> {
     contrasts: Vec<Contrast>,
     volumes: KeptVolumes,
     redistribution: Redistribution,
+    ripples: Ripples,
     /// Velocities of the fluid at the vertices in the last step.
     velocities: Vec<[f64; 3]>,
     /// Velocities of the last step: of the material, and of the vertices that slide along it.
@@ -78,10 +82,7 @@ pub enum ImmersionError {
     #[error(transparent)]
     Lattice(#[from] LatticeError),
     /// A velocity too large for the lattice.
-    #[error(
-        "vertex {vertex} moves with {speed:.3} nodes a step, and sound with 0.577: the forces are too \
-         stiff for the step, a shorter one is needed"
-    )]
+    #[error("vertex {vertex} moves with {speed:.3} nodes a step, and sound with 0.577")]
     TooFast {
         /// The vertex.
         vertex: usize,
@@ -152,6 +153,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
             contrasts: Vec::new(),
             volumes: KeptVolumes::default(),
             redistribution: Redistribution::default(),
+            ripples: Ripples::default(),
             velocities: vec![[0.0; 3]; vertices],
             moving: vec![[0.0; 3]; vertices],
             sliding: Vec::new(),
@@ -172,6 +174,11 @@ impl<T: ImmersionPrecision> Immersion<T> {
     /// Lets the vertices of these membranes slide along them.
     pub fn redistribute(&mut self, redistribution: Redistribution) {
         self.redistribution = redistribution;
+    }
+
+    /// Lets forces act on ripples of these membranes that are too short for the kernel.
+    pub fn resist(&mut self, ripples: Ripples) {
+        self.ripples = ripples;
     }
 
     /// The velocities with which the last step moved the material.
@@ -242,6 +249,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
         self.check_speeds()?;
         (membranes.set_forces(positions, &mut self.forces)).map_err(ImmersionError::Membranes)?;
         let start = Instant::now();
+        self.ripples.respond(positions, &self.forces);
         self.spread(positions)?;
         self.coupling.add(start);
         if membranes.are_viscous() {
@@ -252,6 +260,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
         self.fluid.add(start);
         let start = Instant::now();
         self.interpolate();
+        self.ripples.add_to(&mut self.moving);
         self.coupling.add(start);
         self.check_speeds()?;
         self.volumes.correct(positions, &mut self.moving);

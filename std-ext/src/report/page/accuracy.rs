@@ -1,23 +1,27 @@
 //! Errors against time and mesh, and the cost of evaluations.
 
-use super::costs;
 use super::curves::{curves, logarithmic, series};
 use super::svg::{self, mark};
 use super::text::{Table, count, csv_line, escaped, percent, signed, time_of};
 use super::{Page, QUANTITIES, called, each, label, style_in};
-use crate::answer::{Norm, seconds};
+use super::{answers, costs};
+use crate::answer::{Norm, Recommended, seconds};
 use crate::picture::{Chart, Numbers, Point};
 use crate::scalar::Scalar;
 use crate::study::{Quantity, Row};
 use crate::verdict::ConvergenceVerdict;
 use std::io::{self, Write};
 
-pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
+pub(super) fn write(
+    page: &Page<'_>,
+    recommended: Option<&Recommended<'_>>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let rows = page.rows;
     let families = each(rows.iter().map(|row| row.family));
     writeln!(out, "<section id=\"accuracy\"><h2>Error against time</h2>")?;
     write_choice(&families, out)?;
-    write_legend(rows, out)?;
+    write_legend(rows, recommended, out)?;
     writeln!(out, "<div class=\"pair\">")?;
     for [kind, heading] in [
         ["time", "Error against time of an evaluation"],
@@ -25,7 +29,7 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
     ] {
         writeln!(out, "<figure><figcaption>{heading}</figcaption>")?;
         for variant in variants(&families) {
-            let chart = error_chart(rows, &variant, kind);
+            let chart = error_chart(rows, recommended, &variant, kind);
             variant.open(out)?;
             if chart.is_empty() {
                 writeln!(out, "<p class=\"note\">Nothing was measured here.</p>")?;
@@ -54,7 +58,7 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
         )?;
         for &family in &families {
             open_family(family, family != families[0], out)?;
-            let chart = costs::chart(rows, family, kind);
+            let chart = costs::chart(rows, recommended, family, kind);
             if chart.is_empty() {
                 writeln!(out, "<p class=\"note\">It was not measured.</p>")?;
             } else {
@@ -148,7 +152,11 @@ fn write_choice(families: &[&str], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "</form>")
 }
 
-fn write_legend(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
+fn write_legend(
+    rows: &[Row],
+    recommended: Option<&Recommended<'_>>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     writeln!(
         out,
         "<div class=\"legend\" role=\"group\" aria-label=\"Methods shown\">"
@@ -156,9 +164,13 @@ fn write_legend(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     for method in each(rows.iter().map(|row| row.method)) {
         let style = style_in(rows, method);
         let [name, what] = [method.title(), method.idea()].map(escaped);
+        let [class, taken] = match recommended {
+            Some(found) if found.method == method => [" class=\"best\"", ", recommended above"],
+            _ => [""; 2],
+        };
         writeln!(
             out,
-            "<label title=\"{method}\"><input type=\"checkbox\" checked data-method=\"{style}\">{}<b>{}</b> <span>{name}: {what}</span></label>",
+            "<label{class} title=\"{method}\"><input type=\"checkbox\" checked data-method=\"{style}\">{}<b>{}</b> <span>{name}: {what}{taken}</span></label>",
             mark(style),
             label(method),
         )?;
@@ -173,7 +185,12 @@ fn write_legend(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "</div>")
 }
 
-fn error_chart(rows: &[Row], variant: &Variant<'_>, kind: &str) -> Chart {
+fn error_chart(
+    rows: &[Row],
+    recommended: Option<&Recommended<'_>>,
+    variant: &Variant<'_>,
+    kind: &str,
+) -> Chart {
     let norm = variant.norm;
     let point = |row: &Row| {
         let error = norm.of(row);
@@ -213,7 +230,7 @@ fn error_chart(rows: &[Row], variant: &Variant<'_>, kind: &str) -> Chart {
             logarithmic(label, numbers),
             logarithmic("relative error", Numbers::Share),
         ],
-        curves: curves(rows, variant.family, variant.quantity, point),
+        curves: curves(rows, recommended, (variant.family, variant.quantity), point),
         guides: vec![(0.01, "1 %".to_owned())],
     }
 }
@@ -310,18 +327,20 @@ fn error_table(page: &Page<'_>, variant: &Variant<'_>) -> Table {
 /// Every figure of this part, by name.
 pub(super) fn charts(page: &Page<'_>) -> Vec<(String, Chart)> {
     let families = each(page.rows.iter().map(|row| row.family));
+    let recommended = answers::recommended(page.rows);
+    let recommended = recommended.as_ref();
     let mut charts = Vec::new();
     for variant in variants(&families) {
         for kind in ["time", "vertices"] {
             let name = variant.name(&format!("error-{kind}"));
-            charts.push((name, error_chart(page.rows, &variant, kind)));
+            charts.push((name, error_chart(page.rows, recommended, &variant, kind)));
         }
     }
     for family in families {
         for kind in ["cost", "memory"] {
             charts.push((
                 format!("{kind}-{family}"),
-                costs::chart(page.rows, family, kind),
+                costs::chart(page.rows, recommended, family, kind),
             ));
         }
     }

@@ -3,20 +3,38 @@
 use super::svg::style_class;
 use super::text::{Table, count, csv_line, escaped, significant, target, time_of};
 use super::{Page, QUANTITIES, TARGETS, called, each, label};
-use crate::answer::{Norm, Question, cheapest, for_everything, most_accurate, seconds};
+use crate::answer::{Norm, Question, Recommended, cheapest, most_accurate, seconds};
+use crate::report::SCATTERED;
 use crate::study::Row;
 use std::io::{self, Write};
 
 /// The accuracy that the text discusses; the tables have all of them.
 const PLAIN: f64 = 0.01;
 
-pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
+/// The recommended method, if one has H and f within 1 % on all meshes.
+pub(super) fn recommended(rows: &[Row]) -> Option<Recommended<'_>> {
+    Recommended::of(rows, &QUANTITIES, PLAIN)
+}
+
+pub(super) fn write(
+    page: &Page<'_>,
+    recommended: Option<&Recommended<'_>>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let families = each(page.rows.iter().map(|row| row.family));
+    // Every time takes part in the choice.
+    let busy = match page.rows.iter().any(Row::is_scattered) {
+        true => format!("<abbr title=\"the machine had other work\">{SCATTERED}</abbr> "),
+        false => String::new(),
+    };
     writeln!(
         out,
-        "<section id=\"answer\"><h2>Which method for 1 %?</h2><div class=\"answer\">"
+        "<section id=\"answer\"><h2>{busy}Which method for 1 %?</h2><div class=\"answer\">"
     )?;
-    write_everything(page, &families, out)?;
+    write_recommended(recommended, &families, out)?;
+    if !busy.is_empty() {
+        writeln!(out, "<p class=\"note\">{}</p>", page.about_scatter())?;
+    }
     writeln!(
         out,
         "<div class=\"scroll\"><table class=\"plain\"><thead><tr><th scope=\"col\">cheapest for {} of</th><th scope=\"col\">at every vertex</th><th scope=\"col\">on average</th></tr></thead><tbody>",
@@ -56,46 +74,21 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "</section>")
 }
 
-/// The condition of a norm: at every vertex, or on average.
-fn strictly(norm: Norm) -> &'static str {
-    match norm {
-        Norm::Max => "at every vertex",
-        Norm::Mean => "on average",
-    }
-}
-
-fn questions<'a>(families: &[&'a str], norm: Norm) -> Vec<Question<'a>> {
-    let pairs = QUANTITIES
-        .iter()
-        .flat_map(|&quantity| families.iter().map(move |&family| (quantity, family)));
-    pairs
-        .map(|(quantity, family)| Question {
-            family,
-            quantity,
-            norm,
-            target: PLAIN,
-            method: None,
-        })
-        .collect()
-}
-
-/// One method for all questions, if there is one.
-fn write_everything(page: &Page<'_>, families: &[&str], out: &mut dyn Write) -> io::Result<()> {
+/// One method for H and f on all meshes, if there is one.
+fn write_recommended(
+    recommended: Option<&Recommended<'_>>,
+    families: &[&str],
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let kinds = families.join(" and ");
-    let found = Norm::ALL.into_iter().find_map(|norm| {
-        let (method, rows) = for_everything(page.rows, &questions(families, norm))?;
-        Some((norm, method, rows))
-    });
-    let Some((norm, method, rows)) = found else {
+    let Some((found, largest)) = recommended.and_then(|found| Some((found, found.largest()?)))
+    else {
         return writeln!(
             out,
             "<p class=\"big\">No method that was studied has both H and f within 1 %, even on average, on {kinds} meshes of these sizes.</p>"
         );
     };
-    let largest = rows.iter().max_by_key(|row| row.vertices);
-    let Some(largest) = largest else {
-        return Ok(());
-    };
+    let Recommended { method, norm, .. } = found;
     let only = match norm {
         Norm::Max => "",
         Norm::Mean => " (None does at every vertex, on meshes of these sizes.)",
@@ -104,9 +97,9 @@ fn write_everything(page: &Page<'_>, families: &[&str], out: &mut dyn Write) -> 
         out,
         "<p class=\"big\">Take <b>{}</b>, {} (<code>{method}</code>): it has curvature H and force f within 1 % {}, on {kinds} meshes, \
          from N = {} on, and takes {} an evaluation there.{only}</p>",
-        label(method),
+        label(*method),
         escaped(method.idea()),
-        strictly(norm),
+        norm.in_words(),
         count(largest.vertices),
         time_of(largest, seconds(largest)),
     )
@@ -200,7 +193,7 @@ fn table(rows: &[Row], families: &[&str], norm: Norm) -> Table {
     Table {
         caption: format!(
             "The cheapest method that was measured, error {}: mesh, number type, time of an evaluation",
-            strictly(norm)
+            norm.in_words()
         ),
         head,
         rows: lines,

@@ -3,6 +3,7 @@
 use super::curves::{columns, curves, logarithmic, series};
 use super::label;
 use super::text::{Table, bytes, count, csv_line, time_of};
+use crate::answer::Recommended;
 use crate::picture::{Chart, Numbers, Point};
 use crate::study::{Quantity, Row};
 use std::fmt::Display;
@@ -22,7 +23,12 @@ fn in_words(row: &Row, cost: f64, kind: &str) -> String {
     }
 }
 
-pub(super) fn chart(rows: &[Row], family: &str, kind: &str) -> Chart {
+pub(super) fn chart(
+    rows: &[Row],
+    recommended: Option<&Recommended<'_>>,
+    family: &str,
+    kind: &str,
+) -> Chart {
     let (label, numbers) = match kind {
         "cost" => ("time a vertex", Numbers::Time),
         _ => ("memory a vertex", Numbers::Bytes),
@@ -48,7 +54,7 @@ pub(super) fn chart(rows: &[Row], family: &str, kind: &str) -> Chart {
             logarithmic(label, numbers),
         ],
         // The costs of f, which every method defines.
-        curves: curves(rows, family, Quantity::ForceDensity, point),
+        curves: curves(rows, recommended, (family, Quantity::ForceDensity), point),
         guides: Vec::new(),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::text::count;
 use super::{each, style_in};
+use crate::answer::Recommended;
 use crate::method::AnyMethod;
 use crate::picture::{Axis, AxisScale, Curve, Marks, Numbers, Point};
 use crate::scalar::Scalar;
@@ -50,11 +51,12 @@ pub(super) fn logarithmic(label: &str, numbers: Numbers) -> Axis {
     }
 }
 
-/// A curve for each method and number type; pairs of f32 have their own section.
+/// A curve for each method and number type, strong where it is of the recommended method; pairs of f32 have their own
+/// section.
 pub(super) fn curves(
     rows: &[Row],
-    family: &str,
-    quantity: Quantity,
+    recommended: Option<&Recommended<'_>>,
+    (family, quantity): (&str, Quantity),
     point: impl Fn(&Row) -> Option<Point>,
 ) -> Vec<Curve> {
     let all = rows;
@@ -62,6 +64,7 @@ pub(super) fn curves(
     let series = series.filter(|(_, scalar, _)| *scalar != Scalar::F32Pair);
     let both = each(rows.iter().map(|row| row.scalar)).contains(&Scalar::F64);
     let curves = series.map(|(method, scalar, rows)| Curve {
+        hollow: false,
         name: format!("{method} {scalar}"),
         style: Some(style_in(all, method)),
         marks: match scalar {
@@ -73,10 +76,11 @@ pub(super) fn curves(
         } else {
             String::new()
         },
+        is_strong: recommended.is_some_and(|found| found.is_of(method, scalar)),
         points: rows.into_iter().filter_map(&point).collect(),
     });
     let mut curves = Vec::from_iter(curves);
-    // Full lines over broken ones.
-    curves.sort_by_key(|curve| !curve.marks.is_dashed());
+    // Full lines over broken ones, and the recommended method over all.
+    curves.sort_by_key(|curve| (curve.is_strong, !curve.marks.is_dashed()));
     curves
 }

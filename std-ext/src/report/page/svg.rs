@@ -17,14 +17,17 @@ const RIGHT: f64 = 462.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 304.0;
 
+/// The number of styles: one for each listed method, and the last for published results.
+const STYLES: usize = 15;
+
 /// The colours of the styles, on light ground; the page has its own for dark ground.
-pub const COLOURS: [&str; 10] = [
+pub const COLOURS: [&str; STYLES] = [
     "#737373", "#c77700", "#00805f", "#8a5a16", "#b8488a", "#2f8fc4", "#7a55b0", "#d1481b",
-    "#0059a8", "#222222",
+    "#a3123a", "#5b7be0", "#0a3d91", "#00959c", "#6b8e23", "#9a8200", "#222222",
 ];
 
 /// Outlines of marks within a square of 2 × 2 around 0.
-const MARKS: [&str; 10] = [
+const MARKS: [&str; STYLES] = [
     "M-.8-.8L.8.8M.8-.8L-.8.8",
     "M-.8-.8H.8V.8H-.8Z",
     "M0-1L.95.7H-.95Z",
@@ -32,14 +35,19 @@ const MARKS: [&str; 10] = [
     "M0-1.1L1.1 0L0 1.1L-1.1 0Z",
     "M-1 0H1M0-1V1",
     "M0-1L.95-.31L.59.81H-.59L-.95-.31Z",
+    "M-.9-.9H.9L-.9.9H.9Z",
+    "M0-1.2L.29-.4L1.14-.37L.48 .15L.71 .97L0 .5L-.71 .97L-.48 .15L-1.14-.37L-.29-.4Z",
     "M-.9 0A.9.9 0 1 0 .9 0A.9.9 0 1 0-.9 0Z",
-    "M-1 0A1 1 0 1 0 1 0A1 1 0 1 0-1 0Z",
+    "M0-1.3L.4-.4L1.3 0L.4.4L0 1.3L-.4.4L-1.3 0L-.4-.4Z",
+    "M1.1 0L-.75.95V-.95Z",
+    "M-1.1 0L.75.95V-.95Z",
+    "M-.9-.9V.9L.9-.9V.9Z",
     "M-.8 0A.8.8 0 1 0 .8 0A.8.8 0 1 0-.8 0Z",
 ];
 
 /// The class of a style, which has its colour.
 pub(super) fn style_class(style: usize) -> String {
-    format!("s{}", style % COLOURS.len())
+    format!("s{}", style % STYLES)
 }
 
 /// The mark of a style, for legends.
@@ -47,7 +55,7 @@ pub fn mark(style: usize) -> String {
     format!(
         "<svg viewBox=\"-8 -8 16 16\" class=\"key {}\" aria-hidden=\"true\"><path class=\"m\" d=\"{}\" transform=\"scale(5)\"/></svg>",
         style_class(style),
-        MARKS[style % MARKS.len()]
+        MARKS[style % STYLES]
     )
 }
 
@@ -199,16 +207,17 @@ pub fn write(chart: &Chart, id: &str, styled: bool, out: &mut dyn Write) -> io::
             let _ = write!(line, "{letter}{x:.1} {y:.1}");
         }
         let own = curve.style.unwrap_or(index);
-        let style = own % COLOURS.len();
+        let style = own % STYLES;
         let dash = if curve.marks.is_dashed() { " dash" } else { "" };
         let bare = if curve.marks.has_points() {
             ""
         } else {
             " bare"
         };
+        let best = if curve.is_strong { " best" } else { "" };
         write!(
             out,
-            "<g class=\"c s{style}{dash}{bare}\" data-m=\"{own}\"><path class=\"l\" d=\"{line}\"/>"
+            "<g class=\"c s{style}{dash}{bare}{best}\" data-m=\"{own}\"><path class=\"l\" d=\"{line}\"/>"
         )?;
         for ([x, y], point) in places {
             write!(
@@ -236,9 +245,11 @@ pub fn write(chart: &Chart, id: &str, styled: bool, out: &mut dyn Write) -> io::
 fn label_places(chart: &Chart, drawn: &[Vec<([f64; 2], &Point)>]) -> Vec<Option<[f64; 2]>> {
     let mut places: Vec<Option<[f64; 2]>> = vec![None; drawn.len()];
     let end = |curve: usize| drawn[curve].last().map_or(0.0, |([_, y], _)| *y);
-    for (curve, points) in drawn.iter().enumerate() {
+    let mut order = Vec::from_iter(0..drawn.len());
+    order.sort_by(|&one, &other| end(one).total_cmp(&end(other)));
+    for curve in order {
         let label = &chart.curves[curve].label;
-        let Some(([end_x, end_y], _)) = points.last() else {
+        let Some(([end_x, end_y], _)) = drawn[curve].last() else {
             continue;
         };
         if label.is_empty() {
@@ -310,7 +321,7 @@ fn write_axes(axes: &[Axis; 2], [x, y]: [&Places; 2], out: &mut dyn Write) -> io
 
 /// The part of the style of the page that an SVG file needs.
 fn style() -> String {
-    let mut style = "svg{font:13px system-ui,sans-serif;fill:#222}.ground{fill:#fff}.grid{stroke:#e4e4e4;fill:none}.axis{stroke:#777;fill:none}.tick{font-size:12px}.guide{stroke:#999;stroke-dasharray:2 3;fill:none}.guide-t{font-size:11px;fill:#666}.l{fill:none;stroke-width:1.8}.m{stroke-width:.35}.dash .l{stroke-dasharray:5 3}.dash .m{fill:#fff}.bare .m{opacity:0}.n{font-weight:600}".to_owned();
+    let mut style = "svg{font:13px system-ui,sans-serif;fill:#222}.ground{fill:#fff}.grid{stroke:#e4e4e4;fill:none}.axis{stroke:#777;fill:none}.tick{font-size:12px}.guide{stroke:#999;stroke-dasharray:2 3;fill:none}.guide-t{font-size:11px;fill:#666}.l{fill:none;stroke-width:1.8}.m{stroke-width:.35}.dash .l{stroke-dasharray:5 3}.dash .m{fill:#fff}.bare .m{opacity:0}.best .l{stroke-width:4}.n{font-weight:600}".to_owned();
     for (number, colour) in COLOURS.iter().enumerate() {
         let _ = write!(
             style,

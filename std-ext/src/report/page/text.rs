@@ -93,7 +93,7 @@ pub fn time(seconds: f64) -> String {
 }
 
 /// A measured time of a row, marked if the times scatter.
-pub(super) fn time_of(row: &Row, seconds: f64) -> String {
+pub(in crate::report) fn time_of(row: &Row, seconds: f64) -> String {
     let mark = if row.is_scattered() { SCATTERED } else { "" };
     format!("{mark}{}", time(seconds))
 }

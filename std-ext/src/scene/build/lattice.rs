@@ -38,9 +38,10 @@ impl Builder<'_> {
             false => Vec::new(),
         };
         let spacing = match driver.number("resolution") {
-            Some(resolution) => membranes
-                .first()
-                .map_or(f64::NAN, |membrane| membrane.radius / resolution),
+            Some(resolution) => {
+                let radii = membranes.iter().map(|membrane| membrane.radius);
+                radii.fold(f64::NAN, f64::min) / resolution
+            }
             None => driver.needed("spacing"),
         };
         let lengths = self.lengths(driver, &membranes, surfaces.len());

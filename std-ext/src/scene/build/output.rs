@@ -4,8 +4,8 @@ use super::super::builder::Builder;
 use super::super::reader::Reader;
 use super::super::value::default_name;
 use super::super::{
-    BoundaryIntegral, Driver, Every, Flow, LatticeBoltzmann, Output, PictureField, Plot, Probe,
-    Slice, Volume,
+    BoundaryIntegral, Driver, Every, Flow, LatticeBoltzmann, Output, PictureField, Pictures, Plot,
+    Probe, Slice, Volume,
 };
 use crate::series::{ITERATION, TIME};
 use crate::six::Six;
@@ -35,10 +35,16 @@ impl Builder<'_> {
         Output {
             every: self.every(output, driver),
             surfaces: switch("surfaces").unwrap_or(true),
-            pictures: switch("pictures").unwrap_or(true),
+            pictures: match switch("pictures") {
+                Some(true) => Pictures::Always,
+                Some(false) => Pictures::Never,
+                None => Pictures::Affordable,
+            },
             picture_field: match output.and_then(|output| output.text("picture_field")) {
-                Some("gaussian-curvature") => PictureField::GaussianCurvature,
-                Some("bending-force") => PictureField::BendingForce,
+                Some("K" | "gaussian-curvature" | "gaussian_curvature") => {
+                    PictureField::GaussianCurvature
+                }
+                Some("f" | "bending-force" | "bending_force") => PictureField::BendingForce,
                 _ => PictureField::MeanCurvature,
             },
             checkpoint_every: checkpoint_every.unwrap_or(match driver {

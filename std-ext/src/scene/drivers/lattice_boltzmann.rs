@@ -130,7 +130,7 @@ impl Described for LatticeBoltzmann {
             optional(
                 "resolution",
                 NUMBER,
-                "Number of nodes in the radius a of the sphere with the volume of the first surface, \
+                "Number of nodes in the radius a of the sphere with the volume of the smallest surface, \
                  instead of spacing.",
             ),
             optional(

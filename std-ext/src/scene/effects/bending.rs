@@ -54,7 +54,9 @@ impl Described for Bending {
         required(
             "modulus",
             Form::Either(&[positive(Dimension::ENERGY), COLUMN]),
-            "Bending modulus κ: a number, or a column of the mesh file with a number for each vertex.",
+            "Bending modulus κ: a number, or a column of the mesh file with a number for each vertex. Method \
+             kantor-nelson has the modulus 2κ/√3 of an edge: its forces are those of κ, and its energy is \
+             2 ∫ κ (H² − 2K/3) dS, 8πκ/3 for a sphere.",
         ),
         optional(
             MethodOptions::AREAS,
@@ -176,6 +178,9 @@ impl SurfaceEffect for Bending {
             options if options.is_default() => self.method.to_string(),
             options => format!("{}, {options}", self.method),
         };
+        if self.method == BendingMethod::KantorNelson {
+            choice.push_str(", k̃ = 2κ/√3 at an edge, E = 2 ∫ κ (H² − ⅔ K) dS");
+        }
         let mut parameters = Vec::new();
         for (name, material, dimension) in [
             ("modulus", &self.modulus, Dimension::ENERGY),
@@ -272,6 +277,12 @@ impl Bending {
             let message = format!(
                 "\"{name}\" is open, and the energy of method kantor-nelson (A) includes a Gaussian \
                  modulus, −4κ/3 on equilateral triangles, which acts at its edge: choose gompper-kroll (B)"
+            );
+            check.doubt("bending.method", message);
+        } else if !self.method.reaches_boundary() {
+            let message = format!(
+                "\"{name}\" is open, and the energy of {method} leaves out about half a row of triangles at its \
+                 edge: energies are low by the share of the area of such a strip, where the surface is bent"
             );
             check.doubt("bending.method", message);
         }

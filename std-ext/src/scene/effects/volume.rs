@@ -1,6 +1,8 @@
 //! Enclosed volume.
 
+use super::super::Driver;
 use super::super::keys::{Form, Keys, Range, optional, positive};
+use super::super::start::start_for;
 use super::super::units::Dimension;
 use super::area::HeldArea;
 use super::held::{CONSTRAINT, EITHER, LEAST_RATIO, map};
@@ -8,6 +10,7 @@ use super::{
     Builder, Check, Described, EffectError, Geometry, Groups, Hold, MeshCheck, MeshSource, Named,
     Parameter, Parameters, Preparation, Reader, SurfaceEffect, Target,
 };
+use crate::generate::AnyShape;
 use crate::held::Quantity;
 use crate::six::Six;
 use helfrich::{AnyFunctional, Targets};
@@ -115,6 +118,37 @@ impl HeldVolume {
     }
 }
 
+impl HeldVolume {
+    /// Warns about a sphere that is to have another reduced volume: its forces have no direction in which
+    /// it could become longer or flatter, except by errors of the mesh.
+    fn check_sphere(&self, check: &mut MeshCheck<'_>) {
+        let (VolumeTarget::Reduced(target), Driver::Relax(_)) = (self.target, check.driver) else {
+            return;
+        };
+        let both_exact =
+            self.hold.is_exact() && check.effects.area.is_some_and(|it| it.hold.is_exact());
+        // Exactly held, both are an error of their own.
+        if let (
+            MeshSource::Shape {
+                shape: AnyShape::Sphere(_),
+                ..
+            },
+            false,
+        ) = (check.source, both_exact)
+            && target < 1.0
+            && let Some(start) = start_for(check.source, target, 0.0)
+        {
+            let message = format!(
+                "\"{}\" begins as a sphere, whose reduced volume is 1, and is to have {target}: on a sphere \
+                 no force has a direction in which it becomes longer or flatter: begin with shape = \
+                 \"{start}\"",
+                check.name
+            );
+            check.doubt("volume.reduced", message);
+        }
+    }
+}
+
 impl SurfaceEffect for HeldVolume {
     fn quantity(&self, geometry: Geometry) -> Option<AnyFunctional> {
         Some(geometry.volume)
@@ -151,6 +185,7 @@ impl SurfaceEffect for HeldVolume {
             }
         }
         self.check_enclosed(check);
+        self.check_sphere(check);
     }
 
     fn needs_volume(&self) -> bool {

@@ -34,12 +34,25 @@ pub(super) static OUTPUT: Keys = Keys {
         optional(
             "pictures",
             Form::Switch,
-            "Whether pictures are written as PNG files; by default true.",
+            "Whether pictures are written as PNG files with every set of files; by default with the last, and \
+             with as many before as take about a tenth of the time of the run.",
         ),
         optional(
             "picture_field",
-            Form::Choice(|| vec!["mean-curvature", "gaussian-curvature", "bending-force"]),
-            "Field that the colours of pictures show; by default mean-curvature.",
+            Form::Choice(|| {
+                let names = [
+                    "H",
+                    "mean-curvature",
+                    "K",
+                    "gaussian-curvature",
+                    "f",
+                    "bending-force",
+                ];
+                let with_line = ["mean_curvature", "gaussian_curvature", "bending_force"];
+                names.into_iter().chain(with_line).collect()
+            }),
+            "Field that the colours of pictures show, by its name in output files or in words: H, the \
+             default, is the mean curvature, K the Gaussian curvature, f the bending force density.",
         ),
         optional(
             "checkpoint_every",

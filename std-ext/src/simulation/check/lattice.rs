@@ -2,7 +2,7 @@
 //! where the method is not accurate.
 
 use crate::flow::lattice_boltzmann::limits::{
-    COMPRESSION, FINITE_BOX, FREE_BOX, INERTIA, ImmersedMembrane, OSCILLATING,
+    COMPRESSION, FREE_BOX, INERTIA, ImmersedMembrane, OSCILLATING,
 };
 use crate::info::MeshInfo;
 use crate::scene::{AXES, Flow, InteractionScene, LatticeBoltzmann, SceneFile, SurfaceScene};
@@ -129,6 +129,7 @@ pub(super) fn doubts(
         name: &surface.name,
         lattice,
         membrane: surface.membrane_on(mesh),
+        ratio: surface.viscosity_ratio.unwrap_or(1.0),
         found: Vec::new(),
     };
     doubts.compression();
@@ -145,6 +146,8 @@ struct Doubts<'a> {
     name: &'a str,
     lattice: &'a LatticeBoltzmann,
     membrane: ImmersedMembrane,
+    /// The viscosity ratio.
+    ratio: f64,
     found: Vec<(String, String)>,
 }
 
@@ -159,7 +162,9 @@ impl Doubts<'_> {
 
     /// A distance of nodes as the scene calls it.
     fn spacing(&self, spacing: f64) -> String {
-        match self.file.has("driver.resolution") {
+        // `resolution` counts nodes of the smallest surface, which need not be this one.
+        let alone = self.file.scene.surfaces.len() == 1;
+        match alone && self.file.has("driver.resolution") {
             true => format!(
                 "a `resolution` of {}",
                 rounded(self.membrane.radius / spacing)
@@ -271,14 +276,17 @@ impl Doubts<'_> {
                 false => "images",
             };
             let path = first_written(self.file, ["driver.box", "driver"]);
+            let known = membrane.between_walls(ratio, self.ratio);
+            let by = known.map_or(String::new(), |known| {
+                format!(", D by about {} = {}", known.term, rounded(known.value))
+            });
             self.found.push((
                 path.to_owned(),
                 format!(
-                    "the box is {} radii of \"{name}\" long along {}, below {FREE_BOX}: it is influenced by its {what}, D by \
-                     about {FINITE_BOX} (a/L)³ = {}: choose {} or more",
+                    "the box is {} radii of \"{name}\" long along {}, below {FREE_BOX}: it is influenced by its \
+                     {what}{by}: choose {} or more",
                     rounded(ratio),
                     AXES[axis],
-                    rounded(FINITE_BOX / ratio.powi(3)),
                     rounded(needed)
                 ),
             ));

@@ -3,7 +3,7 @@
 use super::Active;
 use super::driver::interval;
 use crate::execute::available_threads;
-use crate::flow::lattice_boltzmann::limits::{FINITE_BOX, ImmersedMembrane, StepLimit};
+use crate::flow::lattice_boltzmann::limits::{ImmersedMembrane, StepLimit};
 use crate::flow::lattice_boltzmann::{LatticeError, Setup, Sides, Speed, measure_speed};
 use crate::info::MeshInfo;
 use crate::scalar::Scalar;
@@ -35,8 +35,6 @@ pub struct LatticeExplanation {
     pub minutes: f64,
 }
 
-/// Seconds per vertex of an evaluation of elasticity, or of method B.
-const VERTEX_SECONDS: f64 = 1e-7;
 /// Nodes along each axis of the measured lattice, too many for a processor's cache.
 const TRIAL_NODES: usize = 48;
 
@@ -60,18 +58,13 @@ pub(super) fn explain(
     let speed = trial(lattice, vertices);
     let [throughput, coupling] = speed.map_or([f64::NAN; 2], |speed| [speed.nodes, speed.coupling]);
     let forces = surfaces.map(|(surface, mesh)| {
-        let bending = surface
-            .effects
-            .bending
-            .as_ref()
-            .map_or(0.0, |bending| bending.method.cost().relative);
-        let viscous = 2.0 * viscous_products(surface, lattice);
-        mesh.vertices as f64 * VERTEX_SECONDS * (1.0 + bending + viscous)
+        let [both, elasticity] = surface.evaluation_seconds(mesh.vertices);
+        both + 2.0 * viscous_products(surface, lattice) * elasticity
     });
     let step_time = nodes / throughput + coupling + forces.sum::<f64>();
     Some(LatticeExplanation {
         lattice: describe(scene, lattice, number),
-        groups: groups(lattice, &membranes),
+        groups: groups(scene, lattice, &membranes),
         limits: lattice.parameters().step_limits(&membranes, &barriers),
         steps: steps as u64,
         throughput,
@@ -113,7 +106,7 @@ fn describe(scene: &Scene, lattice: &LatticeBoltzmann, number: &Parameters) -> A
     }
 }
 
-fn groups(lattice: &LatticeBoltzmann, membranes: &[ImmersedMembrane]) -> Vec<Group> {
+fn groups(scene: &Scene, lattice: &LatticeBoltzmann, membranes: &[ImmersedMembrane]) -> Vec<Group> {
     let parameters = lattice.parameters();
     let mut groups = Vec::new();
     let mut group = |name, formula, value: f64| {
@@ -126,7 +119,13 @@ fn groups(lattice: &LatticeBoltzmann, membranes: &[ImmersedMembrane]) -> Vec<Gro
     let largest = |of: fn(&ImmersedMembrane) -> f64| membranes.iter().map(of).fold(0.0, f64::max);
     let radius = largest(|membrane| membrane.radius);
     let edge = largest(|membrane| membrane.edge);
-    group("radius in nodes", "a/spacing", radius / lattice.spacing);
+    let radii = membranes.iter().map(|membrane| membrane.radius);
+    let smallest = radii.fold(f64::NAN, f64::min);
+    group(
+        "smallest radius in nodes",
+        "a_min/spacing",
+        smallest / lattice.spacing,
+    );
     group("mean edge in nodes", "h/spacing", edge / lattice.spacing);
     let size = lattice.size();
     group("box in radii, along x", "L_x/a", size[0] / radius);
@@ -155,12 +154,11 @@ fn groups(lattice: &LatticeBoltzmann, membranes: &[ImmersedMembrane]) -> Vec<Gro
             reynolds,
         ),
     }
-    if let (Flow::Shear { .. }, [_]) = (lattice.flow, membranes) {
-        group(
-            "finite box, not corrected for",
-            "D(L_y) − D(∞) = 2.4 (a/L_y)³",
-            FINITE_BOX * (radius / size[1]).powi(3),
-        );
+    if let (Flow::Shear { .. }, [membrane], [surface]) = (lattice.flow, membranes, &*scene.surfaces)
+        && let Some(known) =
+            membrane.between_walls(size[1] / radius, surface.viscosity_ratio.unwrap_or(1.0))
+    {
+        group("finite box, not corrected for", known.formula, known.value);
     }
     groups
 }

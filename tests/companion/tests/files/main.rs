@@ -1,6 +1,9 @@
 //! Mesh files.
 
+mod budget;
 mod columns;
+mod orientation;
+mod polygons;
 mod readers;
 mod weld;
 mod writers;

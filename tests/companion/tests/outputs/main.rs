@@ -1,8 +1,10 @@
 //! Files of a run, and measurements of its bodies.
 
+mod approach;
 mod checkpoints;
 mod deformation;
 mod enclosure;
+mod interruption;
 mod pictures;
 mod plots;
 mod series;

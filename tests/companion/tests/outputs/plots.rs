@@ -10,10 +10,11 @@ use helfrich_std::plots::{
     PlotError, PublishedCurve, SeriesCurve, SeriesPlot, columns_of, read_curves,
 };
 use helfrich_std::series::SeriesTable;
-use helfrich_std::sweep::Dependence;
+use helfrich_std::sweep::{Dependence, Sweep};
 use helfrich_tests::meshes::{Mesh, icosphere};
 use helfrich_tests::tolerance::PICTURE_RADIUS;
 use std::fs;
+use std::num::NonZeroUsize;
 use tempfile::TempDir;
 
 fn read(text: impl AsRef<[u8]>) -> Result<Vec<PublishedCurve>, String> {
@@ -53,8 +54,8 @@ fn what_is_no_published_curve_is_refused_with_its_line() {
     for (text, message) in [
         ("", "there is no curve"),
         ("curve,x,y\n# nothing\n", "there is no curve"),
-        ("x,y\n1,2\n", "line 1: the head is `x,y`"),
-        ("# a\na,1,2\n", "line 2: the head is `a,1,2`"),
+        ("x,y\n1,2\n", "line 1: the head has to be `curve,x,y`"),
+        ("# a\na,1,2\n", "line 2: the head has to be `curve,x,y`"),
         ("curve,x,y\na,1\n", "line 2: 2 fields"),
         ("curve,x,y\na\n", "line 2: 1 fields"),
         ("curve,x,y\n\na,1,2,3\n", "line 3: 4 fields"),
@@ -122,6 +123,7 @@ fn plot<'a>(curves: &'a [SeriesCurve<'a>], published: &'a [PublishedCurve]) -> S
         labels: ["strain", "D"],
         curves,
         marked: false,
+        hollow: &[],
         published,
     }
 }
@@ -180,6 +182,34 @@ fn series_are_drawn_beside_what_was_published() {
         ..line[0]
     }];
     assert!(coloured(&plot(&alone, &[]).draw().unwrap()) > 10);
+}
+
+/// A hollow mark and its copy in the legend have less colour than two full ones.
+#[test]
+fn unresolved_runs_are_hollow() {
+    let table = table();
+    let line = [SeriesCurve {
+        name: "",
+        table: &table,
+        against: "strain",
+        column: "deformation_b",
+    }];
+    let hollow = [(0, vec![[2.0, 0.2]])];
+    let drawn = |hollow: &[(usize, Vec<[f64; 2]>)]| {
+        let plot = SeriesPlot {
+            hollow,
+            ..plot(&line, &[])
+        };
+        plot.draw().unwrap()
+    };
+    let ring = coloured(&drawn(&hollow));
+    assert_eq!(coloured(&drawn(&[])), 0);
+    let mark = [PublishedCurve {
+        name: String::new(),
+        points: vec![[2.0, 0.2]],
+    }];
+    let full = coloured(&plot(&line, &mark).draw().unwrap());
+    assert!(ring > 10 && ring < 2 * full, "{ring} of {full}");
 }
 
 #[test]
@@ -387,6 +417,7 @@ fn crossings_of_cubics_are_exact() {
             // Shares two values only, and touches a at one.
             curve("c", &[0.1, 0.2, 0.5], |x| 2.0 + x + (x - 0.5)),
         ],
+        unresolved: Vec::new(),
     };
     let found = dependence.crossings();
     let of = |names: [&str; 2]| {
@@ -402,4 +433,43 @@ fn crossings_of_cubics_are_exact() {
     assert_eq!(of(["a", "b"]).len(), 2);
     assert_eq!(of(["a", "c"]).len(), 1);
     assert!((of(["a", "c"])[0][0] - 0.5).abs() < 1e-14, "{found:?}");
+}
+
+/// Runs that stop at the limit of iterations have no point on a curve of a sweep, and a hollow mark beside it.
+#[test]
+fn sweeps_have_hollow_marks_for_runs_without_an_equilibrium() {
+    let folder = TempDir::new().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let text = "units = \"none\"\n[[surface]]\nshape = \"ellipsoid:1,1,1.6\"\nvertices = 42\nbending = { method = \
+                \"B\", modulus = 1 }\narea = { constraint = \"exact\" }\n[driver]\nkind = \"relax\"\niterations = \
+                2\n[output]\npictures = false\nsurfaces = false\n";
+    fs::write(&scene, text).unwrap();
+    let sweep = Sweep {
+        scene,
+        set: Vec::new(),
+        vary: vec!["surface.0.bending.modulus=1,2".parse().unwrap()],
+        columns: vec!["energy".to_owned()],
+        jobs: NonZeroUsize::MIN,
+    };
+    let out = folder.path().join("out");
+    let swept = sweep.run(&out, false, &|| false, &mut |_| ()).unwrap();
+    let found = swept.dependences("energy");
+    let [dependence] = found.as_slice() else {
+        panic!("{found:?}");
+    };
+    let [(_, points)] = dependence.curves.as_slice() else {
+        panic!("{found:?}");
+    };
+    assert!(
+        points.iter().all(|[_, energy]| energy.is_nan()),
+        "{points:?}"
+    );
+    let [(0, points)] = dependence.unresolved.as_slice() else {
+        panic!("{found:?}");
+    };
+    // The energy is proportional to the modulus.
+    let [[1.0, first], [2.0, second]] = points.as_slice() else {
+        panic!("{points:?}");
+    };
+    assert!((second / first - 2.0).abs() < 1e-6, "{points:?}");
 }

@@ -20,6 +20,7 @@ use helfrich::Surface;
 // Private modules that are compiled here refer to these as items of their own crate.
 use helfrich_std::generate::{self, generate};
 use helfrich_std::info::MeshInfo;
+use helfrich_std::method;
 use helfrich_std::provenance;
 use helfrich_std::scene::{
     self, MeshFileSource, MeshSource, Overrides, Place, SceneErrors, SceneFile,

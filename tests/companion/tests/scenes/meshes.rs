@@ -5,6 +5,7 @@ use helfrich_std::generate::{AnyShape, generate};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::simulation::build;
+use std::f64::consts::PI;
 
 #[test]
 fn meshes_are_checked_when_they_are_known() {
@@ -284,4 +285,34 @@ fn each_mesh_file_is_read_once() {
     std::fs::remove_file(&mesh).unwrap();
     let (simulation, positions) = build(&file).unwrap();
     assert_eq!((simulation.bodies().len(), positions.len()), (2, 324));
+}
+
+/// A sphere that is to have a reduced volume below 1 is told an ellipsoid that has it, with the same area.
+#[test]
+fn spheres_that_lose_volume_are_told_where_to_begin() {
+    let effects = |reduced: &str| {
+        format!(
+            "bending = {{ method = \"B\", modulus = 1 }}\narea = {{ modulus = 1 }}\nvolume = {{ modulus = 1{reduced} }}"
+        )
+    };
+    let warned = |reduced: &str| {
+        let file = valid(&with(&effects(reduced)));
+        let warnings = file.mesh_warnings(0, &generated(&file, 0));
+        Vec::from_iter(warnings.iter().map(ToString::to_string))
+    };
+    for fine in ["", ", reduced = 1"] {
+        assert_eq!(warned(fine), [""; 0], "{fine}");
+    }
+    for reduced in [0.95, 0.6] {
+        let found = warned(&format!(", reduced = {reduced}"));
+        let [warning] = found.as_slice() else {
+            panic!("{found:?}");
+        };
+        let (_, shape) = warning.split_once("begin with shape = \"").unwrap();
+        let (shape, _) = shape.split_once('"').unwrap();
+        let shape: AnyShape = shape.parse().unwrap();
+        let its = 6.0 * PI.sqrt() * shape.volume() / shape.area().powf(1.5);
+        assert!((its / reduced - 1.0).abs() < 2e-3, "{warning}");
+        assert!((shape.area() / (36.0 * PI) - 1.0).abs() < 2e-3, "{warning}");
+    }
 }

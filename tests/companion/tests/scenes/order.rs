@@ -213,6 +213,7 @@ iterations = 6
 [output]
 every = 1
 pictures = false
+surfaces = false
 [[surface]]
 shape = "ellipsoid:1,1,0.8"
 family = "irregular"

@@ -30,6 +30,14 @@ mod timing;
 #[path = "../../../../std-ext/src/study/measured.rs"]
 mod measured;
 
+#[expect(dead_code, reason = "the library uses what the tests do not")]
+#[path = "../../../../std-ext/src/run/remedy.rs"]
+mod remedy;
+
+#[expect(dead_code, reason = "the program uses what the tests do not")]
+#[path = "../../../../std-ext/cli/src/terminal/progress_bar.rs"]
+mod progress_bar;
+
 /// The cache to which the module of measurements refers.
 mod cache {
     pub(super) use helfrich_std::study::Cache;

@@ -21,6 +21,92 @@ fn schema_is_up_to_date() {
     );
 }
 
+/// The table of all keys in the guide is that of the schema.
+#[test]
+fn the_guide_has_every_key() {
+    const HEAD: &str = "## All keys\n";
+    let path = folder().join("../../docs/SCENES.md");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (before, after) = text.split_once(HEAD).expect("a heading");
+    let after = after.find("\n## ").map_or("", |next| &after[next..]);
+    let mut table =
+        "\nGenerated from the schema. A number may also be a text with a unit, where the key has \
+                     one. Keys in bold are required.\n\n| key | value | meaning |\n|---|---|---|\n"
+            .to_owned();
+    add_keys("", &json_schema(), &mut table);
+    let current = format!("{before}{HEAD}{table}{after}");
+    if std::env::var_os("UPDATE_SCHEMA").is_some() {
+        std::fs::write(&path, &current).unwrap();
+    }
+    let kept = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        kept == current,
+        "{} is out of date: run this test with UPDATE_SCHEMA=1",
+        path.display()
+    );
+}
+
+/// A row for each key of a table and of the tables in it.
+fn add_keys(path: &str, table: &Value, rows: &mut String) {
+    let required = table["required"].as_array();
+    for (key, form) in table["properties"].as_object().unwrap() {
+        let is_required = required.is_some_and(|required| required.contains(&json!(key)));
+        let own = match path {
+            "" => key.clone(),
+            path => format!("{path}.{key}"),
+        };
+        let shown = match is_required {
+            true => format!("**`{own}`**"),
+            false => format!("`{own}`"),
+        };
+        let meaning = form["description"].as_str().unwrap().replace('|', "\\|");
+        *rows += &format!("| {shown} | {} | {meaning} |\n", form_of(form));
+        let forms = form["anyOf"]
+            .as_array()
+            .map_or(vec![form], |any| any.iter().collect());
+        for form in forms {
+            let inner = if form["items"]["properties"].is_object() {
+                &form["items"]
+            } else {
+                form
+            };
+            if inner["properties"].is_object() {
+                add_keys(&own, inner, rows);
+            }
+        }
+    }
+}
+
+/// The form of a value in words.
+fn form_of(form: &Value) -> String {
+    if let Some(choices) = form["enum"].as_array() {
+        let quoted = choices.iter().map(|choice| format!("`{choice}`"));
+        return Vec::from_iter(quoted).join(", ");
+    }
+    if let Some(any) = form["anyOf"].as_array() {
+        let mut forms = Vec::from_iter(any.iter().map(form_of));
+        // A quantity is a number or a text with its unit.
+        if forms.starts_with(&["number".to_owned(), "text".to_owned()]) {
+            forms.remove(1);
+        }
+        return forms.join(" or ");
+    }
+    match form["type"].as_str().unwrap() {
+        "object" => "table".to_owned(),
+        "array" if form["items"]["properties"].is_object() => "tables".to_owned(),
+        "array" => match (&form["minItems"], &form["maxItems"]) {
+            (least, most) if least == most => {
+                format!("list of {least}: {}", form_of(&form["items"]))
+            }
+            _ => format!("list: {}", form_of(&form["items"])),
+        },
+        "string" => "text".to_owned(),
+        "boolean" => "true or false".to_owned(),
+        "integer" => "whole number".to_owned(),
+        other => other.to_owned(),
+    }
+}
+
 /// Whether a value conforms to a schema; implements the keywords of JSON Schema 2020-12 that the scene schema
 /// uses.
 pub(super) fn conforms(schema: &Value, value: &Value) -> bool {

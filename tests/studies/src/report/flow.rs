@@ -1,7 +1,7 @@
 //! Tables of a study of flow.
 
 use crate::flow::{BENDING, FlowRow, Solver, boxes, largest_deviation, published, resolved};
-use helfrich_std::flow::lattice_boltzmann::limits::FINITE_BOX;
+use helfrich_std::flow::lattice_boltzmann::limits::CAPSULE_BOX;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::run::End;
 use helfrich_std::scalar::Scalar;
@@ -80,7 +80,7 @@ fn lattices(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
     }
     writeln!(
         out,
-        "\nWithout the box: D(L) = D(∞) + c (a/L)³ by two cubes; {FINITE_BOX} is the paper's c. Then without the lattice: D + c h/a by two resolutions."
+        "\nWithout the box: D(L) = D(∞) + c (a/L)³ by two cubes; {CAPSULE_BOX} is the paper's c. Then without the lattice: D + c h/a by two resolutions."
     )?;
     writeln!(
         out,
@@ -91,7 +91,7 @@ fn lattices(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
         "D(L)",
         "c",
         "D(∞)",
-        format!("by {FINITE_BOX}"),
+        format!("by {CAPSULE_BOX}"),
         "boundary integral",
         ""
     )?;
@@ -109,7 +109,7 @@ fn lattices(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
             format!("{d1:.4}, {d2:.4}"),
             found.coefficient,
             found.unbounded,
-            d1 - FINITE_BOX * first.powi(-3),
+            d1 - CAPSULE_BOX * first.powi(-3),
             exact.map_or("–".to_owned(), |exact| format!("{exact:.4}")),
             percent(found.unbounded, exact),
         )?;

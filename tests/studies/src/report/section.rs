@@ -8,8 +8,8 @@ use helfrich_std::report::page::{Section, style_of, svg};
 use helfrich_std::run::End;
 use std::io::{self, Write};
 
-/// Style of published results.
-const PUBLISHED: usize = 9;
+/// Style of published results: one that no method has.
+const PUBLISHED: usize = svg::COLOURS.len() - 1;
 
 /// Section of a page about a capsule in flow and the costs of its effects.
 ///
@@ -88,6 +88,7 @@ fn charts(rows: &[FlowRow]) -> Vec<(String, Chart)> {
                 row.case.method.label().to_owned()
             },
             points: points.collect(),
+            ..Curve::default()
         });
     }
     // Published points are drawn over the lines.
@@ -102,7 +103,7 @@ fn charts(rows: &[FlowRow]) -> Vec<(String, Chart)> {
             name: curve.name,
             style: Some(PUBLISHED),
             marks: Marks::DashesAndPoints,
-            label: String::new(),
+            ..Curve::default()
         });
     }
     let chart = Chart {

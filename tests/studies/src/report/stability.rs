@@ -88,11 +88,12 @@ fn legend(group: Group, mut line: impl FnMut(&str) -> io::Result<()>) -> io::Res
     match group {
         Group::Geometry => {
             line(
-                "`×2.1`: the error of f is 2.1 times that on the clean mesh. `1e-2`: the \
-                 error is 1e-2, and there is no clean mesh.",
+                "`2.1e-2, slope 0.99`: the largest error of f is 2.1e-2 of the largest exact |f|, and f is \
+                 on average 0.99 of the exact one.",
             )?;
             line(
-                "`×3e4, else ×1.5 (90 flagged)`: the quality report flags 90 vertices; over the others the error is 1.5 times that on the clean mesh.",
+                "`3e4, else 1.5 (14 % flagged), slope 0.98`: the quality report flags 14 % of the \
+                 vertices; error and slope over the others are 1.5 and 0.98.",
             )?;
             line(
                 "`finite`: all results are finite; there is no exact result to compare \
@@ -192,20 +193,20 @@ fn evaluation(found: &Evaluation) -> String {
     if !found.finite {
         return "not finite".to_owned();
     }
-    let mut text = match (found.growth, found.error) {
-        (Some(growth), _) => format!("×{}", short(growth)),
-        (None, Some(error)) => format!("{error:.0e}"),
-        (None, None) => "finite".to_owned(),
-    };
-    if let Some(unflagged) = found.unflagged_growth
-        && found.growth != Some(unflagged)
+    let mut text = found.error.map_or("finite".to_owned(), short);
+    if let Some(unflagged) = found.unflagged_error
+        && found.error != Some(unflagged)
     {
-        text += &format!(", else ×{}", short(unflagged));
+        text += &format!(", else {}", short(unflagged));
     }
-    if found.flagged > 0 {
-        let all = found.growth.is_some() && found.unflagged_growth.is_none();
-        let all = if all { "all " } else { "" };
-        text += &format!(" ({all}{} flagged)", found.flagged);
+    if found.flagged == found.vertices {
+        text += " (all flagged)";
+    } else if found.flagged > 0 {
+        let part = 100.0 * found.flagged as f64 / found.vertices as f64;
+        text += &format!(" ({} % flagged)", part.ceil());
+    }
+    if let Some(slope) = found.slope {
+        text += &format!(", slope {}", short(slope));
     }
     for (defect, what) in [(found.moved, "moved"), (found.scaled, "scaled")] {
         if let Some(defect) = defect.filter(|defect| *defect != 0.0) {
@@ -217,10 +218,13 @@ fn evaluation(found: &Evaluation) -> String {
 
 /// A number with two digits.
 fn short(value: f64) -> String {
-    if (0.1..100.0).contains(&value) {
-        format!("{value:.1}")
-    } else {
-        format!("{value:.0e}")
+    match value.abs() {
+        0.095..9.95 => format!(
+            "{value:.prec$}",
+            prec = if value.abs() < 0.95 { 2 } else { 1 }
+        ),
+        9.95..99.5 => format!("{value:.0}"),
+        _ => format!("{value:.1e}"),
     }
 }
 

@@ -78,7 +78,7 @@ pub(super) fn rows() -> Result<Vec<Row>, StabilityError> {
         let error = |source| StabilityError { case, source };
         rows.push(row(
             case,
-            "Forces on an ellipsoid of 10242 vertices, enough for two threads.",
+            "Forces on an ellipsoid of 6252 vertices, enough for two threads.",
             method.name(),
             Scalar::F64,
             [one.map_err(error)?, two.map_err(error)?],
@@ -121,7 +121,7 @@ fn forces(method: BendingMethod, threads: NonZeroUsize) -> Made {
     let shape = AnyShape::Ellipsoid(Ellipsoid::new([1.0, 0.8, 0.6])?);
     let GeneratedMesh {
         mesh, positions, ..
-    } = generate(&shape, Family::Regular, 10242, 1)?;
+    } = generate(&shape, Family::Regular, 6252, 1)?;
     let threads = Parallel { threads };
     let mut evaluator =
         Evaluator::with_options(method, &MethodOptions::default(), 1.0, &mesh, threads);

@@ -1,5 +1,6 @@
-//! Studies: hard cases, the capsule in flow, and the program that makes their tables.
+//! Studies: hard cases, the capsule in flow, costs, and the program that makes their tables.
 
+mod costs;
 mod double_double;
 mod flow;
 mod program;

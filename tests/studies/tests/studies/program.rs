@@ -18,6 +18,9 @@ fn outputs_are_checked_before_the_work() {
         (3, &["stability", "--markdown", "/proc/out.md"][..]),
         (3, &["flow", "--json", "/proc/out.json"]),
         (3, &["effects", "--json", "/proc/out.json"]),
+        (3, &["costs", "--json", "/proc/out.json"]),
+        // Tests run in the folder of their package, which is not that of the guides.
+        (2, &["costs", "--update"]),
         (3, &["page", "--html", "/proc/out.html"]),
         (2, &["page"]),
         (2, &["stability", "--group", "none"]),

@@ -53,7 +53,7 @@ fn every_row_passes() {
 /// --ignored`, or `helfrich-studies stability --group geometry --large`. It is not part of `.ci/run`;
 /// CONTRIBUTING says when to run it.
 #[test]
-#[ignore = "minutes and 4 GB: by hand, see CONTRIBUTING"]
+#[ignore = "minutes and 4 GB: by .ci/long"]
 fn a_million_nodes() {
     let table = Stability {
         large: true,
@@ -99,13 +99,17 @@ fn errors_grow_in_proportion_to_noise() {
                 && (other.subject, other.scalar) == (row.subject, row.scalar)
         };
         let less = TABLE.iter().find(less).expect("the same with less noise");
+        let without = |other: &&Row| {
+            other.case == "clean" && (other.subject, other.scalar) == (row.subject, row.scalar)
+        };
+        let without = TABLE.iter().find(without).expect("the same without noise");
         let of = |row: &Row| match row.outcome {
-            Outcome::Evaluated(found) => found.error.zip(found.growth).expect("a clean mesh"),
+            Outcome::Evaluated(found) => found.error.expect("an exact f"),
             ref other => panic!("{row}: {other:?}"),
         };
-        let ([(error, _), (small, growth)], clean) = ([of(row), of(less)], of(less).0 / of(less).1);
+        let [error, small, clean] = [row, less, without].map(of);
         assert!(error <= 1.25 * 10.0 * small, "{row}");
-        if growth > 4.0 {
+        if small > 4.0 * clean {
             assert!(error >= 10.0 * (small - clean) / 1.25, "{row}");
             compared += 1;
         }
@@ -277,32 +281,48 @@ fn bounds_refuse_runs_that_break_them() {
 fn bounds_refuse_what_breaks_them() {
     let good = Evaluation {
         finite: true,
-        error: Some(0.1),
-        growth: Some(2.0),
-        unflagged_growth: Some(1.0),
+        error: Some(0.3),
+        unflagged_error: Some(0.1),
+        slope: Some(0.9),
         moved: Some(0.0),
         scaled: Some(0.0),
         findings: 3,
         flagged: 4,
+        vertices: 40,
         checksum: 0,
     };
     let allows = |bound: Bound, found| bound.allows(&Outcome::Evaluated(found));
-    assert!(allows(Bound::Adds(0.05), good));
-    assert!(!allows(Bound::Adds(0.0499), good));
-    assert!(allows(Bound::Stable(2.0), good));
-    assert!(allows(Bound::Reported(1.0), good));
-    assert!(!allows(Bound::Stable(1.9), good));
-    assert!(!allows(Bound::Reported(0.9), good));
-    let unknown = Evaluation {
-        growth: None,
+    let near = |error, slope, flagged| Bound::Near {
+        error,
+        slope,
+        flagged,
+    };
+    let close = near(0.1, 0.11, 0.1);
+    let finite = Bound::Finite { flagged: 0.1 };
+    for bound in [close, finite, Bound::Reported] {
+        assert!(allows(bound, good), "{bound:?}");
+    }
+    for bound in [
+        near(0.0999, 0.11, 0.1),
+        near(0.1, 0.09, 0.1),
+        near(0.1, 0.11, 0.0999),
+        Bound::Finite { flagged: 0.0999 },
+    ] {
+        assert!(!allows(bound, good), "{bound:?}");
+    }
+    let all = Evaluation {
+        unflagged_error: None,
+        flagged: 40,
         ..good
     };
-    assert!(!allows(Bound::Adds(10.0), unknown));
-    for bound in [
-        Bound::Stable(10.0),
-        Bound::Reported(10.0),
-        Bound::Adds(10.0),
-    ] {
+    assert!(allows(near(0.3, 0.11, 1.0), all));
+    assert!(!allows(near(0.2, 0.11, 1.0), all), "flags excuse no error");
+    let wrong_sign = Evaluation {
+        slope: Some(-0.9),
+        ..good
+    };
+    assert!(!allows(close, wrong_sign));
+    for bound in [close, finite, Bound::Reported] {
         let bad = [
             Evaluation {
                 finite: false,
@@ -316,23 +336,33 @@ fn bounds_refuse_what_breaks_them() {
                 scaled: Some(f64::NAN),
                 ..good
             },
-            Evaluation {
-                growth: Some(f64::NAN),
-                unflagged_growth: Some(f64::NAN),
-                ..good
-            },
         ];
         for found in bad {
             assert!(!allows(bound, found), "{bound:?} allows {found:?}");
         }
         assert!(!bound.allows(&Outcome::Refused("no".into())));
     }
+    for found in [
+        Evaluation {
+            unflagged_error: Some(f64::NAN),
+            ..good
+        },
+        Evaluation {
+            slope: Some(f64::NAN),
+            ..good
+        },
+        Evaluation {
+            slope: None,
+            ..good
+        },
+    ] {
+        assert!(!allows(close, found), "{found:?}");
+    }
     let silent = Evaluation {
         findings: 0,
-        unflagged_growth: None,
         ..good
     };
-    assert!(!allows(Bound::Reported(10.0), silent));
+    assert!(!allows(Bound::Reported, silent));
     assert!(!Bound::Refused("why").allows(&Outcome::Refused("because".into())));
     assert!(!Bound::AtMost(1.0).allows(&Outcome::Measured(f64::NAN)));
 }

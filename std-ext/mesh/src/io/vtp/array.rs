@@ -6,20 +6,21 @@
 //! of each block.
 
 use super::super::xml::{Tag, line_of};
-use super::super::{ParseError, Position, Problem};
+use super::super::{Budget, ParseError, Position, Problem};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use std::borrow::Cow;
 
 /// Storage of the numbers of a file.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(super) struct Storage<'a> {
     pub(super) file: &'a [u8],
     pub(super) big_endian: bool,
     /// Bytes of a stored length: 4 or 8.
     pub(super) header: usize,
     pub(super) compressed: bool,
+    pub(super) budget: Budget,
     /// The data after the `_` at the end of the file, and whether they are in base64.
     pub(super) appended: Option<(&'a [u8], bool)>,
 }
@@ -156,6 +157,7 @@ impl<'a> Array<'a> {
             at: self.at,
             text,
         };
+        let size = self.number.size();
         let payload = match self.format {
             Format::Text(content, start) => {
                 for (place, word) in words(content) {
@@ -169,14 +171,14 @@ impl<'a> Array<'a> {
                 }
                 return Ok(numbers);
             }
-            Format::Base64(content) => storage.payload(&decoded(content), here),
+            Format::Base64(content) => storage.encoded_payload(content, size, here),
             Format::Appended(offset) => {
                 let rest = storage
                     .appended
                     .and_then(|(bytes, base64)| Some((bytes.get(offset..)?, base64)));
                 match rest {
-                    Some((bytes, true)) => storage.payload(&decoded(bytes), here),
-                    Some((bytes, false)) => storage.payload(bytes, here),
+                    Some((bytes, true)) => storage.encoded_payload(bytes, size, here),
+                    Some((bytes, false)) => storage.payload(bytes, size, here),
                     None => Err(Problem::Expected {
                         expected: "appended data",
                         found: "the end of the file".to_owned(),
@@ -185,7 +187,6 @@ impl<'a> Array<'a> {
                 }
             }
         }?;
-        let size = self.number.size();
         numbers.values.reserve(payload.len() / size);
         for stored in payload.chunks_exact(size) {
             let mut bytes = [0; 8];
@@ -200,8 +201,14 @@ impl<'a> Array<'a> {
 }
 
 impl Storage<'_> {
-    /// Bytes of the data after the header at the start of `bytes`, decompressed if necessary.
-    fn payload(&self, bytes: &[u8], here: Position) -> Result<Vec<u8>, ParseError> {
+    /// Bytes of the numbers, of `size` bytes each, after the header at the start of `bytes`; decompressed if
+    /// necessary.
+    fn payload<'b>(
+        &self,
+        bytes: &'b [u8],
+        size: usize,
+        here: Position,
+    ) -> Result<Cow<'b, [u8]>, ParseError> {
         let truncated = || {
             let problem = Problem::Expected {
                 expected: "data as long as their header says",
@@ -209,13 +216,19 @@ impl Storage<'_> {
             };
             problem.at(here, None)
         };
+        let afford = |bytes: usize| {
+            let taken = self.budget.take(bytes.div_ceil(size));
+            taken.map_err(|problem| problem.at(here, None))
+        };
         let mut rest = bytes;
         if !self.compressed {
             let length = self.length(&mut rest).ok_or_else(truncated)?;
-            return Ok(rest.get(..length).ok_or_else(truncated)?.to_vec());
+            let payload = rest.get(..length).ok_or_else(truncated)?;
+            afford(length)?;
+            return Ok(payload.into());
         }
         let next = |rest: &mut &[u8]| self.length(rest).ok_or_else(truncated);
-        let [blocks, size, last] = [next(&mut rest)?, next(&mut rest)?, next(&mut rest)?];
+        let [blocks, longest, last] = [next(&mut rest)?, next(&mut rest)?, next(&mut rest)?];
         if blocks > rest.len() / self.header {
             return Err(truncated());
         }
@@ -225,14 +238,15 @@ impl Storage<'_> {
             let length = next(&mut length)?;
             let (compressed, after) = rest.split_at_checked(length).ok_or_else(truncated)?;
             rest = after;
-            let size = if block + 1 == blocks && last > 0 {
+            let whole_length = if block + 1 == blocks && last > 0 {
                 last
             } else {
-                size
+                longest
             };
-            let whole = decompress_to_vec_zlib_with_limit(compressed, size);
+            afford(whole_length)?;
+            let whole = decompress_to_vec_zlib_with_limit(compressed, whole_length);
             match whole {
-                Ok(whole) if whole.len() == size => payload.extend(whole),
+                Ok(whole) if whole.len() == whole_length => payload.extend(whole),
                 _ => {
                     let problem = Problem::Expected {
                         expected: "blocks compressed by zlib, as long as their header says",
@@ -242,7 +256,40 @@ impl Storage<'_> {
                 }
             }
         }
-        Ok(payload)
+        Ok(payload.into())
+    }
+
+    /// The same from base64. Only the text of this array is decoded, because others may follow.
+    fn encoded_payload(
+        &self,
+        text: &[u8],
+        size: usize,
+        here: Position,
+    ) -> Result<Cow<'static, [u8]>, ParseError> {
+        let mut bytes = decoded(text, self.stored_length(&[]));
+        while self.stored_length(&bytes) > bytes.len() {
+            let longer = decoded(text, self.stored_length(&bytes));
+            if longer.len() <= bytes.len() {
+                break;
+            }
+            bytes = longer;
+        }
+        Ok(self.payload(&bytes, size, here)?.into_owned().into())
+    }
+
+    /// Length of an array with its header, as far as `bytes`, which begin it, tell.
+    fn stored_length(&self, bytes: &[u8]) -> usize {
+        let mut rest = bytes;
+        if !self.compressed {
+            let length = self.length(&mut rest).unwrap_or_default();
+            return self.header.saturating_add(length);
+        }
+        let blocks = self.length(&mut rest).unwrap_or_default();
+        let header = blocks.saturating_add(3).saturating_mul(self.header);
+        let lengths = bytes.get(3 * self.header..header).unwrap_or_default();
+        let lengths = lengths.chunks_exact(self.header);
+        let lengths = lengths.filter_map(|mut length| self.length(&mut length));
+        lengths.fold(header, usize::saturating_add)
     }
 
     /// Reads the next length in a header.
@@ -258,17 +305,15 @@ impl Storage<'_> {
     }
 }
 
-/// Decodes base64 as VTK writes it: headers and data may be encoded separately, each with its own padding.
-/// Decoding stops at the first invalid character.
-fn decoded(text: &[u8]) -> Vec<u8> {
-    let end = text.iter().position(|&byte| byte == b'<');
-    let text = &text[..end.unwrap_or(text.len())];
-    let text: Cow<'_, [u8]> = if text.iter().any(u8::is_ascii_whitespace) {
-        let kept = text.iter().filter(|byte| !byte.is_ascii_whitespace());
-        kept.copied().collect()
-    } else {
-        text.into()
-    };
+/// Decodes at least `least` bytes of base64 as VTK writes it, if there are so many: headers and data may be
+/// encoded separately, each with its own padding. Decoding stops at the first invalid character.
+fn decoded(text: &[u8], least: usize) -> Vec<u8> {
+    let is_of_text = |byte: &&u8| **byte != b'<';
+    let letters = text.iter().take_while(is_of_text);
+    let letters = letters.filter(|byte| !byte.is_ascii_whitespace());
+    // Three bytes for four letters, and up to two for each padding.
+    let enough = (least / 3).saturating_add(PADDINGS).saturating_mul(4);
+    let text = Vec::from_iter(letters.take(enough).copied());
     let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
     let mut rest = &text[..];
     while !rest.is_empty() {
@@ -285,6 +330,10 @@ fn decoded(text: &[u8]) -> Vec<u8> {
     }
     bytes
 }
+
+/// The largest number of groups of four letters that padding makes shorter: at the end of the header and of the
+/// data, and of one that is begun.
+const PADDINGS: usize = 3;
 
 impl Number {
     fn named(name: &str) -> Option<Self> {

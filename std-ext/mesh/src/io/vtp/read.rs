@@ -1,7 +1,9 @@
 //! The polygons of a PolyData file as a mesh.
 
 use super::super::xml::{Tag, Tags, line_of};
-use super::super::{Builder, Column, ColumnPlace, Columns, MeshFile, ParseError, Problem, finite};
+use super::super::{
+    Budget, Builder, Column, ColumnPlace, Columns, MeshFile, ParseError, Problem, finite,
+};
 use super::array::{Array, Storage};
 
 /// A piece of the surface.
@@ -136,6 +138,16 @@ fn stored<'a>(file: &'a [u8], tag: &Tag<'_>) -> Result<Storage<'a>, ParseError> 
     if tag.attribute("type") != Some("PolyData") {
         return wrong("data of the type PolyData", "type");
     }
+    let compressed = match tag.attribute("compressor") {
+        None | Some("") => false,
+        Some("vtkZLibDataCompressor") => true,
+        Some(_) => {
+            return wrong(
+                "the compressor vtkZLibDataCompressor, or none",
+                "compressor",
+            );
+        }
+    };
     Ok(Storage {
         file,
         big_endian: match tag.attribute("byte_order") {
@@ -148,16 +160,8 @@ fn stored<'a>(file: &'a [u8], tag: &Tag<'_>) -> Result<Storage<'a>, ParseError> 
             Some("UInt32") | None => 4,
             Some(_) => return wrong("headers of the type UInt32 or UInt64", "header_type"),
         },
-        compressed: match tag.attribute("compressor") {
-            None | Some("") => false,
-            Some("vtkZLibDataCompressor") => true,
-            Some(_) => {
-                return wrong(
-                    "the compressor vtkZLibDataCompressor, or none",
-                    "compressor",
-                );
-            }
-        },
+        compressed,
+        budget: Budget::new(file.len(), compressed),
         appended: None,
     })
 }

@@ -76,6 +76,14 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// Whether a jump of constrained values to their targets can be the reason.
+    pub fn is_of_constraints(&self) -> bool {
+        matches!(
+            self,
+            Self::Inverted { .. } | Self::Distorted { .. } | Self::ConstraintsLost { .. }
+        )
+    }
+
     /// The membrane to which the failure belongs, from 0.
     pub fn membrane(&self) -> Option<usize> {
         match *self {

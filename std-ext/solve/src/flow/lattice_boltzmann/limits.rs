@@ -44,7 +44,23 @@ pub const OSCILLATING: f64 = 2.0;
 pub const FREE_BOX: f64 = 7.0;
 /// D(L) − D(∞) over (a/L)³ of a capsule in shear between walls at a distance L: A. Guckenberger et al.,
 /// Comput. Phys. Commun. 207 (2016) 1. In cubes that are periodic too, 1.1 to 1.8 were found here.
-pub const FINITE_BOX: f64 = 2.4;
+pub const CAPSULE_BOX: f64 = 2.4;
+/// D(L)/D(∞) − 1 over `(1 + 2.5 λ)/(1 + λ) (a/L)³` of a drop in the middle between such walls: M. Shapira and
+/// S. Haber, Int. J. Multiphase Flow 16 (1990) 305.
+const DROP_BOX: f64 = 5.7;
+
+/// The known effect of a finite box on Taylor's deformation D of a surface in shear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FiniteBox {
+    /// The formula.
+    pub formula: &'static str,
+    /// The part of D that is due to the box, as in `D is larger by …`.
+    pub term: &'static str,
+    /// The source.
+    pub source: &'static str,
+    /// The value of the term.
+    pub value: f64,
+}
 
 /// A limit of the step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -265,6 +281,30 @@ impl ImmersedMembrane {
     pub fn pressure(&self) -> f64 {
         let plane = self.shear.max(self.tension) / self.radius;
         plane.max(self.bending / self.radius.powi(3))
+    }
+
+    /// The effect on D of walls at a distance of so many radii; `None` where none is known. `ratio` is the
+    /// viscosity ratio λ.
+    pub fn between_walls(&self, radii: f64, ratio: f64) -> Option<FiniteBox> {
+        let cube = radii.powi(-3);
+        let is_drop = self.shear == 0.0 && self.dilation == 0.0 && self.bending == 0.0;
+        if self.shear > 0.0 {
+            Some(FiniteBox {
+                formula: "D(L_y) − D(∞) = 2.4 (a/L_y)³",
+                term: "2.4 (a/L)³",
+                source: "Guckenberger et al. 2016",
+                value: CAPSULE_BOX * cube,
+            })
+        } else if is_drop && self.tension > 0.0 {
+            Some(FiniteBox {
+                formula: "D(L_y)/D(∞) − 1 = 5.7 (1 + 2.5 λ)/(1 + λ) (a/L_y)³",
+                term: "the fraction 5.7 (1 + 2.5 λ)/(1 + λ) (a/L)³",
+                source: "Shapira and Haber 1990",
+                value: DROP_BOX * (1.0 + 2.5 * ratio) / (1.0 + ratio) * cube,
+            })
+        } else {
+            None
+        }
     }
 
     /// In-plane stiffness between neighbouring vertices, force per length.

@@ -44,7 +44,7 @@ fn assert_same_fields(found: &Value, expected: &[PointField<'_>]) {
 }
 
 #[test]
-#[ignore = "needs the Python package vtk: by hand, see CONTRIBUTING"]
+#[ignore = "needs the Python package vtk: .ci/run runs it where there is one"]
 fn vtk_itself_reads_a_surface_back() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("surface.vtp");
@@ -62,7 +62,7 @@ fn vtk_itself_reads_a_surface_back() {
 }
 
 #[test]
-#[ignore = "needs the Python package vtk: by hand, see CONTRIBUTING"]
+#[ignore = "needs the Python package vtk: .ci/run runs it where there is one"]
 fn vtk_itself_reads_a_grid_back() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("slice.vti");

@@ -174,6 +174,31 @@ fn edges_and_boxes_out_of_range_are_warned_of() {
             ],
         );
     }
+    // The walls act on a drop by another law, and by none that is known on a vesicle.
+    let walled = ("resolution = 6", "resolution = 6\nbox = [7, 4, 7]");
+    let elasticity = "elasticity = { law = \"neo-hookean\", shear_modulus = 1 }";
+    let bending = "bending = { method = \"B\", modulus = 0.1125 }\n";
+    let drop = [
+        walled,
+        (bending, ""),
+        (elasticity, "tension = { value = 1 }"),
+    ];
+    let vesicle = [walled, (elasticity, "local_area = { modulus = 1 }")];
+    for (surface, law) in [
+        (
+            &drop[..],
+            ", D by about the fraction 5.7 (1 + 2.5 λ)/(1 + λ) (a/L)³ = 0.156:",
+        ),
+        (&vesicle, "influenced by its walls: choose 7"),
+    ] {
+        let found = warnings(&capsule(surface));
+        let found = Vec::from_iter(
+            found
+                .iter()
+                .filter(|warning| warning.contains("the box is")),
+        );
+        assert!(found.len() == 1 && found[0].contains(law), "{found:?}");
+    }
     // The walls of a channel are meant to influence the flow.
     let channel = "kind = \"channel\", centre_velocity = 0.1";
     let channel = capsule(&[
@@ -181,6 +206,22 @@ fn edges_and_boxes_out_of_range_are_warned_of() {
         ("resolution = 6", "resolution = 6\nbox = [7, 3, 7]"),
     ]);
     assert_eq!(warnings(&channel), [""; 0]);
+    // Nodes are counted in the radius of the smaller of two surfaces, in either order.
+    for [first, second] in [[1.0, 0.5], [0.5, 1.0]] {
+        let pair = [
+            ("sphere:1", &*format!("sphere:{first}")),
+            ("resolution = 6", "resolution = 6\nbox = [9, 7, 7]"),
+            (
+                "[driver]",
+                &format!(
+                    "[[surface]]\nname = \"other\"\nshape = \"sphere:{second}\"\nvertices = 642\n\
+                     position = [3, 0, 0]\ntension = {{ value = 1 }}\n[driver]"
+                ),
+            ),
+        ];
+        let spacing = driver(&valid(&capsule(&pair)).scene).spacing;
+        tolerance::SCENE_NUMBER.assert(spacing, 0.5 / 6.0, 1.0, "spacing");
+    }
     // Only warnings of the scene itself: the mesh would be too coarse for this resolution, too.
     let large = valid(&capsule(&[("resolution = 6", "resolution = 250")]));
     let [message] = large.warnings.as_slice() else {
