@@ -274,7 +274,7 @@ impl Membrane {
             *single = double.map(|component| component as f32);
         }
         prepared.force = double;
-        Ok(energy?)
+        Ok(energy)
     }
 
     fn evaluate<'py>(

@@ -213,12 +213,11 @@ struct Claim {
     reason: &'static str,
 }
 
-use Family::{Hard, Irregular, Regular, Relaxed, Smooth};
+use Family::{Irregular, Regular, Relaxed, Smooth};
 
 const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 const EVERY: &[Family] = &Family::ALL;
 const EVEN: &[Family] = &[Regular, Smooth, Relaxed];
-const RANDOM: &[Family] = &[Irregular, Hard];
 
 /// At least this order; half an order less is allowed, because the worst vertices of random meshes are a matter
 /// of chance, and three meshes are few.

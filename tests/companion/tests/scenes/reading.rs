@@ -5,7 +5,7 @@ use helfrich::DualArea;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::scene::{
     Adhesion, AreaDifferenceTarget, Driver, Every, Hold, InPlaneLaw, InteractionScene, Material,
-    MeshSource, Overrides, Place, ReferenceSource, SceneFile, Scheme, Target, UnitSystem,
+    MeshSource, Overrides, Pictures, Place, ReferenceSource, SceneFile, Scheme, Target, UnitSystem,
     VolumeTarget,
 };
 
@@ -229,7 +229,8 @@ fn every_key_of_a_relaxation_is_read() {
         (output.every, output.checkpoint_every),
         (Every::Iterations(3), 11)
     );
-    assert!(!output.surfaces && !output.pictures);
+    assert!(!output.surfaces);
+    assert_eq!(output.pictures, Pictures::Never);
     assert_eq!(
         serde_json::to_value(output.picture_field).unwrap(),
         "bending-force"
