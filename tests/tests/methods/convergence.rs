@@ -213,7 +213,7 @@ struct Claim {
     reason: &'static str,
 }
 
-use Family::{Irregular, Regular, Relaxed, Smooth};
+use Family::{Regular, Relaxed, Smooth};
 
 const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 const EVERY: &[Family] = &Family::ALL;
