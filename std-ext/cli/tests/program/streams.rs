@@ -91,7 +91,7 @@ fn columns_are_explained_on_a_screen() {
     let screen = Command::new("script")
         .args(["--quiet", "--command"])
         .arg(format!(
-            "'{}' curvature '{}' --method meyer",
+            "'{}' curvature '{}' --method corrected",
             env!("CARGO_BIN_EXE_helfrich"),
             file.path()
         ))
@@ -101,7 +101,7 @@ fn columns_are_explained_on_a_screen() {
         .unwrap();
     let screen = String::from_utf8_lossy(&screen.stdout);
     let help = succeed(&["curvature", "--help"]);
-    let piped = succeed(&["curvature", file.path(), "--method", "meyer"]);
+    let piped = succeed(&["curvature", file.path(), "--method", "corrected"]);
     for word in words {
         assert!(
             screen.contains(word) && help.contains(word),
