@@ -364,6 +364,8 @@ fn what_was_measured_is_not_measured_again_unless_it_is_asked_for() {
         "42,162",
         "--method",
         "B",
+        "--scalar",
+        "f32,f64",
         "--cache",
         text(&cache),
         "--json",
