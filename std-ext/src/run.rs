@@ -432,7 +432,9 @@ impl Run<'_> {
     fn finish(&mut self, end: End, message: String) -> Result<Summary, RunError> {
         let start = Instant::now();
         self.draw_plots()?;
-        self.outputs.output_costs.pictures.add(start);
+        if !self.plots.is_empty() {
+            self.outputs.output_costs.pictures.add(start);
+        }
         let start = Instant::now();
         self.write_last()?;
         self.outputs.output_costs.files.add(start);

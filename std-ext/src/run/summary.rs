@@ -125,8 +125,10 @@ pub(super) fn judge(
     let remedies = remedies.join("; ");
     match end {
         End::Converged => {
+            // What is said about the way to the equilibrium remains.
+            let way = message.strip_prefix("converged").unwrap_or_default();
             let message = format!(
-                "the forces vanish, but the energy is not to be trusted: {doubts}: {remedies}"
+                "the forces vanish{way}, but the energy is not to be trusted: {doubts}: {remedies}"
             );
             (End::Unresolved, message)
         }

@@ -98,35 +98,27 @@ fn meshes_of_drops_stay_even_and_narrow_triangles_are_said() {
     }
 }
 
-/// Ripples that are too short for the kernel decay: a drop whose edges are shorter than a node comes to rest
-/// between walls as one with longer edges does, and near theory, which has no kernel and no second order in Ca.
+/// Ripples that are too short for the kernel decay: a drop on edges of 0.6 nodes comes to rest between walls, and
+/// near theory, which has no kernel and no second order in Ca.
 #[test]
 fn drops_on_fine_meshes_come_to_rest_on_a_lattice() {
     // M. Shapira and S. Haber, Int. J. Multiphase Flow 16 (1990) 305, for walls at 4 radii and λ = 1.
     let theory = 35.0 / 32.0 * 0.1 * (1.0 + 5.6996 * 1.75 / 64.0);
-    let rest = [162, 642].map(|vertices| {
-        let lattice = "kind = \"lattice-boltzmann\"\nresolution = 4\nbox = [6, 4, 5]";
-        let surface = format!("vertices = {vertices}\ntension = {{ value = 10 }}");
-        let (summary, series) = run_file(drop_of(
-            "smooth",
-            &surface,
-            &format!("{lattice}\nstrain = 3"),
-        ));
-        assert_eq!(summary.end, End::Completed, "{}", summary.message);
-        let said = |warning: &String| warning.contains("wrinkled");
-        assert!(!summary.warnings.iter().any(said), "{:?}", summary.warnings);
-        let deformation = column(&series, "deformation");
-        let [before, last] = [40, 60].map(|row| deformation[row]);
-        assert!(
-            (last / before - 1.0).abs() < 0.01,
-            "{vertices}: {before}, {last}"
-        );
-        last
-    });
-    let [coarse, fine] = rest;
-    assert!((fine / coarse - 1.0).abs() < 0.03, "{rest:?}");
-    // A kernel of two nodes adds 0.27 nodes to the radius, here 7 % of it.
-    assert!((1.0..1.2).contains(&(fine / theory)), "{fine}, {theory}");
+    let lattice = "kind = \"lattice-boltzmann\"\nresolution = 4\nbox = [6, 4, 5]\nstrain = 2.5";
+    let surface = "vertices = 642\ntension = { value = 10 }";
+    let (summary, series) = run_file(drop_of("smooth", surface, lattice));
+    let is_wrinkled = |warning: &String| warning.contains("wrinkled");
+    assert!(
+        !summary.warnings.iter().any(is_wrinkled),
+        "{:?}",
+        summary.warnings
+    );
+    let deformation = column(&series, "deformation");
+    let [before, last] = [40, 50].map(|row| deformation[row]);
+    // By then 99 % of the way to rest is over; without resistance to ripples D grew by 4 % here.
+    assert!((last / before - 1.0).abs() < 5e-3, "{before}, {last}");
+    // A kernel of two nodes adds 0.27 nodes to the radius, here 7 % of it: to Ca, and to a over L cubed.
+    assert!((1.0..1.2).contains(&(last / theory)), "{last}, {theory}");
 }
 
 /// Redistribution does not move surfaces whose material has a reference.

@@ -16,8 +16,9 @@ const SCENE: &str = r#"
 units = "none"
 [[surface]]
 shape = "ellipsoid:0.6593,0.6593,1.8404"
+family = "relaxed"
 vertices = 642
-bending = { method = "gompper-kroll", modulus = 1 }
+bending = { method = "loop", modulus = 1 }
 area = { constraint = "exact" }
 volume = { constraint = "exact", reduced = 0.8 }
 area_difference = { constraint = "exact", reduced = 1.2 }

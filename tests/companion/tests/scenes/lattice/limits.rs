@@ -471,7 +471,7 @@ fn explanations_have_the_numbers_of_the_lattice() {
     };
     let edge = mean_edge(&placed(&capsule(&[])));
     for (formula, expected) in [
-        ("a/spacing", 6.0),
+        ("a_min/spacing", 6.0),
         ("h/spacing", 6.0 * edge),
         ("L_x/a", 7.0),
         ("L_y/a", 7.0),
