@@ -172,7 +172,6 @@ pub fn run(
             (series, Some(outputs), last.unwrap_or_default())
         }
         None => {
-            folder::refuse_other_series(&series_path, &columns)?;
             let series = Series::create(&series_path, &columns)
                 .map_err(|error| RunError::Output(Box::new(error)))?;
             (series, None, Vec::new())

@@ -14,9 +14,11 @@ use std::ffi::c_int;
 use std::fmt::Display;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-use std::sync::atomic::AtomicBool;
+use std::process::{self, ExitCode};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::thread;
+use std::time::Duration;
 
 /// The reason why a program ends early.
 #[derive(Debug)]
@@ -141,11 +143,24 @@ pub fn interruption() -> Arc<AtomicBool> {
     Arc::clone(STOP.get_or_init(registered))
 }
 
+/// Time that work has to end by itself when the program is asked to stop. Some steps on large meshes, such as
+/// the search for a cache-friendly order, do not look for the request, and would take longer.
+const GRACE: Duration = Duration::from_millis(700);
+
 /// Does work that ends within a second after the program is asked to stop.
 ///
 /// # Errors
 /// Those of the work, and that it was interrupted.
 pub fn until_stopped<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
+    let stop = interruption();
+    // If no thread can be started, the end may take longer.
+    let _ = thread::Builder::new().spawn(move || {
+        while !stop.load(Ordering::Relaxed) {
+            thread::sleep(GRACE / 10);
+        }
+        thread::sleep(GRACE);
+        process::exit(130);
+    });
     interruptible(Interruption::by_flag(interruption()), work)
         .unwrap_or(Err(Failure::Unfinished(130)))
 }

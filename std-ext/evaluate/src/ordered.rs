@@ -1,5 +1,6 @@
 //! Large meshes in a cache-friendly order.
 
+use crate::execute::look_for_interruption;
 use helfrich::{Finding, Real, Reordering, Surface, TriangleMesh};
 use std::sync::Arc;
 
@@ -23,7 +24,9 @@ impl<T: Real> Ordered<T> {
             return None;
         }
         let order = Reordering::reverse_cuthill_mckee(mesh);
+        look_for_interruption();
         let mesh = Arc::new(order.of_mesh(mesh).ok()?);
+        look_for_interruption();
         Some(Self {
             force: vec![[T::zero(); 3]; mesh.vertex_count()],
             order,

@@ -66,17 +66,6 @@ pub(super) fn refuse_inputs(
     Ok(())
 }
 
-/// Refuses to replace a series that has not the columns of the run.
-pub(super) fn refuse_other_series(path: &Path, columns: &[&str]) -> Result<(), RunError> {
-    let is_own = |table: SeriesTable| table.columns == columns;
-    match is_there(path) && !SeriesTable::read(path).is_ok_and(is_own) {
-        true => Err(RunError::Foreign {
-            path: path.to_owned(),
-        }),
-        false => Ok(()),
-    }
-}
-
 /// The names of the files that a run replaces, other than its series and its checkpoint.
 fn files(simulation: &Simulation) -> Vec<String> {
     let fixed = [SUMMARY, MODES, "surfaces.pvd", "slices.pvd", "volumes.pvd"];

@@ -94,8 +94,7 @@ fn form(form: &'static Form) -> Map<String, Value> {
         Form::Text => json!({ "type": "string" }),
         Form::Name => json!({
             "type": "string",
-            "pattern": "^[A-Za-z][A-Za-z0-9_-]*$",
-            "maxLength": LONGEST_NAME
+            "pattern": format!("^[A-Za-z][A-Za-z0-9_-]{{0,{}}}$", LONGEST_NAME - 1)
         }),
         Form::File => json!({ "type": "string", "minLength": 1 }),
         Form::Shape => {

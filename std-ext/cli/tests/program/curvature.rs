@@ -257,14 +257,15 @@ fn a_cell_in_metres_keeps_its_digits() {
     let shape: AnyShape = "discocyte:3.91e-6".parse().unwrap();
     let made = generate(&shape, Family::Regular, 642, 1).unwrap();
     let file = Fixture::new("cell.obj", obj(&made.positions, made.mesh.triangles()));
-    let csv = succeed(&[
+    let csv = run(&[
         "curvature",
         file.path(),
         "--method",
         "j6",
         "--modulus",
         "2e-19",
-    ]);
+    ])
+    .stdout;
     for (line, &preimage) in table::<f64>(&csv).iter().zip(&made.preimages) {
         let exact = shape.at(preimage);
         assert_eq!(vector(line, 0), Some(exact.position));

@@ -43,10 +43,14 @@ impl Interruption {
 
     /// Whether the request has been made.
     fn is_requested(&self) -> bool {
-        if self.look.as_ref().is_some_and(|look| look()) {
+        if self.requested.load(Ordering::Relaxed) {
+            return true;
+        }
+        let is_new = self.look.as_ref().is_some_and(|look| look());
+        if is_new {
             self.requested.store(true, Ordering::Relaxed);
         }
-        self.requested.load(Ordering::Relaxed)
+        is_new
     }
 }
 

@@ -56,7 +56,7 @@ fn with_looks<R>(end: usize, work: impl FnOnce() -> R) -> (Option<R>, usize) {
 }
 
 /// Work looks for a request once for each slice of the vertices and more often, has the same result if there
-/// is none, and does not look again after there was one.
+/// is none, and does no more after there was one.
 #[track_caller]
 fn check<R: PartialEq>(name: &str, vertices: usize, work: &dyn Fn() -> R) {
     let threads = NonZeroUsize::MIN;
