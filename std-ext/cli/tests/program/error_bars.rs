@@ -192,8 +192,10 @@ fn surfaces_are_drawn() {
         assert!(ended.stderr.contains(reason), "{}", ended.stderr);
         assert!(!out.exists(), "{name}");
     };
-    refused("none.png", &["--colour-by", "k1"], "--errors");
-    refused("none.png", &["--colour-by", "direction1"], "H_error");
+    let by_fits = ["--method", "j6", "--colour-by", "k1"];
+    refused("none.png", &by_fits, "--errors");
+    let by_directions = ["--method", "j6", "--colour-by", "direction1"];
+    refused("none.png", &by_directions, "H_error");
     refused(
         "none.png",
         &["--method", "kantor-nelson"],
