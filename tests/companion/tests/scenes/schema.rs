@@ -170,9 +170,6 @@ pub(super) fn conforms(schema: &Value, value: &Value) -> bool {
             "maxItems" => value
                 .as_array()
                 .is_none_or(|items| items.len() as f64 <= number()),
-            "maxLength" => value
-                .as_str()
-                .is_none_or(|text| text.chars().count() as f64 <= number()),
             "minLength" => value
                 .as_str()
                 .is_none_or(|text| text.chars().count() as f64 >= number()),
