@@ -1,4 +1,4 @@
-//! The energy of blended jets: parameters that vary, convergence at every vertex, and what is reported.
+//! The energy of blended jets: parameters that vary, open meshes, and what is reported. `convergence.rs` has its orders.
 
 use autodiff::F1;
 use helfrich::{
@@ -6,7 +6,7 @@ use helfrich::{
     Real, Surface, Targets, TriangleMesh,
 };
 use helfrich_std::generate::{AnyShape, Family, generate};
-use helfrich_tests::accuracy::{Errors, density_errors, exact_points, surface};
+use helfrich_tests::accuracy::{exact_points, surface};
 use helfrich_tests::laws::{
     Balanced, ConservativeLaw, ForceIsDifference, ForceIsGradient, Invariant, Law,
 };
@@ -129,51 +129,6 @@ fn penalties_of_patches_are_conservative() {
         Balanced(mesh).check(penalty);
         Law::check(&mut Invariant { mesh, seed: 1 }, penalty);
     }
-}
-
-/// Errors of f on a discocyte.
-fn errors_on(family: Family, vertices: usize, seed: u64) -> Errors {
-    let shape: AnyShape = "discocyte".parse().expect("a shape");
-    let made = generate(&shape, family, vertices, seed).expect("a mesh");
-    let mut density = vec![[0.0; 3]; made.positions.len()];
-    let mut prepared = Prepared::new(Galerkin::new(1.0), &made.mesh);
-    prepared.force_density(surface(&made), &mut density);
-    density_errors(&made, &density, |_| 1.0)
-}
-
-/// f converges at every vertex and in the mean, as for an order of approximation of 6: by h² and more.
-#[test]
-fn force_densities_converge_at_every_vertex() {
-    for family in [Family::Regular, Family::Relaxed] {
-        let [coarse, fine] = [642, 2562].map(|vertices| errors_on(family, vertices, 1));
-        assert!(
-            coarse.max > 4.0 * fine.max,
-            "{family}: {coarse:?}, {fine:?}"
-        );
-        assert!(
-            coarse.mean > 6.0 * fine.mean,
-            "{family}: {coarse:?}, {fine:?}"
-        );
-        // The strong form over jets of degree 6 has 0.012 on the regular mesh.
-        assert!(fine.max < 0.02, "{family}: {fine:?}");
-    }
-}
-
-/// So does f on random meshes, whose closest vertices are 10 times closer than the mean: by h^1.5 at the
-/// worst vertex of four meshes, and by h^2.5 in the mean. The worst vertices are a matter of chance.
-#[test]
-fn force_densities_converge_where_vertices_are_close() {
-    let [coarse, fine] = [642, 2562].map(|vertices| {
-        let all = [1, 2, 3, 4].map(|seed| errors_on(Family::Irregular, vertices, seed));
-        Errors {
-            max: all.iter().map(|errors| errors.max).fold(0.0, f64::max),
-            mean: all.iter().map(|errors| errors.mean).sum::<f64>() / 4.0,
-        }
-    });
-    assert!(coarse.max > 2.8 * fine.max, "{coarse:?}, {fine:?}");
-    assert!(coarse.mean > 5.7 * fine.mean, "{coarse:?}, {fine:?}");
-    assert!(fine.max < 0.14, "{fine:?}");
-    assert!(fine.mean < 6e-3, "{fine:?}");
 }
 
 fn findings(mesh: &Mesh) -> Vec<Finding> {
