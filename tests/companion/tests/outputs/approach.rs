@@ -16,15 +16,14 @@ const SCENE: &str = r#"
 units = "none"
 [[surface]]
 shape = "ellipsoid:0.6593,0.6593,1.8404"
-family = "relaxed"
-vertices = 642
+vertices = 162
 bending = { method = "loop", modulus = 1 }
 area = { constraint = "exact" }
 volume = { constraint = "exact", reduced = 0.8 }
 area_difference = { constraint = "exact", reduced = 1.2 }
 [driver]
 kind = "relax"
-energy_error = 0.05
+energy_error = 1
 residual = 1e-3
 [output]
 every = 10
