@@ -179,9 +179,9 @@ impl<T: Stored> Drive for Immersing<'_, T> {
             self.note_state(simulation);
             let mut message = error.to_string();
             if let ImmersionError::TooFast { .. } = error {
-                let stiff = || ": the forces are too stiff for the step, a shorter one is needed";
+                let stiff = ": the forces are too stiff for the step, a shorter one is needed";
                 let overlap = overlap(simulation, &self.positions);
-                message.push_str(&overlap.unwrap_or_else(|| stiff().to_owned()));
+                message.push_str(overlap.as_deref().unwrap_or(stiff));
             }
             return Ok(Step {
                 output: true,
