@@ -24,6 +24,8 @@ pub struct Membrane {
     simulation: Simulation,
     mesh: Arc<TriangleMesh>,
     effects: Vec<String>,
+    /// What the energy of bending leaves out.
+    left_out: Option<String>,
     force: Vec<[f64; 3]>,
 }
 
@@ -52,7 +54,7 @@ impl Membrane {
         columns: Vec<Column>,
         threads: NonZeroUsize,
     ) -> Result<Self, Failure> {
-        surface(mesh, reference)?;
+        let at_start = surface(mesh, reference)?;
         let invalid =
             |error: &dyn ToString| Failure::new(Status::InvalidEffects, error.to_string());
         let file = MeshFile {
@@ -63,7 +65,10 @@ impl Membrane {
         let scene = scene.map_err(|error| invalid(&error))?;
         let built = with_threads(threads, || build(&scene));
         let (simulation, _) = built.map_err(|error| invalid(&error))?;
+        let mut bending = scene.scene.surfaces.iter();
+        let bending = bending.find_map(|surface| surface.effects.bending.as_ref());
         Ok(Self {
+            left_out: bending.and_then(|bending| bending.method.what_is_left_out(at_start)),
             effects: simulation.effect_names(),
             simulation,
             mesh: Arc::clone(mesh),
@@ -203,10 +208,11 @@ pub unsafe extern "C" fn hf_membrane_warnings(
     // SAFETY: the caller keeps the contract of this library.
     unsafe {
         guarded(error, |call| {
-            let warnings = call.object("membrane", membrane)?.simulation.warnings();
+            let membrane = call.object("membrane", membrane)?;
+            let warnings = membrane.simulation.warnings().iter();
             let lines = warnings
-                .iter()
-                .map(|warning| format!("{}\n", warning.problem));
+                .map(|warning| format!("{}\n", warning.problem))
+                .chain(membrane.left_out.iter().map(|text| format!("{text}\n")));
             call.put(&lines.collect::<String>(), text, capacity)
         })
     }

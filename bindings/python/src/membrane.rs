@@ -238,12 +238,11 @@ impl Membrane {
         let positions = positions.double();
         let surface = Surface::new(&self.mesh, &positions[..]).map_err(Fault::from)?;
         let warn = V.py().import("helfrich._errors")?.getattr("warn")?;
-        for method in methods {
-            let share = 100.0 * method.share_left_out(surface);
-            warn.call1((format!(
-                "the energy of {method} leaves out about half a row of triangles at the border, {share:.2} % of \
-                 the area: j4 and j6 measure up to the border"
-            ),))?;
+        for text in methods
+            .into_iter()
+            .filter_map(|method| method.what_is_left_out(surface))
+        {
+            warn.call1((text,))?;
         }
         Ok(())
     }

@@ -31,4 +31,15 @@ impl BendingMethod {
         }
         if total > 0.0 { left_out / total } else { 0.0 }
     }
+
+    /// The same in words; `None` where nothing is left out.
+    pub fn what_is_left_out(self, surface: Surface<'_, f64>) -> Option<String> {
+        let share = 100.0 * self.share_left_out(surface);
+        (share > 0.0).then(|| {
+            format!(
+                "the energy of {self} leaves out about half a row of triangles at the border, {share:.2} % of the \
+                 area: j4 and j6 measure up to the border"
+            )
+        })
+    }
 }

@@ -279,12 +279,6 @@ impl Bending {
                  modulus, −4κ/3 on equilateral triangles, which acts at its edge: choose gompper-kroll (B)"
             );
             check.doubt("bending.method", message);
-        } else if !self.method.reaches_boundary() {
-            let message = format!(
-                "\"{name}\" is open, and the energy of {method} leaves out about half a row of triangles at its \
-                 edge: energies are low by the share of the area of such a strip, where the surface is bent"
-            );
-            check.doubt("bending.method", message);
         }
     }
 
