@@ -321,7 +321,7 @@ fn names_may_not_be_endless() {
 fn messages_do_not_quote_the_files_of_a_scene() {
     let folder = TempDir::new().unwrap();
     let secret = folder.path().join("secret.obj");
-    fs::write(&secret, "hunter2 is the password\n").unwrap();
+    fs::write(&secret, "$hunter2 is the password\n").unwrap();
     let curves = folder.path().join("secret.csv");
     fs::write(&curves, "hunter2,is,the,password\n").unwrap();
     let scene = folder.path().join("scene.toml");
