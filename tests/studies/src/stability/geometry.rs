@@ -103,10 +103,7 @@ fn irregular(method: BendingMethod, _scalar: Scalar) -> Bound {
             flagged: 0.06,
         },
         Loop => near(error, 0.3),
-        // Fits of this degree are hardly determined, as in rows: cautious, for an error of a sixth.
-        J4 => near(error, 0.62),
-        J6 => near(error, 0.1),
-        Belkin | Hamann => near(error, 0.0),
+        J4 | J6 | Belkin | Hamann => near(error, 0.0),
         _ => near(error, 0.06),
     }
 }
@@ -127,8 +124,7 @@ fn valences(method: BendingMethod, scalar: Scalar) -> Bound {
         Loop => near(most, 1.0),
         Galerkin => near(1.0, 1.0),
         // Vertices on circles of latitude lie in rows.
-        J4 => near(most, 0.7),
-        J6 => near(most, 0.35),
+        J4 | J6 => near(most, 0.07),
         Belkin | Hamann => near(most, 0.0),
         Farutin => near(most, 0.1),
         _ => near(most, 0.82),
@@ -203,7 +199,7 @@ const CASES: &[Case] = &[
         specimen: |_| specimen::caps(),
         bound: |method, _| match method {
             // Three vertices on a line are a row of the fits around them.
-            J4 => near(GROWTH * clean(method), 0.27),
+            J4 => near(GROWTH * clean(method), 0.24),
             J6 => near(GROWTH * clean(method), 0.15),
             _ => slivers(method, [0.45, 0.96]),
         },
