@@ -13,6 +13,9 @@ pub struct Components {
     count: usize,
 }
 
+/// Receives the fraction of some work that is done; false ends it.
+type Watch<'a> = &'a mut dyn FnMut(f64) -> bool;
+
 impl Components {
     /// The components of a mesh.
     pub fn new(mesh: &TriangleMesh) -> Self {
@@ -42,12 +45,8 @@ impl Components {
     pub fn each<T: Real, R: Clone>(
         surface: Surface<'_, T>,
         nothing: R,
-        watch: &mut dyn FnMut(f64) -> bool,
-        measure: &mut dyn FnMut(
-            Surface<'_, T>,
-            &[u32],
-            &mut dyn FnMut(f64) -> bool,
-        ) -> Option<Vec<R>>,
+        watch: Watch<'_>,
+        measure: &mut dyn FnMut(Surface<'_, T>, &[u32], Watch<'_>) -> Option<Vec<R>>,
     ) -> Option<Vec<R>> {
         let count = surface.mesh().vertex_count();
         let components = Self::new(surface.mesh());

@@ -85,6 +85,9 @@ pub(super) struct Chosen<T> {
     least: Vec<[(T, u8); QUANTITIES]>,
 }
 
+/// Changes of each quantity due to noise.
+type Changes<T> = [Vec<Values<T>>; QUANTITIES];
+
 impl<T: Real> Candidate<T> {
     /// The jets. Their bias counts as zero, because no other fit of a mesh without noise is more
     /// accurate.
@@ -94,7 +97,7 @@ impl<T: Real> Candidate<T> {
         deviations: &Deviations<T>,
         jets: Jets<T>,
         changes: [Vec<Values<T>>; QUANTITIES],
-    ) -> (Vec<Curvature<T>>, (Self, [Vec<Values<T>>; QUANTITIES])) {
+    ) -> (Vec<Curvature<T>>, (Self, Changes<T>)) {
         let bias = Bias::none(jets.degrees.len());
         let candidate = Self {
             degree: jets.degrees,
