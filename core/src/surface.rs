@@ -150,21 +150,22 @@ impl<'a, T: Real> Surface<'a, T> {
         })
     }
 
-    /// The surface with positions of another surface, which have been checked already.
+    /// This surface with its vertices in another order.
     ///
     /// # Panics
     /// If there is no position for a vertex.
-    pub(crate) fn of_checked(
-        mesh: &'a TriangleMesh,
-        positions: &'a [[T; 3]],
-        remainders: Option<&'a [[T; 3]]>,
-    ) -> Self {
+    pub(crate) fn reordered<'b>(
+        &self,
+        mesh: &'b TriangleMesh,
+        positions: &'b [[T; 3]],
+        remainders: Option<&'b [[T; 3]]>,
+    ) -> Surface<'b, T> {
         assert_eq!(
             mesh.vertex_count(),
             positions.len(),
             "positions of vertices"
         );
-        Self {
+        Surface {
             mesh,
             positions,
             remainders,

@@ -5,7 +5,6 @@
 //! G. H. Golub and C. F. Van Loan, Matrix Computations, section 5.2 (Gram–Schmidt, modified).
 
 mod moments;
-mod spread;
 
 use crate::lane::Lane;
 use crate::neighbourhood::Neighbourhood;
@@ -41,13 +40,13 @@ const ROUNDING: f64 = 2e-12;
 
 /// A polynomial that is fitted to heights over a tangent plane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Model<T> {
+pub(super) struct Model<T> {
     /// Its degree.
-    pub(crate) degree: usize,
+    pub(super) degree: usize,
     /// β of the weights `exp(−β |x_j − x_i|²/ρ²)`, ρ the distance of the farthest neighbour.
-    pub(crate) sharpness: T,
+    pub(super) sharpness: T,
     /// Whether it has no constant term, so that it passes through the vertex.
-    pub(crate) interpolates: bool,
+    pub(super) interpolates: bool,
 }
 
 impl<T> Model<T> {
