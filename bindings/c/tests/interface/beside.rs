@@ -156,10 +156,11 @@ fn mistakes_are_refused() {
         let sum = &raw mut power;
         hf_viscous_force(handle.0, at, moving, count, 1.0, 1.0, place, sum, error)
     });
+    // The sum has infinite terms of both signs.
     fails(
         beyond,
         Status::Undefined,
-        "`power` is inf, beyond the numbers",
+        "`power` is NaN, beyond the numbers",
     );
 
     let repel = |second: *const Mesh, total, modulus, range, periods: [f64; 3]| {
