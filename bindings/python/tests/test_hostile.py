@@ -52,7 +52,7 @@ def of_mesh(call, large=V * 1e300):
         np.ma.array(F, mask=F == F[3, 1]), [[HUGE, 0, 1]], object(), 3, "F",
     ]  # fmt: skip
     # "a mesh", and the names of its parts, are names, too.
-    named = r"\bV\b|vertex|coordinate"
+    named = r"\bV\b|vertex|coordinate|positions"
     for value in positions:
         yield named, value, lambda value=value: call(value, F)
     for value in faces:
@@ -152,7 +152,7 @@ CALLS = {
         of("quantity|quantities", [None, *TEXT], lambda value: h.recommend(V, F, quantity=value)),
         of("norms?", [None, *TEXT], lambda value: h.recommend(V, F, norm=value)),
         of("methods?", ["j6", 3, [], [None], ["nonsense"], [LONG]], lambda value: h.recommend(V, F, methods=value)),
-        of("scalars?", ["f64", 3, [], [None], ["f16"], [LONG]], lambda value: h.recommend(V, F, scalars=value)),
+        of("scalars?|number type", ["f64", 3, [], [None], ["f16"], [LONG]], lambda value: h.recommend(V, F, scalars=value)),
         of("threads", THREADS, lambda value: h.recommend(V, F, methods=["meyer"], threads=value)),
     ],
     "run": [
@@ -242,7 +242,7 @@ def test_keywords_of_effects_are_refused_by_name(name):
         def call(value, keyword=keyword):
             helfrich.Membrane(F, getattr(effects, name)(**{**GOOD[name], keyword: value}))
 
-        words = {"kappa": "kappa|modulus", "H0": "H0|curvature", "domains": "domains|labels", "forces": "forces?|load"}
+        words = {"reference": "reference|positions|coordinate", "kappa": "kappa|modulus", "H0": "H0|curvature", "domains": "domains|labels", "forces": "forces?|load"}
         found = faults(of(words.get(keyword, keyword.replace("_", "[_ ]")), values, call))
         wrong += [f"{keyword} = {fault}" for fault in found]
     assert not wrong, "\n".join(wrong)

@@ -133,7 +133,7 @@ def test_meshio_with_polygons(mesh):
             helfrich.curvature(meshio.Mesh(V, cells))
     with pytest.raises(helfrich.MeshError, match="no triangles, quads or polygons: its cells are line"):
         helfrich.curvature(meshio.Mesh(V, [("line", [[0, 1]])]))
-    with pytest.raises(helfrich.MeshError, match="polygon 0 names vertex 8, but there are 8"):
+    with pytest.raises(helfrich.MeshError, match="polygon 1 names vertex 8, but there are 8"):
         helfrich.curvature(meshio.Mesh(V, [("quad", quads + 1)]))
 
 
