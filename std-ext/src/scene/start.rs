@@ -8,7 +8,7 @@ use helfrich::shapes::Ellipsoid;
 /// Semi-axes of a prolate, for spheres, which have no direction of their own.
 const PROLATE: [f64; 3] = [1.0, 1.0, 2.0];
 
-/// The ellipsoid of [`start_for`] for the reduced volume that a surface is to have.
+/// The ellipsoid of `start_for` for the reduced volume that a surface is to have.
 pub fn start_shape(surface: &SurfaceScene, near: f64) -> Option<AnyShape> {
     match surface.effects.volume?.target {
         VolumeTarget::Reduced(target) => start_for(&surface.source, target, near),
