@@ -60,6 +60,29 @@ pub enum Finding {
         /// The vertex.
         vertex: u32,
     },
+    /// The vertices around this one lie in rows, which do not determine the fit of the requested degree, or
+    /// hardly: curvatures and forces have errors of up to their own size. Divide the surface into triangles
+    /// that are as long as they are wide.
+    Rows {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The surface has a crease, a corner or a tip at this vertex: curvatures are not defined there, and fits that
+    /// include it have none.
+    Crease {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// This vertex lies far off the surface of its neighbours: correct or remove it.
+    Outlier {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The connected component of this vertex has so few vertices that nothing shows the error of a fit.
+    SmallComponent {
+        /// The vertex.
+        vertex: u32,
+    },
     /// The longest edge at this vertex is more than eight times the shortest. For methods with a
     /// wider stencil: this holds at a vertex within two edges, or a triangle there is thin.
     /// Formulas that assume an even mesh have errors that grow with powers of this ratio.
@@ -207,7 +230,7 @@ enum Place {
 
 impl Finding {
     /// The names of the kinds of findings, in the order of their bits.
-    pub const KINDS: [&'static str; 18] = [
+    pub const KINDS: [&'static str; 22] = [
         "zero_area",
         "negative_area",
         "reduced_degree",
@@ -226,6 +249,10 @@ impl Finding {
         "thin_triangle",
         "no_graph",
         "unresolved",
+        "rows",
+        "crease",
+        "outlier",
+        "small_component",
     ];
 
     /// The bit of the kind of finding, 1 for the first of [`Self::KINDS`].
@@ -249,6 +276,10 @@ impl Finding {
             Self::ThinTriangle { .. } => 15,
             Self::NoGraph { .. } => 16,
             Self::Unresolved { .. } => 17,
+            Self::Rows { .. } => 18,
+            Self::Crease { .. } => 19,
+            Self::Outlier { .. } => 20,
+            Self::SmallComponent { .. } => 21,
         };
         1 << kind
     }
@@ -264,6 +295,10 @@ impl Finding {
             | Self::Amplified { vertex }
             | Self::NoGraph { vertex }
             | Self::Unresolved { vertex }
+            | Self::Rows { vertex }
+            | Self::Crease { vertex }
+            | Self::Outlier { vertex }
+            | Self::SmallComponent { vertex }
             | Self::Uneven { vertex }
             | Self::UnusualValence { vertex }
             | Self::Folded { vertex }

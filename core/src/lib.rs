@@ -106,7 +106,7 @@ pub use bending::{
     ControlPoints, Galerkin, GompperKroll, Hamann, Juelicher, KantorNelson, LoopSubdivision,
     MaterialParameter, StrongForm,
 };
-pub use components::Components;
+pub use components::{Components, Part};
 pub use constraint::{
     AreaDifference, Constraint, ConstraintError, Constraints, Correction, GaussianBending,
     LineTension, OsmoticPressure, Penalty, SurfaceTension, Targets,
@@ -133,8 +133,8 @@ pub use method::{
     Conservative, Energy, Force, ForceDensity, Method, ParameterError, TwoPass, Workspace,
 };
 pub use noise::{
-    AdaptiveJet, Estimate, Measured, Noise, Regression, RegressionFields, RegressionFits, Scale,
-    Smoothing, Verdict,
+    AdaptiveJet, Cause, Estimate, Measured, Noise, Regression, RegressionFields, RegressionFits,
+    Scale, Smoothing, Verdict,
 };
 pub use points::{Points, PointsMut};
 pub use prepared::Prepared;

@@ -18,10 +18,12 @@
 //! about the residual of such meshes: 1e-4 mean edges at 2562 vertices, 1e-5 at 10242.
 
 mod adaptive;
+pub(crate) mod doubt;
 mod fit;
 mod one_stage;
 mod quiet;
 mod regression;
+mod sharp;
 mod slopes;
 mod smoothing;
 
@@ -32,7 +34,7 @@ use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, norm, normalise};
-pub use adaptive::{AdaptiveJet, Estimate, Measured, Scale, Verdict};
+pub use adaptive::{AdaptiveJet, Cause, Estimate, Measured, Scale, Verdict};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
@@ -40,7 +42,9 @@ use core::iter;
 pub use regression::{Regression, RegressionFields, RegressionFits};
 pub use smoothing::Smoothing;
 
-use fit::{HeightFit, Model};
+use fit::HeightFit;
+pub(crate) use fit::Model;
+use sharp::Mark;
 
 /// Largest number of vertices around which fits are pooled: their median is known to a few per cent.
 const CENTRES: usize = 128;
@@ -130,7 +134,11 @@ impl<T: Real> Noise<T> {
         let mut fitted: Vec<u32> = pools.iter().flatten().copied().collect();
         fitted.sort_unstable();
         fitted.dedup();
-        let spectra = spectra(execution, surface, &fitted);
+        let smooth = Smooth {
+            normals: normals(surface),
+            marks: sharp::marks(surface),
+        };
+        let spectra = spectra(execution, surface, &smooth, &fitted);
         let of_vertex = |vertex: &u32| match fitted.binary_search(vertex) {
             Ok(place) => spectra[place],
             Err(_) => Spectrum::default(),
@@ -149,23 +157,32 @@ impl<T: Real> Noise<T> {
             found = median(resolved.iter().map(|seen| seen.least));
             most = median(resolved.iter().map(|seen| seen.most));
         }
-        if let Some(quiet) = quiet::noise(surface, &mut seen, found > T::zero()) {
+        if let Some(quiet) = quiet::noise(surface, &smooth, &mut seen, found > T::zero()) {
             found = found.max(quiet);
         }
-        let rounding = rounding(surface.positions());
-        let rounding = if most >= T::constant(0.5) * rounding {
-            rounding
-        } else {
-            T::zero()
-        };
-        let length = found.max(rounding);
+        let length = found.max(rounding(surface.positions(), most));
         let last_digit = T::epsilon() * largest_coordinate(surface.positions());
         if length <= last_digit {
             return Self::default();
         }
-        let edges = mesh.edges().iter();
-        let edges = edges.map(|&[from, to]| norm(surface.difference(from, to)));
-        let edge = edges.sum::<T>() / T::constant(mesh.edges().len() as f64);
+        Self::of_length(surface, length)
+    }
+
+    /// Noise with the median of standard deviations, for instance those of [`AdaptiveJet::deviations`], which are
+    /// sorted.
+    pub fn of_deviations(surface: Surface<'_, T>, deviations: &mut [T]) -> Self {
+        sort(deviations);
+        match deviations.get(deviations.len() / 2) {
+            Some(&length) if length > T::zero() => Self::of_length(surface, length),
+            _ => Self::default(),
+        }
+    }
+
+    fn of_length(surface: Surface<'_, T>, length: T) -> Self {
+        let edges = surface.mesh().edges();
+        let lengths = edges.iter();
+        let lengths = lengths.map(|&[from, to]| norm(surface.difference(from, to)));
+        let edge = lengths.sum::<T>() / T::constant(edges.len() as f64);
         Self {
             length,
             edges: length / edge,
@@ -225,26 +242,32 @@ fn rings_from_border(mesh: &TriangleMesh) -> Vec<u8> {
 fn spectra<T: Real>(
     execution: &impl Execution,
     surface: Surface<'_, T>,
+    smooth: &Smooth<T>,
     vertices: &[u32],
 ) -> Vec<Spectrum<T>> {
-    let normals = normals(surface);
     let mut spectra = vec![Spectrum::default(); vertices.len()];
     let mut memory: Vec<(Neighbourhood<T>, HeightFit<T>)> = Vec::new();
     execution.map_with(
         &mut memory,
         &mut spectra[..],
         |(near, fit), place, spectrum| {
-            *spectrum = spectrum_at(surface, &normals, vertices[place], NEIGHBOURS, near, fit);
+            *spectrum = spectrum_at(surface, smooth, vertices[place], NEIGHBOURS, near, fit);
         },
     );
     spectra
 }
 
+/// Vertex normals, and what is not smooth.
+struct Smooth<T> {
+    normals: Vec<Vec3<T>>,
+    marks: Vec<Option<Mark>>,
+}
+
 /// The spectrum of the fit around a vertex, with the first and the largest number of neighbours given;
-/// zeros if the fit fails.
+/// zeros if the fit fails, or includes a crease or an outlier.
 fn spectrum_at<T: Real>(
     surface: Surface<'_, T>,
-    normals: &[Vec3<T>],
+    smooth: &Smooth<T>,
     vertex: u32,
     [first, most]: [usize; 2],
     near: &mut Neighbourhood<T>,
@@ -255,6 +278,7 @@ fn spectrum_at<T: Real>(
         sharpness: T::constant(7.0),
         interpolates: true,
     };
+    let Smooth { normals, marks } = smooth;
     let here = normals[vertex as usize];
     near.nearest(surface, vertex, most);
     let mut count = first;
@@ -263,7 +287,9 @@ fn spectrum_at<T: Real>(
         let neighbours = &near.found[..count];
         let upright =
             |&(_, other): &(T, u32)| dot(normals[other as usize], here) >= T::constant(UPRIGHT);
-        if !neighbours.iter().all(upright) {
+        let is_smooth = |&(_, other): &(T, u32)| marks[other as usize].is_none();
+        let is_smooth = marks[vertex as usize].is_none() && neighbours.iter().all(is_smooth);
+        if !is_smooth || !neighbours.iter().all(upright) {
             return Spectrum::default();
         }
         fit.gather(surface, vertex, neighbours, &model);
@@ -363,8 +389,18 @@ fn largest_coordinate<T: Real>(positions: &[[T; 3]]) -> T {
 /// Largest number of decimals of coordinates that count as rounded.
 const DECIMALS: i32 = 9;
 
-/// Standard deviation of the rounding of coordinates to a few decimals or to f32; 0 if neither.
-fn rounding<T: Real>(positions: &[[T; 3]]) -> T {
+/// Standard deviation of the rounding of coordinates to a few decimals or to f32; 0 if neither, or if residuals with
+/// the median `most` contradict it, as those of a cube with integer coordinates.
+fn rounding<T: Real>(positions: &[[T; 3]], most: T) -> T {
+    let rounding = rounding_of_digits(positions);
+    if most >= T::constant(0.5) * rounding {
+        rounding
+    } else {
+        T::zero()
+    }
+}
+
+fn rounding_of_digits<T: Real>(positions: &[[T; 3]]) -> T {
     let over = T::constant(12.0).sqrt().recip();
     let coordinates = || positions.iter().flatten();
     for decimals in -DECIMALS..=DECIMALS {

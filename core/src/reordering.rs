@@ -153,7 +153,7 @@ impl Reordering {
             take(values, remainders);
             &remainders[..]
         });
-        surface.reordered(mesh, positions, remainders)
+        Surface::of_checked(mesh, positions, remainders)
     }
 
     /// A finding about a surface in this order, with the numbers of the original mesh.
@@ -171,6 +171,10 @@ impl Reordering {
             | Finding::Amplified { vertex }
             | Finding::NoGraph { vertex }
             | Finding::Unresolved { vertex }
+            | Finding::Rows { vertex }
+            | Finding::Crease { vertex }
+            | Finding::Outlier { vertex }
+            | Finding::SmallComponent { vertex }
             | Finding::Uneven { vertex }
             | Finding::UnusualValence { vertex }
             | Finding::Folded { vertex }

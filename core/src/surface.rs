@@ -150,22 +150,21 @@ impl<'a, T: Real> Surface<'a, T> {
         })
     }
 
-    /// This surface with its vertices in another order.
+    /// The surface with positions of another surface, which have been checked already.
     ///
     /// # Panics
     /// If there is no position for a vertex.
-    pub(crate) fn reordered<'b>(
-        &self,
-        mesh: &'b TriangleMesh,
-        positions: &'b [[T; 3]],
-        remainders: Option<&'b [[T; 3]]>,
-    ) -> Surface<'b, T> {
+    pub(crate) fn of_checked(
+        mesh: &'a TriangleMesh,
+        positions: &'a [[T; 3]],
+        remainders: Option<&'a [[T; 3]]>,
+    ) -> Self {
         assert_eq!(
             mesh.vertex_count(),
             positions.len(),
             "positions of vertices"
         );
-        Surface {
+        Self {
             mesh,
             positions,
             remainders,

@@ -40,6 +40,19 @@ pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
             "a vertex where the mesh does not resolve the surface: choose a finer one (the first is \
              vertex {vertex})"
         ),
+        Finding::Rows { vertex } => format!(
+            "a vertex whose neighbours lie in rows and do not determine the fit: remesh the surface with \
+             triangles as long as they are wide (the first is vertex {vertex})"
+        ),
+        Finding::Crease { vertex } => format!(
+            "a vertex at a crease, corner or tip, where curvatures are not defined (the first is vertex {vertex})"
+        ),
+        Finding::Outlier { vertex } => format!(
+            "a vertex far off the surface of its neighbours: correct or remove it (the first is vertex {vertex})"
+        ),
+        Finding::SmallComponent { vertex } => format!(
+            "a vertex of a component with too few vertices to tell errors (the first is vertex {vertex})"
+        ),
         Finding::Uneven { vertex } => {
             format!("a vertex with edges of very different lengths (the first is vertex {vertex})")
         }

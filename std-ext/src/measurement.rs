@@ -3,7 +3,7 @@
 
 use crate::method::Fields;
 use crate::noise;
-use helfrich::{AdaptiveJet, Estimate, Finding, Measured, Real, Surface, Verdict};
+use helfrich::{AdaptiveJet, Estimate, Finding, Measured, Noise, Real, Surface, Verdict};
 
 /// Curvatures and force densities at every vertex of a surface, with error bars.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +68,14 @@ pub fn principal_curvatures(mean: f64, gaussian: f64) -> [f64; 2] {
     [mean + apart, mean - apart]
 }
 
+/// The bar of a value; infinite if the value is known and the bar is not.
+fn known_bar(value: f64, bar: f64) -> f64 {
+    match value.is_finite() && bar.is_nan() {
+        true => f64::INFINITY,
+        false => bar,
+    }
+}
+
 fn known(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
@@ -129,7 +137,8 @@ impl Measurement {
         let bars = |values: &[f64], of: &dyn Fn(&Measured<f64>) -> Estimate<f64>| {
             self.each(|vertex, at| {
                 let estimate = of(at);
-                (values[vertex] - estimate.value).abs() + estimate.error
+                let bar = (values[vertex] - estimate.value).abs() + estimate.error;
+                known_bar(values[vertex], bar)
             })
         };
         let [larger, smaller] = [principal(0), principal(1)];
@@ -142,7 +151,8 @@ impl Measurement {
                 number(Some(density[axis])) - own
             });
             let off = off.map(|x| x * x).sum::<f64>().sqrt();
-            off + modulus * at.force_density.error
+            let size = density.iter().map(|&f| number(Some(f)));
+            known_bar(size.sum(), off + modulus * at.force_density.error)
         });
         let scalars = |name, values| Column {
             name,
@@ -202,17 +212,22 @@ impl Measurement {
         columns.map(|(name, values)| Column { name, values }).into()
     }
 
+    /// Findings at the vertices, by the causes of their verdicts.
+    pub fn findings(&self) -> Vec<Finding> {
+        let all = (0..).zip(&self.vertices);
+        all.filter_map(|(vertex, at)| at.cause?.finding(vertex))
+            .collect()
+    }
+
     /// Number of vertices with a verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
         let is_same = |at: &&Measured<f64>| at.verdict == verdict;
         self.vertices.iter().filter(is_same).count()
     }
 
-    /// The median of σ; 0 if no noise was found.
-    pub fn deviation(&self) -> f64 {
-        let mut deviations = self.each(|_, at| at.deviation);
-        deviations.sort_by(f64::total_cmp);
-        deviations.get(deviations.len() / 2).copied().unwrap_or(0.0)
+    /// The median of σ on the surface that was measured.
+    pub fn noise(&self, surface: Surface<'_, f64>) -> Noise<f64> {
+        Noise::of_deviations(surface, &mut self.each(|_, at| at.deviation))
     }
 
     fn each(&self, of: impl Fn(usize, &Measured<f64>) -> f64) -> Vec<f64> {

@@ -20,7 +20,7 @@ use crate::series::{ITERATION, TIME};
 use crate::six::Six;
 use crate::study::MOST_SCATTER;
 use crate::sweep::{Case, Crossing, Outcome, Swept};
-use helfrich::{Noise, Surface};
+use helfrich::Noise;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -99,20 +99,6 @@ pub fn mesh_info(info: &MeshInfo, noise: &Noise<f64>, out: &mut dyn Write) -> io
 /// The standard deviation of noise, as a length and in edges.
 pub fn noise_of_positions(noise: &Noise<f64>) -> String {
     format!("{:.1e} ({:.1e} mean edges)", noise.length, noise.edges)
-}
-
-/// A standard deviation of the positions of a surface, as a length and in mean edges.
-pub fn deviation_of_positions(deviation: f64, surface: Surface<'_, f64>) -> String {
-    let edges = surface.mesh().edges();
-    let lengths = edges.iter().map(|&[from, to]| {
-        let [x, y, z] = surface.difference(from, to);
-        x.hypot(y).hypot(z)
-    });
-    let edge = lengths.sum::<f64>() / edges.len() as f64;
-    noise_of_positions(&Noise {
-        length: deviation,
-        edges: deviation / edge,
-    })
 }
 
 /// A number of a series, or a dash where it is not known.

@@ -3,6 +3,7 @@
 use helfrich::{Cotangent, DualArea, Real, Serial, Surface, TriangleMesh, VertexKind};
 use std::collections::HashMap;
 
+pub mod rows;
 mod strategies;
 
 pub use strategies::{Base, Inscribed, Rough, bent, cases, inscribed, rough_any, rough_closed};
@@ -139,6 +140,22 @@ impl Mesh {
             corners
         });
         (Self::new(positions, triangles.collect()), new_number)
+    }
+
+    /// This mesh, and another one moved by a vector, as one mesh.
+    pub fn beside(&self, other: &Self, away: [f64; 3]) -> Self {
+        let first = self.positions.len() as u32;
+        let mut positions = self.positions.clone();
+        positions.extend(
+            other
+                .positions
+                .iter()
+                .map(|x| [0, 1, 2].map(|k| x[k] + away[k])),
+        );
+        let mut triangles = self.connectivity.triangles().to_vec();
+        let others = other.connectivity.triangles().iter();
+        triangles.extend(others.map(|corners| corners.map(|vertex| vertex + first)));
+        Self::new(positions, triangles)
     }
 
     /// Each triangle divided into four at the middles of its edges.
@@ -382,6 +399,44 @@ pub fn sheet(cells: u32) -> Mesh {
             if i < cells && j < cells {
                 let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
                 triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+    Mesh::new(positions, triangles)
+}
+
+/// The boundary of a set of unit cubes, each face divided into `divisions` × `divisions` squares of two triangles.
+pub fn cubes(cells: &[[i32; 3]], divisions: i32) -> Mesh {
+    let mut numbers = HashMap::new();
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    let mut number = |at: [i32; 3]| {
+        *numbers.entry(at).or_insert_with(|| {
+            positions.push(at.map(|k| f64::from(k) / f64::from(divisions)));
+            positions.len() as u32 - 1
+        })
+    };
+    for cell in cells {
+        for axis in 0..3 {
+            for side in [0, 1] {
+                let mut beyond = *cell;
+                beyond[axis] += 2 * side - 1;
+                if cells.contains(&beyond) {
+                    continue;
+                }
+                let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+                for (i, j) in (0..divisions).flat_map(|i| (0..divisions).map(move |j| (i, j))) {
+                    let mut corner = |di: i32, dj: i32| {
+                        let mut at = cell.map(|k| divisions * k);
+                        at[axis] += divisions * side;
+                        (at[u], at[v]) = (at[u] + i + di, at[v] + j + dj);
+                        number(at)
+                    };
+                    let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+                    triangles.extend(match side {
+                        0 => [[a, c, b], [a, d, c]],
+                        _ => [[a, b, c], [a, c, d]],
+                    });
+                }
             }
         }
     }

@@ -4,7 +4,9 @@ use crate::arrays::{Input, Numbers, Positions, matrix, rows};
 use crate::effects::{checked_material, material};
 use crate::failure::{Fault, invalid};
 use crate::work::{Watch, on_threads};
-use helfrich::{AdaptiveJet, MaterialParameter, Measured, Quality, Surface, TriangleMesh, Verdict};
+use helfrich::{
+    AdaptiveJet, Finding, MaterialParameter, Measured, Quality, Surface, TriangleMesh, Verdict,
+};
 use helfrich_std::execute::Parallel;
 use helfrich_std::measurement::{
     Column, ColumnValues, Measurement, principal_curvatures, verdict_bit,
@@ -303,7 +305,8 @@ impl<T: Number> Answer<T> {
         }
         if let Some(measured) = &self.measured {
             for (flags, at) in self.flags.iter_mut().zip(&measured.vertices) {
-                *flags |= verdict_bit(at.verdict);
+                let finding = at.cause.and_then(|cause| cause.finding(0));
+                *flags |= verdict_bit(at.verdict) | finding.map_or(0, Finding::bit);
             }
             let none = [U::zero(); 3];
             for (which, name) in ["d1", "d2"].into_iter().enumerate() {

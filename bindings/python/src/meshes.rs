@@ -7,7 +7,7 @@ use helfrich::{Surface, TriangleMesh};
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{self, MeshFile, PointField, PointValues, Welded};
-use helfrich_std::noise::noise_of;
+use helfrich_std::noise::noise_seen;
 use helfrich_std::polygon;
 use helfrich_std::subdivide as refinement;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -125,7 +125,7 @@ pub(crate) fn inspect<'py>(
         };
         Ok::<_, Fault>((
             MeshInfo::new(surface),
-            noise_of(surface),
+            noise_seen(surface),
             file.split_vertices(),
         ))
     })?;

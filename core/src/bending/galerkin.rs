@@ -153,6 +153,7 @@ impl<T: Real> Method<T> for Galerkin<T> {
         surface.report_uneven_mesh(&mut listening);
         surface.report_rough_vertices(&mut listening);
         memory.shape.report_fits(&mut listening);
+        memory.shape.report_rows(surface, &mut listening);
         if concerns_all {
             for vertex in 0..surface.mesh().vertex_count() as u32 {
                 report(Finding::Unresolved { vertex });

@@ -15,6 +15,8 @@ use crate::mesh::TriangleMesh;
 use crate::mesh_identity::expect_parameter;
 use crate::method::{Method, Workspace};
 use crate::neighbourhood::Surroundings;
+use crate::noise::Model;
+use crate::noise::doubt::report_rows;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
@@ -103,6 +105,8 @@ pub struct JetMemory<T> {
     rows: Rows<T>,
     /// The degree fitted at each vertex, 0 where there was no fit.
     degrees: Vec<u8>,
+    /// H of the last evaluation.
+    means: Vec<T>,
     /// Bounds of the distances of neighbours in the last evaluation.
     bounds: Vec<i32>,
     blocks: Vec<Block<T>>,
@@ -112,6 +116,13 @@ impl<T> JetMemory<T> {
     /// The degree fitted at each vertex, 0 where the neighbours do not determine any fit.
     pub fn degrees(&self) -> &[u8] {
         &self.degrees
+    }
+}
+
+impl<T: Real> JetMemory<T> {
+    /// The number of neighbours of a fit.
+    pub(crate) fn neighbours(&self, vertex: usize) -> usize {
+        self.rows.row(vertex).0.len()
     }
 }
 
@@ -147,6 +158,15 @@ impl<T: Real> Jet<T> {
                 degree,
                 neighbours: first.clamp(coefficients.min(last), last),
             })
+        })
+    }
+
+    /// The polynomials of a degree; `None` for degree 0.
+    pub(crate) fn model(&self, degree: u8) -> Option<Model<T>> {
+        (degree > 0).then(|| Model {
+            degree: usize::from(degree),
+            sharpness: self.sharpness,
+            interpolates: true,
         })
     }
 
@@ -196,6 +216,7 @@ impl<T: Real> Method<T> for Jet<T> {
             cotangent: VertexSums::default(),
             rows: Rows::new(),
             degrees: Vec::new(),
+            means: Vec::new(),
             bounds: Vec::new(),
             blocks: Vec::new(),
         }
@@ -217,6 +238,11 @@ impl<T: Real> Method<T> for Jet<T> {
                 _ => {}
             }
         }
+        let fitted = |vertex: usize| {
+            let model = self.model(*memory.degrees.get(vertex)?)?;
+            Some((model, memory.neighbours(vertex)))
+        };
+        report_rows(surface, fitted, &memory.means, report);
     }
 }
 
@@ -237,6 +263,7 @@ impl<T: Real> Curvatures<T> for Jet<T> {
             cotangent,
             rows,
             degrees,
+            means,
             bounds,
             blocks,
         } = memory;
@@ -246,13 +273,18 @@ impl<T: Real> Curvatures<T> for Jet<T> {
         degrees.resize(vertices, 0);
         bounds.resize(vertices, 0);
         let slots = rows.slots(vertices, *room);
-        let output = ((curvature, (&mut degrees[..], &mut bounds[..])), slots);
+        let output = (
+            (&mut *curvature, (&mut degrees[..], &mut bounds[..])),
+            slots,
+        );
         let fits = Fits {
             jet: self,
             surroundings,
             surface,
         };
         execution.run(blocks, output, &fits);
+        means.clear();
+        means.extend(curvature.iter().map(|at| at.mean));
     }
 
     fn reaches_boundary(&self) -> bool {

@@ -16,16 +16,17 @@ mod bias;
 mod border;
 mod choice;
 mod deviation;
+mod ground;
 mod hidden;
+mod jets;
 mod level;
 mod principal;
+mod settle;
 
-use super::{BORDER, normals, rings_from_border};
-use crate::curvature::{Curvature, Curvatures};
-use crate::element::{Execution, Strided};
-use crate::laplacian::{Jet, LaplaceBeltrami};
-use crate::method::Method;
-use crate::neighbourhood::Neighbourhood;
+use crate::components::Components;
+use crate::curvature::Curvature;
+use crate::diagnostic::Finding;
+use crate::element::Execution;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::Vec3;
@@ -33,6 +34,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 use choice::{Candidate, Chosen};
 use deviation::Deviations;
+use ground::Ground;
+use jets::Jets;
 use level::{Estimates, Kind, Level};
 
 /// Number of independent errors whose effect is followed.
@@ -147,9 +150,40 @@ pub enum Verdict {
     Unresolved,
     /// The vertex is at a boundary, or next to it: fits are one-sided, and errors larger.
     OneSided,
-    /// Neighbours determine no fit: there are no values.
+    /// Neighbours determine no fit, or nothing shows its error: there are no values, or values with infinite
+    /// error bars.
     #[default]
     Unknown,
+}
+
+/// Cause of a verdict that error bars follow from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Cause {
+    /// Neighbours lie in rows, which do not determine the fit, or hardly.
+    Rows,
+    /// A crease, corner or tip of the surface.
+    Crease,
+    /// The fit includes a crease.
+    BesideCrease,
+    /// The vertex lies far off the surface of its neighbours.
+    Outlier,
+    /// The fit includes an outlier.
+    BesideOutlier,
+    /// The component has too few vertices to tell an error.
+    SmallComponent,
+}
+
+impl Cause {
+    /// The finding about a vertex with this cause; `None` if the finding is about another vertex.
+    pub fn finding(self, vertex: u32) -> Option<Finding> {
+        match self {
+            Self::Rows => Some(Finding::Rows { vertex }),
+            Self::Crease => Some(Finding::Crease { vertex }),
+            Self::Outlier => Some(Finding::Outlier { vertex }),
+            Self::SmallComponent => Some(Finding::SmallComponent { vertex }),
+            Self::BesideCrease | Self::BesideOutlier => None,
+        }
+    }
 }
 
 /// Results at a vertex.
@@ -179,115 +213,56 @@ pub struct Measured<T> {
     pub deviation: T,
     /// Quality of the mesh around the vertex.
     pub verdict: Verdict,
+    /// Cause of the verdict, if it is known.
+    pub cause: Option<Cause>,
 }
 
-/// Data that all fits share.
-struct Ground<'a, T> {
-    surface: Surface<'a, T>,
-    /// Normals weighted by area.
-    normals: Vec<Vec3<T>>,
-    /// Normals of the jets where these are known, otherwise normals weighted by area.
-    upright: Vec<Vec3<T>>,
-    /// Random signs, used as errors of standard deviation 1.
-    signs: Vec<Values<T>>,
-    /// The nearest vertices of each vertex, sorted by distance and filled up with [`NONE`].
-    nearest: Vec<u32>,
-    /// Rings from a boundary, at most [`BORDER`].
-    rings: Vec<u8>,
-}
-
-impl<'a, T: Real> Ground<'a, T> {
-    /// `names` are numbers that stay with the vertices when these are reordered.
-    fn new(
-        execution: &impl Execution,
-        surface: Surface<'a, T>,
-        names: Option<&[u32]>,
-        curvature: &[Curvature<T>],
-    ) -> Self {
-        let count = surface.mesh().vertex_count();
-        let normals = normals(surface);
-        let upright = curvature.iter().zip(&normals).map(|(fitted, &normal)| {
-            if fitted.normal == [T::zero(); 3] {
-                normal
-            } else {
-                fitted.normal
-            }
-        });
-        let upright = upright.collect();
-        let mut nearest = vec![NONE; count * POOL];
-        let mut scratch: Vec<Neighbourhood<T>> = Vec::new();
-        execution.map_with(
-            &mut scratch,
-            Strided::new(&mut nearest, POOL),
-            |near, vertex, nearest| {
-                near.nearest(surface, vertex as u32, POOL);
-                for (entry, &(_, vertex)) in nearest.iter_mut().zip(&near.found) {
-                    *entry = vertex;
-                }
-            },
-        );
-        let name = |vertex: usize| names.map_or(vertex as u32, |names| names[vertex]);
+impl<T: Real> Measured<T> {
+    /// No results, as at an isolated vertex.
+    pub fn unknown() -> Self {
+        let nothing = Estimate {
+            value: T::nan(),
+            error: T::nan(),
+            expected: T::nan(),
+            scale: Scale::default(),
+        };
         Self {
-            surface,
-            normals,
-            upright,
-            signs: (0..count).map(|vertex| signs(name(vertex))).collect(),
-            nearest,
-            rings: rings_from_border(surface.mesh()),
+            normal: [T::zero(); 3],
+            area: T::zero(),
+            mean: nothing,
+            gaussian: nothing,
+            force_density: nothing,
+            principal: [nothing; 2],
+            directions: None,
+            gradient_of_mean: [T::nan(); 3],
+            extremalities: None,
+            deviation: T::zero(),
+            verdict: Verdict::Unknown,
+            cause: None,
         }
-    }
-
-    /// Whether fits around a vertex are one-sided.
-    fn is_near_border(&self, vertex: usize) -> bool {
-        usize::from(self.rings[vertex]) < BORDER
-    }
-
-    /// The errors of the height at a vertex.
-    #[inline(always)]
-    fn errors(&self, vertex: u32) -> &Values<T> {
-        &self.signs[vertex as usize]
-    }
-
-    /// The vertex, and the `count` nearest others.
-    #[inline]
-    fn pool(&self, vertex: usize, count: usize) -> impl Iterator<Item = usize> {
-        let nearest = self.nearest[vertex * POOL..][..count].iter();
-        let others = nearest.take_while(|&&other| other != NONE);
-        core::iter::once(vertex).chain(others.map(|&other| other as usize))
-    }
-
-    /// The means of the finite values over pools of the `count` nearest vertices; NaN where no value is
-    /// finite.
-    fn means(&self, execution: &impl Execution, values: &[T], count: usize) -> Vec<T> {
-        let mut means = vec![T::nan(); values.len()];
-        execution.map(&mut means[..], |vertex, mean| {
-            let (mut sum, mut terms) = (T::zero(), 0_u32);
-            for other in self.pool(vertex, count) {
-                if values[other].is_finite() {
-                    sum += values[other];
-                    terms += 1;
-                }
-            }
-            *mean = sum / T::constant(f64::from(terms));
-        });
-        means
     }
 }
 
-/// Independent signs for each vertex by its number: the finaliser of D. Lea, G. L. Steele and
-/// S. Vigna's SplitMix64.
-fn signs<T: Real>(name: u32) -> Values<T> {
-    let mut bits = (u64::from(name) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    bits ^= bits >> 31;
-    core::array::from_fn(|k| {
-        if bits >> (5 * k) & 1 == 0 {
-            T::one()
-        } else {
-            -T::one()
-        }
-    })
+/// What is known before the choice of scales.
+struct Begun<'s, T> {
+    ground: Ground<'s, T>,
+    curvature: Vec<Curvature<T>>,
+    deviations: Deviations<T>,
+    chosen: Chosen<T>,
+    ladder: Vec<usize>,
+    /// The first level of the ladder.
+    first: Option<Level<T>>,
+}
+
+/// The order of the names of some vertices: within a component, names have the order of all.
+fn ranks(names: &[u32], vertices: &[u32]) -> Vec<u32> {
+    let mut order = Vec::from_iter(0..vertices.len());
+    order.sort_unstable_by_key(|&place| names[vertices[place] as usize]);
+    let mut ranks = vec![0; vertices.len()];
+    for (rank, place) in (0..).zip(order) {
+        ranks[place] = rank;
+    }
+    ranks
 }
 
 impl<T: Real> AdaptiveJet<T> {
@@ -306,39 +281,36 @@ impl<T: Real> AdaptiveJet<T> {
         names: Option<&[u32]>,
         watch: &mut dyn FnMut(f64) -> bool,
     ) -> Option<Vec<Measured<T>>> {
+        Components::each(
+            surface,
+            Measured::unknown(),
+            watch,
+            &mut |part, vertices, watch| {
+                let names = names.map(|names| ranks(names, vertices));
+                self.measure_connected(execution, part, names.as_deref(), watch)
+            },
+        )
+    }
+
+    /// Measures a connected surface.
+    fn measure_connected(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        names: Option<&[u32]>,
+        watch: &mut dyn FnMut(f64) -> bool,
+    ) -> Option<Vec<Measured<T>>> {
         if !watch(0.0) {
             return None;
         }
-        let (curvature, mut jet, mut degree) = jets(execution, surface);
-        let ground = Ground::new(execution, surface, names, &curvature);
-        let twin = Level::new(execution, &ground, &Kind::interpolating());
-        let [_, one_sided] = &twin.of_degrees;
-        for (values, one_sided) in jet.iter_mut().zip(&one_sided.values) {
-            for (vertex, (value, &one_sided)) in values.iter_mut().zip(one_sided).enumerate() {
-                if ground.rings[vertex] < ONE_STAGE && one_sided.is_finite() {
-                    *value = one_sided;
-                    degree[vertex] = twin.degrees[vertex];
-                }
-            }
-        }
-        let [.., force] = &jet;
-        let (mut deviations, wider) =
-            Deviations::new(execution, &ground, &twin, force, self.deviation);
-        let [_, sixth] = twin.of_degrees;
-        let first = Candidate::of_jets(
-            execution,
-            &ground,
-            &deviations,
-            jet,
-            sixth.changes,
-            degree,
-            &twin.neighbours,
-        );
-        let ladder = self.ladder(&deviations, surface.mesh().vertex_count());
-        let mut chosen = Chosen::new(first);
-        if let Some(wider) = wider.filter(|_| ladder.is_empty()) {
-            chosen.compare(execution, &ground, &wider);
-        }
+        let Begun {
+            ground,
+            curvature,
+            deviations,
+            mut chosen,
+            ladder,
+            mut first,
+        } = self.begin(execution, surface, names);
         // The time of a fit is proportional to its number of neighbours.
         let work = |rungs: &[usize]| rungs.iter().sum::<usize>() as f64 + 56.0;
         for (rung, &neighbours) in ladder.iter().enumerate() {
@@ -349,23 +321,81 @@ impl<T: Real> AdaptiveJet<T> {
             if is_chosen && neighbours == WIDEST && chosen.rising() <= RISING {
                 break;
             }
-            let level = Level::new(execution, &ground, &Kind::regression(neighbours));
-            if rung == 0 {
-                chosen.limit_noise(execution, &ground, &mut deviations, &level);
-            }
+            let level = || Level::new(execution, &ground, &Kind::regression(neighbours));
+            let level = first.take().unwrap_or_else(level);
             chosen.add(execution, &ground, &deviations, level, neighbours >= FOURTH);
             if is_chosen && chosen.gains() <= LEFT {
                 break;
             }
         }
         watch(1.0);
-        Some(chosen.measured(
-            execution,
-            &ground,
-            &deviations,
-            self.neighbours.is_some(),
-            &curvature,
-        ))
+        let is_fixed = self.neighbours.is_some();
+        let (mut measured, doubts) =
+            chosen.measured(execution, &ground, &deviations, is_fixed, &curvature);
+        settle::settle(&ground, &doubts, &mut measured);
+        Some(measured)
+    }
+
+    /// The standard deviation σ of the position along the normal that [`Self::measure`] finds at every vertex, in a
+    /// fraction of its time. `None` if `watch` returned false.
+    ///
+    /// # Panics
+    /// As [`Self::measure`].
+    pub fn deviations(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        names: Option<&[u32]>,
+        watch: &mut dyn FnMut(f64) -> bool,
+    ) -> Option<Vec<T>> {
+        Components::each(surface, T::zero(), watch, &mut |part, vertices, watch| {
+            if !watch(0.0) {
+                return None;
+            }
+            let names = names.map(|names| ranks(names, vertices));
+            let begun = self.begin(execution, part, names.as_deref());
+            let variances = begun.deviations.variances.iter();
+            Some(variances.map(|variance| variance.sqrt()).collect())
+        })
+    }
+
+    /// The jets of a connected surface, the noise by their residuals, and, if there is any, the first regression
+    /// jets, which limit it.
+    fn begin<'s>(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'s, T>,
+        names: Option<&[u32]>,
+    ) -> Begun<'s, T> {
+        let jets = Jets::new(execution, surface);
+        let ground = Ground::new(execution, surface, names, &jets.curvature);
+        let mut jets = jets.chosen(execution, &ground);
+        let twin = Level::new(execution, &ground, &Kind::interpolating());
+        jets.take_one_sided(&ground, &twin);
+        let [.., force] = &jets.values;
+        let (mut deviations, wider) =
+            Deviations::new(execution, &ground, &twin, force, self.deviation);
+        let [_, sixth] = twin.of_degrees;
+        let (curvature, first) =
+            Candidate::of_jets(execution, &ground, &deviations, jets, sixth.changes);
+        let ladder = self.ladder(&deviations, surface.mesh().vertex_count());
+        let mut chosen = Chosen::new(first);
+        if let Some(wider) = wider.filter(|_| ladder.is_empty()) {
+            chosen.compare(execution, &ground, &wider);
+        }
+        let first = ladder.first().map(|&neighbours| {
+            let level = Level::new(execution, &ground, &Kind::regression(neighbours));
+            chosen.limit_noise(execution, &ground, &mut deviations, &level);
+            level
+        });
+        Begun {
+            ground,
+            curvature,
+            deviations,
+            chosen,
+            ladder,
+            first,
+        }
     }
 
     /// The numbers of neighbours to try.
@@ -387,44 +417,4 @@ impl<T: Real> AdaptiveJet<T> {
             None => COARSE_LADDER.to_vec(),
         }
     }
-}
-
-/// Curvatures, H, K and f of jets, and their degrees.
-fn jets<T: Real>(
-    execution: &impl Execution,
-    surface: Surface<'_, T>,
-) -> (Vec<Curvature<T>>, [Vec<T>; QUANTITIES], Vec<u8>) {
-    let mesh = surface.mesh();
-    let count = mesh.vertex_count();
-    let jet = Jet::for_mesh(mesh);
-    let mut workspace = jet.workspace(mesh);
-    let mut curvature = vec![Curvature::default(); count];
-    jet.curvatures(execution, surface, &mut workspace, &mut curvature);
-    let degrees = workspace.memory().degrees().to_vec();
-    let known = |at: &Curvature<T>, degree: &u8, value: T| {
-        let is_known = *degree > 0 && at.normal != [T::zero(); 3];
-        if is_known { value } else { T::nan() }
-    };
-    let mean = Vec::from_iter(curvature.iter().map(|at| at.mean));
-    let mut force = vec![T::zero(); count];
-    jet.apply_to_scalar(execution, surface, &workspace, &mean, &mut force);
-    let two = T::constant(2.0);
-    let all = curvature.iter().zip(&degrees);
-    let values = [
-        all.clone().map(|(at, d)| known(at, d, at.mean)).collect(),
-        all.clone()
-            .map(|(at, d)| known(at, d, at.gaussian))
-            .collect(),
-        all.zip(&force)
-            .map(|((at, d), &laplacian)| {
-                let (mean, gaussian) = (at.mean, at.gaussian);
-                known(
-                    at,
-                    d,
-                    two * (laplacian + two * mean * (mean * mean - gaussian)),
-                )
-            })
-            .collect(),
-    ];
-    (curvature, values, degrees)
 }

@@ -5,6 +5,7 @@
 //! G. H. Golub and C. F. Van Loan, Matrix Computations, section 5.2 (Gram–Schmidt, modified).
 
 mod moments;
+mod spread;
 
 use crate::lane::Lane;
 use crate::neighbourhood::Neighbourhood;
@@ -40,13 +41,13 @@ const ROUNDING: f64 = 2e-12;
 
 /// A polynomial that is fitted to heights over a tangent plane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Model<T> {
+pub(crate) struct Model<T> {
     /// Its degree.
-    pub(super) degree: usize,
+    pub(crate) degree: usize,
     /// β of the weights `exp(−β |x_j − x_i|²/ρ²)`, ρ the distance of the farthest neighbour.
-    pub(super) sharpness: T,
+    pub(crate) sharpness: T,
     /// Whether it has no constant term, so that it passes through the vertex.
-    pub(super) interpolates: bool,
+    pub(crate) interpolates: bool,
 }
 
 impl<T> Model<T> {

@@ -4,7 +4,7 @@
 //! shape; the residual of noise does not.
 
 use super::fit::HeightFit;
-use super::{NEIGHBOURS, POOL, Seen, median, normals, spectrum_at};
+use super::{NEIGHBOURS, POOL, Seen, Smooth, median, spectrum_at};
 use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
 use crate::surface::Surface;
@@ -33,6 +33,7 @@ const GROWTH: f64 = 1.25;
 /// there is not noise. `is_noisy` states that there is noise.
 pub(super) fn noise<T: Real>(
     surface: Surface<'_, T>,
+    smooth: &Smooth<T>,
     seen: &mut [(&Vec<u32>, Seen<T>)],
     is_noisy: bool,
 ) -> Option<T> {
@@ -46,14 +47,17 @@ pub(super) fn noise<T: Real>(
     let is_steady = too_quiet.most >= T::constant(STEADY) * loudest.most;
     let of_quiet = |of: fn(&Seen<T>) -> T| median(quiet.iter().map(|(_, seen)| of(seen)));
     let is_seen = is_steady && of_quiet(|seen| seen.least) > T::zero();
-    let is_noise = is_seen && (is_noisy || growth(surface, quiet) <= T::constant(GROWTH));
+    let is_noise = is_seen && (is_noisy || growth(surface, smooth, quiet) <= T::constant(GROWTH));
     is_noise.then(|| of_quiet(|seen| seen.likely))
 }
 
 /// The median ratio of the residuals of wide fits to those of other fits; infinite if it is unknown for
 /// half of the vertices.
-fn growth<T: Real>(surface: Surface<'_, T>, pools: &[(&Vec<u32>, Seen<T>)]) -> T {
-    let normals = normals(surface);
+fn growth<T: Real>(
+    surface: Surface<'_, T>,
+    smooth: &Smooth<T>,
+    pools: &[(&Vec<u32>, Seen<T>)],
+) -> T {
     let mut near = Neighbourhood::default();
     let mut fit = HeightFit::default();
     let mut of_pool = |pool: &Vec<u32>| {
@@ -62,7 +66,7 @@ fn growth<T: Real>(surface: Surface<'_, T>, pools: &[(&Vec<u32>, Seen<T>)]) -> T
             let [first, _] = NEIGHBOURS;
             let both = [[first; 2], [WIDE; 2]];
             let [narrow, wide] = both.map(|counts| {
-                let spectrum = spectrum_at(surface, &normals, vertex, counts, &mut near, &mut fit);
+                let spectrum = spectrum_at(surface, smooth, vertex, counts, &mut near, &mut fit);
                 spectrum[3]
             });
             // Only vertices where both are known, because the residual varies over the surface.

@@ -24,6 +24,11 @@ impl<T: Real> Slopes<T> {
         }
     }
 
+    /// From z_x and z_y; z_xx, z_xy and z_yy.
+    pub(super) fn of_derivatives(first: [T; 2], second: [T; 3]) -> Self {
+        Self { first, second }
+    }
+
     /// 1 + z_x² + z_y².
     fn metric(&self) -> T {
         let [p, q] = self.first;

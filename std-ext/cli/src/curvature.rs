@@ -10,12 +10,12 @@ use crate::{
     refuse_replacing, warn,
 };
 use clap::builder::PossibleValuesParser;
-use helfrich::{AdaptiveJet, Surface, Verdict};
+use helfrich::{AdaptiveJet, Cause, Surface, Verdict};
 use helfrich_std::execute::Parallel;
 use helfrich_std::io::{MeshFile, PointField, PointValues, write_vtp};
 use helfrich_std::measurement::{Column, ColumnValues, Measurement};
 use helfrich_std::method::{AnyMethod, BendingMethod, Compiled, Evaluated, Fields, MethodOptions};
-use helfrich_std::noise::noise_of;
+use helfrich_std::noise::noise_seen;
 use helfrich_std::orientation::inside_out;
 use helfrich_std::report;
 use helfrich_std::scalar::{HeldPositions, Scalar};
@@ -96,6 +96,7 @@ fn measurement(
     });
     bar.clear();
     let measured = measured.ok_or(Failure::Unfinished(130))?;
+    warn(&arguments.input.mesh, &measured.findings());
     tell_verdicts(&arguments.input.mesh, surface, &measured);
     Ok(Some(measured))
 }
@@ -103,25 +104,53 @@ fn measurement(
 /// Prints the verdicts of the fits about the mesh.
 fn tell_verdicts(path: &Path, surface: Surface<'_, f64>, measured: &Measurement) {
     let path = path.display();
-    if measured.deviation() > 0.0 {
-        let seen = report::deviation_of_positions(measured.deviation(), surface);
+    let noise = measured.noise(surface);
+    if noise.is_seen() {
+        let seen = report::noise_of_positions(&noise);
         say(format_args!(
             "note: {path}: noise of positions {seen}, taken to be independent from vertex to vertex: error \
              bars do not contain errors that neighbours share"
         ));
     }
     let all = measured.vertices.len();
-    let unresolved = measured.count(Verdict::Unresolved);
-    if 50 * unresolved > all {
+    let told = |message: &str, count: usize| {
         say(format_args!(
-            "warning: {path}: {unresolved} of {all} vertices: the mesh does not resolve the shape: refine it"
+            "warning: {path}: {count} of {all} vertices: {message}"
         ));
+    };
+    let beside = |cause: Cause| {
+        let vertices = measured.vertices.iter();
+        vertices.filter(|at| at.cause == Some(cause)).count()
+    };
+    for (cause, what) in [
+        (Cause::BesideCrease, "a crease, corner or tip"),
+        (Cause::BesideOutlier, "a vertex far off the surface"),
+    ] {
+        let count = beside(cause);
+        if count > 0 {
+            told(
+                &format!("the fit includes {what}: error bars are not known"),
+                count,
+            );
+        }
     }
-    let unknown = measured.count(Verdict::Unknown);
+    let with_cause = measured.vertices.iter().filter(|at| at.cause.is_some());
+    let explained = |verdict: Verdict| {
+        with_cause
+            .clone()
+            .filter(|at| at.verdict == verdict)
+            .count()
+    };
+    let unresolved = measured.count(Verdict::Unresolved) - explained(Verdict::Unresolved);
+    if 50 * unresolved > all {
+        told("the mesh does not resolve the shape: refine it", unresolved);
+    }
+    let unknown = measured.count(Verdict::Unknown) - explained(Verdict::Unknown);
     if unknown > 0 {
-        say(format_args!(
-            "warning: {path}: {unknown} of {all} vertices: too few neighbours for a fit, no values"
-        ));
+        told(
+            "neighbours determine no fit, or do not show its error: no values, or no error bars",
+            unknown,
+        );
     }
 }
 
@@ -353,7 +382,7 @@ fn save_surface<T: Evaluated>(
 /// Prints the noise of the positions, if any was found, and the number of vertices where it
 /// dominates f.
 fn tell_noise(path: &Path, surface: Surface<'_, f64>) {
-    let noise = noise_of(surface);
+    let noise = noise_seen(surface);
     if !noise.is_seen() {
         return;
     }

@@ -19,7 +19,7 @@ use helfrich_std::io::{
     MeshFile, WriteError, check_replaceable, is_same_file, read, read_welded, write,
 };
 use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions, OwnMethod};
-use helfrich_std::noise::noise_of;
+use helfrich_std::noise::noise_seen;
 use helfrich_std::report;
 use helfrich_std::run::{End, check, run};
 use helfrich_std::scene::{Overrides, SHIPPED, Scene, SceneFile, ShippedScene, shipped_files};
@@ -317,7 +317,7 @@ fn info(arguments: &MeshArguments) -> Result<(), Failure> {
     let MeshFile { positions, mesh } = load(arguments)?;
     let surface = Surface::new(&mesh, &positions).map_err(|error| Failure::mesh(path, error))?;
     let info = MeshInfo::new(surface);
-    let noise = noise_of(surface);
+    let noise = noise_seen(surface);
     print(|out| report::mesh_info(&info, &noise, out))
 }
 

@@ -4,12 +4,31 @@
 use crate::execute::Parallel;
 use crate::ordered::Ordered;
 use helfrich::{
-    AdaptiveJet, Measured, Noise, Regression, RegressionFields, RegressionFits, Smoothing, Surface,
+    AdaptiveJet, Components, Measured, Noise, Regression, RegressionFields, RegressionFits,
+    Smoothing, Surface,
 };
 
 /// The noise of a surface, on all threads: see [`Noise::of`].
 pub fn noise_of(surface: Surface<'_, f64>) -> Noise<f64> {
     Noise::of(&Parallel::new(), surface)
+}
+
+/// Largest number of vertices of which [`noise_seen`] measures every one: some seconds on two threads.
+pub const EVERY_VERTEX: usize = 30_000;
+
+/// The noise of a surface as [`measured`] finds it: the median over all vertices. On meshes of more than
+/// [`EVERY_VERTEX`] vertices, it is the estimate of [`noise_of`] from some of these.
+pub fn noise_seen(surface: Surface<'_, f64>) -> Noise<f64> {
+    if surface.mesh().vertex_count() > EVERY_VERTEX {
+        return noise_of(surface);
+    }
+    let jet = AdaptiveJet::default();
+    let deviations = Components::each(surface, 0.0, &mut |_| true, &mut |part, _, watch| {
+        in_order(part, |part, names| {
+            jet.deviations(&Parallel::new(), part, names, watch)
+        })
+    });
+    Noise::of_deviations(surface, &mut deviations.unwrap_or_default())
 }
 
 /// The positions of a surface, smoothed on all threads: see [`Smoothing::apply`].
@@ -99,19 +118,35 @@ pub fn averaged(
     field
 }
 
-/// A surface measured by adaptive jets on all threads, in a cache-friendly order if it is large: see
-/// [`AdaptiveJet::measure`]. `None` if `watch` returned false.
+/// A surface measured by adaptive jets on all threads, each component alone, in a cache-friendly order if it is
+/// large: see [`AdaptiveJet::measure`]. `None` if `watch` returned false.
 pub fn measured(
     jet: &AdaptiveJet<f64>,
     surface: Surface<'_, f64>,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Option<Vec<Measured<f64>>> {
-    let execution = Parallel::new();
+    Components::each(
+        surface,
+        Measured::unknown(),
+        watch,
+        &mut |part, _, watch| {
+            in_order(part, |part, names| {
+                jet.measure(&Parallel::new(), part, names, watch)
+            })
+        },
+    )
+}
+
+/// The results of `measure` on a surface in a cache-friendly order, if it is large.
+fn in_order<R: Copy>(
+    surface: Surface<'_, f64>,
+    measure: impl FnOnce(Surface<'_, f64>, Option<&[u32]>) -> Option<Vec<R>>,
+) -> Option<Vec<R>> {
     let Some(mut ordered) = Ordered::of(surface.mesh()) else {
-        return jet.measure(&execution, surface, None, watch);
+        return measure(surface, None);
     };
     let names = ordered.order().vertices().to_vec();
     let (surface, _) = ordered.parts(surface);
-    let measured = jet.measure(&execution, surface, Some(&names), watch)?;
-    Some(ordered.order().undo(&measured))
+    let results = measure(surface, Some(&names))?;
+    Some(ordered.order().undo(&results))
 }

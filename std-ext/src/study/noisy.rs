@@ -148,7 +148,7 @@ impl NoiseStudy {
             let verdicts = [Verdict::Clean, Verdict::Noise, Verdict::Unresolved];
             rows.push(NoiseRow {
                 bars: Some(truth.bars(&jet.vertices)),
-                found: Some(jet.deviation() / mean_edge(made, surface)),
+                found: Some(jet.noise(surface).edges),
                 verdicts: Some(verdicts.map(|verdict| jet.count(verdict) as f64 / all)),
                 ..row(BendingMethod::Jet.name(), truth.errors(&jet.fields(1.0)))
             });

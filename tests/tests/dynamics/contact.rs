@@ -160,7 +160,7 @@ fn dense_suspensions_stay_apart() {
 
 /// 27 capsules with 42 % of the volume, without bending, so that they crumple.
 #[test]
-#[ignore = "three minutes: by hand, see CONTRIBUTING"]
+#[ignore = "three minutes: by .ci/long"]
 fn dense_suspensions_stay_apart_for_long() {
     let more = "cutoff = 0.2\n[driver]\nspacing = 0.2\nstrain = 6";
     stay_apart(3, [6.4, 6.6, 6.4], "vertices = 162", more);

@@ -165,7 +165,7 @@ fn a_bending_energy_below_zero_ends_the_run() {
 
 /// The same for all branches and volumes that 2562 vertices resolve.
 #[test]
-#[ignore = "a quarter of an hour: by hand, see CONTRIBUTING"]
+#[ignore = "a quarter of an hour: by .ci/long"]
 fn vesicles_of_patches_have_the_energies_of_the_axisymmetric_theory() {
     for (branch, v) in [
         (Branch::Prolate, 0.9),
@@ -179,7 +179,7 @@ fn vesicles_of_patches_have_the_energies_of_the_axisymmetric_theory() {
 }
 
 #[test]
-#[ignore = "half a minute: by hand, see CONTRIBUTING"]
+#[ignore = "half a minute: by .ci/long"]
 fn long_and_flat_vesicles_have_the_energies_of_the_axisymmetric_theory() {
     compare(Branch::Prolate, 0.651, "juelicher", [JUELICHER, ESTIMATE]);
     compare(Branch::Prolate, 0.651, "loop", [LOOP, ESTIMATE]);

@@ -78,7 +78,7 @@ fn a_coarse_mesh_is_no_noise() {
 }
 
 #[test]
-#[ignore = "five minutes: by hand, see CONTRIBUTING"]
+#[ignore = "five minutes: by .ci/long"]
 fn many_shapes_near_the_detection_limit() {
     let shapes = [
         torus(0.4),

@@ -299,7 +299,7 @@ const EXCEPTION: &str = "ellipsoid:1,0.7,0.4, relaxed, 2562, 0.01, f:";
 const UNRESOLVED: usize = 163;
 
 #[test]
-#[ignore = "half an hour: by hand, see CONTRIBUTING"]
+#[ignore = "half an hour: by .ci/long"]
 fn everything_held_out() {
     let cases_with = |vertices: usize| {
         let ellipsoids = [

@@ -1,13 +1,16 @@
 //! Meshes and surfaces: connectivity, geometry, subdivision, exact shapes, and meshes on them.
 
 mod adaptive;
+mod bars;
 mod detection_limit;
 mod expected_errors;
 mod families;
 mod isosurfaces;
+mod many_shapes;
 mod mesh;
 mod noise;
 mod reordering;
+mod rows;
 mod shapes;
 mod subdivision;
 mod surface;

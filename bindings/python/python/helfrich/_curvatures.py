@@ -62,12 +62,20 @@ class Flag(enum.IntFlag):
     """The fit around it is no graph over its triangles."""
     UNRESOLVED = 1 << 17
     """The mesh is too coarse for its shape there."""
+    ROWS = 1 << 18
+    """Its neighbours lie in rows and do not determine the fit: remesh the surface."""
+    CREASE = 1 << 19
+    """It is at a crease, corner or tip, where curvatures are not defined."""
+    OUTLIER = 1 << 20
+    """It lies far off the surface of its neighbours."""
+    SMALL_COMPONENT = 1 << 21
+    """Its component has too few vertices to tell errors."""
     NOISE = 1 << 24
     """There is noise, to which error bars are fitted."""
     ONE_SIDED = 1 << 25
     """It is at a boundary or next to it: error bars are wider."""
     UNKNOWN = 1 << 26
-    """There is no value: it is 0."""
+    """There is no value, and it is 0; or no error bar, and it is infinite."""
 
 
 class Errors(NamedTuple):

@@ -3,10 +3,14 @@
 use super::GalerkinMemory;
 use super::basis::GAUSS;
 use super::edges::angle_of;
+use super::fit::{SHARPNESS, within};
 use super::points::settled;
 use super::shape::Shape;
 use crate::diagnostic::Finding;
+use crate::noise::Model;
+use crate::noise::doubt::report_rows;
 use crate::real::Real;
+use crate::surface::Surface;
 
 /// Least pivot, over the diagonal entry, of a fit that neighbours determine well.
 const WEAKEST: f64 = 1e-6;
@@ -47,6 +51,24 @@ impl<T: Real> Shape<T> {
                 report(Finding::NoGraph { vertex });
             }
         }
+    }
+}
+
+impl<T: Real> Shape<T> {
+    /// Reports vertices in rows that do not determine their fits.
+    pub(super) fn report_rows(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding)) {
+        let fitted = |vertex: usize| {
+            let (block, _) = *self.plan.members.get(vertex)?.as_ref()?;
+            let degree = self.plan.blocks[block as usize].degree;
+            let model = Model {
+                degree,
+                // Rows have the roots of the weights.
+                sharpness: T::constant(0.5 * SHARPNESS),
+                interpolates: true,
+            };
+            Some((model, within(degree) as usize))
+        };
+        report_rows(surface, fitted, &[], report);
     }
 }
 

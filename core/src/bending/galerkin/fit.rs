@@ -27,7 +27,7 @@ const BELOW: usize = COUNT * (COUNT - 1) / 2;
 /// Number of rows that are eliminated together: none waits for another.
 const TOGETHER: usize = 4;
 /// Exponent of the weights at the radius.
-const SHARPNESS: f64 = 14.0;
+pub(super) const SHARPNESS: f64 = 14.0;
 /// Square of the distance, in radii, within which weights do not grow further.
 pub(super) const CORE: f64 = 1e-3;
 /// Number of neighbours within the radius of an even mesh.

@@ -1,14 +1,15 @@
 //! The candidates, their estimated errors, and the choice among them at every vertex.
 
+mod results;
+
 use super::bias::{Bias, Distances, LOCAL, Pair, positive, related, variances};
+use super::jets::Jets;
 use super::level::{Kind, Level};
-use super::principal::{self, Fitted, JETS};
-use super::{
-    Deviations, Estimate, Estimates, Ground, Measured, QUANTITIES, Scale, Values, Verdict,
-};
+use super::{Deviations, Estimates, Ground, QUANTITIES, Scale, Values};
 use crate::curvature::Curvature;
 use crate::element::Execution;
 use crate::noise::DEGREES;
+use crate::noise::doubt::larger;
 use crate::real::Real;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -46,6 +47,9 @@ const FROM_WIDER: f64 = 4.0;
 /// Ratio of the error bars of k₁ and k₂ to those of H.
 const PRINCIPAL: f64 = 1.75;
 
+/// A candidate, its squared error for the bar, and its expected squared error.
+type Choice<T> = (usize, T, T);
+
 /// One kind of fit.
 pub(super) struct Candidate<T> {
     kind: Kind<T>,
@@ -81,6 +85,9 @@ pub(super) struct Chosen<T> {
     least: Vec<[(T, u8); QUANTITIES]>,
 }
 
+/// Changes of each quantity due to noise.
+type Changes<T> = [Vec<Values<T>>; QUANTITIES];
+
 impl<T: Real> Candidate<T> {
     /// The jets. Their bias counts as zero, because no other fit of a mesh without noise is more
     /// accurate.
@@ -88,23 +95,21 @@ impl<T: Real> Candidate<T> {
         execution: &impl Execution,
         ground: &Ground<'_, T>,
         deviations: &Deviations<T>,
-        values: [Vec<T>; QUANTITIES],
+        jets: Jets<T>,
         changes: [Vec<Values<T>>; QUANTITIES],
-        degree: Vec<u8>,
-        neighbours: &[u32],
-    ) -> (Self, [Vec<Values<T>>; QUANTITIES]) {
-        let bias = Bias::none(degree.len());
-        let jets = Self {
-            degree,
-            neighbours: neighbours.to_vec(),
-            kind: Kind::interpolating(),
-            values,
+    ) -> (Vec<Curvature<T>>, (Self, Changes<T>)) {
+        let bias = Bias::none(jets.degrees.len());
+        let candidate = Self {
+            degree: jets.degrees,
+            neighbours: jets.neighbours,
+            kind: Kind::of_jets(jets.model),
+            values: jets.values,
             variance: variances(execution, ground, deviations, &changes),
             bias: from_fn(|_| bias.clone()),
             beside: None,
             related: [T::zero(); QUANTITIES],
         };
-        (jets, changes)
+        (jets.curvature, (candidate, changes))
     }
 
     fn scale(&self, vertex: usize) -> Scale {
@@ -228,8 +233,12 @@ impl<T: Real> Chosen<T> {
                 self.excess[quantity] =
                     [&distances.wide, &distances.narrow, &distances.local].map(|means| {
                         let both = means.iter().zip(&distances.variance);
-                        both.map(|(&mean, &variance)| positive(mean - variance))
-                            .collect()
+                        // Unknown where there is no fit to compare with.
+                        both.map(|(&mean, &variance)| match (mean - variance).is_nan() {
+                            true => T::infinity(),
+                            false => positive(mean - variance),
+                        })
+                        .collect()
                     });
             }
             let factor = |vertex: usize| factor(vertex, quantity);
@@ -293,7 +302,8 @@ impl<T: Real> Chosen<T> {
             for (quantity, (least, worse)) in least.iter_mut().enumerate() {
                 let squares = candidates.iter().map(|candidate| {
                     let bias = &candidate.bias[quantity];
-                    bias.wide[vertex].max(bias.local[vertex]) + candidate.variance[quantity][vertex]
+                    larger(bias.wide[vertex], bias.local[vertex])
+                        + candidate.variance[quantity][vertex]
                 });
                 let square = squares.fold(T::infinity(), |least, square| least.min(square));
                 if square < *least {
@@ -358,7 +368,7 @@ impl<T: Real> Chosen<T> {
         quantity: usize,
         among: &[usize],
         biases: &mut Vec<T>,
-    ) -> Option<(usize, T, T)> {
+    ) -> Option<Choice<T>> {
         self.biases(vertex, quantity, |bias| &bias.wide, biases);
         let bias_of = |candidate: usize, biases: &[T]| {
             biases[candidate].max(self.all[candidate].bias[quantity].local[vertex])
@@ -443,115 +453,5 @@ impl<T: Real> Chosen<T> {
         } else {
             (own, T::zero())
         }
-    }
-
-    /// The results at every vertex; if `is_fixed`, the fits with the most neighbours take precedence
-    /// over all others.
-    pub(super) fn measured(
-        &self,
-        execution: &impl Execution,
-        ground: &Ground<'_, T>,
-        deviations: &Deviations<T>,
-        is_fixed: bool,
-        curvature: &[Curvature<T>],
-    ) -> Vec<Measured<T>> {
-        let count = deviations.variances.len();
-        let every = Vec::from_iter(0..self.all.len());
-        let last = [self.sixth.last(), self.fourth.last()];
-        let last = Vec::from_iter(last.into_iter().flatten().copied());
-        let mut choices = vec![[None; QUANTITIES]; count];
-        let mut scratch: Vec<Vec<T>> = Vec::new();
-        execution.map_with(&mut scratch, &mut choices[..], |biases, vertex, choices| {
-            for (quantity, choice) in choices.iter_mut().enumerate() {
-                let mut choose = |among: &[usize]| self.choose(vertex, quantity, among, biases);
-                *choice = if is_fixed { choose(&last) } else { None };
-                *choice = choice.or_else(|| choose(&every));
-            }
-        });
-        let times = |vertex: usize| {
-            let is_clean = deviations.variances[vertex] == T::zero();
-            T::constant(match (&self.from_wider, is_clean) {
-                (Some(_), _) => FROM_WIDER,
-                (None, true) => CLEAN_BAR,
-                (None, false) => BAR,
-            })
-        };
-        // Distances at neighbours may show a bias that is not visible at this vertex; distances from
-        // wider jets are used at the vertex alone.
-        let pool = if self.from_wider.is_some() { 0 } else { LOCAL };
-        let largest = |vertex: usize, quantity: usize| {
-            let around = ground.pool(vertex, pool);
-            let squares = around.filter_map(|other| choices[other][quantity].map(|(_, s, _)| s));
-            squares.fold(T::zero(), |most, square: T| most.max(square))
-        };
-        let at_border = |vertex: usize| !ground.surface.mesh().is_interior(vertex);
-        let estimate = |vertex: usize, quantity: usize| {
-            let nothing = Estimate {
-                value: T::nan(),
-                error: T::nan(),
-                expected: T::nan(),
-                scale: Scale::default(),
-            };
-            let Some((candidate, _, expected)) = choices[vertex][quantity] else {
-                return nothing;
-            };
-            let one_sided = if at_border(vertex) { ONE_SIDED } else { 1.0 };
-            Estimate {
-                value: self.all[candidate].values[quantity][vertex],
-                error: times(vertex) * T::constant(one_sided) * largest(vertex, quantity).sqrt(),
-                expected: expected.sqrt(),
-                scale: self.all[candidate].scale(vertex),
-            }
-        };
-        let measured = (0..count).map(|vertex| {
-            let mean = estimate(vertex, 0);
-            let principal = choices[vertex][0].map_or([mean; 2], |(candidate, ..)| {
-                let gaussian = self.all[candidate].values[1][vertex];
-                let root = positive(mean.value * mean.value - gaussian).sqrt();
-                [root, -root].map(|root| Estimate {
-                    value: mean.value + root,
-                    error: T::constant(PRINCIPAL) * mean.error,
-                    expected: T::constant(PRINCIPAL) * mean.expected,
-                    scale: mean.scale,
-                })
-            });
-            Measured {
-                normal: curvature[vertex].normal,
-                area: curvature[vertex].area,
-                mean,
-                gaussian: estimate(vertex, 1),
-                force_density: estimate(vertex, 2),
-                principal,
-                directions: None,
-                gradient_of_mean: [T::nan(); 3],
-                extremalities: None,
-                deviation: deviations.variances[vertex].sqrt(),
-                verdict: match mean.value.is_finite() {
-                    true => deviations.verdicts[vertex],
-                    false => Verdict::Unknown,
-                },
-            }
-        });
-        let mut measured = Vec::from_iter(measured);
-        let fitted = |vertex: usize| {
-            let (candidate, ..) = choices[vertex][0]?;
-            let found = &self.all[candidate];
-            let [mean, gaussian, _] = &found.values;
-            let square = largest(vertex, 0);
-            Some(Fitted {
-                kind: found.kind,
-                degree: if candidate == 0 {
-                    JETS
-                } else {
-                    usize::from(found.degree[vertex])
-                },
-                fields: [mean, gaussian],
-                // The bias is scaled because bars without noise are wider: see [`CLEAN_BAR`].
-                bias: (times(vertex) / T::constant(BAR)).powi(2)
-                    * positive(square - found.variance[0][vertex]),
-            })
-        };
-        principal::set(execution, ground, fitted, &mut measured);
-        measured
     }
 }

@@ -3,7 +3,8 @@
 use super::level::{Kind, Level};
 use super::{Ground, POOL, Verdict, hidden};
 use crate::element::Execution;
-use crate::noise::{Noise, Spectrum, rounding, sort};
+use crate::noise::quiet::MOST_OF_MESH;
+use crate::noise::{Noise, Spectrum, largest_coordinate, rounding, sort};
 use crate::real::Real;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -61,6 +62,7 @@ impl<T: Real> Deviations<T> {
             }
             *parts = sums.map(|[squares, gain]| squares / gain);
         });
+        let last_digit = T::epsilon() * largest_coordinate(ground.surface.positions());
         let found = |&[fourth, fifth, sixth, left]: &[T; 4]| {
             let ceiling = square(CEILING);
             let foretold = square(FORETOLD) * fifth * sixth / fourth;
@@ -70,7 +72,7 @@ impl<T: Real> Deviations<T> {
                 (left - ceiling * sixth) / (T::one() - ceiling)
             };
             // Also false for NaN.
-            if variance > T::zero() {
+            if variance > last_digit * last_digit {
                 variance
             } else {
                 T::zero()
@@ -87,7 +89,10 @@ impl<T: Real> Deviations<T> {
         } else {
             FLAT[0]
         };
-        if 2 * unresolved > inside {
+        if everywhere == T::zero() && MOST_OF_MESH * POOL > variances.len() {
+            // A few pools cover such a mesh, and do not agree about the noise.
+            variances.fill(T::zero());
+        } else if 2 * unresolved > inside {
             // If the shape is mistaken for noise nearly everywhere, the quietest places are more
             // reliable.
             variances.fill(everywhere * everywhere);
@@ -112,7 +117,10 @@ impl<T: Real> Deviations<T> {
         }
         let wider = add_hidden(execution, ground, (jets, force), &parts, &mut variances);
         let least = quantile(&variances, QUIETEST);
-        let rounding = rounding(ground.surface.positions());
+        let residuals = parts.iter().map(|[.., left]| left.sqrt());
+        let residuals = Vec::from_iter(residuals.filter(|residual| residual.is_finite()));
+        let most = quantile(&residuals, 0.5);
+        let rounding = rounding(ground.surface.positions(), most);
         let known = (rounding * rounding).max(known * known);
         for variance in &mut variances {
             *variance = variance.max(least).max(known);
@@ -122,6 +130,8 @@ impl<T: Real> Deviations<T> {
             match (ground.is_near_border(vertex), resolution(parts)) {
                 (true, _) => Verdict::OneSided,
                 (_, Verdict::Unresolved) => Verdict::Unresolved,
+                // No fit around the vertex shows whether the mesh resolves the shape.
+                _ if parts[3].is_nan() => Verdict::Unresolved,
                 _ if variance > T::zero() => Verdict::Noise,
                 _ => Verdict::Clean,
             }

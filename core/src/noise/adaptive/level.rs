@@ -4,6 +4,7 @@ use super::border::{AT_BORDER, OneSided, WIDER_AT_BORDER};
 use super::{Ground, ONE_STAGE, QUANTITIES, REPLICAS, Values};
 use crate::element::{Execution, SlotKernel, Slots, Strided};
 use crate::neighbourhood::Neighbourhood;
+use crate::noise::doubt::{Doubt, Fields};
 use crate::noise::fit::{HeightFit, Model, reach};
 use crate::noise::slopes::Slopes;
 use crate::noise::{DEGREES, Spectrum, one_stage};
@@ -56,6 +57,14 @@ impl<T: Real> Kind<T> {
             conditioning: CONDITIONING,
             in_any_order: true,
             at_border: &AT_BORDER,
+        }
+    }
+
+    /// Jets of the library with these polynomials.
+    pub(super) fn of_jets(model: Model<T>) -> Self {
+        Self {
+            model,
+            ..Self::interpolating()
         }
     }
 
@@ -192,6 +201,45 @@ impl<T: Real> Scratch<T> {
             }
             wanted = (wanted + wanted / 4).min(most);
         }
+    }
+
+    /// Fits the nearest neighbours of a vertex, as many as the jets of the library have.
+    pub(super) fn fit_nearest(
+        &mut self,
+        ground: &Ground<'_, T>,
+        vertex: usize,
+        model: &Model<T>,
+        count: usize,
+    ) {
+        self.near.nearest(ground.surface, vertex as u32, count);
+        self.fit
+            .gather(ground.surface, vertex as u32, &self.near.found, model);
+        self.normal = ground.upright[vertex];
+        self.bend = None;
+        self.fit.fit(&mut self.normal, model);
+    }
+
+    /// The doubt about the last fit, over `count` neighbours, by its coefficients of a degree and its row of Δ_S.
+    pub(super) fn doubt(
+        &mut self,
+        ground: &Ground<'_, T>,
+        vertex: usize,
+        (model, degree, count): (&Model<T>, usize, usize),
+        laplacian: &[T],
+        fields: Fields<'_, T>,
+    ) -> Doubt<T> {
+        self.fit.coefficients(model, degree, &mut self.coefficients);
+        Doubt::new(
+            &self.fit,
+            model,
+            (degree, self.normal, &self.coefficients),
+            (
+                ground.surface.mesh().one_ring(vertex),
+                &self.near.found[..count],
+            ),
+            laplacian,
+            fields,
+        )
     }
 
     /// The bending force by one interpolating polynomial, and its changes by errors of the heights. The
@@ -337,7 +385,8 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
                 *entry = neighbour;
             }
             let vertices = &vertices[..=count];
-            if kind.model.interpolates {
+            let is_smooth = ground.mark(vertex, &scratch.near.found[..count]).is_none();
+            if kind.model.interpolates && is_smooth {
                 at.spectrum = scratch.fit.spectrum(&kind.model);
             }
             for (which, row) in rows.chunks_exact_mut(room).enumerate() {

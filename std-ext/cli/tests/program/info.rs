@@ -144,3 +144,32 @@ fn split_vertices_are_said_and_welded() {
     let whole = run(&["info", "--weld", file.path()]);
     assert!(whole.stderr.is_empty());
 }
+
+/// The noise that `info` prints is that which error bars contain.
+#[test]
+fn info_and_curvature_agree_about_noise() {
+    for (shape, family, vertices, part) in [
+        ("torus", Family::Regular, 1280, 0.0),
+        ("torus:1,0.4", Family::Irregular, 1280, 2e-5),
+        ("discocyte", Family::Irregular, 1280, 0.0),
+        ("ellipsoid:1,0.8,0.6", Family::Irregular, 642, 1e-3),
+    ] {
+        let made = generate(&shape.parse().unwrap(), family, vertices, 1).unwrap();
+        let exact = disturbed(&made.positions, part);
+        let single = exact.iter().map(|x| x.map(|x| f64::from(x as f32)));
+        let single = Vec::from_iter(single);
+        for positions in [exact, single] {
+            let file = Fixture::new("mesh.obj", obj(&positions, made.mesh.triangles()));
+            let info = succeed(&["info", file.path()]);
+            let seen = value(&info, "noise of positions");
+            let told = run(&["curvature", file.path(), "--method", "jet"]).stderr;
+            match seen {
+                "none is seen" => assert!(!told.contains("noise of positions"), "{told}"),
+                _ => assert!(
+                    told.contains(&format!("noise of positions {seen}")),
+                    "{seen} {told}"
+                ),
+            }
+        }
+    }
+}

@@ -53,7 +53,7 @@ fn every_row_passes() {
 /// --ignored`, or `helfrich-studies stability --group geometry --large`. It is not part of `.ci/run`;
 /// CONTRIBUTING says when to run it.
 #[test]
-#[ignore = "minutes and 4 GB: by hand, see CONTRIBUTING"]
+#[ignore = "minutes and 4 GB: by .ci/long"]
 fn a_million_nodes() {
     let table = Stability {
         large: true,

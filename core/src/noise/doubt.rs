@@ -1,0 +1,226 @@
+//! Doubts about fits: whether their neighbours determine them, and how far fits at neighbouring vertices
+//! disagree.
+//!
+//! Where vertices lie in rows (on meshes by longitude and latitude, tubes, stacks of sections, swept
+//! surfaces), the nearest neighbours of a vertex may lie on one to three rows, along which a polynomial in
+//! two variables is not determined. Two signs show this without knowledge of the surface: the columns of
+//! the fit are dependent, in units of columns of evenly spread neighbours, and the polynomial has another
+//! curvature at the neighbours than the fits there.
+
+use super::fit::{HeightFit, Model};
+use super::normals;
+use super::slopes::Slopes;
+use crate::diagnostic::Finding;
+use crate::lane::Lane;
+use crate::mesh::VertexKind;
+use crate::neighbourhood::Neighbourhood;
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::vec3::{Vec3, dot, tangent_frame};
+use alloc::vec::Vec;
+
+/// Least spread of neighbours that determine a fit of degree 2 to 8: see [`HeightFit::spread`].
+const SPREAD: [f64; 7] = [0.1, 0.08, 0.06, 0.05, 0.03, 0.03, 0.015];
+
+/// Ratio of the spacings of vertices along and across rows from which on they may not determine a fit.
+const ELONGATED: f64 = 2.0;
+
+/// Part of the curvature above which a disagreement is large.
+const LARGE: f64 = 0.01;
+
+/// Curvature, in inverse radii of a fit, that counts as none.
+const FLAT: f64 = 1e-3;
+
+/// A fit and the fits around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Doubt<T> {
+    /// See [`HeightFit::spread`], over the least value of neighbours that determine the fit.
+    pub(super) spread: T,
+    /// The largest difference, at the vertices of the one-ring, between H, and K, of this fit there and of the
+    /// fits of these vertices; infinite if the fit has none of these vertices.
+    pub(super) apart: [T; 2],
+    /// The same for Δ_S H: the change by these differences, and the root of the sum of its squared terms.
+    pub(super) of_laplacian: T,
+    /// The distance of the farthest neighbour.
+    pub(super) radius: T,
+}
+
+/// H and K of the fits of all vertices; empty if they are not known.
+#[derive(Clone, Copy)]
+pub(super) struct Fields<'a, T> {
+    pub(super) mean: &'a [T],
+    pub(super) gaussian: &'a [T],
+}
+
+impl<T: Real> Doubt<T> {
+    /// The doubt about the last fit, over the plane of `normal`, by its coefficients of a degree and its row of
+    /// Δ_S. `neighbours` are those of the fit, in its order.
+    pub(super) fn new(
+        fit: &HeightFit<T>,
+        model: &Model<T>,
+        (degree, normal, coefficients): (usize, Vec3<T>, &[T]),
+        (ring, neighbours): (&[u32], &[(T, u32)]),
+        laplacian: &[T],
+        fields: Fields<'_, T>,
+    ) -> Self {
+        let own = usize::from(!model.interpolates);
+        let axes = tangent_frame(normal);
+        let mut apart = [T::zero(); 2];
+        let mut seen = 0;
+        let (mut sum, mut squares) = (T::zero(), T::zero());
+        for (place, &(_, other)) in neighbours.iter().enumerate() {
+            let is_beside = ring.contains(&other);
+            let entry = laplacian.get(place + own).copied();
+            if !is_beside && entry.is_none() {
+                continue;
+            }
+            let [mean, gaussian] =
+                fit.curvatures_at(&coefficients[own..], degree, place + own, axes);
+            let known = |field: &[T]| field.get(other as usize).copied().unwrap_or(T::nan());
+            let off = mean - known(fields.mean);
+            if is_beside {
+                seen += 1;
+                let of_gaussian = gaussian - known(fields.gaussian);
+                for (most, off) in apart.iter_mut().zip([off, of_gaussian]) {
+                    *most = larger(*most, off.abs());
+                }
+            }
+            let term = entry.unwrap_or(T::zero()) * off;
+            sum += term;
+            squares += term * term;
+        }
+        if seen == 0 {
+            apart = [T::infinity(); 2];
+        }
+        Self {
+            spread: fit.spread(model, degree) / T::constant(SPREAD[degree - 2]),
+            apart,
+            of_laplacian: sum.abs() + squares.sqrt() + squares.sqrt(),
+            radius: fit.radius(),
+        }
+    }
+
+    /// Whether the neighbours determine the fit.
+    pub(super) fn is_determined(&self) -> bool {
+        self.spread >= T::one()
+    }
+
+    /// The disagreement in H that is large, for a surface with this largest curvature.
+    pub(super) fn large(&self, curvature: T) -> T {
+        let flat = T::constant(FLAT) * self.radius.reciprocal_or_zero();
+        T::constant(LARGE) * curvature.max(flat)
+    }
+}
+
+/// The larger number; NaN if either is NaN.
+pub(super) fn larger<T: Real>(a: T, b: T) -> T {
+    if a.is_nan() || a >= b { a } else { b }
+}
+
+/// The largest principal curvature, without its sign.
+pub(super) fn largest_curvature<T: Real>(mean: T, gaussian: T) -> T {
+    mean.abs() + (mean * mean - gaussian).max(T::zero()).sqrt()
+}
+
+/// Whether spacings of vertices within two edges of a vertex differ by a factor of [`ELONGATED`] or more between
+/// directions.
+pub(super) fn elongated<T: Real>(surface: Surface<'_, T>, normals: &[Vec3<T>]) -> Vec<bool> {
+    let mesh = surface.mesh();
+    let own = (0..mesh.vertex_count()).map(|vertex| {
+        let aspect = aspect(surface, normals[vertex], vertex);
+        aspect >= T::constant(ELONGATED)
+    });
+    let mut marked = Vec::from_iter(own);
+    for _ in 0..2 {
+        let wider = (0..marked.len()).map(|vertex| {
+            let is_marked = |&other: &u32| marked[other as usize];
+            marked[vertex] || mesh.one_ring(vertex).iter().any(is_marked)
+        });
+        marked = Vec::from_iter(wider);
+    }
+    marked
+}
+
+/// The ratio of the spacings around a vertex in the directions where they are longest and shortest.
+fn aspect<T: Real>(surface: Surface<'_, T>, normal: Vec3<T>, vertex: usize) -> T {
+    let mesh = surface.mesh();
+    let ring = mesh.one_ring(vertex);
+    let [x, y] = tangent_frame(normal);
+    let mut sums = [T::zero(); 3];
+    let mut add = |edge: Vec3<T>, factor: f64| {
+        let [x, y] = [dot(edge, x), dot(edge, y)];
+        let squares = [x * x, x * y, y * y];
+        for (sum, square) in sums.iter_mut().zip(squares) {
+            *sum += T::constant(factor) * square;
+        }
+    };
+    let rims = match mesh.vertex_kind(vertex) {
+        VertexKind::Interior => ring.len(),
+        _ => ring.len().saturating_sub(1),
+    };
+    for (place, &other) in ring.iter().enumerate() {
+        add(surface.difference(vertex as u32, other), 1.0);
+        if place < rims {
+            add(
+                surface.difference(other, ring[(place + 1) % ring.len()]),
+                1.0,
+            );
+        }
+    }
+    let [xx, xy, yy] = sums;
+    let half = T::constant(0.5);
+    let (middle, off) = (half * (xx + yy), half * (xx - yy));
+    let apart = (off * off + xy * xy).sqrt();
+    ((middle + apart) / (middle - apart).max(T::zero())).sqrt()
+}
+
+/// Reports the vertices in rows whose fits are not determined, or disagree with those of their neighbours.
+/// `fitted` returns the model and the number of neighbours of a vertex, `mean` has H of the fits, or nothing if it
+/// is not to be compared.
+pub(crate) fn report_rows<T: Real>(
+    surface: Surface<'_, T>,
+    fitted: impl Fn(usize) -> Option<(Model<T>, usize)>,
+    mean: &[T],
+    report: &mut dyn FnMut(Finding),
+) {
+    let normals = normals(surface);
+    let elongated = elongated(surface, &normals);
+    let mut near = Neighbourhood::default();
+    let mut fit = HeightFit::default();
+    let mut coefficients = Vec::new();
+    for vertex in 0..normals.len() {
+        let Some((model, count)) = fitted(vertex).filter(|_| elongated[vertex]) else {
+            continue;
+        };
+        near.nearest(surface, vertex as u32, count);
+        fit.gather(surface, vertex as u32, &near.found, &model);
+        let mut normal = normals[vertex];
+        let finding = Finding::Rows {
+            vertex: vertex as u32,
+        };
+        if fit.fit(&mut normal, &model) <= T::zero() {
+            report(finding);
+            continue;
+        }
+        fit.coefficients(&model, model.degree, &mut coefficients);
+        let fields = Fields {
+            mean,
+            gaussian: &[],
+        };
+        let doubt = Doubt::new(
+            &fit,
+            &model,
+            (model.degree, normal, &coefficients),
+            (surface.mesh().one_ring(vertex), &near.found),
+            &[],
+            fields,
+        );
+        let [curvature, gaussian] = Slopes::new(&coefficients, fit.radius()).curvatures();
+        let large = doubt.large(largest_curvature(curvature, gaussian));
+        let [apart, _] = doubt.apart;
+        let is_apart = !mean.is_empty() && (apart > large || apart.is_nan());
+        if is_apart || !doubt.is_determined() {
+            report(finding);
+        }
+    }
+}
