@@ -22,8 +22,10 @@ use alloc::vec::Vec;
 /// Least spread of neighbours that determine a fit of degree 2 to 8: see [`HeightFit::spread`].
 const SPREAD: [f64; 7] = [0.1, 0.08, 0.06, 0.05, 0.03, 0.03, 0.015];
 
-/// Ratio of the spacings of vertices along and across rows from which on they may not determine a fit.
-const ELONGATED: f64 = 2.0;
+/// Ratio of the spacings of vertices along and across rows from which on wider fits share the errors of narrow ones;
+/// and from which on vertices count as rows. Even meshes of discocytes have ratios of up to 2.4.
+pub(super) const ELONGATED: f64 = 2.0;
+pub(super) const ROWS: f64 = 3.0;
 
 /// Part of the curvature above which a disagreement is large.
 const LARGE: f64 = 0.01;
@@ -122,23 +124,22 @@ pub(super) fn largest_curvature<T: Real>(mean: T, gaussian: T) -> T {
     mean.abs() + (mean * mean - gaussian).max(T::zero()).sqrt()
 }
 
-/// Whether spacings of vertices within two edges of a vertex differ by a factor of [`ELONGATED`] or more between
-/// directions.
-pub(super) fn elongated<T: Real>(surface: Surface<'_, T>, normals: &[Vec3<T>]) -> Vec<bool> {
+/// The largest ratio of the spacings in different directions at the vertices within two edges of each.
+pub(super) fn aspects<T: Real>(surface: Surface<'_, T>, normals: &[Vec3<T>]) -> Vec<T> {
     let mesh = surface.mesh();
-    let own = (0..mesh.vertex_count()).map(|vertex| {
-        let aspect = aspect(surface, normals[vertex], vertex);
-        aspect >= T::constant(ELONGATED)
-    });
-    let mut marked = Vec::from_iter(own);
+    let own = normals.iter().enumerate();
+    let own = own.map(|(vertex, &normal)| aspect(surface, normal, vertex));
+    let mut most = Vec::from_iter(own);
     for _ in 0..2 {
-        let wider = (0..marked.len()).map(|vertex| {
-            let is_marked = |&other: &u32| marked[other as usize];
-            marked[vertex] || mesh.one_ring(vertex).iter().any(is_marked)
+        let wider = (0..most.len()).map(|vertex| {
+            let ring = mesh.one_ring(vertex).iter();
+            ring.fold(most[vertex], |most_of_all, &other| {
+                most_of_all.max(most[other as usize])
+            })
         });
-        marked = Vec::from_iter(wider);
+        most = Vec::from_iter(wider);
     }
-    marked
+    most
 }
 
 /// The ratio of the spacings around a vertex in the directions where they are longest and shortest.
@@ -184,12 +185,13 @@ pub(crate) fn report_rows<T: Real>(
     report: &mut dyn FnMut(Finding),
 ) {
     let normals = normals(surface);
-    let elongated = elongated(surface, &normals);
+    let aspects = aspects(surface, &normals);
     let mut near = Neighbourhood::default();
     let mut fit = HeightFit::default();
     let mut coefficients = Vec::new();
     for vertex in 0..normals.len() {
-        let Some((model, count)) = fitted(vertex).filter(|_| elongated[vertex]) else {
+        let Some((model, count)) = fitted(vertex).filter(|_| aspects[vertex] >= T::constant(ROWS))
+        else {
             continue;
         };
         near.nearest(surface, vertex as u32, count);

@@ -19,9 +19,9 @@ pub(super) enum Mark {
     Outlier,
 }
 
-/// Least angle between triangles at a crease, in radians, and its least ratio to the angles at three quarters of
-/// the nearby edges: on a coarse mesh of a smooth surface, all angles are large.
-const ANGLE: f64 = 0.5;
+/// Least angle between triangles at a crease, in radians, where steps between voxels have up to 0.96; and its least
+/// ratio to the angles at three quarters of the nearby edges: on a coarse mesh of a smooth surface, all angles are large.
+const ANGLE: f64 = 1.0;
 const SHARPER: f64 = 4.0;
 
 /// Least part of the sharp angles that have one sign: noise has both, and so have the steps of a surface between

@@ -128,7 +128,8 @@ fn push_row<T: Real>(
         &density.map_or([None; 3], |density| density.map(Some)),
     );
     for Column { values, .. } in more {
-        let known = |value: f64| value.is_finite().then_some(value);
+        // A bar that is not known is infinite, which is not the same as none.
+        let known = |value: f64| (!value.is_nan()).then_some(value);
         match values {
             ColumnValues::Scalars(values) => push_fields(text, &[known(values[vertex])]),
             ColumnValues::Vectors(values) => push_fields(text, &values[vertex].map(known)),

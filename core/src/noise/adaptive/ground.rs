@@ -4,7 +4,7 @@ use super::{NONE, POOL, REPLICAS, Values};
 use crate::curvature::Curvature;
 use crate::element::{Execution, Strided};
 use crate::neighbourhood::Neighbourhood;
-use crate::noise::doubt::elongated;
+use crate::noise::doubt::{ELONGATED, ROWS, aspects};
 use crate::noise::sharp::{self, Mark};
 use crate::noise::{BORDER, normals, rings_from_border};
 use crate::real::Real;
@@ -28,8 +28,8 @@ pub(super) struct Ground<'a, T> {
     pub(super) rings: Vec<u8>,
     /// Creases and outliers, if there are any.
     pub(super) marks: Vec<Option<Mark>>,
-    /// Whether vertices lie in rows.
-    pub(super) elongated: Vec<bool>,
+    /// Ratios of spacings: see [`aspects`].
+    aspects: Vec<T>,
 }
 
 impl<'a, T: Real> Ground<'a, T> {
@@ -69,7 +69,7 @@ impl<'a, T: Real> Ground<'a, T> {
         }
         Self {
             surface,
-            elongated: elongated(surface, &normals),
+            aspects: aspects(surface, &normals),
             marks,
             normals,
             upright,
@@ -82,6 +82,11 @@ impl<'a, T: Real> Ground<'a, T> {
     /// Whether fits around a vertex are one-sided.
     pub(super) fn is_near_border(&self, vertex: usize) -> bool {
         usize::from(self.rings[vertex]) < BORDER
+    }
+
+    /// Whether wider fits around a vertex share the errors of narrow ones, and whether it lies in a row.
+    pub(super) fn is_elongated(&self, vertex: usize) -> [bool; 2] {
+        [ELONGATED, ROWS].map(|ratio| self.aspects[vertex] >= T::constant(ratio))
     }
 
     /// The mark of a vertex, or of the first of some neighbours.

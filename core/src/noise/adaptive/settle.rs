@@ -50,11 +50,8 @@ pub(super) fn settle<T: Real>(
         let own = doubts[vertex]?;
         let around = mesh.one_ring(vertex).iter();
         let around = || around.clone().filter_map(|&other| doubts[other as usize]);
-        let times = T::constant(if ground.elongated[vertex] {
-            IN_ROWS
-        } else {
-            1.0
-        });
+        let [is_elongated, _] = ground.is_elongated(vertex);
+        let times = T::constant(if is_elongated { IN_ROWS } else { 1.0 });
         let [mean, gaussian] = [0, 1].map(|which| {
             let own = own.apart[which];
             times * around().fold(own, |most, doubt| larger(most, doubt.apart[which]))
@@ -122,23 +119,31 @@ fn judge<T: Real>(
     bars: Option<[T; 3]>,
     at: &mut Measured<T>,
 ) {
-    let in_rows = ground.elongated[vertex];
-    let least = T::constant(if in_rows { 1.0 } else { UNDETERMINED });
+    let [is_elongated, in_rows] = ground.is_elongated(vertex);
+    let least = T::constant(if is_elongated { 1.0 } else { UNDETERMINED });
     if exceeds(least, doubt.spread) {
         at.cause = at.cause.or(in_rows.then_some(Cause::Rows));
         at.leave(Verdict::Unknown);
         return;
     }
+    // The residual of a shape that is not resolved says nothing about the noise.
+    if at.verdict == Verdict::Unresolved && at.deviation > T::zero() {
+        at.leave(Verdict::Unresolved);
+        return;
+    }
     // With noise, distances between fits over ever more neighbours say more, and without it, distances to wider fits,
     // unless they share their errors.
-    let is_shared = in_rows || ground.normals.len() < SHARED || at.verdict == Verdict::Unresolved;
+    let is_few = ground.normals.len() < SHARED;
+    let is_shared = is_elongated || is_few || at.verdict == Verdict::Unresolved;
     let bars = bars.filter(|_| at.deviation == T::zero() && (is_shared || at.mean.error.is_nan()));
     let Some([mean, gaussian, force]) = bars else {
         return;
     };
     let curvature = largest_curvature(at.mean.value, at.gaussian.value);
-    if in_rows && at.verdict == Verdict::Clean && exceeds(mean, doubt.large(curvature)) {
-        at.verdict = Verdict::Unresolved;
+    if in_rows && exceeds(mean, doubt.large(curvature)) {
+        if at.verdict == Verdict::Clean {
+            at.verdict = Verdict::Unresolved;
+        }
         at.cause = at.cause.or(Some(Cause::Rows));
     }
     for (estimate, bar) in [
