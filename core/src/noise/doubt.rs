@@ -27,8 +27,9 @@ const SPREAD: [f64; 7] = [0.1, 0.08, 0.06, 0.05, 0.03, 0.03, 0.015];
 pub(super) const ELONGATED: f64 = 2.0;
 pub(super) const ROWS: f64 = 3.0;
 
-/// Part of the curvature above which a disagreement is large.
-const LARGE: f64 = 0.01;
+/// Part of the curvature above which a disagreement is large, for error bars and for methods without these.
+pub(super) const LARGE: f64 = 0.01;
+const REPORTED: f64 = 0.05;
 
 /// Curvature, in inverse radii of a fit, that counts as none.
 const FLAT: f64 = 1e-3;
@@ -107,10 +108,10 @@ impl<T: Real> Doubt<T> {
         self.spread >= T::one()
     }
 
-    /// The disagreement in H that is large, for a surface with this largest curvature.
-    pub(super) fn large(&self, curvature: T) -> T {
+    /// This part of the largest curvature, as a limit of disagreements in H.
+    pub(super) fn limit(&self, part: f64, curvature: T) -> T {
         let flat = T::constant(FLAT) * self.radius.reciprocal_or_zero();
-        T::constant(LARGE) * curvature.max(flat)
+        T::constant(part) * curvature.max(flat)
     }
 }
 
@@ -218,7 +219,7 @@ pub(crate) fn report_rows<T: Real>(
             fields,
         );
         let [curvature, gaussian] = Slopes::new(&coefficients, fit.radius()).curvatures();
-        let large = doubt.large(largest_curvature(curvature, gaussian));
+        let large = doubt.limit(REPORTED, largest_curvature(curvature, gaussian));
         let [apart, _] = doubt.apart;
         let is_apart = !mean.is_empty() && (apart > large || apart.is_nan());
         if is_apart || !doubt.is_determined() {

@@ -6,7 +6,7 @@
 
 use super::{Cause, Estimate, Ground, Measured, Verdict};
 use crate::lane::Lane;
-use crate::noise::doubt::{Doubt, larger, largest_curvature};
+use crate::noise::doubt::{Doubt, LARGE, larger, largest_curvature};
 use crate::noise::largest_coordinate;
 use crate::real::Real;
 use alloc::vec::Vec;
@@ -140,7 +140,7 @@ fn judge<T: Real>(
         return;
     };
     let curvature = largest_curvature(at.mean.value, at.gaussian.value);
-    if in_rows && exceeds(mean, doubt.large(curvature)) {
+    if in_rows && exceeds(mean, doubt.limit(LARGE, curvature)) {
         if at.verdict == Verdict::Clean {
             at.verdict = Verdict::Unresolved;
         }
