@@ -27,9 +27,8 @@ const SPREAD: [f64; 7] = [0.1, 0.08, 0.06, 0.05, 0.03, 0.03, 0.015];
 pub(super) const ELONGATED: f64 = 2.0;
 pub(super) const ROWS: f64 = 3.0;
 
-/// Part of the curvature above which a disagreement is large, for error bars and for methods without these.
-pub(super) const LARGE: f64 = 0.01;
-const REPORTED: f64 = 0.05;
+/// Part of the curvature above which a disagreement is reported.
+pub(super) const REPORTED: f64 = 0.05;
 
 /// Curvature, in inverse radii of a fit, that counts as none.
 const FLAT: f64 = 1e-3;

@@ -6,7 +6,7 @@
 
 use super::{Cause, Estimate, Ground, Measured, Verdict};
 use crate::lane::Lane;
-use crate::noise::doubt::{Doubt, LARGE, larger, largest_curvature};
+use crate::noise::doubt::{Doubt, REPORTED, larger, largest_curvature};
 use crate::noise::largest_coordinate;
 use crate::real::Real;
 use alloc::vec::Vec;
@@ -18,9 +18,11 @@ const TOLD: usize = 20;
 /// Number of vertices below which wider fits have most vertices of a component, and differ little from each other.
 const SHARED: usize = 200;
 
-/// Bars of H and K in units of the largest disagreement around a vertex in rows, whose neighbours along a row have
-/// the same error. On 24 of 26 such meshes, 1 was enough for all vertices.
-const IN_ROWS: f64 = 2.0;
+/// Bars of H and K of vertices in rows, whose neighbours along a row have the same error, and of few vertices, in units
+/// of those elsewhere: the disagreement with the neighbours, or half of theirs. On 24 of 26 meshes in rows, these were
+/// enough for all vertices.
+const IN_ROWS: f64 = 4.0;
+const OF_FEW: f64 = 2.0;
 
 /// Spread, in units of the least one that determines a fit, below which even the error is not known where vertices
 /// do not lie in rows: on coarse meshes of narrow shapes it is below 1 at some vertices.
@@ -51,10 +53,15 @@ pub(super) fn settle<T: Real>(
         let around = mesh.one_ring(vertex).iter();
         let around = || around.clone().filter_map(|&other| doubts[other as usize]);
         let [is_elongated, _] = ground.is_elongated(vertex);
-        let times = T::constant(if is_elongated { IN_ROWS } else { 1.0 });
+        let times = T::constant(match (is_elongated, mesh.vertex_count() < SHARED) {
+            (true, _) => IN_ROWS,
+            (false, true) => OF_FEW,
+            (false, false) => 1.0,
+        });
         let [mean, gaussian] = [0, 1].map(|which| {
             let own = own.apart[which];
-            times * around().fold(own, |most, doubt| larger(most, doubt.apart[which]))
+            let most = around().fold(T::zero(), |most, doubt| larger(most, doubt.apart[which]));
+            larger(times * own, T::constant(0.5) * times * most)
         });
         let at = &measured[vertex];
         let curvature = largest_curvature(at.mean.value, at.gaussian.value);
@@ -127,31 +134,29 @@ fn judge<T: Real>(
         return;
     }
     // The residual of a shape that is not resolved says nothing about the noise.
-    if at.verdict == Verdict::Unresolved && at.deviation > T::zero() {
+    let is_few = ground.normals.len() < SHARED;
+    if at.verdict == Verdict::Unresolved && !is_few {
         at.leave(Verdict::Unresolved);
         return;
     }
-    // With noise, distances between fits over ever more neighbours say more, and without it, distances to wider fits,
-    // unless they share their errors.
-    let is_few = ground.normals.len() < SHARED;
-    let is_shared = is_elongated || is_few || at.verdict == Verdict::Unresolved;
-    let bars = bars.filter(|_| at.deviation == T::zero() && (is_shared || at.mean.error.is_nan()));
+    // With noise, distances between fits over ever more neighbours say more.
+    let bars = bars.filter(|_| at.deviation == T::zero());
     let Some([mean, gaussian, force]) = bars else {
         return;
     };
     let curvature = largest_curvature(at.mean.value, at.gaussian.value);
-    if in_rows && exceeds(mean, doubt.limit(LARGE, curvature)) {
+    if in_rows && exceeds(mean, doubt.limit(REPORTED, curvature)) {
         if at.verdict == Verdict::Clean {
             at.verdict = Verdict::Unresolved;
         }
         at.cause = at.cause.or(Some(Cause::Rows));
     }
-    for (estimate, bar) in [
-        (&mut at.mean, mean),
-        (&mut at.gaussian, gaussian),
-        (&mut at.force_density, force),
-    ] {
+    for (estimate, bar) in [(&mut at.mean, mean), (&mut at.gaussian, gaussian)] {
         estimate.widen(bar);
+    }
+    // Elsewhere, distances to wider fits show the error of f, and this would be a hundred times it.
+    if in_rows || is_few || at.force_density.error.is_nan() {
+        at.force_density.widen(force);
     }
     for principal in &mut at.principal {
         principal.widen(mean);
@@ -205,6 +210,8 @@ impl<T: Real> Measured<T> {
                 estimate.error = T::infinity();
             }
         }
-        (self.directions, self.extremalities) = (None, None);
+        if verdict == Verdict::Unknown {
+            (self.directions, self.extremalities) = (None, None);
+        }
     }
 }
