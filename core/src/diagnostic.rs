@@ -83,6 +83,13 @@ pub enum Finding {
         /// The vertex.
         vertex: u32,
     },
+    /// The vertices lie on the edges of a grid, as marching cubes put them. A surface around the voxels of a mask has
+    /// ripples as long as several cells, blurred or not, which cannot be told from the shape: error bars include
+    /// the distance to fits over many vertices.
+    Grid {
+        /// The vertex.
+        vertex: u32,
+    },
     /// The longest edge at this vertex is more than eight times the shortest. For methods with a
     /// wider stencil: this holds at a vertex within two edges, or a triangle there is thin.
     /// Formulas that assume an even mesh have errors that grow with powers of this ratio.
@@ -230,7 +237,7 @@ enum Place {
 
 impl Finding {
     /// The names of the kinds of findings, in the order of their bits.
-    pub const KINDS: [&'static str; 22] = [
+    pub const KINDS: [&'static str; 23] = [
         "zero_area",
         "negative_area",
         "reduced_degree",
@@ -253,6 +260,7 @@ impl Finding {
         "crease",
         "outlier",
         "small_component",
+        "grid",
     ];
 
     /// The bit of the kind of finding, 1 for the first of [`Self::KINDS`].
@@ -280,6 +288,7 @@ impl Finding {
             Self::Crease { .. } => 19,
             Self::Outlier { .. } => 20,
             Self::SmallComponent { .. } => 21,
+            Self::Grid { .. } => 22,
         };
         1 << kind
     }
@@ -299,6 +308,7 @@ impl Finding {
             | Self::Crease { vertex }
             | Self::Outlier { vertex }
             | Self::SmallComponent { vertex }
+            | Self::Grid { vertex }
             | Self::Uneven { vertex }
             | Self::UnusualValence { vertex }
             | Self::Folded { vertex }

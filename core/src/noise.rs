@@ -20,6 +20,7 @@
 mod adaptive;
 pub(crate) mod doubt;
 mod fit;
+mod grid;
 mod one_stage;
 mod quiet;
 mod regression;

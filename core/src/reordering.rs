@@ -175,6 +175,7 @@ impl Reordering {
             | Finding::Crease { vertex }
             | Finding::Outlier { vertex }
             | Finding::SmallComponent { vertex }
+            | Finding::Grid { vertex }
             | Finding::Uneven { vertex }
             | Finding::UnusualValence { vertex }
             | Finding::Folded { vertex }

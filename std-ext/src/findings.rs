@@ -53,6 +53,10 @@ pub fn first_of_each_kind(findings: &[Finding]) -> Vec<(usize, String)> {
         Finding::SmallComponent { vertex } => format!(
             "a vertex of a component with too few vertices to tell errors (the first is vertex {vertex})"
         ),
+        Finding::Grid { vertex } => format!(
+            "a vertex on an edge of a grid: ripples of a mask cannot be told from the shape, and error bars \
+             include both (the first is vertex {vertex})"
+        ),
         Finding::Uneven { vertex } => {
             format!("a vertex with edges of very different lengths (the first is vertex {vertex})")
         }

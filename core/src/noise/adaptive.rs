@@ -171,6 +171,8 @@ pub enum Cause {
     BesideOutlier,
     /// The component has too few vertices to tell an error.
     SmallComponent,
+    /// Vertices lie on the edges of a grid, whose ripples cannot be told from the shape.
+    Grid,
 }
 
 impl Cause {
@@ -181,6 +183,7 @@ impl Cause {
             Self::Crease => Some(Finding::Crease { vertex }),
             Self::Outlier => Some(Finding::Outlier { vertex }),
             Self::SmallComponent => Some(Finding::SmallComponent { vertex }),
+            Self::Grid => Some(Finding::Grid { vertex }),
             Self::BesideCrease | Self::BesideOutlier => None,
         }
     }
@@ -324,7 +327,7 @@ impl<T: Real> AdaptiveJet<T> {
             let level = || Level::new(execution, &ground, &Kind::regression(neighbours));
             let level = first.take().unwrap_or_else(level);
             chosen.add(execution, &ground, &deviations, level, neighbours >= FOURTH);
-            if is_chosen && chosen.gains() <= LEFT {
+            if is_chosen && !ground.is_on_grid && chosen.gains() <= LEFT {
                 break;
             }
         }
@@ -378,7 +381,7 @@ impl<T: Real> AdaptiveJet<T> {
         let [_, sixth] = twin.of_degrees;
         let (curvature, first) =
             Candidate::of_jets(execution, &ground, &deviations, jets, sixth.changes);
-        let ladder = self.ladder(&deviations, surface.mesh().vertex_count());
+        let ladder = self.ladder(&deviations, &ground);
         let mut chosen = Chosen::new(first);
         if let Some(wider) = wider.filter(|_| ladder.is_empty()) {
             chosen.compare(execution, &ground, &wider);
@@ -399,7 +402,8 @@ impl<T: Real> AdaptiveJet<T> {
     }
 
     /// The numbers of neighbours to try.
-    fn ladder(&self, deviations: &Deviations<T>, vertices: usize) -> Vec<usize> {
+    fn ladder(&self, deviations: &Deviations<T>, ground: &Ground<'_, T>) -> Vec<usize> {
+        let vertices = ground.normals.len();
         match self.neighbours {
             // The fits with fewer neighbours have less bias, and are there for comparison.
             Some(neighbours) => {
@@ -411,7 +415,7 @@ impl<T: Real> AdaptiveJet<T> {
                 ladder
             }
             // Without noise no fit is better than the jets.
-            None if !deviations.is_seen() => Vec::new(),
+            None if !deviations.is_seen() && !ground.is_on_grid => Vec::new(),
             None if vertices < NEIGHBOURHOODS * WIDEST => LADDER.to_vec(),
             None if vertices < LARGE => LADDER.iter().copied().chain([WIDEST]).collect(),
             None => COARSE_LADDER.to_vec(),

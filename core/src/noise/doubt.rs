@@ -18,17 +18,23 @@ use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, dot, tangent_frame};
 use alloc::vec::Vec;
+use core::array::from_fn;
 
 /// Least spread of neighbours that determine a fit of degree 2 to 8: see [`HeightFit::spread`].
 const SPREAD: [f64; 7] = [0.1, 0.08, 0.06, 0.05, 0.03, 0.03, 0.015];
 
 /// Ratio of the spacings of vertices along and across rows from which on wider fits share the errors of narrow ones;
-/// and from which on vertices count as rows. Even meshes of discocytes have ratios of up to 2.4.
-pub(super) const ELONGATED: f64 = 2.0;
-pub(super) const ROWS: f64 = 3.0;
+/// from which on fits that disagree are reported; and from which on vertices count as rows. On discocytes, ratios are
+/// up to 2.1 where vertices are even, and up to 2.8 where they are random; on isosurfaces up to 2.0.
+pub(super) const ELONGATED: f64 = 1.9;
+const DISAGREEING: f64 = 2.2;
+pub(super) const ROWS: f64 = 2.9;
 
 /// Part of the curvature above which a disagreement is reported.
 pub(super) const REPORTED: f64 = 0.05;
+
+/// Part of the error of a fit that its neighbours may not share, in rows and in rows far apart.
+const NOT_SHARED: [f64; 2] = [0.6, 0.3];
 
 /// Curvature, in inverse radii of a fit, that counts as none.
 const FLAT: f64 = 1e-3;
@@ -128,8 +134,27 @@ pub(super) fn largest_curvature<T: Real>(mean: T, gaussian: T) -> T {
 pub(super) fn aspects<T: Real>(surface: Surface<'_, T>, normals: &[Vec3<T>]) -> Vec<T> {
     let mesh = surface.mesh();
     let own = normals.iter().enumerate();
-    let own = own.map(|(vertex, &normal)| aspect(surface, normal, vertex));
-    let mut most = Vec::from_iter(own);
+    let own = Vec::from_iter(own.map(|(vertex, &normal)| elongation(surface, normal, vertex)));
+    // Tensors around a pole or a single needle cancel, those of rows do not.
+    let mean = normals.iter().enumerate().map(|(vertex, &normal)| {
+        let ring = mesh.one_ring(vertex);
+        let sum = ring.iter().fold(own[vertex], |sum, &other| {
+            from_fn(|k| sum[k] + own[other as usize][k])
+        });
+        let [x, y] = tangent_frame(normal);
+        let part = |a: Vec3<T>, b: Vec3<T>| {
+            let [xx, xy, xz, yy, yz, zz] = sum;
+            dot(
+                a,
+                [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(|row| dot(row, b)),
+            )
+        };
+        let half = T::constant(0.5);
+        let [off, mixed] = [half * (part(x, x) - part(y, y)), part(x, y)];
+        let over = T::constant((ring.len() + 1) as f64).recip();
+        (over * (off * off + mixed * mixed).sqrt()).exp()
+    });
+    let mut most = Vec::from_iter(mean);
     for _ in 0..2 {
         let wider = (0..most.len()).map(|vertex| {
             let ring = mesh.one_ring(vertex).iter();
@@ -142,17 +167,20 @@ pub(super) fn aspects<T: Real>(surface: Surface<'_, T>, normals: &[Vec3<T>]) -> 
     most
 }
 
-/// The ratio of the spacings around a vertex in the directions where they are longest and shortest.
-fn aspect<T: Real>(surface: Surface<'_, T>, normal: Vec3<T>, vertex: usize) -> T {
+/// Largest ratio of spacings that counts as such.
+const LONGEST: f64 = 36.0;
+
+/// The logarithm of the ratio of the spacings around a vertex where they are longest and shortest, times the
+/// difference of the projections onto these directions; entries xx, xy, xz, yy, yz, zz.
+fn elongation<T: Real>(surface: Surface<'_, T>, normal: Vec3<T>, vertex: usize) -> [T; 6] {
     let mesh = surface.mesh();
     let ring = mesh.one_ring(vertex);
-    let [x, y] = tangent_frame(normal);
+    let axes = tangent_frame(normal);
     let mut sums = [T::zero(); 3];
-    let mut add = |edge: Vec3<T>, factor: f64| {
-        let [x, y] = [dot(edge, x), dot(edge, y)];
-        let squares = [x * x, x * y, y * y];
-        for (sum, square) in sums.iter_mut().zip(squares) {
-            *sum += T::constant(factor) * square;
+    let mut add = |edge: Vec3<T>| {
+        let [x, y] = axes.map(|axis| dot(edge, axis));
+        for (sum, square) in sums.iter_mut().zip([x * x, x * y, y * y]) {
+            *sum += square;
         }
     };
     let rims = match mesh.vertex_kind(vertex) {
@@ -160,19 +188,26 @@ fn aspect<T: Real>(surface: Surface<'_, T>, normal: Vec3<T>, vertex: usize) -> T
         _ => ring.len().saturating_sub(1),
     };
     for (place, &other) in ring.iter().enumerate() {
-        add(surface.difference(vertex as u32, other), 1.0);
+        add(surface.difference(vertex as u32, other));
         if place < rims {
-            add(
-                surface.difference(other, ring[(place + 1) % ring.len()]),
-                1.0,
-            );
+            add(surface.difference(other, ring[(place + 1) % ring.len()]));
         }
     }
     let [xx, xy, yy] = sums;
     let half = T::constant(0.5);
     let (middle, off) = (half * (xx + yy), half * (xx - yy));
     let apart = (off * off + xy * xy).sqrt();
-    ((middle + apart) / (middle - apart).max(T::zero())).sqrt()
+    let ratio = (middle + apart) / (middle - apart).max(T::zero());
+    let size = (half * ratio.ln()).min(T::constant(LONGEST.ln()));
+    // A symmetric tensor without trace whose larger eigenvalue is the size.
+    let factor = size * apart.reciprocal_or_zero();
+    let [x, y] = axes;
+    let (of_squares, of_product) = (factor * off, factor * xy);
+    [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| {
+        let entry =
+            of_squares * (x[i] * x[j] - y[i] * y[j]) + of_product * (x[i] * y[j] + y[i] * x[j]);
+        if entry.is_finite() { entry } else { T::zero() }
+    })
 }
 
 /// Reports the vertices in rows whose fits are not determined, or disagree with those of their neighbours.
@@ -190,7 +225,8 @@ pub(crate) fn report_rows<T: Real>(
     let mut fit = HeightFit::default();
     let mut coefficients = Vec::new();
     for vertex in 0..normals.len() {
-        let Some((model, count)) = fitted(vertex).filter(|_| aspects[vertex] >= T::constant(ROWS))
+        let Some((model, count)) =
+            fitted(vertex).filter(|_| aspects[vertex] >= T::constant(DISAGREEING))
         else {
             continue;
         };
@@ -218,10 +254,12 @@ pub(crate) fn report_rows<T: Real>(
             fields,
         );
         let [curvature, gaussian] = Slopes::new(&coefficients, fit.radius()).curvatures();
-        let large = doubt.limit(REPORTED, largest_curvature(curvature, gaussian));
+        let is_long = aspects[vertex] >= T::constant(ROWS);
+        let part = REPORTED * NOT_SHARED[usize::from(is_long)];
+        let large = doubt.limit(part, largest_curvature(curvature, gaussian));
         let [apart, _] = doubt.apart;
         let is_apart = !mean.is_empty() && (apart > large || apart.is_nan());
-        if is_apart || !doubt.is_determined() {
+        if is_apart || is_long && !doubt.is_determined() {
             report(finding);
         }
     }

@@ -24,6 +24,9 @@ pub(super) enum Mark {
 const ANGLE: f64 = 1.0;
 const SHARPER: f64 = 4.0;
 
+/// Slenderness of half a square, up to which triangles are no slivers.
+const SLENDER: f64 = 2.0;
+
 /// Least part of the sharp angles that have one sign: noise has both, and so have the steps of a surface between
 /// voxels.
 const ONE_SIGN: f64 = 0.8;
@@ -40,13 +43,13 @@ const ALONE: f64 = 2.2;
 /// The marks of all vertices.
 pub(super) fn marks<T: Real>(surface: Surface<'_, T>) -> Vec<Option<Mark>> {
     let mesh = surface.mesh();
-    let angles = angles(surface);
+    let turns = turns(surface);
     let edges = edges_of_vertices(mesh);
     let offsets =
         Vec::from_iter((0..mesh.vertex_count()).map(|vertex| Offset::new(surface, vertex)));
     let mut values = Vec::new();
     let mark = |vertex: usize| {
-        if is_crease(mesh, vertex, &angles, &edges, &mut values) {
+        if is_crease(mesh, vertex, &turns, &edges, &mut values) {
             return Some(Mark::Crease);
         }
         is_outlier(mesh, vertex, &offsets, &mut values).then_some(Mark::Outlier)
@@ -54,12 +57,33 @@ pub(super) fn marks<T: Real>(surface: Surface<'_, T>) -> Vec<Option<Mark>> {
     (0..mesh.vertex_count()).map(mark).collect()
 }
 
-/// The angle at each edge by which the surface turns, positive where it is convex; 0 at a boundary.
-fn angles<T: Real>(surface: Surface<'_, T>) -> Vec<T> {
+/// The turn of a surface at an edge.
+#[derive(Clone, Copy, Debug)]
+struct Turn<T> {
+    /// The angle between its triangles, positive where the surface is convex; 0 at a boundary.
+    angle: T,
+    /// The larger ratio of a longest edge to the height over it. On a smooth surface, the normals of slivers are off by
+    /// as much more as those of other triangles.
+    slenderness: T,
+}
+
+impl<T: Real> Turn<T> {
+    /// Whether the angle is too large for a smooth surface whose edges nearby have angles of this size.
+    fn is_sharp(&self, nearby: T) -> bool {
+        let times = (self.slenderness / T::constant(SLENDER)).max(T::one());
+        self.angle.abs() >= T::constant(ANGLE).max(T::constant(SHARPER) * times * nearby)
+    }
+}
+
+/// The turns at all edges.
+fn turns<T: Real>(surface: Surface<'_, T>) -> Vec<Turn<T>> {
     let mesh = surface.mesh();
-    let angle = |edge: usize| {
+    let turn = |edge: usize| {
         let (first, Some(second)) = mesh.edge_triangles(edge) else {
-            return T::zero();
+            return Turn {
+                angle: T::zero(),
+                slenderness: T::one(),
+            };
         };
         let [a, b] =
             [first, second].map(|triangle| surface.triangle(triangle as usize).area_vector);
@@ -75,9 +99,19 @@ fn angles<T: Real>(surface: Surface<'_, T>) -> Vec<T> {
         } else {
             -T::one()
         };
-        sign * norm(turned).atan2(dot(a, b))
+        let slenderness = [first, second].map(|triangle| {
+            let corners = mesh.triangles()[triangle as usize];
+            let edges = [0, 1, 2].map(|k| surface.difference(corners[k], corners[(k + 1) % 3]));
+            let squares = edges.map(|edge| dot(edge, edge));
+            let longest = squares.into_iter().fold(T::zero(), T::max);
+            longest / norm(surface.triangle(triangle as usize).area_vector)
+        });
+        Turn {
+            angle: sign * norm(turned).atan2(dot(a, b)),
+            slenderness: slenderness[0].max(slenderness[1]),
+        }
     };
-    (0..mesh.edges().len()).map(angle).collect()
+    (0..mesh.edges().len()).map(turn).collect()
 }
 
 /// The edges at each vertex.
@@ -94,39 +128,29 @@ fn edges_of_vertices(mesh: &TriangleMesh) -> Vec<Vec<u32>> {
 fn is_crease<T: Real>(
     mesh: &TriangleMesh,
     vertex: usize,
-    angles: &[T],
+    turns: &[Turn<T>],
     edges: &[Vec<u32>],
     values: &mut Vec<T>,
 ) -> bool {
-    let least = T::constant(ANGLE);
-    let at = |vertex: usize| edges[vertex].iter().map(move |&edge| angles[edge as usize]);
-    let is_candidate = |angle: &T| angle.abs() >= least;
+    let at = |vertex: usize| edges[vertex].iter().map(move |&edge| turns[edge as usize]);
+    let is_candidate = |turn: &Turn<T>| turn.is_sharp(T::zero());
     if at(vertex).filter(is_candidate).count() < 2 {
         return false;
     }
+    let ring = || mesh.one_ring(vertex).iter().map(|&other| other as usize);
+    let around = || ring().chain([vertex]).flat_map(at);
     values.clear();
-    values.extend(at(vertex).map(|angle: T| angle.abs()));
-    for &other in mesh.one_ring(vertex) {
-        values.extend(at(other as usize).map(|angle: T| angle.abs()));
-    }
+    values.extend(around().map(|turn| turn.angle.abs()));
     sort(values);
     let nearby = values
         .get(3 * values.len() / 4)
         .copied()
         .unwrap_or(T::zero());
-    let least = least.max(T::constant(SHARPER) * nearby);
-    let (mut sum, mut sizes, mut count) = (T::zero(), T::zero(), 0);
-    for angle in at(vertex) {
-        count += usize::from(angle.abs() >= least);
-    }
-    let ring = mesh.one_ring(vertex).iter().map(|&other| other as usize);
-    for angle in ring.chain([vertex]).flat_map(at) {
-        if angle.abs() >= least {
-            sum += angle;
-            sizes += angle.abs();
-        }
-    }
-    count >= 2 && sum.abs() >= T::constant(ONE_SIGN) * sizes
+    let is_sharp = |turn: &Turn<T>| turn.is_sharp(nearby);
+    let sharp = || around().filter(is_sharp).map(|turn| turn.angle);
+    let sum: T = sharp().sum();
+    let sizes: T = sharp().map(T::abs).sum();
+    at(vertex).filter(is_sharp).count() >= 2 && sum.abs() >= T::constant(ONE_SIGN) * sizes
 }
 
 /// The place of a vertex relative to its neighbours.

@@ -92,7 +92,10 @@ pub fn ellipsoid(semi_axes: [f64; 3], around: u32, rows: u32, kind: Rows) -> Exa
         let part = f64::from(row) / f64::from(rows + 1);
         let (height, turn) = match kind {
             Rows::Latitudes => ((PI * part).cos(), 0.0),
-            Rows::Sections => (1.0 - 2.0 * part, PI * random.symmetric()),
+            Rows::Sections => (
+                1.0 - 2.0 * part,
+                PI / f64::from(around) * random.symmetric(),
+            ),
         };
         let radius = (1.0 - height * height).sqrt();
         for step in 0..around {

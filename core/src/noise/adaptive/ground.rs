@@ -5,6 +5,7 @@ use crate::curvature::Curvature;
 use crate::element::{Execution, Strided};
 use crate::neighbourhood::Neighbourhood;
 use crate::noise::doubt::{ELONGATED, ROWS, aspects};
+use crate::noise::grid;
 use crate::noise::sharp::{self, Mark};
 use crate::noise::{BORDER, normals, rings_from_border};
 use crate::real::Real;
@@ -28,6 +29,8 @@ pub(super) struct Ground<'a, T> {
     pub(super) rings: Vec<u8>,
     /// Creases and outliers, if there are any.
     pub(super) marks: Vec<Option<Mark>>,
+    /// Whether vertices lie on the edges of a grid.
+    pub(super) is_on_grid: bool,
     /// Ratios of spacings: see [`aspects`].
     aspects: Vec<T>,
 }
@@ -70,6 +73,7 @@ impl<'a, T: Real> Ground<'a, T> {
         Self {
             surface,
             aspects: aspects(surface, &normals),
+            is_on_grid: grid::is_on_grid(surface.positions()),
             marks,
             normals,
             upright,

@@ -32,7 +32,14 @@ const UNDETERMINED: f64 = 0.3;
 const REACH: usize = 56;
 
 /// Bars of f in units of the disagreement of neighbouring fits, where this is small, or not.
-const OF_FORCE: [f64; 2] = [1.0, 3.0];
+const OF_FORCE: [f64; 2] = [0.35, 1.05];
+
+/// Least number of neighbours of a pole, and its bars in units of those of its neighbours.
+const POLE: usize = 10;
+const AT_POLES: f64 = 3.0;
+
+/// Number of estimates at a vertex.
+const ESTIMATES: usize = 5;
 
 /// Disagreement in H that is small, as a part of the largest curvature.
 const SMALL: f64 = 1e-3;
@@ -94,21 +101,56 @@ pub(super) fn settle<T: Real>(
             }
         }
         add_rounding(last_digit, at);
+        if is_known && ground.is_on_grid {
+            at.cause = at.cause.or(Some(Cause::Grid));
+        }
         if is_known && mesh.vertex_count() < TOLD {
             at.cause = Some(Cause::SmallComponent);
             at.leave(Verdict::Unknown);
-        } else if is_known && at.cause.is_some_and(|cause| cause != Cause::Rows) {
+        } else if is_known
+            && at
+                .cause
+                .is_some_and(|cause| !matches!(cause, Cause::Rows | Cause::Grid))
+        {
             at.leave(Verdict::Unresolved);
         } else if is_known && !ground.marks.is_empty() && reach(vertex) {
             at.force_density.error = T::infinity();
             at.verdict = Verdict::Unresolved;
         }
+    }
+    settle_poles(ground, measured);
+    for at in measured {
         let is_unknown = at
             .estimates_mut()
             .iter()
             .any(|estimate| estimate.value.is_finite() && estimate.error == T::infinity());
         if is_unknown && at.verdict == Verdict::Clean {
             at.verdict = Verdict::Unknown;
+        }
+    }
+}
+
+/// Widens the bars at poles. The nearest neighbours of a pole lie on circles, by whose symmetry its fit agrees with theirs
+/// and with wider fits: it had up to 2.5 times their errors.
+fn settle_poles<T: Real>(ground: &Ground<'_, T>, measured: &mut [Measured<T>]) {
+    let mesh = ground.surface.mesh();
+    let poles = (0..measured.len()).filter(|&vertex| mesh.one_ring(vertex).len() >= POLE);
+    let bars = poles.map(|pole| {
+        let mut most = [T::zero(); ESTIMATES];
+        for &other in mesh.one_ring(pole) {
+            let others = measured[other as usize].estimates();
+            for (most, other) in most.iter_mut().zip(others) {
+                // Also false for NaN, where there is no value.
+                if other.error > *most {
+                    *most = other.error;
+                }
+            }
+        }
+        (pole, most)
+    });
+    for (pole, bars) in Vec::from_iter(bars) {
+        for (estimate, bar) in measured[pole].estimates_mut().into_iter().zip(bars) {
+            estimate.widen(T::constant(AT_POLES) * bar);
         }
     }
 }
@@ -145,7 +187,7 @@ fn judge<T: Real>(
         return;
     };
     let curvature = largest_curvature(at.mean.value, at.gaussian.value);
-    if in_rows && exceeds(mean, doubt.limit(REPORTED, curvature)) {
+    if in_rows && exceeds(mean, doubt.limit(IN_ROWS * REPORTED, curvature)) {
         if at.verdict == Verdict::Clean {
             at.verdict = Verdict::Unresolved;
         }
@@ -155,7 +197,7 @@ fn judge<T: Real>(
         estimate.widen(bar);
     }
     // Elsewhere, distances to wider fits show the error of f, and this would be a hundred times it.
-    if in_rows || is_few || at.force_density.error.is_nan() {
+    if is_elongated || is_few || at.force_density.error.is_nan() {
         at.force_density.widen(force);
     }
     for principal in &mut at.principal {
@@ -191,7 +233,18 @@ impl<T: Real> Estimate<T> {
 }
 
 impl<T: Real> Measured<T> {
-    fn estimates_mut(&mut self) -> [&mut Estimate<T>; 5] {
+    fn estimates(&self) -> [&Estimate<T>; ESTIMATES] {
+        let [larger, smaller] = &self.principal;
+        [
+            &self.mean,
+            &self.gaussian,
+            &self.force_density,
+            larger,
+            smaller,
+        ]
+    }
+
+    fn estimates_mut(&mut self) -> [&mut Estimate<T>; ESTIMATES] {
         let [larger, smaller] = &mut self.principal;
         [
             &mut self.mean,

@@ -91,7 +91,8 @@ impl<T: Real> Chosen<T> {
             };
             let one_sided = if at_border(vertex) { ONE_SIDED } else { 1.0 };
             let error = times(vertex) * T::constant(one_sided) * largest(vertex, quantity).sqrt();
-            let is_resolved = deviations.verdicts[vertex] != Verdict::Unresolved;
+            let is_resolved =
+                deviations.verdicts[vertex] != Verdict::Unresolved && !ground.is_on_grid;
             let farthest = || T::constant(BAR) * self.farthest(ground, vertex, quantity, &choices);
             Estimate {
                 value: self.all[candidate].values[quantity][vertex],
