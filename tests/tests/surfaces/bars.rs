@@ -331,6 +331,9 @@ fn bars_of_unresolved_meshes_hold() {
     let mut lines = Vec::new();
     for (name, mesh, points) in cases {
         let found = measured(&mesh);
+        let is_mask = name.starts_with("mask");
+        let on_grid = found.iter().any(|at| at.cause == Some(Cause::Grid));
+        assert_eq!(on_grid, is_mask, "{name}");
         for quantity in 0..QUANTITIES {
             let both = found.iter().zip(&points);
             let within = both.filter(|(at, point)| {
