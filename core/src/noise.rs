@@ -128,26 +128,39 @@ impl<T: Real> Noise<T> {
     /// If coordinates have few decimals, or only the digits of f32, and their residuals do not
     /// contradict it, the noise is at least that of this rounding.
     pub fn of(execution: &impl Execution, surface: Surface<'_, T>) -> Self {
-        let mesh = surface.mesh();
-        let count = mesh.vertex_count();
-        let centres = Vec::from_iter((0..count).step_by(count.div_ceil(CENTRES).max(1)));
-        let pools = pools(surface, &centres);
+        let pools = pools(surface);
         let mut fitted: Vec<u32> = pools.iter().flatten().copied().collect();
         fitted.sort_unstable();
         fitted.dedup();
         let smooth = Smooth {
-            normals: normals(surface),
-            marks: sharp::marks(surface),
+            normals: &normals(surface),
+            marks: &sharp::marks(surface),
         };
-        let spectra = spectra(execution, surface, &smooth, &fitted);
-        let of_vertex = |vertex: &u32| match fitted.binary_search(vertex) {
+        let spectra = spectra(execution, surface, smooth, &fitted);
+        let of_vertex = |vertex: u32| match fitted.binary_search(&vertex) {
             Ok(place) => spectra[place],
             Err(_) => Spectrum::default(),
         };
-        let in_pool = |pool: &Vec<u32>| Seen::in_pool(pool.iter().map(of_vertex));
+        Self::in_pools(surface, smooth, &pools, of_vertex)
+    }
+
+    /// The noise of a surface whose spectra are known.
+    fn of_spectra(surface: Surface<'_, T>, smooth: Smooth<'_, T>, spectra: &[Spectrum<T>]) -> Self {
+        let of_vertex = |vertex: u32| spectra[vertex as usize];
+        Self::in_pools(surface, smooth, &pools(surface), of_vertex)
+    }
+
+    fn in_pools(
+        surface: Surface<'_, T>,
+        smooth: Smooth<'_, T>,
+        pools: &[Vec<u32>],
+        spectrum: impl Fn(u32) -> Spectrum<T>,
+    ) -> Self {
+        let spectrum = |&vertex: &u32| spectrum(vertex);
+        let in_pool = |pool: &Vec<u32>| Seen::in_pool(pool.iter().map(spectrum));
         let seen = pools.iter().map(|pool| Some((pool, in_pool(pool)?)));
         let mut seen = Vec::from_iter(seen.flatten());
-        let is_half = |count: usize| 2 * count >= centres.len();
+        let is_half = |count: usize| 2 * count >= pools.len();
         if !is_half(seen.len()) {
             return Self::default();
         }
@@ -158,7 +171,7 @@ impl<T: Real> Noise<T> {
             found = median(resolved.iter().map(|seen| seen.least));
             most = median(resolved.iter().map(|seen| seen.most));
         }
-        if let Some(quiet) = quiet::noise(surface, &smooth, &mut seen, found > T::zero()) {
+        if let Some(quiet) = quiet::noise(surface, smooth, &mut seen, found > T::zero()) {
             found = found.max(quiet);
         }
         let length = found.max(rounding(surface.positions(), most));
@@ -203,19 +216,21 @@ impl<T: Real> Noise<T> {
     }
 }
 
-/// For each centre the vertices whose fits are pooled: its breadth-first neighbourhood, without
-/// vertices near a boundary.
-fn pools<T: Real>(surface: Surface<'_, T>, centres: &[usize]) -> Vec<Vec<u32>> {
+/// For each of at most [`CENTRES`] evenly numbered vertices, those whose fits are pooled: its breadth-first
+/// neighbourhood, without vertices near a boundary.
+fn pools<T: Real>(surface: Surface<'_, T>) -> Vec<Vec<u32>> {
+    let count = surface.mesh().vertex_count();
+    let centres = (0..count).step_by(count.div_ceil(CENTRES).max(1));
     let rings = rings_from_border(surface.mesh());
     let mut neighbourhood = Neighbourhood::default();
-    let pool = |&centre: &usize| {
+    let pool = |centre: usize| {
         neighbourhood.at_least(surface, centre as u32, POOL);
         let reached = neighbourhood.found.iter().map(|&(_, vertex)| vertex);
         let all = iter::once(centre as u32).chain(reached).take(POOL);
         all.filter(|&vertex| usize::from(rings[vertex as usize]) == BORDER)
             .collect()
     };
-    centres.iter().map(pool).collect()
+    centres.map(pool).collect()
 }
 
 /// The distance of each vertex from a boundary in rings, at most [`BORDER`]; 0 of isolated vertices.
@@ -243,7 +258,7 @@ fn rings_from_border(mesh: &TriangleMesh) -> Vec<u8> {
 fn spectra<T: Real>(
     execution: &impl Execution,
     surface: Surface<'_, T>,
-    smooth: &Smooth<T>,
+    smooth: Smooth<'_, T>,
     vertices: &[u32],
 ) -> Vec<Spectrum<T>> {
     let mut spectra = vec![Spectrum::default(); vertices.len()];
@@ -258,17 +273,26 @@ fn spectra<T: Real>(
     spectra
 }
 
-/// Vertex normals, and what is not smooth.
-struct Smooth<T> {
-    normals: Vec<Vec3<T>>,
-    marks: Vec<Option<Mark>>,
+/// Vertex normals, and what is not smooth; no marks if all is.
+#[derive(Clone, Copy)]
+struct Smooth<'a, T> {
+    normals: &'a [Vec3<T>],
+    marks: &'a [Option<Mark>],
+}
+
+impl<T> Smooth<'_, T> {
+    fn is_marked(&self, vertex: u32) -> bool {
+        self.marks
+            .get(vertex as usize)
+            .is_some_and(|mark| mark.is_some())
+    }
 }
 
 /// The spectrum of the fit around a vertex, with the first and the largest number of neighbours given;
 /// zeros if the fit fails, or includes a crease or an outlier.
 fn spectrum_at<T: Real>(
     surface: Surface<'_, T>,
-    smooth: &Smooth<T>,
+    smooth: Smooth<'_, T>,
     vertex: u32,
     [first, most]: [usize; 2],
     near: &mut Neighbourhood<T>,
@@ -279,7 +303,7 @@ fn spectrum_at<T: Real>(
         sharpness: T::constant(7.0),
         interpolates: true,
     };
-    let Smooth { normals, marks } = smooth;
+    let normals = smooth.normals;
     let here = normals[vertex as usize];
     near.nearest(surface, vertex, most);
     let mut count = first;
@@ -288,9 +312,9 @@ fn spectrum_at<T: Real>(
         let neighbours = &near.found[..count];
         let upright =
             |&(_, other): &(T, u32)| dot(normals[other as usize], here) >= T::constant(UPRIGHT);
-        let is_smooth = |&(_, other): &(T, u32)| marks[other as usize].is_none();
-        let is_smooth = marks[vertex as usize].is_none() && neighbours.iter().all(is_smooth);
-        if !is_smooth || !neighbours.iter().all(upright) {
+        let is_marked = |&(_, other): &(T, u32)| smooth.is_marked(other);
+        let is_marked = smooth.is_marked(vertex) || neighbours.iter().any(is_marked);
+        if is_marked || !neighbours.iter().all(upright) {
             return Spectrum::default();
         }
         fit.gather(surface, vertex, neighbours, &model);

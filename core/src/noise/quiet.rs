@@ -33,7 +33,7 @@ const GROWTH: f64 = 1.25;
 /// there is not noise. `is_noisy` states that there is noise.
 pub(super) fn noise<T: Real>(
     surface: Surface<'_, T>,
-    smooth: &Smooth<T>,
+    smooth: Smooth<'_, T>,
     seen: &mut [(&Vec<u32>, Seen<T>)],
     is_noisy: bool,
 ) -> Option<T> {
@@ -55,7 +55,7 @@ pub(super) fn noise<T: Real>(
 /// half of the vertices.
 fn growth<T: Real>(
     surface: Surface<'_, T>,
-    smooth: &Smooth<T>,
+    smooth: Smooth<'_, T>,
     pools: &[(&Vec<u32>, Seen<T>)],
 ) -> T {
     let mut near = Neighbourhood::default();

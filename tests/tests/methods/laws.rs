@@ -29,39 +29,56 @@ proptest! {
     }
 
     #[test]
-    fn forces_are_gradients_by_differences(rough in rough_any()) {
-        for_each_conservative(&mut ForceIsDifference(&rough.mesh()));
+    fn forces_and_torques_balance(rough in rough_any()) {
+        for_each_conservative(&mut Balanced(&rough.mesh()));
+    }
+
+    /// Each surface has one scale, with or without rounding: half of the surfaces are enough for either.
+    #[test]
+    fn scale_does_not_matter(
+        rough in rough_any(), exponent in -12..=12_i32, is_exact in any::<bool>(),
+    ) {
+        let mesh = &rough.mesh();
+        let (scale, modulus) = match is_exact {
+            true => (power_of_two(exponent), 2.0_f64.powi(-63)),
+            false => (10.0_f64.powi(exponent), 1e-19),
+        };
+        for_each(&mut ScaleFree { mesh, scale, modulus });
     }
 
     #[test]
-    fn forces_and_torques_balance(rough in rough_any()) {
-        for_each_conservative(&mut Balanced(&rough.mesh()));
+    fn scale_does_not_matter_in_single_precision(
+        rough in rough_closed(), exponent in -6..=6_i32, which in 0..3,
+    ) {
+        let mesh = &rough.mesh();
+        let (scale, modulus) = match which {
+            0 => (10.0_f64.powi(exponent), 1.0),
+            1 => (power_of_two(exponent), 1.0),
+            // A cell in metres, with its modulus in joules: smaller products than these would underflow.
+            _ => (4e-6, 2e-19),
+        };
+        for_each(&mut ScaleFreeSingle(ScaleFree { mesh, scale, modulus }));
+    }
+}
+
+// Each surface takes several evaluations of every method.
+proptest! {
+    #![proptest_config(cases(16))]
+
+    #[test]
+    fn forces_are_gradients_by_differences(rough in rough_any()) {
+        for_each_conservative(&mut ForceIsDifference(&rough.mesh()));
     }
 
     #[test]
     fn motion_and_labels_do_not_matter(rough in rough_any(), seed in 0..1_000_000_u64) {
         for_each(&mut Invariant { mesh: &rough.mesh(), seed });
     }
+}
 
-    #[test]
-    fn scale_does_not_matter(rough in rough_any(), exponent in -12..=12_i32) {
-        let mesh = &rough.mesh();
-        for_each(&mut ScaleFree { mesh, scale: 10.0_f64.powi(exponent), modulus: 1e-19 });
-        let scale = 2.0_f64.powf((f64::from(exponent) * 10.0 / 3.0).round());
-        for_each(&mut ScaleFree { mesh, scale, modulus: 2.0_f64.powi(-63) });
-    }
-
-    #[test]
-    fn scale_does_not_matter_in_single_precision(rough in rough_closed(), exponent in -6..=6_i32) {
-        let mesh = &rough.mesh();
-        for_each(&mut ScaleFreeSingle(ScaleFree {
-            mesh, scale: 10.0_f64.powi(exponent), modulus: 1.0,
-        }));
-        let scale = 2.0_f64.powf((f64::from(exponent) * 10.0 / 3.0).round());
-        for_each(&mut ScaleFreeSingle(ScaleFree { mesh, scale, modulus: 1.0 }));
-        // A cell in metres, with its modulus in joules: smaller products than these would underflow.
-        for_each(&mut ScaleFreeSingle(ScaleFree { mesh, scale: 4e-6, modulus: 2e-19 }));
-    }
+/// The power of two that is about this power of ten.
+fn power_of_two(exponent: i32) -> f64 {
+    2.0_f64.powf((f64::from(exponent) * 10.0 / 3.0).round())
 }
 
 /// The choice of neighbours for a fit depends neither on rotation nor on labels, on rough meshes from twelve
@@ -92,7 +109,7 @@ fn known_solids_obey() {
         for_each_conservative(&mut Balanced(&mesh));
         for_each_conservative(&mut ForceIsGradient(&mesh));
     }
-    for mesh in [icosphere(3).map(bent), hemisphere(2)] {
+    for mesh in [icosphere(2).map(bent), hemisphere(2)] {
         for_each_conservative(&mut ForceIsDifference(&mesh));
         for_each(&mut Invariant {
             mesh: &mesh,

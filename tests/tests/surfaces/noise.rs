@@ -56,6 +56,11 @@ fn exact_meshes_have_none() {
     for shape in shapes {
         for family in Family::ALL {
             for vertices in [42, 162, 300, 642, 1280, 2562] {
+                // These three are alike, and fine meshes of one of them stand for all.
+                let is_even = matches!(family, Family::Smooth | Family::Relaxed);
+                if is_even && vertices > 642 {
+                    continue;
+                }
                 let Some(made) = mesh(shape, family, vertices) else {
                     continue;
                 };

@@ -4,7 +4,7 @@ use super::level::{Kind, Level};
 use super::{Ground, POOL, Verdict, hidden};
 use crate::element::Execution;
 use crate::noise::quiet::MOST_OF_MESH;
-use crate::noise::{Noise, Spectrum, largest_coordinate, rounding, sort};
+use crate::noise::{Noise, Smooth, Spectrum, largest_coordinate, rounding, sort};
 use crate::real::Real;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -83,7 +83,11 @@ impl<T: Real> Deviations<T> {
         let is_unresolved = |parts: &&[T; 4]| resolution(parts) == Verdict::Unresolved;
         let unresolved = parts.iter().filter(is_unresolved).count();
         let seen = variances.iter().filter(|&&variance| variance > T::zero());
-        let everywhere = Noise::of(execution, ground.surface).length;
+        let smooth = Smooth {
+            normals: &ground.normals,
+            marks: &ground.marks,
+        };
+        let everywhere = Noise::of_spectra(ground.surface, smooth, spectra).length;
         let certain = if everywhere > T::zero() {
             CERTAIN
         } else {
