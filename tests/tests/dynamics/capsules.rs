@@ -3,7 +3,9 @@
 
 use crate::scenes::{PUBLISHED_CAPSULE, at, column, last, run_file, run_scene};
 use helfrich_std::deformation::first_plateau;
+use helfrich_std::run::Summary;
 use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::series::SeriesTable;
 use helfrich_tests::tolerance::CAPSULE_VOLUME;
 use helfrich_tests::tolerance::Tolerance;
 use std::path::Path;
@@ -65,6 +67,12 @@ const CAPSULE_FALL: Tolerance = Tolerance::new(
     "the drag on 1280 triangles is off by 0.4 %, and the membrane deforms by a hundredth",
 );
 
+/// Runs the shipped capsule in shear flow without its slice of the flow, which takes a third of the time.
+fn sheared(overrides: &[&str]) -> (Summary, SeriesTable) {
+    let overrides = [overrides, &["output.slice="]].concat();
+    run_scene("capsule-shear.toml", &overrides)
+}
+
 /// Fields of the rows of a comma-separated file, without comments and header.
 fn data(name: &str) -> Vec<Vec<String>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -120,27 +128,26 @@ fn the_capsule_of_the_paper_deforms_as_published() {
 fn steady_deformations_are_those_of_an_independent_computation() {
     let computed = steady_capsules();
     assert_eq!(computed.len(), 5);
-    for (law, [rate, modulus, expected, inclination]) in &computed[1..] {
+    for (law, [capillary, modulus, expected, inclination]) in &computed[1..] {
         let bending = match *modulus {
             0.0 => "bending=".to_owned(),
             modulus => format!("bending.modulus={modulus}"),
         };
         let bending = format!("surface.capsule.{bending}");
-        let rate = format!("driver.flow.rate={rate}");
+        let rate = format!("driver.flow.rate={capillary}");
         let law_set = format!("surface.capsule.elasticity.law={law}");
+        // From here to γ̇t = 10, D changes by less than 2e-4.
+        let strain = match law.as_str() {
+            "neo-hookean" if *capillary > 0.5 => "driver.strain=9",
+            _ => "driver.strain=7",
+        };
         // Only the last row is looked at: steps need not end at others.
-        let interval = "output.strain_interval=2";
-        let mut overrides = vec![
-            bending.as_str(),
-            &rate,
-            &law_set,
-            "driver.strain=10",
-            interval,
-        ];
+        let interval = "output.strain_interval=3.5";
+        let mut overrides = vec![bending.as_str(), &rate, &law_set, strain, interval];
         if law == "skalak" {
             overrides.push("surface.capsule.elasticity.area_ratio=1");
         }
-        let (_, series) = run_scene("capsule-shear.toml", &overrides);
+        let (_, series) = sheared(&overrides);
         let what = format!("{law}, {rate}, {bending}");
         CAPSULE_REFERENCE.assert(last(&series, "deformation"), *expected, 1.0, &what);
         let found = last(&series, "inclination");
@@ -166,7 +173,7 @@ fn stiff_capsules_need_few_linearly_implicit_steps() {
             &integrator,
             &tolerance,
         ];
-        let (_, series) = run_scene("capsule-shear.toml", &overrides);
+        let (_, series) = sheared(&overrides);
         let evaluations = last(&series, "right_hand_sides");
         (column(&series, "deformation"), evaluations)
     };
@@ -190,7 +197,7 @@ fn loop_subdivision_needs_few_triangles() {
         "surface.capsule.vertices=162",
         "output.strain_interval=1",
     ];
-    let (_, series) = run_scene("capsule-shear.toml", &overrides);
+    let (_, series) = sheared(&overrides);
     let deformation = last(&series, "deformation");
     CAPSULE_SUBDIVISION.assert(deformation, 0.1334, 1.0, "D of S on 320 triangles");
 }
@@ -231,7 +238,7 @@ fn small_deformations_follow_theory() {
             ));
         }
         let overrides = Vec::from_iter(overrides.iter().map(String::as_str));
-        let (_, series) = run_scene("capsule-shear.toml", &overrides);
+        let (_, series) = sheared(&overrides);
         let (strains, values) = (column(&series, "strain"), column(&series, "deformation"));
         let plateau = first_plateau(&strains, &values, 2e-3).map_or(f64::NAN, |at| at.value);
         let tolerance = if ratio == 1.0 {
@@ -275,7 +282,7 @@ fn a_red_blood_cell_tumbles() {
     let overrides = [
         "surface.cell.vertices=162",
         "surface.cell.bending.method=gompper-kroll",
-        "driver.strain=4.5",
+        "driver.strain=4",
     ];
     let (summary, series) = run_scene("red-blood-cell-shear.toml", &overrides);
     assert_eq!(summary.warnings, [""; 0]);
@@ -307,7 +314,7 @@ fn a_viscous_membrane_deforms_more_slowly() {
             "output.strain_interval=0.05",
             &viscosity,
         ];
-        let (_, series) = run_scene("capsule-shear.toml", &overrides);
+        let (_, series) = sheared(&overrides);
         assert!(last(&series, "products") > 0.0, "velocities are solved for");
         last(&series, "deformation")
     };

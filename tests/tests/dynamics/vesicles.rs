@@ -131,7 +131,7 @@ fn a_coarse_vesicle_of_patches_has_the_energy_of_the_axisymmetric_theory() {
         "surface.0.vertices=642",
         "driver.energy_error=0.1",
         // The energy is stationary: what is left of the forces enters squared.
-        "driver.residual=1e-2",
+        "driver.residual=0.2",
     ];
     let summary = relax(Branch::Prolate, 0.9, &changes);
     assert_eq!(summary.end, End::Converged, "{}", summary.message);
