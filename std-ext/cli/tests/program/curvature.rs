@@ -78,7 +78,12 @@ fn every_format_gives_what_the_library_computes() {
         }
         let (mesh, exact) = (&mesh_file.mesh, &mesh_file.positions);
         let single = Vec::from_iter(exact.iter().map(|point| point.map(|x| x as f32)));
-        for method in of_one_fit() {
+        // Methods do not know formats: one with fits and one without stand for all in all but one.
+        let is_first = file.path() == files[0].path();
+        let is_asked = |&method: &BendingMethod| {
+            is_first || matches!(method, BendingMethod::GompperKroll | BendingMethod::J6)
+        };
+        for method in of_one_fit().filter(is_asked) {
             let arguments = ["curvature", file.path(), "--method", method.name()];
             let surface = Surface::new(mesh, exact).unwrap();
             let fields = Evaluator::new(method, 1.0, mesh).fields(surface);

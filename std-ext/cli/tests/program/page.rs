@@ -427,8 +427,15 @@ fn an_interrupted_study_goes_on_where_it_was() {
     let [page, cache] = ["report.html", "cache"].map(|name| folder.path().join(name));
     let arguments = [
         "study",
+        // A few seconds, however little else the machine has to do.
         "--vertices",
-        "162,642,2562",
+        "2562",
+        "--method",
+        "belkin,galerkin",
+        "--family",
+        "regular,irregular,hard",
+        "--scalar",
+        "f64",
         "--html",
         text(&page),
         "--cache",
