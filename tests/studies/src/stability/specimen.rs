@@ -9,6 +9,7 @@ use helfrich_std::io::MeshFile;
 use helfrich_std::subdivide::{Target, subdivide};
 use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Number of vertices of a specimen, unless its case is about this number.
 const VERTICES: usize = 642;
@@ -76,17 +77,22 @@ impl Specimen {
     }
 }
 
+/// A shape with a mesh and the preimages of its vertices.
+type Base = (AnyShape, TriangleMesh, Vec<DVec3>);
+
 /// The surface that most cases disturb: smooth, with three different axes and a mesh without symmetry.
-fn base() -> Result<(AnyShape, TriangleMesh, Vec<DVec3>), SpecimenError> {
+fn base() -> Result<Base, SpecimenError> {
+    static MADE: OnceLock<Base> = OnceLock::new();
+    if let Some(base) = MADE.get() {
+        return Ok(base.clone());
+    }
     let shape = AnyShape::Ellipsoid(helfrich::shapes::Ellipsoid::new([1.0, 0.8, 0.6])?);
     let GeneratedMesh {
         mesh, preimages, ..
     } = generate(&shape, Family::Relaxed, VERTICES, 1)?;
-    Ok((
-        shape,
-        mesh,
-        preimages.into_iter().map(DVec3::from).collect(),
-    ))
+    let preimages = preimages.into_iter().map(DVec3::from).collect();
+    let base = (shape, mesh, preimages);
+    Ok(MADE.get_or_init(|| base).clone())
 }
 
 /// Well-spaced random points on the shape of the base.
