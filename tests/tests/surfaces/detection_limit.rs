@@ -56,7 +56,6 @@ fn near_the_detection_limit_it_is_no_worse_than_jets() {
         (torus(0.5), Family::Relaxed, 1e-5),
         (shape("discocyte"), Family::Relaxed, 3e-5),
         (torus(0.4), Family::Regular, 3e-5),
-        (shape("ellipsoid:1,0.8,0.5"), Family::Regular, 1e-5),
     ] {
         let case = Case::of_shape(&name, family, 2562);
         for [of_jets, of_best] in ratios(&case, part) {
