@@ -33,8 +33,8 @@ pub(super) const ROWS: f64 = 2.9;
 /// Part of the curvature above which a disagreement is reported.
 pub(super) const REPORTED: f64 = 0.05;
 
-/// Part of the error of a fit that its neighbours may not share, in rows and in rows far apart.
-const NOT_SHARED: [f64; 2] = [0.6, 0.3];
+/// Factors of this part: coarse and noisy meshes without rows have larger disagreements.
+const IN_DOUBT: [f64; 2] = [2.0, 1.0];
 
 /// Curvature, in inverse radii of a fit, that counts as none.
 const FLAT: f64 = 1e-3;
@@ -198,7 +198,7 @@ fn elongation<T: Real>(surface: Surface<'_, T>, normal: Vec3<T>, vertex: usize) 
     let (middle, off) = (half * (xx + yy), half * (xx - yy));
     let apart = (off * off + xy * xy).sqrt();
     let ratio = (middle + apart) / (middle - apart).max(T::zero());
-    let size = (half * ratio.ln()).min(T::constant(LONGEST.ln()));
+    let size = (half * ratio.ln()).min(T::constant(LONGEST).ln());
     // A symmetric tensor without trace whose larger eigenvalue is the size.
     let factor = size * apart.reciprocal_or_zero();
     let [x, y] = axes;
@@ -255,7 +255,7 @@ pub(crate) fn report_rows<T: Real>(
         );
         let [curvature, gaussian] = Slopes::new(&coefficients, fit.radius()).curvatures();
         let is_long = aspects[vertex] >= T::constant(ROWS);
-        let part = REPORTED * NOT_SHARED[usize::from(is_long)];
+        let part = REPORTED * IN_DOUBT[usize::from(is_long)];
         let large = doubt.limit(part, largest_curvature(curvature, gaussian));
         let [apart, _] = doubt.apart;
         let is_apart = !mean.is_empty() && (apart > large || apart.is_nan());
