@@ -14,7 +14,6 @@ use helfrich_std::measurement::{
 use helfrich_std::method::{AnyMethod, BendingMethod, Compiled, Evaluator, Fields, MethodOptions};
 use helfrich_std::orientation::{InsideOut, inside_out};
 use numpy::{Element, PyArray1};
-use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ffi::CString;
@@ -227,7 +226,8 @@ impl<T: Number> Answer<T> {
     ) -> PyResult<Bound<'py, PyDict>> {
         for component in self.inside_out.iter().take(MOST_COMPONENTS) {
             let message = CString::new(component.to_string())?;
-            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &message, CALLER)?;
+            let category = py.import("helfrich")?.getattr("MeshWarning")?;
+            PyErr::warn(py, &category, &message, CALLER)?;
         }
         let arrays = PyDict::new(py);
         let Fields {

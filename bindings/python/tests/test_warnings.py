@@ -13,12 +13,12 @@ import pytest
 
 def test_inside_out():
     V, F, _ = helfrich.shape("sphere", 162)
-    with pytest.warns(UserWarning, match="component 1 of 1 .* is inside out"):
+    with pytest.warns(helfrich.MeshWarning, match="component 1 of 1 .* is inside out"):
         assert (helfrich.curvature(V, F[:, ::-1]).H < 0).all()
     two = np.concatenate([V, V + 9]), np.concatenate([F, F[:, ::-1] + len(V)])
     for kind in (np.float32, np.float64):
         for method in ("auto", "j6"):
-            with pytest.warns(UserWarning, match="component 2 of 2 .* from vertex 162 on") as told:
+            with pytest.warns(helfrich.MeshWarning, match="component 2 of 2 .* from vertex 162 on") as told:
                 helfrich.curvature(two[0].astype(kind), two[1], method=method)
             assert told[0].filename == __file__
 

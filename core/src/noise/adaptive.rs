@@ -246,7 +246,7 @@ impl<T: Real> Measured<T> {
     }
 }
 
-/// What is known before the choice of scales.
+/// Data that are known before the choice of scales.
 struct Begun<'s, T> {
     ground: Ground<'s, T>,
     curvature: Vec<Curvature<T>>,

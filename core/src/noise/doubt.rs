@@ -1,7 +1,7 @@
 //! Doubts about fits: whether their neighbours determine them, and how far fits at neighbouring vertices
 //! disagree.
 //!
-//! Where vertices lie in rows (on meshes by longitude and latitude, tubes, stacks of sections, swept
+//! If vertices lie in rows (on meshes by longitude and latitude, tubes, stacks of sections, swept
 //! surfaces), the nearest neighbours of a vertex may lie on one to three rows, along which a polynomial in
 //! two variables is not determined. Two signs show this without knowledge of the surface: the columns of
 //! the fit are dependent, in units of columns of evenly spread neighbours, and the polynomial has another

@@ -10,7 +10,7 @@ use crate::surface::Surface;
 use crate::vec3::{Vec3, add, cross, dot, norm, normalise, scale, sub};
 use alloc::vec::Vec;
 
-/// What a vertex is, if not a vertex of a smooth surface.
+/// A vertex that is not one of a smooth surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mark {
     /// Two or more edges with a sharp angle, as at an edge, a corner or a tip.

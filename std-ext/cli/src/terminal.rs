@@ -150,7 +150,7 @@ const GRACE: Duration = Duration::from_millis(700);
 /// Does work that ends within a second after the program is asked to stop.
 ///
 /// # Errors
-/// Those of the work, and that it was interrupted.
+/// The messages of the work, and that it was interrupted.
 pub fn until_stopped<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
     let stop = interruption();
     // If no thread can be started, the end may take longer.

@@ -51,7 +51,7 @@ pub(super) struct Approach {
     pub(super) step: f64,
     /// Number of steps so far.
     pub(super) steps: u32,
-    /// Why one step is not enough.
+    /// The reason why one step is not enough.
     pub(super) reason: String,
 }
 

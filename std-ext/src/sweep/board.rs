@@ -18,7 +18,7 @@ pub(super) struct Board<'a> {
 
 struct Shared<'a> {
     swept: Swept,
-    /// How far each run is, from 0 to 1.
+    /// The part of each run that is done, from 0 to 1.
     fractions: Vec<f64>,
     progress: &'a mut (dyn FnMut(&SweepProgress<'_>) + Send),
     error: Option<SweepError>,

@@ -74,7 +74,7 @@ pub(super) struct NormalEquations<T> {
     growth: Option<[T; WIDTH]>,
     /// L⁻¹, row by row, with zeros above its diagonal.
     inverse: Vec<Several<T>>,
-    /// How often solutions are refined.
+    /// Number of times that solutions are refined.
     refinements: usize,
     /// Right-hand sides in order of the monomials, 1 first, which does not count.
     right: Vec<Several<T>>,

@@ -316,7 +316,7 @@ fn names_may_not_be_endless() {
     assert!(!folder.path().join("long").exists());
 }
 
-/// What a stranger's scene names is not shown by the messages about it.
+/// Messages about a stranger's scene do not show the files that it names.
 #[test]
 fn messages_do_not_quote_the_files_of_a_scene() {
     let folder = TempDir::new().unwrap();

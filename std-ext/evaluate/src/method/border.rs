@@ -1,4 +1,4 @@
-//! What the energies of methods leave out at the boundary of an open surface.
+//! The part that energies of methods leave out at the boundary of an open surface.
 
 use super::BendingMethod;
 use helfrich::Surface;

@@ -147,7 +147,6 @@ impl<'a> Array<'a> {
         expected: &'static str,
         read: impl Fn([u8; 8]) -> T,
     ) -> Result<Numbers<T>, ParseError> {
-        let here = line_of(storage.file, self.at);
         let text = match self.format {
             Format::Text(_, start) => Some(start),
             _ => None,
@@ -171,19 +170,19 @@ impl<'a> Array<'a> {
                 }
                 return Ok(numbers);
             }
-            Format::Base64(content) => storage.encoded_payload(content, size, here),
+            Format::Base64(content) => storage.encoded_payload(content, size, self.at),
             Format::Appended(offset) => {
                 let rest = storage
                     .appended
                     .and_then(|(bytes, base64)| Some((bytes.get(offset..)?, base64)));
                 match rest {
-                    Some((bytes, true)) => storage.encoded_payload(bytes, size, here),
-                    Some((bytes, false)) => storage.payload(bytes, size, here),
+                    Some((bytes, true)) => storage.encoded_payload(bytes, size, self.at),
+                    Some((bytes, false)) => storage.payload(bytes, size, self.at),
                     None => Err(Problem::Expected {
                         expected: "appended data",
                         found: "the end of the file".to_owned(),
                     }
-                    .at(here, None)),
+                    .at(line_of(storage.file, self.at), None)),
                 }
             }
         }?;
@@ -202,23 +201,23 @@ impl<'a> Array<'a> {
 
 impl Storage<'_> {
     /// Bytes of the numbers, of `size` bytes each, after the header at the start of `bytes`; decompressed if
-    /// necessary.
+    /// necessary. The array begins at byte `at` of the file.
     fn payload<'b>(
         &self,
         bytes: &'b [u8],
         size: usize,
-        here: Position,
+        at: usize,
     ) -> Result<Cow<'b, [u8]>, ParseError> {
         let truncated = || {
             let problem = Problem::Expected {
                 expected: "data as long as their header says",
                 found: "less, or what is no base64".to_owned(),
             };
-            problem.at(here, None)
+            problem.at(line_of(self.file, at), None)
         };
         let afford = |bytes: usize| {
             let taken = self.budget.take(bytes.div_ceil(size));
-            taken.map_err(|problem| problem.at(here, None))
+            taken.map_err(|problem| problem.at(line_of(self.file, at), None))
         };
         let mut rest = bytes;
         if !self.compressed {
@@ -252,7 +251,7 @@ impl Storage<'_> {
                         expected: "blocks compressed by zlib, as long as their header says",
                         found: "damaged ones".to_owned(),
                     };
-                    return Err(problem.at(here, None));
+                    return Err(problem.at(line_of(self.file, at), None));
                 }
             }
         }
@@ -264,7 +263,7 @@ impl Storage<'_> {
         &self,
         text: &[u8],
         size: usize,
-        here: Position,
+        at: usize,
     ) -> Result<Cow<'static, [u8]>, ParseError> {
         let mut bytes = decoded(text, self.stored_length(&[]));
         while self.stored_length(&bytes) > bytes.len() {
@@ -274,7 +273,7 @@ impl Storage<'_> {
             }
             bytes = longer;
         }
-        Ok(self.payload(&bytes, size, here)?.into_owned().into())
+        Ok(self.payload(&bytes, size, at)?.into_owned().into())
     }
 
     /// Length of an array with its header, as far as `bytes`, which begin it, tell.
