@@ -7,7 +7,6 @@ use crate::vec3::dot;
 use alloc::collections::VecDeque;
 use alloc::vec;
 use alloc::vec::Vec;
-use core::cmp::Ordering;
 
 /// Scratch memory for a search along the edges of a mesh, never through space: two sheets of a
 /// surface that lie close together are not neighbours.
@@ -64,16 +63,17 @@ impl<T: Real> Neighbourhood<T> {
     /// distance, and by number where distances are equal.
     pub(crate) fn nearest(&mut self, surface: Surface<'_, T>, centre: u32, count: usize) {
         self.at_least(surface, centre, count + count * 7 / 10 + 20);
-        let nearer = |(a, first): &(T, u32), (b, second): &(T, u32)| {
-            let order = a.partial_cmp(b).unwrap_or(Ordering::Equal);
-            order.then(first.cmp(second))
+        // The bits of numbers that are not negative have their order, and are compared without a branch.
+        let rank = |&(squared, vertex): &(T, u32)| {
+            let bits = squared.to_f64().unwrap_or(f64::INFINITY).to_bits();
+            u128::from(bits) << 32 | u128::from(vertex)
         };
         // Nearly half of those reached are farther: they need not be sorted.
         if 0 < count && count < self.found.len() {
-            self.found.select_nth_unstable_by(count - 1, nearer);
+            self.found.select_nth_unstable_by_key(count - 1, rank);
             self.found.truncate(count);
         }
-        self.found.sort_unstable_by(nearer);
+        self.found.sort_unstable_by_key(rank);
     }
 
     /// Finds all vertices that a path of edges no longer than `longest` reaches. `edge_lengths` has
