@@ -58,7 +58,7 @@ fn cotangent_sums(mesh: &Mesh) -> Vec<f64> {
 }
 
 proptest! {
-    #![proptest_config(cases(64))]
+    #![proptest_config(cases(32))]
 
     #[test]
     fn constants_vanish(rough in rough_any()) {
