@@ -132,14 +132,9 @@ const COARSE: [&str; 3] = [
 
 /// Largest increase of the energy between two iterations, in units of rounding.
 fn rise(method: BendingMethod) -> Made<f64> {
-    // An evaluation of this method takes as long as a hundred of others.
-    let iterations = match method {
-        BendingMethod::Galerkin => "driver.iterations=100",
-        _ => "driver.iterations=300",
-    };
     let method = format!("surface.0.bending.method={method}");
     let mut changes = COARSE.to_vec();
-    changes.extend(["output.every=1", iterations, &method]);
+    changes.extend(["output.every=1", "driver.iterations=300", &method]);
     let (file, simulation, positions) = ready(RELAXED, &changes)??;
     let folder = tempfile::tempdir()?;
     let folder = folder.path().join("run");
