@@ -16,6 +16,9 @@ pub struct Components {
 /// Receives the fraction of some work that is done; false ends it.
 type Watch<'a> = &'a mut dyn FnMut(f64) -> bool;
 
+/// A function that measures a component: see [`Components::each`].
+type Measure<'f, T, R> = dyn FnMut(Surface<'_, T>, &[u32], Watch<'_>) -> Option<Vec<R>> + 'f;
+
 impl Components {
     /// The components of a mesh.
     pub fn new(mesh: &TriangleMesh) -> Self {
@@ -46,7 +49,7 @@ impl Components {
         surface: Surface<'_, T>,
         nothing: R,
         watch: Watch<'_>,
-        measure: &mut dyn FnMut(Surface<'_, T>, &[u32], Watch<'_>) -> Option<Vec<R>>,
+        measure: &mut Measure<'_, T, R>,
     ) -> Option<Vec<R>> {
         let count = surface.mesh().vertex_count();
         let components = Self::new(surface.mesh());

@@ -317,55 +317,6 @@ fn the_end_of_a_run_has_units() {
     }
 }
 
-#[test]
-fn killed_at_any_moment_and_resumed_nothing_is_different() {
-    let implicit = FLOW.replace(
-        "viscosity = 1\n",
-        "viscosity = 1\nintegrator = \"rosenbrock\"\n",
-    );
-    assert_ne!(implicit, FLOW);
-    // Long enough that most of the kills come before its end.
-    let relaxed = sparse().replace("vertices = 162", "vertices = 642");
-    for text in [&*relaxed, FLOW, &implicit, LATTICE] {
-        check_killed(text);
-    }
-}
-
-/// Two runs, and what is left of one of them that is killed again and again.
-fn check_killed(text: &str) {
-    let folder = TempDir::new().unwrap();
-    let scene = folder.path().join("scene.toml");
-    fs::write(&scene, text).unwrap();
-    let [whole, killed] = ["whole", "killed"].map(|name| folder.path().join(name));
-    succeed(&scene, &whole, &[]);
-    let mut kills = 0;
-    let mut more: &[&str] = &[];
-    for wait in [30, 45, 20, 60, 35, 50, 25, 40] {
-        let mut child = command(&scene, &killed, more)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        thread::sleep(Duration::from_millis(wait));
-        // `Child::kill` is SIGKILL.
-        child.kill().unwrap();
-        kills += usize::from(child.wait().unwrap().code().is_none());
-        if killed.exists() {
-            more = &["--resume"];
-        }
-    }
-    assert!(kills > 0);
-    succeed(&scene, &killed, more);
-    let [whole, killed] = [&whole, &killed].map(|folder| files(folder));
-    assert_eq!(
-        whole.keys().collect::<Vec<_>>(),
-        killed.keys().collect::<Vec<_>>()
-    );
-    for (name, content) in whole {
-        assert!(killed[&name] == content, "{} differs", name.display());
-    }
-}
-
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_says_so_and_can_be_resumed() {
