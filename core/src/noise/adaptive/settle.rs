@@ -59,8 +59,8 @@ pub(super) fn settle<T: Real>(
         let own = doubts[vertex]?;
         let around = mesh.one_ring(vertex).iter();
         let around = || around.clone().filter_map(|&other| doubts[other as usize]);
-        let [is_elongated, _] = ground.is_elongated(vertex);
-        let times = T::constant(match (is_elongated, mesh.vertex_count() < SHARED) {
+        let [_, in_rows] = ground.is_elongated(vertex);
+        let times = T::constant(match (in_rows, mesh.vertex_count() < SHARED) {
             (true, _) => IN_ROWS,
             (false, true) => OF_FEW,
             (false, false) => 1.0,
