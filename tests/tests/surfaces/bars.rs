@@ -78,6 +78,22 @@ fn no_bar_is_zero() {
     }
 }
 
+/// Five neighbours have as many heights as a paraboloid has coefficients, and may not determine it.
+#[test]
+fn six_vertices_anywhere_are_measured() {
+    let octahedron = meshes::octahedron();
+    let mut random = SplitMix64::new(5);
+    for _ in 0..200 {
+        let mut mesh = octahedron.clone();
+        for x in mesh.positions.iter_mut().flatten() {
+            *x = random.symmetric();
+        }
+        for at in measured(&mesh) {
+            assert_bars(&at, "octahedron");
+        }
+    }
+}
+
 /// A component has the same results, to the last bit, alone and beside others: another choice of degree, another
 /// estimate of the noise, or other neighbours would change them.
 #[test]

@@ -127,7 +127,10 @@ impl<T: Real> Jets<T> {
             ..self.model
         };
         let count = self.neighbours[vertex] as usize;
-        scratch.fit_nearest(ground, vertex, &model, count);
+        let count = scratch.fit_nearest(ground, vertex, &model, count);
+        if count == 0 {
+            return None;
+        }
         let fields = Fields { mean, gaussian };
         Some(scratch.doubt(ground, vertex, (&model, model.degree, count), &[], fields))
     }

@@ -203,20 +203,26 @@ impl<T: Real> Scratch<T> {
         }
     }
 
-    /// Fits the nearest neighbours of a vertex, as many as the jets of the library have.
+    /// Fits the nearest neighbours of a vertex, as many as the jets of the library have. Returns their number, 0 if
+    /// they do not determine the polynomial.
     pub(super) fn fit_nearest(
         &mut self,
         ground: &Ground<'_, T>,
         vertex: usize,
         model: &Model<T>,
         count: usize,
-    ) {
+    ) -> usize {
         self.near.nearest(ground.surface, vertex as u32, count);
         self.fit
             .gather(ground.surface, vertex as u32, &self.near.found, model);
         self.normal = ground.upright[vertex];
         self.bend = None;
-        self.fit.fit(&mut self.normal, model);
+        // Also false for NaN.
+        if self.fit.fit(&mut self.normal, model) > T::zero() {
+            self.near.found.len()
+        } else {
+            0
+        }
     }
 
     /// The doubt about the last fit, over `count` neighbours, by its coefficients of a degree and its row of Δ_S.

@@ -55,7 +55,7 @@ pub(super) fn set<'f, T: Real>(
             };
             let (model, count) = match fitted.jet {
                 Some((model, count)) => {
-                    scratch.fit_nearest(ground, vertex, &model, count);
+                    let count = scratch.fit_nearest(ground, vertex, &model, count);
                     (model, count)
                 }
                 None => {
