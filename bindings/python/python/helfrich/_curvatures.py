@@ -70,6 +70,8 @@ class Flag(enum.IntFlag):
     """It lies far off the surface of its neighbours."""
     SMALL_COMPONENT = 1 << 21
     """Its component has too few vertices to tell errors."""
+    GRID = 1 << 22
+    """It is on an edge of a grid: ripples of a mask cannot be told from the shape, and error bars include both."""
     NOISE = 1 << 24
     """There is noise, to which error bars are fitted."""
     ONE_SIDED = 1 << 25
