@@ -81,7 +81,7 @@ const LEFT: f64 = 0.01;
 
 /// Jets whose degree and number of neighbours are chosen at every vertex, with error bars.
 ///
-/// Without noise of the positions, results are those of [`Jet::for_mesh`], except at boundaries. With noise, they
+/// Without noise of the positions, results are those of [`Jet::for_mesh`](crate::Jet::for_mesh), except at boundaries. With noise, they
 /// are those of regression jets over as many neighbours as the shape allows: the errors of H fall as the inverse
 /// of the number of neighbours, those of f faster.
 ///
