@@ -6,7 +6,6 @@ mod cotangent;
 mod finite_elements;
 mod heat_kernel;
 mod jet;
-mod least_squares;
 mod paraboloid;
 
 pub(crate) use cotangent::VertexSums;
@@ -14,7 +13,6 @@ pub use cotangent::{Cotangent, CotangentMemory};
 
 pub use heat_kernel::{Bandwidth, HeatKernel, HeatKernelMemory};
 pub use jet::{Jet, JetMemory};
-pub(crate) use jet::{MONOMIALS, MomentPoints, exponential, place_of, set_moments};
 pub use paraboloid::{Paraboloid, ParaboloidMemory};
 
 pub use crate::curvature::Curvature;
@@ -66,6 +64,23 @@ pub trait LaplaceBeltrami<T: Real>: Curvatures<T> {
     ) {
         let (field, laplacian) = (field.as_chunks().0, laplacian.as_chunks_mut().0);
         self.apply::<1>(execution, surface, workspace, field, laplacian);
+    }
+
+    /// Sets `laplacian` to Δ_S of κ(H − H0), of which `field` has the values and `factor(i)` is κ at vertex i,
+    /// for the operator's own H: [`Self::apply_to_scalar`], unless the operator knows more about its H than
+    /// the values at the vertices.
+    ///
+    /// # Panics
+    /// As [`Self::apply`].
+    fn apply_to_mean(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
+        (field, _factor): (&[T], impl Fn(usize) -> T + Sync),
+        laplacian: &mut [T],
+    ) {
+        self.apply_to_scalar(execution, surface, workspace, field, laplacian);
     }
 
     /// Fills `rows` with the operator of the surface that was measured last. Previous contents of

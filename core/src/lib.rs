@@ -75,6 +75,7 @@ mod dissipation;
 mod domains;
 pub mod elasticity;
 pub mod element;
+mod fit;
 pub mod functional;
 mod gravity;
 mod indices;
@@ -145,3 +146,6 @@ pub use sparse_matrix::SparseMatrix;
 pub use subdivision::Subdivision;
 pub use surface::{Surface, SurfaceError};
 pub use triangle::DualArea;
+
+#[doc(hidden)]
+pub static TRIES: core::sync::atomic::AtomicUsize = core::sync::atomic::AtomicUsize::new(0);

@@ -30,32 +30,36 @@ pub(crate) struct Neighbourhood<T> {
 impl<T: Real> Neighbourhood<T> {
     /// Finds all vertices within `rings` edges of `centre`, ring after ring.
     pub(crate) fn rings(&mut self, surface: Surface<'_, T>, centre: u32, rings: usize) {
-        self.start(surface.mesh(), centre);
-        self.reach_around(surface, centre, centre);
-        let mut ring = 0..self.found.len();
-        for _ in 1..rings {
-            let end = self.found.len();
-            for at in ring {
-                let vertex = self.found[at].1;
-                self.reach_around(surface, centre, vertex);
-            }
-            ring = end..self.found.len();
-        }
+        self.whole_rings(surface, centre, rings, 0);
     }
 
     /// Finds whole rings until at least `count` vertices are found, or all vertices of the
     /// component.
     pub(crate) fn at_least(&mut self, surface: Surface<'_, T>, centre: u32, count: usize) {
+        self.whole_rings(surface, centre, 1, count);
+    }
+
+    /// Finds whole rings, at least so many and with at least `count` vertices, or all vertices of the
+    /// component; ring after ring, the first of them in the order of the one-ring.
+    pub(crate) fn whole_rings(
+        &mut self,
+        surface: Surface<'_, T>,
+        centre: u32,
+        rings: usize,
+        count: usize,
+    ) {
         self.start(surface.mesh(), centre);
         self.reach_around(surface, centre, centre);
         let mut ring = 0..self.found.len();
-        while !ring.is_empty() && self.found.len() < count {
+        let mut done = 1;
+        while !ring.is_empty() && (done < rings || self.found.len() < count) {
             let end = self.found.len();
             for at in ring {
                 let vertex = self.found[at].1;
                 self.reach_around(surface, centre, vertex);
             }
             ring = end..self.found.len();
+            done += 1;
         }
     }
 

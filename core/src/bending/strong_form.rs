@@ -80,6 +80,11 @@ impl<T: Real> StrongForm<T, Jet<T>> {
         Self::new(modulus, Jet::j6())
     }
 
+    /// Method J of degree 8: [`Jet::j8`].
+    pub fn j8(modulus: T) -> Self {
+        Self::new(modulus, Jet::j8())
+    }
+
     /// Method J of degree 4: [`Jet::j4`].
     pub fn j4(modulus: T) -> Self {
         Self::new(modulus, Jet::j4())
@@ -198,9 +203,17 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         } else {
             &*moment
         };
+        let is_uniform = moment.is_empty();
+        let factor = |vertex: usize| {
+            if is_uniform {
+                T::one()
+            } else {
+                self.modulus.at(vertex)
+            }
+        };
         let laplacian = &mut laplacian_of_mean[..];
         self.operator
-            .apply_to_scalar(execution, surface, operator, field, laplacian);
+            .apply_to_mean(execution, surface, operator, (field, factor), laplacian);
         if !mesh.is_closed() {
             execution.map(laplacian, |vertex, value| {
                 *value = if mesh.is_surrounded(vertex) {

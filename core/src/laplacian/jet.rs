@@ -4,12 +4,14 @@
 //! (2005) 121; here weighted, interpolating at the vertex, and with an adaptive number of
 //! neighbours. The same factorisation gives the row of a general Laplace–Beltrami operator.
 
+mod block;
 mod fits;
-mod normal_equations;
+mod spacing;
 
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::{Execution, of_vertices};
+use crate::element::{Execution, Ragged, of_vertices};
+use crate::fit::{HIGHEST_DEGREE, NormalEquations, coefficient_count};
 use crate::laplacian::{Cotangent, LaplaceBeltrami, Rows, VertexSums, expect_measured};
 use crate::mesh::TriangleMesh;
 use crate::mesh_identity::expect_parameter;
@@ -20,11 +22,9 @@ use crate::noise::doubt::report_rows;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
+use crate::vec3::Vec3;
 use alloc::vec::Vec;
-use fits::{Block, Fits};
-
-pub(crate) use fits::exponential;
-pub(crate) use normal_equations::{MONOMIALS, Points as MomentPoints, place_of, set_moments};
+use fits::{Fits, Scratch};
 
 /// Weighted least-squares jets: around each vertex a polynomial height function over the tangent
 /// plane is fitted to the nearest vertices along the surface.
@@ -50,7 +50,12 @@ pub struct Jet<T> {
     pub most_neighbours: usize,
     /// β of the weights `exp(−β |x_j − x_i|²/ρ²)`, ρ the distance of the farthest neighbour.
     pub sharpness: T,
-    /// Least |R_nn|/|R_11| of the scaled, pivoted QR factorisation with which a fit is accepted.
+    /// φ of the factor `1/(1 + φ |x_j − x_i|²/ρ²)` of the squared weights: 0, or above for fits that follow the
+    /// nearest neighbours more closely than the others.
+    pub focus: T,
+    /// Least spread of neighbours with which a fit of this degree is accepted: the distance of a monomial from
+    /// the monomials before it, in units of the length that it would have if the neighbours lay evenly in all
+    /// directions.
     pub conditioning: T,
 }
 
@@ -62,7 +67,21 @@ impl<T: Real> Jet<T> {
             neighbours: 56,
             most_neighbours: 112,
             sharpness: T::constant(7.0),
+            focus: T::zero(),
             conditioning: T::constant(0.012),
+        }
+    }
+
+    /// Degree 8: for meshes of about five thousand vertices and more, at three to four times the cost of
+    /// degree 6.
+    pub fn j8() -> Self {
+        Self {
+            degree: 8,
+            neighbours: 105,
+            most_neighbours: 210,
+            sharpness: T::constant(7.0),
+            focus: T::constant(1000.0),
+            conditioning: T::constant(0.003),
         }
     }
 
@@ -73,6 +92,7 @@ impl<T: Real> Jet<T> {
             neighbours: 32,
             most_neighbours: 64,
             sharpness: T::constant(6.0),
+            focus: T::zero(),
             conditioning: T::constant(0.06),
         }
     }
@@ -87,12 +107,14 @@ impl<T: Real> Jet<T> {
     }
 }
 
-/// Highest degree: beyond it, rounding errors outweigh the gain.
-const HIGHEST_DEGREE: usize = 8;
+/// Spread of neighbours that determine a fit of degree 2 to 8 without regard to rows, and least spread with
+/// regard to them.
+const ENOUGH_SPREAD: [f64; 7] = [0.15, 0.13, 0.12, 0.11, 0.1, 0.05, 0.03];
+const LEAST_SPREAD: [f64; 7] = [0.05, 0.06, 0.06, 0.03, 0.012, 0.006, 0.003];
 
-/// Number of monomials `x^a y^b` with 1 ≤ a + b ≤ `degree`.
-const fn coefficient_count(degree: usize) -> usize {
-    (degree + 1) * (degree + 2) / 2 - 1
+/// Number of neighbours that may determine a fit of a degree.
+const fn least_count(degree: usize) -> usize {
+    coefficient_count(degree) + if degree > 2 { 2 } else { 0 }
 }
 
 /// Memory of [`Jet`].
@@ -109,13 +131,28 @@ pub struct JetMemory<T> {
     means: Vec<T>,
     /// Bounds of the distances of neighbours in the last evaluation.
     bounds: Vec<i32>,
-    blocks: Vec<Block<T>>,
+    /// The normals of the mesh.
+    normals: Vec<Vec3<T>>,
+    /// Δ_S H of each fit, without what the row yields.
+    missing: Vec<T>,
+    /// H of each fit at the vertices of the one-ring, NaN where they are no neighbours of the fit.
+    ring_means: Vec<T>,
+    ring_offsets: Vec<usize>,
+    disagreements: Vec<T>,
+    scratches: Vec<Scratch<T>>,
 }
 
 impl<T> JetMemory<T> {
     /// The degree fitted at each vertex, 0 where the neighbours do not determine any fit.
     pub fn degrees(&self) -> &[u8] {
         &self.degrees
+    }
+
+    /// The largest difference, at the vertices of the one-ring, between H of the polynomial of each vertex and
+    /// H of the polynomials of those vertices, 1/length: an estimate of the error of H without noise; infinite
+    /// where there is no fit.
+    pub fn disagreements(&self) -> &[T] {
+        &self.disagreements
     }
 }
 
@@ -149,7 +186,7 @@ impl<T: Real> Jet<T> {
         let whole = coefficient_count(self.highest_degree());
         (2..=highest).rev().find_map(|degree| {
             let coefficients = coefficient_count(degree);
-            let enough = available >= coefficients + if degree > 2 { 2 } else { 0 };
+            let enough = available >= least_count(degree);
             // For a lower degree, the number of neighbours is proportional to the number of
             // coefficients.
             let first = (self.neighbours * coefficients).div_ceil(whole);
@@ -180,29 +217,20 @@ impl<T: Real> Jet<T> {
         self.most_neighbours.max(least).min(available)
     }
 
-    /// The attempt after a failed one: with more neighbours, then of a lower degree.
-    fn next_attempt(&self, failed: Attempt, available: usize) -> Option<Attempt> {
-        let Attempt { degree, neighbours } = failed;
-        let last = self.last_neighbours(degree, available);
-        if neighbours == last {
-            return self.first_attempt(degree - 1, available);
-        }
-        let neighbours = (neighbours + 2.max(neighbours / 4)).min(last);
-        Some(Attempt { degree, neighbours })
+    /// The least spread with which fits of a degree are accepted, in the spacing of rows.
+    #[inline(always)]
+    fn least_spread(&self, degree: usize) -> T {
+        let own = degree == self.highest_degree();
+        let least = T::constant(LEAST_SPREAD[degree - 2]);
+        let least = if own { self.conditioning } else { least };
+        least.max(NormalEquations::<T>::least_distance())
     }
 
-    /// The least |R_nn|/|R_11| with which an attempt is accepted.
+    /// The spread with which fits of a degree are accepted in any spacing.
     #[inline(always)]
-    fn least_ratio(&self, attempt: Attempt, available: usize) -> T {
-        let Attempt { degree, neighbours } = attempt;
-        match (
-            neighbours == self.last_neighbours(degree, available),
-            degree,
-        ) {
-            (false, _) => self.conditioning,
-            (true, 2) => T::epsilon().sqrt(),
-            (true, _) => self.conditioning * T::constant(0.1),
-        }
+    fn enough_spread(&self, degree: usize) -> T {
+        let enough = T::constant(ENOUGH_SPREAD[degree - 2]);
+        enough.max(self.least_spread(degree))
     }
 }
 
@@ -210,6 +238,7 @@ impl<T: Real> Method<T> for Jet<T> {
     type Memory = JetMemory<T>;
 
     fn memory(&self, mesh: &TriangleMesh) -> JetMemory<T> {
+        let offsets = mesh.ring_offsets().iter();
         JetMemory {
             room: self.room(),
             surroundings: Surroundings::new(mesh, self.room()),
@@ -218,7 +247,12 @@ impl<T: Real> Method<T> for Jet<T> {
             degrees: Vec::new(),
             means: Vec::new(),
             bounds: Vec::new(),
-            blocks: Vec::new(),
+            normals: Vec::new(),
+            missing: Vec::new(),
+            ring_means: Vec::new(),
+            ring_offsets: offsets.map(|&offset| offset as usize).collect(),
+            disagreements: Vec::new(),
+            scratches: Vec::new(),
         }
     }
 
@@ -265,26 +299,52 @@ impl<T: Real> Curvatures<T> for Jet<T> {
             degrees,
             means,
             bounds,
-            blocks,
+            normals,
+            missing,
+            ring_means,
+            ring_offsets,
+            disagreements,
+            scratches,
         } = memory;
         let curvature = of_vertices(surface, curvature);
         // Areas, and initial normals.
         Cotangent::new(DualArea::Mixed).sum(execution, surface, cotangent, curvature);
+        normals.clear();
+        normals.extend(curvature.iter().map(|at| at.normal));
         degrees.resize(vertices, 0);
         bounds.resize(vertices, 0);
-        let slots = rows.slots(vertices, *room);
-        let output = (
-            (&mut *curvature, (&mut degrees[..], &mut bounds[..])),
-            slots,
-        );
+        missing.resize(vertices, T::zero());
+        disagreements.resize(vertices, T::zero());
+        ring_means.resize(surface.mesh().ring_vertices().len(), T::zero());
+        let numbers = (&mut degrees[..], (&mut bounds[..], &mut missing[..]));
+        let of_fits = (Ragged::new(ring_means, ring_offsets), rows.slots(vertices, *room));
+        let output = ((&mut *curvature, numbers), of_fits);
         let fits = Fits {
             jet: self,
             surroundings,
             surface,
+            normals,
         };
-        execution.run(blocks, output, &fits);
+        execution.run(scratches, output, &fits);
         means.clear();
         means.extend(curvature.iter().map(|at| at.mean));
+        let (degrees, means) = (&*degrees, &*means);
+        execution.map(&mut disagreements[..], |vertex, most| {
+            *most = if degrees[vertex] > 0 {
+                T::zero()
+            } else {
+                T::infinity()
+            };
+            let start = ring_offsets[vertex];
+            let ring = surface.mesh().one_ring(vertex).iter();
+            for (&other, &mean) in ring.zip(&ring_means[start..]) {
+                let apart = (mean - means[other as usize]).abs();
+                // NaN, where the fit does not reach that vertex, is not larger.
+                if degrees[other as usize] > 0 && apart > *most {
+                    *most = apart;
+                }
+            }
+        });
     }
 
     fn reaches_boundary(&self) -> bool {
@@ -305,6 +365,23 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
         self.expect(memory);
         expect_measured(memory.rows.len(), surface.mesh().vertex_count());
         memory.rows.apply(execution, field, laplacian);
+    }
+
+    /// Δ_S of the fitted surfaces' own H, and the rows of the differences: two applications of fits, of
+    /// which the first leaves only what it does not resolve to the second.
+    fn apply_to_mean(
+        &self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        workspace: &Workspace<T, Self>,
+        (field, factor): (&[T], impl Fn(usize) -> T + Sync),
+        laplacian: &mut [T],
+    ) {
+        self.apply_to_scalar(execution, surface, workspace, field, laplacian);
+        let missing = &workspace.for_mesh(surface.mesh()).missing;
+        execution.map(&mut laplacian[..missing.len()], |vertex, value| {
+            *value += factor(vertex) * missing[vertex];
+        });
     }
 
     fn assemble(

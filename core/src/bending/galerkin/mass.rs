@@ -15,7 +15,7 @@ use super::vertices::Work;
 use crate::bending::surface_point::Point;
 use crate::element::{Execution, Ragged, SlotKernel, Slots, Strided};
 use crate::lane::{Lane, Several, WIDTH};
-use crate::laplacian::MomentPoints as Points;
+use crate::fit::Points;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::Vec3;

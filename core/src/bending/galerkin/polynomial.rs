@@ -2,7 +2,7 @@
 
 use super::fit::{COUNT, DEGREE};
 use crate::lane::Lane;
-use crate::laplacian::place_of;
+use crate::fit::place_of;
 
 /// Places of coefficients in the order of Horner's scheme, by falling powers of u, then of v: the constant, at
 /// place 0, is the last.

@@ -16,7 +16,7 @@ use super::shape::Shape;
 use super::vertices::Work;
 use crate::element::{Execution, Ragged, SlotKernel, Slots};
 use crate::lane::{Lane, Several, WIDTH};
-use crate::laplacian::MomentPoints as Points;
+use crate::fit::Points;
 use crate::real::Real;
 use alloc::vec::Vec;
 use core::f64::consts::PI;

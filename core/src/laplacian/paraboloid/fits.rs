@@ -3,7 +3,7 @@
 use super::{AMPLIFIED, COEFFICIENTS};
 use crate::element::{SlotKernel, Slots};
 use crate::lane::{Lane, Several, WIDTH};
-use crate::laplacian::least_squares::LeastSquares;
+use crate::fit::LeastSquares;
 use crate::laplacian::{Curvature, RaggedRowSlots};
 use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;

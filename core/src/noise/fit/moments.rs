@@ -5,7 +5,7 @@
 
 use super::Model;
 use crate::lane::{Lane, Several, WIDTH};
-use crate::laplacian::{MONOMIALS, MomentPoints as Points, place_of, set_moments};
+use crate::fit::{MONOMIALS, Points, place_of, set_moments};
 use crate::real::Real;
 use crate::vec3::{Vec3, dot};
 use alloc::vec::Vec;

@@ -1,0 +1,19 @@
+//! Local polynomials: least-squares fits of height functions around a vertex, and the geometry of their
+//! graphs.
+//!
+//! Fits of several vertices are computed at once, one in each entry of a lane.
+
+mod graph;
+mod inversion;
+mod least_squares;
+mod moments;
+mod normal_equations;
+
+pub(crate) use graph::{Graph, graph_at};
+pub(crate) use inversion::Inversion;
+pub(crate) use least_squares::LeastSquares;
+pub(crate) use moments::{
+    HIGHEST_DEGREE, MONOMIALS, Points, TOGETHER, coefficient_count, evaluate, exponential, place_of,
+    set_moments,
+};
+pub(crate) use normal_equations::NormalEquations;

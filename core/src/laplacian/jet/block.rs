@@ -1,0 +1,438 @@
+//! The fits of one degree around several vertices at a time.
+
+use crate::fit::{
+    Graph, Inversion, MONOMIALS, NormalEquations, Points, TOGETHER, coefficient_count, evaluate,
+    exponential, graph_at,
+};
+use crate::lane::{Lane, Several};
+use crate::real::Real;
+use crate::surface::Surface;
+use crate::vec3::{Vec3, cross, dot, norm, normalise, scale, sub};
+use alloc::vec::Vec;
+use core::array;
+
+/// Degree of the fit that determines the inversion, if the final degree is not lower.
+const STEP_DEGREE: usize = 4;
+
+/// How neighbours of a vertex are weighed, by their distances squared, `q = |d|²/a + (a − 1/a) (d·e)²`:
+/// offsets along rows count a times as much as those across.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spacing<T> {
+    /// e, the unit vector along rows; of no importance if a = 1.
+    pub(super) along: Vec3<T>,
+    /// a ≥ 1.
+    pub(super) aspect: T,
+}
+
+impl<T: Real> Spacing<T> {
+    /// Distances in space.
+    pub(super) fn even() -> Self {
+        Self {
+            along: [T::zero(); 3],
+            aspect: T::one(),
+        }
+    }
+
+    /// q.
+    #[inline(always)]
+    pub(super) fn squared(&self, offset: Vec3<T>) -> T {
+        let (over, along) = (self.aspect.recip(), dot(offset, self.along));
+        dot(offset, offset) * over + along * along * (self.aspect - over)
+    }
+}
+
+/// What is fitted.
+#[derive(Clone, Copy)]
+pub(super) struct Shape<T> {
+    pub(super) degree: usize,
+    /// See [`Jet`](super::Jet).
+    pub(super) sharpness: T,
+    pub(super) focus: T,
+    pub(super) refined: bool,
+}
+
+/// Memory to fit several vertices at once, padded with neighbours at the vertex itself, whose
+/// monomials are zero.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Block<T> {
+    /// Neighbours' positions relative to the vertex in units of the radius, in space, in the frame of the
+    /// fit, and after the inversion.
+    differences: [Vec<Several<T>>; 3],
+    offsets: [Vec<Several<T>>; 3],
+    places: [Vec<Several<T>>; 3],
+    /// Squared distances, in units of the radius, and weights.
+    distances: Vec<Several<T>>,
+    weights: Vec<Several<T>>,
+    coefficients: Vec<Several<T>>,
+    /// Coefficients of functionals, and of fits of other columns.
+    others: Vec<Several<T>>,
+    /// Values at the neighbours.
+    values: Vec<Several<T>>,
+    scaled: Vec<Several<T>>,
+    errors: Vec<Several<T>>,
+    equations: NormalEquations<T>,
+}
+
+/// Vertices of a block: the normal of the frame, which fits improve, and the spacing.
+#[derive(Clone, Copy)]
+pub(super) struct Lanes<T> {
+    pub(super) normals: Vec3<Several<T>>,
+    pub(super) along: Vec3<Several<T>>,
+    pub(super) aspects: Several<T>,
+}
+
+/// Results at the vertices of a block.
+pub(super) struct Found<T> {
+    pub(super) normal: Vec3<Several<T>>,
+    pub(super) mean: Several<T>,
+    pub(super) gaussian: Several<T>,
+    /// Δ_S H of the fitted surface.
+    pub(super) laplacian_of_mean: Several<T>,
+    /// The squared slope of the surface in its frame.
+    pub(super) slope: Several<T>,
+    /// The least distance of a column from the columns before it, squared, in units of the length that it
+    /// would have if the directions of neighbours were spread evenly.
+    pub(super) spread: Several<T>,
+    inversion: Inversion<Several<T>>,
+    over_radius: Several<T>,
+}
+
+impl<T: Real> Block<T> {
+    /// Resizes for fits with `rows` neighbours, none of which is set, and this degree.
+    #[inline(always)]
+    pub(super) fn clear(&mut self, rows: usize, degree: usize) {
+        let rows = rows.next_multiple_of(TOGETHER);
+        for differences in &mut self.differences {
+            differences.clear();
+            differences.resize(rows, Several::zero());
+        }
+        let arrays = self.offsets.iter_mut().chain(&mut self.places);
+        for array in arrays {
+            array.resize(rows, Several::zero());
+        }
+        for array in [&mut self.distances, &mut self.weights, &mut self.errors] {
+            array.resize(rows, Several::zero());
+        }
+        let count = coefficient_count(degree.max(STEP_DEGREE));
+        for array in [&mut self.coefficients, &mut self.others, &mut self.scaled] {
+            array.resize(count, Several::zero());
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn set_differences(
+        &mut self,
+        lane: usize,
+        surface: Surface<'_, T>,
+        vertex: u32,
+        neighbours: &[u32],
+    ) {
+        let [x, y, z] = &mut self.differences;
+        let seen = surface.seen_from(vertex);
+        for (((&neighbour, x), y), z) in neighbours.iter().zip(x).zip(y).zip(z) {
+            let difference = seen.difference(neighbour);
+            (x.0[lane], y.0[lane], z.0[lane]) = (difference[0], difference[1], difference[2]);
+        }
+    }
+
+    /// Fits polynomials: of degree 2 for the normal and the curvature, then after a first inversion for the
+    /// best one, then of the final degree.
+    #[inline(always)]
+    pub(super) fn fit(&mut self, shape: Shape<T>, lanes: Lanes<T>) -> Found<T> {
+        let (over_radius, outermost) = self.weigh(shape, &lanes);
+        let uneven = Several::literal(1.0).less(lanes.aspects);
+        let first: Vec3<Several<T>> =
+            array::from_fn(|k| Several::select(uneven, lanes.along[k], outermost[k]));
+        let mut normal = lanes.normals;
+        let mut frame = frame_towards(first, normal);
+        let mut inversion = Inversion(Several::zero());
+        let mut curvature = Several::zero();
+        let stages = [2, STEP_DEGREE.min(shape.degree), shape.degree];
+        for (stage, degree) in stages.into_iter().enumerate() {
+            if stage < 2 {
+                self.turn(frame, normal);
+            }
+            self.invert(inversion);
+            let Self {
+                places: [x, y, z],
+                weights,
+                coefficients,
+                equations,
+                ..
+            } = self;
+            let points = Points { x, y, weights };
+            equations.set(degree, points);
+            let refinements = usize::from(stage == 2 && shape.refined);
+            equations.solve(points, z, &[], coefficients, refinements);
+            match stage {
+                0 => {
+                    let graph = Graph::of_coefficients(coefficients);
+                    curvature = graph.mean(graph.uprightness());
+                    normal = tilted(normal, frame, graph.first);
+                    frame = frame_towards(first, normal);
+                    inversion = Inversion(Several::literal(-0.25) * curvature);
+                }
+                1 => inversion = self.improve(degree, inversion, curvature),
+                _ => {}
+            }
+        }
+        let bent = inversion.at_vertex(&self.coefficients[..coefficient_count(shape.degree)]);
+        let Graph { first: slopes, .. } = Graph::of_coefficients(&self.coefficients);
+        let functional = Graph::of_coefficients(&self.coefficients);
+        let functional = functional.laplacian(functional.uprightness());
+        self.others.fill(Several::zero());
+        self.others[..functional.len()].copy_from_slice(&functional);
+        Found {
+            normal: tilted(normal, frame, slopes),
+            mean: bent.mean * over_radius,
+            gaussian: bent.gaussian * (over_radius * over_radius),
+            laplacian_of_mean: bent.laplacian_of_mean * (over_radius * over_radius * over_radius),
+            slope: slopes[0] * slopes[0] + slopes[1] * slopes[1],
+            spread: self.spread(shape.degree, lanes.aspects),
+            inversion,
+            over_radius,
+        }
+    }
+
+    /// Sets distances and weights, and scales differences to units of the radius. Returns 1 over the radius,
+    /// and the neighbour that lies farthest to the side.
+    #[inline(always)]
+    fn weigh(&mut self, shape: Shape<T>, lanes: &Lanes<T>) -> (Several<T>, Vec3<Several<T>>) {
+        let Self {
+            differences: [x, y, z],
+            distances,
+            weights,
+            ..
+        } = self;
+        let rows = x.len();
+        let (y, z) = (&mut y[..rows], &mut z[..rows]);
+        let over_aspect = lanes.aspects.reciprocal_or_zero();
+        let stretch = lanes.aspects - over_aspect;
+        let [mut farthest, mut widest] = [Several::zero(); 2];
+        let mut outermost = [Several::zero(); 3];
+        for row in 0..rows {
+            let difference = [x[row], y[row], z[row]];
+            let squared = dot(difference, difference);
+            let height = dot(difference, lanes.normals);
+            let along = dot(difference, lanes.along);
+            let distance = squared * over_aspect + along * along * stretch;
+            distances[row] = distance;
+            farthest = Several::select(farthest.less(distance), distance, farthest);
+            let sideways = squared - height * height;
+            let wider = widest.less(sideways);
+            widest = Several::select(wider, sideways, widest);
+            for (outermost, coordinate) in outermost.iter_mut().zip(difference) {
+                *outermost = Several::select(wider, coordinate, *outermost);
+            }
+        }
+        let over_radius = farthest.sqrt().reciprocal_or_zero();
+        let over_square = over_radius * over_radius;
+        let steepness = Several::splat(-shape.sharpness);
+        for row in 0..rows {
+            distances[row] = distances[row] * over_square;
+            (x[row], y[row], z[row]) = (
+                x[row] * over_radius,
+                y[row] * over_radius,
+                z[row] * over_radius,
+            );
+            weights[row] = steepness * distances[row];
+        }
+        // In a loop of its own, where the processor computes several of these long chains at a time.
+        for weight in weights.iter_mut() {
+            let root = exponential(*weight);
+            *weight = root * root;
+        }
+        if shape.focus > T::zero() {
+            let (one, focus) = (Several::literal(1.0), Several::splat(shape.focus));
+            for (weight, &distance) in weights.iter_mut().zip(&*distances) {
+                *weight = *weight * (one + focus * distance).reciprocal_or_zero();
+            }
+        }
+        (over_radius, scale(over_radius, outermost))
+    }
+
+    /// Sets offsets in a frame.
+    #[inline(always)]
+    fn turn(&mut self, frame: [Vec3<Several<T>>; 2], normal: Vec3<Several<T>>) {
+        let ([x, y, z], [a, b, c]) = (&self.differences, &mut self.offsets);
+        for row in 0..x.len() {
+            let local = [x[row], y[row], z[row]];
+            a[row] = dot(local, frame[0]);
+            b[row] = dot(local, frame[1]);
+            c[row] = dot(local, normal);
+        }
+    }
+
+    /// Sets the places of the neighbours after an inversion.
+    #[inline(always)]
+    fn invert(&mut self, inversion: Inversion<Several<T>>) {
+        let ([x, y, z], [a, b, c]) = (&self.offsets, &mut self.places);
+        for row in 0..x.len() {
+            [a[row], b[row], c[row]] = inversion.image([x[row], y[row], z[row]]);
+        }
+    }
+
+    /// One step from an inversion to that with the least residual of the fit: with the residual e = z − p
+    /// of the polynomial p, the derivative of e by β is `z² − x² − y² − 2 z (x p_x + y p_y)`, because
+    /// inversions compose. Bounded by no inversion, and that which flattens a sphere of this curvature: steps
+    /// beyond it would follow noise.
+    #[inline(always)]
+    fn improve(
+        &mut self,
+        degree: usize,
+        inversion: Inversion<Several<T>>,
+        curvature: Several<T>,
+    ) -> Inversion<Several<T>> {
+        let Self {
+            places: [x, y, z],
+            weights,
+            coefficients,
+            others,
+            scaled,
+            values,
+            errors,
+            equations,
+            ..
+        } = self;
+        let points = Points { x, y, weights };
+        let two = Several::literal(2.0);
+        evaluate(degree, points, coefficients, values);
+        for ((error, &z), &value) in errors.iter_mut().zip(&*z).zip(&*values) {
+            *error = z - value;
+        }
+        // x p_x + y p_y: each monomial times its degree.
+        for ((scaled, &c), (d, _)) in scaled.iter_mut().zip(&*coefficients).zip(MONOMIALS) {
+            *scaled = Several::literal(d as f64) * c;
+        }
+        evaluate(degree, points, scaled, values);
+        let mut whole = Several::zero();
+        for row in 0..x.len() {
+            let (x, y, z) = (x[row], y[row], z[row]);
+            let slope = z * z - x * x - y * y - two * z * values[row];
+            whole = whole + weights[row] * slope * slope;
+            values[row] = slope;
+        }
+        // The heights are set anew by the next inversion.
+        z.copy_from_slice(values);
+        equations.solve(points, z, &[], others, 0);
+        evaluate(degree, points, others, values);
+        let [mut squares, mut products] = [Several::zero(); 2];
+        for row in 0..x.len() {
+            let across = z[row] - values[row];
+            squares = squares + weights[row] * across * across;
+            products = products + weights[row] * across * errors[row];
+        }
+        // What is left of the derivative may be rounding only.
+        let rounding = T::constant(64.0) * T::epsilon();
+        let over = (squares + Several::splat(rounding * rounding) * whole).reciprocal_or_zero();
+        let found = inversion.0 - products * over;
+        let full = Several::literal(-0.5) * curvature;
+        let zero = Several::zero();
+        let negative = full.less(zero);
+        let least = Several::select(negative, full, zero);
+        let most = Several::select(negative, zero, full);
+        let found = Several::select(found.less(least), least, found);
+        Inversion(Several::select(most.less(found), most, found))
+    }
+
+    /// See [`Found::spread`].
+    #[inline(always)]
+    fn spread(&self, degree: usize, aspects: Several<T>) -> Several<T> {
+        // Σ w q^d of each degree.
+        let mut sums = [Several::<T>::zero(); 1 + crate::fit::HIGHEST_DEGREE];
+        for (&weight, &distance) in self.weights.iter().zip(&self.distances) {
+            let mut term = weight;
+            for sum in &mut sums[1..=degree] {
+                term = term * distance;
+                *sum = *sum + term;
+            }
+        }
+        let over_aspect = aspects.reciprocal_or_zero();
+        let mut least = Several::literal(f64::MAX);
+        for (&pivot, (degree, power)) in self.equations.pivots().iter().zip(MONOMIALS) {
+            let along = degree - power;
+            // ∫ cos^2a sin^2b over the mean directions: (2a − 1)!! (2b − 1)!! / (2^d d!)
+            let odd = |n: usize| (1..=n).map(|k| 2.0 * k as f64 - 1.0).product::<f64>();
+            let even = (1..=degree).map(|k| 2.0 * k as f64).product::<f64>();
+            let mut even_spread = sums[degree] * Several::literal(odd(along) * odd(power) / even);
+            let factor = if power > along { aspects } else { over_aspect };
+            for _ in 0..power.abs_diff(along) {
+                even_spread = even_spread * factor;
+            }
+            let spread = pivot * even_spread.reciprocal_or_zero();
+            least = Several::select(spread.less(least), spread, least);
+        }
+        least
+    }
+
+    /// The rows of Δ_S, after [`Self::fit`].
+    #[inline(always)]
+    pub(super) fn rows(&mut self, shape: Shape<T>, found: &Found<T>) -> &[Several<T>] {
+        let Self {
+            places: [x, y, _],
+            weights,
+            others,
+            scaled,
+            values,
+            equations,
+            ..
+        } = self;
+        let points = Points { x, y, weights };
+        equations.solve(points, &[], others, scaled, usize::from(shape.refined));
+        evaluate(shape.degree, points, scaled, values);
+        let over_square = found.over_radius * found.over_radius;
+        for (entry, &weight) in values.iter_mut().zip(&*weights) {
+            *entry = *entry * (weight * over_square);
+        }
+        values
+    }
+
+    /// H of the fitted surfaces at the neighbours, after [`Self::rows`], and the products of the rows with
+    /// their differences from H at the vertices.
+    #[inline(always)]
+    pub(super) fn means(
+        &mut self,
+        degree: usize,
+        found: &Found<T>,
+    ) -> (&[Several<T>], Several<T>) {
+        let Self {
+            places: [x, y, _],
+            coefficients,
+            errors: means,
+            values: rows,
+            ..
+        } = self;
+        let mut sum = Several::zero();
+        for row in 0..x.len() {
+            let (height, graph) = graph_at(degree, coefficients, x[row], y[row]);
+            let mean = found.inversion.mean_at([x[row], y[row], height], &graph);
+            means[row] = mean * found.over_radius;
+            sum = sum + rows[row] * (means[row] - found.mean);
+        }
+        (means, sum)
+    }
+}
+
+/// The normal of a graph in a frame.
+#[inline(always)]
+fn tilted<T: Real>(
+    normal: Vec3<Several<T>>,
+    frame: [Vec3<Several<T>>; 2],
+    [p, q]: [Several<T>; 2],
+) -> Vec3<Several<T>> {
+    normalise(sub(sub(normal, scale(p, frame[0])), scale(q, frame[1])))
+}
+
+/// Two unit vectors that form a right-handed frame with a unit vector `normal`, the first one
+/// towards a point to the side of it; zeros if the point lies along the normal. Polynomials of a
+/// degree are the same in every frame, but the condition of a fit is not: with a frame along the
+/// coordinate axes, the choice of neighbours would depend on the orientation of the surface.
+#[inline(always)]
+fn frame_towards<T: Real>(
+    point: Vec3<Several<T>>,
+    normal: Vec3<Several<T>>,
+) -> [Vec3<Several<T>>; 2] {
+    let sideways = sub(point, scale(dot(point, normal), normal));
+    let first = scale(norm(sideways).reciprocal_or_zero(), sideways);
+    [first, cross(normal, first)]
+}
