@@ -146,6 +146,3 @@ pub use sparse_matrix::SparseMatrix;
 pub use subdivision::Subdivision;
 pub use surface::{Surface, SurfaceError};
 pub use triangle::DualArea;
-
-#[doc(hidden)]
-pub static TRIES: core::sync::atomic::AtomicUsize = core::sync::atomic::AtomicUsize::new(0);

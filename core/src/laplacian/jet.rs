@@ -50,9 +50,6 @@ pub struct Jet<T> {
     pub most_neighbours: usize,
     /// β of the weights `exp(−β |x_j − x_i|²/ρ²)`, ρ the distance of the farthest neighbour.
     pub sharpness: T,
-    /// φ of the factor `1/(1 + φ |x_j − x_i|²/ρ²)` of the squared weights: 0, or above for fits that follow the
-    /// nearest neighbours more closely than the others.
-    pub focus: T,
     /// Least spread of neighbours with which a fit of this degree is accepted: the distance of a monomial from
     /// the monomials before it, in units of the length that it would have if the neighbours lay evenly in all
     /// directions.
@@ -67,7 +64,6 @@ impl<T: Real> Jet<T> {
             neighbours: 56,
             most_neighbours: 112,
             sharpness: T::constant(7.0),
-            focus: T::zero(),
             conditioning: T::constant(0.012),
         }
     }
@@ -77,10 +73,9 @@ impl<T: Real> Jet<T> {
     pub fn j8() -> Self {
         Self {
             degree: 8,
-            neighbours: 105,
-            most_neighbours: 210,
+            neighbours: 96,
+            most_neighbours: 192,
             sharpness: T::constant(7.0),
-            focus: T::constant(1000.0),
             conditioning: T::constant(0.003),
         }
     }
@@ -92,7 +87,6 @@ impl<T: Real> Jet<T> {
             neighbours: 32,
             most_neighbours: 64,
             sharpness: T::constant(6.0),
-            focus: T::zero(),
             conditioning: T::constant(0.06),
         }
     }

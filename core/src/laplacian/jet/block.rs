@@ -45,9 +45,8 @@ impl<T: Real> Spacing<T> {
 #[derive(Clone, Copy)]
 pub(super) struct Shape<T> {
     pub(super) degree: usize,
-    /// See [`Jet`](super::Jet).
+    /// See [`Jet::sharpness`](super::Jet::sharpness).
     pub(super) sharpness: T,
-    pub(super) focus: T,
     pub(super) refined: bool,
 }
 
@@ -242,12 +241,6 @@ impl<T: Real> Block<T> {
             let root = exponential(*weight);
             *weight = root * root;
         }
-        if shape.focus > T::zero() {
-            let (one, focus) = (Several::literal(1.0), Several::splat(shape.focus));
-            for (weight, &distance) in weights.iter_mut().zip(&*distances) {
-                *weight = *weight * (one + focus * distance).reciprocal_or_zero();
-            }
-        }
         (over_radius, scale(over_radius, outermost))
     }
 
@@ -387,12 +380,14 @@ impl<T: Real> Block<T> {
         values
     }
 
-    /// H of the fitted surfaces at the neighbours, after [`Self::rows`], and the products of the rows with
-    /// their differences from H at the vertices.
+    /// H of the fitted surfaces at the first `near` neighbours, after [`Self::rows`]; and what the rows yield
+    /// of H of the fitted surfaces at all neighbours, of polynomials without the terms of the highest degree:
+    /// these follow the neighbours, and the rows give the same for the terms that they determine.
     #[inline(always)]
     pub(super) fn means(
         &mut self,
         degree: usize,
+        near: usize,
         found: &Found<T>,
     ) -> (&[Several<T>], Several<T>) {
         let Self {
@@ -402,14 +397,21 @@ impl<T: Real> Block<T> {
             values: rows,
             ..
         } = self;
+        let inversion = found.inversion;
         let mut sum = Several::zero();
+        let steady = degree.min(STEP_DEGREE.max(degree - 1));
+        let mut total = Several::zero();
         for row in 0..x.len() {
-            let (height, graph) = graph_at(degree, coefficients, x[row], y[row]);
-            let mean = found.inversion.mean_at([x[row], y[row], height], &graph);
-            means[row] = mean * found.over_radius;
-            sum = sum + rows[row] * (means[row] - found.mean);
+            let (height, graph) = graph_at(steady, coefficients, x[row], y[row]);
+            sum = sum + rows[row] * inversion.mean_at([x[row], y[row], height], &graph);
+            total = total + rows[row];
         }
-        (means, sum)
+        for row in 0..near.min(x.len()) {
+            let (height, graph) = graph_at(degree, coefficients, x[row], y[row]);
+            let mean = inversion.mean_at([x[row], y[row], height], &graph);
+            means[row] = mean * found.over_radius;
+        }
+        (means, sum * found.over_radius - total * found.mean)
     }
 }
 

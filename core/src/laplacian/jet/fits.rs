@@ -25,7 +25,7 @@ const PENDING: usize = 32;
 const LEAST_COSINE: f64 = 0.05;
 
 /// The ratio of spacings below which a mesh is even.
-const EVEN: f64 = 1.2;
+const FINER: f64 = 1.02;
 
 /// Parts of a spread that is enough: at the first, fits take all of the rows into account, and from the second on
 /// they accept neighbours that they have chosen with regard to rows.
@@ -196,7 +196,6 @@ impl<T: Real> Fits<'_, T> {
         let shape = Shape {
             degree,
             sharpness: self.jet.sharpness,
-            focus: self.jet.focus,
             refined: NormalEquations::need_refinement(self.jet.least_spread(degree)),
         };
         let mut lanes = Lanes {
@@ -210,7 +209,6 @@ impl<T: Real> Fits<'_, T> {
             let Some(pending) = &mut queue[place] else {
                 continue;
             };
-            crate::TRIES.fetch_add(1, core::sync::atomic::Ordering::Relaxed);
             usable[lane] = self.choose(pending, scratch, place);
             if !usable[lane] {
                 continue;
@@ -257,17 +255,19 @@ impl<T: Real> Fits<'_, T> {
             return;
         }
         let rows = block.rows(shape, &found);
+        let mut ring = 0;
         for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             if settled[lane]
                 && let Some(pending) = &mut queue[place]
             {
+                ring = ring.max(pending.means.len());
                 let row = &mut pending.row[..pending.attempt.neighbours];
                 for (entry, coefficient) in row.iter_mut().zip(rows) {
                     *entry = coefficient.0[lane];
                 }
             }
         }
-        let (means, sum) = block.means(degree, &found);
+        let (means, sum) = block.means(degree, ring, &found);
         let missing = found.laplacian_of_mean - sum;
         for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             if settled[lane]
@@ -370,7 +370,7 @@ impl<T: Real> Fits<'_, T> {
             return true;
         }
         let next = self.next_aspect(pending, spread);
-        if spread < least || spread.is_nan() || next > T::constant(EVEN) * pending.spacing.aspect {
+        if spread < least || spread.is_nan() || next > T::constant(FINER) * pending.spacing.aspect {
             return false;
         }
         let last = self.jet.last_neighbours(degree, pending.available);
@@ -406,7 +406,7 @@ impl<T: Real> Fits<'_, T> {
     fn next_attempt(&self, pending: &mut Pending<'_, T>, spread: T) -> Option<Attempt> {
         let aspect = self.next_aspect(pending, spread.max(T::zero()).sqrt());
         let Attempt { degree, neighbours } = pending.attempt;
-        if aspect > T::constant(EVEN) * pending.spacing.aspect {
+        if aspect > T::constant(FINER) * pending.spacing.aspect {
             pending.spacing = Spacing {
                 aspect,
                 ..self.rows_at(pending)
@@ -415,7 +415,7 @@ impl<T: Real> Fits<'_, T> {
         }
         let last = self.jet.last_neighbours(degree, pending.available);
         if neighbours < last && !pending.limited {
-            let neighbours = (neighbours + neighbours / 2).min(last);
+            let neighbours = (2 * neighbours).min(last);
             return Some(Attempt { degree, neighbours });
         }
         self.lower(pending)
