@@ -1,7 +1,7 @@
 //! The fits of one degree around several vertices at a time.
 
 use crate::fit::{
-    Graph, Inversion, MONOMIALS, NormalEquations, Points, TOGETHER, coefficient_count, evaluate,
+    Graph, HIGHEST_DEGREE, Inversion, MONOMIALS, NormalEquations, Points, TOGETHER, coefficient_count, evaluate,
     exponential, graph_at,
 };
 use crate::lane::{Lane, Several};
@@ -151,14 +151,18 @@ impl<T: Real> Block<T> {
             if stage < 2 {
                 self.turn(frame, normal);
             }
-            self.invert(inversion);
+            if stage > 0 {
+                self.invert(inversion);
+            }
             let Self {
-                places: [x, y, z],
+                offsets,
+                places,
                 weights,
                 coefficients,
                 equations,
                 ..
             } = self;
+            let [x, y, z] = if stage > 0 { places } else { offsets };
             let points = Points { x, y, weights };
             equations.set(degree, points);
             let refinements = usize::from(stage == 2 && shape.refined);
@@ -332,7 +336,7 @@ impl<T: Real> Block<T> {
     #[inline(always)]
     fn spread(&self, degree: usize, aspects: Several<T>) -> Several<T> {
         // Σ w q^d of each degree.
-        let mut sums = [Several::<T>::zero(); 1 + crate::fit::HIGHEST_DEGREE];
+        let mut sums = [Several::<T>::zero(); 1 + HIGHEST_DEGREE];
         for (&weight, &distance) in self.weights.iter().zip(&self.distances) {
             let mut term = weight;
             for sum in &mut sums[1..=degree] {
@@ -342,12 +346,10 @@ impl<T: Real> Block<T> {
         }
         let over_aspect = aspects.reciprocal_or_zero();
         let mut least = Several::literal(f64::MAX);
-        for (&pivot, (degree, power)) in self.equations.pivots().iter().zip(MONOMIALS) {
+        let monomials = self.equations.pivots().iter().zip(MONOMIALS).zip(EVEN_SPREAD);
+        for ((&pivot, (degree, power)), even_spread) in monomials {
             let along = degree - power;
-            // ∫ cos^2a sin^2b over the mean directions: (2a − 1)!! (2b − 1)!! / (2^d d!)
-            let odd = |n: usize| (1..=n).map(|k| 2.0 * k as f64 - 1.0).product::<f64>();
-            let even = (1..=degree).map(|k| 2.0 * k as f64).product::<f64>();
-            let mut even_spread = sums[degree] * Several::literal(odd(along) * odd(power) / even);
+            let mut even_spread = sums[degree] * Several::literal(even_spread);
             let factor = if power > along { aspects } else { over_aspect };
             for _ in 0..power.abs_diff(along) {
                 even_spread = even_spread * factor;
@@ -414,6 +416,24 @@ impl<T: Real> Block<T> {
         (means, sum * found.over_radius - total * found.mean)
     }
 }
+
+/// Means of cos^2a sin^2b over all directions, `(2a − 1)!! (2b − 1)!!/(2^d d!)`, of the monomials x^a y^b of
+/// degree d: of their squares over points that lie evenly around the vertex.
+const EVEN_SPREAD: [f64; MONOMIALS.len()] = {
+    let mut spread = [1.0; MONOMIALS.len()];
+    let mut place = 0;
+    while place < spread.len() {
+        let (degree, power) = MONOMIALS[place];
+        let mut k = 0;
+        while k < degree {
+            let odd = if k < power { k } else { k - power };
+            spread[place] *= (2 * odd + 1) as f64 / (2 * k + 2) as f64;
+            k += 1;
+        }
+        place += 1;
+    }
+    spread
+};
 
 /// The normal of a graph in a frame.
 #[inline(always)]

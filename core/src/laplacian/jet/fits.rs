@@ -32,6 +32,9 @@ const FINER: f64 = 1.02;
 const ROWS_ONLY: f64 = 0.1;
 const ACCEPTED: f64 = 0.33;
 
+/// Part of the least spread with which fits are accepted at a boundary, where all neighbours lie on one side.
+const ONE_SIDED: f64 = 0.2;
+
 /// Number of rings in which neighbours are sought if those nearest in space do not suffice.
 const RINGS: usize = 4;
 
@@ -364,8 +367,12 @@ impl<T: Real> Fits<'_, T> {
     fn accepts(&self, pending: &mut Pending<'_, T>, spread: T) -> bool {
         let Attempt { degree, neighbours } = pending.attempt;
         let spread = spread.max(T::zero()).sqrt();
-        let least = self.jet.least_spread(degree);
-        let enough = self.jet.enough_spread(degree);
+        let mut least = self.jet.least_spread(degree);
+        let mut enough = self.jet.enough_spread(degree);
+        if !self.surface.mesh().is_interior(pending.vertex) {
+            enough = NormalEquations::<T>::least_distance().max(T::constant(ONE_SIDED) * least);
+            least = enough;
+        }
         if spread >= enough {
             return true;
         }
