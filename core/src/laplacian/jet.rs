@@ -12,19 +12,19 @@ use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
 use crate::element::{Execution, Ragged, of_vertices};
 use crate::fit::{HIGHEST_DEGREE, NormalEquations, coefficient_count};
+use crate::lane::Lane;
 use crate::laplacian::{Cotangent, LaplaceBeltrami, Rows, VertexSums, expect_measured};
 use crate::mesh::TriangleMesh;
 use crate::mesh_identity::expect_parameter;
 use crate::method::{Method, Workspace};
 use crate::neighbourhood::Surroundings;
-use crate::noise::Model;
-use crate::noise::doubt::report_rows;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
 use crate::vec3::Vec3;
 use alloc::vec::Vec;
 use fits::{Fits, Scratch};
+use spacing::spacing;
 
 /// Weighted least-squares jets: around each vertex a polynomial height function over the tangent
 /// plane is fitted to the nearest vertices along the surface.
@@ -106,6 +106,14 @@ impl<T: Real> Jet<T> {
 const ENOUGH_SPREAD: [f64; 7] = [0.15, 0.13, 0.12, 0.11, 0.1, 0.05, 0.03];
 const LEAST_SPREAD: [f64; 7] = [0.05, 0.06, 0.06, 0.03, 0.012, 0.006, 0.003];
 
+/// Part of the curvature from which on a disagreement of fits is reported, and curvature that counts as none, in
+/// inverse spacings.
+const REPORTED: f64 = 0.05;
+const FLAT: f64 = 3e-4;
+
+/// Ratio of spacings from which on vertices count as rows.
+const ROWS: f64 = 2.0;
+
 /// Number of neighbours that may determine a fit of a degree.
 const fn least_count(degree: usize) -> usize {
     coefficient_count(degree) + if degree > 2 { 2 } else { 0 }
@@ -121,8 +129,6 @@ pub struct JetMemory<T> {
     rows: Rows<T>,
     /// The degree fitted at each vertex, 0 where there was no fit.
     degrees: Vec<u8>,
-    /// H of the last evaluation.
-    means: Vec<T>,
     /// Bounds of the distances of neighbours in the last evaluation.
     bounds: Vec<i32>,
     /// The normals of the mesh.
@@ -133,6 +139,8 @@ pub struct JetMemory<T> {
     ring_means: Vec<T>,
     ring_offsets: Vec<usize>,
     disagreements: Vec<T>,
+    /// Whether these are large.
+    apart: Vec<bool>,
     scratches: Vec<Scratch<T>>,
 }
 
@@ -192,15 +200,6 @@ impl<T: Real> Jet<T> {
         })
     }
 
-    /// The polynomials of a degree; `None` for degree 0.
-    pub(crate) fn model(&self, degree: u8) -> Option<Model<T>> {
-        (degree > 0).then(|| Model {
-            degree: usize::from(degree),
-            sharpness: self.sharpness,
-            interpolates: true,
-        })
-    }
-
     fn highest_degree(&self) -> usize {
         self.degree.clamp(2, HIGHEST_DEGREE)
     }
@@ -239,13 +238,13 @@ impl<T: Real> Method<T> for Jet<T> {
             cotangent: VertexSums::default(),
             rows: Rows::new(),
             degrees: Vec::new(),
-            means: Vec::new(),
             bounds: Vec::new(),
             normals: Vec::new(),
             missing: Vec::new(),
             ring_means: Vec::new(),
             ring_offsets: offsets.map(|&offset| offset as usize).collect(),
             disagreements: Vec::new(),
+            apart: Vec::new(),
             scratches: Vec::new(),
         }
     }
@@ -266,11 +265,17 @@ impl<T: Real> Method<T> for Jet<T> {
                 _ => {}
             }
         }
-        let fitted = |vertex: usize| {
-            let model = self.model(*memory.degrees.get(vertex)?)?;
-            Some((model, memory.neighbours(vertex)))
-        };
-        report_rows(surface, fitted, &memory.means, report);
+        let mesh = surface.mesh();
+        for (vertex, &is_apart) in memory.apart.iter().enumerate() {
+            let aspect = |vertex: usize| spacing(surface, &memory.normals, vertex).aspect;
+            let ring = mesh.one_ring(vertex).iter().map(|&other| other as usize);
+            let is_long = |vertex: usize| aspect(vertex) >= T::constant(ROWS);
+            if is_apart && ring.chain([vertex]).any(is_long) {
+                report(Finding::Rows {
+                    vertex: vertex as u32,
+                });
+            }
+        }
     }
 }
 
@@ -291,13 +296,13 @@ impl<T: Real> Curvatures<T> for Jet<T> {
             cotangent,
             rows,
             degrees,
-            means,
             bounds,
             normals,
             missing,
             ring_means,
             ring_offsets,
             disagreements,
+            apart,
             scratches,
         } = memory;
         let curvature = of_vertices(surface, curvature);
@@ -309,6 +314,7 @@ impl<T: Real> Curvatures<T> for Jet<T> {
         bounds.resize(vertices, 0);
         missing.resize(vertices, T::zero());
         disagreements.resize(vertices, T::zero());
+        apart.resize(vertices, false);
         ring_means.resize(surface.mesh().ring_vertices().len(), T::zero());
         let numbers = (&mut degrees[..], (&mut bounds[..], &mut missing[..]));
         let of_fits = (Ragged::new(ring_means, ring_offsets), rows.slots(vertices, *room));
@@ -320,10 +326,8 @@ impl<T: Real> Curvatures<T> for Jet<T> {
             normals,
         };
         execution.run(scratches, output, &fits);
-        means.clear();
-        means.extend(curvature.iter().map(|at| at.mean));
-        let (degrees, means) = (&*degrees, &*means);
-        execution.map(&mut disagreements[..], |vertex, most| {
+        let (curvature, degrees) = (&*curvature, &*degrees);
+        execution.map((&mut disagreements[..], &mut apart[..]), |vertex, (most, is_apart)| {
             *most = if degrees[vertex] > 0 {
                 T::zero()
             } else {
@@ -332,12 +336,16 @@ impl<T: Real> Curvatures<T> for Jet<T> {
             let start = ring_offsets[vertex];
             let ring = surface.mesh().one_ring(vertex).iter();
             for (&other, &mean) in ring.zip(&ring_means[start..]) {
-                let apart = (mean - means[other as usize]).abs();
+                let apart = (mean - curvature[other as usize].mean).abs();
                 // NaN, where the fit does not reach that vertex, is not larger.
                 if degrees[other as usize] > 0 && apart > *most {
                     *most = apart;
                 }
             }
+            let Curvature { mean, gaussian, area, .. } = curvature[vertex];
+            let bend = (mean * mean - gaussian).max(T::zero()).sqrt();
+            let flat = T::constant(FLAT) * area.sqrt().reciprocal_or_zero();
+            *is_apart = *most > T::constant(REPORTED) * (mean.abs() + bend).max(flat);
         });
     }
 
