@@ -108,7 +108,7 @@ const LEAST_SPREAD: [f64; 7] = [0.05, 0.06, 0.06, 0.03, 0.012, 0.006, 0.003];
 
 /// Part of the curvature from which on a disagreement of fits is reported, and curvature that counts as none, in
 /// inverse spacings.
-const REPORTED: f64 = 0.05;
+const REPORTED: f64 = 0.03;
 const FLAT: f64 = 3e-4;
 
 /// Ratio of spacings from which on vertices count as rows.

@@ -29,11 +29,14 @@ const FINER: f64 = 1.02;
 
 /// Parts of a spread that is enough: at the first, fits take all of the rows into account, and from the second on
 /// they accept neighbours that they have chosen with regard to rows.
-const ROWS_ONLY: f64 = 0.1;
+const ROWS_ONLY: f64 = 0.01;
 const ACCEPTED: f64 = 0.33;
 
 /// Part of the least spread with which fits are accepted at a boundary, where all neighbours lie on one side.
 const ONE_SIDED: f64 = 0.2;
+
+/// Ratio of aspects that are not tried both.
+const NEAR: f64 = 1.3;
 
 /// Number of rings in which neighbours are sought if those nearest in space do not suffice.
 const RINGS: usize = 4;
@@ -381,7 +384,7 @@ impl<T: Real> Fits<'_, T> {
             return false;
         }
         let last = self.jet.last_neighbours(degree, pending.available);
-        spread >= T::constant(ACCEPTED) * enough || pending.limited || neighbours == last
+        spread >= T::constant(ACCEPTED) * enough || neighbours == last && !pending.limited
     }
 
     /// The aspect of the attempt after one of this spread: the less it is determined, the more the rows count.
@@ -390,7 +393,12 @@ impl<T: Real> Fits<'_, T> {
         let rows = self.rows_at(pending).aspect;
         if pending.spacing.aspect > T::one() {
             let enough = spread >= T::constant(ACCEPTED) * self.jet.enough_spread(pending.attempt.degree);
-            return if enough { pending.spacing.aspect } else { rows };
+            let further = (pending.spacing.aspect * rows).sqrt();
+            return match enough {
+                true => pending.spacing.aspect,
+                false if further * T::constant(NEAR) < rows => further,
+                false => rows,
+            };
         }
         let part = spread / self.jet.enough_spread(pending.attempt.degree);
         let least = T::constant(ROWS_ONLY);
