@@ -13,7 +13,7 @@ pub(crate) use graph::{Graph, graph_at};
 pub(crate) use inversion::Inversion;
 pub(crate) use least_squares::LeastSquares;
 pub(crate) use moments::{
-    HIGHEST_DEGREE, MONOMIALS, Points, TOGETHER, coefficient_count, evaluate, exponential, place_of,
-    set_moments,
+    HIGHEST_DEGREE, MONOMIALS, Points, TOGETHER, coefficient_count, evaluate, exponential,
+    place_of, set_moments,
 };
 pub(crate) use normal_equations::NormalEquations;

@@ -131,7 +131,8 @@ pub(crate) fn laplacian_of_mean<L: Lane>(coefficients: &[L]) -> L {
         core::array::from_fn(|place| {
             let (x, y) = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)][place];
             let (x, y) = (x + by_x, y + by_y);
-            let falling = |power: usize, times: usize| (power - times + 1..=power).product::<usize>();
+            let falling =
+                |power: usize, times: usize| (power - times + 1..=power).product::<usize>();
             let factor = falling(x, by_x) * falling(y, by_y);
             match coefficients.get(place_of(x + y, y) - 1) {
                 Some(&coefficient) => L::literal(factor as f64) * coefficient,

@@ -1,8 +1,13 @@
 //! Method J: osculating jets.
 //!
 //! Fits of polynomial height functions after F. Cazals and M. Pouget, Comput. Aided Geom. Des. 22
-//! (2005) 121; here weighted, interpolating at the vertex, and with an adaptive number of
-//! neighbours. The same factorisation gives the row of a general Laplace–Beltrami operator.
+//! (2005) 121; here weighted, interpolating at the vertex, after an inversion that flattens the surface, and
+//! with neighbours that determine them. The same factorisation gives the row of a general Laplace–Beltrami
+//! operator.
+//!
+//! Δ_S H for the force has two parts. With the polynomial around vertex i, `H^i` is its H in space, and c_ij the
+//! row: `Δ_S H = Δ_S H^i + Σ_j c_ij (H_j − H^i(x_j))`. What is left to the row, which is of low order in a field
+//! that varies, is small.
 
 mod block;
 mod fits;
@@ -29,6 +34,8 @@ use spacing::spacing;
 /// Weighted least-squares jets: around each vertex a polynomial height function over the tangent
 /// plane is fitted to the nearest vertices along the surface.
 ///
+/// * Neighbours are the nearest in space if they determine a polynomial of this degree in all directions;
+///   otherwise, as where vertices lie in rows, offsets along rows count more than those across.
 /// * H, K and n are those of the polynomial; on meshes of any kind H and K converge with order
 ///   d − 1 or better, `Δ_S H` with order d − 3 or better, in the largest error, too.
 /// * `Δ_S φ` of any field is that of the polynomial fitted to φ with the same weights: pointwise,
@@ -317,7 +324,10 @@ impl<T: Real> Curvatures<T> for Jet<T> {
         apart.resize(vertices, false);
         ring_means.resize(surface.mesh().ring_vertices().len(), T::zero());
         let numbers = (&mut degrees[..], (&mut bounds[..], &mut missing[..]));
-        let of_fits = (Ragged::new(ring_means, ring_offsets), rows.slots(vertices, *room));
+        let of_fits = (
+            Ragged::new(ring_means, ring_offsets),
+            rows.slots(vertices, *room),
+        );
         let output = ((&mut *curvature, numbers), of_fits);
         let fits = Fits {
             jet: self,
@@ -327,26 +337,34 @@ impl<T: Real> Curvatures<T> for Jet<T> {
         };
         execution.run(scratches, output, &fits);
         let (curvature, degrees) = (&*curvature, &*degrees);
-        execution.map((&mut disagreements[..], &mut apart[..]), |vertex, (most, is_apart)| {
-            *most = if degrees[vertex] > 0 {
-                T::zero()
-            } else {
-                T::infinity()
-            };
-            let start = ring_offsets[vertex];
-            let ring = surface.mesh().one_ring(vertex).iter();
-            for (&other, &mean) in ring.zip(&ring_means[start..]) {
-                let apart = (mean - curvature[other as usize].mean).abs();
-                // NaN, where the fit does not reach that vertex, is not larger.
-                if degrees[other as usize] > 0 && apart > *most {
-                    *most = apart;
+        execution.map(
+            (&mut disagreements[..], &mut apart[..]),
+            |vertex, (most, is_apart)| {
+                *most = if degrees[vertex] > 0 {
+                    T::zero()
+                } else {
+                    T::infinity()
+                };
+                let start = ring_offsets[vertex];
+                let ring = surface.mesh().one_ring(vertex).iter();
+                for (&other, &mean) in ring.zip(&ring_means[start..]) {
+                    let apart = (mean - curvature[other as usize].mean).abs();
+                    // NaN, where the fit does not reach that vertex, is not larger.
+                    if degrees[other as usize] > 0 && apart > *most {
+                        *most = apart;
+                    }
                 }
-            }
-            let Curvature { mean, gaussian, area, .. } = curvature[vertex];
-            let bend = (mean * mean - gaussian).max(T::zero()).sqrt();
-            let flat = T::constant(FLAT) * area.sqrt().reciprocal_or_zero();
-            *is_apart = *most > T::constant(REPORTED) * (mean.abs() + bend).max(flat);
-        });
+                let Curvature {
+                    mean,
+                    gaussian,
+                    area,
+                    ..
+                } = curvature[vertex];
+                let bend = (mean * mean - gaussian).max(T::zero()).sqrt();
+                let flat = T::constant(FLAT) * area.sqrt().reciprocal_or_zero();
+                *is_apart = *most > T::constant(REPORTED) * (mean.abs() + bend).max(flat);
+            },
+        );
     }
 
     fn reaches_boundary(&self) -> bool {

@@ -323,49 +323,6 @@ fn rows_of_jets_have_the_nearest_vertices_of_stretched_meshes() {
     }
 }
 
-/// Jets by normal equations against jets by orthogonal factorisation: H and K relative to the curvature of a
-/// sphere, rows relative to their largest entries.
-const BOTH_SOLUTIONS: Tolerance = Tolerance::new(
-    1e-10,
-    "normal equations square the condition number, which is up to a thousand",
-);
-
-/// Fits by normal equations agree with fits by orthogonal factorisation, which are used where the condition
-/// number is acceptable but too large for normal equations.
-#[test]
-fn jets_of_both_solutions_agree() {
-    let mesh = icosphere(3).map(bent);
-    for jet in [Jet::j4(), Jet::j6()] {
-        let with = |conditioning| {
-            let jet = Jet {
-                conditioning,
-                ..jet
-            };
-            Measured::new(jet, &mesh)
-        };
-        // Both accept every fit; the two conditionings give solutions with one refinement and with none.
-        let factorised = with(1e-8);
-        for conditioning in [1e-5, 1e-3] {
-            let normal = with(conditioning);
-            for (found, known) in normal.curvature.iter().zip(&factorised.curvature) {
-                BOTH_SOLUTIONS.assert(found.mean, known.mean, 1.0, "H");
-                BOTH_SOLUTIONS.assert(found.gaussian, known.gaussian, 1.0, "K");
-            }
-            let [mut found, mut known] = [Rows::new(), Rows::new()];
-            normal.assemble(&mut found);
-            factorised.assemble(&mut known);
-            for vertex in 0..mesh.positions.len() {
-                let (found, known) = (found.row(vertex), known.row(vertex));
-                assert_eq!(found.0, known.0, "vertex {vertex}");
-                let largest = known.1.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-                for (&found, &known) in found.1.iter().zip(known.1) {
-                    BOTH_SOLUTIONS.assert(found, known, largest, "an entry of a row");
-                }
-            }
-        }
-    }
-}
-
 /// A row omits no vertex within two edges that is nearer than one of its own, on meshes with and without
 /// equal distances.
 #[test]

@@ -10,6 +10,7 @@ mod execution;
 mod finite_elements;
 mod galerkin;
 mod heat_kernel;
+mod jets;
 mod juelicher;
 mod laplacian;
 mod laws;

@@ -11,8 +11,8 @@
 
 use super::plan::{Block, coefficient_count};
 use super::polynomial::Polynomial;
-use crate::lane::{Lane, Several, WIDTH};
 use crate::fit::{Points, exponential, place_of, set_moments};
+use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, norm, scale, sub, tangent_frame};

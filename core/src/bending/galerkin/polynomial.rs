@@ -1,8 +1,8 @@
 //! Values and derivatives of polynomials in two variables, without constant term.
 
 use super::fit::{COUNT, DEGREE};
-use crate::lane::Lane;
 use crate::fit::place_of;
+use crate::lane::Lane;
 
 /// Places of coefficients in the order of Horner's scheme, by falling powers of u, then of v: the constant, at
 /// place 0, is the last.

@@ -7,8 +7,8 @@ use super::mass::{Neighbour, columns};
 use super::plan::Plan;
 use super::vertices::Work;
 use crate::element::SlotKernel;
-use crate::lane::{Lane, Several};
 use crate::fit::Points;
+use crate::lane::{Lane, Several};
 use crate::real::Real;
 
 /// H at a vertex without a fit, such as one of a boundary: the mean of the polynomials around vertices that

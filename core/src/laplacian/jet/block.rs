@@ -1,8 +1,8 @@
 //! The fits of one degree around several vertices at a time.
 
 use crate::fit::{
-    Graph, HIGHEST_DEGREE, Inversion, MONOMIALS, NormalEquations, Points, TOGETHER, coefficient_count, evaluate,
-    exponential, graph_at,
+    Graph, HIGHEST_DEGREE, Inversion, MONOMIALS, NormalEquations, Points, TOGETHER,
+    coefficient_count, evaluate, exponential, graph_at,
 };
 use crate::lane::{Lane, Several};
 use crate::real::Real;
@@ -346,7 +346,12 @@ impl<T: Real> Block<T> {
         }
         let over_aspect = aspects.reciprocal_or_zero();
         let mut least = Several::literal(f64::MAX);
-        let monomials = self.equations.pivots().iter().zip(MONOMIALS).zip(EVEN_SPREAD);
+        let monomials = self
+            .equations
+            .pivots()
+            .iter()
+            .zip(MONOMIALS)
+            .zip(EVEN_SPREAD);
         for ((&pivot, (degree, power)), even_spread) in monomials {
             let along = degree - power;
             let mut even_spread = sums[degree] * Several::literal(even_spread);

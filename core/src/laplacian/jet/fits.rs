@@ -8,7 +8,7 @@ use crate::fit::NormalEquations;
 use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::{Curvature, RowSlots};
 use crate::neighbourhood::{Neighbourhood, Search, Surroundings};
-use crate::real::Real;
+use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::vec3::{Vec3, dot};
 use alloc::vec::Vec;
@@ -153,7 +153,11 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
 impl<T: Real> Fits<'_, T> {
     /// Prepares a vertex; `None` if its neighbours do not determine any fit.
     #[inline(always)]
-    fn begin<'b>(&self, vertex: usize, slot: <FitSlots<'b, T> as Slots>::Slot) -> Option<Pending<'b, T>> {
+    fn begin<'b>(
+        &self,
+        vertex: usize,
+        slot: <FitSlots<'b, T> as Slots>::Slot,
+    ) -> Option<Pending<'b, T>> {
         let ((curvature, (degree, (bound, missing))), (means, (length, (columns, row)))) = slot;
         let available = self.surroundings.of(vertex).count().min(columns.len());
         let normal = curvature.normal;
@@ -221,12 +225,14 @@ impl<T: Real> Fits<'_, T> {
             }
             let nearest = &pending.columns[..pending.attempt.neighbours];
             let vertex = pending.vertex as u32;
-            scratch.block.set_differences(lane, self.surface, vertex, nearest);
+            scratch
+                .block
+                .set_differences(lane, self.surface, vertex, nearest);
             let Spacing { along, aspect } = pending.spacing;
             lanes.aspects.0[lane] = aspect;
-            for axis in 0..3 {
-                lanes.normals[axis].0[lane] = pending.normal[axis];
-                lanes.along[axis].0[lane] = along[axis];
+            let vectors = lanes.normals.iter_mut().zip(&mut lanes.along);
+            for ((normal, row), (&x, &y)) in vectors.zip(pending.normal.iter().zip(&along)) {
+                (normal.0[lane], row.0[lane]) = (x, y);
             }
         }
         let block = &mut scratch.block;
@@ -279,7 +285,7 @@ impl<T: Real> Fits<'_, T> {
             if settled[lane]
                 && let Some(pending) = queue[place].take()
             {
-                *pending.missing = missing.0[lane];
+                [*pending.missing] = finite_or_zero([missing.0[lane]]);
                 let ring = self.surface.mesh().one_ring(pending.vertex);
                 // Neighbours are in the order of the rings.
                 let columns = &pending.columns[..pending.attempt.neighbours];
@@ -294,12 +300,7 @@ impl<T: Real> Fits<'_, T> {
 
     /// Sets the neighbours of an attempt; false if those whose normals turn away leave too few.
     #[inline(always)]
-    fn choose(
-        &self,
-        pending: &mut Pending<'_, T>,
-        scratch: &mut Scratch<T>,
-        place: usize,
-    ) -> bool {
+    fn choose(&self, pending: &mut Pending<'_, T>, scratch: &mut Scratch<T>, place: usize) -> bool {
         let vertex = pending.vertex as u32;
         if pending.rows.is_none() && !pending.turns {
             let nearest = &mut pending.columns[..pending.attempt.neighbours];
@@ -334,7 +335,12 @@ impl<T: Real> Fits<'_, T> {
         let Scratch { near, ranked, .. } = scratch;
         let vertex = pending.vertex as u32;
         let Attempt { degree, neighbours } = pending.attempt;
-        near.whole_rings(self.surface, vertex, RINGS, neighbours + neighbours * 7 / 10 + 20);
+        near.whole_rings(
+            self.surface,
+            vertex,
+            RINGS,
+            neighbours + neighbours * 7 / 10 + 20,
+        );
         let seen = self.surface.seen_from(vertex);
         ranked.clear();
         let mut left_out = u32::MAX;
@@ -392,7 +398,8 @@ impl<T: Real> Fits<'_, T> {
     fn next_aspect(&self, pending: &mut Pending<'_, T>, spread: T) -> T {
         let rows = self.rows_at(pending).aspect;
         if pending.spacing.aspect > T::one() {
-            let enough = spread >= T::constant(ACCEPTED) * self.jet.enough_spread(pending.attempt.degree);
+            let enough =
+                spread >= T::constant(ACCEPTED) * self.jet.enough_spread(pending.attempt.degree);
             let further = (pending.spacing.aspect * rows).sqrt();
             return match enough {
                 true => pending.spacing.aspect,
@@ -457,7 +464,7 @@ impl<T: Real> Pending<'_, T> {
     #[inline(always)]
     fn settle(&mut self, found: &Found<T>, lane: usize) -> bool {
         let (mean, gaussian) = (found.mean.0[lane], found.gaussian.0[lane]);
-        if !(mean.is_finite() && gaussian.is_finite() && found.laplacian_of_mean.0[lane].is_finite()) {
+        if !(mean.is_finite() && gaussian.is_finite()) {
             return false;
         }
         self.curvature.normal = found.normal.map(|x| x.0[lane]);

@@ -79,7 +79,7 @@ fn elongation<T: Real>(surface: Surface<'_, T>, frame: [Vec3<T>; 2], vertex: usi
     let half = T::constant(0.5);
     let (middle, off) = (half * (xx + yy), half * (xx - yy));
     let apart = (off * off + xy * xy).sqrt();
-    if !(apart > T::zero()) {
+    if apart <= T::zero() {
         return [T::zero(); 2];
     }
     let most = T::constant(MOST_OF_ONE).ln();

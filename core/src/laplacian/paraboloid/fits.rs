@@ -2,8 +2,8 @@
 
 use super::{AMPLIFIED, COEFFICIENTS};
 use crate::element::{SlotKernel, Slots};
-use crate::lane::{Lane, Several, WIDTH};
 use crate::fit::LeastSquares;
+use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::{Curvature, RaggedRowSlots};
 use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;

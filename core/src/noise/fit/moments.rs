@@ -4,8 +4,8 @@
 //! fewer than a column for each monomial has. Its condition number is that of the fit squared.
 
 use super::Model;
-use crate::lane::{Lane, Several, WIDTH};
 use crate::fit::{MONOMIALS, Points, place_of, set_moments};
+use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::vec3::{Vec3, dot};
 use alloc::vec::Vec;
