@@ -149,11 +149,7 @@ impl<T: Real> NormalEquations<T> {
                 }
             }
             if pass > 0 || !heights.is_empty() {
-                for (height, &weight) in self.column.iter_mut().zip(points.weights) {
-                    *height = weight * *height;
-                }
-                let (right, column) = (&mut self.right, &mut self.column);
-                set_moments(right, self.degree, points, column, &mut self.powers);
+                self.set_right(points);
             }
             for (right, &known) in self.right[1..].iter_mut().zip(functional) {
                 *right = *right + known;
@@ -162,14 +158,49 @@ impl<T: Real> NormalEquations<T> {
         }
     }
 
+    /// The squared weighted length of what polynomials leave of heights.
+    #[inline(always)]
+    pub(crate) fn left_of(&mut self, points: Points<'_, T>, heights: &[Several<T>]) -> Several<T> {
+        self.column.clear();
+        self.column.extend_from_slice(heights);
+        self.set_right(points);
+        let mut left = Several::zero();
+        for (&height, &weight) in heights.iter().zip(points.weights) {
+            left = left + weight * height * height;
+        }
+        self.substitute();
+        for (&entry, &over) in self.right[1..].iter().zip(&self.over_pivots) {
+            left = left - entry * entry * over;
+        }
+        left
+    }
+
+    /// Sets the right-hand side of heights, which are overwritten.
+    #[inline(always)]
+    fn set_right(&mut self, points: Points<'_, T>) {
+        for (height, &weight) in self.column.iter_mut().zip(points.weights) {
+            *height = weight * *height;
+        }
+        let (right, column) = (&mut self.right, &mut self.column);
+        set_moments(right, self.degree, points, column, &mut self.powers);
+    }
+
+    /// Solves L y = r, in place of the right-hand side r.
+    #[inline(always)]
+    fn substitute(&mut self) {
+        let right = &mut self.right[1..];
+        let rows = self.lower.chunks_exact(self.stride);
+        for (i, row) in rows.enumerate().take(right.len()) {
+            right[i] = right[i] - dot(&row[..i], &right[..i]);
+        }
+    }
+
     /// Adds to `coefficients` the solution for the right-hand side, which is overwritten.
     #[inline(always)]
     fn add_solution(&mut self, coefficients: &mut [Several<T>]) {
+        self.substitute();
         let right = &mut self.right[1..];
         let rows = self.lower.chunks_exact(self.stride);
-        for (i, row) in rows.clone().enumerate().take(right.len()) {
-            right[i] = right[i] - dot(&row[..i], &right[..i]);
-        }
         for (entry, &over) in right.iter_mut().zip(&self.over_pivots) {
             *entry = *entry * over;
         }

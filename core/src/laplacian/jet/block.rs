@@ -10,6 +10,7 @@ use crate::surface::Surface;
 use crate::vec3::{Vec3, cross, dot, norm, normalise, scale, sub};
 use alloc::vec::Vec;
 use core::array;
+use core::iter::zip;
 
 /// Degree of the fit that determines the inversion, if the final degree is not lower.
 const STEP_DEGREE: usize = 4;
@@ -284,7 +285,6 @@ impl<T: Real> Block<T> {
             places: [x, y, z],
             weights,
             coefficients,
-            others,
             scaled,
             values,
             errors,
@@ -302,26 +302,27 @@ impl<T: Real> Block<T> {
             *scaled = Several::literal(d as f64) * c;
         }
         evaluate(degree, points, scaled, values);
-        let mut whole = Several::zero();
-        for row in 0..x.len() {
-            let (x, y, z) = (x[row], y[row], z[row]);
-            let slope = z * z - x * x - y * y - two * z * values[row];
-            whole = whole + weights[row] * slope * slope;
-            values[row] = slope;
-        }
-        // The heights are set anew by the next inversion.
-        z.copy_from_slice(values);
-        equations.solve(points, z, &[], others, 0);
-        evaluate(degree, points, others, values);
-        let [mut squares, mut products] = [Several::zero(); 2];
-        for row in 0..x.len() {
-            let across = z[row] - values[row];
-            squares = squares + weights[row] * across * across;
-            products = products + weights[row] * across * errors[row];
+        // Without − x² − y², of which polynomials leave nothing.
+        let [mut whole, mut products, mut squares, mut size] = [Several::zero(); 4];
+        for ((value, &error), (&z, &weight)) in
+            zip(&mut values[..], &*errors).zip(zip(&*z, &*weights))
+        {
+            let slope = z * (z - two * *value);
+            whole = whole + weight * slope * slope;
+            products = products + weight * slope * error;
+            squares = squares + weight * error * error;
+            size = size + weight * z * z;
+            *value = slope;
         }
         // What is left of the derivative may be rounding only.
-        let rounding = T::constant(64.0) * T::epsilon();
-        let over = (squares + Several::splat(rounding * rounding) * whole).reciprocal_or_zero();
+        let rounding = Several::splat(T::constant(64.0) * T::epsilon()) * whole;
+        let left = equations.left_of(points, values);
+        let left = Several::select(left.less(rounding), rounding, left);
+        let over = left.reciprocal_or_zero();
+        // Where the fit leaves rounding only, one inversion is as good as another.
+        let digits = T::constant(1e3) * T::epsilon();
+        let is_exact = squares.less(Several::splat(digits * digits) * size);
+        let products = Several::select(is_exact, Several::zero(), products);
         let found = inversion.0 - products * over;
         let full = Several::literal(-0.5) * curvature;
         let zero = Several::zero();
