@@ -332,7 +332,7 @@ fn rows_of_jets_have_the_nearest_vertices() {
         icosphere(3),
         icosphere(3).map(uneven),
         disc(9),
-        torus(24, 12),
+        torus(36, 18),
     ] {
         let measured = Measured::new(Jet::j4(), &mesh);
         let mut rows = Rows::new();

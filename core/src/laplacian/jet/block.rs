@@ -315,7 +315,7 @@ impl<T: Real> Block<T> {
             *value = slope;
         }
         // What is left of the derivative may be rounding only.
-        let rounding = Several::splat(T::constant(64.0) * T::epsilon()) * whole;
+        let rounding = Several::splat(T::constant(4.0) * T::epsilon()) * whole;
         let left = equations.left_of(points, values);
         let left = Several::select(left.less(rounding), rounding, left);
         let over = left.reciprocal_or_zero();
