@@ -57,15 +57,20 @@ impl<L: Lane> Inversion<L> {
         }
     }
 
-    /// H of the surface at the point of which the image lies at (x, y) of a graph of height z there.
+    /// H and K of the surface at the point of which the image lies at (x, y) of a graph of height z there.
     #[inline(always)]
-    pub(crate) fn mean_at(self, [x, y, z]: [L; 3], graph: &Graph<L>) -> L {
+    pub(crate) fn curvatures_at(self, [x, y, z]: [L; 3], graph: &Graph<L>) -> [L; 2] {
         let Self(bend) = self;
         let (one, two) = (L::literal(1.0), L::literal(2.0));
         let uprightness = graph.uprightness();
         let [p, q] = graph.first;
         let scale = one + bend * (two * z + bend * (x * x + y * y + z * z));
         let tilt = one + bend * (z - x * p - y * q);
-        graph.mean(uprightness) * scale - two * bend * tilt * uprightness
+        // Both principal curvatures are those of the image, stretched, and shifted.
+        let shift = two * bend * tilt * uprightness;
+        let stretched = graph.mean(uprightness) * scale;
+        let gaussian = graph.gaussian(uprightness) * (scale * scale);
+        let shifted = gaussian - shift * (two * stretched - shift);
+        [stretched - shift, shifted]
     }
 }

@@ -119,7 +119,7 @@ const REPORTED: f64 = 0.03;
 const FLAT: f64 = 3e-4;
 
 /// Ratio of spacings from which on vertices count as rows.
-const ROWS: f64 = 2.0;
+const ROWS: f64 = 2.2;
 
 /// Number of neighbours that may determine a fit of a degree.
 const fn least_count(degree: usize) -> usize {
@@ -140,12 +140,12 @@ pub struct JetMemory<T> {
     bounds: Vec<i32>,
     /// The normals of the mesh.
     normals: Vec<Vec3<T>>,
-    /// Δ_S H of each fit, without what the row yields.
+    /// Δ_S H of each fitted surface, without what the row yields of H of that surface.
     missing: Vec<T>,
-    /// H of each fit at the vertices of the one-ring, NaN where they are no neighbours of the fit.
-    ring_means: Vec<T>,
+    /// H and K of each fit at the vertices of the one-ring, NaN where they are no neighbours of the fit.
+    ring_curvatures: Vec<[T; 2]>,
     ring_offsets: Vec<usize>,
-    disagreements: Vec<T>,
+    disagreements: Vec<[T; 2]>,
     /// Whether these are large.
     apart: Vec<bool>,
     scratches: Vec<Scratch<T>>,
@@ -157,18 +157,18 @@ impl<T> JetMemory<T> {
         &self.degrees
     }
 
-    /// The largest difference, at the vertices of the one-ring, between H of the polynomial of each vertex and
-    /// H of the polynomials of those vertices, 1/length: an estimate of the error of H without noise; infinite
-    /// where there is no fit.
-    pub fn disagreements(&self) -> &[T] {
+    /// The largest differences, at the vertices of the one-ring, between H, in 1/length, and K, in 1/length², of
+    /// the polynomial of each vertex and of the polynomials of those vertices: estimates of the errors of H and K
+    /// without noise; infinite where there is no fit.
+    pub fn disagreements(&self) -> &[[T; 2]] {
         &self.disagreements
     }
 }
 
 impl<T: Real> JetMemory<T> {
-    /// The number of neighbours of a fit.
-    pub(crate) fn neighbours(&self, vertex: usize) -> usize {
-        self.rows.row(vertex).0.len()
+    /// The neighbours of a fit, and its row of Δ_S.
+    pub(crate) fn row(&self, vertex: usize) -> (&[u32], &[T]) {
+        self.rows.row(vertex)
     }
 }
 
@@ -248,7 +248,7 @@ impl<T: Real> Method<T> for Jet<T> {
             bounds: Vec::new(),
             normals: Vec::new(),
             missing: Vec::new(),
-            ring_means: Vec::new(),
+            ring_curvatures: Vec::new(),
             ring_offsets: offsets.map(|&offset| offset as usize).collect(),
             disagreements: Vec::new(),
             apart: Vec::new(),
@@ -306,7 +306,7 @@ impl<T: Real> Curvatures<T> for Jet<T> {
             bounds,
             normals,
             missing,
-            ring_means,
+            ring_curvatures,
             ring_offsets,
             disagreements,
             apart,
@@ -320,12 +320,12 @@ impl<T: Real> Curvatures<T> for Jet<T> {
         degrees.resize(vertices, 0);
         bounds.resize(vertices, 0);
         missing.resize(vertices, T::zero());
-        disagreements.resize(vertices, T::zero());
+        disagreements.resize(vertices, [T::zero(); 2]);
         apart.resize(vertices, false);
-        ring_means.resize(surface.mesh().ring_vertices().len(), T::zero());
+        ring_curvatures.resize(surface.mesh().ring_vertices().len(), [T::zero(); 2]);
         let numbers = (&mut degrees[..], (&mut bounds[..], &mut missing[..]));
         let of_fits = (
-            Ragged::new(ring_means, ring_offsets),
+            Ragged::new(ring_curvatures, ring_offsets),
             rows.slots(vertices, *room),
         );
         let output = ((&mut *curvature, numbers), of_fits);
@@ -340,18 +340,24 @@ impl<T: Real> Curvatures<T> for Jet<T> {
         execution.map(
             (&mut disagreements[..], &mut apart[..]),
             |vertex, (most, is_apart)| {
-                *most = if degrees[vertex] > 0 {
-                    T::zero()
-                } else {
-                    T::infinity()
+                let none = match degrees[vertex] {
+                    0 => T::infinity(),
+                    _ => T::zero(),
                 };
+                *most = [none; 2];
                 let start = ring_offsets[vertex];
                 let ring = surface.mesh().one_ring(vertex).iter();
-                for (&other, &mean) in ring.zip(&ring_means[start..]) {
-                    let apart = (mean - curvature[other as usize].mean).abs();
-                    // NaN, where the fit does not reach that vertex, is not larger.
-                    if degrees[other as usize] > 0 && apart > *most {
-                        *most = apart;
+                for (&other, &[mean, gaussian]) in ring.zip(&ring_curvatures[start..]) {
+                    let there = &curvature[other as usize];
+                    if degrees[other as usize] == 0 {
+                        continue;
+                    }
+                    let apart = [mean - there.mean, gaussian - there.gaussian];
+                    for (most, apart) in most.iter_mut().zip(apart) {
+                        // NaN, where the fit does not reach that vertex, is not larger.
+                        if apart.abs() > *most {
+                            *most = apart.abs();
+                        }
                     }
                 }
                 let Curvature {
@@ -362,7 +368,7 @@ impl<T: Real> Curvatures<T> for Jet<T> {
                 } = curvature[vertex];
                 let bend = (mean * mean - gaussian).max(T::zero()).sqrt();
                 let flat = T::constant(FLAT) * area.sqrt().reciprocal_or_zero();
-                *is_apart = *most > T::constant(REPORTED) * (mean.abs() + bend).max(flat);
+                *is_apart = most[0] > T::constant(REPORTED) * (mean.abs() + bend).max(flat);
             },
         );
     }

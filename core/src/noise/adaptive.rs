@@ -6,7 +6,7 @@
 //! around the vertex: V, due to noise, from the effect of independent errors of the estimated size; and
 //! B, due to the shape, from the distance to a candidate with less bias, as far as noise does not
 //! explain this distance. The candidate with the least B + V is chosen. Without noise V is 0, and the
-//! jet is chosen; its error is then estimated by its distance from a jet over more neighbours. Noise is
+//! jet is chosen; its error is then estimated by its distance from a jet of another degree. Noise is
 //! estimated from the residuals of the jets and, where these are due to the shape, from their f.
 //!
 //! O. V. Lepski, Theory Probab. Appl. 35 (1991) 454, chooses scales by distances between estimates; here
@@ -24,7 +24,6 @@ mod principal;
 mod settle;
 
 use crate::components::Components;
-use crate::curvature::Curvature;
 use crate::diagnostic::Finding;
 use crate::element::Execution;
 use crate::real::Real;
@@ -46,6 +45,9 @@ type Values<T> = [T; REPLICAS];
 
 /// H, K and f.
 const QUANTITIES: usize = 3;
+
+/// The place of f.
+const FORCE: usize = QUANTITIES - 1;
 
 /// The largest number of nearest vertices over which estimates are averaged.
 const POOL: usize = 100;
@@ -81,8 +83,9 @@ const LEFT: f64 = 0.01;
 
 /// Jets whose degree and number of neighbours are chosen at every vertex, with error bars.
 ///
-/// Without noise of the positions, results are those of [`Jet::for_mesh`](crate::Jet::for_mesh), except at boundaries. With noise, they
-/// are those of regression jets over as many neighbours as the shape allows: the errors of H fall as the inverse
+/// Without noise of the positions, results are those of a [`Jet`](crate::Jet) except at boundaries: of degree 6; of
+/// degree 8, where H disagrees at most half as much between neighbours; or on small meshes of degree 4, where H
+/// disagrees less. With noise, they are those of regression jets over as many neighbours as the shape allows: the errors of H fall as the inverse
 /// of the number of neighbours, those of f faster.
 ///
 /// At a boundary and one edge away, where neighbours lie to one side, heights are fitted after the inversion
@@ -249,7 +252,7 @@ impl<T: Real> Measured<T> {
 /// Data that are known before the choice of scales.
 struct Begun<'s, T> {
     ground: Ground<'s, T>,
-    curvature: Vec<Curvature<T>>,
+    jets: Jets<T>,
     deviations: Deviations<T>,
     chosen: Chosen<T>,
     ladder: Vec<usize>,
@@ -308,7 +311,7 @@ impl<T: Real> AdaptiveJet<T> {
         }
         let Begun {
             ground,
-            curvature,
+            jets,
             deviations,
             mut chosen,
             ladder,
@@ -334,7 +337,7 @@ impl<T: Real> AdaptiveJet<T> {
         watch(1.0);
         let is_fixed = self.neighbours.is_some();
         let (mut measured, doubts) =
-            chosen.measured(execution, &ground, &deviations, is_fixed, &curvature);
+            chosen.measured(execution, &ground, &deviations, is_fixed, &jets);
         settle::settle(&ground, &doubts, &mut measured);
         Some(measured)
     }
@@ -370,22 +373,17 @@ impl<T: Real> AdaptiveJet<T> {
         surface: Surface<'s, T>,
         names: Option<&[u32]>,
     ) -> Begun<'s, T> {
-        let jets = Jets::new(execution, surface);
+        let mut jets = Jets::new(execution, surface);
         let ground = Ground::new(execution, surface, names, &jets.curvature);
-        let mut jets = jets.chosen(execution, &ground);
         let twin = Level::new(execution, &ground, &Kind::interpolating());
         jets.take_one_sided(&ground, &twin);
-        let [.., force] = &jets.values;
-        let (mut deviations, wider) =
-            Deviations::new(execution, &ground, &twin, force, self.deviation);
-        let [_, sixth] = twin.of_degrees;
-        let (curvature, first) =
-            Candidate::of_jets(execution, &ground, &deviations, jets, sixth.changes);
+        let (mut deviations, wider) = Deviations::new(execution, &ground, &twin, self.deviation);
         let ladder = self.ladder(&deviations, &ground);
-        let mut chosen = Chosen::new(first);
-        if let Some(wider) = wider.filter(|_| ladder.is_empty()) {
-            chosen.compare(execution, &ground, &wider);
-        }
+        let wider = wider.filter(|_| ladder.is_empty());
+        let of_clean = wider.map(|wider| jets.squared_errors(execution, &ground, &wider));
+        let [_, Estimates { changes, .. }] = twin.of_degrees;
+        let candidate = Candidate::of_jets(execution, &ground, &deviations, &jets, &changes);
+        let mut chosen = Chosen::new(candidate, changes, of_clean);
         let first = ladder.first().map(|&neighbours| {
             let level = Level::new(execution, &ground, &Kind::regression(neighbours));
             chosen.limit_noise(execution, &ground, &mut deviations, &level);
@@ -393,7 +391,7 @@ impl<T: Real> AdaptiveJet<T> {
         });
         Begun {
             ground,
-            curvature,
+            jets,
             deviations,
             chosen,
             ladder,

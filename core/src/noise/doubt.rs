@@ -23,7 +23,7 @@ use core::array::from_fn;
 /// Least spread of neighbours that determine a fit of degree 2 to 8: see [`HeightFit::spread`].
 const SPREAD: [f64; 7] = [0.1, 0.08, 0.06, 0.05, 0.03, 0.03, 0.015];
 
-/// Ratio of the spacings of vertices along and across rows from which on wider fits share the errors of narrow ones;
+/// Ratio of the spacings of vertices along and across rows from which on all fits share their errors;
 /// from which on fits that disagree are reported; and from which on vertices count as rows. On discocytes, ratios are
 /// up to 2.1 where vertices are even, and up to 2.8 where they are random; on isosurfaces up to 2.0.
 pub(super) const ELONGATED: f64 = 1.9;
@@ -51,6 +51,8 @@ pub(super) struct Doubt<T> {
     pub(super) of_laplacian: T,
     /// The distance of the farthest neighbour.
     pub(super) radius: T,
+    /// Whether this is all that is known about the error of the fit.
+    pub(super) is_all: bool,
 }
 
 /// H and K of the fits of all vertices; empty if they are not known.
@@ -105,6 +107,7 @@ impl<T: Real> Doubt<T> {
             apart,
             of_laplacian: sum.abs() + squares.sqrt() + squares.sqrt(),
             radius: fit.radius(),
+            is_all: true,
         }
     }
 

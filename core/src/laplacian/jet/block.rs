@@ -388,20 +388,21 @@ impl<T: Real> Block<T> {
         values
     }
 
-    /// H of the fitted surfaces at the first `near` neighbours, after [`Self::rows`]; and what the rows yield
+    /// H and K of the fitted surfaces at the first `near` neighbours, after [`Self::rows`]; and what the rows yield
     /// of H of the fitted surfaces at all neighbours, of polynomials without the terms of the highest degree:
     /// these follow the neighbours, and the rows give the same for the terms that they determine.
     #[inline(always)]
-    pub(super) fn means(
+    pub(super) fn curvatures(
         &mut self,
         degree: usize,
         near: usize,
         found: &Found<T>,
-    ) -> (&[Several<T>], Several<T>) {
+    ) -> ([&[Several<T>]; 2], Several<T>) {
         let Self {
             places: [x, y, _],
             coefficients,
             errors: means,
+            distances: gaussians,
             values: rows,
             ..
         } = self;
@@ -411,15 +412,20 @@ impl<T: Real> Block<T> {
         let mut total = Several::zero();
         for row in 0..x.len() {
             let (height, graph) = graph_at(steady, coefficients, x[row], y[row]);
-            sum = sum + rows[row] * inversion.mean_at([x[row], y[row], height], &graph);
+            let [mean, _] = inversion.curvatures_at([x[row], y[row], height], &graph);
+            sum = sum + rows[row] * mean;
             total = total + rows[row];
         }
         for row in 0..near.min(x.len()) {
             let (height, graph) = graph_at(degree, coefficients, x[row], y[row]);
-            let mean = inversion.mean_at([x[row], y[row], height], &graph);
+            let [mean, gaussian] = inversion.curvatures_at([x[row], y[row], height], &graph);
             means[row] = mean * found.over_radius;
+            gaussians[row] = gaussian * (found.over_radius * found.over_radius);
         }
-        (means, sum * found.over_radius - total * found.mean)
+        (
+            [means, gaussians],
+            sum * found.over_radius - total * found.mean,
+        )
     }
 }
 

@@ -12,6 +12,7 @@ use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::vec3::{Vec3, dot};
 use alloc::vec::Vec;
+use core::iter::zip;
 
 /// Slope of the fitted surface in its frame above which it is fitted again in a frame along its
 /// normal.
@@ -51,13 +52,13 @@ pub(super) struct Fits<'a, T> {
 }
 
 /// Output of a fit: the curvature, with the initial normal; the degree, a bound of the distances of the
-/// neighbours, and what the row of Δ_S misses of Δ_S H; H at the vertices of the one-ring; and a row.
+/// neighbours, and what the row of Δ_S misses of Δ_S H; H and K at the vertices of the one-ring; and a row.
 type FitSlots<'a, T> = (
     (
         &'a mut [Curvature<T>],
         (&'a mut [u8], (&'a mut [i32], &'a mut [T])),
     ),
-    (Ragged<'a, T>, RowSlots<'a, T>),
+    (Ragged<'a, [T; 2]>, RowSlots<'a, T>),
 );
 
 /// Memory of a worker.
@@ -80,7 +81,8 @@ struct Pending<'a, T> {
     /// See [`Search::bound`].
     bound: &'a mut i32,
     missing: &'a mut T,
-    means: &'a mut [T],
+    /// H and K at the vertices of the one-ring.
+    ring: &'a mut [[T; 2]],
     length: &'a mut u32,
     columns: &'a mut [u32],
     row: &'a mut [T],
@@ -158,7 +160,7 @@ impl<T: Real> Fits<'_, T> {
         vertex: usize,
         slot: <FitSlots<'b, T> as Slots>::Slot,
     ) -> Option<Pending<'b, T>> {
-        let ((curvature, (degree, (bound, missing))), (means, (length, (columns, row)))) = slot;
+        let ((curvature, (degree, (bound, missing))), (ring, (length, (columns, row)))) = slot;
         let available = self.surroundings.of(vertex).count().min(columns.len());
         let normal = curvature.normal;
         let attempt = self.jet.first_attempt(self.jet.highest_degree(), available);
@@ -175,7 +177,7 @@ impl<T: Real> Fits<'_, T> {
             degree,
             bound,
             missing,
-            means,
+            ring,
             length,
             columns,
             row,
@@ -267,19 +269,19 @@ impl<T: Real> Fits<'_, T> {
             return;
         }
         let rows = block.rows(shape, &found);
-        let mut ring = 0;
+        let mut most = 0;
         for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             if settled[lane]
                 && let Some(pending) = &mut queue[place]
             {
-                ring = ring.max(pending.means.len());
+                most = most.max(pending.ring.len());
                 let row = &mut pending.row[..pending.attempt.neighbours];
                 for (entry, coefficient) in row.iter_mut().zip(rows) {
                     *entry = coefficient.0[lane];
                 }
             }
         }
-        let (means, sum) = block.means(degree, ring, &found);
+        let ([means, gaussians], sum) = block.curvatures(degree, most, &found);
         let missing = found.laplacian_of_mean - sum;
         for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             if settled[lane]
@@ -289,10 +291,12 @@ impl<T: Real> Fits<'_, T> {
                 let ring = self.surface.mesh().one_ring(pending.vertex);
                 // Neighbours are in the order of the rings.
                 let columns = &pending.columns[..pending.attempt.neighbours];
-                let mut columns = columns.iter().zip(means).peekable();
-                for (mean, vertex) in pending.means.iter_mut().zip(ring) {
+                let mut columns = zip(columns, zip(means, gaussians)).peekable();
+                for (at, vertex) in pending.ring.iter_mut().zip(ring) {
                     let found = columns.next_if(|&(column, _)| column == vertex);
-                    *mean = found.map_or(T::nan(), |(_, mean)| mean.0[lane]);
+                    *at = found.map_or([T::nan(); 2], |(_, (mean, gaussian))| {
+                        [mean.0[lane], gaussian.0[lane]]
+                    });
                 }
             }
         }

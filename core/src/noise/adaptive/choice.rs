@@ -5,8 +5,7 @@ mod results;
 use super::bias::{Bias, Distances, LOCAL, Pair, positive, related, variances};
 use super::jets::Jets;
 use super::level::{Kind, Level};
-use super::{Deviations, Estimates, Ground, QUANTITIES, Scale, Values};
-use crate::curvature::Curvature;
+use super::{Deviations, Estimates, FORCE, Ground, QUANTITIES, Scale, Values};
 use crate::element::Execution;
 use crate::noise::DEGREES;
 use crate::noise::doubt::larger;
@@ -37,12 +36,6 @@ const EXPLAINED: f64 = 2.0;
 const BAR: f64 = 2.0;
 const CLEAN_BAR: f64 = 3.0;
 const ONE_SIDED: f64 = 4.0;
-
-/// Error bars of jets on a mesh without noise, in units of root mean square distances from wider jets
-/// over [`LOCAL`] vertices. On 27 meshes of nine shapes 99 % of the errors of H, K and f were below 1.5
-/// such distances in the median case and below 3.9 in the worst, and the distance was at most 5.8 median
-/// errors.
-const FROM_WIDER: f64 = 4.0;
 
 /// Ratio of the error bars of k₁ and k₂ to those of H.
 const PRINCIPAL: f64 = 1.75;
@@ -78,9 +71,8 @@ pub(super) struct Chosen<T> {
     /// Squared distances of the jets from the first regression jets, less the variance due to noise, for
     /// each pool.
     excess: [[Vec<T>; 3]; QUANTITIES],
-    /// On a mesh without noise, squared distances of the jets from wider jets, averaged over [`LOCAL`]
-    /// vertices.
-    from_wider: Option<[Vec<T>; QUANTITIES]>,
+    /// On a mesh without noise, the squared errors of the jets.
+    of_clean: Option<[Vec<T>; QUANTITIES]>,
     /// The least B + V of each quantity so far, and the number of later levels that did not reduce it.
     least: Vec<[(T, u8); QUANTITIES]>,
 }
@@ -95,21 +87,20 @@ impl<T: Real> Candidate<T> {
         execution: &impl Execution,
         ground: &Ground<'_, T>,
         deviations: &Deviations<T>,
-        jets: Jets<T>,
-        changes: [Vec<Values<T>>; QUANTITIES],
-    ) -> (Vec<Curvature<T>>, (Self, Changes<T>)) {
+        jets: &Jets<T>,
+        changes: &Changes<T>,
+    ) -> Self {
         let bias = Bias::none(jets.degrees.len());
-        let candidate = Self {
-            degree: jets.degrees,
-            neighbours: jets.neighbours,
+        Self {
+            degree: jets.degrees.clone(),
+            neighbours: jets.neighbours.clone(),
             kind: Kind::of_jets(jets.model),
-            values: jets.values,
-            variance: variances(execution, ground, deviations, &changes),
+            values: jets.values.clone(),
+            variance: variances(execution, ground, deviations, changes),
             bias: from_fn(|_| bias.clone()),
             beside: None,
             related: [T::zero(); QUANTITIES],
-        };
-        (jets.curvature, (candidate, changes))
+        }
     }
 
     fn scale(&self, vertex: usize) -> Scale {
@@ -122,8 +113,13 @@ impl<T: Real> Candidate<T> {
 }
 
 impl<T: Real> Chosen<T> {
-    /// A choice with the jets as the only candidate.
-    pub(super) fn new((jets, changes): (Candidate<T>, [Vec<Values<T>>; QUANTITIES])) -> Self {
+    /// A choice with the jets as the only candidate. On a mesh without noise, `of_clean` has the squares of their
+    /// errors.
+    pub(super) fn new(
+        jets: Candidate<T>,
+        changes: Changes<T>,
+        of_clean: Option<[Vec<T>; QUANTITIES]>,
+    ) -> Self {
         let variances = (0..jets.degree.len()).map(|vertex| {
             from_fn(|quantity| {
                 let variance: T = jets.variance[quantity][vertex];
@@ -144,7 +140,7 @@ impl<T: Real> Chosen<T> {
             fourth: Vec::new(),
             changes,
             excess: from_fn(|_| from_fn(|_| Vec::new())),
-            from_wider: None,
+            of_clean,
         }
     }
 
@@ -159,11 +155,10 @@ impl<T: Real> Chosen<T> {
         level: &Level<T>,
     ) {
         let [_, sixth] = &level.of_degrees;
-        let force = QUANTITIES - 1;
         let jets = &mut self.all[0];
         let pair = Pair {
-            values: [&sixth.values[force], &jets.values[force]],
-            changes: [&sixth.changes[force], &self.changes[force]],
+            values: [&sixth.values[FORCE], &jets.values[FORCE]],
+            changes: [&sixth.changes[FORCE], &self.changes[FORCE]],
         };
         let Distances { wide, variance, .. } = Distances::new(execution, ground, deviations, &pair);
         for (vertex, (square, variance)) in wide.into_iter().zip(variance).enumerate() {
@@ -174,23 +169,6 @@ impl<T: Real> Chosen<T> {
                 *least *= fraction;
             }
         }
-    }
-
-    /// Estimates the errors of the jets by their distances from wider jets, on a mesh without noise.
-    pub(super) fn compare(
-        &mut self,
-        execution: &impl Execution,
-        ground: &Ground<'_, T>,
-        wider: &Level<T>,
-    ) {
-        let [_, sixth] = &wider.of_degrees;
-        self.from_wider = Some(from_fn(|quantity| {
-            let both = self.all[0].values[quantity]
-                .iter()
-                .zip(&sixth.values[quantity]);
-            let squares = both.map(|(&a, &b)| (a - b) * (a - b));
-            ground.means(execution, &Vec::from_iter(squares), LOCAL)
-        }));
     }
 
     /// Adds the regression jets of a level: those of degree 6, and those of degree 4 if `with_fourth`.
@@ -389,8 +367,8 @@ impl<T: Real> Chosen<T> {
         }
         let (candidate, _) = best?;
         let variance = self.all[candidate].variance[quantity][vertex];
-        if let Some(from_wider) = &self.from_wider {
-            let square = from_wider[quantity][vertex];
+        if let Some(of_clean) = &self.of_clean {
+            let square = of_clean[quantity][vertex];
             return Some((candidate, square, square));
         }
         let mut bias = bias_of(candidate, biases);

@@ -88,7 +88,7 @@ impl<'a, T: Real> Ground<'a, T> {
         usize::from(self.rings[vertex]) < BORDER
     }
 
-    /// Whether wider fits around a vertex share the errors of narrow ones, and whether it lies in a row.
+    /// Whether all fits around a vertex share their errors, and whether it lies in a row.
     pub(super) fn is_elongated(&self, vertex: usize) -> [bool; 2] {
         [ELONGATED, ROWS].map(|ratio| self.aspects[vertex] >= T::constant(ratio))
     }

@@ -7,7 +7,7 @@
 
 use super::bias::Pair;
 use super::level::Level;
-use super::{Ground, POOL, QUANTITIES, REPLICAS};
+use super::{FORCE, Ground, POOL, REPLICAS};
 use crate::element::Execution;
 use crate::noise::largest_coordinate;
 use crate::noise::quiet::MOST_OF_MESH;
@@ -20,34 +20,20 @@ use alloc::vec::Vec;
 /// 1.
 const STEEP: [f64; 2] = [0.4, 6.0];
 
-/// Largest difference between two fits by the same rule in units of their distance from another fit: they
-/// differ by rounding, or have different neighbours.
-const UNLIKE: f64 = 0.5;
-
-/// The index of f.
-const FORCE: usize = QUANTITIES - 1;
-
 /// σ² around each vertex by the distances between two levels of interpolating jets, 0 where the shape explains
 /// them. `None` unless there is noise at half of all vertices, because distances that the shape explains scatter
 /// as well, and on meshes that a few pools cover. Only vertices where the squared decay of the shape, (S₆/S₄)²,
-/// is known are taken into account, and where the first level has the f of the jets, `force`; elsewhere these
-/// have degree 4 or other neighbours.
+/// is known are taken into account.
 pub(super) fn variances<T: Real>(
     execution: &impl Execution,
     ground: &Ground<'_, T>,
-    force: &[T],
     levels: [&Level<T>; 2],
     decay: impl Fn(usize) -> Option<T>,
 ) -> Option<Vec<T>> {
     if MOST_OF_MESH * POOL > ground.rings.len() {
         return None;
     }
-    let [near, far] = levels.map(|level| &level.of_degrees[1].values[FORCE]);
-    let is_telling = |vertex: usize| {
-        let [unlike, distance] = [force, far].map(|other| (other[vertex] - near[vertex]).abs());
-        // False for NaN.
-        unlike <= T::constant(UNLIKE) * distance && decay(vertex).is_some()
-    };
+    let is_telling = |vertex: usize| decay(vertex).is_some();
     let [fourth, sixth] = [0, 1].map(|which| {
         let [near, far] = levels.map(|level| &level.of_degrees[which]);
         let pair = Pair {

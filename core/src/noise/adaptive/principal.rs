@@ -15,6 +15,9 @@ use alloc::vec::Vec;
 /// Largest standard deviation of a direction, in radians: above it, the vertex counts as umbilic.
 const CERTAIN: f64 = 0.2;
 
+/// Rounding errors of H² − K, in units of the last digit of the squares of the curvatures.
+const ROUNDING: f64 = 4.0;
+
 /// The fit that was chosen for H at a vertex.
 pub(super) struct Fitted<'a, T> {
     pub(super) kind: Kind<T>,
@@ -25,6 +28,8 @@ pub(super) struct Fitted<'a, T> {
     pub(super) bias: T,
     /// The model and the number of neighbours of a jet of the library; `None` for other fits.
     pub(super) jet: Option<(Model<T>, usize)>,
+    /// The doubt about it, if it is known.
+    pub(super) doubt: Option<Doubt<T>>,
 }
 
 /// Sets normals, principal curvatures, directions and gradients. `fitted` returns the fit chosen for H. Returns
@@ -50,9 +55,12 @@ pub(super) fn set<'f, T: Real>(
         &mut scratch,
         slots,
         |(scratch, rows), vertex, (at, doubt)| {
+            let mark = ground.mark(vertex, &[]);
+            at.cause = mark.map(|mark| cause_of(mark, true));
             let Some(fitted) = fitted(vertex) else {
                 return;
             };
+            *doubt = fitted.doubt;
             let (model, count) = match fitted.jet {
                 Some((model, count)) => {
                     let count = scratch.fit_nearest(ground, vertex, &model, count);
@@ -67,7 +75,7 @@ pub(super) fn set<'f, T: Real>(
                 return;
             }
             let mark = ground.mark(vertex, scratch.neighbours(count));
-            at.cause = mark.map(|mark| cause_of(mark, ground.marks[vertex].is_some()));
+            at.cause = at.cause.or(mark.map(|mark| cause_of(mark, false)));
             let (slopes, axes) = scratch.slopes(&model, fitted.degree);
             let frame = slopes.principal(axes);
             let radius = scratch.fit.radius();
@@ -87,7 +95,7 @@ pub(super) fn set<'f, T: Real>(
             let functionals = [shear, along[0], along[1], slopes.laplacian(radius)];
             scratch.fit.rows(&model, fitted.degree, &functionals, rows);
             let [shear, along_x, along_y, laplacian] = &*rows;
-            if ground.rings[vertex] >= ONE_STAGE {
+            if doubt.is_none() && ground.rings[vertex] >= ONE_STAGE {
                 let of = (&model, fitted.degree, count);
                 *doubt = Some(scratch.doubt(ground, vertex, of, laplacian, fields));
             }
@@ -119,8 +127,13 @@ pub(super) fn set<'f, T: Real>(
                 let sum: T = shear.iter().copied().sum();
                 squares += sum * sum;
             }
-            let gap = at.principal[0].value - at.principal[1].value;
-            let deviation = (fitted.bias + at.deviation * at.deviation * squares).sqrt() / gap;
+            let [larger, smaller] = at.principal.map(|curvature| curvature.value);
+            let gap = larger - smaller;
+            // The gap is the root of a difference, H² − K, that is rounded.
+            let rounding = T::constant(ROUNDING) * T::epsilon();
+            let rounding = rounding * (larger * larger + smaller * smaller);
+            let variance = fitted.bias + rounding + at.deviation * at.deviation * squares;
+            let deviation = variance.sqrt() / gap;
             // Also false for NaN.
             if deviation <= T::constant(CERTAIN) {
                 at.directions = Some(frame.directions);

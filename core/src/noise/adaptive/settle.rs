@@ -1,6 +1,6 @@
 //! Final error bars and verdicts, from what the fits at neighbouring vertices say about each other.
 //!
-//! The error bars of a fit come from its distance to wider fits, which share its neighbours. Where these lie in rows,
+//! The error bars of a fit come from its distance to other fits, which share its neighbours. Where these lie in rows,
 //! all are wrong together. The curvature that a polynomial has at the neighbours of its vertex, against that of the
 //! fits there, shows the error of the fit whether it is determined or not.
 
@@ -15,7 +15,7 @@ use alloc::vec::Vec;
 /// them.
 const TOLD: usize = 20;
 
-/// Number of vertices below which wider fits have most vertices of a component, and differ little from each other.
+/// Number of vertices below which all fits have most vertices of a component, and differ little from each other.
 const SHARED: usize = 200;
 
 /// Bars of H and K of vertices in rows, whose neighbours along a row have the same error, and of few vertices, in units
@@ -31,8 +31,8 @@ const UNDETERMINED: f64 = 0.3;
 /// Number of neighbours whose H enters f: those of [`Jet::j6`](crate::Jet::j6).
 const REACH: usize = 56;
 
-/// Bars of f in units of the disagreement of neighbouring fits, where this is small, or not.
-const OF_FORCE: [f64; 2] = [0.35, 1.05];
+/// Part of the disagreement with the neighbours that a bar has at least where other jets show the error.
+const BY_CHANCE: f64 = 0.5;
 
 /// Least number of neighbours of a pole, and its bars in units of those of its neighbours.
 const POLE: usize = 10;
@@ -40,9 +40,6 @@ const AT_POLES: f64 = 3.0;
 
 /// Number of estimates at a vertex.
 const ESTIMATES: usize = 5;
-
-/// Disagreement in H that is small, as a part of the largest curvature.
-const SMALL: f64 = 1e-3;
 
 /// Three standard deviations of a rounded coordinate, in units of the last digit, times the factors by which methods
 /// amplify them in H and in f, over powers of the vertex area.
@@ -71,18 +68,12 @@ pub(super) fn settle<T: Real>(
             larger(times * own, T::constant(0.5) * times * most)
         });
         let at = &measured[vertex];
-        let curvature = largest_curvature(at.mean.value, at.gaussian.value);
-        let ring = around().fold(own.apart[0], |most, doubt| larger(most, doubt.apart[0]));
-        let factor = OF_FORCE[usize::from(exceeds(ring, T::constant(SMALL) * curvature))];
         let of_laplacian = around().fold(own.of_laplacian, |most, doubt| {
             larger(most, doubt.of_laplacian)
         });
         let two = T::constant(2.0);
         let by_mean = T::constant(6.0) * at.mean.value * at.mean.value - two * at.gaussian.value;
-        let force = larger(
-            T::constant(factor) * two * of_laplacian,
-            two * by_mean.abs() * mean,
-        );
+        let force = larger(two * of_laplacian, two * by_mean.abs() * mean);
         Some([mean, gaussian, force])
     });
     let bars = Vec::from_iter(bars);
@@ -131,7 +122,7 @@ pub(super) fn settle<T: Real>(
 }
 
 /// Widens the bars at poles. The nearest neighbours of a pole lie on circles, by whose symmetry its fit agrees with theirs
-/// and with wider fits: it had up to 2.5 times their errors.
+/// and with other fits: it had up to 2.5 times their errors.
 fn settle_poles<T: Real>(ground: &Ground<'_, T>, measured: &mut [Measured<T>]) {
     let mesh = ground.surface.mesh();
     let poles = (0..measured.len()).filter(|&vertex| mesh.one_ring(vertex).len() >= POLE);
@@ -193,11 +184,13 @@ fn judge<T: Real>(
         }
         at.cause = at.cause.or(Some(Cause::Rows));
     }
-    for (estimate, bar) in [(&mut at.mean, mean), (&mut at.gaussian, gaussian)] {
-        estimate.widen(bar);
-    }
-    // Elsewhere, distances to wider fits show the error of f, and this would be a hundred times it.
-    if is_elongated || is_few || at.force_density.error.is_nan() {
+    // Elsewhere, distances from other jets show the error, except by chance.
+    let is_shown = !(is_elongated || is_few || doubt.is_all);
+    let part = T::constant(if is_shown { BY_CHANCE } else { 1.0 });
+    let [mean, gaussian] = [mean, gaussian].map(|bar| part * bar);
+    at.mean.widen(mean);
+    at.gaussian.widen(gaussian);
+    if !is_shown {
         at.force_density.widen(force);
     }
     for principal in &mut at.principal {

@@ -1,12 +1,10 @@
 //! The values of the chosen fits, with error bars.
 
-use super::{
-    BAR, CLEAN_BAR, Candidate, Choice, Chosen, FROM_WIDER, LOCAL, ONE_SIDED, PRINCIPAL, QUANTITIES,
-};
-use crate::curvature::Curvature;
+use super::{BAR, CLEAN_BAR, Candidate, Choice, Chosen, LOCAL, ONE_SIDED, PRINCIPAL, QUANTITIES};
 use crate::element::Execution;
 use crate::noise::DEGREES;
 use crate::noise::adaptive::bias::positive;
+use crate::noise::adaptive::jets::Jets;
 use crate::noise::adaptive::level::Kind;
 use crate::noise::adaptive::principal::{self, Fitted};
 use crate::noise::adaptive::{Deviations, Estimate, Ground, Measured, ONE_STAGE, Verdict};
@@ -47,7 +45,7 @@ impl<T: Real> Chosen<T> {
         ground: &Ground<'_, T>,
         deviations: &Deviations<T>,
         is_fixed: bool,
-        curvature: &[Curvature<T>],
+        jets: &Jets<T>,
     ) -> (Vec<Measured<T>>, Vec<Option<Doubt<T>>>) {
         let count = deviations.variances.len();
         let every = Vec::from_iter(0..self.all.len());
@@ -64,21 +62,19 @@ impl<T: Real> Chosen<T> {
         });
         let times = |vertex: usize| {
             let is_clean = deviations.variances[vertex] == T::zero();
-            T::constant(match (&self.from_wider, is_clean) {
-                (Some(_), _) => FROM_WIDER,
+            T::constant(match (&self.of_clean, is_clean) {
+                (Some(_), _) => 1.0,
                 (None, true) => CLEAN_BAR,
                 (None, false) => BAR,
             })
         };
-        // Distances at neighbours may show a bias that is not visible at this vertex; distances from
-        // wider jets are used at the vertex alone.
-        let pool = if self.from_wider.is_some() { 0 } else { LOCAL };
+        // Distances at neighbours may show a bias that is not visible at this vertex.
         let largest = |vertex: usize, quantity: usize| {
-            let around = ground.pool(vertex, pool);
+            let around = ground.pool(vertex, LOCAL);
             let squares = around.filter_map(|other| choices[other][quantity].map(|(_, s, _)| s));
             let most = squares.fold(T::zero(), larger);
             // Without noise, other signs may give a bar where this one is unknown.
-            match most.is_nan() && self.from_wider.is_none() {
+            match most.is_nan() && self.of_clean.is_none() {
                 true => T::infinity(),
                 false => most,
             }
@@ -118,8 +114,8 @@ impl<T: Real> Chosen<T> {
                 })
             });
             Measured {
-                normal: curvature[vertex].normal,
-                area: curvature[vertex].area,
+                normal: jets.curvature[vertex].normal,
+                area: jets.curvature[vertex].area,
                 mean,
                 gaussian: estimate(vertex, 1),
                 force_density: estimate(vertex, 2),
@@ -150,6 +146,7 @@ impl<T: Real> Chosen<T> {
                 ..found.kind.model
             };
             Some(Fitted {
+                doubt: jets.doubts[vertex].filter(|_| is_jet),
                 jet: is_jet.then_some((model, found.neighbours[vertex] as usize)),
                 kind: match candidate {
                     0 => Kind::interpolating(),
@@ -160,9 +157,14 @@ impl<T: Real> Chosen<T> {
                     _ => degree,
                 },
                 fields: [mean, gaussian],
-                // The bias is scaled because bars without noise are wider: see [`CLEAN_BAR`].
-                bias: (times(vertex) / T::constant(BAR)).powi(2)
-                    * positive(square - found.variance[0][vertex]),
+                bias: match self.of_clean {
+                    Some(_) => T::constant(PRINCIPAL * PRINCIPAL) * square,
+                    // The bias is scaled because bars without noise are wider: see [`CLEAN_BAR`].
+                    None => {
+                        let times = times(vertex) / T::constant(BAR);
+                        times * times * positive(square - found.variance[0][vertex])
+                    }
+                },
             })
         };
         let doubts = principal::set(execution, ground, fitted, &mut measured);
