@@ -375,18 +375,26 @@ impl<T: Real> AdaptiveJet<T> {
     ) -> Begun<'s, T> {
         let mut jets = Jets::new(execution, surface);
         let ground = Ground::new(execution, surface, names, &jets.curvature);
-        let twin = Level::new(execution, &ground, &Kind::interpolating());
+        let is_free = self.deviation == T::zero() && self.neighbours.is_none();
+        let is_smooth = ground.marks.is_empty() && !ground.is_on_grid;
+        let is_quiet = is_free && is_smooth && jets.are_quiet(execution, &ground);
+        let rings = if is_quiet { ONE_STAGE } else { u8::MAX };
+        let level = |kind: Kind<T>| Level::within(execution, &ground, &kind, rings);
+        let twin = level(Kind::interpolating());
         jets.take_one_sided(&ground, &twin);
-        let (mut deviations, wider) = Deviations::new(execution, &ground, &twin, self.deviation);
+        let (mut deviations, wider) = match is_quiet {
+            true => (Deviations::none(&ground), Some(level(Kind::wider()))),
+            false => Deviations::new(execution, &ground, &twin, self.deviation),
+        };
         let ladder = self.ladder(&deviations, &ground);
         let wider = wider.filter(|_| ladder.is_empty());
         let of_clean = wider.map(|wider| jets.squared_errors(execution, &ground, &wider));
-        let [_, Estimates { changes, .. }] = twin.of_degrees;
+        let [_, Estimates { values, changes }] = twin.of_degrees;
         let candidate = Candidate::of_jets(execution, &ground, &deviations, &jets, &changes);
         let mut chosen = Chosen::new(candidate, changes, of_clean);
         let first = ladder.first().map(|&neighbours| {
             let level = Level::new(execution, &ground, &Kind::regression(neighbours));
-            chosen.limit_noise(execution, &ground, &mut deviations, &level);
+            chosen.limit_noise(execution, &ground, &mut deviations, &values[FORCE], &level);
             level
         });
         Begun {

@@ -144,7 +144,7 @@ impl<T: Real> Chosen<T> {
         }
     }
 
-    /// Reduces the estimated noise where f of the jets is closer to f of the first regression jets than with
+    /// Reduces the estimated noise where f of jets that change by noise as these do, `force`, is closer to f of the first regression jets than with
     /// such noise: there, the residual of the shape was taken for noise. No other quantity has as much noise
     /// compared with its bias.
     pub(super) fn limit_noise(
@@ -152,12 +152,13 @@ impl<T: Real> Chosen<T> {
         execution: &impl Execution,
         ground: &Ground<'_, T>,
         deviations: &mut Deviations<T>,
+        force: &[T],
         level: &Level<T>,
     ) {
         let [_, sixth] = &level.of_degrees;
         let jets = &mut self.all[0];
         let pair = Pair {
-            values: [&sixth.values[FORCE], &jets.values[FORCE]],
+            values: [&sixth.values[FORCE], force],
             changes: [&sixth.changes[FORCE], &self.changes[FORCE]],
         };
         let Distances { wide, variance, .. } = Distances::new(execution, ground, deviations, &pair);

@@ -36,6 +36,20 @@ pub(super) struct Deviations<T> {
 }
 
 impl<T: Real> Deviations<T> {
+    /// No noise at any vertex.
+    pub(super) fn none(ground: &Ground<'_, T>) -> Self {
+        let verdict = |vertex: usize| match ground.is_near_border(vertex) {
+            true => Verdict::OneSided,
+            false => Verdict::Clean,
+        };
+        let count = ground.normals.len();
+        Self {
+            variances: vec![T::zero(); count],
+            verdicts: (0..count).map(verdict).collect(),
+            least: T::zero(),
+        }
+    }
+
     /// Estimates the noise from the jets of a mesh. Where their residuals show none, it is also
     /// estimated from wider jets, which are returned.
     pub(super) fn new(

@@ -5,7 +5,7 @@
 
 use super::bias::LOCAL;
 use super::level::Level;
-use super::{Ground, ONE_STAGE, QUANTITIES};
+use super::{FORCE, Ground, ONE_STAGE, QUANTITIES};
 use crate::curvature::{Curvature, Curvatures};
 use crate::element::Execution;
 use crate::laplacian::{Jet, LaplaceBeltrami};
@@ -28,11 +28,16 @@ const COARSE: usize = 1000;
 /// 8 is up to three times as far off.
 const BETTER: f64 = 0.5;
 
+/// Largest ratio of the disagreements of degrees 8 and 6, averaged around a vertex, at which there is no noise that
+/// matters, and part of the vertices that may have a larger one: noise has about 1.
+const QUIET: f64 = 0.25;
+const LOUD: f64 = 0.01;
+
 /// Error bars of jets on a mesh without noise, in units of root mean square distances over [`LOCAL`] vertices from jets
-/// of another degree; and where degree 8 disagrees with its neighbours less than degree 6, by as much less, up to this
-/// factor.
+/// of another degree; and those of H and K where the others disagree more with their neighbours, in units of the
+/// distances times the ratio of the disagreements.
 const FROM_OTHER: f64 = 3.0;
-const OF_EIGHTH: f64 = 1.25;
+const OF_BETTER: f64 = 1.25;
 
 /// The same near a boundary, from fits over more neighbours. On 27 meshes of nine shapes 99 % of the errors of H, K and
 /// f were below 1.5 such distances in the median case and below 3.9 in the worst, and the distance was at most 5.8
@@ -63,7 +68,7 @@ impl<T: Real> Jets<T> {
         let apart = sixth.disagreement();
         if surface.mesh().vertex_count() < COARSE {
             let fourth = of(Jet::j4());
-            if !(apart < fourth.disagreement()) {
+            if fourth.disagreement() <= apart {
                 return fourth.beside(sixth);
             }
         }
@@ -153,6 +158,29 @@ impl<T: Real> Jets<T> {
         }
     }
 
+    /// The mean squares of the disagreements in H of these jets and of the others around every vertex.
+    fn disagreements(&self, execution: &impl Execution, ground: &Ground<'_, T>) -> [Vec<T>; 2] {
+        let own = Vec::from_iter(self.doubts.iter().map(apart));
+        [&own, &self.other_apart].map(|apart| {
+            let squares = Vec::from_iter(apart.iter().map(|&apart| apart * apart));
+            ground.means(execution, &squares, LOCAL)
+        })
+    }
+
+    /// Whether degree 8 gains so much that no noise matters. Noise of H amplifies with the degree as much as that of f,
+    /// and hides the shape from f first.
+    pub(super) fn are_quiet(&self, execution: &impl Execution, ground: &Ground<'_, T>) -> bool {
+        if self.model.degree <= 6 {
+            return false;
+        }
+        let [own, other] = self.disagreements(execution, ground);
+        let most = T::constant(QUIET * QUIET);
+        // Also false for NaN, without a fit.
+        let is_quiet = |(own, other): &(T, T)| *own <= most * *other;
+        let quiet = zip(own, other).filter(is_quiet).count();
+        quiet as f64 >= (1.0 - LOUD) * self.doubts.len() as f64
+    }
+
     /// The squares of the errors of H, K and f on a mesh without noise, for error bars.
     pub(super) fn squared_errors(
         &self,
@@ -165,12 +193,7 @@ impl<T: Real> Jets<T> {
             let squares = Vec::from_iter(values.map(square));
             ground.means(execution, &squares, LOCAL)
         };
-        let own = self.doubts.iter().map(apart);
-        let [own, other] = [
-            &mut own.into_iter() as &mut dyn Iterator<Item = T>,
-            &mut self.other_apart.iter().copied(),
-        ]
-        .map(pooled);
+        let [own, other] = self.disagreements(execution, ground);
         let [_, sixth] = &wider.of_degrees;
         from_fn(|quantity| {
             let from_other = pooled(&mut self.distances[quantity].iter().copied());
@@ -179,9 +202,14 @@ impl<T: Real> Jets<T> {
             let of_vertex = |vertex: usize| match self.doubts[vertex] {
                 None => square(T::constant(FROM_WIDER)) * from_wider[vertex],
                 Some(_) => {
-                    let by_eighth = square(T::constant(OF_EIGHTH)) * own[vertex] / other[vertex];
-                    let is_less = self.model.degree > 6 && by_eighth < T::one();
-                    let part = if is_less { by_eighth } else { T::one() };
+                    let ratio = own[vertex] / other[vertex];
+                    // On even meshes, f gains less by a better degree than H does.
+                    let part = match quantity {
+                        FORCE => ratio.sqrt(),
+                        _ => square(T::constant(OF_BETTER)) * ratio,
+                    };
+                    let is_less = part < T::one();
+                    let part = if is_less { part } else { T::one() };
                     square(T::constant(FROM_OTHER)) * part * from_other[vertex]
                 }
             };

@@ -363,6 +363,8 @@ impl<T: Real> Scratch<T> {
 struct Fits<'a, T> {
     ground: &'a Ground<'a, T>,
     kind: &'a Kind<T>,
+    /// Number of rings from a boundary beyond which there are no fits.
+    rings: u8,
 }
 
 /// Results at a vertex, its neighbours, and the rows of both degrees.
@@ -371,9 +373,16 @@ type FitSlots<'a, T> = (&'a mut [AtVertex<T>], (Strided<'a, u32>, Strided<'a, f3
 impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
     #[inline(always)]
     fn set(&self, scratch: &mut Scratch<T>, start: usize, slots: FitSlots<'a, T>) {
-        let Self { ground, kind } = *self;
+        let Self {
+            ground,
+            kind,
+            rings,
+        } = *self;
         let room = kind.room();
         for (vertex, (at, (vertices, rows))) in (start..).zip(slots.into_slots()) {
+            if ground.rings[vertex] >= rings {
+                continue;
+            }
             let count = scratch.fit(ground, vertex, kind);
             if count == 0 {
                 continue;
@@ -405,6 +414,16 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
 impl<T: Real> Level<T> {
     /// Fits around every vertex of a surface.
     pub(super) fn new(execution: &impl Execution, ground: &Ground<'_, T>, kind: &Kind<T>) -> Self {
+        Self::within(execution, ground, kind, u8::MAX)
+    }
+
+    /// Fits around the vertices less than `rings` from a boundary.
+    pub(super) fn within(
+        execution: &impl Execution,
+        ground: &Ground<'_, T>,
+        kind: &Kind<T>,
+        rings: u8,
+    ) -> Self {
         let count = ground.normals.len();
         let room = kind.room();
         let none = AtVertex {
@@ -426,8 +445,13 @@ impl<T: Real> Level<T> {
                 Strided::new(&mut laplacians, 2 * room),
             ),
         );
+        let fits = Fits {
+            ground,
+            kind,
+            rings,
+        };
         let mut scratch = Vec::new();
-        execution.run(&mut scratch, slots, &Fits { ground, kind });
+        execution.run(&mut scratch, slots, &fits);
         let of_degrees = [0, 1]
             .map(|which| Estimates::new(execution, &all, which, &vertices, &laplacians, room));
         Self {
