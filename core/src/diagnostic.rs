@@ -55,7 +55,7 @@ pub enum Finding {
         vertex: u32,
     },
     /// The patches at this vertex meet at an angle of more than 10⁻³, which vanishes on a mesh that
-    /// resolves the surface: forces have large errors. Choose a finer mesh.
+    /// resolves the surface: the energy and the nodal forces have large errors. Choose a finer mesh.
     Unresolved {
         /// The vertex.
         vertex: u32,

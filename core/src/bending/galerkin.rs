@@ -1,39 +1,34 @@
-//! Method G: the bending energy of blended osculating jets, whose exact gradient converges pointwise.
+//! Method G: the bending energy of blended osculating jets and its exact gradient, and the strong form over jets.
 //!
 //! The idea of an energy of second derivatives on surfaces that are only continuous is that of C0 interior
 //! penalty methods: S. C. Brenner and L.-Y. Sung, J. Sci. Comput. 22 (2005) 83. Jets, their blend, and
 //! the gradient of the whole are our own.
 
 mod basis;
-mod density;
 mod edges;
 mod fields;
 mod findings;
 mod fit;
-mod mass;
+mod jets;
 mod measures;
 mod patch;
 mod plan;
 mod points;
 mod polynomial;
 mod shape;
-mod smoothing;
-mod start;
 mod vertices;
 
 use self::basis::FREE;
-use self::density::Solver;
 use self::edges::Edges;
 use self::fields::FieldMemory;
-use self::mass::Mass;
+use self::jets::Jets;
 pub use self::measures::{PatchFunctional, PatchFunctionalMemory};
 use self::patch::{Back, Bars, HEM, Inside, RETURNED, RIM};
 use self::shape::{Return, Shape};
 use self::vertices::Work;
 use crate::bending::MaterialParameter;
-use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
-use crate::element::{Execution, Strided, of_vertices};
+use crate::element::{Execution, Strided};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::mesh::TriangleMesh;
 use crate::method::{Method, ParameterError, TwoPass, Workspace};
@@ -48,20 +43,22 @@ use alloc::vec::Vec;
 /// A polynomial of degree 8 is fitted around each vertex, as in [`Jet`](crate::Jet), and interpolates the
 /// vertex. The three polynomials at the corners of a triangle are blended, and the patch over the
 /// triangle interpolates the blend. Neighbours are whole rings around a vertex: they follow from the
-/// connectivity alone, so that the energy is a smooth function of the positions. Energy and nodal forces need
-/// no solution of equations. The force density solves equations with the consistent mass matrix, which a
-/// regression completes where vertices are close; forces over areas do not converge.
+/// connectivity alone, so that the energy is a smooth function of the positions.
 ///
-/// On meshes that resolve the surface, H, K, the energy and f converge at every vertex, whatever the
-/// valences. Two vertices that are much closer to each other than to the rest amplify the error of f there.
-/// f is normal to the surface: where κ or H0 vary, its tangential part is in the nodal forces only.
+/// On meshes that resolve the surface the energy converges, and so does the work of the nodal forces in any
+/// smooth displacement, whatever the valences. Nodal forces over areas of vertices do not converge. The force
+/// density f is another discretisation, that of [`StrongForm`](crate::StrongForm) over [`Jet`](crate::Jet)s, and
+/// no gradient; n, H, K and A are those of the same jets. They converge at every vertex, are defined near borders
+/// as in the strong form, and do not suffer from vertices that are close. Jets have degree 8 if the largest
+/// component has 2500 vertices or more, degree 6 from 1000 on, and degree 4 below.
 ///
-/// Only triangles with interior corners count, see [`crate::bending`]. On components with a boundary f is the strong
-/// form over the jets, without a solution: the nodal forces have the natural boundary conditions, too, which a
-/// solution spreads over the surface. f is 0 at a boundary and at vertices all of whose triangles have a corner
-/// there, and less accurate within a few edges of them. Components of less than 5000 vertices have fits of degree 6, those of less than
+/// In the energy only triangles with interior corners count, see [`crate::bending`]. Nodal forces there include
+/// the natural boundary conditions. Components of less than 5000 vertices have fits of degree 6, those of less than
 /// 540 fits of lower degree, and those of less than 11 none and therefore no energy; the last two are
 /// reported.
+///
+/// Findings are those of the last evaluation: about patches after an energy or nodal forces, and about jets after
+/// curvatures or force densities.
 ///
 /// docs/GALERKIN.md has the theory, measurements and limits.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,11 +67,6 @@ pub struct Galerkin<T> {
     pub modulus: MaterialParameter<T>,
     /// Spontaneous curvature H0.
     pub spontaneous_curvature: MaterialParameter<T>,
-    /// Residual at which the solution of the equations of the force density ends, relative to that of the
-    /// strong form over the jets, with which it starts. The latter is about the error of f: with the default, 0.5,
-    /// errors differ by up to 30 % from those of the whole solution, in either direction; 1 takes the strong form
-    /// itself, scaled so that its residual is least.
-    pub tolerance: T,
 }
 
 impl<T: Real> Galerkin<T> {
@@ -83,21 +75,13 @@ impl<T: Real> Galerkin<T> {
         Self {
             modulus: modulus.into(),
             spontaneous_curvature: MaterialParameter::default(),
-            tolerance: T::constant(0.5),
         }
-    }
-}
-
-impl<T> GalerkinMemory<T> {
-    /// Number of iterations of the last force density.
-    pub fn iterations(&self) -> usize {
-        self.solver.iterations
     }
 }
 
 /// Memory of [`Galerkin`].
 #[derive(Clone, Debug)]
-pub struct GalerkinMemory<T> {
+pub struct GalerkinMemory<T: Real> {
     shape: Shape<T>,
     /// Bending modulus and spontaneous curvature.
     fields: [FieldMemory<T>; 2],
@@ -107,10 +91,12 @@ pub struct GalerkinMemory<T> {
     hems: Vec<Several<T>>,
     bars: Vec<Bars<T>>,
     back: Return<T>,
-    mass: Mass<T>,
-    solver: Solver<T>,
     work: Vec<Work<T>>,
     idle: Vec<()>,
+    /// Made when n, H, K or f are first asked for.
+    jets: Option<Jets<T>>,
+    /// Whether the last evaluation was of these.
+    is_pointwise: bool,
 }
 
 impl<T: Real> Method<T> for Galerkin<T> {
@@ -126,15 +112,14 @@ impl<T: Real> Method<T> for Galerkin<T> {
             hems: Vec::new(),
             bars: Vec::new(),
             back: Return::default(),
-            mass: Mass::default(),
-            solver: Solver::default(),
             work: Vec::new(),
             idle: Vec::new(),
+            jets: None,
+            is_pointwise: false,
         }
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless_finite("tolerance of the force density", self.tolerance)?;
         MaterialParameter::check(&self.modulus, &self.spontaneous_curvature)
     }
 
@@ -145,22 +130,15 @@ impl<T: Real> Method<T> for Galerkin<T> {
         report: &mut dyn FnMut(Finding),
     ) {
         let memory = workspace.for_mesh(surface.mesh());
-        let mut concerns_all = false;
-        let mut listening = |finding: Finding| {
-            concerns_all |= findings::concerns_all(finding);
-            report(finding);
-        };
-        surface.report_uneven_mesh(&mut listening);
-        surface.report_rough_vertices(&mut listening);
-        memory.shape.report_fits(&mut listening);
-        memory.shape.report_rows(surface, &mut listening);
-        if concerns_all {
-            for vertex in 0..surface.mesh().vertex_count() as u32 {
-                report(Finding::Unresolved { vertex });
-            }
-        } else {
-            memory.report_angles(report);
+        if let (true, Some(jets)) = (memory.is_pointwise, &memory.jets) {
+            jets.inspect(surface, report);
+            return;
         }
+        surface.report_uneven_mesh(report);
+        surface.report_rough_vertices(report);
+        memory.shape.report_fits(report);
+        memory.shape.report_rows(surface, report);
+        memory.report_angles(report);
     }
 }
 
@@ -214,36 +192,6 @@ impl<T: Real> Galerkin<T> {
     }
 }
 
-/// n, H and K of the polynomial at each vertex where it has a fit, 0 elsewhere; areas are a third of the
-/// triangles around it.
-impl<T: Real> Curvatures<T> for Galerkin<T> {
-    fn curvatures(
-        &self,
-        execution: &impl Execution,
-        surface: Surface<'_, T>,
-        workspace: &mut Workspace<T, Self>,
-        curvature: &mut [Curvature<T>],
-    ) {
-        let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
-        memory.shape.set_jets(execution);
-        let shape = &memory.shape;
-        execution.map(of_vertices(surface, curvature), |vertex, curvature| {
-            *curvature = Curvature {
-                normal: shape.normals[vertex],
-                area: shape.sums[vertex][3] / T::constant(3.0),
-                kind: surface.mesh().vertex_kind(vertex),
-                ..Curvature::default()
-            };
-            let jet = shape.jet(vertex);
-            if let Some(jet) = jet.filter(|jet| jet.mean.is_finite() && jet.gaussian.is_finite()) {
-                curvature.normal = jet.normal;
-                (curvature.mean, curvature.gaussian) = (jet.mean, jet.gaussian);
-            }
-        });
-    }
-}
-
 impl<T: Real> TwoPass for Galerkin<T> {
     type Scalar = T;
 
@@ -256,9 +204,9 @@ impl<T: Real> TwoPass for Galerkin<T> {
         let Self {
             modulus,
             spontaneous_curvature,
-            ..
         } = self;
         MaterialParameter::expect(self, modulus, spontaneous_curvature, surface.mesh());
+        memory.is_pointwise = false;
         self.evaluate::<true>(execution, surface, memory);
     }
 

@@ -115,6 +115,28 @@ struct Found<T> {
     varies: bool,
 }
 
+impl<T: Real, W> StrongFormMemory<T, W> {
+    /// Memory with this workspace of the operator.
+    pub(super) fn new(operator: W) -> Self {
+        Self {
+            operator,
+            found: Found {
+                curvature: Vec::new(),
+                excess: Vec::new(),
+                moment: Vec::new(),
+                laplacian_of_mean: Vec::new(),
+                rows: Rows::new(),
+                varies: false,
+            },
+        }
+    }
+
+    /// The operator's workspace.
+    pub(super) fn operator(&self) -> &W {
+        &self.operator
+    }
+}
+
 impl<T, W> StrongFormMemory<T, W> {
     /// n, H, K and A at each vertex.
     pub fn curvature(&self) -> &[Curvature<T>] {
@@ -152,15 +174,47 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
         T::constant(2.0) * sum
     }
 
-    fn measure(
-        &self,
+    /// The formula on surfaces with this mesh.
+    fn formula(&self, mesh: &TriangleMesh) -> Formula<'_, T, L> {
+        let Self {
+            modulus,
+            spontaneous_curvature,
+            operator,
+        } = self;
+        MaterialParameter::expect(self, modulus, spontaneous_curvature, mesh);
+        Formula {
+            modulus,
+            spontaneous_curvature,
+            operator,
+        }
+    }
+}
+
+/// The formula of [`StrongForm`], with parameters that may belong to another method.
+#[derive(Debug)]
+pub(super) struct Formula<'a, T, L> {
+    pub(super) modulus: &'a MaterialParameter<T>,
+    pub(super) spontaneous_curvature: &'a MaterialParameter<T>,
+    pub(super) operator: &'a L,
+}
+
+impl<T, L> Clone for Formula<'_, T, L> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T, L> Copy for Formula<'_, T, L> {}
+
+impl<T: Real, L: LaplaceBeltrami<T> + Sync> Formula<'_, T, L> {
+    /// Sets n, H, K and A.
+    pub(super) fn measure(
+        self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
         memory: &mut StrongFormMemory<T, Workspace<T, L>>,
     ) {
         let vertices = surface.mesh().vertex_count();
-        let (modulus, spontaneous) = (&self.modulus, &self.spontaneous_curvature);
-        MaterialParameter::expect(self, modulus, spontaneous, surface.mesh());
         let StrongFormMemory { operator, found } = memory;
         found.curvature.resize(vertices, Curvature::default());
         let curvature = &mut found.curvature;
@@ -170,7 +224,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
 
     /// Measures the surface, and applies the operator to H − H0 or κ(H − H0).
     fn measure_twice(
-        &self,
+        self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
         memory: &mut StrongFormMemory<T, Workspace<T, L>>,
@@ -230,7 +284,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
     }
 
     /// f at one vertex, after both applications of the operator.
-    fn density_at(&self, surface: Surface<'_, T>, found: &Found<T>, vertex: usize) -> Vec3<T> {
+    fn density_at(self, surface: Surface<'_, T>, found: &Found<T>, vertex: usize) -> Vec3<T> {
         let two = T::constant(2.0);
         let Curvature {
             normal,
@@ -262,9 +316,24 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> StrongForm<T, L> {
             sub(gradient, scale(dot(gradient, normal), normal))
         };
         let weight = defined * two * excess;
-        let bent = scale(two * modulus, along_surface(&self.spontaneous_curvature));
-        let stiff = scale(excess, along_surface(&self.modulus));
+        let bent = scale(two * modulus, along_surface(self.spontaneous_curvature));
+        let stiff = scale(excess, along_surface(self.modulus));
         finite_or_zero(sub(density, scale(weight, sub(bent, stiff))))
+    }
+
+    /// Sets f.
+    pub(super) fn force_density(
+        self,
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        memory: &mut StrongFormMemory<T, Workspace<T, L>>,
+        density: &mut [[T; 3]],
+    ) {
+        self.measure_twice(execution, surface, memory);
+        let found = &memory.found;
+        execution.map(of_vertices(surface, density), |vertex, density| {
+            *density = self.density_at(surface, found, vertex);
+        });
     }
 }
 
@@ -293,17 +362,7 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Method<T> for StrongForm<T, L> {
     type Memory = StrongFormMemory<T, Workspace<T, L>>;
 
     fn memory(&self, mesh: &TriangleMesh) -> Self::Memory {
-        StrongFormMemory {
-            operator: self.operator.workspace(mesh),
-            found: Found {
-                curvature: Vec::new(),
-                excess: Vec::new(),
-                moment: Vec::new(),
-                laplacian_of_mean: Vec::new(),
-                rows: Rows::new(),
-                varies: false,
-            },
-        }
+        StrongFormMemory::new(self.operator.workspace(mesh))
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -331,7 +390,8 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Curvatures<T> for StrongForm<T, L> {
         curvature: &mut [Curvature<T>],
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
+        self.formula(surface.mesh())
+            .measure(execution, surface, memory);
         let found = memory.curvature();
         curvature[..found.len()].copy_from_slice(found);
     }
@@ -345,7 +405,8 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Energy<T> for StrongForm<T, L> {
         workspace: &mut Workspace<T, Self>,
     ) -> T {
         let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure(execution, surface, memory);
+        self.formula(surface.mesh())
+            .measure(execution, surface, memory);
         self.energy_of(execution, memory)
     }
 }
@@ -359,11 +420,8 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> ForceDensity<T> for StrongForm<T, L>
         density: &mut [[T; 3]],
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure_twice(execution, surface, memory);
-        let found = &memory.found;
-        execution.map(of_vertices(surface, density), |vertex, density| {
-            *density = self.density_at(surface, found, vertex);
-        });
+        self.formula(surface.mesh())
+            .force_density(execution, surface, memory, density);
     }
 }
 
@@ -376,10 +434,11 @@ impl<T: Real, L: LaplaceBeltrami<T> + Sync> Force<T> for StrongForm<T, L> {
         force: &mut [[T; 3]],
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
-        self.measure_twice(execution, surface, memory);
+        let formula = self.formula(surface.mesh());
+        formula.measure_twice(execution, surface, memory);
         let found = &memory.found;
         execution.map(of_vertices(surface, force), |vertex, force| {
-            let density = self.density_at(surface, found, vertex);
+            let density = formula.density_at(surface, found, vertex);
             let nodal = scale(found.curvature[vertex].area, density);
             *force = add(*force, finite_or_zero(nodal));
         });

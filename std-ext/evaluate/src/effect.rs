@@ -248,7 +248,13 @@ impl Visitor<f64> for Acting<'_> {
         match self.lumping {
             Lumping::Own => self.energy(method),
             Lumping::Thirds => {
-                let lumped = Lumped::new(method, Prepared::energy, self.mesh);
+                // Densities last: findings are about them.
+                let evaluate: Evaluation<M> = |prepared, surface, density| {
+                    let energy = prepared.energy(surface);
+                    prepared.force_density(surface, density);
+                    energy
+                };
+                let lumped = Lumped::new(method, evaluate, self.mesh);
                 Ok(Effect::new(self.name, false, Box::new(lumped)))
             }
         }
@@ -261,14 +267,14 @@ impl Visitor<f64> for Acting<'_> {
         let prepared: Box<dyn Act> = match self.lumping {
             Lumping::Own => Box::new(InStrongForm(prepared(Projected(method), self.mesh))),
             Lumping::Thirds => {
-                // The force density has left everything that the energy needs.
-                let energy = |prepared: &mut Prepared<f64, StrongForm<f64, L>, Parallel>,
-                              _: Surface<'_, f64>| {
+                // The force density leaves everything that the energy needs.
+                let evaluate: Evaluation<StrongForm<f64, L>> = |prepared, surface, density| {
+                    prepared.force_density(surface, density);
                     prepared.with(|method, execution, workspace| {
                         method.energy_of(execution, workspace.memory())
                     })
                 };
-                Box::new(Lumped::new(method, energy, self.mesh))
+                Box::new(Lumped::new(method, evaluate, self.mesh))
             }
         };
         Ok(Effect::new(self.name, false, prepared))
@@ -339,12 +345,15 @@ where
     }
 }
 
+/// Sets force densities, and returns the energy.
+type Evaluation<M> =
+    fn(&mut Prepared<f64, M, Parallel>, Surface<'_, f64>, &mut Vec<[f64; 3]>) -> f64;
+
 /// A prepared method whose force density acts, with [`Lumping::Thirds`].
 #[derive(Debug)]
 struct Lumped<M: Method<f64>> {
     method: Prepared<f64, M, Parallel>,
-    /// The energy of the surface whose force density was computed last.
-    energy: fn(&mut Prepared<f64, M, Parallel>, Surface<'_, f64>) -> f64,
+    evaluate: Evaluation<M>,
     components: Components,
     areas: Vec<f64>,
     bodies: Vec<RigidBody<f64>>,
@@ -352,14 +361,10 @@ struct Lumped<M: Method<f64>> {
 }
 
 impl<M: Method<f64>> Lumped<M> {
-    fn new(
-        method: M,
-        energy: fn(&mut Prepared<f64, M, Parallel>, Surface<'_, f64>) -> f64,
-        mesh: &TriangleMesh,
-    ) -> Self {
+    fn new(method: M, evaluate: Evaluation<M>, mesh: &TriangleMesh) -> Self {
         Self {
             method: prepared(method, mesh),
-            energy,
+            evaluate,
             components: Components::new(mesh),
             areas: vec![0.0; mesh.vertex_count()],
             bodies: Vec::new(),
@@ -370,13 +375,13 @@ impl<M: Method<f64>> Lumped<M> {
 
 impl<M> Act for Lumped<M>
 where
-    M: Energy<f64> + ForceDensity<f64> + fmt::Debug + Send,
+    M: Energy<f64> + fmt::Debug + Send,
     M::Memory: Send,
 {
     fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
         let thirds = Cotangent::new(DualArea::Barycentric);
         thirds.dual_areas(&Parallel::new(), surface, &mut self.areas);
-        self.method.force_density(surface, &mut self.force);
+        let energy = (self.evaluate)(&mut self.method, surface, &mut self.force);
         for (force, area) in self.force.iter_mut().zip(&self.areas) {
             *force = force.map(|density| area * density);
         }
@@ -390,7 +395,7 @@ where
         for (sum, own) in force.iter_mut().zip(&self.force) {
             *sum = std::array::from_fn(|axis| sum[axis] + own[axis]);
         }
-        (self.energy)(&mut self.method, surface)
+        energy
     }
 
     fn energy(&mut self, surface: Surface<'_, f64>) -> f64 {

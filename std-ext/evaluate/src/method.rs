@@ -340,7 +340,6 @@ methods! {
         Galerkin: energy_and_density(Galerkin<T>, |settings: Settings<'_, T>| Galerkin {
             modulus: settings.modulus,
             spontaneous_curvature: settings.spontaneous_curvature,
-            ..Galerkin::new(T::one())
         }),
         Description {
             name: "galerkin",

@@ -281,14 +281,14 @@ const CLAIMS: &[Claim] = &[
         families: EVERY,
         compared: &[H, K],
         orders: [at_least(5.0), at_least(5.0)],
-        reason: "its jets are of degree 6 on these meshes",
+        reason: "jets of degree 4, 6 and 8 on these meshes: at least as fast as those of degree 6",
     },
     Claim {
         methods: &[Galerkin],
         families: EVERY,
         compared: &[F],
-        orders: [at_least(2.0), at_least(2.0)],
-        reason: "h^(r − 4) with patches that approximate with order r = 6 in the mean",
+        orders: [at_least(3.0), at_least(3.0)],
+        reason: "two derivatives more than H",
     },
     Claim {
         methods: &[Galerkin],
@@ -373,7 +373,7 @@ fn orders_are_those_of_theory() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The errors of G and J6 that docs/GALERKIN.md publishes, which has two digits.
+/// The errors of G that docs/GALERKIN.md publishes, which has two digits.
 #[test]
 fn published_errors_are_found() {
     let guide = guide("GALERKIN.md");
@@ -383,7 +383,7 @@ fn published_errors_are_found() {
         .filter(|line| line.starts_with("| discocyte, "))
     {
         let cells = Vec::from_iter(row.split('|').map(str::trim));
-        let [_, name, vertices, energy, max, mean, _, jets, _, _] = cells[..] else {
+        let [_, name, vertices, energy, _, max, mean, _] = cells[..] else {
             continue;
         };
         let family: Family = name["discocyte, ".len()..].parse().expect("a family");
@@ -403,21 +403,16 @@ fn published_errors_are_found() {
             (*of, *method, *count) == (family, Galerkin, vertices)
         });
         check(energies.next().map(|(.., error)| *error), energy);
-        let errors = |method: BendingMethod| {
-            MEASURED.rows.iter().find(|row| {
-                row.family == family.name()
-                    && row.method == AnyMethod::from(method)
-                    && row.vertices == vertices
-                    && row.quantity == Quantity::ForceDensity
-            })
-        };
-        let galerkin = errors(Galerkin);
-        check(galerkin.map(|row| row.max), max);
-        check(galerkin.map(|row| row.mean), mean);
-        let (most, average) = jets.split_once(", ").expect("two numbers");
-        check(errors(J6).map(|row| row.max), most);
-        check(errors(J6).map(|row| row.mean), average);
+        let density = MEASURED.rows.iter().find(|row| {
+            row.family == family.name()
+                && row.method == AnyMethod::from(Galerkin)
+                && row.vertices == vertices
+                && row.quantity == Quantity::ForceDensity
+        });
+        check(density.map(|row| row.max), max);
+        check(density.map(|row| row.mean), mean);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert!(compared >= 50, "{compared}");
+    // Three numbers of two meshes of each family.
+    assert!(compared >= 30, "{compared}");
 }

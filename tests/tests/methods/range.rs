@@ -57,12 +57,6 @@ fn results_scale_or_say_so<T: Evaluated>(exponents: impl Iterator<Item = i32>) {
         let vertices = mesh.positions.len();
         let of_unit = noise.entry((vertices, 0)).or_default();
         let (unit, _) = measured(method, mesh, T::one(), of_unit);
-        // Below 2^-24 in f32, squares of areas may round differently in their last digit, which the
-        // equations for f of this method amplify, as they amplify other roundings: see `SinglePrecision`.
-        let roundings = match method {
-            BendingMethod::Galerkin => 4096.0,
-            _ => 64.0,
-        };
         for &exponent in &exponents {
             let size = T::constant(2.0).powi(exponent);
             let noisy = noise.entry((vertices, exponent)).or_default();
@@ -74,7 +68,7 @@ fn results_scale_or_say_so<T: Evaluated>(exponents: impl Iterator<Item = i32>) {
                 let near = |found: T, expected: T, what: &str| {
                     // Sums have the same order; only elementary functions of ratios round differently.
                     let error = (found - expected).abs();
-                    let bound = T::constant(roundings) * T::epsilon() * expected.abs();
+                    let bound = T::constant(64.0) * T::epsilon() * expected.abs();
                     assert!(
                         error <= bound || error < T::constant(1e-3),
                         "{method} at 2^{exponent}, vertex {vertex}: {what} is {found:?}, not \

@@ -102,7 +102,7 @@ impl<'a, T: Real> Field<'a, T> {
 
 /// The values at the neighbours of a block less those at its vertices.
 #[inline(always)]
-pub(super) fn differences_of<T: Real>(
+fn differences_of<T: Real>(
     plan: &Plan,
     number: usize,
     values: &[T],

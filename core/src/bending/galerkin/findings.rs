@@ -15,8 +15,8 @@ use crate::surface::Surface;
 /// Least pivot, over the diagonal entry, of a fit that neighbours determine well.
 const WEAKEST: f64 = 1e-6;
 
-/// Least degree of fits with which f converges at every vertex.
-const CONVERGENT: usize = 6;
+/// Least degree of fits whose energy is known to many digits.
+const LEAST_DEGREE: usize = 6;
 
 /// Largest angle between patches that are resolved.
 const LARGEST_ANGLE: f64 = 1e-3;
@@ -34,7 +34,7 @@ impl<T: Real> Shape<T> {
             };
             let (block, lane) = (block as usize, usize::from(lane));
             let degree = self.plan.blocks[block].degree;
-            if degree < CONVERGENT {
+            if degree < LEAST_DEGREE {
                 report(Finding::ReducedDegree {
                     vertex,
                     degree: degree as u8,
@@ -89,18 +89,4 @@ impl<T: Real> GalerkinMemory<T> {
             }
         }
     }
-}
-
-/// Whether a finding at one vertex is about every force density: those of all vertices are the solution
-/// of one system of equations, in which a bad patch has a large part.
-pub(super) fn concerns_all(finding: Finding) -> bool {
-    matches!(
-        finding,
-        Finding::Amplified { .. }
-            | Finding::Folded { .. }
-            | Finding::NoGraph { .. }
-            | Finding::Uneven { .. }
-            | Finding::ThinTriangle { .. }
-            | Finding::DegenerateTriangle { .. }
-    )
 }

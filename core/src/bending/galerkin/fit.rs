@@ -15,7 +15,7 @@ use crate::fit::{Points, exponential, place_of, set_moments};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, add, dot, norm, scale, sub, tangent_frame};
+use crate::vec3::{Vec3, add, dot, scale, tangent_frame};
 use alloc::vec::Vec;
 
 /// Degree of the polynomials.
@@ -29,7 +29,7 @@ const TOGETHER: usize = 4;
 /// Exponent of the weights at the radius.
 pub(super) const SHARPNESS: f64 = 14.0;
 /// Square of the distance, in radii, within which weights do not grow further.
-pub(super) const CORE: f64 = 1e-3;
+const CORE: f64 = 1e-3;
 /// Number of neighbours within the radius of an even mesh.
 pub(super) const fn within(degree: usize) -> f64 {
     if degree > 6 { 105.0 } else { 64.0 }
@@ -119,14 +119,6 @@ pub(super) struct FieldPull<'a, T> {
     pub(super) by_coefficient: [Several<T>; COUNT],
 }
 
-/// Unit normal, H and K of a jet.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Jet<L> {
-    pub(super) normal: Vec3<L>,
-    pub(super) mean: L,
-    pub(super) gaussian: L,
-}
-
 /// Memory of a block.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch<T> {
@@ -147,15 +139,15 @@ pub(super) struct Scratch<T> {
 pub(super) struct Sums<T> {
     column: Vec<Several<T>>,
     powers: Vec<Several<T>>,
-    /// Moments of the matrix that was set last, that of degree 0 first.
-    pub(super) moments: Vec<Several<T>>,
+    /// Moments of the matrix, and of values, that of degree 0 first.
+    moments: Vec<Several<T>>,
     right: Vec<Several<T>>,
 }
 
 impl<T: Real> Sums<T> {
     /// Sets the moments of the points, and factorises their matrix.
     #[inline(always)]
-    pub(super) fn set_matrix(&mut self, fit: &mut Fit<T>, degree: usize, points: Points<'_, T>) {
+    fn set_matrix(&mut self, fit: &mut Fit<T>, degree: usize, points: Points<'_, T>) {
         self.column.clear();
         self.column.extend_from_slice(points.weights);
         let count = place_of(2 * degree, 2 * degree) + 1;
@@ -163,25 +155,6 @@ impl<T: Real> Sums<T> {
         let (column, powers) = (&mut self.column, &mut self.powers);
         set_moments(&mut self.moments, 2 * degree, points, column, powers);
         fit.factorise(&self.moments, coefficient_count(degree));
-    }
-
-    /// Sums of weighted values times the monomials of a degree and less, 1 first.
-    #[inline(always)]
-    pub(super) fn project(
-        &mut self,
-        degree: usize,
-        points: Points<'_, T>,
-        values: impl Iterator<Item = Several<T>>,
-    ) -> &[Several<T>] {
-        self.column.clear();
-        let weighted = values.zip(points.weights);
-        self.column
-            .extend(weighted.map(|(value, &weight)| weight * value));
-        self.right
-            .resize(coefficient_count(degree) + 1, Several::zero());
-        let (right, column) = (&mut self.right, &mut self.column);
-        set_moments(right, degree, points, column, &mut self.powers);
-        &self.right
     }
 
     /// The polynomials that are fitted to the values.
@@ -193,9 +166,16 @@ impl<T: Real> Sums<T> {
         points: Points<'_, T>,
         values: impl Iterator<Item = Several<T>>,
     ) -> [Several<T>; COUNT] {
+        self.column.clear();
+        let weighted = values.zip(points.weights);
+        self.column
+            .extend(weighted.map(|(value, &weight)| weight * value));
+        let count = coefficient_count(degree);
+        self.right.resize(count + 1, Several::zero());
+        let (right, column) = (&mut self.right, &mut self.column);
+        set_moments(right, degree, points, column, &mut self.powers);
         let mut solution = [Several::zero(); COUNT];
-        let right = &self.project(degree, points, values)[1..];
-        solution[..right.len()].copy_from_slice(right);
+        solution[..count].copy_from_slice(&right[1..]);
         fit.solve(&mut solution);
         solution
     }
@@ -459,30 +439,6 @@ impl<T: Real> Fit<T> {
         )
     }
 
-    /// The normal, and H and K, of the polynomials at the vertices.
-    #[inline(always)]
-    pub(super) fn curvatures(&self) -> Jet<Several<T>> {
-        let (one, two) = (Several::literal(1.0), Several::literal(2.0));
-        let [p, q, uu, uv, vv, ..] = self.coefficients;
-        let (uu, vv) = (two * uu, two * vv);
-        let w = one + p * p + q * q;
-        let over = self.over_radius;
-        let along = sub(self.normal, scale(p, self.frame[0]));
-        let normal = sub(along, scale(q, self.frame[1]));
-        Jet {
-            normal: scale(norm(normal).reciprocal_or_zero(), normal),
-            mean: mean_of([p, q, uu, uv, vv]) * over,
-            gaussian: ((over * uu) * (over * vv) - (over * uv) * (over * uv))
-                * (w * w).reciprocal_or_zero(),
-        }
-    }
-
-    /// H of the polynomial in a lane at (u, v).
-    pub(super) fn mean_at(&self, lane: usize, u: T, v: T) -> T {
-        let jet = Polynomial::new(&self.coefficients.map(|row| row.0[lane]));
-        mean_of(jet.derivatives(u, v)) * self.over_radius.0[lane]
-    }
-
     /// Factorises the matrix of these moments; of the coefficients from `count` on it is the identity.
     #[inline(always)]
     fn factorise(&mut self, moments: &[Several<T>], count: usize) {
@@ -571,15 +527,6 @@ impl<T: Real> Fit<T> {
             }
         }
     }
-}
-
-/// H of a graph with these derivatives p_u, p_v, p_uu, p_uv, p_vv.
-#[inline(always)]
-fn mean_of<L: Lane>([p, q, uu, uv, vv]: [L; 5]) -> L {
-    let (one, two) = (L::literal(1.0), L::literal(2.0));
-    let w = one + p * p + q * q;
-    let bend = (one + q * q) * uu - two * p * q * uv + (one + p * p) * vv;
-    -(bend * (two * w * w.sqrt()).reciprocal_or_zero())
 }
 
 /// Start of row i of a matrix below its diagonal.

@@ -5,7 +5,7 @@
 
 use super::basis::{INSIDE, ON_EDGE};
 use crate::lane::{Several, WIDTH};
-use crate::mesh::{TriangleMesh, VertexKind};
+use crate::mesh::TriangleMesh;
 use crate::neighbourhood::Surroundings;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -27,19 +27,12 @@ pub(super) type Vectors<T> = [[T; 3]; WIDTH];
 pub(super) struct Place {
     row: usize,
     lane: u8,
-    /// The vertex whose row it is.
-    pub(super) vertex: u32,
 }
 
 impl Place {
-    fn new(row: usize, lane: usize, vertex: u32) -> Self {
+    fn new(row: usize, lane: usize) -> Self {
         let lane = lane as u8;
-        Self { row, lane, vertex }
-    }
-
-    /// The row among all.
-    pub(super) fn row(self) -> usize {
-        self.row
+        Self { row, lane }
     }
 
     /// The entry `rows` rows further.
@@ -102,8 +95,6 @@ pub(super) struct Plan {
     pub(super) around: Vec<[u32; WIDTH]>,
     /// The place of each vertex that has a fit: its block and lane.
     pub(super) members: Vec<Option<(u32, u8)>>,
-    /// Whether the component of a vertex has a boundary, for each vertex.
-    pub(super) is_open: Vec<bool>,
     /// Interior vertices of components that are too small for any fit.
     pub(super) without_fit: Vec<u32>,
     pub(super) patches: Vec<Patch>,
@@ -159,10 +150,6 @@ impl Plan {
         for &component in &components {
             sizes[component as usize] += 1;
         }
-        let mut has_boundary = vec![false; number];
-        for (&component, &kind) in components.iter().zip(mesh.vertex_kinds()) {
-            has_boundary[component as usize] |= kind == VertexKind::Boundary;
-        }
         let fit = |vertex: usize| degree_and_need(sizes[components[vertex] as usize]);
         let surroundings = Surroundings::rings(mesh, |vertex| fit(vertex).1);
         let degree = |vertex: u32| fit(vertex as usize).0;
@@ -188,10 +175,6 @@ impl Plan {
             star_offsets: vec![0],
             around: Vec::new(),
             members: vec![None; mesh.vertex_count()],
-            is_open: components
-                .iter()
-                .map(|&component| has_boundary[component as usize])
-                .collect(),
             without_fit: (0..mesh.vertex_count() as u32)
                 .filter(|&v| mesh.is_interior(v as usize) && degree(v) == 0)
                 .collect(),
@@ -319,7 +302,7 @@ impl Plan {
                 let at = ring.iter().position(|&v| v == next).unwrap_or(0);
                 let (block, lane) = self.member(corners[corner]);
                 let first = self.star_offsets[block];
-                let star = |at: usize| Place::new(first + at * STAR, lane, corners[corner]);
+                let star = |at: usize| Place::new(first + at * STAR, lane);
                 *stars = [star(at), star((at + 1) % ring.len())];
                 self.around[self.ring_offsets[block] + at][lane] = (3 * number + corner) as u32;
             }
@@ -375,7 +358,7 @@ impl Plan {
                     }
                     for row in 0..count(block, lane) {
                         let neighbour = self.neighbours[self.neighbour_offsets[number] + row][lane];
-                        let place = Place::new(rows[number] + row, lane, block.vertices[lane]);
+                        let place = Place::new(rows[number] + row, lane);
                         visit(neighbour, place);
                     }
                 }

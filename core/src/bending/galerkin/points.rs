@@ -295,35 +295,4 @@ impl<T: Real> Scratch<T> {
             }
         }
     }
-
-    /// Sets, for each point around the vertices, u, v, and the weight of the blend over
-    /// `√(1 + p_u² + p_v²)`; the weight is 0 where the point is not settled.
-    #[inline(always)]
-    pub(super) fn set_spots(
-        &self,
-        fit: &Fit<T>,
-        block: &Block,
-        displacements: &[Several<T>],
-        [us, vs, weights]: [&mut [Several<T>]; 3],
-    ) {
-        let jet = fit.polynomial();
-        let enough = Several::splat(settled());
-        let stars = displacements.chunks_exact(STAR);
-        for (row, displacements) in stars.enumerate() {
-            let [places, normals] = self.corners(block, row);
-            for point in 0..STAR {
-                let line = Line::new(AROUND[point], places, normals);
-                let s = displacements[point] * fit.over_radius;
-                let step = Step::new(&jet, &line, s);
-                let [by_u, by_v] = step.slopes;
-                let squared = Several::literal(1.0) + by_u * by_u + by_v * by_v;
-                let weight = Several::literal(blend(AROUND[point]));
-                let weight = weight * squared.sqrt().reciprocal_or_zero();
-                let good = absolute(step.step).less(enough);
-                let weight = Several::select(good, weight, Several::zero());
-                let at = row * STAR + point;
-                (us[at], vs[at], weights[at]) = (step.at[0], step.at[1], weight);
-            }
-        }
-    }
 }

@@ -77,28 +77,6 @@ impl<L: Lane> Polynomial<L> {
         }
         [value, by_u, by_v]
     }
-
-    /// ∂u, ∂v, ∂uu, ∂uv and ∂vv at (u, v).
-    pub(super) fn derivatives(&self, u: L, v: L) -> [L; 5] {
-        let [mut value, mut by_u, mut by_v] = [L::zero(); 3];
-        let [mut by_uu, mut by_uv, mut by_vv] = [L::zero(); 3];
-        for row in self.rows() {
-            let (mut part, mut slope, mut bend) = (row[0], L::zero(), L::zero());
-            for &coefficient in &row[1..] {
-                bend = bend * v + slope;
-                slope = slope * v + part;
-                part = part * v + coefficient;
-            }
-            by_uu = by_uu * u + by_u;
-            by_uv = by_uv * u + by_v;
-            by_u = by_u * u + value;
-            value = value * u + part;
-            by_v = by_v * u + slope;
-            by_vv = by_vv * u + bend;
-        }
-        let two = L::literal(2.0);
-        [by_u, by_v, two * by_uu, by_uv, two * by_vv]
-    }
 }
 
 /// Adds `factor` times the monomials at (u, v).

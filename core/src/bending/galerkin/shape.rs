@@ -2,12 +2,12 @@
 
 use super::basis::{self, Basis};
 use super::fields::Field;
-use super::fit::{Fit, Jet};
+use super::fit::Fit;
 use super::patch::Patches;
 use super::plan::{Plan, Vectors};
 use super::vertices::{Backward, Forward, Work};
 use crate::bending::area_vectors::{AreaVectorForce, AreaVectors};
-use crate::element::{Execution, Ragged, SlotKernel, of_vertices};
+use crate::element::{Execution, Ragged, of_vertices};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::mesh::TriangleMesh;
 use crate::real::{Real, finite_or_zero};
@@ -24,21 +24,7 @@ pub(super) struct Shape<T> {
     pub(super) sums: Vec<[T; 4]>,
     pub(super) normals: Vec<[T; 3]>,
     pub(super) fits: Vec<Fit<T>>,
-    /// Set by [`Self::set_jets`].
-    jets: Vec<Jet<Several<T>>>,
     pub(super) displacements: Vec<Several<T>>,
-}
-
-/// Normals and curvatures of fits.
-struct Jets<'a, T>(&'a [Fit<T>]);
-
-impl<'a, T: Real> SlotKernel<(), &'a mut [Jet<Several<T>>]> for Jets<'_, T> {
-    #[inline(always)]
-    fn set(&self, (): &mut (), start: usize, jets: &'a mut [Jet<Several<T>>]) {
-        for (fit, jet) in self.0[start..].iter().zip(jets) {
-            *jet = fit.curvatures();
-        }
-    }
 }
 
 impl<T: Real> Shape<T> {
@@ -49,7 +35,6 @@ impl<T: Real> Shape<T> {
             sums: Vec::new(),
             normals: Vec::new(),
             fits: Vec::new(),
-            jets: Vec::new(),
             displacements: Vec::new(),
         }
     }
@@ -79,30 +64,6 @@ impl<T: Real> Shape<T> {
         };
         let ragged = Ragged::new(&mut self.displacements, &plan.star_offsets);
         execution.run(work, (&mut self.fits[..], ragged), &forward);
-    }
-
-    /// Sets normals and curvatures of the jets.
-    pub(super) fn set_jets(&mut self, execution: &impl Execution) {
-        let zero = Several::zero();
-        let flat = Jet {
-            normal: [zero; 3],
-            mean: zero,
-            gaussian: zero,
-        };
-        self.jets.resize(self.fits.len(), flat);
-        execution.run(&mut Vec::new(), &mut self.jets[..], &Jets(&self.fits));
-    }
-
-    /// The jet of a vertex that has a fit.
-    pub(super) fn jet(&self, vertex: usize) -> Option<Jet<T>> {
-        let (block, lane) = self.plan.members[vertex]?;
-        let jet = &self.jets[block as usize];
-        let entry = |row: Several<T>| row.0[usize::from(lane)];
-        Some(Jet {
-            normal: jet.normal.map(entry),
-            mean: entry(jet.mean),
-            gaussian: entry(jet.gaussian),
-        })
     }
 
     /// The number of blocks of patches.

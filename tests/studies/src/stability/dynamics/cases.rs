@@ -91,7 +91,7 @@ const EVEN: &[&str] = &["surface.0.family=regular"];
 fn on_random_points(method: BendingMethod) -> Option<Bound> {
     match method {
         BendingMethod::Farutin => Some(NEAR_OR_UNSTABLE),
-        BendingMethod::Loop | BendingMethod::Galerkin => Some(NEAR_OR_STIFF),
+        BendingMethod::Loop => Some(NEAR_OR_STIFF),
         BendingMethod::Hamann => None,
         _ => Some(NEAR),
     }
@@ -100,9 +100,7 @@ fn on_random_points(method: BendingMethod) -> Option<Bound> {
 /// Bounds on needles and caps.
 fn on_slivers(method: BendingMethod) -> Option<Bound> {
     match method {
-        BendingMethod::Farutin | BendingMethod::Loop | BendingMethod::Galerkin => {
-            Some(NEAR_OR_UNSTABLE)
-        }
+        BendingMethod::Farutin | BendingMethod::Loop => Some(NEAR_OR_UNSTABLE),
         _ => Some(NEAR),
     }
 }
@@ -251,7 +249,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "methods on an irregular mesh in flow",
         meaning: "Random points with valences from 3 to 9 and angles from 10°: D at γ̇t = \
-                  0.5 is within 10 % of that on an even mesh. With methods E, S and G the run \
+                  0.5 is within 10 % of that on an even mesh. With methods E and S the run \
                   may instead report a mode that grows or is too stiff.",
         scene: CAPSULE,
         trials: Trials::EveryMethod {
@@ -263,7 +261,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "methods on slivers in flow",
         meaning: "A mesh with needles and caps from 0.8° to 176°: D at γ̇t = 0.25 is \
-                  within 10 % of that on an even mesh. With methods E, S and G the run may \
+                  within 10 % of that on an even mesh. With methods E and S the run may \
                   instead report a mode that grows.",
         scene: CAPSULE,
         trials: Trials::EveryMethod {
