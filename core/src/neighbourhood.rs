@@ -33,6 +33,13 @@ impl<T: Real> Neighbourhood<T> {
         self.whole_rings(surface, centre, rings, 0);
     }
 
+    /// Makes room for searches that find up to `count` vertices.
+    pub(crate) fn reserve(&mut self, mesh: &TriangleMesh, count: usize) {
+        self.fit(mesh);
+        self.found.clear();
+        self.found.reserve(count.min(mesh.vertex_count()));
+    }
+
     /// Finds whole rings until at least `count` vertices are found, or all vertices of the
     /// component.
     pub(crate) fn at_least(&mut self, surface: Surface<'_, T>, centre: u32, count: usize) {
@@ -125,14 +132,19 @@ impl<T: Real> Neighbourhood<T> {
     }
 
     fn start(&mut self, mesh: &TriangleMesh, centre: u32) {
+        self.fit(mesh);
+        self.search += 1;
+        self.reached[centre as usize] = self.search;
+        self.found.clear();
+    }
+
+    /// Forgets searches in another mesh, or in this one before numbers of searches repeat.
+    fn fit(&mut self, mesh: &TriangleMesh) {
         if self.reached.len() != mesh.vertex_count() || self.search == u32::MAX {
             self.reached.clear();
             self.reached.resize(mesh.vertex_count(), 0);
             self.search = 0;
         }
-        self.search += 1;
-        self.reached[centre as usize] = self.search;
-        self.found.clear();
     }
 
     /// Adds the neighbours of `vertex` that have not been reached yet.

@@ -40,7 +40,7 @@ use crate::scalar::{HeldPositions, Scalar};
 use crate::study::{Quantity, Reference, StudyProgress, Timing, is_scattered};
 use adaptive::Adaptive;
 use estimate::Estimate;
-use helfrich::{Noise, Surface, SurfaceError, TriangleMesh};
+use helfrich::{Finding, Noise, Surface, SurfaceError, TriangleMesh};
 use noisy::{Noisy, REPLICAS};
 use serde::{Serialize, Serializer};
 use std::time::Instant;
@@ -439,16 +439,32 @@ struct Ground<'a> {
     quantity: Quantity,
     /// Results of jets of degree 8, at smoothed positions if there is noise.
     degree_8: Reference,
+    /// Whether these have degree 8.
+    is_whole: bool,
     /// Set if noise was found.
     noisy: Option<Noisy>,
 }
 
-/// Results of jets of degree 8.
-fn of_degree_8(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> Result<Reference, SurfaceError> {
+/// Largest part of the vertices where jets of degree 8 may have a lower degree: where those of degrees 4 and 6 have
+/// the same, their distances say nothing.
+const LOWERED: f64 = 0.05;
+
+/// Results of jets of degree 8, and whether they have this degree.
+fn of_degree_8(
+    mesh: &TriangleMesh,
+    positions: &[[f64; 3]],
+) -> Result<(Reference, bool), SurfaceError> {
     let surface = Surface::new(mesh, positions)?;
-    Ok(Reference::of(
-        &Evaluator::reference(1.0, mesh).fields(surface),
-    ))
+    let (fields, findings) = Evaluator::reference(1.0, mesh).fields_and_findings(surface);
+    let is_lowered = |finding: &&Finding| {
+        matches!(
+            finding,
+            Finding::ReducedDegree { .. } | Finding::TooFewNeighbours { .. }
+        )
+    };
+    let lowered = findings.iter().filter(is_lowered).count();
+    let is_whole = lowered as f64 <= LOWERED * mesh.vertex_count() as f64;
+    Ok((Reference::of(&fields), is_whole))
 }
 
 /// Measurements of a method in a number type: errors in both norms, and the time.
@@ -471,16 +487,17 @@ impl<'a> Ground<'a> {
             true => Some(Noisy::new(mesh, positions, noise, quantity)?),
             false => None,
         };
+        let smooth = noisy.as_ref().map_or(positions, |noisy| &noisy.smooth);
+        let (mut degree_8, is_whole) = of_degree_8(mesh, smooth)?;
+        if let Some(noisy) = &noisy {
+            degree_8 = degree_8.in_units_like(&noisy.estimate.reference);
+        }
         Ok(Self {
             mesh,
             positions,
             quantity,
-            degree_8: match &noisy {
-                Some(noisy) => {
-                    of_degree_8(mesh, &noisy.smooth)?.in_units_like(&noisy.estimate.reference)
-                }
-                None => of_degree_8(mesh, positions)?,
-            },
+            degree_8,
+            is_whole,
             noisy,
         })
     }
@@ -501,7 +518,10 @@ impl<'a> Ground<'a> {
             let fields = Evaluator::new(method, 1.0, self.mesh).fields(surface);
             self.degree_8.errors(&fields, self.quantity)
         });
-        let unknown = [0, 1].map(|norm| of_sixth(near[norm], far[norm]));
+        let unknown = [0, 1].map(|norm| match self.is_whole {
+            true => of_sixth(near[norm], far[norm]),
+            false => f64::INFINITY,
+        });
         let mut jets = Evaluator::new(BendingMethod::J6, 1.0, self.mesh);
         let noise = self.noise_of(&mut jets, Scalar::F64)?;
         Ok(Expected {

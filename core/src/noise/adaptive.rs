@@ -384,7 +384,10 @@ impl<T: Real> AdaptiveJet<T> {
         jets.take_one_sided(&ground, &twin);
         let (mut deviations, wider) = match is_quiet {
             true => (Deviations::none(&ground), Some(level(Kind::wider()))),
-            false => Deviations::new(execution, &ground, &twin, self.deviation),
+            false => {
+                let force = &jets.values[FORCE];
+                Deviations::new(execution, &ground, &twin, force, self.deviation)
+            }
         };
         let ladder = self.ladder(&deviations, &ground);
         let wider = wider.filter(|_| ladder.is_empty());

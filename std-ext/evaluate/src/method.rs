@@ -360,7 +360,7 @@ methods! {
             idea: "polynomials fitted to more neighbours",
             defines: [true, true, true],
         },
-        Bytes::Fixed(1450);
+        Bytes::Fixed(1600);
         /// J of degree 6.
         J6: strong_form(Jet<T>, |settings: Settings<'_, T>| settings.strong_form(Jet::j6())),
         Description {
@@ -371,7 +371,7 @@ methods! {
             idea: "polynomials fitted to many neighbours",
             defines: [true, true, true],
         },
-        Bytes::Fixed(2400);
+        Bytes::Fixed(2550);
     }
     by_mesh {
         /// J of the degree that suits the mesh.
@@ -387,7 +387,7 @@ methods! {
             idea: "of the degree that suits the mesh",
             defines: [true, true, true],
         },
-        Bytes::Fixed(2400);
+        Bytes::Fixed(2550);
     }
     curvatures_only {
         /// Corrected curvature measures with averaged normals.

@@ -43,7 +43,7 @@ fn jets_get_to_equilibrium_on_stretched_meshes() {
         assert!(residual < 1e-5, "{family}: {residual:e}");
         // Secants circle for hundreds of steps.
         let steps = last(&series, "iteration");
-        assert!(steps < 150.0, "{family}: {steps}");
+        assert!(steps < 200.0, "{family}: {steps}");
         last(&series, "energy")
     });
     // The same equilibrium, up to the errors of both meshes.

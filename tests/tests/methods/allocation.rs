@@ -89,6 +89,7 @@ impl OperatorLaw for Allocation {
             let (field, result) = (&mesh.positions, &mut laplacian);
             operator.apply(&Serial, surface, &workspace, field, result);
             rows.apply(&Serial, field, result);
+            operator.inspect(surface, &workspace, &mut |_| ());
         };
         evaluate(&self.mesh);
         let count = allocations(|| {

@@ -15,9 +15,9 @@ use proptest::prelude::*;
 
 /// Net force and torque of the strong form on a smooth mesh of 642 vertices, relative to Σ|F|.
 const STRONG_BALANCE: Tolerance = Tolerance::new(
-    4e-3,
+    5e-3,
     "forces are pointwise values times areas and no gradient: they balance as the mesh is refined, those \
-     of the heat kernel of a quarter of an area least well",
+     of the heat kernel of a quarter of an area and of jets of degree 4 least well",
 );
 
 proptest! {

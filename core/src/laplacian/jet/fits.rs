@@ -39,6 +39,10 @@ const ONE_SIDED: f64 = 0.2;
 /// Ratio of aspects that are not tried both.
 const NEAR: f64 = 1.3;
 
+/// Number of vertices that a search in rings finds, in units of the room for neighbours; beyond it, around vertices with
+/// hundreds of edges, it allocates.
+const SEARCHED: usize = 4;
+
 /// Number of rings in which neighbours are sought if those nearest in space do not suffice.
 const RINGS: usize = 4;
 
@@ -114,6 +118,10 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
         scratch.keys.resize(PENDING * room, 0);
         // Whether rings beyond the first are needed depends on the positions.
         scratch.ranks.resize(2 * room + 1, 0);
+        let searched = SEARCHED * room;
+        scratch.near.reserve(self.surface.mesh(), searched);
+        scratch.ranked.clear();
+        scratch.ranked.reserve(searched);
         loop {
             let (mut order, mut count) = ([0; PENDING], 0);
             for (place, pending) in queue.iter_mut().enumerate() {

@@ -50,12 +50,13 @@ impl<T: Real> Deviations<T> {
         }
     }
 
-    /// Estimates the noise from the jets of a mesh. Where their residuals show none, it is also
+    /// Estimates the noise from fits of a mesh whose jets have this f. Where their residuals show none, it is also
     /// estimated from wider jets, which are returned.
     pub(super) fn new(
         execution: &impl Execution,
         ground: &Ground<'_, T>,
         jets: &Level<T>,
+        force: &[T],
         known: T,
     ) -> (Self, Option<Level<T>>) {
         let spectra = &jets.spectra;
@@ -132,7 +133,7 @@ impl<T: Real> Deviations<T> {
                 }
             }
         }
-        let wider = add_hidden(execution, ground, jets, &parts, &mut variances);
+        let wider = add_hidden(execution, ground, (jets, force), &parts, &mut variances);
         let least = quantile(&variances, QUIETEST);
         let residuals = parts.iter().map(|[.., left]| left.sqrt());
         let residuals = Vec::from_iter(residuals.filter(|residual| residual.is_finite()));
@@ -185,7 +186,7 @@ impl<T: Real> Deviations<T> {
 fn add_hidden<T: Real>(
     execution: &impl Execution,
     ground: &Ground<'_, T>,
-    jets: &Level<T>,
+    (jets, force): (&Level<T>, &[T]),
     parts: &[[T; 4]],
     variances: &mut [T],
 ) -> Option<Level<T>> {
@@ -201,7 +202,7 @@ fn add_hidden<T: Real>(
         let is_telling = square <= T::constant(SLOW * SLOW) && is_resolved;
         (is_telling && !ground.is_near_border(vertex)).then_some(square)
     };
-    let hidden = hidden::variances(execution, ground, [jets, &wider], decay);
+    let hidden = hidden::variances(execution, ground, force, [jets, &wider], decay);
     let both = variances.iter_mut().zip(parts);
     for ((variance, &[.., left]), hidden) in both.zip(hidden.into_iter().flatten()) {
         *variance = variance.max(hidden.min(left));

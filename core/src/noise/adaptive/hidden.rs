@@ -20,20 +20,29 @@ use alloc::vec::Vec;
 /// 1.
 const STEEP: [f64; 2] = [0.4, 6.0];
 
+/// Largest difference of f of the first level from that of the jets in units of its distance from the second level.
+const UNLIKE: f64 = 0.5;
+
 /// σ² around each vertex by the distances between two levels of interpolating jets, 0 where the shape explains
 /// them. `None` unless there is noise at half of all vertices, because distances that the shape explains scatter
 /// as well, and on meshes that a few pools cover. Only vertices where the squared decay of the shape, (S₆/S₄)²,
-/// is known are taken into account.
+/// is known are taken into account, and where f of the first level is near that of the jets, `force`.
 pub(super) fn variances<T: Real>(
     execution: &impl Execution,
     ground: &Ground<'_, T>,
+    force: &[T],
     levels: [&Level<T>; 2],
     decay: impl Fn(usize) -> Option<T>,
 ) -> Option<Vec<T>> {
     if MOST_OF_MESH * POOL > ground.rings.len() {
         return None;
     }
-    let is_telling = |vertex: usize| decay(vertex).is_some();
+    let [near, far] = levels.map(|level| &level.of_degrees[1].values[FORCE]);
+    let is_telling = |vertex: usize| {
+        let [unlike, distance] = [force, far].map(|other| (other[vertex] - near[vertex]).abs());
+        // False for NaN.
+        unlike <= T::constant(UNLIKE) * distance && decay(vertex).is_some()
+    };
     let [fourth, sixth] = [0, 1].map(|which| {
         let [near, far] = levels.map(|level| &level.of_degrees[which]);
         let pair = Pair {

@@ -10,7 +10,7 @@ use crate::curvature::{Curvature, Curvatures};
 use crate::element::Execution;
 use crate::laplacian::{Jet, LaplaceBeltrami};
 use crate::method::Method;
-use crate::noise::doubt::Doubt;
+use crate::noise::doubt::{Doubt, larger};
 use crate::noise::fit::Model;
 use crate::real::Real;
 use crate::surface::Surface;
@@ -34,8 +34,9 @@ const QUIET: f64 = 0.25;
 const LOUD: f64 = 0.01;
 
 /// Error bars of jets on a mesh without noise, in units of root mean square distances over [`LOCAL`] vertices from jets
-/// of another degree; and those of H and K where the others disagree more with their neighbours, in units of the
-/// distances times the ratio of the disagreements.
+/// of another degree; and where the others disagree more with their neighbours, in units of the distances times the
+/// ratio of the disagreements. On even meshes f gains less than that, and has at least the effect of the disagreements
+/// on its row.
 const FROM_OTHER: f64 = 3.0;
 const OF_BETTER: f64 = 1.25;
 
@@ -194,6 +195,9 @@ impl<T: Real> Jets<T> {
             ground.means(execution, &squares, LOCAL)
         };
         let [own, other] = self.disagreements(execution, ground);
+        let of_laplacian =
+            |doubt: &Option<Doubt<T>>| doubt.map_or(T::nan(), |doubt| doubt.of_laplacian);
+        let of_laplacian = pooled(&mut self.doubts.iter().map(of_laplacian));
         let [_, sixth] = &wider.of_degrees;
         from_fn(|quantity| {
             let from_other = pooled(&mut self.distances[quantity].iter().copied());
@@ -202,15 +206,18 @@ impl<T: Real> Jets<T> {
             let of_vertex = |vertex: usize| match self.doubts[vertex] {
                 None => square(T::constant(FROM_WIDER)) * from_wider[vertex],
                 Some(_) => {
-                    let ratio = own[vertex] / other[vertex];
-                    // On even meshes, f gains less by a better degree than H does.
-                    let part = match quantity {
-                        FORCE => ratio.sqrt(),
-                        _ => square(T::constant(OF_BETTER)) * ratio,
-                    };
-                    let is_less = part < T::one();
-                    let part = if is_less { part } else { T::one() };
-                    square(T::constant(FROM_OTHER)) * part * from_other[vertex]
+                    let from_other = square(T::constant(FROM_OTHER)) * from_other[vertex];
+                    let ratio = square(T::constant(OF_BETTER)) * own[vertex] / other[vertex];
+                    let mut better = ratio * from_other;
+                    if quantity == FORCE {
+                        better = larger(better, of_laplacian[vertex]);
+                    }
+                    // Also false for NaN.
+                    if better < from_other {
+                        better
+                    } else {
+                        from_other
+                    }
                 }
             };
             (0..self.doubts.len()).map(of_vertex).collect()

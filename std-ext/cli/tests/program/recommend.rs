@@ -131,8 +131,15 @@ fn what_is_expected_holds() {
 
 #[test]
 fn what_cannot_be_reached_is_said() {
-    let file = mesh("discocyte", Family::Regular, 642);
-    let asked = ["--quantity", "f", "--error", "0.01%", "--method", "B,j4,j6"];
+    let file = mesh("discocyte", Family::Regular, 2562);
+    let asked = [
+        "--quantity",
+        "f",
+        "--error",
+        "0.001%",
+        "--method",
+        "B,j4,j6",
+    ];
     let found = answer(&file, &asked);
     assert!(found["choice"].is_null(), "{found}");
     assert_eq!(found["candidates"].as_array().unwrap().len(), 6);
@@ -143,12 +150,13 @@ fn what_cannot_be_reached_is_said() {
             .all(|candidate| nearest <= number(candidate, "expected"))
     );
     // h³, by theory.
-    let needed = 642.0 * (number(&found, "reference_error") / 1e-4).powf(2.0 / 3.0);
+    let needed = 2562.0 * (number(&found, "reference_error") / 1e-5).powf(2.0 / 3.0);
     assert_eq!(number(&found, "vertices_needed"), needed.ceil());
     let said = run(&[&["recommend", file.path()], &asked[..]].concat());
     assert_eq!(said.code, Some(0));
     assert!(
-        said.stdout.starts_with("Nothing is known to reach 0.010 %"),
+        said.stdout
+            .starts_with("Nothing is known to reach 0.0010 %"),
         "{}",
         said.stdout
     );
@@ -161,14 +169,16 @@ fn what_cannot_be_reached_is_said() {
     }
 }
 
-/// On meshes that are too coarse, degrees 4, 6 and 8 may agree on average, and be far off.
+/// On meshes that are too coarse, degrees 4, 6 and 8 may agree on average, and be far off, or be the same fits.
 #[test]
 fn what_is_not_resolved_is_not_recommended() {
     for vertices in [42, 162] {
         let file = mesh("ellipsoid:1,1,0.5", Family::Irregular, vertices);
         let asked = ["--quantity", "f", "--norm", "mean", "--error", "20%"];
         let found = answer(&file, &asked);
-        assert!(number(&found, "reference_error") < 0.1, "it looks good");
+        // Nothing is known where there are too few neighbours for degree 8.
+        let looks_good = number(&found, "reference_error") < 0.1;
+        assert_eq!(looks_good, vertices == 162, "{found}");
         assert_eq!(found["is_resolved"], false, "{found}");
         assert!(found["choice"].is_null(), "{found}");
         let mut candidates = found["candidates"].as_array().unwrap().iter();

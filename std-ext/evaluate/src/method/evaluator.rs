@@ -7,7 +7,7 @@ use crate::execute::Parallel;
 use crate::ordered::Ordered;
 use helfrich::{
     Conservative, Cotangent, Curvature, Curvatures, DualArea, Execution, Finding, ForceDensity,
-    Jet, LaplaceBeltrami, MaterialParameter, Noise, Prepared, Quality, Real, Serial, StrongForm,
+    LaplaceBeltrami, MaterialParameter, Noise, Prepared, Quality, Real, Serial, StrongForm,
     Surface, TriangleMesh, VertexKind,
 };
 use std::fmt;
@@ -328,14 +328,7 @@ impl Evaluator<f64> {
     /// Prepares jets of degree 8, the highest: slow and not available in scenes, but the reference for other
     /// methods where exact values are unknown.
     pub fn reference(modulus: f64, mesh: &TriangleMesh) -> Self {
-        let jet = Jet {
-            degree: 8,
-            neighbours: 96,
-            most_neighbours: 192,
-            sharpness: 7.0,
-            conditioning: 0.003,
-        };
-        let method = StrongForm::new(modulus, jet);
+        let method = StrongForm::j8(modulus);
         Self {
             prepared: Preparing {
                 mesh,
