@@ -456,11 +456,11 @@ fn of_degree_8(
 ) -> Result<(Reference, bool), SurfaceError> {
     let surface = Surface::new(mesh, positions)?;
     let (fields, findings) = Evaluator::reference(1.0, mesh).fields_and_findings(surface);
-    let is_lowered = |finding: &&Finding| {
-        matches!(
-            finding,
-            Finding::ReducedDegree { .. } | Finding::TooFewNeighbours { .. }
-        )
+    let is_lowered = |finding: &&Finding| match **finding {
+        Finding::ReducedDegree { vertex, .. } | Finding::TooFewNeighbours { vertex } => {
+            mesh.is_interior(vertex as usize)
+        }
+        _ => false,
     };
     let lowered = findings.iter().filter(is_lowered).count();
     let is_whole = lowered as f64 <= LOWERED * mesh.vertex_count() as f64;

@@ -7,9 +7,9 @@ use helfrich::{AdaptiveJet, Surface};
 use helfrich_std::generate::Family;
 use helfrich_std::method::{BendingMethod, Evaluator};
 
-/// Largest ratio of the errors to those of J6. At single vertices the choice scatters where the noise is
-/// uncertain.
-const OF_JETS: f64 = 1.25;
+/// Largest ratio of the errors of H, K and f to those of J6. At single vertices the choice scatters where the noise is
+/// uncertain: at the tips of an ellipsoid, where K of regression jets has a bias that noise hides.
+const OF_JETS: [f64; QUANTITIES] = [1.25, 1.6, 1.25];
 
 /// Largest ratio of the errors to those of the best fixed fit: the goal of the design.
 const OF_BEST: f64 = 4.0;
@@ -58,9 +58,9 @@ fn near_the_detection_limit_it_is_no_worse_than_jets() {
         (torus(0.4), Family::Regular, 3e-5),
     ] {
         let case = Case::of_shape(&name, family, 2562);
-        for [of_jets, of_best] in ratios(&case, part) {
+        for ([of_jets, of_best], most) in ratios(&case, part).into_iter().zip(OF_JETS) {
             assert!(
-                of_jets < OF_JETS && of_best < OF_BEST,
+                of_jets < most && of_best < OF_BEST,
                 "{}, {part}: {of_jets} {of_best}",
                 case.name
             );
@@ -101,8 +101,8 @@ fn many_shapes_near_the_detection_limit() {
         for case in stars.into_iter().chain(others) {
             for part in [3e-6, 1e-5, 3e-5, 1e-4] {
                 let ratios = ratios(&case, part);
-                let is_amiss = |&[jets, best]: &[f64; 2]| jets > OF_JETS || best > OF_BEST;
-                if ratios.iter().any(is_amiss) {
+                let mut all = ratios.iter().zip(OF_JETS);
+                if all.any(|(&[jets, best], most)| jets > most || best > OF_BEST) {
                     lines.push(format!("{}, {part}: {ratios:.2?}\n", case.name));
                 }
             }

@@ -314,8 +314,8 @@ impl<T: Real> Block<T> {
             size = size + weight * z * z;
             *value = slope;
         }
-        // What is left of the derivative may be rounding only.
-        let rounding = Several::splat(T::constant(4.0) * T::epsilon()) * whole;
+        // With few neighbours, what is left of the derivative may be rounding, and the step must not follow it.
+        let rounding = Several::splat(T::epsilon().sqrt()) * whole;
         let left = equations.left_of(points, values);
         let left = Several::select(left.less(rounding), rounding, left);
         let over = left.reciprocal_or_zero();
