@@ -445,9 +445,9 @@ struct Ground<'a> {
     noisy: Option<Noisy>,
 }
 
-/// Largest part of the vertices where jets of degree 8 may have a lower degree: where those of degrees 4 and 6 have
+/// Largest part of the vertices where jets of degree 8 may have a lower degree, as beside boundaries: where those of degrees 4 and 6 have
 /// the same, their distances say nothing.
-const LOWERED: f64 = 0.05;
+const LOWERED: f64 = 0.2;
 
 /// Results of jets of degree 8, and whether they have this degree.
 fn of_degree_8(

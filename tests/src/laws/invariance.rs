@@ -7,9 +7,9 @@ use helfrich::Real;
 
 /// Bound for rotation and relabelling of methods that fit polynomials, also on meshes of a few vertices.
 const FIT_INVARIANCE: Tolerance = Tolerance::new(
-    2e-8,
+    1e-7,
     "the worst accepted fits have a condition number of 1/√ε = 7e7, which multiplies the rounding of \
-     positions, and of those after an inversion, of 1e-16",
+     positions of 1e-16, and f sums the differences of values that such fits have at all neighbours",
 );
 
 /// Bound for scaling in f32, relative to the largest force times the mesh's roughness.
