@@ -7,7 +7,7 @@ use helfrich::Real;
 
 /// Bound for rotation and relabelling of methods that fit polynomials, also on meshes of a few vertices.
 const FIT_INVARIANCE: Tolerance = Tolerance::new(
-    1e-7,
+    1e-6,
     "the worst accepted fits have a condition number of 1/√ε = 7e7, which multiplies the rounding of \
      positions of 1e-16, and f sums the differences of values that such fits have at all neighbours",
 );
