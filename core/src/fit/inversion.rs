@@ -28,6 +28,13 @@ pub(crate) struct Bent<L> {
 }
 
 impl<L: Lane> Inversion<L> {
+    /// The factor by which an inversion divides: 0 at the offset that it maps to infinity.
+    #[inline(always)]
+    pub(crate) fn scale_at(self, [x, y, z]: [L; 3]) -> L {
+        let Self(bend) = self;
+        L::literal(1.0) + bend * (bend * (x * x + y * y + z * z) - (z + z))
+    }
+
     /// The image of an offset.
     #[inline(always)]
     pub(crate) fn image(self, [x, y, z]: [L; 3]) -> [L; 3] {

@@ -7,9 +7,9 @@ use helfrich::Real;
 
 /// Bound for rotation and relabelling of methods that fit polynomials, also on meshes of a few vertices.
 const FIT_INVARIANCE: Tolerance = Tolerance::new(
-    1e-6,
+    1e-8,
     "the worst accepted fits have a condition number of 1/√ε = 7e7, which multiplies the rounding of \
-     positions of 1e-16, and f sums the differences of values that such fits have at all neighbours",
+     positions of 1e-16",
 );
 
 /// Bound for scaling in f32, relative to the largest force times the mesh's roughness.

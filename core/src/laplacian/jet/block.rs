@@ -15,6 +15,10 @@ use core::iter::zip;
 /// Degree of the fit that determines the inversion, if the final degree is not lower.
 const STEP_DEGREE: usize = 4;
 
+/// Least factor by which an inversion may divide offsets: it is 1/2 where the normals of a sphere turn by 90° and the
+/// inversion makes it a plane.
+const NEAREST: f64 = 0.4;
+
 /// How neighbours of a vertex are weighed, by their distances squared, `q = |d|²/a + (a − 1/a) (d·e)²`:
 /// offsets along rows count a times as much as those across.
 #[derive(Clone, Copy, Debug)]
@@ -149,7 +153,7 @@ impl<T: Real> Block<T> {
         let mut curvature = Several::zero();
         let stages = [2, STEP_DEGREE.min(shape.degree), shape.degree];
         for (stage, degree) in stages.into_iter().enumerate() {
-            if stage < 2 {
+            if stage == 0 {
                 self.turn(frame, normal);
             }
             if stage > 0 {
@@ -174,9 +178,14 @@ impl<T: Real> Block<T> {
                     curvature = graph.mean(graph.uprightness());
                     normal = tilted(normal, frame, graph.first);
                     frame = frame_towards(first, normal);
-                    inversion = Inversion(Several::literal(-0.25) * curvature);
+                    let quarter = Inversion(Several::literal(-0.25) * curvature);
+                    self.turn(frame, normal);
+                    inversion = self.unless_far(quarter, inversion);
                 }
-                1 => inversion = self.improve(degree, inversion, curvature),
+                1 => {
+                    let improved = self.improve(degree, inversion, curvature);
+                    inversion = self.unless_far(improved, inversion);
+                }
                 _ => {}
             }
         }
@@ -268,6 +277,24 @@ impl<T: Real> Block<T> {
         for row in 0..x.len() {
             [a[row], b[row], c[row]] = inversion.image([x[row], y[row], z[row]]);
         }
+    }
+
+    /// An inversion, or another one where this maps a neighbour too far away: on coarse meshes neighbours may lie
+    /// near the offset that is mapped to infinity.
+    #[inline(always)]
+    fn unless_far(
+        &self,
+        inversion: Inversion<Several<T>>,
+        other: Inversion<Several<T>>,
+    ) -> Inversion<Several<T>> {
+        let [x, y, z] = &self.offsets;
+        let mut least = Several::literal(1.0);
+        for (&x, (&y, &z)) in zip(x, zip(y, z)) {
+            let scale = inversion.scale_at([x, y, z]);
+            least = Several::select(scale.less(least), scale, least);
+        }
+        let is_far = least.less(Several::literal(NEAREST));
+        Inversion(Several::select(is_far, other.0, inversion.0))
     }
 
     /// One step from an inversion to that with the least residual of the fit: with the residual e = z − p
