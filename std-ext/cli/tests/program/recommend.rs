@@ -172,18 +172,22 @@ fn what_cannot_be_reached_is_said() {
 /// On meshes that are too coarse, degrees 4, 6 and 8 may agree on average, and be far off, or be the same fits.
 #[test]
 fn what_is_not_resolved_is_not_recommended() {
-    for vertices in [42, 162] {
-        let file = mesh("ellipsoid:1,1,0.5", Family::Irregular, vertices);
+    for (shape, vertices, is_whole) in [
+        ("ellipsoid:1,1,0.5", 42, false),
+        ("ellipsoid:1,1,0.5", 162, false),
+        ("ellipsoid:1,0.8,0.6", 162, true),
+    ] {
+        let file = mesh(shape, Family::Irregular, vertices);
         let asked = ["--quantity", "f", "--norm", "mean", "--error", "20%"];
         let found = answer(&file, &asked);
         // Nothing is known where there are too few neighbours for degree 8.
         let looks_good = number(&found, "reference_error") < 0.1;
-        assert_eq!(looks_good, vertices == 162, "{found}");
+        assert_eq!(looks_good, is_whole, "{found}");
         assert_eq!(found["is_resolved"], false, "{found}");
         assert!(found["choice"].is_null(), "{found}");
         let mut candidates = found["candidates"].as_array().unwrap().iter();
         assert!(candidates.all(|candidate| candidate["reaches"] == false));
-        assert!(number(&found, "vertices_needed") > 1.5 * vertices as f64);
+        assert!(number(&found, "vertices_needed") > 1.2 * vertices as f64);
         let said = succeed(&[&["recommend", file.path()], &asked[..]].concat());
         assert!(
             said.starts_with("This mesh is too coarse or too rough to say"),
