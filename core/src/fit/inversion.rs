@@ -38,6 +38,29 @@ impl<L: Lane> Inversion<L> {
         [x * over, y * over, (z - bend * squared) * over]
     }
 
+    /// The derivatives by an offset and by β of a number whose derivative by the image is known.
+    #[inline(always)]
+    pub(crate) fn pull_back(self, [x, y, z]: [L; 3], by_image: [L; 3]) -> ([L; 3], L) {
+        let Self(bend) = self;
+        let squared = x * x + y * y + z * z;
+        let scale = L::literal(1.0) + bend * (bend * squared - (z + z));
+        let over = scale.reciprocal_or_zero();
+        let [u, v, w] = self.image([x, y, z]);
+        let [by_u, by_v, by_w] = by_image;
+        // With D the scale and Y the image: dY = (dd − |d|² db − b d|d|² − Y dD)/D.
+        let along = by_u * u + by_v * v + by_w * w;
+        let upward = by_w + bend * along;
+        let by_squared = -(bend * upward);
+        let twice = by_squared + by_squared;
+        let by_offset = [
+            over * (by_u + twice * x),
+            over * (by_v + twice * y),
+            over * (upward + bend * along + twice * z),
+        ];
+        let by_bend = over * ((z + z) * along - squared * (upward + bend * along));
+        (by_offset, by_bend)
+    }
+
     /// Curvatures of the surface at the vertex, from the coefficients of the image.
     #[inline(always)]
     pub(crate) fn at_vertex(self, coefficients: &[L]) -> Bent<L> {

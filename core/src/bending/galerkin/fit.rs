@@ -2,8 +2,10 @@
 //! of their coefficients.
 //!
 //! With differences `d_j = x_j − x_i` and the radius `ρ² = 2·105/K² Σ |d_j|²`, which holds about 105
-//! neighbours on an even mesh (64 for lower degrees), the heights `h_j = d_j·n/ρ` over
-//! `(u, v) = (d·t₁, d·t₂)/ρ` are fitted with weights `w = exp(−14 r²)/(r² + 10⁻³)`, `r = |d_j|/ρ`. The second
+//! neighbours on an even mesh (64 for lower degrees), `(u, v, h) = (d·t₁, d·t₂, d·n)/ρ` are mapped by an
+//! inversion that flattens the surface ([`Inversion`]), with `β = −H₀/6` in units of 1/ρ. `H₀ = −2 Σ w q h/Σ w q²`,
+//! `q = u² + v²`, is about the mean curvature: any β that depends smoothly on the positions is consistent. The
+//! images of the heights over those of (u, v) are fitted with weights `w = exp(−14 r²)/(r² + 10⁻³)`, `r = |d_j|/ρ`. The second
 //! factor nearly interpolates the nearest neighbours: where two vertices are close, their jets agree, and the
 //! blend does not divide a difference by a high power of the distance. `A c = Vᵀ W h`, `A = Vᵀ W V + R`, V the monomials. R is diagonal and constant,
 //! of the size of rounding: where neighbours determine a coefficient, it changes nothing, and where they
@@ -11,7 +13,7 @@
 
 use super::plan::{Block, coefficient_count};
 use super::polynomial::Polynomial;
-use crate::fit::{Points, exponential, place_of, set_moments};
+use crate::fit::{Inversion, Points, exponential, place_of, set_moments};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::surface::Surface;
@@ -30,6 +32,9 @@ const TOGETHER: usize = 4;
 pub(super) const SHARPNESS: f64 = 14.0;
 /// Square of the distance, in radii, within which weights do not grow further.
 const CORE: f64 = 1e-3;
+/// β over `Σ w q h/Σ w q²`: the inversion takes a third of the curvature away. With half or all of it, energies of
+/// discocytes are less accurate.
+const FLATTENING: f64 = 1.0 / 3.0;
 /// Number of neighbours within the radius of an even mesh.
 pub(super) const fn within(degree: usize) -> f64 {
     if degree > 6 { 105.0 } else { 64.0 }
@@ -82,6 +87,9 @@ pub(super) struct Fit<T> {
     pub(super) frame: [Vec3<Several<T>>; 2],
     pub(super) radius: Several<T>,
     pub(super) over_radius: Several<T>,
+    pub(super) inversion: Inversion<Several<T>>,
+    /// `1/Σ w q²`.
+    over_squares: Several<T>,
     pub(super) coefficients: [Several<T>; COUNT],
     /// `A = L D Lᵀ`: L below its diagonal, row by row, and D⁻¹.
     lower: [Several<T>; BELOW],
@@ -100,6 +108,8 @@ impl<T: Real> Default for Fit<T> {
             frame: [[zero; 3]; 2],
             radius: zero,
             over_radius: zero,
+            inversion: Inversion(zero),
+            over_squares: zero,
             coefficients: [zero; COUNT],
             lower: [zero; BELOW],
             over_pivots: [zero; COUNT],
@@ -124,6 +134,8 @@ pub(super) struct FieldPull<'a, T> {
 pub(super) struct Scratch<T> {
     /// Coordinates u, v, h of each neighbour, and its weight.
     pub(super) places: [Vec<Several<T>>; 3],
+    /// Their images after the inversion.
+    images: [Vec<Several<T>>; 3],
     pub(super) weights: Vec<Several<T>>,
     /// Normals at the neighbours in the one-ring.
     pub(super) normals: Vec<Vec3<Several<T>>>,
@@ -186,8 +198,8 @@ impl<T: Real> Scratch<T> {
     #[inline(always)]
     pub(super) fn points(&mut self) -> (Points<'_, T>, &mut Sums<T>) {
         let points = Points {
-            x: &self.places[0],
-            y: &self.places[1],
+            x: &self.images[0],
+            y: &self.images[1],
             weights: &self.weights,
         };
         (points, &mut self.sums)
@@ -224,6 +236,17 @@ impl<T: Real> Scratch<T> {
         fit.over_radius = fit.radius.reciprocal_or_zero();
         fit.frame = tangent_frame(fit.normal);
         self.turn_into_frame(fit, block, neighbours, normals);
+        let [mut heights, mut squares] = [Several::zero(); 2];
+        for row in 0..self.rows() {
+            let [u, v, h] = [0, 1, 2].map(|axis| self.places[axis][row]);
+            let flat = u * u + v * v;
+            let weight = self.weights[row] * flat;
+            heights = heights + weight * h;
+            squares = squares + weight * flat;
+        }
+        fit.over_squares = squares.reciprocal_or_zero();
+        fit.inversion = Inversion(Several::literal(FLATTENING) * heights * fit.over_squares);
+        self.invert(fit);
     }
 
     /// Sets coordinates and weights of the neighbours of a fit.
@@ -238,6 +261,19 @@ impl<T: Real> Scratch<T> {
     ) {
         self.gather(surface, block, neighbours);
         self.turn_into_frame(fit, block, neighbours, normals);
+        self.invert(fit);
+    }
+
+    /// Sets the images of the places.
+    #[inline(always)]
+    fn invert(&mut self, fit: &Fit<T>) {
+        for values in &mut self.images {
+            values.resize(self.weights.len(), Several::zero());
+        }
+        let ([x, y, z], [u, v, h]) = (&self.places, &mut self.images);
+        for row in 0..x.len() {
+            [u[row], v[row], h[row]] = fit.inversion.image([x[row], y[row], z[row]]);
+        }
     }
 
     /// Sets `places` to differences of positions.
@@ -299,19 +335,20 @@ impl<T: Real> Scratch<T> {
     #[inline(always)]
     pub(super) fn fit(&mut self, fit: &mut Fit<T>, degree: usize) {
         let points = Points {
-            x: &self.places[0],
-            y: &self.places[1],
+            x: &self.images[0],
+            y: &self.images[1],
             weights: &self.weights,
         };
         self.sums.set_matrix(fit, degree, points);
-        let heights = self.places[2].iter().copied();
+        let heights = self.images[2].iter().copied();
         fit.coefficients = self.sums.fitted(fit, degree, points, heights);
     }
 
     /// From the derivatives `by_coefficient` with respect to the coefficients, and with respect to places
     /// and normals in `bars` and `normal_bars`: sets `bars` to those with respect to the neighbours'
     /// positions, `normal_bars` to those with respect to their normals, and returns that with respect to
-    /// the vertex's own normal. `by_radius` is the derivative with respect to ρ where the rest is fixed.
+    /// the vertex's own normal. `by_radius` and `by_bend` are the derivatives with respect to ρ and β where the
+    /// rest is fixed.
     ///
     /// With `z = A⁻¹ ∂c`, `q = V z` and the residuals `r = h − V c`: `∂h = W q`,
     /// `∂V = W (r zᵀ − q cᵀ)`, `∂w = q r`.
@@ -321,7 +358,7 @@ impl<T: Real> Scratch<T> {
         fit: &Fit<T>,
         block: &Block,
         mut by_coefficient: [Several<T>; COUNT],
-        mut by_radius: Several<T>,
+        [mut by_radius, mut by_bend]: [Several<T>; 2],
         ring: &[Vec3<Several<T>>],
         fields: &mut [Option<FieldPull<'_, T>>; 2],
     ) -> Vec3<Several<T>> {
@@ -339,29 +376,50 @@ impl<T: Real> Scratch<T> {
             let polynomials = [field.coefficients, &field.by_coefficient].map(Polynomial::new);
             Some((field.values, polynomials))
         });
-        let mut turned = [[Several::zero(); 3]; 3];
-        let over = fit.over_radius;
         for row in 0..self.rows() {
-            let [u, v, h] = [0, 1, 2].map(|axis| self.places[axis][row]);
+            let [u, v, h] = [0, 1, 2].map(|axis| self.images[axis][row]);
             let weight = self.weights[row];
             let [value, by_u, by_v] = jet.with_slopes(u, v);
             let [dual, dual_u, dual_v] = duals.with_slopes(u, v);
             let residual = h - value;
-            let bars = self.bars[row];
-            let mut bars = [
-                bars[0] + weight * (residual * dual_u - dual * by_u),
-                bars[1] + weight * (residual * dual_v - dual * by_v),
-                bars[2] + weight * dual,
+            let mut by_image = [
+                weight * (residual * dual_u - dual * by_u),
+                weight * (residual * dual_v - dual * by_v),
+                weight * dual,
             ];
             let mut by_weight = dual * residual;
             for (values, [field, duals]) in of_fields.iter().flatten() {
                 let [value, by_u, by_v] = field.with_slopes(u, v);
                 let [dual, dual_u, dual_v] = duals.with_slopes(u, v);
                 let residual = values[row] - value;
-                bars[0] = bars[0] + weight * (residual * dual_u - dual * by_u);
-                bars[1] = bars[1] + weight * (residual * dual_v - dual * by_v);
+                by_image[0] = by_image[0] + weight * (residual * dual_u - dual * by_u);
+                by_image[1] = by_image[1] + weight * (residual * dual_v - dual * by_v);
                 by_weight = by_weight + dual * residual;
             }
+            let place = [0, 1, 2].map(|axis| self.places[axis][row]);
+            let (by_place, bend) = fit.inversion.pull_back(place, by_image);
+            self.bars[row] = add(self.bars[row], by_place);
+            by_bend = by_bend + bend;
+            // The image's height is not needed any more.
+            self.images[2][row] = by_weight;
+        }
+        // dβ = (Σ d(w q h)/3 − β Σ d(w q²))/Σ w q².
+        let by_heights = by_bend * fit.over_squares * Several::literal(FLATTENING);
+        let by_squares = -(by_bend * fit.over_squares * fit.inversion.0);
+        let mut turned = [[Several::zero(); 3]; 3];
+        let over = fit.over_radius;
+        for row in 0..self.rows() {
+            let [u, v, h] = [0, 1, 2].map(|axis| self.places[axis][row]);
+            let weight = self.weights[row];
+            let flat = u * u + v * v;
+            let by_weight = self.images[2][row] + flat * (by_heights * h + by_squares * flat);
+            let by_flat = weight * (by_heights * h + by_squares * (flat + flat));
+            let bars = self.bars[row];
+            let bars = [
+                bars[0] + by_flat * (u + u),
+                bars[1] + by_flat * (v + v),
+                bars[2] + weight * flat * by_heights,
+            ];
             // The scaled difference, which the weight depends on, too.
             let local = add(add(scale(u, across), scale(v, along)), scale(h, fit.normal));
             let closeness = (dot(local, local) + Several::literal(CORE)).reciprocal_or_zero();

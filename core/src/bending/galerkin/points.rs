@@ -1,15 +1,17 @@
 //! The free points of patches: intersections of lines with jets, and their derivatives.
 //!
 //! A point y of a triangle moves along `m = normalise(Σ λ_k n_k)`. In the frame of a jet, in units of
-//! its radius, the jet puts it at `P = (y − x)/ρ + s m` with `R = p(P_u, P_v) − P_h = 0`. The patch's
-//! point is `y + m Σ_k B_k ρ_k s_k`, B the weights of the blend.
+//! its radius, the jet puts it at `(y − x)/ρ + s m`, of which the image P after the inversion has
+//! `R = p(P_u, P_v) − P_h = 0`. The patch's point is `y + m Σ_k B_k ρ_k s_k`, B the weights of the blend.
 //!
-//! With `G = (p_u, p_v, −1)`: `ds = −(dp + G·(d(y − x)/ρ + s dm))/(G·m)`.
+//! With G the derivative of R by the point, (p_u, p_v, −1) pulled back to before the inversion:
+//! `ds = −(dp + G·(d(y − x)/ρ + s dm) + R_β dβ)/(G·m)`.
 
 use super::basis::{AROUND, ON_EDGE, blend};
 use super::fit::{COUNT, FieldPull, Fit, Scratch};
 use super::plan::{Block, STAR};
 use super::polynomial::{Polynomial, add_monomials};
+use crate::fit::Inversion;
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::vec3::{Vec3, add, dot, norm, scale, sub};
@@ -46,29 +48,39 @@ impl<L: Lane> Line<L> {
             over_length,
         }
     }
+
+    #[inline(always)]
+    fn at(&self, s: L) -> Vec3<L> {
+        add(self.offset, scale(s, self.direction))
+    }
 }
 
-/// A step of Newton's method from s: the step, P, p_u, p_v, and −1/(G·m).
+/// A step of Newton's method from s: the step, the point and its image P, G, R_β, and −1/(G·m).
 struct Step<L> {
     step: L,
+    from: Vec3<L>,
     at: Vec3<L>,
-    slopes: [L; 2],
+    slope: Vec3<L>,
+    by_bend: L,
     over: L,
 }
 
 impl<L: Lane> Step<L> {
     #[inline(always)]
-    fn new(jet: &Polynomial<L>, line: &Line<L>, s: L) -> Self {
-        let at = add(line.offset, scale(s, line.direction));
+    fn new(jet: &Polynomial<L>, inversion: Inversion<L>, line: &Line<L>, s: L) -> Self {
+        let from = line.at(s);
+        let at = inversion.image(from);
         let [value, by_u, by_v] = jet.with_slopes(at[0], at[1]);
-        let [m_u, m_v, m_h] = line.direction;
-        let cosine = m_h - by_u * m_u - by_v * m_v;
+        let (slope, by_bend) = inversion.pull_back(from, [by_u, by_v, -L::literal(1.0)]);
+        let cosine = -dot(slope, line.direction);
         let meets = L::literal(LEAST_COSINE).less(cosine);
         let over = L::select(meets, cosine.reciprocal_or_zero(), L::zero());
         Self {
             step: (value - at[2]) * over,
+            from,
             at,
-            slopes: [by_u, by_v],
+            slope,
+            by_bend,
             over,
         }
     }
@@ -84,19 +96,21 @@ fn absolute<L: Lane>(x: L) -> L {
     L::select(x.less(L::zero()), -x, x)
 }
 
-/// Solves for s. A point that does not settle, or whose line is nearly tangential, stays at s = 0; the
+/// Solves for s, from a start. A point that does not settle, or whose line is nearly tangential, stays at s = 0; the
 /// last step, or 1.
 #[inline(always)]
 fn solve<T: Real>(
     jet: &Polynomial<Several<T>>,
+    inversion: Inversion<Several<T>>,
     line: &Line<Several<T>>,
+    start: Several<T>,
 ) -> (Several<T>, Several<T>) {
     let enough = Several::splat(settled());
     let one = Several::literal(1.0);
-    let mut s = Several::zero();
+    let mut s = start;
     let mut last = one;
     for _ in 0..MOST_STEPS {
-        let step = Step::new(jet, line, s);
+        let step = Step::new(jet, inversion, line, s);
         // Settled lanes stay as they are, whatever the others do.
         let done = last.less(enough);
         let meets = Several::zero().less(step.over);
@@ -172,9 +186,18 @@ impl<T: Real> Scratch<T> {
         for (row, displacements) in displacements.chunks_exact_mut(STAR).enumerate() {
             let [places, normals] = self.corners(block, row);
             let used: [bool; WIDTH] = block.valences.map(|valence| row < valence as usize);
+            // Twice the rise of the surface over each side, by the normals at its ends.
+            let upright = [Several::zero(), Several::zero(), Several::literal(1.0)];
+            let [to_next, to_other] =
+                [0, 1].map(|end| dot(sub(normals[end], upright), places[end]));
+            let between = dot(sub(normals[1], normals[0]), sub(places[1], places[0]));
             for (point, displacement) in displacements.iter_mut().enumerate() {
                 let line = Line::new(AROUND[point], places, normals);
-                let (s, last) = solve(&jet, &line);
+                let [own, next, other] = AROUND[point];
+                let start = Several::literal(0.5 * own * next) * to_next
+                    + Several::literal(0.5 * own * other) * to_other
+                    + Several::literal(0.5 * next * other) * between;
+                let (s, last) = solve(&jet, fit.inversion, &line, start);
                 *displacement = s * fit.radius;
                 let worse = Several::select(worst.less(last), last, worst);
                 worst = Several::select(used, worse, worst);
@@ -184,8 +207,8 @@ impl<T: Real> Scratch<T> {
     }
 
     /// From the derivatives `by_displacement` of the energy with respect to the displacements of patches'
-    /// points: sets `bars` and `normal_bars`, and returns the derivatives with respect to coefficients
-    /// and radius.
+    /// points: sets `bars` and `normal_bars`, and returns the derivatives with respect to coefficients, and to
+    /// the radius and β.
     #[inline(always)]
     pub(super) fn pull_points(
         &mut self,
@@ -194,7 +217,7 @@ impl<T: Real> Scratch<T> {
         displacements: &[Several<T>],
         by_displacement: &[Several<T>],
         fields: &mut [Option<FieldPull<'_, T>>; 2],
-    ) -> ([Several<T>; COUNT], Several<T>) {
+    ) -> ([Several<T>; COUNT], [Several<T>; 2]) {
         let zero = [Several::zero(); 3];
         self.bars.clear();
         self.bars.resize(self.rows(), zero);
@@ -206,7 +229,7 @@ impl<T: Real> Scratch<T> {
             Some(Polynomial::new(field.coefficients))
         });
         let mut by_coefficient = [Several::zero(); COUNT];
-        let mut by_radius = Several::zero();
+        let [mut by_radius, mut by_bend] = [Several::zero(); 2];
         let enough = Several::splat(settled());
         let stars = displacements.chunks_exact(STAR);
         for (row, (displacements, given)) in
@@ -219,28 +242,29 @@ impl<T: Real> Scratch<T> {
                 let weight = Several::literal(blend([own, next, other]));
                 let line = Line::new([own, next, other], places, normals);
                 let s = displacements[point] * fit.over_radius;
-                let step = Step::new(&jet, &line, s);
+                let step = Step::new(&jet, fit.inversion, &line, s);
                 let by_s = weight * given[point];
                 by_radius = by_radius + by_s * s;
                 let good = absolute(step.step).less(enough);
                 let [u, v, _] = step.at;
                 // Fields depend on the place along the line, too.
-                let mut by_place = zero;
+                let mut by_image = zero;
                 for (field, of_field) in fields.iter_mut().zip(&of_fields) {
                     let (Some(field), Some(of_field)) = (field, of_field) else {
                         continue;
                     };
                     let by_value = weight * field.given[row * STAR + point];
                     let [_, by_u, by_v] = of_field.with_slopes(u, v);
-                    by_place[0] = by_place[0] + by_value * by_u;
-                    by_place[1] = by_place[1] + by_value * by_v;
+                    by_image[0] = by_image[0] + by_value * by_u;
+                    by_image[1] = by_image[1] + by_value * by_v;
                     add_monomials(&mut field.by_coefficient, by_value, u, v);
                 }
+                let (by_place, bend) = fit.inversion.pull_back(step.from, by_image);
                 let a = (by_s * fit.radius + dot(by_place, line.direction)) * step.over;
                 let a = Several::select(good, a, Several::zero());
                 add_monomials(&mut by_coefficient, a, u, v);
-                let [by_u, by_v] = step.slopes;
-                let by_offset = add([a * by_u, a * by_v, -a], by_place);
+                by_bend = by_bend + (bend + a * step.by_bend);
+                let by_offset = add(scale(a, step.slope), by_place);
                 let by_direction = scale(s, by_offset);
                 let level = dot(by_direction, line.direction);
                 let by_sum = scale(
@@ -269,7 +293,7 @@ impl<T: Real> Scratch<T> {
                 }
             }
         }
-        (by_coefficient, by_radius)
+        (by_coefficient, [by_radius, by_bend])
     }
 
     /// Sets the values of a field at the points around the vertices, from its polynomials and its values
@@ -290,7 +314,7 @@ impl<T: Real> Scratch<T> {
             for point in 0..STAR {
                 let line = Line::new(AROUND[point], places, normals);
                 let s = displacements[point] * fit.over_radius;
-                let [u, v, _] = add(line.offset, scale(s, line.direction));
+                let [u, v, _] = fit.inversion.image(line.at(s));
                 values[point] = own + field.value(u, v);
             }
         }

@@ -152,7 +152,7 @@ impl<'a, T: Real> SlotKernel<Work<T>, BackwardSlots<'a, T>> for Backward<'_, T> 
                     second,
                 ),
             ];
-            let (by_coefficient, by_radius) =
+            let (by_coefficient, by_others) =
                 scratch.pull_points(fit, block, displacements, given, &mut pulls_of_fields);
             ring.clear();
             for neighbours in neighbours.iter().take(turns.len()) {
@@ -168,7 +168,7 @@ impl<'a, T: Real> SlotKernel<Work<T>, BackwardSlots<'a, T>> for Backward<'_, T> 
                 fit,
                 block,
                 by_coefficient,
-                by_radius,
+                by_others,
                 ring,
                 &mut pulls_of_fields,
             );
