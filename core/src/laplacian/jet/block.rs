@@ -46,7 +46,7 @@ impl<T: Real> Spacing<T> {
     }
 }
 
-/// What is fitted.
+/// Polynomials that are fitted.
 #[derive(Clone, Copy)]
 pub(super) struct Shape<T> {
     pub(super) degree: usize,

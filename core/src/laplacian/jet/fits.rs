@@ -97,7 +97,7 @@ struct Pending<'a, T> {
     available: usize,
     /// The spacing of the attempt.
     spacing: Spacing<T>,
-    /// That of the mesh, once it is needed.
+    /// The spacing of the mesh, once it is needed.
     rows: Option<Spacing<T>>,
     /// Whether neighbours have to be chosen by their normals, too, and whether these limit them.
     turns: bool,

@@ -53,7 +53,7 @@ pub(super) struct Jets<T> {
     pub(super) values: [Vec<T>; QUANTITIES],
     pub(super) degrees: Vec<u8>,
     pub(super) neighbours: Vec<u32>,
-    /// What the disagreement with neighbours says; `None` without a fit, or where it is one-sided.
+    /// Doubts by the disagreement with neighbours; `None` without a fit, or where it is one-sided.
     pub(super) doubts: Vec<Option<Doubt<T>>>,
     /// The distances of H, K and f from those of jets of another degree, and the disagreements of those.
     pub(super) distances: [Vec<T>; QUANTITIES],
