@@ -23,7 +23,7 @@ mod fit;
 mod grid;
 mod one_stage;
 mod quiet;
-mod regression;
+
 mod sharp;
 mod slopes;
 mod smoothing;
@@ -40,7 +40,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 use core::iter;
-pub use regression::{Regression, RegressionFields, RegressionFits};
+
 pub use smoothing::Smoothing;
 
 use fit::HeightFit;
@@ -74,14 +74,33 @@ const UPRIGHT: f64 = 0.0;
 /// Rings of vertices at a boundary, whose fits are one-sided and have residuals larger than noise.
 const BORDER: usize = 3;
 
-/// Residual of the shape over `S₆ max(S₅, S₆) / S₄`: its upper bound, and its value on most meshes; and
-/// its upper bound over S₆.
-const FORETOLD: [f64; 2] = [1.8, 1.1];
-const CEILING: f64 = 0.45;
+/// The residual that a shape may have.
+#[derive(Clone, Copy)]
+struct Rule {
+    /// Its ratio to `S₆ max(S₅, S₆) / S₄`.
+    foretold: f64,
+    /// Its largest ratio to S₆.
+    ceiling: f64,
+    /// Least S₆/S₄ at which R/S₆ has to be that of noise, or far below, because R is then no better known than S₆.
+    slow: f64,
+}
 
-/// Least S₆/S₄ at which R/S₆ has to be that of noise, or far below, because R is then no better known
-/// than S₆.
-const SLOW: f64 = 0.12;
+/// The upper bound, for which exact meshes have no noise as a whole; the value on most meshes; and the value around
+/// single vertices, where the noise of the whole mesh is known.
+const LARGEST: Rule = Rule {
+    foretold: 1.8,
+    ceiling: 0.45,
+    slow: 0.12,
+};
+const LIKELY: Rule = Rule {
+    foretold: 1.1,
+    ..LARGEST
+};
+const AROUND_VERTICES: Rule = Rule {
+    foretold: 1.5,
+    ceiling: 0.35,
+    slow: 0.15,
+};
 
 /// Smallest and largest R/S₆ of noise, without scatter, and largest R/S₆ of a shape.
 const FLAT: [f64; 2] = [0.8, 1.3];
@@ -359,38 +378,59 @@ impl<T: Real> Seen<T> {
         if 2 * fits < POOL {
             return None;
         }
-        let parts: [T; 4] = sums.map(|[parts, gain]| parts / gain);
-        if parts.iter().any(|part| !part.is_finite()) {
+        let decay = Decay::new(sums);
+        if decay.0.iter().any(|part| !part.is_finite()) {
             return None;
         }
-        let [fourth, _, sixth, left] = parts;
-        let square = |factor: f64| T::constant(factor * factor);
-        let [least_flat, most_flat] = FLAT.map(|ratio| square(ratio) * sixth);
-        let is_slow = sixth > square(SLOW) * fourth;
-        let between = left > square(STEEP) * sixth && left < least_flat;
-        let [least, likely] = FORETOLD.map(|factor| deviation(parts, factor));
+        let [least, likely] =
+            [LARGEST, LIKELY].map(|rule| decay.variance(&rule).max(T::zero()).sqrt());
         Some(Self {
-            most: left.sqrt(),
+            most: decay.residual().sqrt(),
             least,
             likely,
-            is_resolved: left <= most_flat && !(between && is_slow),
+            is_resolved: decay.is_resolved(&LARGEST),
         })
     }
 }
 
-/// The standard deviation of noise from the squares S₄², S₅², S₆² and R², if the residual of the shape
-/// is this factor times the value expected from S₄ to S₆.
-fn deviation<T: Real>([fourth, fifth, sixth, left]: [T; 4], factor: f64) -> T {
-    let square = |factor: f64| T::constant(factor * factor);
-    let ceiling = square(CEILING);
-    let foretold = square(factor) * fifth.max(sixth) * sixth;
-    let variance = if foretold < ceiling * sixth * fourth {
-        left - foretold / fourth
-    } else {
-        // Noise contributes equally to S₆ and R.
-        (left - ceiling * sixth) / (T::one() - ceiling)
-    };
-    variance.max(T::zero()).sqrt()
+/// S₄², S₅², S₆² and R² of a pool of fits.
+#[derive(Clone, Copy)]
+struct Decay<T>([T; 4]);
+
+impl<T: Real> Decay<T> {
+    fn new(sums: Spectrum<T>) -> Self {
+        Self(sums.map(|[squares, gain]| squares / gain))
+    }
+
+    /// R².
+    fn residual(&self) -> T {
+        let [.., left] = self.0;
+        left
+    }
+
+    /// The variance of the noise, if the shape has the residual of the rule; below 0 where that is larger than R.
+    fn variance(&self, rule: &Rule) -> T {
+        let square = |factor: f64| T::constant(factor * factor);
+        let [fourth, fifth, sixth, left] = self.0;
+        let ceiling = square(rule.ceiling);
+        let foretold = square(rule.foretold) * fifth.max(sixth) * sixth;
+        if foretold < ceiling * sixth * fourth {
+            left - foretold / fourth
+        } else {
+            // Noise contributes equally to S₆ and R.
+            (left - ceiling * sixth) / (T::one() - ceiling)
+        }
+    }
+
+    /// Whether the residual is that of noise, or far below.
+    fn is_resolved(&self, rule: &Rule) -> bool {
+        let square = |factor: f64| T::constant(factor * factor);
+        let [fourth, _, sixth, left] = self.0;
+        let [least_flat, most_flat] = FLAT.map(|ratio| square(ratio) * sixth);
+        let is_slow = sixth > square(rule.slow) * fourth;
+        let is_between = left > square(STEEP) * sixth && left < least_flat;
+        !(left > most_flat || (is_between && is_slow))
+    }
 }
 
 fn median<T: Real>(values: impl Iterator<Item = T>) -> T {

@@ -61,7 +61,7 @@ struct Question {
 
 impl Question {
     fn is_measured(&self) -> bool {
-        self.chosen.method == BendingMethod::Jet
+        self.chosen.method.has_error_bars()
             && self.material[1] == MaterialParameter::default()
             && !self.material[0].varies()
     }

@@ -391,10 +391,10 @@ impl<T: Real> AdaptiveJet<T> {
         };
         let ladder = self.ladder(&deviations, &ground);
         let wider = wider.filter(|_| ladder.is_empty());
-        let of_clean = wider.map(|wider| jets.squared_errors(execution, &ground, &wider));
+        let of_jets = jets.squared_errors(execution, &ground, wider.as_ref());
         let [_, Estimates { values, changes }] = twin.of_degrees;
         let candidate = Candidate::of_jets(execution, &ground, &deviations, &jets, &changes);
-        let mut chosen = Chosen::new(candidate, changes, of_clean);
+        let mut chosen = Chosen::new(candidate, changes, of_jets, wider.is_some());
         let first = ladder.first().map(|&neighbours| {
             let level = Level::new(execution, &ground, &Kind::regression(neighbours));
             chosen.limit_noise(execution, &ground, &mut deviations, &values[FORCE], &level);

@@ -82,7 +82,7 @@ fn measurement(
     surface: Surface<'_, f64>,
 ) -> Result<Option<Measurement>, Failure> {
     let CurvatureArguments { sigma, scale, .. } = arguments;
-    if arguments.method != BendingMethod::Jet && !arguments.errors {
+    if !(arguments.method.has_error_bars() || arguments.errors) {
         return Ok(None);
     }
     let jet = AdaptiveJet {
@@ -186,7 +186,7 @@ pub(crate) fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
         }
     }
     check_outputs(outputs.into_iter().filter_map(|(path, _)| path))?;
-    let is_measured = arguments.method == BendingMethod::Jet || arguments.errors;
+    let is_measured = arguments.method.has_error_bars() || arguments.errors;
     if !is_measured && (arguments.sigma.is_some() || arguments.scale.is_some()) {
         let message = "--sigma and --scale are for --method jet, or with --errors";
         return Err(Failure::Input(message.into()));
@@ -229,7 +229,7 @@ fn curvature_in<T: Compiled>(
     let measured = measurement(arguments, exact)?;
     let modulus = arguments.modulus;
     if let Some(measured) = &measured
-        && arguments.method == BendingMethod::Jet
+        && arguments.method.has_error_bars()
     {
         let fields = measured.fields(modulus);
         let mut columns = measured.columns(&fields, modulus);

@@ -178,6 +178,12 @@ macro_rules! methods {
                 }
             }
 
+            /// Whether its degree and scale follow from the mesh and from the noise, so that surfaces can be measured
+            /// with error bars ([`helfrich::AdaptiveJet`]).
+            pub const fn has_error_bars(self) -> bool {
+                matches!(self, Self::$by_mesh)
+            }
+
             /// The description of the method.
             pub const fn description(self) -> &'static Description {
                 match self {

@@ -1,12 +1,9 @@
-//! Noise of positions, its smoothing, regression jets and adaptive jets in f64, compiled once here for all
+//! Noise of positions, its smoothing and adaptive jets in f64, compiled once here for all
 //! other crates.
 
 use crate::execute::Parallel;
 use crate::ordered::Ordered;
-use helfrich::{
-    AdaptiveJet, Components, Measured, Noise, Regression, RegressionFields, RegressionFits,
-    Smoothing, Surface,
-};
+use helfrich::{AdaptiveJet, Components, Measured, Noise, Smoothing, Surface};
 
 /// The noise of a surface, on all threads: see [`Noise::of`].
 pub fn noise_of(surface: Surface<'_, f64>) -> Noise<f64> {
@@ -68,7 +65,16 @@ impl Quieted {
             return None;
         }
         let measured = measured(&AdaptiveJet::default(), surface, &mut |_| true)?;
-        let smoothing = Smoothing::of_measured(&measured)?;
+        Self::of_measured(surface, noise, &measured)
+    }
+
+    /// The same for a surface that adaptive jets have measured, with this noise.
+    pub fn of_measured(
+        surface: Surface<'_, f64>,
+        noise: Noise<f64>,
+        measured: &[Measured<f64>],
+    ) -> Option<Self> {
+        let smoothing = Smoothing::of_measured(measured)?;
         let mut positions = surface.positions().to_vec();
         for _ in 0..Self::TIMES {
             let smooth = smoothed(Surface::new(surface.mesh(), &positions).ok()?, smoothing);
@@ -84,38 +90,6 @@ impl Quieted {
             moved,
         })
     }
-}
-
-/// Number of copies of a surface that [`regression`] fits together: the surface itself, and copies with
-/// additional noise.
-pub const COPIES: usize = 4;
-
-/// Regression jets with this number of neighbours around every vertex of copies of a surface, on all threads:
-/// see [`Regression::fit`].
-pub fn regression(
-    surface: Surface<'_, f64>,
-    neighbours: usize,
-    errors: &[[f64; COPIES]],
-) -> RegressionFits<f64, COPIES> {
-    Regression { neighbours }.fit(&Parallel::new(), surface, errors)
-}
-
-/// Fields of regression jets of degrees 4 and 6: see [`RegressionFits::fields`].
-pub fn regression_fields(fits: &RegressionFits<f64, COPIES>) -> [RegressionFields<f64, COPIES>; 2] {
-    fits.fields(&Parallel::new())
-}
-
-/// A field after `times` averages over the fits: see [`RegressionFits::average`].
-pub fn averaged(
-    fits: &RegressionFits<f64, COPIES>,
-    field: &[[f64; COPIES]],
-    times: usize,
-) -> Vec<[f64; COPIES]> {
-    let mut field = field.to_vec();
-    for _ in 0..times {
-        field = fits.average(&Parallel::new(), &field);
-    }
-    field
 }
 
 /// A surface measured by adaptive jets on all threads, each component alone, in a cache-friendly order if it is

@@ -66,7 +66,7 @@ impl SurfaceScene {
     /// Whether its bending method chooses its scale from the noise of the mesh file.
     pub(crate) fn averages_noise(&self) -> bool {
         let bending = self.effects.bending.as_ref();
-        bending.is_some_and(|bending| bending.method == BendingMethod::Jet)
+        bending.is_some_and(|bending| bending.method.has_error_bars())
     }
 
     /// Estimate of the seconds that an evaluation of elasticity and bending takes on this number of

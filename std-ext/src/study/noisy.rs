@@ -7,7 +7,6 @@ use crate::generate::random::Random;
 use crate::generate::{AnyShape, Family, GeneratedMesh, generate};
 use crate::measurement::Measurement;
 use crate::method::{AnyMethod, BendingMethod, Evaluator, Fields, MethodOptions};
-use crate::noise::{COPIES, regression, regression_fields};
 use crate::scalar::Scalar;
 use helfrich::shapes::{ExactPoint, Shape};
 use helfrich::{AdaptiveJet, Estimate, Measured, Surface, Verdict};
@@ -70,8 +69,8 @@ pub struct Bars {
     pub neighbours: u32,
 }
 
-/// The least error of J6 and of regression jets of degrees 4 and 6 with any one number of neighbours, of
-/// each quantity: what a choice can reach that is the same at all vertices.
+/// The least error of `jet` with any one number of neighbours, and of J6, for each quantity: what a choice can reach that
+/// is the same at all vertices.
 pub const BEST_FIXED: &str = "best fixed fit";
 
 impl NoiseStudy {
@@ -135,7 +134,7 @@ impl NoiseStudy {
             verdicts: None,
         };
         for &method in &self.methods {
-            if method != BendingMethod::Jet {
+            if !method.has_error_bars() {
                 let options = MethodOptions::default();
                 let mut evaluator = method.evaluator(&options, 1.0, &made.mesh, Parallel::new());
                 let fields = evaluator.fields(surface);
@@ -265,26 +264,19 @@ impl Truth {
 
     fn best_fixed(&self, made: &GeneratedMesh, surface: Surface<'_, f64>) -> [f64; QUANTITIES] {
         let jets = Evaluator::new(BendingMethod::J6, 1.0, &made.mesh).fields(surface);
-        let mut best = self
-            .errors(&jets)
-            .map(|error| error.unwrap_or(f64::INFINITY));
-        let no_errors = vec![[0.0; COPIES]; self.points.len()];
-        for neighbours in LADDER {
-            if neighbours + 1 >= self.points.len() {
-                break;
-            }
-            let fits = regression(surface, neighbours, &no_errors);
-            for fields in regression_fields(&fits) {
-                let all = [fields.mean, fields.gaussian, fields.force_density];
-                for (quantity, (best, field)) in best.iter_mut().zip(all).enumerate() {
-                    let pairs = field.iter().zip(&self.points);
-                    let errors = pairs.map(|(found, point)| found[0] - exact(point, quantity));
-                    // Also false where a vertex has no fit.
-                    let error = root_mean_square(errors) / self.scales[quantity];
-                    if error < *best {
-                        *best = error;
-                    }
-                }
+        let ladder = LADDER.into_iter();
+        let ladder = ladder.take_while(|neighbours| neighbours + 1 < self.points.len());
+        let fixed = ladder.filter_map(|neighbours| {
+            let jet = AdaptiveJet {
+                neighbours: Some(neighbours),
+                ..AdaptiveJet::default()
+            };
+            Some(Measurement::new(surface, &jet, &mut |_| true)?.fields(1.0))
+        });
+        let mut best = [f64::INFINITY; QUANTITIES];
+        for fields in std::iter::once(jets).chain(fixed) {
+            for (best, error) in best.iter_mut().zip(self.errors(&fields)) {
+                *best = error.unwrap_or(f64::INFINITY).min(*best);
             }
         }
         best

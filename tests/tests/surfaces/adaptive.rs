@@ -8,7 +8,7 @@ use helfrich::{
     Verdict,
 };
 use helfrich_std::generate::{AnyShape, Family};
-use helfrich_std::noise::{COPIES, measured, regression, regression_fields};
+use helfrich_std::noise::measured;
 use helfrich_tests::meshes::{self, SplitMix64};
 use std::f64::consts::PI;
 
@@ -45,24 +45,24 @@ pub(crate) fn shape(name: &str) -> AnyShape {
 pub(crate) const FEW: &[usize] = &[45, 64, 90, 128];
 const MANY: &[usize] = &[45, 64, 90, 128, 181, 256, 362, 512];
 
-/// Smallest error of each quantity among both fixed degrees and these numbers of neighbours.
+/// Smallest error of each quantity among these numbers of neighbours.
 pub(crate) fn best_fixed(
     case: &Case,
     positions: &[[f64; 3]],
     numbers: &[usize],
 ) -> [f64; QUANTITIES] {
-    let surface = Surface::new(&case.mesh, positions).expect("positions");
-    let none = vec![[0.0; COPIES]; positions.len()];
     let mut best = [f64::INFINITY; QUANTITIES];
     for &neighbours in numbers {
-        let fits = regression(surface, neighbours, &none);
-        for fields in regression_fields(&fits) {
-            let all = [fields.mean, fields.gaussian, fields.force_density];
-            for (quantity, (best, field)) in best.iter_mut().zip(all).enumerate() {
-                let pairs = field.iter().zip(&case.exact);
-                let errors = pairs.map(|([found, ..], at)| found - exact(at, quantity));
-                *best = best.min(root_mean_square(errors));
-            }
+        let jet = AdaptiveJet {
+            neighbours: Some(neighbours),
+            ..AdaptiveJet::default()
+        };
+        let found = of(&jet, &case.mesh, positions);
+        for (quantity, best) in best.iter_mut().enumerate() {
+            let pairs = found.iter().zip(&case.exact);
+            let errors =
+                pairs.map(|(at, point)| estimate(at, quantity).value - exact(point, quantity));
+            *best = best.min(root_mean_square(errors));
         }
     }
     best

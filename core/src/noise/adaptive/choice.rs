@@ -33,7 +33,7 @@ const EXPLAINED: f64 = 2.0;
 /// Error bars in estimated standard errors, with and without noise; and the factor by which they are
 /// larger at boundaries. Bars without noise are wider because the bias of a fit is estimated from
 /// another fit that shares part of its error.
-const BAR: f64 = 2.0;
+pub(super) const BAR: f64 = 2.0;
 const CLEAN_BAR: f64 = 3.0;
 const ONE_SIDED: f64 = 4.0;
 
@@ -71,8 +71,10 @@ pub(super) struct Chosen<T> {
     /// Squared distances of the jets from the first regression jets, less the variance due to noise, for
     /// each pool.
     excess: [[Vec<T>; 3]; QUANTITIES],
-    /// On a mesh without noise, the squared errors of the jets.
-    of_clean: Option<[Vec<T>; QUANTITIES]>,
+    /// The squares of the error bars of the jets, without noise.
+    of_jets: [Vec<T>; QUANTITIES],
+    /// Whether the mesh has no noise.
+    is_clean: bool,
     /// The least B + V of each quantity so far, and the number of later levels that did not reduce it.
     least: Vec<[(T, u8); QUANTITIES]>,
 }
@@ -113,12 +115,12 @@ impl<T: Real> Candidate<T> {
 }
 
 impl<T: Real> Chosen<T> {
-    /// A choice with the jets as the only candidate. On a mesh without noise, `of_clean` has the squares of their
-    /// errors.
+    /// A choice with the jets as the only candidate; `of_jets` has the squares of their error bars without noise.
     pub(super) fn new(
         jets: Candidate<T>,
         changes: Changes<T>,
-        of_clean: Option<[Vec<T>; QUANTITIES]>,
+        of_jets: [Vec<T>; QUANTITIES],
+        is_clean: bool,
     ) -> Self {
         let variances = (0..jets.degree.len()).map(|vertex| {
             from_fn(|quantity| {
@@ -140,7 +142,8 @@ impl<T: Real> Chosen<T> {
             fourth: Vec::new(),
             changes,
             excess: from_fn(|_| from_fn(|_| Vec::new())),
-            of_clean,
+            of_jets,
+            is_clean,
         }
     }
 
@@ -368,19 +371,21 @@ impl<T: Real> Chosen<T> {
         }
         let (candidate, _) = best?;
         let variance = self.all[candidate].variance[quantity][vertex];
-        if let Some(of_clean) = &self.of_clean {
-            let square = of_clean[quantity][vertex];
-            return Some((candidate, square, square));
+        let of_jets = self.of_jets[quantity][vertex];
+        let expected_of_jets = of_jets * T::constant(BAR.powi(-2));
+        if self.is_clean {
+            return Some((candidate, of_jets, expected_of_jets));
         }
         let mut bias = bias_of(candidate, biases);
         let (expected, shared) = self.seen(vertex, quantity, candidate, biases);
         let mut expected =
             expected.max(self.all[candidate].bias[quantity].local[vertex]) + variance;
         if candidate == 0 {
+            // The first regression jets may be far worse than the jets.
             let [wide, ..] = &self.excess[quantity];
-            expected += wide[vertex];
+            expected += wide[vertex].min(expected_of_jets);
             for excess in &self.excess[quantity] {
-                bias = bias.max(excess[vertex]);
+                bias = bias.max(excess[vertex].min(expected_of_jets));
             }
         } else {
             self.biases(vertex, quantity, |bias| &bias.narrow, biases);

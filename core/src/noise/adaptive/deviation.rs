@@ -4,14 +4,12 @@ use super::level::{Kind, Level};
 use super::{Ground, POOL, Verdict, hidden};
 use crate::element::Execution;
 use crate::noise::quiet::MOST_OF_MESH;
-use crate::noise::{Noise, Smooth, Spectrum, largest_coordinate, rounding, sort};
+use crate::noise::{
+    AROUND_VERTICES, Decay, FLAT, Noise, Smooth, Spectrum, largest_coordinate, rounding, sort,
+};
 use crate::real::Real;
 use alloc::vec;
 use alloc::vec::Vec;
-
-/// Ratio of the residual of the shape to S₅S₆/S₄, and upper bound of its ratio to S₆.
-const FORETOLD: f64 = 1.5;
-const CEILING: f64 = 0.35;
 
 /// R/S₆ above which R counts as noise even if less than half of the mesh has noise. If no noise is found
 /// on the mesh as a whole, the lower of the two values in [`FLAT`] takes its place.
@@ -20,11 +18,6 @@ const CERTAIN: f64 = 0.5;
 /// Fraction of the vertices whose noise may be smaller than the lower bound that is assumed for all
 /// vertices, or larger than the upper bound that is assumed where the mesh does not resolve the shape.
 const QUIETEST: f64 = 0.05;
-
-/// Largest R/S₆ of shapes; range of R/S₆ of noise; and S₆/S₄ above which the shape is hardly resolved.
-const STEEP: f64 = 0.35;
-const FLAT: [f64; 2] = [0.8, 1.3];
-const SLOW: f64 = 0.15;
 
 /// Noise around every vertex.
 pub(super) struct Deviations<T> {
@@ -60,10 +53,8 @@ impl<T: Real> Deviations<T> {
         known: T,
     ) -> (Self, Option<Level<T>>) {
         let spectra = &jets.spectra;
-        let square = |factor: f64| T::constant(factor * factor);
-        // The squares of S₄, S₅, S₆ and R.
-        let mut parts = vec![[T::nan(); 4]; spectra.len()];
-        execution.map(&mut parts[..], |vertex, parts| {
+        let mut decays = vec![Decay([T::nan(); 4]); spectra.len()];
+        execution.map(&mut decays[..], |vertex, decay| {
             let mut sums = Spectrum::<T>::default();
             for other in ground.pool(vertex, POOL) {
                 if ground.is_near_border(other) {
@@ -74,17 +65,11 @@ impl<T: Real> Deviations<T> {
                     *sum += term;
                 }
             }
-            *parts = sums.map(|[squares, gain]| squares / gain);
+            *decay = Decay::new(sums);
         });
         let last_digit = T::epsilon() * largest_coordinate(ground.surface.positions());
-        let found = |&[fourth, fifth, sixth, left]: &[T; 4]| {
-            let ceiling = square(CEILING);
-            let foretold = square(FORETOLD) * fifth * sixth / fourth;
-            let variance = if foretold < ceiling * sixth {
-                left - foretold
-            } else {
-                (left - ceiling * sixth) / (T::one() - ceiling)
-            };
+        let found = |decay: &Decay<T>| {
+            let variance = decay.variance(&AROUND_VERTICES);
             // Also false for NaN.
             if variance > last_digit * last_digit {
                 variance
@@ -92,10 +77,13 @@ impl<T: Real> Deviations<T> {
                 T::zero()
             }
         };
-        let mut variances = Vec::from_iter(parts.iter().map(found));
-        let inside = parts.iter().filter(|parts| parts[3].is_finite()).count();
-        let is_unresolved = |parts: &&[T; 4]| resolution(parts) == Verdict::Unresolved;
-        let unresolved = parts.iter().filter(is_unresolved).count();
+        let mut variances = Vec::from_iter(decays.iter().map(found));
+        let inside = decays.iter().filter(|decay| decay.residual().is_finite());
+        let inside = inside.count();
+        let unresolved = decays
+            .iter()
+            .filter(|decay| !decay.is_resolved(&AROUND_VERTICES))
+            .count();
         let seen = variances.iter().filter(|&&variance| variance > T::zero());
         let smooth = Smooth {
             normals: &ground.normals,
@@ -115,27 +103,28 @@ impl<T: Real> Deviations<T> {
             // reliable.
             variances.fill(everywhere * everywhere);
         } else if everywhere == T::zero() || 2 * seen.count() < variances.len() {
-            for (variance, &[_, _, sixth, left]) in variances.iter_mut().zip(&parts) {
-                if left < square(certain) * sixth {
+            for (variance, decay) in variances.iter_mut().zip(&decays) {
+                let [_, _, sixth, left] = decay.0;
+                if left < T::constant(certain * certain) * sixth {
                     *variance = T::zero();
                 }
             }
         }
         if 2 * unresolved <= inside {
             // The shape is mistaken for noise at the tips of an ellipsoid with large triangles.
-            let both = parts.iter().zip(&variances);
-            let resolved = both.filter(|(parts, _)| resolution(parts) != Verdict::Unresolved);
+            let both = decays.iter().zip(&variances);
+            let resolved = both.filter(|(decay, _)| decay.is_resolved(&AROUND_VERTICES));
             let resolved = Vec::from_iter(resolved.map(|(_, &variance)| variance));
             let most = quantile(&resolved, 1.0 - QUIETEST);
-            for (variance, parts) in variances.iter_mut().zip(&parts) {
-                if resolution(parts) == Verdict::Unresolved {
+            for (variance, decay) in variances.iter_mut().zip(&decays) {
+                if !decay.is_resolved(&AROUND_VERTICES) {
                     *variance = variance.min(most);
                 }
             }
         }
-        let wider = add_hidden(execution, ground, (jets, force), &parts, &mut variances);
+        let wider = add_hidden(execution, ground, (jets, force), &decays, &mut variances);
         let least = quantile(&variances, QUIETEST);
-        let residuals = parts.iter().map(|[.., left]| left.sqrt());
+        let residuals = decays.iter().map(|decay| decay.residual().sqrt());
         let residuals = Vec::from_iter(residuals.filter(|residual| residual.is_finite()));
         let most = quantile(&residuals, 0.5);
         let rounding = rounding(ground.surface.positions(), most);
@@ -143,13 +132,16 @@ impl<T: Real> Deviations<T> {
         for variance in &mut variances {
             *variance = variance.max(least).max(known);
         }
-        let verdicts = parts.iter().zip(&variances).enumerate();
-        let verdicts = verdicts.map(|(vertex, (parts, &variance))| {
-            match (ground.is_near_border(vertex), resolution(parts)) {
+        let verdicts = decays.iter().zip(&variances).enumerate();
+        let verdicts = verdicts.map(|(vertex, (decay, &variance))| {
+            match (
+                ground.is_near_border(vertex),
+                decay.is_resolved(&AROUND_VERTICES),
+            ) {
                 (true, _) => Verdict::OneSided,
-                (_, Verdict::Unresolved) => Verdict::Unresolved,
+                (_, false) => Verdict::Unresolved,
                 // No fit around the vertex shows whether the mesh resolves the shape.
-                _ if parts[3].is_nan() => Verdict::Unresolved,
+                _ if decay.residual().is_nan() => Verdict::Unresolved,
                 _ if variance > T::zero() => Verdict::Noise,
                 _ => Verdict::Clean,
             }
@@ -187,7 +179,7 @@ fn add_hidden<T: Real>(
     execution: &impl Execution,
     ground: &Ground<'_, T>,
     (jets, force): (&Level<T>, &[T]),
-    parts: &[[T; 4]],
+    decays: &[Decay<T>],
     variances: &mut [T],
 ) -> Option<Level<T>> {
     if !variances.contains(&T::zero()) {
@@ -195,31 +187,19 @@ fn add_hidden<T: Real>(
     }
     let wider = Level::new(execution, ground, &Kind::wider());
     let decay = |vertex: usize| {
-        let [fourth, _, sixth, _] = parts[vertex];
+        let [fourth, _, sixth, _] = decays[vertex].0;
         let square = sixth / fourth;
-        let is_resolved = resolution(&parts[vertex]) == Verdict::Clean;
         // False for NaN.
-        let is_telling = square <= T::constant(SLOW * SLOW) && is_resolved;
+        let is_telling = square <= T::constant(AROUND_VERTICES.slow.powi(2))
+            && decays[vertex].is_resolved(&AROUND_VERTICES);
         (is_telling && !ground.is_near_border(vertex)).then_some(square)
     };
     let hidden = hidden::variances(execution, ground, force, [jets, &wider], decay);
-    let both = variances.iter_mut().zip(parts);
-    for ((variance, &[.., left]), hidden) in both.zip(hidden.into_iter().flatten()) {
-        *variance = variance.max(hidden.min(left));
+    let both = variances.iter_mut().zip(decays);
+    for ((variance, decay), hidden) in both.zip(hidden.into_iter().flatten()) {
+        *variance = variance.max(hidden.min(decay.residual()));
     }
     Some(wider)
-}
-
-/// Whether the mesh resolves the shape, by the squares of S₄, S₅, S₆ and R.
-fn resolution<T: Real>(&[fourth, _, sixth, left]: &[T; 4]) -> Verdict {
-    let square = |factor: f64| T::constant(factor * factor);
-    let is_between = left > square(STEEP) * sixth && left < square(FLAT[0]) * sixth;
-    let is_slow = sixth > square(SLOW) * fourth;
-    if left > square(FLAT[1]) * sixth || (is_between && is_slow) {
-        Verdict::Unresolved
-    } else {
-        Verdict::Clean
-    }
 }
 
 /// The value below which the fraction `part` of all values lies.

@@ -183,12 +183,13 @@ impl<T: Real> Jets<T> {
         quiet as f64 >= (1.0 - LOUD) * self.doubts.len() as f64
     }
 
-    /// The squares of the errors of H, K and f on a mesh without noise, for error bars.
+    /// The squares of the error bars of H, K and f without noise. Near a boundary these need jets over more neighbours,
+    /// and are NaN without.
     pub(super) fn squared_errors(
         &self,
         execution: &impl Execution,
         ground: &Ground<'_, T>,
-        wider: &Level<T>,
+        wider: Option<&Level<T>>,
     ) -> [Vec<T>; QUANTITIES] {
         let square = |x: T| x * x;
         let pooled = |values: &mut dyn Iterator<Item = T>| {
@@ -199,13 +200,17 @@ impl<T: Real> Jets<T> {
         let of_laplacian =
             |doubt: &Option<Doubt<T>>| doubt.map_or(T::nan(), |doubt| doubt.of_laplacian);
         let of_laplacian = pooled(&mut self.doubts.iter().map(of_laplacian));
-        let [_, sixth] = &wider.of_degrees;
         from_fn(|quantity| {
             let from_other = pooled(&mut self.distances[quantity].iter().copied());
-            let both = zip(&self.values[quantity], &sixth.values[quantity]);
-            let from_wider = pooled(&mut both.map(|(&own, &wider)| own - wider));
+            let from_wider = wider.map(|wider| {
+                let [_, sixth] = &wider.of_degrees;
+                let both = zip(&self.values[quantity], &sixth.values[quantity]);
+                pooled(&mut both.map(|(&own, &wider)| own - wider))
+            });
             let of_vertex = |vertex: usize| match self.doubts[vertex] {
-                None => square(T::constant(FROM_WIDER)) * from_wider[vertex],
+                None => from_wider.as_ref().map_or(T::nan(), |from_wider| {
+                    square(T::constant(FROM_WIDER)) * from_wider[vertex]
+                }),
                 Some(_) => {
                     let from_other = square(T::constant(FROM_OTHER)) * from_other[vertex];
                     let ratio = square(T::constant(OF_BETTER)) * own[vertex] / other[vertex];

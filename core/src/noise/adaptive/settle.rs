@@ -4,6 +4,7 @@
 //! all are wrong together. The curvature that a polynomial has at the neighbours of its vertex, against that of the
 //! fits there, shows the error of the fit whether it is determined or not.
 
+use super::choice::BAR;
 use super::{Cause, Estimate, Ground, Measured, Verdict};
 use crate::lane::Lane;
 use crate::noise::doubt::{Doubt, REPORTED, larger, largest_curvature};
@@ -219,8 +220,9 @@ impl<T: Real> Estimate<T> {
         if self.value.is_finite() && (self.error.is_nan() || exceeds(bar, self.error)) {
             self.error = if bar.is_nan() { T::infinity() } else { bar };
         }
-        if self.value.is_finite() && self.expected.is_nan() {
-            self.expected = self.error;
+        let least = bar / T::constant(BAR);
+        if self.value.is_finite() && (self.expected.is_nan() || exceeds(least, self.expected)) {
+            self.expected = if bar.is_nan() { self.error } else { least };
         }
     }
 }
@@ -254,6 +256,9 @@ impl<T: Real> Measured<T> {
         for estimate in self.estimates_mut() {
             if estimate.value.is_finite() {
                 estimate.error = T::infinity();
+                if verdict == Verdict::Unknown {
+                    estimate.expected = T::infinity();
+                }
             }
         }
         if verdict == Verdict::Unknown {

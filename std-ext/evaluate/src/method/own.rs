@@ -58,6 +58,14 @@ impl AnyMethod {
         }
     }
 
+    /// See [`BendingMethod::has_error_bars`].
+    pub const fn has_error_bars(self) -> bool {
+        match self {
+            Self::Listed(method) => method.has_error_bars(),
+            Self::Own(_) => false,
+        }
+    }
+
     /// Whether it has forces: operators for curvatures only have none.
     pub const fn has_force(self) -> bool {
         match self {

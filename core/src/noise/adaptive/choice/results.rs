@@ -62,10 +62,10 @@ impl<T: Real> Chosen<T> {
         });
         let times = |vertex: usize| {
             let is_clean = deviations.variances[vertex] == T::zero();
-            T::constant(match (&self.of_clean, is_clean) {
-                (Some(_), _) => 1.0,
-                (None, true) => CLEAN_BAR,
-                (None, false) => BAR,
+            T::constant(match (self.is_clean, is_clean) {
+                (true, _) => 1.0,
+                (false, true) => CLEAN_BAR,
+                (false, false) => BAR,
             })
         };
         // Distances at neighbours may show a bias that is not visible at this vertex.
@@ -74,7 +74,7 @@ impl<T: Real> Chosen<T> {
             let squares = around.filter_map(|other| choices[other][quantity].map(|(_, s, _)| s));
             let most = squares.fold(T::zero(), larger);
             // Without noise, other signs may give a bar where this one is unknown.
-            match most.is_nan() && self.of_clean.is_none() {
+            match most.is_nan() && !self.is_clean {
                 true => T::infinity(),
                 false => most,
             }
@@ -157,10 +157,10 @@ impl<T: Real> Chosen<T> {
                     _ => degree,
                 },
                 fields: [mean, gaussian],
-                bias: match self.of_clean {
-                    Some(_) => T::constant(PRINCIPAL * PRINCIPAL) * square,
+                bias: match self.is_clean {
+                    true => T::constant(PRINCIPAL * PRINCIPAL) * square,
                     // The bias is scaled because bars without noise are wider: see [`CLEAN_BAR`].
-                    None => {
+                    false => {
                         let times = times(vertex) / T::constant(BAR);
                         times * times * positive(square - found.variance[0][vertex])
                     }
