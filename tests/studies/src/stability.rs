@@ -53,13 +53,11 @@ impl Group {
         match self {
             Self::Geometry => (
                 "geometry",
-                "Largest error of the force density over the vertices, relative to the largest \
-                 exact one, and the slope of the line through 0 that fits the force density to \
-                 the exact one, weighted by area: 1 if both agree on average, -1 if the sign is \
-                 wrong. A method must be stable or flag the vertices where it is not; then the \
-                 others count. Errors, slopes and the part of the vertices that is flagged have \
-                 bounds. All results must be finite. A translation and a scaling without \
-                 rounding must not change a bit.",
+                "Largest error of the force density f over the vertices, relative to the largest \
+                 exact |f|, and the slope of the line through 0 that fits f to the exact one, \
+                 weighted by area: 1 if both agree on average, -1 if the sign is wrong. A method \
+                 must be stable or flag the vertices where it is not; then the others count. \
+                 Errors, slopes and the flagged part of the vertices have bounds.",
             ),
             Self::Input => (
                 "input",

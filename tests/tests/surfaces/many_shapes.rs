@@ -1,4 +1,4 @@
-//! Error bars against true errors on many shapes: the figures of docs/CHOOSING.md.
+//! Error bars against true errors on many shapes: the figures of docs/NOISE.md.
 
 use crate::adaptive::{QUANTITIES, bars, expected_over_true, of, shape};
 use crate::expected_errors::{Case, disc, torus};
@@ -8,7 +8,7 @@ use helfrich_std::generate::Family;
 /// Noise in mean edges.
 const NOISE: [f64; 5] = [0.0, 1e-4, 1e-3, 1e-2, 3e-2];
 
-/// Figures of a quantity in docs/CHOOSING.md, with noise and without.
+/// Figures of a quantity in docs/NOISE.md, with noise and without.
 struct Published {
     symbol: &'static str,
     /// Least fraction of the vertices within their bars; and its median over the cases with noise.

@@ -21,7 +21,7 @@ fn schema_is_up_to_date() {
     );
 }
 
-/// The table of all keys in the guide is that of the schema.
+/// The list of all keys in the guide is that of the schema.
 #[test]
 fn the_guide_has_every_key() {
     const HEAD: &str = "## All keys\n";
@@ -29,12 +29,15 @@ fn the_guide_has_every_key() {
     let text = std::fs::read_to_string(&path).unwrap();
     let (before, after) = text.split_once(HEAD).expect("a heading");
     let after = after.find("\n## ").map_or("", |next| &after[next..]);
-    let mut table =
-        "\nGenerated from the schema. A number may also be a text with a unit, where the key has \
-                     one. Keys in bold are required.\n\n| key | value | meaning |\n|---|---|---|\n"
-            .to_owned();
-    add_keys("", &json_schema(), &mut table);
-    let current = format!("{before}{HEAD}{table}{after}");
+    let mut keys = Vec::new();
+    add_keys("", &json_schema(), &mut keys);
+    let mut list = "\nGenerated from the schema. A number may also be a text with a unit, where the key has one. Keys \
+                     in bold are required.\n\n"
+        .to_owned();
+    for key in &keys {
+        list += &key.line(&keys);
+    }
+    let current = format!("{before}{HEAD}{list}{after}");
     if std::env::var_os("UPDATE_SCHEMA").is_some() {
         std::fs::write(&path, &current).unwrap();
     }
@@ -46,21 +49,53 @@ fn the_guide_has_every_key() {
     );
 }
 
-/// A row for each key of a table and of the tables in it.
-fn add_keys(path: &str, table: &Value, rows: &mut String) {
+/// A key in the list of the guide.
+struct Key {
+    path: String,
+    is_required: bool,
+    form: String,
+    meaning: String,
+}
+
+impl Key {
+    /// Its line. What is said of a key of the same name elsewhere, of surfaces if possible, is not repeated.
+    fn line(&self, keys: &[Self]) -> String {
+        let name = |key: &Self| key.path.rsplit('.').next().unwrap().to_owned();
+        let is_same = |other: &&Self| {
+            (name(other), &other.form, &other.meaning) == (name(self), &self.form, &self.meaning)
+        };
+        let order = |other: &&Self| {
+            let path = &other.path;
+            (!path.starts_with("surface."), path.matches('.').count())
+        };
+        let first = keys.iter().filter(is_same).min_by_key(order).unwrap();
+        let shown = match self.is_required {
+            true => format!("**`{}`**", self.path),
+            false => format!("`{}`", self.path),
+        };
+        let is_long = self.meaning.split_whitespace().count() > 6;
+        let meaning = match is_long && first.path != self.path {
+            true => format!("As `{}`.", first.path),
+            false => self.meaning.clone(),
+        };
+        format!("* {shown} ({}): {meaning}\n", self.form)
+    }
+}
+
+/// Each key of a table and of the tables in it.
+fn add_keys(path: &str, table: &Value, keys: &mut Vec<Key>) {
     let required = table["required"].as_array();
     for (key, form) in table["properties"].as_object().unwrap() {
-        let is_required = required.is_some_and(|required| required.contains(&json!(key)));
         let own = match path {
             "" => key.clone(),
             path => format!("{path}.{key}"),
         };
-        let shown = match is_required {
-            true => format!("**`{own}`**"),
-            false => format!("`{own}`"),
-        };
-        let meaning = form["description"].as_str().unwrap().replace('|', "\\|");
-        *rows += &format!("| {shown} | {} | {meaning} |\n", form_of(form));
+        keys.push(Key {
+            path: own.clone(),
+            is_required: required.is_some_and(|required| required.contains(&json!(key))),
+            form: form_of(form),
+            meaning: form["description"].as_str().unwrap().to_owned(),
+        });
         let forms = form["anyOf"]
             .as_array()
             .map_or(vec![form], |any| any.iter().collect());
@@ -71,7 +106,7 @@ fn add_keys(path: &str, table: &Value, rows: &mut String) {
                 form
             };
             if inner["properties"].is_object() {
-                add_keys(&own, inner, rows);
+                add_keys(&own, inner, keys);
             }
         }
     }
@@ -94,15 +129,18 @@ fn form_of(form: &Value) -> String {
     match form["type"].as_str().unwrap() {
         "object" => "table".to_owned(),
         "array" if form["items"]["properties"].is_object() => "tables".to_owned(),
-        "array" => match (&form["minItems"], &form["maxItems"]) {
-            (least, most) if least == most => {
-                format!("list of {least}: {}", form_of(&form["items"]))
+        "array" => {
+            let items = form_of(&form["items"]);
+            let several = match items.starts_with(|c: char| c.is_ascii_digit()) {
+                true => format!("lists of {items}"),
+                false => format!("{items}s"),
+            };
+            match (&form["minItems"], &form["maxItems"]) {
+                (least, most) if least == most => format!("{least} {several}"),
+                _ => format!("list of {several}"),
             }
-            _ => format!("list: {}", form_of(&form["items"])),
-        },
+        }
         "string" => "text".to_owned(),
-        "boolean" => "true or false".to_owned(),
-        "integer" => "whole number".to_owned(),
         other => other.to_owned(),
     }
 }

@@ -1,5 +1,9 @@
 //! The stability table, for the terminal and as Markdown.
 
+mod markdown;
+
+pub use markdown::stability_markdown;
+
 use crate::stability::{Bound, Course, Evaluation, Group, Outcome, Row};
 use helfrich_std::scalar::Scalar;
 use std::io::{self, Write};
@@ -33,55 +37,6 @@ pub fn stability_table(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
         rows.len()
     )
 }
-
-/// Writes the rows as Markdown with the same structure.
-///
-/// # Errors
-/// If `out` cannot be written to.
-pub fn stability_markdown(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "# Numerical stability\n")?;
-    writeln!(
-        out,
-        "Written by `cargo run --release --package helfrich-studies -- stability --markdown \
-         docs/STABILITY.md`; `--large` adds a mesh of a million vertices. Each row is a test: \
-         `tests/studies/tests/studies/stability.rs` makes the same table and fails where a row does not pass.\n"
-    )?;
-    for group in rows.chunk_by(|a, b| a.group == b.group) {
-        let (name, meaning) = group[0].group.describe();
-        writeln!(out, "## {}\n\n{meaning}\n", capitalised(name))?;
-        legend(group[0].group, |line| writeln!(out, "* {line}"))?;
-        for case in group.chunk_by(|a, b| a.case == b.case) {
-            let (name, meaning) = (capitalised(case[0].case), case[0].meaning);
-            writeln!(out, "\n### {name}\n\n{meaning}\n")?;
-            let scalars = columns(case);
-            write!(out, "| |")?;
-            scalars
-                .iter()
-                .try_for_each(|scalar| write!(out, " {scalar} |"))?;
-            writeln!(out, "\n|---|{}", "---|".repeat(scalars.len()))?;
-            for subject in lines(case) {
-                write!(out, "| {} |", subject[0].subject)?;
-                for &scalar in &scalars {
-                    write!(out, " {} |", cell(&subject, scalar).replace('|', "\\|"))?;
-                }
-                writeln!(out)?;
-            }
-        }
-        writeln!(out)?;
-    }
-    writeln!(out, "{BUILDS}")?;
-    let failed = rows.iter().filter(|row| !row.passed).count();
-    writeln!(out, "{} of {} rows pass.", rows.len() - failed, rows.len())
-}
-
-/// Text about the comparison of builds, which is not part of the table.
-const BUILDS: &str = "## Builds
-
-`.ci/builds` makes this table with a build without optimisation, a release build, and one for the \
-machine's own instructions (`-C target-cpu=native`), checksums of every force among its numbers, and \
-compares them: the distance allowed is 0 units in the last place. Runs of whole scenes are compared \
-between the latter two. It takes half an hour, and is no part of `.ci/run`.
-";
 
 /// Writes the legend of the cells of a group.
 fn legend(group: Group, mut line: impl FnMut(&str) -> io::Result<()>) -> io::Result<()> {

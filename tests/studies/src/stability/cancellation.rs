@@ -190,30 +190,28 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "stretched triangles",
-        meaning: "Triangles thirty times as long and half as wide as in their reference.",
+        meaning: "Triangles thirty times as long and half as wide as before.",
         input: |random, _| deformed(random, [30.0, 0.5]),
         triangles: TRIANGLE,
         formulas: OF_STRAINS,
     },
     Case {
         name: "blown-up triangles",
-        meaning: "Triangles thirty times as large as in their reference in both directions.",
+        meaning: "Triangles thirty times as large as before in both directions.",
         input: |random, _| deformed(random, [30.0, 30.0]),
         triangles: TRIANGLE,
         formulas: OF_STRAINS,
     },
     Case {
         name: "moderate strains",
-        meaning: "Triangles stretched by a third, near the strain from which on the ratio \
-                  of areas is used.",
+        meaning: "Triangles stretched by a third, where the ratio of areas begins to be used.",
         input: |random, _| deformed(random, [1.4, 1.02]),
         triangles: TRIANGLE,
         formulas: OF_STRAINS,
     },
     Case {
         name: "collapsed triangles",
-        meaning: "Triangles compressed to a fifth of their length in the reference: I₂ + \
-                  1, the square of the ratio of areas, is small, but rounded like 1.",
+        meaning: "Triangles compressed to a fifth of their length: I₂ + 1 is small, but rounded like 1.",
         input: |random, _| deformed(random, [0.2, 1.0]),
         triangles: TRIANGLE,
         formulas: OF_STRAINS,

@@ -154,29 +154,25 @@ fn is_single(scalar: Scalar) -> bool {
 const CASES: &[Case] = &[
     Case {
         name: "clean",
-        meaning: "A relaxed mesh of 642 vertices on an ellipsoid, with which most other \
-                  cases are compared.",
+        meaning: "A relaxed mesh of 642 vertices on an ellipsoid.",
         specimen: |_| specimen::clean(),
         bound: |method, _| undisturbed(method),
     },
     Case {
         name: "irregular",
-        meaning: "Well-spaced random points on the same ellipsoid, with valences of 3 to \
-                  10. Methods that are not consistent on irregular meshes have large, \
-                  bounded errors.",
+        meaning: "Random points on the same ellipsoid, with valences of 3 to 10.",
         specimen: |_| specimen::irregular(),
         bound: irregular,
     },
     Case {
         name: "needles",
-        meaning: "Some vertices are almost at a neighbour: angles of 0.01°.",
+        meaning: "Some vertices almost at a neighbour: angles of 0.01°.",
         specimen: |_| specimen::needles(1.75e-4),
         bound: needles,
     },
     Case {
         name: "caps",
-        meaning: "Some triples of vertices are close together and almost collinear: angles \
-                  of 179.98°.",
+        meaning: "Close and almost collinear triples of vertices: angles of 179.98°.",
         specimen: |_| specimen::caps(),
         bound: |method, _| match method {
             // Three vertices on a line are a row of the fits around them.
@@ -196,33 +192,31 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "obtuse fans",
-        meaning: "At some vertices all triangles are obtuse at a neighbour, so that \
-                  Voronoi areas are negative.",
+        meaning: "Triangles around some vertices are obtuse: negative Voronoi areas.",
         specimen: |_| specimen::obtuse_fans(),
         bound: |method, _| slivers(method, [0.3, 0.84]),
     },
     Case {
         name: "coincident vertices",
-        meaning: "Some vertices are exactly at a neighbour: triangles without area.",
+        meaning: "Some vertices exactly at a neighbour.",
         specimen: |_| specimen::needles(0.0),
         bound: needles,
     },
     Case {
         name: "nearly coincident vertices",
-        meaning: "Some vertices are 1e-12 edge lengths from a neighbour (1e-6 in f32).",
+        meaning: "Some vertices 1e-12 edges from a neighbour (1e-6 in f32).",
         specimen: |scalar| specimen::needles(if is_single(scalar) { 1e-6 } else { 1e-12 }),
         bound: needles,
     },
     Case {
         name: "valence 3 to 20",
-        meaning: "Poles with twenty neighbours, and vertices with three neighbours between \
-                  them.",
+        meaning: "Poles with twenty neighbours, and vertices with three.",
         specimen: |_| specimen::valences(),
         bound: valences,
     },
     Case {
         name: "four vertices",
-        meaning: "A tetrahedron. Fits that need more than three neighbours report it.",
+        meaning: "A tetrahedron.",
         specimen: |_| specimen::four_vertices(),
         bound: |method, _| match method {
             Belkin | Hamann => Bound::Finite { flagged: 0.0 },
@@ -263,7 +257,7 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "sheets nearly touching",
-        meaning: "A red blood cell whose dimples are 0.002 R apart: the two sheets must not influence each other.",
+        meaning: "A red blood cell whose dimples are 0.002 R apart.",
         specimen: |_| specimen::disc(0.002),
         bound: |method, _| match method {
             // Edges of 0.13 R resolve neither the rim nor the dimples well, jets of degree 6 least of all.
@@ -304,42 +298,37 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "noise of 1e-5 edges",
-        meaning: "A random error of 1e-5 mean edges in every coordinate, compared with the \
-                  exact surface.",
+        meaning: "Random errors of every coordinate, in mean edges.",
         specimen: |_| specimen::noisy(1e-5),
         bound: |method, _| noisy(method, 1e-5),
     },
     Case {
         name: "noise of 1e-4 edges",
-        meaning: "A random error of 1e-4 mean edges in every coordinate, compared with the \
-                  exact surface.",
+        meaning: "The same.",
         specimen: |_| specimen::noisy(1e-4),
         bound: |method, _| noisy(method, 1e-4),
     },
     Case {
         name: "noise of 1e-3 edges",
-        meaning: "A random error of 1e-3 mean edges in every coordinate, compared with the \
-                  exact surface.",
+        meaning: "The same.",
         specimen: |_| specimen::noisy(1e-3),
         bound: |method, _| noisy(method, 1e-3),
     },
     Case {
         name: "noise of 1e-2 edges",
-        meaning: "A random error of 1e-2 mean edges in every coordinate, compared with the \
-                  exact surface.",
+        meaning: "The same.",
         specimen: |_| specimen::noisy(1e-2),
         bound: |method, _| noisy(method, 1e-2),
     },
     Case {
         name: "crumpled",
-        meaning: "Every vertex is displaced at random by up to half an edge.",
+        meaning: "Every vertex displaced at random by up to half an edge.",
         specimen: |_| specimen::crumpled(0.5),
         bound: |_, _| Bound::Reported,
     },
     Case {
         name: "inverted",
-        meaning: "Every vertex is displaced at random by up to two edges, so that \
-                  triangles are inside out.",
+        meaning: "The same by up to two edges: triangles are inside out.",
         specimen: |_| specimen::crumpled(2.0),
         bound: |_, _| Bound::Reported,
     },

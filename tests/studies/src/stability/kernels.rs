@@ -136,7 +136,7 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "seen from afar",
-        meaning: "The solid angle of a triangle 1e3 edges away.",
+        meaning: "A triangle 1e3 edges away.",
         positions: &[[0.0, 0.0, 1e3], [0.0; 3], [1.0, 0.0, 0.0], [0.2, 0.9, 0.0]],
         formulas: &[SOLID_ANGLE],
         away: 1.0,
@@ -144,8 +144,7 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "seen from close by",
-        meaning: "The solid angle of a triangle 1e-8 edge lengths away, almost a half \
-                  space.",
+        meaning: "A triangle 1e-8 edges away, almost a half space.",
         positions: &[[0.4, 0.3, 1e-8], [0.0; 3], [1.0, 0.0, 0.0], [0.2, 0.9, 0.0]],
         formulas: &[SOLID_ANGLE],
         away: 1.0,
@@ -153,8 +152,7 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "seen from its plane",
-        meaning: "The solid angle of a triangle from a point beside it, 1e-8 edge lengths \
-                  above its plane.",
+        meaning: "A triangle from a point beside it, 1e-8 edges above its plane.",
         positions: &[[1.4, 0.8, 1e-8], [0.0; 3], [1.0, 0.0, 0.0], [0.2, 0.9, 0.0]],
         formulas: &[SOLID_ANGLE],
         away: 1.0,
@@ -162,7 +160,7 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "a needle seen from its side",
-        meaning: "The solid angle of a triangle with an angle of 0.01°.",
+        meaning: "An angle of 0.01°.",
         positions: &[
             [0.5, 0.3, 0.4],
             [0.0; 3],
@@ -175,7 +173,7 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "about a corner",
-        meaning: "The exact integral of linear tractions over a triangle around one of its corners.",
+        meaning: "Integral of linear tractions over a triangle around one of its corners.",
         positions: &[[0.0; 3], [1.0, 0.0, 0.0], [0.2, 0.9, 0.0]],
         formulas: &[CORNER],
         away: 1.0,
@@ -191,7 +189,7 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "about the end of a needle",
-        meaning: "The same at one of two angles of 90° opposite to a long edge.",
+        meaning: "The same at an angle of 90° opposite to a long edge.",
         positions: &[[1.0, 0.0, 0.0], [1.0, 1.75e-4, 0.0], [0.0; 3]],
         formulas: &[CORNER],
         away: 1.0,
@@ -199,8 +197,7 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "about the top of a cap",
-        meaning: "The same at an angle of 179.98°, where the corner is almost on the \
-                  opposite edge.",
+        meaning: "The same at an angle of 179.98°.",
         positions: &[[0.5, 0.9e-4, 0.0], [0.0; 3], [1.0, 0.0, 0.0]],
         formulas: &[CORNER],
         away: 1.0,

@@ -48,22 +48,21 @@ const CASES: [Case; 5] = [
     ),
     (
         "lattice",
-        "All populations after twenty steps between a wall at rest and one that moves.",
+        "Populations after twenty steps between walls.",
         "populations",
         Scalar::F32,
         lattice::<f32>,
     ),
     (
         "lattice",
-        "All populations after twenty steps between a wall at rest and one that moves.",
+        "Populations after twenty steps between walls.",
         "populations",
         Scalar::F64,
         lattice::<f64>,
     ),
     (
         "a capsule in flow",
-        "Positions after γ̇t = 0.2 with another fluid inside, adaptive steps and an \
-         estimated spectral radius.",
+        "Positions after γ̇t = 0.2, with adaptive steps and another fluid inside.",
         "positions",
         Scalar::F64,
         capsule,

@@ -108,9 +108,7 @@ fn on_slivers(method: BendingMethod) -> Option<Bound> {
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "low Ca without bending",
-        meaning: "Ca = 0.05, a neo-Hookean membrane without bending resistance: under \
-                  compression it wrinkles at the scale of its mesh, and the run reports \
-                  it.",
+        meaning: "A neo-Hookean membrane without bending wrinkles at the scale of its mesh.",
         scene: CAPSULE,
         trials: Trials::These(&[
             Trial::new(
@@ -136,8 +134,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "high Ca",
-        meaning: "Ca = 3: a Skalak capsule is stretched to D = 0.6, a neo-Hookean capsule \
-                  without limit.",
+        meaning: "Ca = 3.",
         scene: CAPSULE,
         trials: Trials::These(&[
             Trial::new(
@@ -163,7 +160,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bending from 1e-4 to 1",
-        meaning: "κ/(a²G) over four orders of magnitude; D falls as κ rises.",
+        meaning: "Values of κ/(a²G).",
         scene: CAPSULE,
         trials: Trials::These(&[
             Trial::new("1e-4", &["surface.0.bending.modulus=1e-4"], SILENT),
@@ -175,8 +172,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "viscosity ratio from 0.05 to 50",
-        meaning: "Ratio of inner to outer viscosity; D at γ̇t = 1 falls as the ratio \
-                  rises.",
+        meaning: "D at γ̇t = 1.",
         scene: CAPSULE,
         trials: Trials::These(&[
             Trial::new(
@@ -203,9 +199,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "100 γ̇t of tank-treading",
-        meaning: "The membrane rotates some seven times. The volume is constant to \
-                  rounding, and D within 3 %, the variation with the orientation of the \
-                  coarse mesh.",
+        meaning: "Some seven rotations: constant volume, and D within 3 %.",
         scene: CAPSULE,
         trials: Trials::These(&[
             Trial::new(
@@ -230,8 +224,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "volume without correction",
-        meaning: "Only the divergence-free flow keeps the volume: the loss is the error of \
-                  time steps and quadrature, of second order in the edge length.",
+        meaning: "An error of steps and quadrature, of second order in the edge length.",
         scene: CAPSULE,
         trials: Trials::These(&[
             Trial::new(
@@ -248,9 +241,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "methods on an irregular mesh in flow",
-        meaning: "Random points with valences from 3 to 9 and angles from 10°: D at γ̇t = \
-                  0.5 is within 10 % of that on an even mesh. With methods E and S the run \
-                  may instead report a mode that grows or is too stiff.",
+        meaning: "Valences from 3 to 9 and angles from 10°. D at γ̇t = 0.5 is within 10 % of that on an even mesh; E and S may report a mode that grows or is too stiff.",
         scene: CAPSULE,
         trials: Trials::EveryMethod {
             changes: &["surface.0.family=irregular", "driver.strain=0.5"],
@@ -260,9 +251,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "methods on slivers in flow",
-        meaning: "A mesh with needles and caps from 0.8° to 176°: D at γ̇t = 0.25 is \
-                  within 10 % of that on an even mesh. With methods E and S the run may \
-                  instead report a mode that grows.",
+        meaning: "Angles from 0.8° to 176°. D at γ̇t = 0.25 is within 10 % of that on an even mesh; E and S may report a mode that grows.",
         scene: CAPSULE,
         trials: Trials::EveryMethod {
             changes: &["surface.0.family=hard", "driver.strain=0.25"],
@@ -272,9 +261,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "a mode that grows, and one that is too stiff",
-        meaning: "On bad meshes method E has a mode at the scale of edges that grows \
-                  instead of decaying, and method S one that decays so fast that steps \
-                  become vanishingly short. The run stops and names the vertex.",
+        meaning: "The run stops and names the vertex.",
         scene: CAPSULE,
         trials: Trials::These(&[
             Trial::new(
@@ -300,8 +287,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "capsules pressed together",
-        meaning: "A plane extensional flow presses two capsules together. They flatten; \
-                  their repulsion, or the fluid between them, keeps them apart.",
+        meaning: "Repulsion, or the fluid between them, keeps them apart.",
         scene: PRESSED,
         trials: Trials::These(&[
             Trial::new("with repulsion", &[], RUNS),
@@ -310,14 +296,13 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "vesicle of reduced volume 0.6",
-        meaning: "Shapes far from a sphere: a long, thin vesicle in shear flow, and a disc \
-                  that relaxes.",
+        meaning: "Long and thin.",
         scene: DEFLATED,
         trials: Trials::These(&[Trial::new("in shear", &[], RUNS)]),
     },
     Case {
         name: "vesicle of reduced volume 0.6 at rest",
-        meaning: "Area and volume are constrained; the disc becomes biconcave.",
+        meaning: "Area and volume are constrained; a disc becomes biconcave.",
         scene: RELAXED,
         trials: Trials::These(&[Trial::new(
             "relaxed",
@@ -328,8 +313,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "on a lattice",
-        meaning: "The driver lattice-boltzmann: it reaches the end in both number types, \
-                  and stops where forces are too stiff for the time step.",
+        meaning: "Both number types, and forces that are too stiff for the step.",
         scene: ON_LATTICE,
         trials: Trials::These(&[
             Trial::new("f64", &[], RUNS),
@@ -343,8 +327,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "contradictory demands",
-        meaning: "A scene with two demands that exclude each other is refused, and the \
-                  message names both.",
+        meaning: "The message names both.",
         scene: CAPSULE,
         trials: Trials::These(&[
             Trial::new(

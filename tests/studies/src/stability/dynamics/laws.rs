@@ -38,8 +38,7 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
         };
     let case = (
         "energy of a relaxation",
-        "A vesicle relaxes with constrained area and volume: the largest rise of the \
-         energy from one iteration to the next, in units of rounding of the energy.",
+        "Largest rise of the energy from one iteration to the next, with constrained area and volume, in units of its rounding.",
     );
     for method in conservative() {
         tell(&format!("{}: {method}", case.0));
@@ -53,9 +52,7 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
     }
     let case = (
         "momentum and torque",
-        "Two capsules on meshes with needles and caps, with every effect: the largest net \
-         force or net torque of an effect, relative to the sum of the magnitudes of its \
-         parts, in units of rounding.",
+        "Largest net force or torque of every effect on two capsules with needles and caps, relative to the sum of the magnitudes of its parts, in units of rounding.",
     );
     for method in BendingMethod::ALL {
         tell(&format!("{}: {method}", case.0));
@@ -69,9 +66,7 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
     }
     let case = (
         "momentum of a fluid",
-        "Points push the fluid of a lattice between a wall and a moving lid for 100 steps: \
-         its momentum minus the contributions of points and walls, in units of rounding of \
-         the mass times the speed of sound.",
+        "Momentum of a lattice after 100 steps minus the contributions of points and walls, in units of rounding of the mass times the speed of sound.",
     );
     tell(case.0);
     for (subject, kernel) in momentum::KERNELS {
@@ -90,8 +85,7 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
     }
     let case = (
         "restart in mid-run",
-        "A run is interrupted and resumed from its checkpoint: the number of output files \
-         that differ from those of an uninterrupted run in any bit.",
+        "Number of output files of a resumed run that differ from those of an uninterrupted one in any bit.",
     );
     for (subject, scene, changes) in RESTARTED {
         tell(&format!("{}: {subject}", case.0));
@@ -100,9 +94,7 @@ pub(super) fn rows(tell: &mut dyn FnMut(&str), rows: &mut Vec<Row>) -> Result<()
     }
     let case = (
         "fixed steps at the limit",
-        "Strong bending, with rk4 steps just below and just above the longest stable step \
-         by power iteration. Below it the run agrees with rkc2; above it the scene is \
-         refused, and the message names the limit.",
+        "rk4 steps below and above the longest stable one: the run agrees with rkc2, or is refused with the limit.",
     );
     tell(case.0);
     let [below, above] = at_the_limit().map_err(|source| StabilityError {
