@@ -16,7 +16,7 @@ const LARGEST: f64 = 2.4;
 
 /// Expected errors that are subtracted from values before the largest one is sought, as the largest of many values is so
 /// by chance; and for a lower bound of it.
-const BY_CHANCE: [f64; 2] = [1.5, 3.0];
+const BY_CHANCE: [f64; 2] = [2.0, 3.0];
 
 /// A surface measured by adaptive jets, with the uncertainty of one quantity.
 pub(super) struct Uncertain {

@@ -58,7 +58,7 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
             } else {
                 writeln!(
                     out,
-                    "This mesh is too coarse or too rough to say: jets of degrees 4, 6 and 8 differ by more than {} of {symbol} at the worst vertex, and where they agree they may be wrong.",
+                    "This mesh is too coarse or too rough to say: {symbol} of j6 may be off by more than {} at the worst vertex, or nothing shows its error at many vertices.",
                     percent(RESOLVED)
                 )?;
             }
@@ -69,14 +69,14 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
     if noise.is_seen() {
         writeln!(
             out,
-            "\nNoise of positions {}: of {symbol} of j6 it makes {} {which}. max and mean are distances from fits wide enough to stand it, since nothing is known exactly.",
+            "\nNoise of positions {} causes errors of {} in {symbol} of j6 {which}. The exact values are unknown: max and mean are distances from fits that average the noise (jet).",
             noise_of_positions(noise),
             percent(*noise_error)
         )?;
     } else {
         writeln!(
             out,
-            "\nmax and mean are distances from jets of degree 8, since nothing is known exactly; by how far degrees 6 and 4 are from those, {} is not known.",
+            "\nThe exact values are unknown: max and mean are distances from jets of the degree that suits the mesh (jet). The error of j6 is expected to be {}.",
             percent(*reference_error)
         )?;
     }
@@ -122,7 +122,7 @@ fn remedy(found: &Recommendation, out: &mut dyn Write) -> io::Result<()> {
     match found.vertices_needed {
         Some(needed) if needed < found.vertices as f64 => writeln!(
             out,
-            "Noise rules here, and more vertices with the same noise are worse: j6 in f64 needs a coarser mesh, of about {needed:.1e} vertices on the same surface, or smoother positions."
+            "Noise dominates, and more vertices with the same noise are worse: j6 in f64 needs a coarser mesh, of about {needed:.1e} vertices on the same surface, or smoother positions."
         ),
         Some(needed) => writeln!(
             out,
@@ -130,7 +130,7 @@ fn remedy(found: &Recommendation, out: &mut dyn Write) -> io::Result<()> {
         ),
         None if rules => writeln!(
             out,
-            "Noise rules here, and no number of vertices with the same noise reaches it: smooth the positions, or measure them with less."
+            "Noise dominates, and no number of vertices with the same noise reaches it: smooth the positions, or measure them with less."
         ),
         None => Ok(()),
     }

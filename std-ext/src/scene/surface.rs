@@ -6,7 +6,6 @@ use super::mesh_source::MeshSource;
 use crate::flow::AdhesiveWall;
 use crate::flow::lattice_boltzmann::limits::ImmersedMembrane;
 use crate::info::{MeshInfo, mean_edge};
-use crate::method::BendingMethod;
 use serde::Serialize;
 
 /// Seconds per vertex of an evaluation of elasticity, or of method B.
